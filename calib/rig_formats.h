@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+#include "core/rig.h"
+
+namespace floatstage {
+
+/// A foreign calibration: the rig in our conventions, and what its file says about pictures.
+struct ForeignRig {
+  Rig rig;                               ///< width and height may be 0 where the format does not state them
+  std::vector<std::string> image_names;  ///< per camera, where the format names one; else the serial
+};
+
+/// Middlebury multi-view `*_par.txt`: count, then name, K (3×3), R (3×3), t a line; pixel centres at integers.
+Result<ForeignRig> read_middlebury(const std::filesystem::path& par_txt);
+/// COLMAP text model: a folder with cameras.txt and images.txt; corner convention like ours.
+Result<ForeignRig> read_colmap(const std::filesystem::path& folder);
+/// OpenCV/EasyMocap: a folder with intri.yml and extri.yml; pixel centres at integers.
+Result<ForeignRig> read_easymocap(const std::filesystem::path& folder);
+/// Qualisys `.qca.txt` (XML, millimetres, units of 1/64 px).
+Result<ForeignRig> read_qualisys(const std::filesystem::path& qca_txt);
+/// The plain text of the green dome: index; K; k1 k2; R|t, blank line; pixel centres at integers. `metres_per_unit`
+/// scales its translations (its unit is not stated; about a decimetre).
+Result<ForeignRig> read_dome(const std::filesystem::path& calibration_txt, double metres_per_unit);
+
+/// The same formats written, so that others' tools open our rigs. Writers refuse what a format cannot hold.
+Result<void> write_middlebury(const Rig& rig, const std::vector<std::string>& image_names, const std::filesystem::path& par_txt);
+Result<void> write_colmap(const Rig& rig, const std::vector<std::string>& image_names, const std::filesystem::path& folder);
+Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder);
+
+}  // namespace floatstage

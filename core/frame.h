@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/image.h"
+#include "core/result.h"
+#include "core/time.h"
+
+namespace floatstage {
+
+/// How a sensor's bytes are to be read. Conversion happens at the last consumer: to_image().
+enum class PixelFormat { Gray8, Rgb8, Yuyv, Nv12, BayerRggb8, Mjpeg };
+
+const char* name_of(PixelFormat format);
+std::optional<PixelFormat> pixel_format_named(std::string_view name);
+
+/// Where the pixels lie inside a frame's buffer. For planar Nv12 the chroma plane follows the luma plane at
+/// stride * height with the same stride; for Mjpeg the stride is 0.
+struct ImageLayout {
+  PixelFormat format = PixelFormat::Gray8;
+  int width = 0, height = 0;   ///< px
+  std::size_t stride = 0;      ///< bytes from one row to the next
+  std::size_t size_bytes = 0;  ///< of the whole buffer
+  bool operator==(const ImageLayout&) const = default;
+};
+
+/// The layout of a tightly packed image of an uncompressed format.
+ImageLayout packed_layout(PixelFormat format, int width, int height);
+
+enum class FrameStatus {
+  Ok,
+  Warmup,   ///< delivered before the stream settled (exposure, trigger); recorded, not used
+  Corrupt,  ///< incomplete or damaged; the pixels may be partly old
+  Lost,     ///< expected and never arrived: a gap. Such a frame has no pixels.
+};
+
+const char* name_of(FrameStatus status);
+std::optional<FrameStatus> frame_status_named(std::string_view name);
+
+/// Measured facts about one exposure. What the device does not report is absent, never 0.
+struct FrameInfo {
+  int camera = -1;                         ///< index into Rig::cameras
+  std::uint64_t sequence = 0;              ///< device counter rebased to 0 at start; a jump is a lost frame
+  Timestamp exposure_start;                ///< studio clock
+  std::optional<Nanoseconds> exposure;     ///< duration, when the device reports it
+  std::optional<Nanoseconds> device_time;  ///< raw camera counter
+  FrameStatus status = FrameStatus::Ok;
+  bool operator==(const FrameInfo&) const = default;
+};
+
+/// A handle: facts and shared read-only pixels in the sensor's own format. Copying is a reference count; the
+/// last copy, dropped on any thread, returns the buffer to where it came from.
+struct Frame {
+  FrameInfo info;
+  ImageLayout layout;
+  std::shared_ptr<const std::byte[]> pixels;  ///< layout.size_bytes bytes; null when there is no picture
+
+  bool empty() const { return pixels == nullptr; }
+};
+
+/// What a rig saw at one instant: frames[i] comes from rig.cameras[i] and is empty if that camera missed it.
+struct FrameSet {
+  Timestamp time;
+  std::vector<Frame> frames;
+};
+
+/// A Frame that owns a copy of `image` (1 channel: Gray8, 3: Rgb8).
+Frame make_frame(FrameInfo info, const Image& image);
+
+/// The frame's pixels as RGB (3 channels, tightly packed). Yuyv and Nv12 are read as BT.601 limited range; Bayer
+/// is demosaiced bilinearly. Errors: NotFound for an empty frame, Unsupported for Mjpeg (the capture source decodes
+/// it), BadData when the buffer is shorter than its layout says.
+Result<Image> to_rgb(const Frame& frame);
+
+}  // namespace floatstage

@@ -1,0 +1,73 @@
+#include "core/png.h"
+
+#include <png.h>
+
+#include <csetjmp>
+#include <cstring>
+
+#include "core/file.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+// libpng reports by longjmp; these frames hold only trivially destructible objects below the setjmp.
+struct WriteState {
+  std::string* out;
+};
+
+void append_bytes(png_structp png, png_bytep data, png_size_t size) {
+  static_cast<WriteState*>(png_get_io_ptr(png))->out->append(reinterpret_cast<const char*>(data), size);
+}
+
+bool encode(const Image& image, int level, std::string& out) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, [](png_structp, png_const_charp) {});
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  WriteState state{&out};
+  if (!info || setjmp(png_jmpbuf(png))) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_set_write_fn(png, &state, append_bytes, nullptr);
+  const int type = image.channels == 1 ? PNG_COLOR_TYPE_GRAY : image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA;
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8, type,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_compression_level(png, level);
+  png_write_info(png, info);
+  for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+}  // namespace
+
+Result<Image> load_png(const std::filesystem::path& file) {
+  Result<std::string> bytes = read_file(file);
+  if (!bytes) return forward(bytes);
+  png_image header;
+  std::memset(&header, 0, sizeof header);
+  header.version = PNG_IMAGE_VERSION;
+  auto bad = [&](const char* what) {
+    png_image_free(&header);
+    return fail(ErrorCode::BadData, text(file.string(), ": ", what, "; the file is not a whole PNG"));
+  };
+  if (!png_image_begin_read_from_memory(&header, bytes->data(), bytes->size())) return bad(header.message);
+  constexpr png_uint_32 kLargest = 1u << 15;
+  if (header.width > kLargest || header.height > kLargest) return bad("larger than 32768 px");
+  const bool color = header.format & PNG_FORMAT_FLAG_COLOR, alpha = header.format & PNG_FORMAT_FLAG_ALPHA;
+  header.format = alpha ? PNG_FORMAT_RGBA : color ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+  Image image(static_cast<int>(header.width), static_cast<int>(header.height), alpha ? 4 : color ? 3 : 1);
+  if (!png_image_finish_read(&header, nullptr, image.pixels.data(), 0, nullptr)) return bad(header.message);
+  return image;
+}
+
+Result<void> save_png(const Image& image, const std::filesystem::path& file, int level) {
+  FLOATSTAGE_CHECK(!image.empty() && (image.channels == 1 || image.channels == 3 || image.channels == 4),
+                   text("a PNG of ", image.width, "x", image.height, "x", image.channels));
+  std::string bytes;
+  if (!encode(image, level, bytes)) return fail(ErrorCode::Io, text("cannot encode ", file.string(), " as PNG"));
+  return write_file(file, bytes);
+}
+
+}  // namespace floatstage

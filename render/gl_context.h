@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+
+namespace floatstage {
+
+/// An OpenGL 4.5 core context that is current on the thread that made it, with our conventions set
+/// (glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE)). Everything of render/ is used on that thread, while it lives.
+class GlContext {
+ public:
+  /// Without a window: EGL on a GPU's device platform where there is one, else surfaceless Mesa (llvmpipe).
+  /// FLOATSTAGE_GL=software|device forces one. Unsupported says what was tried and which package is missing.
+  static Result<std::unique_ptr<GlContext>> headless();
+  /// Takes the context that a window library has made current on this thread; does not own it.
+  static Result<std::unique_ptr<GlContext>> adopt_current();
+
+  virtual ~GlContext() = default;
+  virtual std::string description() const = 0;  ///< vendor, renderer, version
+};
+
+}  // namespace floatstage

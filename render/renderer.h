@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/image.h"
+#include "core/result.h"
+#include "core/view.h"
+#include "render/flow.h"
+#include "render/scene_textures.h"
+
+namespace floatstage {
+
+/// Which picture a renderer hands out: the final one, or an intermediate of the chain in false colour.
+enum class RenderOutput {
+  Color,           ///< the view
+  Weights,         ///< final blending weights, one colour a chosen camera
+  Visibility,      ///< binary visibility per chosen camera
+  SoftVisibility,  ///< Eq. 11.5
+  Flow,            ///< the combined warp of the strongest camera, hue = direction (floating only)
+  Ghosting,        ///< per-pixel disagreement of the projections that are about to be blended
+  Depth,
+};
+const std::vector<std::string>& render_output_names();  ///< "color", "weights", … in the enum's order
+
+struct RendererOptions {
+  int cameras = 3;               ///< k: photographs blended per view
+  double soft_radius = 8;        ///< px: r of Eq. 11.5
+  double depth_tolerance = 0.01;  ///< metres a fragment may lie behind a camera's depth map and still count as seen
+  FlowOptions flow;              ///< floating only
+  std::array<float, 3> background = {0, 0, 0};
+  RenderOutput output = RenderOutput::Color;
+};
+Result<void> check(const RendererOptions& options);
+
+/// A rendered picture on the GPU. The texture belongs to the renderer and is valid until its next render().
+struct RenderedView {
+  unsigned texture = 0;  ///< GL_TEXTURE_2D, RGBA8, alpha = the proxy's coverage, straight
+  int width = 0, height = 0;
+  std::vector<int> cameras;  ///< the photographs used, strongest first
+};
+
+/// Draws a SceneFrame from a View. Use on the GL thread only. Same inputs, same bytes.
+class ViewRenderer {
+ public:
+  virtual ~ViewRenderer() = default;
+  /// InvalidArgument for a view with a lens, an empty size or no usable camera (the sentence says which).
+  virtual Result<RenderedView> render(const SceneTextures& scene, const View& view, const RendererOptions& options) = 0;
+};
+
+/// "nearest": the best camera per pixel. "linear": Unstructured Lumigraph (Buehler et al. 2001) angular weights.
+/// "floating": Floating Textures (thesis ch. 11).
+Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name);
+struct RendererInfo {
+  std::string name, help;
+};
+std::vector<RendererInfo> renderers();
+
+/// Reads a rendered view back: RGBA, rows top first.
+Image download(const RenderedView& view);
+
+}  // namespace floatstage

@@ -1,0 +1,47 @@
+#include "core/camera.h"
+
+#include <gtest/gtest.h>
+
+namespace floatstage {
+namespace {
+
+CameraModel model_with(Lens lens) { return {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 321, .cy = 239, .skew = 0.7, .lens = lens}; }
+
+class EveryLens : public testing::TestWithParam<Lens> {};
+
+TEST_P(EveryLens, UnprojectsWhatItProjects) {
+  const CameraModel model = model_with(GetParam());
+  for (double y = 0.5; y < 480; y += 60) {
+    for (double x = 0.5; x < 640; x += 60) {
+      const auto ray = unproject(model, {x, y});
+      ASSERT_TRUE(ray) << x << ", " << y;
+      const auto pixel = project(model, *ray * 3.7);
+      ASSERT_TRUE(pixel);
+      EXPECT_NEAR((*pixel - Eigen::Vector2d(x, y)).norm(), 0, 1e-8) << x << ", " << y;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens,
+                         testing::Values(Lens{}, Lens{BrownConrady{-0.1, 0.03, 1e-3, -2e-3, 0.001}}, Lens{BrownConrady{0.1, -0.03, 0, 0, 0}},
+                                         Lens{KannalaBrandt{0.02, -0.005, 0.001, 0}}));
+
+TEST(Project, SeesNothingBehindTheCamera) {
+  EXPECT_FALSE(project(model_with({}), {0, 0, -1}));
+  EXPECT_FALSE(project(model_with({}), {0, 0, 0}));
+}
+
+TEST(Project, DoesNotFoldBackPointsBeyondTheLensModelsReach) {
+  EXPECT_FALSE(project(model_with(BrownConrady{-0.3, 0, 0, 0, 0}), {3, 0, 1}));
+}
+
+TEST(LookAt, PutsTheTargetInFrontAndUpUpwards) {
+  const Rigid3 cam_from_world = look_at({3, 0, 1}, {0, 0, 1}, {0, 0, 1});
+  EXPECT_LT((cam_from_world * Eigen::Vector3d(0, 0, 1) - Eigen::Vector3d(0, 0, 3)).norm(), 1e-12);
+  EXPECT_LT((cam_from_world * Eigen::Vector3d(0, 0, 2)).y(), 0) << "up is -y in the picture";
+  EXPECT_GT((cam_from_world * Eigen::Vector3d(0, 1, 1)).x(), 0) << "a mirrored world";
+  EXPECT_LT((cam_from_world.center() - Eigen::Vector3d(3, 0, 1)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace floatstage
