@@ -1,0 +1,31 @@
+#include "apps/interrupt.h"
+
+#include <signal.h>
+
+#include <atomic>
+
+namespace floatstage {
+namespace {
+
+std::atomic<bool> g_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may use it");
+
+void on_signal(int) { g_interrupted = true; }
+
+}  // namespace
+
+void watch_for_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second one is the default: it ends the process
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return g_interrupted; }
+
+Unexpected cancelled() {
+  return fail(ErrorCode::Cancelled, "interrupted; what was finished is kept, and the same command goes on from there");
+}
+
+}  // namespace floatstage

@@ -1,0 +1,48 @@
+#include <cstdio>
+#include <exception>
+
+#include "apps/exit_codes.h"
+#include "apps/interrupt.h"
+#include "apps/verbs.h"
+#include "apps/version.h"
+#include "core/log.h"
+
+namespace {
+
+int run(int argc, char** argv) {
+  using namespace floatstage;
+  CLI::App app("Floatstage: a multiview capture-and-playback studio with Floating Textures", "floatstage");
+  app.set_version_flag("--version", std::string("floatstage ") + kVersion);
+  app.require_subcommand(1);
+  app.fallthrough();
+  bool quiet = false, verbose = false;
+  app.add_flag("-q,--quiet", quiet, "Only warnings and errors");
+  app.add_flag("-v,--verbose", verbose, "Debug messages too");
+
+  Chosen chosen;
+  for (auto add : {add_demo, add_check, add_synthesize, add_import, add_process, add_render, add_evaluate, add_play})
+    add(app, chosen);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+  }
+  log::set_level(verbose ? log::Level::Debug : quiet ? log::Level::Warning : log::Level::Info);
+  watch_for_interrupts();
+  const Result<void> result = chosen.run();
+  if (result) return kExitOk;
+  std::fprintf(stderr, "floatstage: %s\n", result.error().message.c_str());
+  return exit_code(result.error().code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {  // CheckFailure, out of memory: nothing that a user's input should cause
+    std::fprintf(stderr, "floatstage: internal error: %s\n", e.what());
+    return floatstage::kExitBug;
+  }
+}

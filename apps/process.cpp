@@ -1,0 +1,255 @@
+#include "apps/process.h"
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "apps/interrupt.h"
+#include "apps/keying.h"
+#include "apps/progress.h"
+#include "apps/scene_loader.h"
+#include "capture/take.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/mesh_io.h"
+#include "core/parallel.h"
+#include "core/png.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// Collects what parallel items of one stage did; the first fatal error (disk, permission) stops the stage.
+class Collector {
+ public:
+  void made() { std::lock_guard lock(mutex_); ++report_.made; }
+  void kept() { std::lock_guard lock(mutex_); ++report_.kept; }
+  void failed(const Error& e, int item) {
+    std::lock_guard lock(mutex_);
+    if (e.code == ErrorCode::Io && !fatal_) fatal_ = e;
+    failures_.emplace_back(item, e.message);
+  }
+  bool stopped() const {
+    std::lock_guard lock(mutex_);
+    return fatal_.has_value() || interrupted();
+  }
+  /// The report with failures in item order, whatever thread met them first.
+  Result<StageReport> finish() {
+    if (fatal_) return Unexpected{*fatal_};
+    if (interrupted()) return cancelled();
+    std::sort(failures_.begin(), failures_.end());
+    for (auto& f : failures_) report_.failures.push_back(std::move(f.second));
+    return std::move(report_);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  StageReport report_;
+  std::optional<Error> fatal_;
+  std::vector<std::pair<int, std::string>> failures_;
+};
+
+Result<void> make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
+  return {};
+}
+
+// A stage's folder holds products of one set of options; others need --redo, which clears it.
+Result<void> clear_for_redo(const fs::path& folder) {
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (error) return fail(ErrorCode::Io, text("cannot clear ", folder.string(), ": ", error.message()));
+  return {};
+}
+
+Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& options) {
+  Result<std::optional<KeyingRecord>> before = load_keying(take.layout(), take.rig());
+  if (!before) return forward(before);
+  const std::string wanted = options.key.value_or(*before ? (*before)->key : "chroma");
+  if (*before && (*before)->key == wanted) return std::move(**before);
+  if (*before && !options.redo)
+    return fail(ErrorCode::AlreadyExists, text(take.layout().folder().string(), " was keyed with '", (*before)->key, "', not '", wanted,
+                                               "'; add --redo to make its mattes and meshes again"));
+  if (Result<void> ok = clear_for_redo(take.layout().mattes()); !ok) return forward(ok);
+  if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
+
+  KeyingRecord record{wanted, {}};
+  for (std::size_t i = 0; i < take.rig().cameras.size(); ++i) {
+    Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, static_cast<int>(i), wanted);
+    if (!keyer) return forward(keyer);
+    record.specs.push_back((*keyer)->spec());
+  }
+  if (Result<void> ok = make_folder(take.layout().mattes()); !ok) return forward(ok);
+  if (Result<void> ok = save_keying(record, take.layout(), take.rig()); !ok) return forward(ok);
+  return record;
+}
+
+Result<StageReport> make_mattes(TakeReader& take, const KeyingRecord& record, int threads) {
+  const std::vector<RigCamera>& cameras = take.rig().cameras;
+  std::vector<std::unique_ptr<Keyer>> keyers;
+  for (std::size_t i = 0; i < record.specs.size(); ++i) {
+    Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, static_cast<int>(i), record.specs[i]);
+    if (!keyer) return forward(keyer);
+    keyers.push_back(std::move(*keyer));
+    if (Result<void> ok = make_folder(take.layout().mattes() / cameras[i].serial); !ok) return forward(ok);
+  }
+  const std::size_t items = static_cast<std::size_t>(take.frame_count()) * cameras.size();
+  Collector collector;
+  Progress progress("mattes", items);
+  parallel_for(items, threads, [&](std::size_t item) {
+    if (collector.stopped()) return;
+    const int frame = static_cast<int>(item / cameras.size());
+    const std::size_t camera = item % cameras.size();
+    const fs::path file = take.layout().matte(cameras[camera].serial, frame);
+    auto work = [&]() -> Result<void> {
+      if (fs::exists(file) || keyers.empty()) return collector.kept(), Result<void>();
+      Result<Frame> photograph = take.frame(static_cast<int>(camera), frame);
+      if (!photograph) return forward(photograph);
+      if (photograph->empty()) return collector.kept(), Result<void>();  // a gap: this camera does not know
+      Result<Matte> matte = keyers[camera]->key(*photograph);
+      if (!matte) return forward(matte);
+      if (Result<void> ok = save_png(to_image(*matte), file); !ok) return ok;
+      collector.made();
+      return {};
+    };
+    if (Result<void> ok = work(); !ok)
+      collector.failed({ok.error().code, text("camera '", cameras[camera].serial, "', frame ", frame, ": ", ok.error().message)}, static_cast<int>(item));
+    progress.advance();
+  });
+  return collector.finish();
+}
+
+bool nobody_on_stage(const std::vector<Matte>& mattes) {
+  return std::all_of(mattes.begin(), mattes.end(), [](const Matte& m) { return m.empty() || coverage(m) == 0; });
+}
+
+json describe(const HullOptions& o) {
+  json j = {{"method", "octree"}, {"resolution", o.resolution}, {"smoothing", o.smoothing}};
+  if (o.volume)
+    j["volume"] = {o.volume->min().x(), o.volume->min().y(), o.volume->min().z(), o.volume->max().x(), o.volume->max().y(), o.volume->max().z()};
+  return j;
+}
+
+// meshes/hull.json: the options, and a line a frame. Written once the stage is done.
+Result<void> settle_hull_options(TakeReader& take, const ProcessOptions& options) {
+  const fs::path file = take.layout().hull_report();
+  const json wanted = describe(options.hull);
+  Result<std::string> before = read_file(file);
+  if (before) {
+    const json j = json::parse(*before, nullptr, false);
+    if (j.is_object() && j.value("options", json()) == wanted) return {};
+    if (!options.redo)
+      return fail(ErrorCode::AlreadyExists, text(take.layout().meshes().string(), " was made with other hull options; add --redo to make its meshes again"));
+    if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return ok;
+  } else if (before.error().code != ErrorCode::NotFound) {
+    return forward(before);
+  }
+  if (Result<void> ok = make_folder(take.layout().meshes()); !ok) return ok;
+  return write_file(file, json{{"options", wanted}}.dump(2) + "\n");
+}
+
+struct FrameHull {
+  bool made = false, empty = false;
+  double volume = 0, seconds = 0;
+  std::vector<double> iou;
+};
+
+Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& options) {
+  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
+  if (!mattes) return forward(mattes);
+  const fs::path file = take.layout().mesh(frame);
+  FrameHull result{.made = true, .empty = nobody_on_stage(*mattes), .iou = {}};
+  if (result.empty) {
+    if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
+    return result;
+  }
+  Result<HullReport> hull = visual_hull(take.rig(), *mattes, options);
+  if (!hull) return forward(hull);
+  if (Result<void> ok = save_ply(hull->mesh, file); !ok) return forward(ok);
+  result.empty = hull->mesh.empty();
+  result.volume = hull->volume;
+  result.seconds = hull->seconds;
+  result.iou = std::move(hull->silhouette_iou);
+  return result;
+}
+
+Result<void> save_hull_report(TakeReader& take, const HullOptions& options, const std::vector<FrameHull>& hulls) {
+  json report = {{"options", describe(options)}, {"frames", json::object()}};
+  if (Result<std::string> before = read_file(take.layout().hull_report())) {
+    const json old = json::parse(*before, nullptr, false);
+    if (old.is_object() && old.contains("frames") && old["frames"].is_object()) report["frames"] = old["frames"];
+  }
+  for (std::size_t f = 0; f < hulls.size(); ++f) {
+    if (!hulls[f].made) continue;
+    json iou = json::object();
+    for (std::size_t c = 0; c < hulls[f].iou.size(); ++c)
+      iou[take.rig().cameras[c].serial] = hulls[f].iou[c];  // NaN becomes null: this camera had no matte
+    report["frames"][std::to_string(f)] = {{"volume", hulls[f].volume}, {"empty", hulls[f].empty}, {"silhouette_iou", iou}, {"seconds", hulls[f].seconds}};
+  }
+  return write_file(take.layout().hull_report(), report.dump(2) + "\n");
+}
+
+Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options) {
+  if (Result<void> ok = settle_hull_options(take, options); !ok) return forward(ok);
+  const std::size_t frames = static_cast<std::size_t>(take.frame_count());
+  HullOptions hull_options = options.hull;
+  hull_options.threads = frames > 1 ? 1 : options.threads;  // over frames when there are several, else inside the one
+  Collector collector;
+  std::vector<FrameHull> hulls(frames);
+  Progress progress("meshes", frames);
+  parallel_for(frames, options.threads, [&](std::size_t frame) {
+    if (collector.stopped()) return;
+    if (fs::exists(take.layout().mesh(static_cast<int>(frame)))) {
+      collector.kept();
+    } else if (Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), hull_options); hull) {
+      hulls[frame] = std::move(*hull);
+      collector.made();
+    } else {
+      collector.failed({hull.error().code, text("frame ", frame, ": ", hull.error().message)}, static_cast<int>(frame));
+    }
+    progress.advance();
+  });
+  if (Result<void> ok = save_hull_report(take, options.hull, hulls); !ok) return forward(ok);
+  return collector.finish();
+}
+
+// Frames whose mesh holds no subject, whenever it was made.
+int count_empty(const TakeReader& take) {
+  int empty = 0;
+  for (int f = 0; f < take.frame_count(); ++f) {
+    Result<Mesh> mesh = load_ply(take.layout().mesh(f));
+    empty += mesh && mesh->empty();
+  }
+  return empty;
+}
+
+}  // namespace
+
+Result<ProcessReport> process_take(const ProcessOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Result<std::unique_ptr<TakeReader>> opened = TakeReader::open(options.take);
+  if (!opened) return forward(opened);
+  TakeReader& take = **opened;
+  ProcessReport report{.frames = take.frame_count(), .cameras = static_cast<int>(take.rig().cameras.size()), .mattes = {}, .meshes = {}};
+
+  Result<KeyingRecord> keying = settle_keying(take, options);
+  if (!keying) return forward(keying);
+  Result<StageReport> mattes = make_mattes(take, *keying, options.threads);
+  if (!mattes) return forward(mattes);
+  report.mattes = std::move(*mattes);
+  Result<StageReport> meshes = make_meshes(take, options);
+  if (!meshes) return forward(meshes);
+  report.meshes = std::move(*meshes);
+
+  report.empty_frames = count_empty(take);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return report;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,70 @@
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+
+#include "apps/json_report.h"
+#include "apps/process.h"
+#include "apps/verbs.h"
+#include "core/text.h"
+#include "matting/keyer.h"
+
+namespace floatstage {
+namespace {
+
+struct Options {
+  ProcessOptions process;
+  std::string key, json_file;
+  std::vector<double> volume;
+};
+
+nlohmann::json to_json(const StageReport& stage) {
+  return {{"made", stage.made}, {"kept", stage.kept}, {"failures", stage.failures}};
+}
+
+Result<void> run(const Options& given) {
+  ProcessOptions options = given.process;
+  if (!given.key.empty()) options.key = given.key;
+  if (!given.volume.empty())
+    options.hull.volume = Eigen::AlignedBox3d(Eigen::Vector3d(given.volume[0], given.volume[1], given.volume[2]),
+                                              Eigen::Vector3d(given.volume[3], given.volume[4], given.volume[5]));
+  Result<ProcessReport> report = process_take(options);
+  if (!report) return forward(report);
+
+  std::vector<std::string> failures = report->mattes.failures;
+  failures.insert(failures.end(), report->meshes.failures.begin(), report->meshes.failures.end());
+  for (const std::string& f : failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
+  std::printf("%s: %d frames of %d cameras; mattes %d made, %d kept; meshes %d made, %d kept; %.1f s\n", options.take.c_str(),
+              report->frames, report->cameras, report->mattes.made, report->mattes.kept, report->meshes.made,
+              report->meshes.kept, report->seconds);
+  if (!given.json_file.empty()) {
+    Result<void> ok = save_json({{"take", options.take.string()}, {"frames", report->frames}, {"cameras", report->cameras},
+                                 {"empty_frames", report->empty_frames}, {"mattes", to_json(report->mattes)},
+                                 {"meshes", to_json(report->meshes)}, {"seconds", report->seconds}}, given.json_file);
+    if (!ok) return ok;
+  }
+  if (!failures.empty()) return fail(ErrorCode::BadData, text(failures.size(), " of the take's mattes or meshes could not be made; the others are there"));
+  if (report->empty_frames == report->frames)
+    return fail(ErrorCode::BadData, text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
+                                         TakeLayout(options.take).mattes().string(), " and try another --key with --redo"));
+  return {};
+}
+
+}  // namespace
+
+void add_process(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("process", "Every offline stage on a take: mattes, then meshes; does only what is missing");
+  std::string keys = "How the subject is keyed:";
+  for (const KeyerInfo& k : keyers()) keys += "\n  " + k.name + ": " + k.help;
+  verb->add_option("take", options->process.take, "The take's folder")->required();
+  verb->add_option("--key", options->key, keys);
+  verb->add_option("--resolution", options->process.hull.resolution, "Voxels along the hull's longest side")->capture_default_str();
+  verb->add_option("--smoothing", options->process.hull.smoothing, "Largest move of a vertex by smoothing, in voxels")->capture_default_str();
+  verb->add_option("--volume", options->volume, "World box of the stage, metres: x0 y0 z0 x1 y1 z1 (default: from the silhouettes)")->expected(6);
+  verb->add_option("--threads", options->process.threads, "Threads; 0: one per core")->capture_default_str();
+  verb->add_flag("--redo", options->process.redo, "Make again what was made with other options");
+  verb->add_option("--json", options->json_file, "Write a report as JSON");
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage

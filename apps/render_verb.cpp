@@ -1,0 +1,83 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "apps/film.h"
+#include "apps/json_report.h"
+#include "apps/renderer_options.h"
+#include "apps/scene_loader.h"
+#include "apps/text_options.h"
+#include "apps/verbs.h"
+#include "core/text.h"
+#include "render/gl_context.h"
+
+namespace floatstage {
+namespace {
+
+struct Options {
+  std::filesystem::path take, path_file;
+  std::string size = "640x480", method = "floating", frames, json_file;
+  bool orbit = false, keep_spill = false;
+  double seconds = 0;
+  FilmOptions film;
+  RendererFlags renderer;
+};
+
+Result<void> run(const Options& given) {
+  if (given.orbit == !given.path_file.empty())
+    return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
+  FilmOptions film = given.film;
+  Result<std::pair<int, int>> size = parse_size(given.size);
+  if (!size) return forward(size);
+  std::tie(film.width, film.height) = *size;
+  film.methods = split_list(given.method);
+  film.seconds = given.seconds;
+  film.suppress_spill = !given.keep_spill;
+  Result<RendererOptions> renderer = renderer_options(given.renderer);
+  if (!renderer) return forward(renderer);
+  film.renderer = *renderer;
+
+  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  if (!take) return forward(take);
+  Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
+  if (!frames) return forward(frames);
+  film.frames = std::move(*frames);
+  Result<CameraPath> path = given.orbit ? CameraPath{} : load_path(given.path_file);
+  if (!path) return forward(path);
+  if (given.orbit) {
+    constexpr double kOrbitSeconds = 6;
+    Result<Eigen::AlignedBox3d> box = subject_box(**take);
+    if (!box) return forward(box);
+    *path = orbit_path((*take)->rig(), *box, given.seconds > 0 ? given.seconds : kOrbitSeconds);
+  }
+  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  if (!gl) return forward(gl);
+  Result<FilmReport> report = render_film(**take, *path, film);
+  if (!report) return forward(report);
+  std::printf("%s: %d pictures of %s in %.1f s (%.1f a second in the renderer)\n", film.out.c_str(), report->pictures,
+              given.size.c_str(), report->seconds, report->pictures / report->render_seconds);
+  if (given.json_file.empty()) return {};
+  return save_json({{"out", film.out.string()}, {"pictures", report->pictures}, {"seconds", report->seconds},
+                    {"render_seconds", report->render_seconds}, {"gl", (*gl)->description()}}, given.json_file);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("render", "A camera path through a processed take → H.264 video or PNGs");
+  verb->add_option("take", options->take, "The take's folder")->required();
+  verb->add_flag("--orbit", options->orbit, "Walk around the performer where the cameras stand");
+  verb->add_option("--path", options->path_file, "A camera path written by `floatstage play`");
+  verb->add_option("--method", options->method, method_help() + " Several, separated by commas, stand side by side.")->capture_default_str();
+  verb->add_option("--size", options->size, "Size of one picture")->capture_default_str();
+  verb->add_option("--fps", options->film.frame_rate, "Frame rate of the film")->capture_default_str();
+  verb->add_option("--seconds", options->seconds, "Length of the film (default: the take's, or the path's)");
+  verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4 (default: all)");
+  verb->add_option("--out", options->film.out, "A .mp4, .mkv or .mov file, or a folder for PNGs")->required();
+  verb->add_flag("--keep-spill", options->keep_spill, "Leave the cloth's colour cast on the photographs");
+  add_renderer_flags(*verb, options->renderer);
+  verb->add_option("--json", options->json_file, "Write a report as JSON");
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage

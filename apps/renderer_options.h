@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "core/result.h"
+#include "render/renderer.h"
+
+namespace floatstage {
+
+/// The renderer's options as flags, the same for every verb that renders.
+struct RendererFlags {
+  RendererOptions options;
+  std::string output = "color", background = "000000";
+};
+
+void add_renderer_flags(CLI::App& verb, RendererFlags& flags);
+Result<RendererOptions> renderer_options(const RendererFlags& flags);
+
+/// "Method: nearest (…), linear (…), floating (…)."
+std::string method_help();
+
+}  // namespace floatstage

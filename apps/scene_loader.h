@@ -1,0 +1,23 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/result.h"
+#include "core/view.h"
+
+namespace floatstage {
+
+/// The mattes of one instant as `process` left them; empty where there is none.
+Result<std::vector<Matte>> load_mattes(const TakeReader& take, int frame);
+
+/// Photographs, mattes and mesh of one instant of a processed take. NotFound says which stage is missing and how to
+/// run it. When the take was keyed against a coloured cloth and `suppress_spill` is set, the cloth's cast is taken
+/// off the photographs.
+Result<SceneFrame> load_scene(TakeReader& take, int frame, bool suppress_spill);
+
+/// The box around the performer over all processed frames (every mesh that exists), metres.
+Result<Eigen::AlignedBox3d> subject_box(const TakeReader& take);
+
+}  // namespace floatstage

@@ -1,0 +1,66 @@
+#include "apps/text_options.h"
+
+#include <charconv>
+#include <optional>
+
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+std::optional<int> whole_number(std::string_view s) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), value);
+  if (error != std::errc() || end != s.data() + s.size()) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string> split(std::string_view s, char separator) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= s.size();) {
+    const std::size_t end = std::min(s.find(separator, begin), s.size());
+    parts.emplace_back(s.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+}  // namespace
+
+Result<std::pair<int, int>> parse_size(std::string_view s) {
+  constexpr int kLargest = 16384;
+  const std::vector<std::string> parts = split(s, 'x');
+  if (parts.size() == 2) {
+    const std::optional<int> w = whole_number(parts[0]), h = whole_number(parts[1]);
+    if (w && h && *w > 0 && *h > 0 && *w <= kLargest && *h <= kLargest) return std::pair(*w, *h);
+  }
+  return fail(ErrorCode::InvalidArgument, text("'", s, "' is not a size; write it as 640x480"));
+}
+
+std::vector<std::string> split_list(std::string_view s) {
+  std::vector<std::string> parts = split(s, ',');
+  std::erase_if(parts, [](const std::string& p) { return p.empty(); });
+  return parts;
+}
+
+Result<std::vector<int>> parse_frames(std::string_view s, int count) {
+  int begin = 0, end = count, step = 1;
+  if (!s.empty()) {
+    const std::vector<std::string> parts = split(s, ':');
+    std::vector<int> numbers;
+    for (const std::string& p : parts)
+      if (const std::optional<int> n = whole_number(p)) numbers.push_back(*n);
+    if (numbers.size() != parts.size() || numbers.size() > 3)
+      return fail(ErrorCode::InvalidArgument, text("'", s, "' names no frames; write 5, 2:10 or 2:10:4 (the end is not included)"));
+    begin = numbers[0];
+    end = numbers.size() > 1 ? numbers[1] : begin + 1;
+    step = numbers.size() > 2 ? numbers[2] : 1;
+  }
+  if (begin < 0 || end > count || begin >= end || step <= 0)
+    return fail(ErrorCode::InvalidArgument, text("frames '", s, "' are not all in the take, which has ", count));
+  std::vector<int> frames;
+  for (int f = begin; f < end; f += step) frames.push_back(f);
+  return frames;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "core/result.h"
+
+namespace floatstage {
+
+/// What the command line chose: one verb's callback fills it while parsing, main() runs it afterwards.
+struct Chosen {
+  std::function<Result<void>()> run;
+};
+
+// One function a verb: adds its subcommand with options and help. The table in main.cpp lists them.
+void add_demo(CLI::App& app, Chosen& chosen);
+void add_check(CLI::App& app, Chosen& chosen);
+void add_synthesize(CLI::App& app, Chosen& chosen);
+void add_import(CLI::App& app, Chosen& chosen);
+void add_process(CLI::App& app, Chosen& chosen);
+void add_render(CLI::App& app, Chosen& chosen);
+void add_evaluate(CLI::App& app, Chosen& chosen);
+void add_play(CLI::App& app, Chosen& chosen);
+
+}  // namespace floatstage
