@@ -43,16 +43,20 @@ bool encode(const Image& image, int level, std::string& out) {
 }  // namespace
 
 Result<Image> load_png(const std::filesystem::path& file) {
-  Result<std::string> bytes = read_file(file);
+  const Result<std::string> bytes = read_file(file);
   if (!bytes) return forward(bytes);
+  return decode_png(std::as_bytes(std::span(*bytes)), file.string());
+}
+
+Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name) {
   png_image header;
   std::memset(&header, 0, sizeof header);
   header.version = PNG_IMAGE_VERSION;
   auto bad = [&](const char* what) {
     png_image_free(&header);
-    return fail(ErrorCode::BadData, text(file.string(), ": ", what, "; the file is not a whole PNG"));
+    return fail(ErrorCode::BadData, text(name, ": ", what, "; the file is not a whole PNG"));
   };
-  if (!png_image_begin_read_from_memory(&header, bytes->data(), bytes->size())) return bad(header.message);
+  if (!png_image_begin_read_from_memory(&header, bytes.data(), bytes.size())) return bad(header.message);
   constexpr png_uint_32 kLargest = 1u << 15;
   if (header.width > kLargest || header.height > kLargest) return bad("larger than 32768 px");
   const bool color = header.format & PNG_FORMAT_FLAG_COLOR, alpha = header.format & PNG_FORMAT_FLAG_ALPHA;

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 
@@ -12,17 +11,17 @@
 namespace floatstage {
 namespace {
 
-bool usable_as_file_name(const std::string& s) {
-  return !s.empty() && s.front() != '.' && std::all_of(s.begin(), s.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '.' || c == '_' || c == '-';
-  });
-}
-
 Eigen::Vector3d axis_in_world(const RigCamera& c, const Eigen::Vector3d& axis) {
   return c.cam_from_world.rotation.conjugate() * axis;
 }
 
 }  // namespace
+
+bool is_usable_serial(std::string_view s) {
+  return !s.empty() && s.front() != '.' && std::all_of(s.begin(), s.end(), [](unsigned char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '.' || c == '_' || c == '-';
+  });
+}
 
 int camera_index(const Rig& rig, std::string_view serial) {
   for (std::size_t i = 0; i < rig.cameras.size(); ++i)
@@ -35,7 +34,7 @@ Result<void> check(const Rig& rig) {
   std::set<std::string> seen;
   for (const RigCamera& c : rig.cameras) {
     auto bad = [&](const std::string& what) { return fail(ErrorCode::BadData, text("camera '", c.serial, "': ", what)); };
-    if (!usable_as_file_name(c.serial))
+    if (!is_usable_serial(c.serial))
       return bad("a serial must be letters, digits, '.', '_' and '-', and not begin with '.'");
     if (!seen.insert(c.serial).second) return bad("two cameras have this serial");
     if (Result<void> ok = check(c.model); !ok) return bad(ok.error().message);

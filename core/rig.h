@@ -27,6 +27,9 @@ struct Rig {
   std::vector<RigCamera> cameras;
 };
 
+/// Letters, digits, '.', '_' and '-', not beginning with '.': fit to be a file name.
+bool is_usable_serial(std::string_view serial);
+
 /// Index of the camera with that serial, or -1.
 int camera_index(const Rig& rig, std::string_view serial);
 
