@@ -57,7 +57,7 @@ Result<std::unique_ptr<Keyer>> keyer_for(TakeReader& take, int camera, const std
       samples.push_back(std::move(*picture));
     }
   }
-  Result<std::unique_ptr<Keyer>> keyer = make_keyer(spec, samples, CleanupOptions{});
+  Result<std::unique_ptr<Keyer>> keyer = make_keyer(spec, samples);
   if (!keyer) return fail(keyer.error().code, text("camera '", serial, "': ", keyer.error().message));
   return keyer;
 }

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/image.h"
+
+namespace floatstage {
+
+struct Rgb {
+  std::uint8_t r = 0, g = 0, b = 0;
+  bool operator==(const Rgb&) const = default;
+};
+
+/// The colour of the cloth in RGB pictures: the mean of the pixels in the mode of the chromaticity histogram of the
+/// saturated green or blue pixels near the borders. Chromaticity (colour over brightness) puts the lit and the shaded
+/// cloth into one bin. Nothing when less than 2 % of the border shows such a colour.
+std::optional<Rgb> sample_backing(const std::vector<Image>& pictures);
+
+}  // namespace floatstage
