@@ -29,17 +29,28 @@ void yuv_to_rgb(int y, int u, int v, std::uint8_t* rgb) {
   rgb[2] = clamp_byte((c + 516 * d + 128) >> 8);
 }
 
-std::size_t bytes_needed(const ImageLayout& l) {
-  const std::size_t h = static_cast<std::size_t>(l.height);
-  switch (l.format) {
+// Bytes of one row that belong to the picture; chroma pairs are whole also where the width is odd.
+std::size_t row_bytes(PixelFormat format, int width) {
+  const std::size_t w = static_cast<std::size_t>(width);
+  switch (format) {
     case PixelFormat::Gray8:
-    case PixelFormat::BayerRggb8: return l.stride * (h - 1) + static_cast<std::size_t>(l.width);
-    case PixelFormat::Rgb8: return l.stride * (h - 1) + static_cast<std::size_t>(l.width) * 3;
-    case PixelFormat::Yuyv: return l.stride * (h - 1) + static_cast<std::size_t>(l.width) * 2;
-    case PixelFormat::Nv12: return l.stride * h + l.stride * ((h + 1) / 2);
+    case PixelFormat::BayerRggb8: return w;
+    case PixelFormat::Rgb8: return w * 3;
+    case PixelFormat::Yuyv: return (w + 1) / 2 * 4;
+    case PixelFormat::Nv12: return (w + 1) / 2 * 2;
     case PixelFormat::Mjpeg: return 0;
   }
   return 0;
+}
+
+std::size_t row_count(PixelFormat format, int height) {
+  return static_cast<std::size_t>(format == PixelFormat::Nv12 ? height + (height + 1) / 2 : height);
+}
+
+bool holds_its_picture(const ImageLayout& l) {
+  if (l.width <= 0 || l.height <= 0) return false;
+  const std::size_t row = row_bytes(l.format, l.width);
+  return l.stride >= row && l.size_bytes >= l.stride * (row_count(l.format, l.height) - 1) + row;
 }
 
 // Bilinear demosaicing of RGGB: each missing colour is the mean of its neighbours of that colour (mirrored at borders).
@@ -73,12 +84,8 @@ std::optional<FrameStatus> frame_status_named(std::string_view name) { return na
 
 ImageLayout packed_layout(PixelFormat format, int width, int height) {
   FLOATSTAGE_CHECK(format != PixelFormat::Mjpeg, "a compressed format has no packed layout");
-  const std::size_t w = static_cast<std::size_t>(width);
-  const std::size_t stride = format == PixelFormat::Rgb8 ? w * 3 : format == PixelFormat::Yuyv ? (w + 1) / 2 * 4
-                             : format == PixelFormat::Nv12 ? (w + 1) / 2 * 2 : w;
-  ImageLayout layout{format, width, height, stride, stride * static_cast<std::size_t>(height)};
-  if (format == PixelFormat::Nv12) layout.size_bytes = stride * static_cast<std::size_t>(height + (height + 1) / 2);
-  return layout;
+  const std::size_t stride = row_bytes(format, width);
+  return {format, width, height, stride, stride * row_count(format, height)};
 }
 
 Frame make_frame(FrameInfo info, const Image& image) {
@@ -94,8 +101,8 @@ Result<Image> to_rgb(const Frame& frame) {
   if (frame.empty()) return fail(ErrorCode::NotFound, text("camera ", frame.info.camera, " has no picture at this instant"));
   if (l.format == PixelFormat::Mjpeg)
     return fail(ErrorCode::Unsupported, "an MJPEG frame must be decoded by its capture source first");
-  if (l.width <= 0 || l.height <= 0 || l.size_bytes < bytes_needed(l))
-    return fail(ErrorCode::BadData, text("camera ", frame.info.camera, ": a frame of ", l.size_bytes, " bytes is shorter than its ",
+  if (!holds_its_picture(l))
+    return fail(ErrorCode::BadData, text("camera ", frame.info.camera, ": a frame of ", l.size_bytes, " bytes in rows of ", l.stride, " is shorter than its ",
                                          l.width, "x", l.height, " ", name_of(l.format), " layout"));
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(frame.pixels.get());
   Image rgb(l.width, l.height, 3);

@@ -62,6 +62,7 @@ Eigen::Vector3d focus_point(const Rig& rig) {
   centroid /= n;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(a);
   if (eigen.eigenvalues()(0) > 1e-6 * n) return a.ldlt().solve(b);
+  if (mean_axis.norm() < 1e-6 * n) return centroid;  // cameras that face each other along one line
   double spread = 0;
   for (const RigCamera& c : rig.cameras) spread = std::max(spread, (c.cam_from_world.center() - centroid).norm());
   return centroid + mean_axis.normalized() * std::max(spread, 1.0);

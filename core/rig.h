@@ -37,7 +37,8 @@ int camera_index(const Rig& rig, std::string_view serial);
 Result<void> check(const Rig& rig);
 
 /// The point nearest to all optical axes in the least-squares sense: where the cameras look. Parallel axes have no
-/// such point; then the centroid of the camera centres moved along the mean axis by the rig's spread.
+/// such point; then the centroid of the camera centres moved along the mean axis by the rig's spread (at least 1 m), or
+/// the centroid itself when the cameras face each other along one line.
 Eigen::Vector3d focus_point(const Rig& rig);
 
 /// "Up" as the cameras see it: the mean of their image-up directions, of unit length. (For imported rigs whose world is not z up.)

@@ -8,7 +8,7 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Broken{"4 0 1 2 3", "2 0 1 2 3", "face 0 has 2 corners"}, Broken{"4 0 1 2 3", "-4 0 1 2 3", "the data of face 0 of 1"}));
 
 TEST(PlyFile, ComesBackFromTheDiskBitByBit) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   ASSERT_THAT(save_ply(tetrahedron(), folder / "000012.ply"), IsOk());
   const Result<Mesh> back = load_ply(folder / "000012.ply");
   ASSERT_THAT(back, IsOk());
@@ -121,7 +121,7 @@ TEST(PlyFile, ComesBackFromTheDiskBitByBit) {
 }
 
 TEST(PlyFile, OfNothingIsAFileOfNothing) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   ASSERT_THAT(save_ply(Mesh{}, folder / "empty.ply"), IsOk());
   const Result<Mesh> back = load_ply(folder / "empty.ply");
   ASSERT_THAT(back, IsOk());
@@ -137,7 +137,7 @@ std::uint32_t word(const std::string& bytes, std::size_t at) {
 }
 
 TEST(GlbFile, HoldsOneJsonAndOneBinaryChunkOfTheStatedSizes) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   ASSERT_THAT(save_glb(tetrahedron(), folder / "mesh.glb"), IsOk());
   const Result<std::string> glb = read_file(folder / "mesh.glb");
   ASSERT_THAT(glb, IsOk());
@@ -159,7 +159,7 @@ TEST(GlbFile, HoldsOneJsonAndOneBinaryChunkOfTheStatedSizes) {
 }
 
 TEST(GlbFile, OfNothingStillHasAScene) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   ASSERT_THAT(save_glb(Mesh{}, folder / "mesh.glb"), IsOk());
   EXPECT_THAT(read_file(folder / "mesh.glb"), IsOkAnd(testing::HasSubstr("\"scenes\"")));
 }

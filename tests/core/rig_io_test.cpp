@@ -10,7 +10,7 @@
 #include "core/text.h"
 #include "tests/core/rigs.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
@@ -126,7 +126,7 @@ TEST(RigJson, CutOffAnywhereIsRefused) {
 }
 
 TEST(RigFile, ComesBackFromTheDisk) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   ASSERT_THAT(save_rig(ring(4), folder / "rig.json"), IsOk());
   const Result<Rig> back = load_rig(folder / "rig.json");
   ASSERT_THAT(back, IsOk());
@@ -139,7 +139,7 @@ TEST(RigFile, ThatIsNotThereIsNotFound) {
 }
 
 TEST(RigFile, IsKeptWhenTheNewRigIsNotANumber) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   folder.write("rig.json", "old");
   Rig rig = ring(2);
   rig.cameras[1].model.cx = std::numeric_limits<double>::quiet_NaN();
