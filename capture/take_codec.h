@@ -1,0 +1,14 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "capture/take.h"
+
+namespace floatstage {
+
+/// The names in take.json: "ffv1", "raw", "h264".
+const char* name_of(TakeCodec codec);
+std::optional<TakeCodec> take_codec_named(std::string_view name);
+
+}  // namespace floatstage

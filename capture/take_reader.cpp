@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <mutex>
+#include <set>
+
+#include "capture/sha256.h"
+#include "capture/take.h"
+#include "capture/track_reader.h"
+#include "core/file.h"
+#include "core/log.h"
+#include "core/parallel.h"
+#include "core/rig_io.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CameraPlayback {
+  std::vector<FrameRow> rows;
+  std::unique_ptr<TrackReader> track;  // none when no row has a picture
+};
+
+class FolderReader final : public TakeReader {
+ public:
+  explicit FolderReader(const fs::path& folder) : layout_(folder) {}
+
+  Result<void> open();
+  const TakeLayout& layout() const override { return layout_; }
+  const TakeManifest& manifest() const override { return manifest_; }
+  const Rig& rig() const override { return rig_; }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+  int frame_count() const override { return frame_count_; }
+  const std::vector<FrameRow>& rows(int camera) const override {
+    FLOATSTAGE_CHECK(camera >= 0 && camera < static_cast<int>(cameras_.size()), text("camera ", camera));
+    return cameras_[static_cast<std::size_t>(camera)].rows;
+  }
+  Result<Frame> frame(int camera, int index) override;
+  Result<FrameSet> frame_set(int index) override;
+
+ private:
+  Result<void> read_rig();
+  Result<void> read_camera(const TakeManifest::Camera& camera);
+  void stop_at_the_cut(const TakeManifest::Camera& camera, CameraPlayback& playback);
+  void warn(std::string sentence) {
+    log::warning(sentence);
+    warnings_.push_back(std::move(sentence));
+  }
+
+  const TakeLayout layout_;
+  TakeManifest manifest_;
+  Rig rig_;
+  std::vector<CameraPlayback> cameras_;
+  std::vector<std::string> warnings_;
+  int frame_count_ = 0;
+  std::mutex reported_mutex_;
+  std::set<std::pair<int, int>> reported_;  // damaged frames that were logged
+};
+
+Result<void> FolderReader::read_rig() {
+  const Result<std::string> bytes = read_file(layout_.rig());
+  if (!bytes) return fail(bytes.error().code, text(bytes.error().message, "; a take needs its rig"));
+  Result<Rig> rig = parse_rig(*bytes, layout_.rig().string());
+  if (!rig) return forward(rig);
+  rig_ = std::move(*rig);
+  auto bad = [&](const std::string& what) { return fail(ErrorCode::BadData, text(layout_.rig().string(), ": ", what)); };
+  for (const TakeManifest::Camera& c : manifest_.cameras) {
+    const int index = camera_index(rig_, c.serial);
+    if (index < 0) return bad(text("camera '", c.serial, "' of take.json is missing in this rig"));
+    const CameraModel& model = rig_.cameras[static_cast<std::size_t>(index)].model;
+    if (model.width != c.width || model.height != c.height)
+      return bad(text("camera '", c.serial, "' is ", model.width, "x", model.height, " here but ", c.width, "x", c.height, " in take.json"));
+  }
+  for (std::size_t i = 0; i < rig_.cameras.size(); ++i)
+    if (i >= manifest_.cameras.size() || manifest_.cameras[i].serial != rig_.cameras[i].serial)
+      return bad(text("camera '", rig_.cameras[i].serial, "' is not number ", i, " of take.json; both must list the same cameras in one order"));
+  if (sha256(*bytes) != manifest_.rig_sha256)
+    return bad("not the file that was recorded (its SHA-256 differs from take.json's); put it back, or import the pictures with the new "
+               "calibration as a new take");
+  return {};
+}
+
+// Rows whose pictures are not in the file any more are not played: the side file promises, the media file delivers.
+void FolderReader::stop_at_the_cut(const TakeManifest::Camera& camera, CameraPlayback& playback) {
+  const std::int64_t there = playback.track->pictures();
+  const std::string media = (layout_.folder() / camera.media).string();
+  const auto beyond = std::find_if(playback.rows.begin(), playback.rows.end(),
+                                   [&](const FrameRow& row) { return row.media_index && *row.media_index >= there; });
+  if (beyond != playback.rows.end()) {
+    const auto row = beyond - playback.rows.begin();
+    warn(text(media, " ends after ", there, " pictures: camera '", camera.serial, "' plays up to row ", row, " of ", playback.rows.size()));
+    playback.rows.erase(beyond, playback.rows.end());
+    return;
+  }
+  const auto last = std::find_if(playback.rows.rbegin(), playback.rows.rend(), [](const FrameRow& row) { return row.media_index.has_value(); });
+  const std::int64_t used = last == playback.rows.rend() ? 0 : *last->media_index + 1;
+  // A recorder that is killed has often written one picture more than rows.
+  if (used < there && (manifest_.complete || there - used > 1))
+    warn(text(media, " has ", there - used, " pictures more than ", layout_.frames_csv(camera.serial).string(),
+              "; the side file is the truth, they are not played"));
+  else if (playback.track->cut() && manifest_.complete)
+    warn(text(media, " is cut after its last picture; all of them are there"));
+}
+
+Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
+  const fs::path side_file = layout_.frames_csv(camera.serial);
+  const Result<std::string> csv = read_file(side_file);
+  if (!csv) return fail(csv.error().code, text(csv.error().message, "; without it camera '", camera.serial, "' has no times"));
+  Result<std::vector<FrameRow>> rows = parse_frames_csv(*csv, static_cast<int>(cameras_.size()), side_file.string());
+  if (!rows) return forward(rows);
+  CameraPlayback playback;
+  playback.rows = std::move(*rows);
+  std::int64_t last = -1;
+  for (std::size_t i = 0; i < playback.rows.size(); ++i) {
+    FrameRow& row = playback.rows[i];
+    if (!row.media_index) {
+      row.info.status = FrameStatus::Lost;
+      continue;
+    }
+    if (*row.media_index <= last)
+      return fail(ErrorCode::BadData, text(side_file.string(), ": row ", i, ": media index ", *row.media_index, " does not follow ", last));
+    last = *row.media_index;
+  }
+  if (last >= 0) {
+    Result<std::unique_ptr<TrackReader>> track = TrackReader::open(layout_.folder() / camera.media, camera);
+    if (!track) return forward(track);
+    playback.track = std::move(*track);
+    stop_at_the_cut(camera, playback);
+  }
+  frame_count_ = std::max(frame_count_, static_cast<int>(playback.rows.size()));
+  cameras_.push_back(std::move(playback));
+  return {};
+}
+
+Result<void> FolderReader::open() {
+  const Result<std::string> bytes = read_file(layout_.manifest());
+  if (!bytes && bytes.error().code == ErrorCode::NotFound)
+    return fail(ErrorCode::NotFound, text(layout_.folder().string(), " is no take: it has no take.json"));
+  if (!bytes) return forward(bytes);
+  Result<TakeManifest> manifest = parse_manifest(*bytes, layout_.manifest().string());
+  if (!manifest) return forward(manifest);
+  manifest_ = std::move(*manifest);
+  if (Result<void> ok = read_rig(); !ok) return ok;
+  for (const TakeManifest::Camera& camera : manifest_.cameras)
+    if (Result<void> ok = read_camera(camera); !ok) return ok;
+  if (!manifest_.complete) warn(text(layout_.folder().string(), ": the recording was cut off; it plays up to the cut"));
+  return {};
+}
+
+Result<Frame> FolderReader::frame(int camera, int index) {
+  if (camera < 0 || camera >= static_cast<int>(cameras_.size()) || index < 0 || index >= frame_count_)
+    return fail(ErrorCode::InvalidArgument, text(layout_.folder().string(), " has no frame ", index, " of camera ", camera, ": it has ",
+                                                 frame_count_, " frames of ", cameras_.size(), " cameras"));
+  const CameraPlayback& playback = cameras_[static_cast<std::size_t>(camera)];
+  Frame frame;
+  if (index >= static_cast<int>(playback.rows.size())) {
+    frame.info.camera = camera;
+    frame.info.status = FrameStatus::Lost;
+    return frame;
+  }
+  const FrameRow& row = playback.rows[static_cast<std::size_t>(index)];
+  frame.info = row.info;
+  if (!row.media_index) return frame;
+  Result<std::shared_ptr<const std::byte[]>> pixels = playback.track->picture(*row.media_index);
+  if (pixels) {
+    frame.layout = playback.track->layout();
+    frame.pixels = std::move(*pixels);
+    return frame;
+  }
+  if (pixels.error().code != ErrorCode::BadData) return forward(pixels);
+  frame.info.status = FrameStatus::Corrupt;
+  const std::lock_guard lock(reported_mutex_);
+  if (reported_.emplace(camera, index).second) log::warning(text(pixels.error().message, ": frame ", index, " is left out"));
+  return frame;
+}
+
+Result<FrameSet> FolderReader::frame_set(int index) {
+  std::vector<std::optional<Result<Frame>>> read(cameras_.size());
+  parallel_for(read.size(), 0, [&](std::size_t i) { read[i] = frame(static_cast<int>(i), index); });
+  FrameSet set;
+  std::optional<Timestamp> earliest_present, earliest_expected;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (!*read[i]) return forward(*read[i]);
+    Frame& frame = **read[i];
+    auto lower = [&](std::optional<Timestamp>& time) {
+      time = time ? std::min(*time, frame.info.exposure_start) : frame.info.exposure_start;
+    };
+    if (!frame.empty()) lower(earliest_present);
+    if (index < static_cast<int>(cameras_[i].rows.size())) lower(earliest_expected);
+    set.frames.push_back(std::move(frame));
+  }
+  set.time = earliest_present.value_or(earliest_expected.value_or(Timestamp{}));
+  return set;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TakeReader>> TakeReader::open(const std::filesystem::path& folder) {
+  auto reader = std::make_unique<FolderReader>(folder);
+  if (Result<void> ok = reader->open(); !ok) return forward(ok);
+  return {std::move(reader)};
+}
+
+}  // namespace floatstage
