@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "core/frame.h"
@@ -43,7 +43,7 @@ struct StudioOptions {
   double frame_rate = 25;  ///< of the instants that `frame` numbers
   int samples = 16;        ///< rays a pixel (a square number): partial coverage is their mean
   bool green_room = true;  ///< false: a black stage
-  Defects defects;
+  Defects defects = {};
 };
 
 /// One photograph and its exact truth, all in the camera's own (distorted) pixels.
