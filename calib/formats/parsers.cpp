@@ -10,9 +10,11 @@ Result<ForeignRig> checked(ForeignRig foreign, std::string_view name) {
   if (foreign.rig.cameras.empty()) return fail(ErrorCode::BadData, text(name, ": there is no camera in this file"));
   FLOATSTAGE_CHECK(foreign.image_names.size() == foreign.rig.cameras.size(), "one image name a camera");
   std::set<std::string> seen;
-  for (const RigCamera& c : foreign.rig.cameras)
+  for (const RigCamera& c : foreign.rig.cameras) {
+    if (c.serial.empty()) return fail(ErrorCode::BadData, text(name, ": a camera's name is empty"));
     if (!seen.insert(c.serial).second)
       return fail(ErrorCode::BadData, text(name, ": two cameras are named '", c.serial, "'; names must differ"));
+  }
   return foreign;
 }
 

@@ -1,0 +1,12 @@
+#include <cstdint>
+#include <string_view>
+
+#include "tests/fuzz/foreign_rig.h"
+
+// Whatever parses is a rig of finite cameras.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace floatstage;
+  const std::string_view input(reinterpret_cast<const char*>(data), size);
+  expect_sound(parse_qualisys(input, "fuzz"));
+  return 0;
+}
