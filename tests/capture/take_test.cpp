@@ -12,7 +12,7 @@
 #include "core/text.h"
 #include "tests/capture/pictures.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
@@ -30,7 +30,7 @@ class LosslessTake : public testing::TestWithParam<LosslessCase> {};
 
 TEST_P(LosslessTake, ReturnsEveryPixelAsItWasRecorded) {
   const auto [codec, format, size] = GetParam();
-  const TemporaryFolder folder;
+  const TempFolder folder;
   TakeWriterOptions options;
   options.codec = codec;
   auto writer = TakeWriter::create(folder / "take", small_rig(1, size.width, size.height), options);
@@ -72,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(AllFormats, LosslessTake,
 class LossyTake : public testing::TestWithParam<PixelFormat> {};
 
 TEST_P(LossyTake, ReturnsTheRecordedFormatNearlyAsItWas) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   TakeWriterOptions options;
   options.codec = TakeCodec::H264;
   auto writer = TakeWriter::create(folder / "take", small_rig(1, 64, 48), options);
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(AllFormats, LossyTake,
                          });
 
 TEST(Take, HasTheFilesOfTheLayoutAndNoOther) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   record_small_take(folder / "take", 2, 2);
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "take")) names.push_back(entry.path().filename());
@@ -119,7 +119,7 @@ TEST(Take, HasTheFilesOfTheLayoutAndNoOther) {
 }
 
 TEST(Take, TellsWhatItIs) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   record_small_take(folder / "take", 2, 3);
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());
@@ -135,7 +135,7 @@ TEST(Take, TellsWhatItIs) {
 }
 
 TEST(Take, DatesItselfWhenNoDateIsGiven) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   auto writer = TakeWriter::create(folder / "take", small_rig(1, 8, 8), {});
   ASSERT_THAT(writer, IsOk());
   ASSERT_THAT((*writer)->finish(), IsOk());
@@ -146,7 +146,7 @@ TEST(Take, DatesItselfWhenNoDateIsGiven) {
 }
 
 TEST(Take, KeepsGapsAsRows) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   record_small_take(folder / "take", 2, 4, TakeCodec::Ffv1, /*gap=*/1);
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());
@@ -161,7 +161,7 @@ TEST(Take, KeepsGapsAsRows) {
 }
 
 TEST(Take, MakesRowsOfTheNumbersThatASequenceSkips) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   auto writer = TakeWriter::create(folder / "take", small_rig(1, 8, 8), {});
   ASSERT_THAT(writer, IsOk());
   for (const std::uint64_t sequence : {10u, 11u, 14u})
@@ -178,7 +178,7 @@ TEST(Take, MakesRowsOfTheNumbersThatASequenceSkips) {
 }
 
 TEST(Take, KeepsStatusAndAbsentFacts) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   auto writer = TakeWriter::create(folder / "take", small_rig(1, 8, 8), {});
   ASSERT_THAT(writer, IsOk());
   Frame frame = patterned_frame(PixelFormat::Gray8, 8, 8, 0, 0);
@@ -193,7 +193,7 @@ TEST(Take, KeepsStatusAndAbsentFacts) {
 }
 
 TEST(Take, GathersAnInstantOfAllCameras) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   record_small_take(folder / "take", 3, 3, TakeCodec::Ffv1, /*gap=*/1);
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());
@@ -206,7 +206,7 @@ TEST(Take, GathersAnInstantOfAllCameras) {
 }
 
 TEST(Take, LetsCamerasHaveDifferentLengths) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   auto writer = TakeWriter::create(folder / "take", small_rig(2, 8, 8), {});
   ASSERT_THAT(writer, IsOk());
   for (std::uint64_t k = 0; k < 3; ++k) ASSERT_THAT((*writer)->write(patterned_frame(PixelFormat::Gray8, 8, 8, 1, k)), IsOk());
@@ -221,7 +221,7 @@ TEST(Take, LetsCamerasHaveDifferentLengths) {
 }
 
 TEST(Take, RefusesIndicesThatAreNotThere) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   record_small_take(folder / "take", 1, 2);
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());
@@ -232,7 +232,7 @@ TEST(Take, RefusesIndicesThatAreNotThere) {
 }
 
 TEST(Take, HasTheSameBytesEachTimeItIsRecorded) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   for (const TakeCodec codec : {TakeCodec::Ffv1, TakeCodec::Raw, TakeCodec::H264}) {
     const auto name = [&](int i) { return text("take", static_cast<int>(codec), "-", i); };
     for (const int i : {0, 1}) record_small_take(folder / name(i), 2, 3, codec);
@@ -242,7 +242,7 @@ TEST(Take, HasTheSameBytesEachTimeItIsRecorded) {
 }
 
 TEST(Take, ReadsTheSameOnOneThreadAndOnSeveral) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   for (const TakeCodec codec : {TakeCodec::Ffv1, TakeCodec::H264}) {
     const auto take = folder / text("take", static_cast<int>(codec));
     record_small_take(take, 2, 40, codec);
@@ -259,7 +259,7 @@ TEST(Take, ReadsTheSameOnOneThreadAndOnSeveral) {
 }
 
 TEST(Take, IsWrittenByAThreadACamera) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   auto writer = TakeWriter::create(folder / "take", small_rig(4, 32, 24), {});
   ASSERT_THAT(writer, IsOk());
   parallel_for(4, 4, [&](std::size_t c) {
@@ -274,7 +274,7 @@ TEST(Take, IsWrittenByAThreadACamera) {
 }
 
 TEST(Take, KeepsFramesValidAfterTheReaderIsGone) {
-  const TemporaryFolder folder;
+  const TempFolder folder;
   record_small_take(folder / "take", 1, 2);
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());

@@ -1,0 +1,66 @@
+#include "capture/media_input.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/text.h"
+
+namespace floatstage::libav {
+namespace {
+
+constexpr int kBufferBytes = 1 << 16;
+
+int read_some(void* opaque, std::uint8_t* buffer, int size) {
+  const ssize_t n = ::read(*static_cast<int*>(opaque), buffer, static_cast<std::size_t>(size));
+  if (n < 0) return AVERROR(errno);
+  return n == 0 ? AVERROR_EOF : static_cast<int>(n);
+}
+
+std::int64_t seek(void* opaque, std::int64_t offset, int whence) {
+  const int fd = *static_cast<int*>(opaque);
+  if (whence & AVSEEK_SIZE) {
+    struct stat status = {};
+    return ::fstat(fd, &status) == 0 ? status.st_size : AVERROR(errno);
+  }
+  const off_t at = ::lseek(fd, offset, whence & ~AVSEEK_FORCE);
+  return at < 0 ? AVERROR(errno) : at;
+}
+
+int refuse_other_files(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) { return AVERROR(EPERM); }
+
+}  // namespace
+
+Result<std::unique_ptr<Input>> Input::open(const std::filesystem::path& file) {
+  be_quiet();
+  auto input = std::make_unique<Input>();
+  input->fd_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status = {};
+  if (input->fd_ < 0 || ::fstat(input->fd_, &status) != 0)
+    return fail(errno == ENOENT ? ErrorCode::NotFound : ErrorCode::Io, text("cannot open ", file.string(), ": ", std::strerror(errno)));
+  if (S_ISDIR(status.st_mode)) return fail(ErrorCode::Io, text(file.string(), " is a folder, not a picture or video"));
+  auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
+  FLOATSTAGE_CHECK(buffer != nullptr, "out of memory");
+  input->io_ = avio_alloc_context(buffer, kBufferBytes, 0, &input->fd_, &read_some, nullptr, &seek);
+  input->format_ = avformat_alloc_context();
+  FLOATSTAGE_CHECK(input->io_ != nullptr && input->format_ != nullptr, "out of memory");
+  input->format_->pb = input->io_;
+  input->format_->io_open = &refuse_other_files;
+  // Without a name, the content alone says what the file is.
+  int error = avformat_open_input(&input->format_, "", nullptr, nullptr);
+  if (error >= 0) error = avformat_find_stream_info(input->format_, nullptr);
+  if (error < 0) return fail(ErrorCode::BadData, text(file.string(), " is no picture or video that can be read: ", reason(error)));
+  return input;
+}
+
+Input::~Input() {
+  avformat_close_input(&format_);  // leaves a caller's input routine alone
+  if (io_) av_freep(&io_->buffer);
+  avio_context_free(&io_);
+  if (fd_ >= 0) ::close(fd_);
+}
+
+}  // namespace floatstage::libav

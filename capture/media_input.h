@@ -1,0 +1,26 @@
+#pragma once
+
+// Private to capture/: a file opened for libav's demuxers.
+
+#include "capture/libav.h"
+
+namespace floatstage::libav {
+
+/// A local file behind libav's own input routine. Unlike a URL, it cannot be taken for a numbered pattern of pictures,
+/// a device or a network address, and a play list inside it cannot open other files.
+class Input {
+ public:
+  static Result<std::unique_ptr<Input>> open(const std::filesystem::path& file);
+  Input() = default;
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+  ~Input();
+  AVFormatContext& format() { return *format_; }
+
+ private:
+  AVFormatContext* format_ = nullptr;
+  AVIOContext* io_ = nullptr;
+  int fd_ = -1;
+};
+
+}  // namespace floatstage::libav
