@@ -1,0 +1,59 @@
+#include "render/blend_renderer.h"
+
+#include "render/inspection.h"
+#include "render/projection.h"
+
+namespace floatstage {
+namespace {
+
+class BlendRenderer : public ViewRenderer {
+ public:
+  BlendRenderer(bool one_camera, Projection projection, Inspection inspection, gl::Program blend)
+      : one_camera_(one_camera),
+        projection_(std::move(projection)),
+        inspection_(std::move(inspection)),
+        blend_(std::move(blend)) {}
+
+  Result<RenderedView> render(const SceneTextures& scene, const View& view, const RendererOptions& options) override {
+    if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    if (options.output == RenderOutput::Flow)
+      return fail(ErrorCode::InvalidArgument, "only the floating renderer has a flow to show; choose another output");
+    projection_.run(scene, view, options, 0, one_camera_);
+    target_.begin(view.model.width, view.model.height, options.background);
+    if (const Window& w = projection_.window(); !w.empty()) {
+      if (inspection_.shows(options.output)) {
+        inspection_.draw(projection_, scene, view, target_);
+      } else {
+        glUseProgram(blend_.id());
+        glUniform2i(0, w.x, w.y);
+        projection_.draw_at(target_.framebuffer(), blend_,
+                            {projection_.surface(), projection_.weights(0), projection_.weights(1)}, w.x, w.y, w.width,
+                            w.height);
+      }
+    }
+    return rendered_view(scene, view, projection_, target_);
+  }
+
+ private:
+  bool one_camera_;
+  Projection projection_;
+  Inspection inspection_;
+  gl::Program blend_;
+  ViewTarget target_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera) {
+  Result<Projection> projection = Projection::create();
+  if (!projection) return forward(projection);
+  Result<Inspection> inspection = Inspection::create();
+  if (!inspection) return forward(inspection);
+  Result<gl::Program> blend =
+      gl::make_program("fullscreen.vert", "blend.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});
+  if (!blend) return forward(blend);
+  return std::unique_ptr<ViewRenderer>(std::make_unique<BlendRenderer>(one_camera, std::move(*projection),
+                                                                       std::move(*inspection), std::move(*blend)));
+}
+
+}  // namespace floatstage

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "render/flow.h"
+
+namespace floatstage {
+
+/// OpenCV's Dense Inverse Search (Kroeger et al. 2016) with variational refinement.
+Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options);
+
+}  // namespace floatstage

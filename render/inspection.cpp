@@ -1,0 +1,52 @@
+#include "render/inspection.h"
+
+#include "render/scene_textures_impl.h"
+
+namespace floatstage {
+
+Result<Inspection> Inspection::create() {
+  Inspection inspection;
+  Result<gl::Program> program =
+      gl::make_program("fullscreen.vert", "inspect.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});
+  if (!program) return forward(program);
+  inspection.program_ = std::move(*program);
+  return inspection;
+}
+
+bool Inspection::shows(RenderOutput output) const {
+  return output == RenderOutput::Weights || output == RenderOutput::Visibility ||
+         output == RenderOutput::SoftVisibility || output == RenderOutput::Depth;
+}
+
+void Inspection::draw(const Projection& projection, const SceneTextures& scene, const View& view,
+                      const ViewTarget& target) const {
+  const Eigen::AlignedBox3f& box = scene.impl().box;
+  const float middle = static_cast<float>((view.view_from_world * Eigen::Vector3d(box.center().cast<double>())).z());
+  const float radius = 0.5F * box.diagonal().norm() + 1e-6F;
+  const Window& w = projection.window();
+  glUseProgram(program_.id());
+  glUniform2i(0, w.x, w.y);
+  glUniform2f(1, middle - radius, middle + radius);
+  projection.draw_at(target.framebuffer(), program_,
+                     {projection.surface(), projection.weights(0), projection.weights(1), projection.visibility(),
+                      projection.soft(0), projection.soft(1)},
+                     w.x, w.y, w.width, w.height);
+}
+
+Result<void> check_render(const SceneTextures& scene, const View& view, const RendererOptions& options) {
+  if (Result<void> ok = check(options); !ok) return ok;
+  if (Result<void> ok = check(view); !ok) return ok;
+  if (scene.impl().cameras.empty())
+    return fail(ErrorCode::InvalidArgument, "the scene has no usable camera: upload pictures before rendering");
+  return {};
+}
+
+RenderedView rendered_view(const SceneTextures& scene, const View& view, const Projection& projection,
+                           const ViewTarget& target) {
+  RenderedView out{target.texture(), view.model.width, view.model.height, {}};
+  for (std::size_t i = 0; i < projection.choice().chosen; ++i)
+    out.cameras.push_back(scene.impl().rig_index[static_cast<std::size_t>(projection.choice().listed[i])]);
+  return out;
+}
+
+}  // namespace floatstage

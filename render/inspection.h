@@ -1,0 +1,25 @@
+#pragma once
+
+#include "render/projection.h"
+
+namespace floatstage {
+
+/// Draws the intermediates that all renderers share: weights, visibility, soft visibility, depth.
+class Inspection {
+ public:
+  static Result<Inspection> create();
+  bool shows(RenderOutput output) const;
+  void draw(const Projection& projection, const SceneTextures& scene, const View& view, const ViewTarget& target) const;
+
+ private:
+  gl::Program program_;
+};
+
+/// The refusals that all renderers share.
+Result<void> check_render(const SceneTextures& scene, const View& view, const RendererOptions& options);
+
+/// What render() returns once the target is drawn.
+RenderedView rendered_view(const SceneTextures& scene, const View& view, const Projection& projection,
+                           const ViewTarget& target);
+
+}  // namespace floatstage

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "render/camera_choice.h"
+#include "render/gl_objects.h"
+#include "render/renderer.h"
+
+namespace floatstage {
+
+/// A rectangle of a view, px. May reach beyond the view on every side.
+struct Window {
+  int x = 0, y = 0, width = 0, height = 0;
+  bool empty() const { return width <= 0 || height <= 0; }
+};
+
+/// Uniforms of every pass (std140; shaders/view.glsl has the twin).
+struct ViewBlock {
+  std::array<float, 16> clip_from_world, world_from_view;
+  std::array<float, 4> view_center, view_k, window, settings, background;
+  std::array<int, 4> counts;
+  std::array<std::array<int, 4>, 2> camera_list;
+  std::array<std::array<float, 4>, kMostListed> camera_fade;
+};
+static_assert(sizeof(ViewBlock) == 128 + 5 * 16 + 3 * 16 + kMostListed * 16);
+
+/// InvalidArgument with a sentence for a view that cannot be drawn.
+Result<void> check(const View& view);
+
+/// The part of a view that a mesh covers, grown by `margin` px, cut at the view's border plus `margin`, with corners on
+/// multiples of 16 px (so that coarse levels of the flow see the same grid from view to view).
+Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions, int margin);
+
+/// The first half of every renderer: the proxy from the view, who sees what (depth maps, frame, matte), soft
+/// visibility (Eq. 11.5), and the cameras' weights, all as textures over a window of the view.
+class Projection {
+ public:
+  static Result<Projection> create();
+
+  /// Runs the passes. `one_camera` gives all weight to the best visible camera of each pixel. After it the uniforms,
+  /// the camera buffer and the photographs stay bound for passes that go on from here.
+  void run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin, bool one_camera);
+
+  const Window& window() const { return window_; }
+  const CameraChoice& choice() const { return choice_; }
+  GLuint surface() const { return surface_.id(); }          ///< RGBA32F: normal, z
+  GLuint visibility() const { return visibility_.id(); }    ///< RG32UI: bits, proxy
+  GLuint weights(int i) const { return weights_[i].id(); }  ///< RGBA16F, i = 0, 1: slots 0-3, 4-7
+  GLuint soft(int i) const { return soft_[i].id(); }
+  GLuint angular(int i) const { return angular_[i].id(); }
+
+  /// Draws one triangle over the window-sized viewport of `framebuffer` with these textures at units 1, 2, …
+  void draw(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures) const;
+  void draw_at(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures, int x, int y,
+               int width, int height) const;
+
+ private:
+  Projection() = default;
+  void reserve();
+  void write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options, bool one_camera);
+
+  gl::Program depth_map_, proxy_, visibility_pass_, soft_rows_, weights_pass_;
+  gl::Buffer uniforms_;
+  std::size_t uniform_capacity_ = 0;
+  gl::VertexArray no_vertices_;
+  gl::Texture surface_, z_buffer_, visibility_, row_distances_;
+  std::array<gl::Texture, 2> angular_, weights_, soft_;
+  gl::Framebuffer surface_target_, visibility_target_, rows_target_, weights_target_;
+  Window window_;
+  CameraChoice choice_;
+};
+
+/// The picture a renderer hands out: RGBA8 of the view's size, cleared to the background with alpha 0.
+class ViewTarget {
+ public:
+  void begin(int width, int height, const std::array<float, 3>& background);
+  GLuint framebuffer() const { return framebuffer_.id(); }
+  GLuint texture() const { return color_.id(); }
+
+ private:
+  gl::Texture color_;
+  gl::Framebuffer framebuffer_;
+};
+
+/// Declares `count` colour attachments.
+void set_draw_buffers(const gl::Framebuffer& framebuffer, int count);
+
+}  // namespace floatstage

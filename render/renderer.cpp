@@ -1,0 +1,70 @@
+#include "render/renderer.h"
+
+#include <epoxy/gl.h>
+
+#include <cmath>
+
+#include "core/text.h"
+#include "render/blend_renderer.h"
+#include "render/camera_choice.h"
+#include "render/floating_renderer.h"
+
+namespace floatstage {
+namespace {
+
+constexpr double kLargestRadius = 64;  // px; distances are stored in bytes
+
+// The table of renderers: one line each.
+struct Entry {
+  const char* name;
+  const char* help;
+  Result<std::unique_ptr<ViewRenderer>> (*make)();
+};
+constexpr Entry kRenderers[] = {
+    {"nearest", "the best camera per pixel, no blending", [] { return make_blend_renderer(true); }},
+    {"linear", "Unstructured Lumigraph: photographs blended by viewing angle", [] { return make_blend_renderer(false); }},
+    {"floating", "Floating Textures: photographs aligned by optical flow, then blended", make_floating_renderer},
+};
+
+}  // namespace
+
+const std::vector<std::string>& render_output_names() {
+  static const std::vector<std::string> names = {"color", "weights",  "visibility", "soft-visibility",
+                                                 "flow",  "ghosting", "depth"};
+  return names;
+}
+
+Result<void> check(const RendererOptions& o) {
+  auto bad = [](const auto&... parts) { return fail(ErrorCode::InvalidArgument, text(parts...)); };
+  if (o.cameras < 1 || o.cameras > kMostListed) return bad(o.cameras, " photographs a view; 1 to ", kMostListed, " are possible");
+  if (!(o.soft_radius >= 0) || o.soft_radius > kLargestRadius)
+    return bad("the soft visibility radius ", o.soft_radius, " px is not between 0 and ", kLargestRadius);
+  if (!(o.depth_tolerance >= 0) || !std::isfinite(o.depth_tolerance))
+    return bad("the depth tolerance ", o.depth_tolerance, " m is negative or not a number");
+  for (float c : o.background)
+    if (!(c >= 0) || !(c <= 1)) return bad("the background colour ", c, " is not between 0 and 1");
+  return {};
+}
+
+Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name) {
+  std::string known;
+  for (const Entry& entry : kRenderers) {
+    if (name == entry.name) return entry.make();
+    known += text(known.empty() ? "" : ", ", entry.name);
+  }
+  return fail(ErrorCode::InvalidArgument, text("unknown renderer '", name, "'; there are: ", known));
+}
+
+std::vector<RendererInfo> renderers() {
+  std::vector<RendererInfo> list;
+  for (const Entry& entry : kRenderers) list.push_back({entry.name, entry.help});
+  return list;
+}
+
+Image download(const RenderedView& view) {
+  Image image(view.width, view.height, 4);
+  glGetTextureImage(view.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.pixels.size()), image.pixels.data());
+  return image;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "core/rig.h"
+#include "render/camera_block.h"
+#include "render/depth_maps.h"
+#include "render/gl_objects.h"
+#include "render/scene_textures.h"
+
+namespace floatstage {
+
+struct SceneTextures::Impl {
+  std::vector<RigCamera> cameras;   ///< those in use, in the rig's order
+  std::vector<int> rig_index;       ///< of each, in the rig
+  std::vector<Eigen::Vector3f> positions;  ///< the mesh's, for the views' windows
+  std::vector<Eigen::Vector3f> samples;    ///< a few of them, spread over the mesh, for ranking cameras
+  Eigen::AlignedBox3f box;
+  GLsizei indices = 0;
+
+  gl::Texture photographs;  ///< RGBA8 array, alpha is the matte; layer i belongs to cameras[i]
+  gl::Buffer camera_buffer, vertex_buffer, index_buffer;
+  std::size_t camera_capacity = 0, vertex_capacity = 0, index_capacity = 0;
+  gl::VertexArray mesh;
+  mutable DepthMaps depth_maps;  ///< a cache: rendered by the first view that needs a camera
+};
+
+}  // namespace floatstage

@@ -1,0 +1,40 @@
+// The weighted mean of the projected photographs (Eq. 9.1), or how far they disagree.
+layout(binding = 1) uniform sampler2D surface;
+layout(binding = 2) uniform sampler2D weights0;
+layout(binding = 3) uniform sampler2D weights1;
+layout(location = 0) uniform ivec2 window_in_target;
+layout(location = 0) out vec4 color;
+
+const float kFaint = 1e-4;  // below half an 8-bit step even against the strongest contrast
+
+vec3 projected(int slot, vec3 world) {
+  int index = listed(slot);
+  vec2 pixel;
+  photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel);
+  return photo(index, pixel).rgb;
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  float z = texelFetch(surface, at, 0).w;
+  if (z >= kNothing) discard;
+  vec3 world = world_at(vec2(at) + 0.5, z), sum = vec3(0.0);
+  vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
+  float total = 0.0;
+  for (int slot = 0; slot < view.counts.x; ++slot) {
+    float w = slot < 4 ? w0[slot] : w1[slot - 4];
+    if (w < kFaint) continue;
+    sum += w * projected(slot, world);
+    total += w;
+  }
+  vec3 mean = sum / max(total, 1e-6);
+  color = vec4(mean, 1.0);
+  if (view.counts.w == kGhosting) {
+    float apart = 0.0;
+    for (int slot = 0; slot < view.counts.x; ++slot) {
+      float w = slot < 4 ? w0[slot] : w1[slot - 4];
+      if (w >= kFaint) apart += w / total * distance(projected(slot, world), mean);
+    }
+    color.rgb = heat(3.0 * apart);
+  }
+}

@@ -1,0 +1,48 @@
+// The photographs' cameras. Mirrors CameraBlock in render/camera_block.h.
+struct Camera {
+  mat4 cam_from_world;
+  vec4 center;      // world
+  vec4 intrinsics;  // fx, fy, cx, cy
+  vec4 lens;        // Brown-Conrady k1 k2 p1 p2, or fisheye k1 k2 k3 k4
+  vec4 lens_more;   // Brown-Conrady k3, skew, largest r² the lens is good for, lens type
+  vec4 image;       // width, height, layer, unused
+  vec4 depth;       // depth map pixel = xy * (x/z, y/z) + zw
+};
+layout(std430, binding = 0) readonly buffer Cameras { Camera cameras[]; };
+
+layout(binding = 0) uniform sampler2DArray photographs;
+
+const float kPinhole = 0.0, kBrownConrady = 1.0;
+
+// Where the lens puts a point of camera coordinates: exact, so photographs are never resampled. False: not in the
+// picture.
+bool photo_pixel(int index, vec3 p, out vec2 pixel) {
+  pixel = vec2(-1.0);
+  if (p.z <= 0.0) return false;
+  vec2 n = p.xy / p.z;
+  vec4 more = cameras[index].lens_more;
+  if (more.w != kPinhole) {
+    vec4 l = cameras[index].lens;
+    float r2 = dot(n, n);
+    if (r2 > more.z) return false;
+    if (more.w == kBrownConrady) {
+      float radial = 1.0 + r2 * (l.x + r2 * (l.y + r2 * more.x));
+      n = n * radial + vec2(2.0 * l.z * n.x * n.y + l.w * (r2 + 2.0 * n.x * n.x),
+                            l.z * (r2 + 2.0 * n.y * n.y) + 2.0 * l.w * n.x * n.y);
+    } else if (r2 > 1e-12) {
+      float r = sqrt(r2), t = atan(r), q = t * t;
+      n *= t * (1.0 + q * (l.x + q * (l.y + q * (l.z + q * l.w)))) / r;
+    }
+  }
+  vec4 k = cameras[index].intrinsics;
+  pixel = vec2(k.x * n.x + more.y * n.y + k.z, k.y * n.y + k.w);
+  vec2 size = cameras[index].image.xy;
+  return all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, size));
+}
+
+// Colour and opacity (the matte) of a photograph at a pixel, bilinear.
+vec4 photo(int index, vec2 pixel) {
+  vec4 image = cameras[index].image;
+  pixel = clamp(pixel, vec2(0.5), image.xy - 0.5);
+  return textureLod(photographs, vec3(pixel / vec2(textureSize(photographs, 0).xy), image.z), 0.0);
+}

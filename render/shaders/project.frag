@@ -1,0 +1,39 @@
+// The intermediate images I_i^v: each chosen photograph through the proxy; where its camera sees nothing, the colour
+// of the strongest camera that does. Alpha 0: no proxy.
+layout(binding = 1) uniform sampler2D surface;
+layout(binding = 2) uniform sampler2D weights0;
+layout(binding = 3) uniform sampler2D weights1;
+layout(binding = 4) uniform usampler2D visibility;
+layout(location = 0) out vec4 images[kMaxListed];
+
+vec3 projected(int slot, vec3 world) {
+  int index = listed(slot);
+  vec2 pixel;
+  photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel);
+  return photo(index, pixel).rgb;
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  for (int slot = 0; slot < kMaxListed; ++slot) images[slot] = vec4(0.0);
+  float z = texelFetch(surface, at, 0).w;
+  if (z >= kNothing) return;
+  vec3 world = world_at(gl_FragCoord.xy, z);
+  vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
+  int best = 0;
+  float best_weight = -1.0;
+  for (int slot = 0; slot < view.counts.x; ++slot) {
+    float w = slot < 4 ? w0[slot] : w1[slot - 4];
+    if (w > best_weight) {
+      best_weight = w;
+      best = slot;
+    }
+  }
+  uint seen = texelFetch(visibility, at, 0).x | 1u << best;
+  vec3 fill = projected(best, world);
+  for (int slot = 0; slot < kMaxListed; ++slot) {
+    if (slot >= view.counts.y) break;
+    bool own = (seen >> slot & 1u) != 0u;
+    images[slot] = vec4(own ? slot == best ? fill : projected(slot, world) : fill, 1.0);
+  }
+}

@@ -1,0 +1,60 @@
+// Per pixel and listed camera: may it be used here (depth map, picture frame, matte), and its angular weight.
+layout(binding = 1) uniform sampler2D surface;
+layout(binding = 2) uniform sampler2DArray depth_maps;
+layout(location = 0) out uvec4 result;   // x: bit per listed camera, y: the proxy is here
+layout(location = 1) out vec4 angular0;  // 1/angle, signed: negative where the camera's picture does not reach
+layout(location = 2) out vec4 angular1;
+
+const float kSmallestAngle = 2e-5;  // rad (its inverse fits a half float); a camera nearer than this to the viewing ray has all the weight
+const float kGrazing = 0.02;        // cosine below which a camera sees nothing of a surface
+const float kOpaque = 0.5;
+
+// Fraction of the four depth map texels around p that the surface's own plane explains.
+float seen(int index, vec3 p, vec3 n, float tolerance) {
+  float facing = -dot(n, p) * inversesqrt(dot(p, p));
+  if (facing < kGrazing) return 0.0;
+  vec4 window = cameras[index].depth;
+  vec2 at = window.xy * p.xy / p.z + window.zw - 0.5;
+  ivec2 size = textureSize(depth_maps, 0).xy, low = ivec2(floor(at));
+  if (any(lessThan(low, ivec2(0))) || any(greaterThan(low, size - 2))) return 1.0;  // outside the proxy's bounds
+  vec2 f = at - vec2(low);
+  int layer = int(cameras[index].image.z);
+  float plane = dot(n, p), sum = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    ivec2 offset = ivec2(i & 1, i >> 1);
+    vec2 texel = (vec2(low + offset) + 0.5 - window.zw) / window.xy;
+    // The surface is flat only near p: a grazing plane must not explain any depth there is.
+    float expected = clamp(plane / min(dot(n, vec3(texel, 1.0)), -1e-6), p.z - 2.0 * tolerance, p.z + 2.0 * tolerance);
+    float weight = (offset.x == 1 ? f.x : 1.0 - f.x) * (offset.y == 1 ? f.y : 1.0 - f.y);
+    if (texelFetch(depth_maps, ivec3(low + offset, layer), 0).x >= expected - tolerance) sum += weight;
+  }
+  return sum;
+}
+
+void main() {
+  result = uvec4(0u);
+  angular0 = angular1 = vec4(0.0);
+  vec4 s = texelFetch(surface, ivec2(gl_FragCoord.xy), 0);
+  if (s.w >= kNothing) return;
+  result.y = 1u;
+  vec3 world = world_at(gl_FragCoord.xy, s.w);
+  vec3 to_view = normalize(view.view_center.xyz - world);
+  for (int slot = 0; slot < view.counts.x; ++slot) {
+    int index = listed(slot);
+    vec3 p = (cameras[index].cam_from_world * vec4(world, 1.0)).xyz;
+    vec3 to_camera = normalize(cameras[index].center.xyz - world);
+    float chord = distance(to_view, to_camera);  // precise near zero, where acos is not
+    float angular = 1.0 / max(2.0 * asin(min(0.5 * chord, 1.0)), kSmallestAngle);
+    vec2 pixel;
+    if (photo_pixel(index, p, pixel)) {
+      vec3 n = mat3(cameras[index].cam_from_world) * s.xyz;
+      if (photo(index, pixel).a >= kOpaque && seen(index, p, n, view.settings.z) >= 0.5) result.x |= 1u << slot;
+    } else {
+      angular = -angular;
+    }
+    if (slot < 4)
+      angular0[slot] = angular;
+    else
+      angular1[slot - 4] = angular;
+  }
+}
