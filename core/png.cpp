@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <csetjmp>
+#include <cstdint>
 #include <cstring>
 
 #include "core/file.h"
@@ -59,6 +60,8 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
   if (!png_image_begin_read_from_memory(&header, bytes.data(), bytes.size())) return bad(header.message);
   constexpr png_uint_32 kLargest = 1u << 15;
   if (header.width > kLargest || header.height > kLargest) return bad("larger than 32768 px");
+  // Deflate packs at most 1032 to 1 and a pixel has at least one bit: a small file that claims more has no such data.
+  if (header.width / 8 * std::uint64_t{header.height} > std::uint64_t{1032} * bytes.size()) return bad("far shorter than its picture");
   const bool color = header.format & PNG_FORMAT_FLAG_COLOR, alpha = header.format & PNG_FORMAT_FLAG_ALPHA;
   header.format = alpha ? PNG_FORMAT_RGBA : color ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
   Image image(static_cast<int>(header.width), static_cast<int>(header.height), alpha ? 4 : color ? 3 : 1);

@@ -79,6 +79,11 @@ TEST(Png, OfAbsurdSizeCostsNoMemory) {
   EXPECT_THAT(decode(huge), FailsWith(ErrorCode::BadData, "test.png"));
 }
 
+TEST(Png, ThatClaimsFarMoreThanItsBytesCanHoldIsRefusedBeforeMemoryIsTaken) {
+  // A whole header, its checksum too, of 32768x32768 pixels with 40 bytes to follow.
+  EXPECT_THAT(load_png(seed("huge.png")), FailsWith(ErrorCode::BadData, "far shorter than its picture"));
+}
+
 TEST(Png, ThatIsNoPngIsRefused) { EXPECT_THAT(decode("GIF89a, or so it says"), FailsWith(ErrorCode::BadData, "not a whole PNG")); }
 
 TEST(Png, ThatIsNotThereIsNotFound) { EXPECT_THAT(load_png("/nowhere/a.png"), FailsWith(ErrorCode::NotFound, "/nowhere/a.png")); }

@@ -1,0 +1,158 @@
+#include "tests/architecture_rules.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <sstream>
+
+#include "core/text.h"
+
+namespace floatstage::architecture {
+namespace {
+
+constexpr int kMostLines = 600;
+
+std::string first_folder(std::string_view path) { return std::string(path.substr(0, path.find('/'))); }
+
+// "core/synthetic" is a layer of its own; every other path belongs to its first folder.
+std::string layer_of(std::string_view path) { return path.starts_with("core/synthetic/") ? "core/synthetic" : first_folder(path); }
+
+// The same text with comments blanked and line ends kept. Good enough for include lines: no string literals there.
+std::string without_comments(std::string_view cpp) {
+  std::string out;
+  for (std::size_t i = 0; i < cpp.size();) {
+    const bool line = cpp.substr(i, 2) == "//", block = cpp.substr(i, 2) == "/*";
+    if (!line && !block) {
+      out += cpp[i++];
+      continue;
+    }
+    const std::size_t end = std::min(cpp.find(line ? "\n" : "*/", i + 2), cpp.size());
+    for (; i < end; ++i)
+      if (cpp[i] == '\n') out += '\n';
+    if (block) i = std::min(i + 2, cpp.size());
+  }
+  return out;
+}
+
+bool is_standard_or_eigen(const std::string& target) {
+  if (target.starts_with("Eigen/")) return true;
+  return std::all_of(target.begin(), target.end(), [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; });
+}
+
+bool is_cpp(std::string_view path) { return path.ends_with(".h") || path.ends_with(".cpp"); }
+
+// Why `from` must not include `target`, or nothing.
+std::string layering_fault(const std::string& from, const std::string& target, const std::set<std::string>& public_headers) {
+  const std::string here = layer_of(from), there = layer_of(target);
+  const bool known = stages().contains(there) || there == "core" || there == "core/synthetic" || there == "apps" || there == "tests";
+  if (!known || here == there || here == "tests") return "";
+  if (there == "tests") return "the product must not include tests";
+  if (there == "apps") return "only apps composes: nothing below includes it";
+  if (there == "core/synthetic") {
+    if (here == "apps" || from.starts_with("capture/synthetic")) return "";
+    return "core/synthetic is for apps, tests and capture's synthetic source alone";
+  }
+  if (here == "apps" && stages().contains(there) && !public_headers.contains(target))
+    return "apps includes a header that docs/architecture.md does not name as public";
+  if (here != "apps" && stages().contains(there)) return here.starts_with("core") ? "core must not include a stage" : "a stage must not include another stage";
+  return "";
+}
+
+}  // namespace
+
+const std::set<std::string>& stages() {
+  static const std::set<std::string> names = {"capture", "calib", "matting", "recon", "render", "detail"};
+  return names;
+}
+
+std::vector<Include> includes_of(std::string_view cpp) {
+  std::vector<Include> found;
+  std::istringstream lines(without_comments(cpp));
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::string packed;
+    std::remove_copy_if(line.begin(), line.end(), std::back_inserter(packed), [](unsigned char c) { return std::isspace(c); });
+    const std::string_view directive = "#include";
+    if (!packed.starts_with(directive) || packed.size() < directive.size() + 2) continue;
+    const bool angled = packed[directive.size()] == '<';
+    const std::size_t end = packed.find(angled ? '>' : '"', directive.size() + 1);
+    if (end != std::string::npos) found.push_back({packed.substr(directive.size() + 1, end - directive.size() - 1), angled, number});
+  }
+  return found;
+}
+
+std::set<std::string> public_headers(std::string_view architecture_md) {
+  std::set<std::string> headers;
+  std::istringstream lines{std::string(architecture_md)};
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, '|');) cells.push_back(cell);
+    // | `core/` | in and out | `time frame …` | …
+    if (cells.size() < 4) continue;
+    const std::size_t begin = cells[1].find('`'), end = cells[1].find("/`");
+    if (begin == std::string::npos || end == std::string::npos) continue;
+    const std::string folder = cells[1].substr(begin + 1, end - begin);
+    std::string names = cells[3];
+    std::replace(names.begin(), names.end(), '`', ' ');
+    std::istringstream words(names);
+    for (std::string name; words >> name;) headers.insert(folder + name + ".h");
+  }
+  return headers;
+}
+
+std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& files, const std::set<std::string>& headers) {
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    if (!is_cpp(file.path)) continue;
+    for (const Include& include : includes_of(file.text))
+      if (const std::string fault = layering_fault(file.path, include.target, headers); !fault.empty())
+        breaches.push_back(text(file.path, ":", include.line, ": includes ", include.target, ": ", fault));
+  }
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_public_headers(const std::vector<SourceFile>& files, const std::set<std::string>& headers) {
+  std::map<std::string, const SourceFile*> by_path;
+  for (const SourceFile& file : files) by_path[file.path] = &file;
+  std::vector<std::string> breaches;
+  std::set<std::string> seen = headers;
+  std::vector<std::string> waiting(headers.begin(), headers.end());
+  while (!waiting.empty()) {
+    const std::string path = waiting.back();
+    waiting.pop_back();
+    const auto file = by_path.find(path);
+    if (file == by_path.end()) {
+      breaches.push_back(path + ": docs/architecture.md names this header, and it is not there");
+      continue;
+    }
+    for (const Include& include : includes_of(file->second->text)) {
+      const bool ours = !include.angled && by_path.contains(include.target);
+      if (ours && seen.insert(include.target).second) waiting.push_back(include.target);
+      if (!ours && !(include.angled && is_standard_or_eigen(include.target)))
+        breaches.push_back(text(path, ":", include.line, ": includes ", include.target,
+                                ": a public header names only the standard library, Eigen and our headers"));
+    }
+  }
+  std::sort(breaches.begin(), breaches.end());
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_folder_names(const std::vector<std::string>& folders) {
+  const std::set<std::string> refused = {"util", "utils", "common", "include", "third_party"};
+  std::vector<std::string> breaches;
+  for (const std::string& folder : folders)
+    if (refused.contains(folder.substr(folder.rfind('/') + 1))) breaches.push_back(folder + ": a folder of this name says nothing of what is in it");
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_length(const std::vector<SourceFile>& files) {
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    const auto lines = std::count(file.text.begin(), file.text.end(), '\n');
+    if (lines > kMostLines) breaches.push_back(text(file.path, ": ", lines, " lines; cut it into ideas of at most ", kMostLines));
+  }
+  return breaches;
+}
+
+}  // namespace floatstage::architecture

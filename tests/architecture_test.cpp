@@ -1,0 +1,146 @@
+// Reads the project's own sources and holds them to docs/architecture.md.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/file.h"
+#include "tests/architecture_rules.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage::architecture {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::filesystem::path kRoot = FLOATSTAGE_SOURCE_DIR;
+
+std::string read(const std::filesystem::path& file) {
+  const Result<std::string> bytes = read_file(file);
+  EXPECT_THAT(bytes, IsOk());
+  return bytes ? *bytes : "";
+}
+
+bool is_source(const std::filesystem::path& file) {
+  const std::set<std::string> kinds = {".h", ".cpp", ".in", ".glsl", ".vert", ".frag", ".comp", ".cmake"};
+  return kinds.contains(file.extension().string()) || file.filename() == "CMakeLists.txt";
+}
+
+// What lies in the folders of the product and its tests; builds, takes and hidden folders lie elsewhere.
+struct Project {
+  std::vector<SourceFile> files;
+  std::vector<std::string> folders;
+
+  Project() {
+    std::vector<std::string> tops(stages().begin(), stages().end());
+    for (const char* top : {"core", "apps", "tests", "docs", "config"}) tops.push_back(top);
+    for (const auto& entry : std::filesystem::directory_iterator(kRoot))
+      if (entry.is_directory()) folders.push_back(entry.path().filename().string());
+    for (const std::string& top : tops) {
+      if (!std::filesystem::is_directory(kRoot / top)) continue;
+      for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot / top)) {
+        const std::string path = std::filesystem::relative(entry.path(), kRoot).generic_string();
+        if (entry.is_directory()) folders.push_back(path);
+        if (entry.is_regular_file() && is_source(entry.path())) files.push_back({path, read(entry.path())});
+      }
+    }
+  }
+};
+
+std::set<std::string> headers_of_the_table() { return public_headers(read(kRoot / "docs/architecture.md")); }
+
+TEST(Architecture, IsReadFromTheWholeProject) {
+  const Project project;
+  EXPECT_GT(project.files.size(), 50u);
+  const std::set<std::string> headers = headers_of_the_table();
+  for (const char* header : {"core/rig.h", "core/synthetic/synthetic_studio.h", "capture/take.h", "matting/keyer.h", "recon/visual_hull.h", "render/renderer.h"})
+    EXPECT_TRUE(headers.contains(header)) << header;
+}
+
+TEST(Architecture, LetsOnlyAppsComposeTheStages) { EXPECT_THAT(breaches_of_layering(Project().files, headers_of_the_table()), IsEmpty()); }
+
+TEST(Architecture, KeepsOtherLibrariesOutOfPublicHeaders) { EXPECT_THAT(breaches_of_public_headers(Project().files, headers_of_the_table()), IsEmpty()); }
+
+TEST(Architecture, HasNoFolderForLeftovers) { EXPECT_THAT(breaches_of_folder_names(Project().folders), IsEmpty()); }
+
+TEST(Architecture, KeepsFilesShort) { EXPECT_THAT(breaches_of_length(Project().files), IsEmpty()); }
+
+// From here on: the rules find what they are for.
+
+std::vector<std::string> layering(const char* path, const char* text) { return breaches_of_layering({{path, text}}, {"matting/keyer.h"}); }
+
+TEST(IncludesOf, FindsBothKindsAndSkipsComments) {
+  const std::vector<Include> found = includes_of("// #include \"a.h\"\n/* x\n#include <b>\n*/\n#include \"c/d.h\"  // why\n  #  include <Eigen/Core>\n");
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].target, "c/d.h");
+  EXPECT_FALSE(found[0].angled);
+  EXPECT_EQ(found[0].line, 5);
+  EXPECT_EQ(found[1].target, "Eigen/Core");
+  EXPECT_TRUE(found[1].angled);
+  EXPECT_EQ(found[1].line, 6);
+}
+
+TEST(PublicHeaders, AreTheThirdColumnOfTheTable) {
+  EXPECT_THAT(public_headers("| folder | a | b |\n| --- | --- | --- |\n| `core/` | the words | `time frame` | x |\n| `core/synthetic/` | y | `studio` |\n"),
+              ElementsAre("core/frame.h", "core/synthetic/studio.h", "core/time.h"));
+}
+
+TEST(Layering, FindsAStageThatIncludesAnother) {
+  EXPECT_THAT(layering("recon/hull.cpp", "#include \"core/rig.h\"\n#include \"matting/keyer.h\"\n"),
+              ElementsAre(HasSubstr("recon/hull.cpp:2: includes matting/keyer.h: a stage must not")));
+  EXPECT_THAT(layering("recon/hull.cpp", "#include <matting/keyer.h>\n"), testing::SizeIs(1)) << "angle brackets hide nothing";
+}
+
+TEST(Layering, FindsCoreThatKnowsAStage) {
+  EXPECT_THAT(layering("core/rig.h", "#include \"matting/keyer.h\"\n"), ElementsAre(HasSubstr("core must not")));
+  EXPECT_THAT(layering("core/synthetic/studio.cpp", "#include \"capture/take.h\"\n"), ElementsAre(HasSubstr("core must not")));
+}
+
+TEST(Layering, KeepsTheSyntheticStudioFromStages) {
+  const char* studio = "#include \"core/synthetic/synthetic_studio.h\"\n";
+  EXPECT_THAT(layering("matting/keyer.cpp", studio), ElementsAre(HasSubstr("core/synthetic is for")));
+  EXPECT_THAT(layering("core/rig.cpp", studio), ElementsAre(HasSubstr("core/synthetic is for")));
+  EXPECT_THAT(layering("capture/synthetic_source.cpp", studio), IsEmpty());
+  EXPECT_THAT(layering("apps/synthesize.cpp", studio), IsEmpty());
+}
+
+TEST(Layering, KeepsAppsToPublicHeaders) {
+  EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/keyer.h\"\n#include \"apps/film.h\"\n#include \"core/json_fields.h\"\n"), IsEmpty());
+  EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/backing.h\"\n"), ElementsAre(HasSubstr("does not name as public")));
+}
+
+TEST(Layering, KeepsAppsAndTestsOutOfTheStages) {
+  EXPECT_THAT(layering("render/ulr.cpp", "#include \"apps/film.h\"\n"), ElementsAre(HasSubstr("only apps composes")));
+  EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"), ElementsAre(HasSubstr("must not include tests")));
+  EXPECT_THAT(layering("tests/recon/hull_test.cpp", "#include \"recon/octree.h\"\n#include \"matting/backing.h\"\n"), IsEmpty());
+}
+
+TEST(PublicHeaderRule, FindsOtherLibrariesAlsoBehindAPrivateHeader) {
+  const std::vector<SourceFile> files = {{"core/rig.h", "#include <vector>\n#include <Eigen/Core>\n#include \"core/inner.h\"\n"},
+                                         {"core/inner.h", "#include <opencv2/core.hpp>\n#include <unistd.h>\n#include \"json.hpp\"\n"},
+                                         {"core/free.h", "#include <png.h>\n"}};
+  EXPECT_THAT(breaches_of_public_headers(files, {"core/rig.h"}),
+              ElementsAre(HasSubstr("core/inner.h:1: includes opencv2/core.hpp"), HasSubstr("core/inner.h:2: includes unistd.h"),
+                          HasSubstr("core/inner.h:3: includes json.hpp")));
+}
+
+TEST(PublicHeaderRule, FindsAHeaderThatIsOnlyInTheTable) {
+  EXPECT_THAT(breaches_of_public_headers({}, {"core/gone.h"}), ElementsAre(HasSubstr("core/gone.h")));
+}
+
+TEST(FolderNames, FindsDrawersForLeftovers) {
+  EXPECT_THAT(breaches_of_folder_names({"core", "common", "render/util", "docs/adr", "third_party", "apps/include"}), testing::SizeIs(4));
+  EXPECT_THAT(breaches_of_folder_names({"core/utility_room"}), IsEmpty());
+}
+
+TEST(Length, FindsAFileOfMoreThanSixHundredLines) {
+  EXPECT_THAT(breaches_of_length({{"a.cpp", std::string(600, '\n')}}), IsEmpty());
+  EXPECT_THAT(breaches_of_length({{"a.cpp", std::string(601, '\n')}}), ElementsAre(HasSubstr("a.cpp: 601 lines")));
+}
+
+}  // namespace
+}  // namespace floatstage::architecture
