@@ -38,7 +38,7 @@ float freckles(const Vector3f& p, float size, float density, float footprint, st
 Vector3f skin_albedo(const Vector3f& rest, float footprint, std::uint32_t seed) {
   Vector3f color(0.89f, 0.68f, 0.56f);
   color *= 0.95f + 0.10f * value_noise(rest / 0.035f, seed);
-  blend(color, {0.62f, 0.38f, 0.27f}, 0.7f * freckles(rest, 0.0022f, 0.5f, footprint, seed + 10));
+  blend(color, {0.62f, 0.38f, 0.27f}, 0.45f * freckles(rest, 0.0022f, 0.3f, footprint, seed + 10));
   return color;
 }
 
@@ -62,7 +62,7 @@ Vector3f face_albedo(const Vector3f& rest, float w, std::uint32_t seed) {
   blend(color, {1.0f, 1.0f, 1.0f}, ellipse(x - std::copysign(0.032f, x) - 0.0022f, ez - 0.0026f, 0.0018f, 0.0018f, w));
 
   // Brows: bars that slope a little, with hair texture.
-  const float bz = z - 0.027f + 0.35f * (side - 0.034f) * (side > 0.034f ? 1.0f : 0.35f);
+  const float bz = z - 0.0275f + (side > 0.036f ? 0.45f : -0.22f) * (side - 0.036f);
   const float brow_hair = 0.75f + 0.25f * stripes(side + 0.4f * z, 0.004f, 0.6f, w);
   blend(color, {0.20f, 0.12f, 0.08f}, brow_hair * ellipse(side - 0.033f, bz, 0.0185f, 0.0044f, w));
 

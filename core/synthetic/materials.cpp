@@ -18,11 +18,13 @@ constexpr float kPi = std::numbers::pi_v<float>;
 
 void blend(Vector3f& color, const Vector3f& over, float opacity) { color += (over - color) * opacity; }
 
-// Woven cloth: soft unevenness, and grain that is left out where a ray cannot see it.
+// Woven cloth: wrinkles (painted, so that the shells stay smooth), and grain that is left out where a ray cannot see it.
 float weave(const Vector3f& p, float footprint, std::uint32_t seed) {
-  constexpr float kGrain = 0.004f;
+  constexpr float kGrain = 0.005f;
   const float seen = std::clamp(1.6f - footprint / kGrain, 0.0f, 1.0f);
-  return 1 + 0.12f * (value_noise(p / 0.06f, seed) - 0.5f) + 0.26f * seen * (value_noise(p / kGrain, seed + 1) - 0.5f);
+  const float bend = value_noise(p / 0.11f, seed);
+  const float wrinkle = std::abs(2 * value_noise({p.x() / 0.07f + 2 * bend, p.y() / 0.07f, p.z() / 0.045f + 2 * bend}, seed + 2) - 1);
+  return 1.02f + 0.07f * (bend - 0.5f) - 0.10f * std::max(0.0f, 1 - 4 * wrinkle) + 0.13f * seen * (value_noise(p / kGrain, seed + 1) - 0.5f);
 }
 
 // A line of print centred on x = 0 with its top at `top`; x to the reader's right. `dot` is one dot's size in metres.

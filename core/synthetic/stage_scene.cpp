@@ -23,13 +23,13 @@ struct Lamp {
 // overall light from the ceiling, and what floor and walls throw back.
 std::array<Lamp, kLamps> lamps() {
   std::array<Lamp, kLamps> result;
-  const Vector3f key = Vector3f(-0.55f, 0.75f, 0.85f).normalized(), back = Vector3f(0.6f, -0.7f, 0.7f).normalized();
+  const Vector3f key = Vector3f(-0.8f, 0.7f, 0.7f).normalized(), back = Vector3f(0.6f, -0.7f, 0.7f).normalized();
   for (int i = 0; i < kLamps; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / kLamps;
     const float azimuth = static_cast<float>(i) * std::numbers::pi_v<float> * (3 - std::sqrt(5.0f)), r = std::sqrt(1 - z * z);
     const Vector3f d(r * std::cos(azimuth), r * std::sin(azimuth), z);
     const float toward_key = std::max(0.0f, d.dot(key)), toward_back = std::max(0.0f, d.dot(back));
-    result[static_cast<std::size_t>(i)] = {d, 0.30f + 0.22f * std::max(0.0f, z) + 1.0f * std::pow(toward_key, 4.0f) + 0.6f * std::pow(toward_back, 4.0f),
+    result[static_cast<std::size_t>(i)] = {d, 0.12f + 0.15f * std::max(0.0f, z) + 1.5f * std::pow(toward_key, 4.0f) + 0.6f * std::pow(toward_back, 4.0f),
                                           z < 0.6f ? 1.0f : 0.0f};
   }
   return result;
@@ -194,7 +194,7 @@ Vector3f StageScene::shade(const Hit& hit, float footprint, float spill, std::ui
   }
   const Vector3f color = albedo(point, seed);
   // Square root: albedo is in gamma space, where half the light is not half the value.
-  const Vector3f lit = color * (0.16f + 0.92f * std::sqrt(light));
+  const Vector3f lit = color * (0.10f + 1.12f * std::sqrt(light));
   if (spill == 0) return lit;
   // Even black cloth and hair shine a little green beside a green wall.
   const Vector3f green(0.06f, 0.34f, 0.12f);

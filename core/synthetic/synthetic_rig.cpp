@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 const Eigen::Vector3d kMiddle(0, 0, 1.0);                  // of the performer
-constexpr double kHalfHeight = 1.12, kHalfWidth = 0.95;  // metres around the middle that every picture shows
+constexpr double kHalfHeight = 1.06, kHalfWidth = 0.95;  // metres around the middle that every picture shows
 
 Eigen::Vector3d eye(const SyntheticRigOptions& o, int i) {
   if (o.shape == RigShape::Ring) {

@@ -6,6 +6,7 @@
 #include <list>
 #include <mutex>
 
+#include "core/parallel.h"
 #include "core/random.h"
 #include "core/synthetic/calibration_error.h"
 #include "core/synthetic/performer.h"
@@ -56,10 +57,9 @@ struct SyntheticStudio::Impl {
       : options(o), true_rig(rig), published(synthetic::with_calibration_error(rig, o.defects.calibration_error, o.seed)),
         sensor{o.seed, o.defects, o.frame_rate}, performer(o.seed), room(rig, o.green_room, o.seed),
         device(rtcNewDevice("threads=1,set_affinity=0")) {
-    for (const RigCamera& c : rig.cameras) {
-      cameras.emplace_back(c.model, c.cam_from_world);
-      plates.push_back(synthetic::photograph_room(cameras.back(), room));
-    }
+    for (const RigCamera& c : rig.cameras) cameras.emplace_back(c.model, c.cam_from_world);
+    plates.resize(cameras.size());
+    parallel_for(cameras.size(), 0, [&](std::size_t i) { plates[i] = synthetic::photograph_room(cameras[i], room); });
   }
 
   synthetic::PhotographOptions photograph_options() const {

@@ -11,12 +11,12 @@ namespace {
 const Defects kEverything{.noise = 2, .lens_k1 = -0.1, .color_gain = 0.05, .calibration_error = 1, .green_spill = 0.5,
                           .dropped_frames = 0.2, .time_jitter = 0.004};
 
-// Twelve shots: four cameras, three frames.
+// Six shots: three cameras, two frames.
 std::vector<SyntheticShot> shoot_all(const SyntheticStudio& studio, int threads, bool backwards) {
-  std::vector<SyntheticShot> shots(12);
+  std::vector<SyntheticShot> shots(6);
   parallel_for(shots.size(), threads, [&](std::size_t i) {
     const std::size_t k = backwards ? shots.size() - 1 - i : i;
-    shots[k] = studio.shoot(static_cast<int>(k % 4), static_cast<int>(k / 4));
+    shots[k] = studio.shoot(static_cast<int>(k % 3), static_cast<int>(k / 3));
   });
   return shots;
 }
@@ -30,7 +30,7 @@ TEST(SyntheticStudio, GivesTheSameBytesForTheSameSeed) {
 TEST(SyntheticStudio, GivesTheSameBytesInAnyOrderAndAtAnyThreadCount) {
   const SyntheticStudio studio = studio_with(small_rig(), quick_options(kEverything));
   const auto expected = shoot_all(studio, 1, false);
-  for (const auto& shots : {shoot_all(studio, 1, true), shoot_all(studio, 2, false), shoot_all(studio, 5, true)})
+  for (const auto& shots : {shoot_all(studio, 1, true), shoot_all(studio, 5, false)})
     for (std::size_t i = 0; i < shots.size(); ++i) EXPECT_TRUE(same_shot(expected[i], shots[i])) << i;
 }
 
