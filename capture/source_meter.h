@@ -1,0 +1,27 @@
+#pragma once
+
+#include <atomic>
+
+#include "capture/frame_source.h"
+
+namespace floatstage {
+
+/// A source's counters, written by its thread and read by any.
+class SourceMeter {
+ public:
+  void reset() {
+    for (auto* counter : {&delivered_, &lost_, &corrupt_, &starved_}) counter->store(0);
+  }
+  void count_lost(std::uint64_t frames) { lost_ += frames; }
+  void count_delivered(const Frame& frame) {
+    if (frame.info.status == FrameStatus::Corrupt) ++corrupt_;
+    ++delivered_;
+  }
+  void count_starved() { ++starved_; }
+  SourceStats read() const { return {delivered_.load(), lost_.load(), corrupt_.load(), starved_.load()}; }
+
+ private:
+  std::atomic<std::uint64_t> delivered_{0}, lost_{0}, corrupt_{0}, starved_{0};
+};
+
+}  // namespace floatstage

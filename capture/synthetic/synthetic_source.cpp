@@ -1,0 +1,91 @@
+#include "capture/synthetic/synthetic_source.h"
+
+#include <climits>
+
+#include "capture/source_meter.h"
+#include "capture/source_uri.h"
+#include "core/synthetic/synthetic_studio.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+struct Options {
+  SyntheticRigOptions rig;
+  StudioOptions studio;
+  int camera = 0;
+  int frames = 0;  // 0: endless
+};
+
+class SyntheticSource final : public FrameSource {
+ public:
+  explicit SyntheticSource(Options options) : options_(std::move(options)) {}
+
+  Result<StreamInfo> start() override;
+  Result<Frame> next(Nanoseconds timeout) override;
+  void stop() override { studio_.reset(); }
+  SourceStats stats() const override { return meter_.read(); }
+
+ private:
+  const Options options_;
+  std::unique_ptr<SyntheticStudio> studio_;  // while started
+  int next_ = 0;
+  SourceMeter meter_;
+};
+
+Result<StreamInfo> SyntheticSource::start() {
+  if (studio_) return fail(ErrorCode::InvalidArgument, text("synthetic camera ", options_.camera, " is started already; stop it first"));
+  Result<SyntheticStudio> studio = SyntheticStudio::create(synthetic_rig(options_.rig), options_.studio);
+  if (!studio) return forward(studio);
+  studio_ = std::make_unique<SyntheticStudio>(std::move(*studio));
+  next_ = 0;
+  meter_.reset();
+  StreamInfo info;
+  info.name = studio_->published_rig().cameras[static_cast<std::size_t>(options_.camera)].serial;
+  info.layout = packed_layout(PixelFormat::Rgb8, options_.rig.width, options_.rig.height);
+  info.frame_rate = options_.studio.frame_rate;
+  if (options_.frames > 0) info.frame_count = options_.frames;
+  return info;
+}
+
+Result<Frame> SyntheticSource::next(Nanoseconds) {
+  if (!studio_) return fail(ErrorCode::InvalidArgument, text("synthetic camera ", options_.camera, " is not started; start it first"));
+  const int end = options_.frames > 0 ? options_.frames : INT_MAX;
+  while (next_ < end) {
+    Frame frame = studio_->shoot(options_.camera, next_++).frame;
+    if (frame.empty()) {
+      meter_.count_lost(1);
+      continue;
+    }
+    meter_.count_delivered(frame);
+    return frame;
+  }
+  return fail(ErrorCode::EndOfStream, text("synthetic camera ", options_.camera, ": its ", end, " frames are over"));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, const std::string& uri) {
+  constexpr double kMostDropped = 0.99;  // a camera that loses everything would never deliver
+  UriOptions given(options, uri);
+  Options o;
+  o.rig.cameras = given.integer("cameras", o.rig.cameras, 1, 1000);
+  o.camera = given.integer("camera", 0, 0, o.rig.cameras - 1);
+  o.rig.width = given.integer("width", o.rig.width, 1, 16384);
+  o.rig.height = given.integer("height", o.rig.height, 1, 16384);
+  o.frames = given.integer("frames", 0, 0, INT_MAX - 1);
+  o.studio.seed = given.whole("seed", o.studio.seed);
+  o.studio.frame_rate = given.number("rate", o.studio.frame_rate, 0.001, 100'000);
+  o.studio.samples = given.integer("samples", o.studio.samples, 1, 4096);
+  o.studio.defects.noise = given.number("noise", 0, 0, 255);
+  o.studio.defects.dropped_frames = given.number("dropped", 0, 0, kMostDropped);
+  o.studio.defects.time_jitter = given.number("jitter", 0, 0, 1);
+  const std::string shape = given.word("shape", "ring");
+  if (Result<void> ok = given.finish(kSyntheticUsage); !ok) return forward(ok);
+  if (shape != "ring" && shape != "dome")
+    return fail(ErrorCode::InvalidArgument, text("source '", uri, "': shape=", shape, " is neither ring nor dome"));
+  o.rig.shape = shape == "dome" ? RigShape::QuarterDome : RigShape::Ring;
+  return {std::make_unique<SyntheticSource>(std::move(o))};
+}
+
+}  // namespace floatstage
