@@ -3,10 +3,9 @@
 #include <chrono>
 #include <cmath>
 #include <future>
-#include <iomanip>
+#include <cstring>
 
 #include "apps/interrupt.h"
-#include "apps/picture_sink.h"
 #include "apps/progress.h"
 #include "apps/scene_loader.h"
 #include "core/text.h"
@@ -32,19 +31,6 @@ std::vector<int> schedule(const FilmOptions& options, double take_rate, double p
   return frames;
 }
 
-void copy_over(const Image& rgba, const std::array<float, 3>& background, Image& out, int left) {
-  for (int y = 0; y < rgba.height; ++y) {
-    for (int x = 0; x < rgba.width; ++x) {
-      const std::uint8_t* in = rgba.at(x, y);
-      std::uint8_t* to = out.at(left + x, y);
-      for (int c = 0; c < 3; ++c) {
-        const float under = background[static_cast<std::size_t>(c)] * 255.f, a = static_cast<float>(in[3]) / 255.f;
-        to[c] = static_cast<std::uint8_t>(std::lround(static_cast<float>(in[c]) * a + under * (1 - a)));
-      }
-    }
-  }
-}
-
 Result<void> check(const TakeReader& take, const FilmOptions& options) {
   if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "a film of no frames");
   if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "a film needs a method; see `floatstage render --help`");
@@ -54,9 +40,60 @@ Result<void> check(const TakeReader& take, const FilmOptions& options) {
   return floatstage::check(options.renderer);
 }
 
+// Decodes the next instant while the present one is drawn.
+class SceneStream {
+ public:
+  SceneStream(TakeReader& take, bool suppress_spill, const std::vector<int>& schedule)
+      : take_(take), suppress_spill_(suppress_spill), schedule_(schedule), next_(load(schedule.front())) {}
+
+  Result<SceneFrame> at(std::size_t picture) {
+    Result<SceneFrame> scene = next_.get();
+    std::size_t later = picture + 1;
+    while (later < schedule_.size() && schedule_[later] == schedule_[picture]) ++later;
+    if (later < schedule_.size()) next_ = load(schedule_[later]);
+    return scene;
+  }
+
+ private:
+  std::future<Result<SceneFrame>> load(int frame) {
+    return std::async(std::launch::async, [this, frame] { return load_scene(take_, frame, suppress_spill_); });
+  }
+
+  TakeReader& take_;
+  const bool suppress_spill_;
+  const std::vector<int>& schedule_;
+  std::future<Result<SceneFrame>> next_;
+};
+
 }  // namespace
 
-Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const FilmOptions& options) {
+Image over(const Image& rgba, const std::array<float, 3>& background) {
+  Image rgb(rgba.width, rgba.height, 3);
+  const std::size_t pixels = rgba.pixels.size() / 4;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const int a = rgba.pixels[4 * i + 3];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int under = static_cast<int>(std::lround(background[c] * 255.f));
+      rgb.pixels[3 * i + c] = static_cast<std::uint8_t>((rgba.pixels[4 * i + c] * a + under * (255 - a) + 127) / 255);
+    }
+  }
+  return rgb;
+}
+
+Image side_by_side(const std::vector<Image>& pictures) {
+  int width = 0;
+  for (const Image& p : pictures) width += p.width;
+  Image sheet(width, pictures.front().height, 3);
+  int left = 0;
+  for (const Image& p : pictures) {
+    for (int y = 0; y < p.height; ++y) std::memcpy(sheet.at(left, y), p.at(0, y), static_cast<std::size_t>(p.width) * 3);
+    left += p.width;
+  }
+  return sheet;
+}
+
+Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const FilmOptions& options,
+                               const std::function<Result<void>(FilmPicture)>& visit) {
   if (Result<void> ok = check(take, options); !ok) return forward(ok);
   const Clock::time_point begin = Clock::now();
   std::vector<std::unique_ptr<ViewRenderer>> renderers;
@@ -68,46 +105,34 @@ Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const F
   Result<Eigen::AlignedBox3d> box = subject_box(take);
   if (!box) return forward(box);
 
-  const int columns = static_cast<int>(renderers.size());
-  Result<std::unique_ptr<PictureSink>> sink = open_picture_sink(options.out, options.width * columns, options.height, options.frame_rate);
-  if (!sink) return forward(sink);
-
   const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
   const double film_seconds = static_cast<double>(frames.size()) / options.frame_rate;
-  auto load = [&](int frame) {
-    return std::async(std::launch::async, [&take, &options, frame] { return load_scene(take, frame, options.suppress_spill); });
-  };
-  // The next instant is decoded while this one is drawn.
-  std::future<Result<SceneFrame>> next = load(frames.front());
+  SceneStream scenes(take, options.suppress_spill, frames);
   SceneTextures textures;
   FilmReport report;
   Progress progress("pictures", frames.size());
   for (std::size_t p = 0; p < frames.size(); ++p) {
     if (interrupted()) return cancelled();
-    const bool new_instant = p == 0 || frames[p] != frames[p - 1];
-    if (new_instant) {
-      Result<SceneFrame> scene = next.get();
+    auto in_frame = [&](const Error& e) { return fail(e.code, text("frame ", frames[p], ": ", e.message)); };
+    const Clock::time_point drawing = Clock::now();
+    if (p == 0 || frames[p] != frames[p - 1]) {
+      Result<SceneFrame> scene = scenes.at(p);
       if (!scene) return forward(scene);
-      std::size_t q = p + 1;
-      while (q < frames.size() && frames[q] == frames[p]) ++q;
-      if (q < frames.size()) next = load(frames[q]);
-      if (Result<void> ok = textures.upload(take.rig(), *scene); !ok) return fail(ok.error().code, text("frame ", frames[p], ": ", ok.error().message));
+      if (Result<void> ok = textures.upload(take.rig(), *scene); !ok) return in_frame(ok.error());
     }
     const double film_time = static_cast<double>(p) / options.frame_rate;
-    const View view = view_of(sample(path, film_time / film_seconds * path.duration()), options.width, options.height, *box);
-    Image picture(options.width * columns, options.height, 3);
-    for (int c = 0; c < columns; ++c) {
-      const Clock::time_point drawing = Clock::now();
-      Result<RenderedView> rendered = renderers[static_cast<std::size_t>(c)]->render(textures, view, options.renderer);
-      if (!rendered) return fail(rendered.error().code, text("frame ", frames[p], ": ", rendered.error().message));
-      copy_over(download(*rendered), options.renderer.background, picture, c * options.width);
-      report.render_seconds += since(drawing);
+    const PathKey key = sample(path, film_time / film_seconds * path.duration());
+    FilmPicture picture{static_cast<int>(p), frames[p], view_of(key, options.width, options.height, *box), {}};
+    for (const std::unique_ptr<ViewRenderer>& renderer : renderers) {
+      Result<RenderedView> rendered = renderer->render(textures, picture.view, options.renderer);
+      if (!rendered) return in_frame(rendered.error());
+      picture.renders.push_back(download(*rendered));
     }
-    if (Result<void> ok = (*sink)->write(picture); !ok) return forward(ok);
+    report.render_seconds += since(drawing);
+    if (Result<void> ok = visit(std::move(picture)); !ok) return forward(ok);
     ++report.pictures;
     progress.advance();
   }
-  if (Result<void> ok = (*sink)->finish(); !ok) return forward(ok);
   report.seconds = since(begin);
   return report;
 }

@@ -5,6 +5,7 @@
 #include "apps/json_report.h"
 #include "apps/process.h"
 #include "apps/verbs.h"
+#include "core/take_layout.h"
 #include "core/text.h"
 #include "matting/keyer.h"
 

@@ -3,6 +3,7 @@
 
 #include "apps/film.h"
 #include "apps/json_report.h"
+#include "apps/picture_sink.h"
 #include "apps/renderer_options.h"
 #include "apps/scene_loader.h"
 #include "apps/text_options.h"
@@ -14,7 +15,7 @@ namespace floatstage {
 namespace {
 
 struct Options {
-  std::filesystem::path take, path_file;
+  std::filesystem::path take, path_file, out;
   std::string size = "640x480", method = "floating", frames, json_file;
   bool orbit = false, keep_spill = false;
   double seconds = 0;
@@ -51,12 +52,20 @@ Result<void> run(const Options& given) {
   }
   Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
   if (!gl) return forward(gl);
-  Result<FilmReport> report = render_film(**take, *path, film);
+  const int columns = static_cast<int>(film.methods.size());
+  Result<std::unique_ptr<PictureSink>> sink = open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
+  if (!sink) return forward(sink);
+  Result<FilmReport> report = render_film(**take, *path, film, [&](FilmPicture picture) {
+    std::vector<Image> pictures;
+    for (const Image& rgba : picture.renders) pictures.push_back(over(rgba, film.renderer.background));
+    return (*sink)->write(side_by_side(pictures));
+  });
   if (!report) return forward(report);
-  std::printf("%s: %d pictures of %s in %.1f s (%.1f a second in the renderer)\n", film.out.c_str(), report->pictures,
+  if (Result<void> ok = (*sink)->finish(); !ok) return ok;
+  std::printf("%s: %d pictures of %s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(), report->pictures,
               given.size.c_str(), report->seconds, report->pictures / report->render_seconds);
   if (given.json_file.empty()) return {};
-  return save_json({{"out", film.out.string()}, {"pictures", report->pictures}, {"seconds", report->seconds},
+  return save_json({{"out", given.out.string()}, {"pictures", report->pictures}, {"seconds", report->seconds},
                     {"render_seconds", report->render_seconds}, {"gl", (*gl)->description()}}, given.json_file);
 }
 
@@ -73,7 +82,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
   verb->add_option("--fps", options->film.frame_rate, "Frame rate of the film")->capture_default_str();
   verb->add_option("--seconds", options->seconds, "Length of the film (default: the take's, or the path's)");
   verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4 (default: all)");
-  verb->add_option("--out", options->film.out, "A .mp4, .mkv or .mov file, or a folder for PNGs")->required();
+  verb->add_option("--out", options->out, "A .mp4, .mkv or .mov file, or a folder for PNGs")->required();
   verb->add_flag("--keep-spill", options->keep_spill, "Leave the cloth's colour cast on the photographs");
   add_renderer_flags(*verb, options->renderer);
   verb->add_option("--json", options->json_file, "Write a report as JSON");

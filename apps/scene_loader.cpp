@@ -38,7 +38,9 @@ Result<std::vector<Matte>> load_mattes(const TakeReader& take, int frame) {
     if (alpha->channels != 1 || alpha->width != model.width || alpha->height != model.height)
       return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture of ", model.width, "x", model.height,
                                            " like camera '", rig.cameras[i].serial, "'; remove it and run `floatstage process` again"));
-    mattes[i] = make_matte({.camera = static_cast<int>(i)}, *alpha);
+    FrameInfo source;
+    source.camera = static_cast<int>(i);
+    mattes[i] = make_matte(source, *alpha);
   }
   return mattes;
 }
