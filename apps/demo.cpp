@@ -10,6 +10,7 @@
 #include "apps/picture_sink.h"
 #include "apps/process.h"
 #include "apps/scene_loader.h"
+#include "core/file.h"
 #include "core/text.h"
 #include "render/gl_context.h"
 
@@ -24,9 +25,8 @@ constexpr const char* kProducts[] = {"take", "freeview.mp4", "compare.mp4", "rep
 
 // Only what a demo makes may stand in the folder; that is made again.
 Result<void> clear_earlier_demo(const fs::path& out) {
+  if (Result<void> ok = make_folder(out); !ok) return ok;
   std::error_code error;
-  fs::create_directories(out, error);
-  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", out.string(), ": ", error.message()));
   for (const fs::directory_entry& entry : fs::directory_iterator(out, error)) {
     const fs::path name = entry.path().filename();
     const bool ours = std::any_of(std::begin(kProducts), std::end(kProducts), [&](const char* p) { return name == p; });

@@ -63,8 +63,7 @@ Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int 
   const fs::path temporary = temporary_name(out);
   std::error_code error;
   fs::remove_all(temporary, error);
-  fs::create_directories(temporary, error);
-  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", out.string(), ": ", error.message()));
+  if (Result<void> ok = make_folder(temporary); !ok) return forward(ok);
   return std::unique_ptr<PictureSink>(std::make_unique<FolderSink>(out, temporary));
 }
 

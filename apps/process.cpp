@@ -53,19 +53,25 @@ class Collector {
   std::vector<std::pair<int, std::string>> failures_;
 };
 
-Result<void> make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
-  return {};
-}
-
 // A stage's folder holds products of one set of options; others need --redo, which clears it.
 Result<void> clear_for_redo(const fs::path& folder) {
   std::error_code error;
   fs::remove_all(folder, error);
   if (error) return fail(ErrorCode::Io, text("cannot clear ", folder.string(), ": ", error.message()));
   return {};
+}
+
+// Half-written files of a run that was killed; finished ones have other names.
+void sweep_temporaries(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> halves;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
+    const fs::path finished = entry.path().stem().stem();  // ".000012.tmp.png" → ".000012"
+    if (entry.path() == entry.path().parent_path() / (finished.string() + ".tmp" + entry.path().extension().string()) &&
+        finished.string().starts_with('.'))
+      halves.push_back(entry.path());
+  }
+  for (const fs::path& half : halves) fs::remove(half, error);
 }
 
 Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& options) {
@@ -76,15 +82,14 @@ Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& optio
   if (*before && !options.redo)
     return fail(ErrorCode::AlreadyExists, text(take.layout().folder().string(), " was keyed with '", (*before)->key, "', not '", wanted,
                                                "'; add --redo to make its mattes and meshes again"));
-  if (Result<void> ok = clear_for_redo(take.layout().mattes()); !ok) return forward(ok);
-  if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
-
   KeyingRecord record{wanted, {}};
   for (std::size_t i = 0; i < take.rig().cameras.size(); ++i) {
     Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, static_cast<int>(i), wanted);
     if (!keyer) return forward(keyer);
     record.specs.push_back((*keyer)->spec());
   }
+  if (Result<void> ok = clear_for_redo(take.layout().mattes()); !ok) return forward(ok);
+  if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
   if (Result<void> ok = make_folder(take.layout().mattes()); !ok) return forward(ok);
   if (Result<void> ok = save_keying(record, take.layout(), take.rig()); !ok) return forward(ok);
   return record;
@@ -238,6 +243,8 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   TakeReader& take = **opened;
   ProcessReport report{.frames = take.frame_count(), .cameras = static_cast<int>(take.rig().cameras.size()), .mattes = {}, .meshes = {}};
 
+  sweep_temporaries(take.layout().mattes());
+  sweep_temporaries(take.layout().meshes());
   Result<KeyingRecord> keying = settle_keying(take, options);
   if (!keying) return forward(keying);
   Result<StageReport> mattes = make_mattes(take, *keying, options.threads);

@@ -18,13 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<void> make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
-  return {};
-}
-
 // Portable float map: grey, little-endian, bottom row first as the format wants it.
 std::string to_pfm(const std::vector<float>& depth, int width, int height) {
   std::string bytes = text("Pf\n", width, " ", height, "\n-1.0\n");

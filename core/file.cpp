@@ -64,4 +64,11 @@ Result<void> write_file(const std::filesystem::path& file, std::string_view byte
   return {};
 }
 
+Result<void> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
+  return {};
+}
+
 }  // namespace floatstage

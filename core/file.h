@@ -21,4 +21,7 @@ Result<void> write_file(const std::filesystem::path& file, std::string_view byte
 /// the extension, so that encoders still know the type.
 std::filesystem::path temporary_name(const std::filesystem::path& file);
 
+/// Makes a folder and those above it; one that is there already is fine. Io names the folder and the reason.
+Result<void> make_folder(const std::filesystem::path& folder);
+
 }  // namespace floatstage

@@ -106,11 +106,8 @@ Result<void> run(const Options& given) {
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   options.frames = std::move(*frames);
-  if (!given.sheet.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(given.sheet, error);
-    if (error) return fail(ErrorCode::Io, text("cannot make the folder ", given.sheet.string(), ": ", error.message()));
-  }
+  if (!given.sheet.empty())
+    if (Result<void> ok = make_folder(given.sheet); !ok) return ok;
   Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
   if (!gl) return forward(gl);
 

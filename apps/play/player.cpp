@@ -1,0 +1,195 @@
+#include "apps/play/player.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "apps/interrupt.h"
+#include "apps/play/canvas.h"
+#include "apps/play/film_job.h"
+#include "apps/play/panels.h"
+#include "apps/play/scene_cache.h"
+#include "apps/play/window.h"
+#include "core/png.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+constexpr float kPanelWidth = 270, kTimeLineHeight = 62;
+
+Result<int> method_index(const std::vector<std::string>& methods, const std::string& name) {
+  const auto found = std::find(methods.begin(), methods.end(), name);
+  if (found != methods.end()) return static_cast<int>(found - methods.begin());
+  std::string known;
+  for (const std::string& m : methods) known += " " + m;
+  return fail(ErrorCode::InvalidArgument, text("there is no method '", name, "'; there are:", known));
+}
+
+class Player {
+ public:
+  Player(const PlayOptions& options, TakeReader& take, const Eigen::AlignedBox3d& subject, PlayerState state)
+      : options_(options), take_(take), home_(state.camera.key()), cache_(take), canvas_(take.rig(), subject), state_(std::move(state)) {}
+
+  /// One frame of the user interface. Errors are shown, not returned: the window stays.
+  void frame() {
+    state_.time.advance(ImGui::GetIO().DeltaTime);
+    if (state_.follow_path && state_.time.playing) advance_path(ImGui::GetIO().DeltaTime);
+    take_shortcuts(state_);
+    load();
+    lay_out();
+    finish_film();
+  }
+
+  bool stands() const { return shown_ == state_.time.frame() && canvas_.has_picture(); }
+  bool busy() const { return state_.time.playing || shown_ != state_.time.frame() || film_; }
+  const std::string& status() const { return state_.status; }
+
+ private:
+  void advance_path(double seconds) {
+    const double duration = state_.path.path().duration();
+    if (duration > 0) state_.path_time = std::fmod(state_.path_time + seconds, duration);
+  }
+
+  void load() {
+    const int frame = state_.time.frame();
+    Result<std::shared_ptr<const SceneFrame>> scene = cache_.get(frame);
+    if (!scene) {
+      state_.status = scene.error().message;
+      shown_ = frame;
+      return;
+    }
+    if (!*scene) return;
+    if (Result<void> ok = canvas_.show(*scene); !ok) state_.status = text("frame ", frame, ": ", ok.error().message);
+    shown_ = frame;
+    if (state_.time.playing) cache_.prefetch((frame + 1) % state_.time.frames());
+  }
+
+  void lay_out() {
+    constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus;
+    const ImVec2 whole = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({kPanelWidth, whole.y - kTimeLineHeight});
+    ImGui::Begin("controls", nullptr, kFixed & ~ImGuiWindowFlags_NoScrollbar);
+    const PanelRequests requests = draw_controls(state_, canvas_.render_milliseconds(), film_ ? film_->pictures() : -1);
+    ImGui::End();
+    ImGui::SetNextWindowPos({0, whole.y - kTimeLineHeight});
+    ImGui::SetNextWindowSize({whole.x, kTimeLineHeight});
+    ImGui::Begin("time", nullptr, kFixed);
+    draw_time_line(state_);
+    ImGui::End();
+    ImGui::SetNextWindowPos({kPanelWidth, 0});
+    ImGui::SetNextWindowSize({whole.x - kPanelWidth, whole.y - kTimeLineHeight});
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, background());
+    ImGui::Begin("stage", nullptr, kFixed);
+    if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+    ImGui::End();
+    ImGui::PopStyleColor();
+    ImGui::PopStyleVar();
+    obey(requests);
+  }
+
+  ImVec4 background() const {
+    const std::array<float, 3>& b = state_.renderer.background;
+    return {b[0], b[1], b[2], 1};
+  }
+
+  void obey(const PanelRequests& requests) {
+    if (requests.home) state_.camera.set(home_);
+    if (requests.save_path) {
+      const Result<void> ok = save_path(state_.path.path(), state_.path_file);
+      state_.status = ok ? text("saved ", state_.path_file) : ok.error().message;
+    }
+    if (requests.load_path) {
+      Result<CameraPath> path = load_path(state_.path_file);
+      state_.status = path ? text("loaded ", state_.path_file) : path.error().message;
+      if (path) state_.path.set(std::move(*path));
+    }
+    if (requests.render_film) begin_film();
+  }
+
+  void begin_film() {
+    if (state_.path.path().keys.size() < 2) {
+      state_.status = "a film needs a path of two keys at least; walk and press K";
+      return;
+    }
+    FilmOptions film{.frames = {}, .methods = {state_.methods[static_cast<std::size_t>(state_.left)]}, .renderer = state_.renderer};
+    film.seconds = state_.path.path().duration();
+    for (int f = 0; f < state_.time.frames(); ++f) film.frames.push_back(f);
+    film_.emplace(options_.take, state_.path.path(), film, state_.film_file);
+    state_.status = text("rendering ", state_.film_file);
+  }
+
+  void finish_film() {
+    if (!film_ || !film_->done()) return;
+    const Result<FilmReport> report = film_->result();
+    state_.status = report ? text(state_.film_file, ": ", report->pictures, " pictures") : report.error().message;
+    film_.reset();
+  }
+
+  const PlayOptions& options_;
+  TakeReader& take_;
+  const PathKey home_;
+  SceneCache cache_;
+  Canvas canvas_;
+  PlayerState state_;
+  std::optional<FilmJob> film_;
+  int shown_ = -1;
+};
+
+Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& take, const Eigen::AlignedBox3d& subject) {
+  if (options.frame < 0 || options.frame >= take.frame_count())
+    return fail(ErrorCode::InvalidArgument, text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
+  PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(orbit_path(take.rig(), subject, 1).keys.front()), {}};
+  for (const RendererInfo& r : renderers()) state.methods.push_back(r.name);
+  Result<int> left = method_index(state.methods, options.method), right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
+  if (!left) return forward(left);
+  if (!right) return forward(right);
+  state.left = *left;
+  state.right = *right;
+  state.split = !options.compare.empty();
+  state.renderer = options.renderer;
+  state.show_cameras = options.show_cameras;
+  state.time.seek(options.frame);
+  state.time.playing = options.playing;
+  state.status = text(options.take.string(), ": ", take.frame_count(), " frames of ", take.rig().cameras.size(), " cameras");
+  if (!options.path_file.empty()) {
+    Result<CameraPath> path = load_path(options.path_file);
+    if (!path) return forward(path);
+    state.path.set(std::move(*path));
+    state.path_file = options.path_file;
+    state.follow_path = true;
+  }
+  return state;
+}
+
+}  // namespace
+
+Result<void> play_take(const PlayOptions& options) {
+  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options.take);
+  if (!take) return forward(take);
+  Result<Eigen::AlignedBox3d> subject = subject_box(**take);
+  if (!subject) return forward(subject);
+  Result<PlayerState> state = initial_state(options, **take, *subject);
+  if (!state) return forward(state);
+  Result<std::unique_ptr<Window>> window = Window::open("Floatstage: " + options.take.string(), options.width, options.height);
+  if (!window) return forward(window);
+
+  constexpr double kIdle = 0.1;      // seconds to sleep while nothing moves
+  constexpr int kSettleFrames = 3;   // the user interface needs a few frames before its layout stands
+  Player player(options, **take, *subject, std::move(*state));
+  int settled = 0;
+  while (!(*window)->should_close() && !interrupted()) {
+    (*window)->begin_frame(player.busy() || !options.screenshot.empty() ? 0 : kIdle);
+    player.frame();
+    (*window)->end_frame();
+    settled = player.stands() ? settled + 1 : 0;
+    if (!options.screenshot.empty() && settled >= kSettleFrames) return save_png((*window)->grab(), options.screenshot);
+  }
+  return {};
+}
+
+}  // namespace floatstage

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <future>
+#include <list>
+#include <memory>
+
+#include "apps/scene_loader.h"
+
+namespace floatstage {
+
+/// Loads instants of a take in the background and keeps the last few. Used on one thread.
+class SceneCache {
+ public:
+  explicit SceneCache(TakeReader& take, std::size_t capacity = 8) : take_(take), capacity_(capacity) {}
+
+  /// The scene if it is there, else null while it is being loaded (ask again), or the error that loading met.
+  Result<std::shared_ptr<const SceneFrame>> get(int frame);
+  /// Begins to load `frame` if nothing is being loaded.
+  void prefetch(int frame);
+
+ private:
+  struct Entry {
+    int frame;
+    Result<std::shared_ptr<const SceneFrame>> scene;
+  };
+  const Entry* find(int frame);
+  void collect();
+
+  TakeReader& take_;
+  const std::size_t capacity_;
+  std::list<Entry> entries_;  // most recently used first
+  int loading_frame_ = -1;
+  std::future<Result<SceneFrame>> loading_;
+};
+
+}  // namespace floatstage

@@ -1,0 +1,97 @@
+#include "apps/play/window.h"
+
+#include <epoxy/gl.h>  // before GLFW, which would bring another GL header
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <cstring>
+
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+std::string glfw_error() {
+  const char* what = nullptr;
+  glfwGetError(&what);
+  return what ? what : "no reason given";
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
+  if (!glfwInit())
+    return fail(ErrorCode::Unsupported, text("no window can be opened (", glfw_error(), "); run on a desktop, or `floatstage render` for a video"));
+  std::unique_ptr<Window> window(new Window);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  window->window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (!window->window_) return fail(ErrorCode::Unsupported, text("no window with OpenGL 4.5 (", glfw_error(), "); see `floatstage check`"));
+  glfwMakeContextCurrent(window->window_);
+  glfwSwapInterval(1);
+  Result<std::unique_ptr<GlContext>> gl = GlContext::adopt_current();
+  if (!gl) return forward(gl);
+  window->gl_ = std::move(*gl);
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // the layout is ours; leave no file in the user's folder
+  ImGui::StyleColorsDark();
+  ImGui_ImplGlfw_InitForOpenGL(window->window_, true);
+  ImGui_ImplOpenGL3_Init("#version 450");
+  return window;
+}
+
+Window::~Window() {
+  if (ImGui::GetCurrentContext()) {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+  gl_.reset();
+  if (window_) glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+bool Window::should_close() const { return glfwWindowShouldClose(window_); }
+
+void Window::begin_frame(double patience) {
+  if (patience > 0)
+    glfwWaitEventsTimeout(patience);
+  else
+    glfwPollEvents();
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Window::end_frame() {
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, width, height);
+  glClearColor(0.10f, 0.105f, 0.115f, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  // The window's rows run bottom up, as ImGui expects; our own pictures run top down everywhere else.
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  glfwSwapBuffers(window_);
+}
+
+Image Window::grab() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  Image upside_down(width, height, 3), image(width, height, 3);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+  glReadBuffer(GL_FRONT);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upside_down.pixels.data());
+  for (int y = 0; y < height; ++y) std::memcpy(image.at(0, y), upside_down.at(0, height - 1 - y), static_cast<std::size_t>(width) * 3);
+  return image;
+}
+
+}  // namespace floatstage

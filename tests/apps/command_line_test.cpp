@@ -1,0 +1,90 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+
+#include "core/file.h"
+#include "tests/support/matchers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace floatstage {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+struct Ended {
+  int code;
+  std::string output;  ///< standard output and error together
+};
+
+Ended floatstage(const std::string& arguments) {
+  FILE* pipe = popen((std::string(FLOATSTAGE_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
+  std::string output;
+  char buffer[4096];
+  for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, n);
+  const int status = pclose(pipe);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, output};
+}
+
+TEST(CommandLine, ExplainsItself) {
+  const Ended help = floatstage("--help");
+  EXPECT_EQ(help.code, 0);
+  for (const char* verb : {"demo", "check", "synthesize", "import", "process", "render", "evaluate", "play"})
+    EXPECT_THAT(help.output, HasSubstr(verb));
+  EXPECT_EQ(floatstage("--version").code, 0);
+  EXPECT_THAT(floatstage("render --help").output, AllOf(HasSubstr("--orbit"), HasSubstr("floating"), HasSubstr("linear")));
+  EXPECT_THAT(floatstage("process --help").output, AllOf(HasSubstr("chroma"), HasSubstr("difference"), HasSubstr("luminance")));
+}
+
+TEST(CommandLine, EndsWithTheUsageCodeAfterATypo) {
+  EXPECT_EQ(floatstage("").code, 2);
+  EXPECT_EQ(floatstage("rendr").code, 2);
+  EXPECT_EQ(floatstage("render --sise 3").code, 2);
+  EXPECT_EQ(floatstage("process").code, 2) << "the take is missing";
+}
+
+TEST(CommandLine, NamesTheMissingTakeAndEndsWithItsCode) {
+  for (const char* verb : {"process", "evaluate", "render --orbit --out /tmp/never-written.mp4"}) {
+    const Ended ended = floatstage(std::string(verb) + " /no/such/take");
+    EXPECT_EQ(ended.code, 4) << verb;
+    EXPECT_THAT(ended.output, HasSubstr("/no/such/take")) << verb;
+  }
+}
+
+TEST(CommandLine, SaysWhatIsWrongWithAnOption) {
+  const Ended size = floatstage("synthesize --out /tmp/never-made --size 640*480");
+  EXPECT_EQ(size.code, 3);
+  EXPECT_THAT(size.output, HasSubstr("640x480"));
+  EXPECT_EQ(floatstage("render /no/such/take --out x.mp4").code, 3) << "neither --orbit nor --path";
+}
+
+TEST(CommandLine, LeavesAnUnwritableFolderAlone) {
+  const Ended ended = floatstage("synthesize --out /proc/no/take --frames 1");
+  EXPECT_EQ(ended.code, 8) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("/proc/no"));
+}
+
+TEST(CommandLine, NeverWritesOverATake) {
+  TemporaryFolder folder;
+  const std::string out = (folder / "take").string(), verb = "synthesize --frames 1 --cameras 2 --size 64x48 --samples 1 --out " + out;
+  EXPECT_EQ(floatstage(verb).code, 0);
+  const std::string before = *read_file(folder / "take/take.json");
+  const Ended again = floatstage(verb);
+  EXPECT_EQ(again.code, 5) << again.output;
+  EXPECT_THAT(again.output, HasSubstr(out));
+  EXPECT_EQ(*read_file(folder / "take/take.json"), before);
+}
+
+TEST(CommandLine, DemoRefusesAFolderThatHoldsSomebodysFiles) {
+  TemporaryFolder folder;
+  folder.write("thesis.doc", "years of work");
+  const Ended ended = floatstage("demo --out " + folder.path().string());
+  EXPECT_EQ(ended.code, 5);
+  EXPECT_THAT(folder.names(), testing::ElementsAre("thesis.doc"));
+}
+
+}  // namespace
+}  // namespace floatstage

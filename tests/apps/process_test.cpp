@@ -1,0 +1,186 @@
+#include "apps/process.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/keying.h"
+#include "apps/scene_loader.h"
+#include "core/file.h"
+#include "core/mesh_io.h"
+#include "core/png.h"
+#include "recon/mesh_check.h"
+#include "tests/apps/small_take.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+ProcessOptions options_for(const fs::path& take) {
+  ProcessOptions options{.take = take, .key = "chroma", .hull = {}};
+  options.hull.resolution = 48;
+  return options;
+}
+
+TEST(Process, MakesAMatteForEveryPhotographAndAMeshForEveryInstant) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder);
+  const Result<ProcessReport> report = process_take(options_for(take));
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->mattes.made, 12);
+  EXPECT_EQ(report->meshes.made, 2);
+  EXPECT_THAT(report->mattes.failures, IsEmpty());
+  EXPECT_THAT(report->meshes.failures, IsEmpty());
+  const TakeLayout layout(take);
+  for (int f = 0; f < 2; ++f) {
+    const Result<Mesh> mesh = load_ply(layout.mesh(f));
+    ASSERT_THAT(mesh, IsOk());
+    EXPECT_TRUE(check_mesh(*mesh).good()) << check_mesh(*mesh).summary();
+  }
+}
+
+TEST(Process, KeysTheSyntheticRoomNearlyAsTheTruthHasIt) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder, 1);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  for (const fs::directory_entry& camera : fs::directory_iterator(layout.truth().mattes())) {
+    const std::string serial = camera.path().filename();
+    const Matte made = make_matte({}, *load_png(layout.matte(serial, 0))), truth = make_matte({}, *load_png(layout.truth().matte(serial, 0)));
+    EXPECT_GE(iou(made, truth), 0.93) << serial;
+  }
+}
+
+TEST(Process, DoesOnlyWhatIsMissingInASecondRun) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  const std::string before = *read_file(layout.mesh(1));
+  fs::remove(layout.mesh(1));
+  const Result<ProcessReport> again = process_take(options_for(take));
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->mattes.made, 0);
+  EXPECT_EQ(again->mattes.kept, 12);
+  EXPECT_EQ(again->meshes.made, 1);
+  EXPECT_EQ(again->meshes.kept, 1);
+  EXPECT_EQ(*read_file(layout.mesh(1)), before) << "the same input gives the same bytes";
+}
+
+TEST(Process, GivesTheSameBytesOnOneThreadAndOnTwo) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder);
+  ProcessOptions options = options_for(take);
+  options.threads = 1;
+  ASSERT_THAT(process_take(options), IsOk());
+  const TakeLayout layout(take);
+  const std::string matte = *read_file(layout.matte("cam01", 1)), mesh = *read_file(layout.mesh(1));
+  fs::remove_all(layout.mattes());
+  fs::remove_all(layout.meshes());
+  options.threads = 2;
+  ASSERT_THAT(process_take(options), IsOk());
+  EXPECT_EQ(*read_file(layout.matte("cam01", 1)), matte);
+  EXPECT_EQ(*read_file(layout.mesh(1)), mesh);
+}
+
+TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder, 1);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  ProcessOptions other = options_for(take);
+  other.key = "difference";
+  EXPECT_THAT(process_take(other), FailsWith(ErrorCode::AlreadyExists, "--redo"));
+  other.redo = true;
+  const Result<ProcessReport> redone = process_take(other);
+  ASSERT_THAT(redone, IsOk());
+  EXPECT_EQ(redone->mattes.made, 6);
+  EXPECT_EQ(redone->meshes.made, 1);
+
+  other.hull.resolution = 40;
+  other.redo = false;
+  EXPECT_THAT(process_take(other), FailsWith(ErrorCode::AlreadyExists, "hull options"));
+}
+
+TEST(Process, GoesOnWithTheKeyerOfTheFirstRunWhenNoneIsNamed) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder, 1);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  ProcessOptions unnamed = options_for(take);
+  unnamed.key.reset();
+  const Result<ProcessReport> again = process_take(unnamed);
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->mattes.kept, 6);
+}
+
+TEST(Process, SweepsUpWhatAKilledRunLeftHalfWritten) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder, 1);
+  const TakeLayout layout(take);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const fs::path half = temporary_name(layout.mesh(0));
+  ASSERT_THAT(write_file(half.parent_path() / "x", "half"), IsOk());
+  fs::rename(half.parent_path() / "x", half);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  EXPECT_FALSE(fs::exists(half));
+}
+
+TEST(Process, ReportsABadMatteByNameAndGoesOnWithTheOtherFrames) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  ASSERT_THAT(save_png(Image(10, 10, 1), layout.matte("cam02", 0)), IsOk());
+  fs::remove_all(layout.meshes());
+  const Result<ProcessReport> report = process_take(options_for(take));
+  ASSERT_THAT(report, IsOk());
+  ASSERT_EQ(report->meshes.failures.size(), 1u);
+  EXPECT_THAT(report->meshes.failures[0], HasSubstr("cam02"));
+  EXPECT_EQ(report->meshes.made, 1);
+}
+
+TEST(Process, TakesAnEmptyStageAsAnEmptyMesh) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder, 1);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes()))
+    if (camera.is_directory()) ASSERT_THAT(save_png(Image(160, 120, 1), layout.matte(camera.path().filename().string(), 0)), IsOk());
+  fs::remove_all(layout.meshes());
+  const Result<ProcessReport> report = process_take(options_for(take));
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->empty_frames, 1);
+  EXPECT_TRUE(load_ply(layout.mesh(0))->empty());
+}
+
+TEST(Process, NamesAMatteThatIsAllForeground) {
+  TemporaryFolder folder;
+  const fs::path take = small_take(folder, 1);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes()))
+    if (camera.is_directory()) ASSERT_THAT(save_png(Image(160, 120, 1, 255), layout.matte(camera.path().filename().string(), 0)), IsOk());
+  fs::remove_all(layout.meshes());
+  const Result<ProcessReport> report = process_take(options_for(take));
+  ASSERT_THAT(report, IsOk());
+  ASSERT_EQ(report->meshes.failures.size(), 1u);
+  EXPECT_THAT(report->meshes.failures[0], HasSubstr("foreground"));
+}
+
+TEST(Process, SaysWhichFolderIsNoTake) {
+  TemporaryFolder folder;
+  EXPECT_THAT(process_take(options_for(folder.path())), FailsWith(ErrorCode::NotFound, folder.path().string()));
+  EXPECT_THAT(process_take(options_for(folder / "nowhere")), FailsWith(ErrorCode::NotFound, "nowhere"));
+}
+
+TEST(Process, ListsTheKeyersWhenItsNameIsUnknown) {
+  TemporaryFolder folder;
+  ProcessOptions options = options_for(small_take(folder, 1));
+  options.key = "croma";
+  EXPECT_THAT(process_take(options), FailsWith(ErrorCode::InvalidArgument, "chroma"));
+  EXPECT_FALSE(fs::exists(TakeLayout(options.take).mattes())) << "nothing half-written";
+}
+
+}  // namespace
+}  // namespace floatstage
