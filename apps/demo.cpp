@@ -45,7 +45,7 @@ Scores against_truth(const SyntheticStudio& studio, const FilmPicture& picture, 
     mask.pixels[i] = silhouette.pixels[i] >= 128 && rgba.pixels[4 * i + 3] >= 128 ? 255 : 0;
     for (std::size_t c = 0; c < 3; ++c) rgb.pixels[3 * i + c] = static_cast<std::uint8_t>(rgb.pixels[3 * i + c] * silhouette.pixels[i] / 255);
   }
-  return score(rgb, over(rgba, {0, 0, 0}), erode_mask(mask, 2), silhouette);
+  return score(over(rgba, {0, 0, 0}), rgb, erode_mask(mask, 2), silhouette);
 }
 
 Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studio, DemoReport& report) {

@@ -103,7 +103,7 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
     const Image rgba = download(*rendered);
     if (view.mask.empty()) view.mask = erode_mask(both(view.silhouette, rgba), kErode);
     const Image rgb = over(rgba, {0, 0, 0});
-    view.scores[methods.names[m]] = score(cut_out(view.truth, view.silhouette), rgb, view.mask, view.silhouette);
+    view.scores[methods.names[m]] = score(rgb, cut_out(view.truth, view.silhouette), view.mask, view.silhouette);
     view.rendered[methods.names[m]] = rgb;
   }
   return view;
