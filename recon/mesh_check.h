@@ -11,9 +11,9 @@ struct MeshCheck {
   bool watertight = false;    ///< every edge has exactly two triangles
   bool manifold = false;      ///< watertight, and the triangles at every vertex form one fan
   bool oriented = false;      ///< neighbours agree on the outside
-  bool outward = false;       ///< every shell that is not inside another has positive volume
+  bool outward = false;       ///< every shell encloses positive volume, cavities (shells at odd depth inside others) negative
   bool self_intersecting = false;  ///< two triangles that share no vertex cross
-  int shells = 0;             ///< connected components
+  int shells = 0;             ///< components connected through common vertices
   int degenerate = 0;         ///< triangles without area
   int genus = 0;              ///< sum over shells, when manifold
   double volume = 0;          ///< m³
@@ -22,6 +22,9 @@ struct MeshCheck {
   std::string summary() const;  ///< one sentence
 };
 
+/// Looks at every edge, vertex fan and pair of near triangles. A mesh without triangles is watertight, manifold,
+/// oriented and outward, with 0 shells. Vertices are told apart by index, not by place; unused ones are ignored.
+/// An index beyond the positions makes the mesh neither watertight nor anything else. Any thread; only reads.
 MeshCheck check_mesh(const Mesh& mesh);
 
 }  // namespace floatstage

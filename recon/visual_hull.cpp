@@ -1,0 +1,120 @@
+#include "recon/visual_hull.h"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "core/parallel.h"
+#include "core/text.h"
+#include "recon/bounding_volume.h"
+#include "recon/mesh_care.h"
+#include "recon/mesh_mask.h"
+#include "recon/octree_carve.h"
+#include "recon/octree_surface.h"
+
+namespace floatstage {
+namespace {
+
+Result<void> check_inputs(const Rig& rig, std::span<const Matte> mattes) {
+  if (Result<void> ok = check(rig); !ok) return ok;
+  if (mattes.size() != rig.cameras.size())
+    return fail(ErrorCode::InvalidArgument,
+                text(mattes.size(), " mattes for ", rig.cameras.size(), " cameras; give one each, empty where there is none"));
+  for (std::size_t i = 0; i < mattes.size(); ++i) {
+    const CameraModel& model = rig.cameras[i].model;
+    const Matte& matte = mattes[i];
+    if (matte.empty() || (matte.width == model.width && matte.height == model.height)) continue;
+    return fail(ErrorCode::InvalidArgument,
+                text("camera '", rig.cameras[i].serial, "': its matte is ", matte.width, "x", matte.height,
+                     ", its images are ", model.width, "x", model.height, "; key the images the rig was calibrated for"));
+  }
+  return {};
+}
+
+// Which cameras show no subject, in words; an error when none shows any.
+Result<std::vector<std::string>> remark_on_subjects(const Rig& rig, std::span<const Matte> mattes) {
+  std::vector<std::string> remarks;
+  bool any = false;
+  for (std::size_t i = 0; i < mattes.size(); ++i) {
+    if (mattes[i].empty()) continue;
+    if (subject_rectangle(mattes[i]).isEmpty())
+      remarks.push_back(text("camera '", rig.cameras[i].serial, "' sees only background and carves all that it sees"));
+    else
+      any = true;
+  }
+  if (!any)
+    return fail(ErrorCode::BadData, "empty silhouette: no camera shows any subject; check the mattes of this frame");
+  return remarks;
+}
+
+Result<Eigen::AlignedBox3d> search_box(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                                       std::span<const OctreeView> views) {
+  if (options.volume) return *options.volume;
+  const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, mattes);
+  if (!box)
+    return fail(ErrorCode::BadData,
+                "the silhouettes bound nothing: in too many cameras the subject fills the image or is cut by its "
+                "border; give the volume to search");
+  return box->isEmpty() ? *box : shrink_to_hull(views, *box);
+}
+
+Mesh to_mesh(const Surface& surface) {
+  Mesh mesh;
+  mesh.positions.reserve(surface.positions.size());
+  for (const Eigen::Vector3d& p : surface.positions) mesh.positions.push_back(p.cast<float>());
+  mesh.triangles.reserve(3 * surface.triangles.size());
+  for (const auto& t : surface.triangles) mesh.triangles.insert(mesh.triangles.end(), t.begin(), t.end());
+  return mesh;
+}
+
+}  // namespace
+
+Result<void> check(const HullOptions& o) {
+  auto bad = [](const std::string& what) { return fail(ErrorCode::InvalidArgument, "hull: " + what); };
+  if (o.resolution < 8 || o.resolution > 1024)
+    return bad(text("a resolution of ", o.resolution, " voxels is not between 8 and 1024"));
+  if (!(o.smoothing >= 0 && o.smoothing <= 1)) return bad(text("smoothing by ", o.smoothing, " voxels is not between 0 and 1"));
+  if (o.volume && !(o.volume->min().allFinite() && o.volume->max().allFinite() &&
+                    (o.volume->min().array() < o.volume->max().array()).all()))
+    return bad("the volume to search is not a box with finite corners and positive sides");
+  return {};
+}
+
+Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (Result<void> ok = check(options); !ok) return forward(ok);
+  if (Result<void> ok = check_inputs(rig, mattes); !ok) return forward(ok);
+  Result<std::vector<std::string>> remarks = remark_on_subjects(rig, mattes);
+  if (!remarks) return forward(remarks);
+
+  HullReport report;
+  report.remarks = std::move(*remarks);
+  std::vector<std::optional<OctreeView>> prepared(mattes.size());
+  parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
+    if (!mattes[i].empty()) prepared[i].emplace(rig.cameras[i], mattes[i]);
+  });
+  std::vector<OctreeView> views;
+  for (std::optional<OctreeView>& view : prepared)
+    if (view) views.push_back(std::move(*view));
+
+  const Result<Eigen::AlignedBox3d> box = search_box(rig, mattes, options, views);
+  if (!box) return forward(box);
+  report.searched = *box;
+  if (!box->isEmpty()) {
+    const CarvedGrid grid = carve(views, *box, options.resolution, options.threads);
+    report.voxel = grid.voxel();
+    const CareOptions care{grid.voxel(), options.smoothing, options.threads};
+    report.mesh = to_mesh(care_for(extract_surface(grid, views, options.threads), care));
+  }
+  if (report.mesh.empty()) report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
+
+  report.volume = signed_volume(report.mesh);
+  report.silhouette_iou.assign(mattes.size(), std::numeric_limits<double>::quiet_NaN());
+  parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
+    if (!mattes[i].empty()) report.silhouette_iou[i] = iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
+  });
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return report;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "recon/visual_hull.h"
+#include "tests/support/analytic_shapes.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage {
+namespace {
+
+using Eigen::Vector3d;
+
+class VisualHullErrors : public testing::Test {
+ protected:
+  Rig rig = shapes::ring_rig({.cameras = 4});
+  std::vector<Matte> mattes = shapes::render_mattes(rig, shapes::sphere({0, 0, 0}, 0.5));
+  HullOptions options{.resolution = 32, .threads = 1};
+};
+
+TEST_F(VisualHullErrors, RefusesAnotherNumberOfMattes) {
+  mattes.pop_back();
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::InvalidArgument, "3 mattes for 4 cameras"));
+}
+
+TEST_F(VisualHullErrors, RefusesAMatteOfAnotherSizeAndNamesItsCamera) {
+  mattes[2] = make_matte({}, Image(159, 120, 1));
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::InvalidArgument, "camera 'c2': its matte is 159x120"));
+}
+
+TEST_F(VisualHullErrors, RefusesARigThatIsNotFinite) {
+  rig.cameras[1].cam_from_world.translation.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "camera 'c1'"));
+  rig = shapes::ring_rig({.cameras = 4});
+  rig.cameras[3].model.fx = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "camera 'c3'"));
+}
+
+TEST_F(VisualHullErrors, RefusesARigWithoutCameras) {
+  EXPECT_THAT(visual_hull({}, {}, options), FailsWith(ErrorCode::BadData, "no camera"));
+}
+
+TEST_F(VisualHullErrors, SaysSoWhenNoCameraShowsASubject) {
+  for (std::size_t i = 0; i < mattes.size(); ++i) mattes[i] = shapes::uniform_matte(rig.cameras[i], 0);
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "empty silhouette"));
+  for (Matte& matte : mattes) matte = {};
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "empty silhouette"));
+}
+
+TEST_F(VisualHullErrors, SaysSoWhenTheSilhouettesBoundNothing) {
+  for (std::size_t i = 0; i < mattes.size(); ++i) mattes[i] = shapes::uniform_matte(rig.cameras[i], 255);
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "give the volume to search"));
+}
+
+TEST_F(VisualHullErrors, RefusesOptionsOutOfRange) {
+  const auto refuses = [&](const HullOptions& bad, const char* words) {
+    EXPECT_THAT(visual_hull(rig, mattes, bad), FailsWith(ErrorCode::InvalidArgument, words));
+  };
+  HullOptions bad = options;
+  bad.resolution = 7;
+  refuses(bad, "resolution of 7");
+  bad.resolution = 100000;
+  refuses(bad, "resolution of 100000");
+  bad = options;
+  bad.smoothing = -0.1;
+  refuses(bad, "smoothing");
+  bad.smoothing = std::numeric_limits<double>::quiet_NaN();
+  refuses(bad, "smoothing");
+  bad = options;
+  bad.volume = Eigen::AlignedBox3d(Vector3d(0, 0, 0), Vector3d(1, 0, 1));
+  refuses(bad, "positive sides");
+  bad.volume = Eigen::AlignedBox3d(Vector3d(0, 0, 0), Vector3d(1, std::numeric_limits<double>::infinity(), 1));
+  refuses(bad, "finite corners");
+}
+
+}  // namespace
+}  // namespace floatstage
