@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/matte.h"
+#include "core/rig.h"
+
+namespace floatstage {
+
+/// A rig and one instant's mattes.
+struct MatteSet {
+  Rig rig;
+  std::vector<Matte> mattes;
+};
+
+/// Loads of the shared data sets; they throw std::runtime_error with the reason, which a test reports as its failure.
+MatteSet load_temple_ring(const std::filesystem::path& folder);  ///< 19 views; grey > 12, closed, largest component
+MatteSet load_green_dome(const std::filesystem::path& folder);   ///< 20 cameras with the mattes given beside the images
+MatteSet load_vacancy_bunny(const std::filesystem::path& folder);
+
+/// Only the cameras with these indices.
+MatteSet subset(const MatteSet& set, const std::vector<int>& cameras);
+
+}  // namespace floatstage
