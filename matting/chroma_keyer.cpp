@@ -7,17 +7,20 @@
 #include "core/text.h"
 #include "matting/backing.h"
 #include "matting/keyers.h"
+#include "matting/refine_edges.h"
 
 namespace floatstage {
 namespace {
 
 // Lamps, cables and folds on the cloth are islands or thin; people in the picture are not under 3 % of the largest.
-constexpr CleanupOptions kDefaultCleanup{.close_radius = 1, .thin_radius = 3, .smallest_island = 0.03, .smallest_hole = 0.0005};
+constexpr CleanupOptions kDefaultCleanup{.thin_radius = 3, .smallest_island = 0.03, .smallest_hole = 0.0003};
 
 // Thresholds of the cloth's saturation along its own direction in the CbCr plane, as shares of the key colour's.
 constexpr float kSubjectBelow = 0.15f;  // all subject
 constexpr float kClothAbove = 0.5f;     // all cloth
+constexpr float kAllCloth = 0.75f;       // no doubt about it, even beside hair
 constexpr float kAngleSlope = 0.2f;     // what a step across the direction costs of a step along it
+constexpr float kEdgeContrast = 5;      // 8-bit steps of chroma between subject and cloth that solve an edge
 constexpr float kDarkFloor = 2.0f;      // 8-bit steps of luma that keep black from having any saturation
 
 // A linear form of the channels: r * x + g * y + b * z.
@@ -64,10 +67,16 @@ class ChromaKeyer : public Keyer {
                                                "use the luminance or difference keyer"));
     auto rgb = to_rgb(frame);
     if (!rgb) return forward(rgb);
-    Image alpha(rgb->width, rgb->height, 1);
+    Image alpha(rgb->width, rgb->height, 1), doubt(rgb->width, rgb->height, 1);
     std::vector<float> row(static_cast<std::size_t>(alpha.width) * 3);
-    for (int y = 0; y < alpha.height; ++y) key_row(rgb->at(0, y), row, alpha.at(0, y));
-    return make_matte(frame.info, clean_up(alpha, cleanup_));
+    for (int y = 0; y < alpha.height; ++y) key_row(rgb->at(0, y), row, alpha.at(0, y), doubt.at(0, y));
+    alpha = clean_up(alpha, cleanup_);
+    const auto along_the_cloth = [&](int y, int x0, int count, float* out) {
+      const std::uint8_t* p = rgb->at(x0, y);
+      for (int x = 0; x < count; ++x, p += 3) out[x] = along_.of(p[0], p[1], p[2]);
+    };
+    refine_edges(along_the_cloth, kEdgeContrast, doubt, alpha);
+    return make_matte(frame.info, alpha);
   }
 
   Result<Image> suppress_spill(const Frame& frame) const override {
@@ -92,7 +101,7 @@ class ChromaKeyer : public Keyer {
   // Saturation is chroma over luma: cloth in shadow keeps it. The angle to the cloth enters as the ratio of the
   // components across and along its direction, so that no pixel needs trigonometry. The channels are taken apart
   // first (into `planes`, 3 rows) because compilers vectorise the arithmetic then.
-  void key_row(const std::uint8_t* rgb, std::vector<float>& planes, std::uint8_t* alpha) const {
+  void key_row(const std::uint8_t* rgb, std::vector<float>& planes, std::uint8_t* alpha, std::uint8_t* doubt) const {
     const std::size_t n = planes.size() / 3;
     float *r = planes.data(), *g = r + n, *b = g + n;
     for (std::size_t x = 0; x < n; ++x) {
@@ -101,13 +110,18 @@ class ChromaKeyer : public Keyer {
       b[x] = rgb[3 * x + 2];
     }
     const float slope = 255 / (kClothAbove - kSubjectBelow), top = kClothAbove * slope + 0.5f, scale = slope / saturation_;
+    const float doubtful = top - kAllCloth * slope;
     const Form along = along_, across = across_;
     for (std::size_t x = 0; x < n; ++x) {
       const float cloth = along.of(r[x], g[x], b[x]) - kAngleSlope * std::abs(across.of(r[x], g[x], b[x]));
       const float value = top - scale * cloth / (kLuma.of(r[x], g[x], b[x]) + kDarkFloor);
       r[x] = std::min(std::max(value, 0.0f), 255.0f);
+      g[x] = value;
     }
-    for (std::size_t x = 0; x < n; ++x) alpha[x] = static_cast<std::uint8_t>(static_cast<int>(r[x]));
+    for (std::size_t x = 0; x < n; ++x) {
+      alpha[x] = static_cast<std::uint8_t>(static_cast<int>(r[x]));
+      doubt[x] = g[x] > doubtful ? 255 : 0;
+    }
   }
 
   Rgb key_color_;

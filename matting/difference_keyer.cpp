@@ -4,6 +4,7 @@
 
 #include "core/text.h"
 #include "matting/keyers.h"
+#include "matting/refine_edges.h"
 
 namespace floatstage {
 namespace {
@@ -45,7 +46,13 @@ class DifferenceKeyer : public Keyer {
       const float d = difference(rgb->pixels.data() + 3 * i, plate_.pixels.data() + 3 * i);
       alpha.pixels[i] = static_cast<std::uint8_t>(std::clamp((d - low) * slope + 0.5f, 0.0f, 255.0f));
     }
-    return make_matte(frame.info, clean_up(alpha, cleanup_));
+    alpha = clean_up(alpha, cleanup_);
+    // Of a mixed pixel C = a F + (1 - a) B the distance to B is a |F - B|: linear in a, as refine_edges() wants it.
+    const auto distance = [&](int y, int x0, int count, float* out) {
+      for (int x = x0; x < x0 + count; ++x) *out++ = difference(rgb->at(x, y), plate_.at(x, y));
+    };
+    refine_edges(distance, static_cast<float>(threshold_), Image(alpha.width, alpha.height, 1), alpha);
+    return make_matte(frame.info, alpha);
   }
 
   Result<Image> suppress_spill(const Frame& frame) const override { return to_rgb(frame); }

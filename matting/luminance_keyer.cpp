@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -14,9 +15,19 @@ constexpr CleanupOptions kDefaultCleanup{.close_radius = 2, .smallest_hole = 0.0
 constexpr int kDimness = 5;     // times the threshold: as bright as black cloth gets in the subject's light
 constexpr int kLeakRadius = 2;  // px; the cloth does not leak into the subject through dim seams thinner than twice this
 
+bool dim_at_border(const Image& alpha, const Image& grey, int dim_below) {
+  auto dim = [&](int x, int y) { return *alpha.at(x, y) > 0 && *grey.at(x, y) <= dim_below; };
+  for (int x = 0; x < alpha.width; ++x)
+    if (dim(x, 0) || dim(x, alpha.height - 1)) return true;
+  for (int y = 0; y < alpha.height; ++y)
+    if (dim(0, y) || dim(alpha.width - 1, y)) return true;
+  return false;
+}
+
 // Black cloth that catches light is brighter than the threshold. It is told from a dark subject by hanging at the
 // picture's border: what is dim, and joined to the border by dim pixels alone, becomes background.
 void drop_lit_cloth(Image& alpha, const Image& grey, int dim_below) {
+  if (!dim_at_border(alpha, grey, dim_below)) return;
   cv::Mat dim(alpha.height, alpha.width, CV_8U);
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
     dim.data[i] = alpha.pixels[i] > 0 && grey.pixels[i] <= dim_below ? 255 : 0;
@@ -30,9 +41,11 @@ void drop_lit_cloth(Image& alpha, const Image& grey, int dim_below) {
       at_border[static_cast<std::size_t>(labels.at<int>(y, x))] = 1;
   at_border[0] = 0;
   cv::Mat cloth(alpha.height, alpha.width, CV_8U);
-  for (int y = 0; y < alpha.height; ++y)
-    for (int x = 0; x < alpha.width; ++x)
-      cloth.at<std::uint8_t>(y, x) = at_border[static_cast<std::size_t>(labels.at<int>(y, x))] ? 255 : 0;
+  for (int y = 0; y < alpha.height; ++y) {
+    const int* label = labels.ptr<int>(y);
+    std::uint8_t* row = cloth.ptr<std::uint8_t>(y);
+    for (int x = 0; x < alpha.width; ++x) row[x] = at_border[static_cast<std::size_t>(label[x])] ? 255 : 0;
+  }
   cv::dilate(cloth, cloth, disc);
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
     if (cloth.data[i] && dim.data[i]) alpha.pixels[i] = 0;
