@@ -3,6 +3,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -15,6 +16,8 @@ namespace floatstage {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "save_ply writes memory as it is");
+
+constexpr double kLongestList = std::numeric_limits<std::uint32_t>::max();  // what the widest PLY count can say
 
 template <class T>
 double decode(const char* at, bool swap) {
@@ -100,8 +103,8 @@ class Reader {
       return value && use(*value);
     }
     const std::optional<double> count = numbers_.next(p.count_type);
-    if (!count || !(*count >= 0) || *count != std::floor(*count)) return false;
-    for (double i = 0; i < *count; ++i) {
+    if (!count || !(*count >= 0) || *count > kLongestList || *count != std::floor(*count)) return false;
+    for (std::uint64_t left = static_cast<std::uint64_t>(*count); left > 0; --left) {
       const std::optional<double> value = numbers_.next(p.type);
       if (!value || !use(*value)) return false;
     }
