@@ -1,0 +1,122 @@
+#include "recon/exact_hull.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/check.h"
+#include "core/parallel.h"
+
+namespace floatstage {
+namespace {
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+constexpr int kFacesPerPart = 64;  // fixed, so that the parts do not depend on the number of threads
+
+}  // namespace
+
+void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, const ExactOptions& options,
+                        ExactOutcome& outcome) {
+  Stopwatch watch;
+  ++outcome.attempts;
+  outcome.closed = outcome.unbounded = false;
+  polygons_.clear();
+  pairs_.build(views, grid, options.threads);
+  outcome.timings.pairs = watch.lap();
+  const int votes = options.votes > 0 ? std::min<int>(options.votes, static_cast<int>(views.size()))
+                                      : static_cast<int>(views.size());
+  find_ray_intervals(views, pairs_, grid, votes, options.threads, rays_);
+  outcome.timings.rays = watch.lap();
+
+  input_.views = views;
+  input_.pairs = &pairs_;
+  input_.rays = &rays_;
+  input_.grid = grid;
+  input_.votes = votes;
+  input_.first_face.resize(views.size());
+  std::int32_t faces = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    input_.first_face[v] = faces;
+    faces += static_cast<std::int32_t>(views[v].rays.size());
+  }
+  FLOATSTAGE_CHECK(faces < (1 << VertexName::kFaceBits), "too many contour edges for vertex names");
+  const std::size_t parts = static_cast<std::size_t>((faces + kFacesPerPart - 1) / kFacesPerPart);
+  parts_.resize(parts);
+  // A worker takes one stretch of parts after the other; the sweep's scratch lives as long as the stretch.
+  const std::size_t stretches = options.threads == 1 ? 1 : std::min<std::size_t>(parts, 32);
+  parallel_for(stretches, options.threads, [&](std::size_t stretch) {
+    FaceSweep sweep(input_);
+    for (std::size_t p = parts * stretch / stretches; p < parts * (stretch + 1) / stretches; ++p) {
+      FaceOutput& part = parts_[p];
+      part.clear();
+      const std::int32_t end = std::min<std::int32_t>(faces, static_cast<std::int32_t>((p + 1) * kFacesPerPart));
+      for (std::int32_t face = static_cast<std::int32_t>(p) * kFacesPerPart; face < end; ++face) {
+        const auto view = std::upper_bound(input_.first_face.begin(), input_.first_face.end(), face) - 1;
+        sweep.run(static_cast<int>(view - input_.first_face.begin()), face - *view, part);
+      }
+    }
+  });
+  outcome.timings.faces = watch.lap();
+
+  bool tie = pairs_.tie() || rays_.tie;
+  int defects = 0;
+  outcome.unbounded = rays_.unbounded;
+  for (const FaceOutput& part : parts_) {
+    tie |= part.tie;
+    defects += part.defects;
+    outcome.unbounded |= part.unbounded;
+  }
+  outcome.unbounded &= !tie;
+  if (outcome.unbounded) return;
+  welder_.weld(input_, parts_, polygons_);
+  outcome.closed = !tie && defects == 0 && !outcome.unbounded && polygons_.closed();
+  outcome.timings.weld = watch.lap();
+  if (outcome.closed && options.triangulate) welder_.triangulate(parts_, polygons_);
+  outcome.timings.triangles = watch.lap();
+}
+
+ExactOutcome ExactHull::compute(std::vector<ConeView>& views, const ExactOptions& options) {
+  ExactOutcome outcome;
+  polygons_.clear();
+  FLOATSTAGE_CHECK(views.size() >= 2, "the exact hull needs two views");
+  double size = 0;
+  for (const ConeView& view : views) size = std::max(size, (view.center - views[0].center).norm());
+  if (options.start == ExactLevel::Doubles) {
+    attempt(views, nullptr, options, outcome);
+    if (outcome.closed) return outcome;
+  }
+  if (options.start <= ExactLevel::Jitter) {
+    moved_ = views;
+    perturb(moved_, {1, 1e-4 * options.pixel, 1e-9 * size});
+    outcome.level = ExactLevel::Jitter;
+    attempt(moved_, nullptr, options, outcome);
+    if (outcome.closed) {
+      views.swap(moved_);
+      return outcome;
+    }
+  }
+  outcome.level = ExactLevel::Integers;
+  double amount = 1e-4;  // px
+  for (std::uint64_t seed = 2; seed < 8; ++seed, amount *= 2) {
+    moved_ = views;
+    perturb(moved_, {seed, amount * options.pixel, 1e-7 * size});
+    if (!snap_to_grid(moved_, grid_)) continue;
+    attempt(moved_, &grid_, options, outcome);
+    if (outcome.closed || outcome.unbounded) break;
+  }
+  views.swap(moved_);
+  return outcome;
+}
+
+}  // namespace floatstage

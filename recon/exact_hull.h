@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "recon/exact_face.h"
+#include "recon/exact_mesh.h"
+#include "recon/exact_pairs.h"
+#include "recon/exact_rays.h"
+#include "recon/exact_views.h"
+
+namespace floatstage {
+
+/// How the numbers were decided. Each step is taken only when the one before left the surface open.
+enum class ExactLevel {
+  Doubles,   ///< as given, in doubles
+  Jitter,    ///< every ray moved by a hash, up to 1e-4 px, in doubles
+  Integers,  ///< moved, rounded to a grid, and every predicate exact; a zero predicate means another hash
+};
+
+struct ExactOptions {
+  int votes = 0;            ///< how many views have to agree on "inside"; 0: all of them
+  int threads = 1;          ///< 0: one per core; the same result at any number
+  double pixel = 1e-3;      ///< size of a pixel in units of a ray's z: 1 / focal length
+  bool triangulate = true;
+  ExactLevel start = ExactLevel::Doubles;
+};
+
+struct ExactTimings {
+  double pairs = 0, rays = 0, faces = 0, weld = 0, triangles = 0;  ///< seconds
+  double total() const { return pairs + rays + faces + weld + triangles; }
+};
+
+struct ExactOutcome {
+  ExactLevel level = ExactLevel::Doubles;
+  int attempts = 0;        ///< sweeps over the whole frame; 1 when plain doubles were enough
+  bool unbounded = false;  ///< the views do not bound the hull: give a volume. Believed only from the integers.
+  bool closed = false;
+  ExactTimings timings;    ///< of the last attempt
+};
+
+/// The exact polyhedral visual hull of polygonal silhouettes (Franco and Boyer 2003 state the problem): one planar sweep
+/// for each contour edge, vertices that carry names instead of tolerances, and a check that every edge has its reverse.
+/// docs/algorithms/visual-hull.md explains it. Keeps its memory: the second frame of like size allocates nothing large.
+class ExactHull {
+ public:
+  /// At least two views; every view has at least one polygon. The views are moved when escalation needs it.
+  ExactOutcome compute(std::vector<ConeView>& views, const ExactOptions& options);
+  const HullPolygons& polygons() const { return polygons_; }
+
+ private:
+  void attempt(std::span<const ConeView> views, const GridViews* grid, const ExactOptions& options,
+               ExactOutcome& outcome);
+
+  PairTables pairs_;
+  RayIntervals rays_;
+  GridViews grid_;
+  ArrangementInput input_;
+  std::vector<FaceOutput> parts_;
+  std::vector<ConeView> moved_;
+  MeshWelder welder_;
+  HullPolygons polygons_;
+};
+
+}  // namespace floatstage

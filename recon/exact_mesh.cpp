@@ -1,0 +1,181 @@
+#include "recon/exact_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/random.h"
+
+namespace floatstage {
+namespace {
+
+constexpr int kSlots = 6;  // edges that leave a vertex: three, or six where a majority of views changes
+enum Kind : std::uint8_t { kHitVertex, kTripleVertex, kApexVertex };
+
+}  // namespace
+
+void HullPolygons::clear() {
+  positions.clear();
+  corners.clear();
+  polygon_start.assign(1, 0);
+  faces.clear();
+  triangles.clear();
+  triangle_face.clear();
+  volume = 0;
+  unmatched = irregular = 0;
+}
+
+std::int32_t MeshWelder::number_of(VertexName name, const FaceCorner& corner, const FaceOutput::Face& face,
+                                   const ArrangementInput& input, HullPolygons& out) {
+  if (name.is_hit()) return of_hit_[name.hit_id()];
+  const std::uint64_t key = name.bits();
+  std::size_t at = mix(key) & (keys_.size() - 1);
+  while (keys_[at] != 0) {
+    if (keys_[at] == key) return values_[at];
+    at = (at + 1) & (keys_.size() - 1);
+  }
+  keys_[at] = key;
+  values_[at] = static_cast<std::int32_t>(out.positions.size());
+  ++named_;
+  const ConeView& view = input.views[face.view];
+  if (name.is_apex()) {
+    out.positions.push_back(view.center);
+    kind_.push_back(kApexVertex);
+  } else {
+    const Eigen::Vector3d &da = view.rays[face.edge], &db = view.rays[view.next[face.edge]];
+    out.positions.push_back(view.center + ((1 - corner.s) * da + corner.s * db) / corner.w);
+    kind_.push_back(kTripleVertex);
+  }
+  return values_[at];
+}
+
+void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput> parts, HullPolygons& out) {
+  out.clear();
+  kind_.clear();
+  of_hit_.assign(static_cast<std::size_t>(input.pairs->hit_count()), -1);
+  for (std::size_t v = 0; v < input.views.size(); ++v) {
+    const ConeView& view = input.views[v];
+    for (std::size_t ray = 0; ray + 1 < input.rays->start[v].size(); ++ray) {
+      for (int k = input.rays->start[v][ray]; k < input.rays->start[v][ray + 1]; ++k) {
+        const RayInterval& interval = input.rays->of_view[v][k];
+        const auto add = [&](std::int32_t id, double w) {
+          if (id == RayInterval::kApex || of_hit_[id] >= 0) return;
+          of_hit_[id] = static_cast<std::int32_t>(out.positions.size());
+          out.positions.push_back(view.center + view.rays[ray] / w);
+          kind_.push_back(kHitVertex);
+        };
+        add(interval.low, interval.w_low);
+        add(interval.high, interval.w_high);
+      }
+    }
+  }
+  std::size_t corner_count = 0;
+  for (const FaceOutput& part : parts) corner_count += part.corners.size();
+  std::size_t capacity = 1024;
+  while (capacity < corner_count) capacity *= 2;
+  keys_.assign(capacity, 0);
+  values_.resize(capacity);
+  named_ = 0;
+
+  out.corners.reserve(corner_count);
+  for (const FaceOutput& part : parts) {
+    for (std::size_t f = 0; f < part.faces.size(); ++f) {
+      const FaceOutput::Face& face = part.faces[f];
+      const int last = f + 1 < part.faces.size() ? part.faces[f + 1].first_polygon
+                                                 : static_cast<int>(part.polygon_start.size()) - 1;
+      out.faces.push_back({face.view, face.edge, static_cast<std::int32_t>(out.polygon_start.size()) - 1});
+      Eigen::Vector3d area = Eigen::Vector3d::Zero();
+      for (int p = face.first_polygon; p < last; ++p) {
+        const std::size_t first = out.corners.size();
+        for (int c = part.polygon_start[p]; c < part.polygon_start[p + 1]; ++c) {
+          const std::int32_t number = number_of(part.corners[c].name, part.corners[c], face, input, out);
+          if (number < 0) {
+            ++out.unmatched;  // the face uses a hit that its ray does not know as a vertex
+            return;
+          }
+          out.corners.push_back(number);
+        }
+        out.polygon_start.push_back(static_cast<std::int32_t>(out.corners.size()));
+        const Eigen::Vector3d origin = out.positions[out.corners[first]];
+        for (std::size_t k = first + 1; k + 1 < out.corners.size(); ++k) {
+          area += (out.positions[out.corners[k]] - origin).cross(out.positions[out.corners[k + 1]] - origin);
+        }
+      }
+      // The face's plane passes through the camera's centre.
+      out.volume += (input.views[face.view].center - input.views[0].center).dot(area) / 6;
+    }
+  }
+  check(input, out);
+}
+
+void MeshWelder::check(const ArrangementInput& input, HullPolygons& out) {
+  const std::size_t count = out.positions.size();
+  out_edges_.resize(count * kSlots);
+  degree_.assign(count, 0);
+  std::vector<std::pair<std::int32_t, std::int32_t>> from_apex, to_apex;
+  const auto each_edge = [&](const auto& visit) {
+    for (std::size_t p = 0; p + 1 < out.polygon_start.size(); ++p) {
+      const std::int32_t begin = out.polygon_start[p], end = out.polygon_start[p + 1];
+      for (std::int32_t c = begin; c < end; ++c) visit(out.corners[c], out.corners[c + 1 < end ? c + 1 : begin]);
+    }
+  };
+  each_edge([&](std::int32_t u, std::int32_t v) {
+    if (kind_[u] == kApexVertex) {
+      from_apex.push_back({u, v});
+    } else if (degree_[u] == kSlots) {
+      ++out.irregular;
+    } else {
+      out_edges_[u * kSlots + degree_[u]++] = v;
+    }
+  });
+  each_edge([&](std::int32_t u, std::int32_t v) {
+    if (kind_[v] == kApexVertex) {
+      to_apex.push_back({v, u});
+      return;
+    }
+    const std::int32_t* edges = &out_edges_[v * kSlots];
+    if (std::count(edges, edges + degree_[v], u) != 1) ++out.unmatched;
+  });
+  std::sort(from_apex.begin(), from_apex.end());
+  std::sort(to_apex.begin(), to_apex.end());
+  if (from_apex != to_apex) ++out.unmatched;
+  const bool strict = input.votes == static_cast<int>(input.views.size());
+  for (std::size_t v = 0; v < count; ++v) {
+    // Three edges in and out of a vertex of a closed surface cannot be anything but one fan.
+    const bool regular = kind_[v] == kApexVertex || degree_[v] == 3 || (!strict && kind_[v] == kTripleVertex && degree_[v] == 6);
+    out.irregular += !regular;
+  }
+}
+
+void MeshWelder::triangulate(std::span<const FaceOutput> parts, HullPolygons& out) {
+  std::size_t base = 0;
+  std::int32_t number = 0;
+  for (const FaceOutput& part : parts) {
+    for (std::size_t f = 0; f < part.faces.size(); ++f, ++number) {
+      const int first = part.faces[f].first_polygon;
+      const int last = f + 1 < part.faces.size() ? part.faces[f + 1].first_polygon
+                                                 : static_cast<int>(part.polygon_start.size()) - 1;
+      const int begin = part.polygon_start[first], end = part.polygon_start[last];
+      points_.clear();
+      ends_.clear();
+      double highest = 0;
+      for (int c = begin; c < end; ++c) {
+        points_.push_back({part.corners[c].s, part.corners[c].w});
+        if (std::isfinite(part.corners[c].w)) highest = std::max(highest, part.corners[c].w);
+      }
+      for (auto& point : points_) {
+        if (!std::isfinite(point.y())) point = {0.5, 1e6 * (highest + 1)};  // the camera's centre
+      }
+      for (int p = first; p < last; ++p) ends_.push_back(part.polygon_start[p + 1] - begin);
+      local_.clear();
+      cutter_.cut(points_, ends_, local_);
+      for (const std::int32_t k : local_) {
+        out.triangles.push_back(static_cast<std::uint32_t>(out.corners[base + static_cast<std::size_t>(k)]));
+      }
+      for (std::size_t t = 0; t < local_.size() / 3; ++t) out.triangle_face.push_back(number);
+      base += static_cast<std::size_t>(end - begin);
+    }
+  }
+}
+
+}  // namespace floatstage

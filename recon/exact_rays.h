@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "recon/exact_pairs.h"
+
+namespace floatstage {
+
+/// A stretch of a ray that is an edge of the hull: the ray's own view is at its boundary there, and `votes - 1` other
+/// views contain it. `low` and `high` number the hits at its ends; high is kApex where the stretch reaches the camera.
+struct RayInterval {
+  static constexpr std::int32_t kApex = -1;
+  std::int32_t low, high;
+  double w_low, w_high;
+};
+
+struct RayIntervals {
+  std::vector<std::vector<RayInterval>> of_view;  ///< sorted by ray, then w
+  std::vector<std::vector<std::int32_t>> start;   ///< per view: ray r owns of_view[v][start[v][r]] …
+  bool unbounded = false;                         ///< some stretch does not end before infinity
+  bool tie = false;                               ///< an exact comparison was zero
+};
+
+void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid, int votes,
+                        int threads, RayIntervals& out);
+
+}  // namespace floatstage

@@ -1,0 +1,115 @@
+#include "recon/exact_views.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/random.h"
+
+namespace floatstage {
+namespace {
+
+double signed_unit(std::uint64_t seed, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
+  const std::uint64_t h = mix(mix(mix(mix(seed) ^ a) ^ b) ^ c);
+  return static_cast<double>(h >> 11) * 0x1p-52 - 1;
+}
+
+}  // namespace
+
+void ConeView::clear() {
+  rays.clear();
+  next.clear();
+  prev.clear();
+  loop.clear();
+  beyond_counts = false;
+}
+
+void ConeView::add_loop(std::span<const Eigen::Vector3d> loop_rays) {
+  const int first = static_cast<int>(rays.size()), count = static_cast<int>(loop_rays.size());
+  const int id = loop.empty() ? 0 : loop.back() + 1;
+  for (int k = 0; k < count; ++k) {
+    rays.push_back(loop_rays[k]);
+    next.push_back(first + (k + 1) % count);
+    prev.push_back(first + (k + count - 1) % count);
+    loop.push_back(id);
+  }
+}
+
+void perturb(std::span<ConeView> views, const Perturbation& perturbation) {
+  if (perturbation.seed == 0) return;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (int axis = 0; axis < 3; ++axis) {
+      views[v].center[axis] +=
+          perturbation.center * signed_unit(perturbation.seed, v, ~std::uint64_t{0}, static_cast<std::uint64_t>(axis));
+    }
+    for (std::size_t r = 0; r < views[v].rays.size(); ++r) {
+      for (int axis = 0; axis < 3; ++axis) {
+        views[v].rays[r][axis] +=
+            perturbation.ray * signed_unit(perturbation.seed, v, r, static_cast<std::uint64_t>(axis));
+      }
+    }
+  }
+}
+
+bool snap_to_grid(std::span<ConeView> views, GridViews& grid) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ConeView& view : views) mean += view.center / static_cast<double>(views.size());
+  double spread = 0, longest = 0;
+  for (const ConeView& view : views) {
+    spread = std::max(spread, (view.center - mean).cwiseAbs().maxCoeff());
+    for (const Eigen::Vector3d& ray : view.rays) longest = std::max(longest, ray.cwiseAbs().maxCoeff());
+  }
+  if (!(spread > 0) || !(longest > 0) || !std::isfinite(spread) || !std::isfinite(longest)) return false;
+  // Powers of two: the rounded numbers are exact doubles again.
+  grid.center_scale = std::exp2(std::floor(std::log2(0x1p26 / spread)));
+  grid.ray_scale = std::exp2(std::floor(std::log2(0x1p28 / longest)));
+  grid.centers.resize(views.size());
+  grid.rays.resize(views.size());
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double rounded = std::nearbyint((views[v].center[axis] - mean[axis]) * grid.center_scale);
+      grid.centers[v][axis] = static_cast<std::int64_t>(rounded);
+      views[v].center[axis] = mean[axis] + rounded / grid.center_scale;
+    }
+    grid.rays[v].resize(views[v].rays.size());
+    for (std::size_t r = 0; r < views[v].rays.size(); ++r) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double rounded = std::nearbyint(views[v].rays[r][axis] * grid.ray_scale);
+        grid.rays[v][r][axis] = static_cast<std::int64_t>(rounded);
+        views[v].rays[r][axis] = rounded / grid.ray_scale;
+      }
+    }
+  }
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (std::size_t u = 0; u < v; ++u) {
+      if (grid.centers[u] == grid.centers[v]) return false;
+    }
+  }
+  return true;
+}
+
+std::array<ConeView, 2> volume_views(const Eigen::AlignedBox3d& box) {
+  const Eigen::Vector3d middle = box.center(), half = 0.5 * box.sizes();
+  const double away = 64 * half.maxCoeff();
+  std::array<ConeView, 2> out;
+  for (int k = 0; k < 2; ++k) {
+    // From above (along z), then along x; the second a hair wider, so that the two pairs of y planes differ.
+    const int forward_axis = k == 0 ? 2 : 0, u_axis = k == 0 ? 0 : 1, v_axis = k == 0 ? 1 : 2;
+    Eigen::Vector3d forward = Eigen::Vector3d::Zero();
+    forward[forward_axis] = -1;
+    out[k].center = middle - away * forward;
+    // The frustum contains the box: its nearer side is the narrower one.
+    const double near_side = (away - half[forward_axis]) / (1 + 1e-3 * k);
+    std::array<Eigen::Vector3d, 4> corners;
+    const int signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (int c = 0; c < 4; ++c) {
+      corners[c] = forward;
+      corners[c][u_axis] = signs[c][0] * half[u_axis] / near_side;
+      corners[c][v_axis] = signs[c][1] * half[v_axis] / near_side;
+    }
+    if (corners[0].cross(corners[1]).dot(forward) < 0) std::reverse(corners.begin(), corners.end());
+    out[k].add_loop(corners);
+  }
+  return out;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "recon/exact_integer.h"
+
+namespace floatstage {
+
+/// One silhouette as the exact engine sees it: a cone of planes through the camera's centre. From here on the rays are
+/// the data, pixels never return. Ray k starts contour edge k, which ends at ray next[k].
+struct ConeView {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> rays;  ///< world; z = 1 in the camera's frame
+  std::vector<int> next, prev, loop;  ///< per ray
+  bool beyond_counts = false;         ///< outside of all polygons is inside
+
+  void clear();
+  /// Appends a closed polygon, interior on the side of ray(k) x ray(next).
+  void add_loop(std::span<const Eigen::Vector3d> loop_rays);
+};
+
+/// The same numbers on an integer grid, with which every predicate is exact.
+struct GridViews {
+  using Vector = std::array<std::int64_t, 3>;
+  std::vector<Vector> centers;             ///< within 2^26 of their mean
+  std::vector<std::vector<Vector>> rays;   ///< components within 2^28
+  double ray_scale = 1, center_scale = 1;  ///< grid steps per unit
+};
+
+/// How far the data are moved before the arrangement is computed. Seed 0 moves nothing.
+struct Perturbation {
+  std::uint64_t seed = 0;
+  double ray = 0;     ///< largest move of a ray, in units of its z (1e-4 px is 1e-4 / focal length)
+  double center = 0;  ///< largest move of a centre, metres
+};
+
+/// Moves every ray and centre by a hash of its index and the seed.
+void perturb(std::span<ConeView> views, const Perturbation& perturbation);
+
+/// Rounds the views to the grid and overwrites them with the rounded numbers. False when the cameras are so far apart
+/// compared to their distances that the grid cannot tell centres apart (1e-7 of the rig's size).
+bool snap_to_grid(std::span<ConeView> views, GridViews& grid);
+
+inline Int128 dot(const GridViews::Vector& a, const GridViews::Vector& b) {
+  return static_cast<Int128>(a[0]) * b[0] + static_cast<Int128>(a[1]) * b[1] + static_cast<Int128>(a[2]) * b[2];
+}
+/// Components of operands within 2^28: the result stays within 2^57.
+inline GridViews::Vector cross(const GridViews::Vector& a, const GridViews::Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline GridViews::Vector operator-(const GridViews::Vector& a, const GridViews::Vector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// Four planes each of two far virtual cameras that look at a box along two axes: together they bound a volume that
+/// contains it and is little larger. Works like any other view, so that the engine needs no special case.
+std::array<ConeView, 2> volume_views(const Eigen::AlignedBox3d& box);
+
+}  // namespace floatstage

@@ -1,0 +1,74 @@
+#include "recon/silhouette_cones.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+
+namespace floatstage {
+namespace {
+
+/// Whether the whole box lies in the picture. Its corners decide: a frustum is convex, and lenses bend little.
+bool sees_all(const RigCamera& camera, const Eigen::AlignedBox3d& box) {
+  for (int c = 0; c < 8; ++c) {
+    const Eigen::Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(c));
+    const auto pixel = project(camera.model, camera.cam_from_world * corner);
+    if (!pixel || !inside(camera.model, *pixel)) return false;
+  }
+  return true;
+}
+
+void append_rays(const RigCamera& camera, const Silhouette& outline, ConeView& view) {
+  view.clear();
+  view.center = camera.cam_from_world.center();
+  view.beyond_counts = outline.beyond_counts;
+  const Eigen::Matrix3d world_from_pixel =
+      camera.cam_from_world.rotation.conjugate().toRotationMatrix() * pinhole(camera.model).k().inverse();
+  std::vector<Eigen::Vector3d> rays;
+  for (int k = 0; k < outline.polygons(); ++k) {
+    rays.clear();
+    for (int p = outline.starts[k]; p < outline.starts[k + 1]; ++p) {
+      rays.push_back(world_from_pixel * outline.points[p].homogeneous());
+    }
+    view.add_loop(rays);
+  }
+}
+
+}  // namespace
+
+void add_volume(const Eigen::AlignedBox3d& box, SilhouetteCones& cones) {
+  for (ConeView& view : volume_views(box)) {
+    cones.views.push_back(std::move(view));
+    cones.camera.push_back(-1);
+  }
+}
+
+void ConeBuilder::build(const Rig& rig, std::span<const Matte> mattes, const ConeOptions& options,
+                        SilhouetteCones& out) {
+  const std::size_t count = rig.cameras.size();
+  scratch_.resize(count);
+  out.outlines.resize(count);
+  parallel_for(count, options.threads, [&](std::size_t c) {
+    SilhouetteOptions settings;
+    settings.tolerance = options.tolerance;
+    settings.unknown_beyond = options.volume && !sees_all(rig.cameras[c], *options.volume);
+    out.outlines[c] = undistorted_outline(mattes[c], rig.cameras[c].model, settings, scratch_[c]);
+    while (static_cast<int>(out.outlines[c].points.size()) > options.max_points && settings.tolerance < 64) {
+      settings.tolerance = std::max(0.25, 2 * settings.tolerance);
+      out.outlines[c] = undistorted_outline(mattes[c], rig.cameras[c].model, settings, scratch_[c]);
+    }
+  });
+  std::size_t used = 0;
+  out.camera.clear();
+  out.pixel = 1;
+  for (std::size_t c = 0; c < count; ++c) {
+    if (out.outlines[c].empty()) continue;
+    if (out.views.size() <= used) out.views.emplace_back();
+    append_rays(rig.cameras[c], out.outlines[c], out.views[used++]);
+    out.camera.push_back(static_cast<int>(c));
+    out.pixel = std::min(out.pixel, 1 / std::max(rig.cameras[c].model.fx, rig.cameras[c].model.fy));
+  }
+  out.views.resize(used);
+  if (options.volume) add_volume(*options.volume, out);
+}
+
+}  // namespace floatstage

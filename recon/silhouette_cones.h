@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/rig.h"
+#include "recon/exact_views.h"
+#include "recon/silhouette.h"
+
+namespace floatstage {
+
+struct ConeOptions {
+  double tolerance = 0.5;                     ///< px, of the contours
+  std::optional<Eigen::AlignedBox3d> volume;  ///< the hull is sought here; cameras that do not see all of it know less
+  int max_points = 200000;                    ///< contour points of one view; noisier mattes are simplified further
+  int threads = 1;
+};
+
+/// The silhouettes of one instant as cones. Cameras without a matte, and those whose matte is all subject, know nothing
+/// and have no cone.
+struct SilhouetteCones {
+  std::vector<Silhouette> outlines;  ///< per camera of the rig: undistorted px; empty where it knows nothing
+  std::vector<ConeView> views;       ///< then the volume's, when there is one
+  std::vector<int> camera;           ///< per view: index into the rig; -1 for the volume
+  double pixel = 1e-3;               ///< smallest 1 / focal length
+};
+
+class ConeBuilder {
+ public:
+  void build(const Rig& rig, std::span<const Matte> mattes, const ConeOptions& options, SilhouetteCones& out);
+
+ private:
+  std::vector<SilhouetteScratch> scratch_;
+};
+
+/// Appends the two far views that bound `box`.
+void add_volume(const Eigen::AlignedBox3d& box, SilhouetteCones& cones);
+
+}  // namespace floatstage

@@ -1,0 +1,236 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "recon/silhouette.h"
+#include "recon/silhouette_grid.h"
+
+namespace floatstage {
+namespace {
+
+using Eigen::Vector2d;
+
+/// Which points of an outline are kept, and which chords have to be cut again.
+class Simplifier {
+ public:
+  Simplifier(const Silhouette& outline, double tolerance, double longest)
+      : outline_(outline), tolerance2_(tolerance * tolerance), longest2_(longest * longest) {
+    keep_.assign(outline.points.size(), 0);
+  }
+
+  Silhouette run() {
+    for (int k = 0; k < outline_.polygons(); ++k) anchor(outline_.starts[k], outline_.starts[k + 1]);
+    // Every round cuts the chords that are in conflict; with every point kept there is none, so this ends.
+    while (true) {
+      Silhouette result = kept();
+      const std::vector<int> conflicts = chords_in_conflict(result);
+      bool cut = false;
+      for (const int chord : conflicts) cut |= cut_chord(origin_[chord], chord_end(result, chord));
+      if (!cut) return result;
+    }
+  }
+
+ private:
+  /// Two points of the polygon that Douglas-Peucker can start from: its first, and the one farthest from that.
+  void anchor(int begin, int end) {
+    int far = begin;
+    double best = -1;
+    for (int i = begin; i < end; ++i) {
+      const double d = (outline_.points[i] - outline_.points[begin]).squaredNorm();
+      if (d > best) {
+        best = d;
+        far = i;
+      }
+    }
+    keep_[begin] = keep_[far] = 1;
+    stack_.push_back({begin, far});
+    stack_.push_back({far, end});  // `end` stands for `begin`, one lap later
+    subdivide(begin, end);
+    // A polygon needs three corners: the point farthest from the chord between the two.
+    if (std::accumulate(keep_.begin() + begin, keep_.begin() + end, 0) < 3) {
+      auto [first, first_distance] = farthest(begin, far, begin, end);
+      auto [second, second_distance] = farthest(far, end, begin, end);
+      keep_[first_distance > second_distance ? first : second] = 1;
+    }
+  }
+
+  const Vector2d& point(int i, int begin, int end) const { return outline_.points[i == end ? begin : i]; }
+
+  std::pair<int, double> farthest(int from, int to, int begin, int end) const {
+    const Vector2d p = point(from, begin, end), chord = point(to, begin, end) - p;
+    const double length2 = chord.squaredNorm();
+    int best = from + 1;
+    double best_distance = -1;
+    for (int i = from + 1; i < to; ++i) {
+      const Vector2d v = outline_.points[i] - p;
+      const double along = length2 > 0 ? std::clamp(v.dot(chord) / length2, 0.0, 1.0) : 0;
+      const double d = (v - along * chord).squaredNorm();
+      if (d > best_distance) {
+        best_distance = d;
+        best = i;
+      }
+    }
+    return {best, best_distance};
+  }
+
+  void subdivide(int begin, int end) {
+    while (!stack_.empty()) {
+      const auto [from, to] = stack_.back();
+      stack_.pop_back();
+      if (to - from < 2) continue;
+      auto [split, distance] = farthest(from, to, begin, end);
+      if (distance <= tolerance2_) {
+        const double length2 = (point(to, begin, end) - point(from, begin, end)).squaredNorm();
+        if (longest2_ <= 0 || length2 <= longest2_) continue;
+        split = (from + to) / 2;
+      }
+      keep_[split] = 1;
+      stack_.push_back({from, split});
+      stack_.push_back({split, to});
+    }
+  }
+
+  Silhouette kept() {
+    Silhouette out;
+    out.beyond_counts = outline_.beyond_counts;
+    origin_.clear();
+    for (int k = 0; k < outline_.polygons(); ++k) {
+      out.starts.push_back(static_cast<int>(out.points.size()));
+      for (int i = outline_.starts[k]; i < outline_.starts[k + 1]; ++i) {
+        if (!keep_[i]) continue;
+        out.points.push_back(outline_.points[i]);
+        origin_.push_back(i);
+      }
+    }
+    out.starts.push_back(static_cast<int>(out.points.size()));
+    origin_.push_back(static_cast<int>(outline_.points.size()));
+    return out;
+  }
+
+  /// The full-resolution index at which the chord that starts at kept point `chord` ends (one lap later for the last).
+  int chord_end(const Silhouette& result, int chord) const {
+    const auto next = std::upper_bound(result.starts.begin(), result.starts.end(), chord);
+    const int polygon = static_cast<int>(next - result.starts.begin()) - 1;
+    return chord + 1 < *next ? origin_[chord + 1] : outline_.starts[polygon + 1];
+  }
+
+  std::vector<int> chords_in_conflict(const Silhouette& result) const {
+    EdgeGrid grid(result);
+    std::vector<int> conflicts = grid.touching_edges(kGap);
+    for (int chord = 0; chord < static_cast<int>(result.points.size()); ++chord) {
+      const int from = origin_[chord], to = chord_end(result, chord);
+      if (to - from > 1 && swallows_a_point(grid, result, chord, from, to)) conflicts.push_back(chord);
+    }
+    return conflicts;
+  }
+
+  /// Whether a kept point of some other chain lies between the chord and the chain that it replaces.
+  bool swallows_a_point(const EdgeGrid& grid, const Silhouette& result, int chord, int from, int to) const {
+    const auto next = std::upper_bound(outline_.starts.begin(), outline_.starts.end(), from);
+    const int begin = *(next - 1), end = *next;
+    Eigen::AlignedBox2d box;
+    for (int i = from; i <= to; ++i) box.extend(point(i, begin, end));
+    const int after = grid.next(chord);
+    return grid.any_point_in(box, [&](int candidate) {
+      if (candidate == chord || candidate == after) return false;
+      const Vector2d q = result.points[candidate];
+      bool inside = false;
+      for (int i = from; i <= to; ++i) {
+        const Vector2d &u = point(i, begin, end), &v = point(i < to ? i + 1 : from, begin, end);
+        if ((u.y() > q.y()) != (v.y() > q.y()) &&
+            q.x() < u.x() + (q.y() - u.y()) / (v.y() - u.y()) * (v.x() - u.x())) {
+          inside = !inside;
+        }
+      }
+      return inside;
+    });
+  }
+
+  bool cut_chord(int from, int to) {
+    if (to - from < 2) return false;
+    const auto next = std::upper_bound(outline_.starts.begin(), outline_.starts.end(), from);
+    const int begin = *(next - 1), end = *next;
+    keep_[farthest(from, to, begin, end).first] = 1;
+    return true;
+  }
+
+  static constexpr double kGap = 0.01;  // px
+
+  const Silhouette& outline_;
+  double tolerance2_, longest2_;
+  std::vector<char> keep_;
+  std::vector<int> origin_;
+  std::vector<std::pair<int, int>> stack_;
+};
+
+/// The longest chord whose image under the lens stays within `sag` px of a straight line, from the second
+/// differences of the lens over the picture; 0 when there is no lens.
+double longest_chord(const CameraModel& model, double sag) {
+  if (std::holds_alternative<std::monostate>(model.lens)) return 0;
+  constexpr int kCells = 8;
+  const double h = std::max(model.width, model.height) / 32.0;
+  const CameraModel ideal = pinhole(model);
+  double bend = 0;  // px per px²
+  const auto straight = [&](const Vector2d& p) -> std::optional<Vector2d> {
+    const auto ray = unproject(model, p);
+    return ray ? project(ideal, *ray) : std::nullopt;
+  };
+  for (int y = 0; y <= kCells; ++y) {
+    for (int x = 0; x <= kCells; ++x) {
+      const Vector2d p(model.width * x / double(kCells), model.height * y / double(kCells));
+      for (const Vector2d& step : {Vector2d(h, 0), Vector2d(0, h), Vector2d(h, h)}) {
+        const auto a = straight(p - step), b = straight(p), c = straight(p + step);
+        if (a && b && c) bend = std::max(bend, (*a - 2 * *b + *c).norm() / step.squaredNorm());
+      }
+    }
+  }
+  return bend > 1e-12 ? std::max(2.0, std::sqrt(8 * sag / bend)) : 0;
+}
+
+void remove_lens(const CameraModel& model, Silhouette& outline) {
+  const CameraModel ideal = pinhole(model);
+  Silhouette out;
+  out.beyond_counts = outline.beyond_counts;
+  for (int k = 0; k < outline.polygons(); ++k) {
+    const std::size_t first = out.points.size();
+    for (int i = outline.starts[k]; i < outline.starts[k + 1]; ++i) {
+      const auto ray = unproject(model, outline.points[i]);
+      const auto pixel = ray ? project(ideal, *ray) : std::nullopt;
+      if (pixel && pixel->allFinite()) out.points.push_back(*pixel);
+    }
+    if (out.points.size() - first < 3) {
+      out.points.resize(first);
+    } else {
+      out.starts.push_back(static_cast<int>(first));
+    }
+  }
+  out.starts.push_back(static_cast<int>(out.points.size()));
+  outline = std::move(out);
+}
+
+}  // namespace
+
+Silhouette simplify_outline(const Silhouette& outline, double tolerance, double longest) {
+  if (outline.empty() || tolerance <= 0) return outline;
+  return Simplifier(outline, tolerance, longest).run();
+}
+
+bool is_simple(const Silhouette& outline) {
+  return outline.empty() || EdgeGrid(outline).touching_edges(0).empty();
+}
+
+Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, const SilhouetteOptions& options,
+                               SilhouetteScratch& scratch) {
+  const Silhouette full = trace_outline(matte, options.unknown_beyond, scratch);
+  const bool lens = !std::holds_alternative<std::monostate>(model.lens);
+  double tolerance = options.tolerance;
+  // The lens may fold neighbouring chains over each other where it bends strongly: then keep more points.
+  for (int round = 0;; ++round, tolerance /= 4) {
+    Silhouette out = simplify_outline(full, tolerance, lens ? longest_chord(model, 0.1 * tolerance) : 0);
+    if (!lens) return out;
+    remove_lens(model, out);
+    if (round == 4 || is_simple(out)) return out;
+  }
+}
+
+}  // namespace floatstage
