@@ -75,7 +75,7 @@ Image largest_component(const Image& mask) {
 
 }  // namespace
 
-MatteSet load_temple_ring(const std::filesystem::path& folder) {
+MatteSet load_temple_ring(const std::filesystem::path& folder, int grey) {
   const ForeignRig foreign = need(read_middlebury(folder / "templeR_par.txt"));
   MatteSet set;
   for (std::size_t i = 0; i < foreign.rig.cameras.size(); ++i) {
@@ -85,7 +85,7 @@ MatteSet load_temple_ring(const std::filesystem::path& folder) {
     camera.model.width = image.width;
     camera.model.height = image.height;
     set.rig.cameras.push_back(camera);
-    const Image mask = spread(spread(thresholded(image, 12), 2, true), 2, false);
+    const Image mask = spread(spread(thresholded(image, grey), 2, true), 2, false);
     set.mattes.push_back(make_matte({}, largest_component(mask)));
   }
   return set;
@@ -113,7 +113,7 @@ MatteSet load_vacancy_bunny(const std::filesystem::path& folder) {
     const Image mask = thresholded(need(load_png(folder / ("mask_" + index + ".png"))), 127);
     RigCamera camera;
     camera.serial = index;
-    // Its principal point counts from the first pixel's centre.
+    // Its principal point counts from the first pixel's centre: so its own truth mesh fits its masks.
     camera.model = {.width = mask.width, .height = mask.height, .fx = 258.65, .fy = 258.25,
                     .cx = 159.3 + 0.5, .cy = 127.65 + 0.5, .skew = 0, .lens = {}};
     camera.cam_from_world = Rigid3{q.normalized(), t}.inverse();
