@@ -36,7 +36,8 @@ Mistake draw(Random& random) {
 RigCamera mistaken(const RigCamera& camera, const Mistake& m, double amount) {
   RigCamera result = camera;
   const Vector3d turn = amount * m.turn;
-  const Eigen::Quaterniond rotation(Eigen::AngleAxisd(turn.norm(), turn.norm() > 0 ? Vector3d(turn.normalized()) : Vector3d::UnitX()));
+  const Eigen::Quaterniond rotation(
+      Eigen::AngleAxisd(turn.norm(), turn.norm() > 0 ? Vector3d(turn.normalized()) : Vector3d::UnitX()));
   const Vector3d center = camera.cam_from_world.center() + amount * m.shift;
   result.cam_from_world.rotation = (rotation * camera.cam_from_world.rotation).normalized();
   result.cam_from_world.translation = -(result.cam_from_world.rotation * center);
@@ -52,7 +53,8 @@ double projection_error(const RigCamera& a, const RigCamera& b) {
   double sum = 0;
   int count = 0;
   for (const Vector3d& p : performer_volume()) {
-    const std::optional<Vector2d> pa = project(a.model, a.cam_from_world * p), pb = project(b.model, b.cam_from_world * p);
+    const std::optional<Vector2d> pa = project(a.model, a.cam_from_world * p),
+                                  pb = project(b.model, b.cam_from_world * p);
     if (!pa || !pb) continue;
     sum += (*pa - *pb).squaredNorm();
     count += 2;

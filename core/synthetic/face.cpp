@@ -22,7 +22,8 @@ float freckles(const Vector3f& p, float size, float density, float footprint, st
   const float cell = 4 * size;
   const Vector3f q = p / cell;
   float ink = 0;
-  const int x0 = static_cast<int>(std::floor(q.x())), y0 = static_cast<int>(std::floor(q.y())), z0 = static_cast<int>(std::floor(q.z()));
+  const int x0 = static_cast<int>(std::floor(q.x())), y0 = static_cast<int>(std::floor(q.y())),
+            z0 = static_cast<int>(std::floor(q.z()));
   // A dot stays 0.3 cells inside its own cell, so only this one matters.
   if (lattice(x0, y0, z0, seed) < density) {
     const Vector3f center(static_cast<float>(x0) + 0.3f + 0.4f * lattice(x0, y0, z0, seed + 1),
@@ -48,7 +49,8 @@ Vector3f face_albedo(const Vector3f& rest, float w, std::uint32_t seed) {
   if (rest.y() < 0.02f) return color;
 
   // Cheeks, with their own freckles.
-  const float cheek = std::exp(-(std::pow((side - 0.040f) / 0.018f, 2.0f) + std::pow((z + 0.025f) / 0.018f, 2.0f)));
+  const float cheek =
+      std::exp(-(std::pow((side - 0.040f) / 0.018f, 2.0f) + std::pow((z + 0.025f) / 0.018f, 2.0f)));
   blend(color, {0.90f, 0.50f, 0.43f}, 0.55f * cheek);
   blend(color, {0.50f, 0.28f, 0.20f}, 0.8f * cheek * freckles(rest, 0.0017f, 1.0f, w, seed + 20));
 
@@ -59,7 +61,8 @@ Vector3f face_albedo(const Vector3f& rest, float w, std::uint32_t seed) {
   blend(color, {0.95f, 0.94f, 0.91f}, ellipse(ex, ez + 0.0008f, 0.0155f, 0.0078f, w));
   blend(color, {0.20f, 0.34f, 0.55f}, ellipse(ex, ez, 0.0074f, 0.0074f, w));
   blend(color, {0.04f, 0.04f, 0.05f}, ellipse(ex, ez, 0.0036f, 0.0036f, w));
-  blend(color, {1.0f, 1.0f, 1.0f}, ellipse(x - std::copysign(0.032f, x) - 0.0022f, ez - 0.0026f, 0.0018f, 0.0018f, w));
+  blend(color, {1.0f, 1.0f, 1.0f},
+        ellipse(x - std::copysign(0.032f, x) - 0.0022f, ez - 0.0026f, 0.0018f, 0.0018f, w));
 
   // Brows: bars that slope a little, with hair texture.
   const float bz = z - 0.0275f + (side > 0.036f ? 0.45f : -0.22f) * (side - 0.036f);

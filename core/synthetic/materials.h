@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
+
+#include <Eigen/Core>
 
 namespace floatstage::synthetic {
 
@@ -11,12 +12,13 @@ enum class Material { Face, Skin, Hair, Shirt, Sleeve, Trousers, Hips, Shoe, Str
 /// A point of the performer's surface, as a ray meets it.
 struct SurfacePoint {
   Material material = Material::Skin;
-  int variant = 0;                                   ///< Shirt…Shoe: +1 the right side, -1 the left; Strand: which colour
+  int variant = 0;  ///< Shirt…Shoe: +1 the right side, -1 the left; Strand: which colour
   Eigen::Vector3f rest = Eigen::Vector3f::Zero();  ///< metres, in the bone's rest coordinates
-  float footprint = 0.001f;                          ///< metres on the surface that the ray stands for
+  float footprint = 0.001f;                        ///< metres on the surface that the ray stands for
 };
 
-/// Reflectance 0…1 in the picture's own (gamma) space, averaged over the footprint where the pattern is finer than it.
+/// Reflectance 0…1 in the picture's own (gamma) space, averaged over the footprint where the pattern is finer
+/// than it.
 Eigen::Vector3f albedo(const SurfacePoint& point, std::uint32_t seed);
 
 /// The face, in head coordinates: eyes, brows, mouth, freckles. Called by albedo().

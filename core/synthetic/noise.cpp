@@ -44,7 +44,9 @@ float value_noise(const Eigen::Vector3f& p, std::uint32_t seed) {
   return a + w * (along_y(1) - a);
 }
 
-float soft_step(float edge, float x, float width) { return std::clamp((x - edge) / width + 0.5f, 0.0f, 1.0f); }
+float soft_step(float edge, float x, float width) {
+  return std::clamp((x - edge) / width + 0.5f, 0.0f, 1.0f);
+}
 
 float stripes(float x, float period, float duty, float width) {
   const float w = std::max(width / period, 1e-4f), center = x / period;

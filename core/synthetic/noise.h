@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
+
+#include <Eigen/Core>
 
 namespace floatstage::synthetic {
 
@@ -14,8 +15,8 @@ float value_noise(const Eigen::Vector3f& p, std::uint32_t seed);
 /// 0 below `edge`, 1 above, a ramp of width `width` between: a step seen through a pixel of that size.
 float soft_step(float edge, float x, float width);
 
-/// A stripe pattern (1 on the first `duty` of each `period`) averaged over a window of `width`: exact, so it fades
-/// to its mean instead of aliasing when the window outgrows the period.
+/// A stripe pattern (1 on the first `duty` of each `period`) averaged over a window of `width`: exact, so it
+/// fades to its mean instead of aliasing when the window outgrows the period.
 float stripes(float x, float period, float duty, float width);
 
 }  // namespace floatstage::synthetic

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/synthetic/materials.h"
 #include "core/synthetic/shell.h"
@@ -11,8 +12,8 @@
 
 namespace floatstage::synthetic {
 
-/// A shell on its bones. Rest coordinates are those of `near_bone`; beyond `joint_z` (over a length of `blend` metres)
-/// the shell follows `far_bone`, whose origin is the joint.
+/// A shell on its bones. Rest coordinates are those of `near_bone`; beyond `joint_z` (over a length of
+/// `blend` metres) the shell follows `far_bone`, whose origin is the joint.
 struct Part {
   Material material = Material::Skin;
   int variant = 0;
@@ -21,8 +22,8 @@ struct Part {
   std::uint32_t first_vertex = 0, vertices = 0;
 };
 
-/// The performer's surface: what never changes (topology, texture coordinates), and where it is at an instant.
-/// Shells come first in every array, strands after them.
+/// The performer's surface: what never changes (topology, texture coordinates), and where it is at an
+/// instant. Shells come first in every array, strands after them.
 class Performer {
  public:
   explicit Performer(std::uint64_t seed);

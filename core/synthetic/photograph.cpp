@@ -12,8 +12,9 @@ using Eigen::Vector2d;
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-// Pixels that the performer can touch: the bounding boxes of all projected triangles, and one pixel more for what the
-// lens bends. Without it most rays would be spent on cloth, and strands thinner than a pixel could be missed.
+// Pixels that the performer can touch: the bounding boxes of all projected triangles, and one pixel more for
+// what the lens bends. Without it most rays would be spent on cloth, and strands thinner than a pixel could
+// be missed.
 std::vector<std::uint8_t> touched_pixels(const TracingCamera& camera, const StageScene& scene) {
   const int w = camera.model().width, h = camera.model().height;
   std::vector<std::uint8_t> touched(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0);
@@ -21,18 +22,22 @@ std::vector<std::uint8_t> touched_pixels(const TracingCamera& camera, const Stag
   pixels.reserve(scene.positions().size());
   for (const Vector3f& p : scene.positions()) {
     const std::optional<Vector2d> pixel = project(camera.model(), camera.cam_from_world() * p.cast<double>());
-    if (!pixel) return std::vector<std::uint8_t>(touched.size(), 1);  // beside or behind the camera: look everywhere
+    if (!pixel)
+      return std::vector<std::uint8_t>(touched.size(), 1);  // beside or behind the camera: look everywhere
     pixels.push_back(pixel->cast<float>());
   }
   const std::vector<std::uint32_t>& triangles = scene.performer().triangles();
-  auto clamped = [](float v, int limit) { return static_cast<int>(std::clamp(std::floor(v), -1.0f, static_cast<float>(limit))); };
+  auto clamped = [](float v, int limit) {
+    return static_cast<int>(std::clamp(std::floor(v), -1.0f, static_cast<float>(limit)));
+  };
   for (std::size_t t = 0; t < triangles.size(); t += 3) {
     const Vector2f &a = pixels[triangles[t]], &b = pixels[triangles[t + 1]], &c = pixels[triangles[t + 2]];
     const Vector2f low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
     const int x0 = std::max(clamped(low.x() - 1, w), 0), x1 = std::min(clamped(high.x() + 1, w), w - 1);
     const int y0 = std::max(clamped(low.y() - 1, h), 0), y1 = std::min(clamped(high.y() + 1, h), h - 1);
     for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) touched[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] = 1;
+      for (int x = x0; x <= x1; ++x)
+        touched[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] = 1;
   }
   return touched;
 }
@@ -41,7 +46,9 @@ std::vector<std::uint8_t> touched_pixels(const TracingCamera& camera, const Stag
 class RowTracer {
  public:
   RowTracer(const TracingCamera& camera, const StageScene& scene, const PhotographOptions& options)
-      : camera_(camera), scene_(scene), options_(options),
+      : camera_(camera),
+        scene_(scene),
+        options_(options),
         metres_per_depth_(static_cast<float>(1 / (camera.model().fx * options.samples_across))) {}
 
   struct Pixel {
@@ -60,7 +67,8 @@ class RowTracer {
     const float step = 1 / static_cast<float>(n);
     for (int j = 0; j < n; ++j) {
       for (int i = 0; i < n; ++i) {
-        // One sample a cell, and n² different offsets along either axis: an upright edge still has n² + 1 levels.
+        // One sample a cell, and n² different offsets along either axis: an upright edge still has n² + 1
+        // levels.
         const float sx = (static_cast<float>(i) + (static_cast<float>(j) + 0.5f) * step) * step;
         const float sy = (static_cast<float>(j) + (static_cast<float>(i) + 0.5f) * step) * step;
         add_ray(pixel, false, camera_.direction(x, y, sx, sy));
@@ -120,13 +128,16 @@ Vector3f plate_color(const Image& plate, int x, int y) {
 }  // namespace
 
 TracingCamera::TracingCamera(const CameraModel& model, const Rigid3& cam_from_world)
-    : model_(model), cam_from_world_(cam_from_world), center_(cam_from_world.center().cast<float>()),
+    : model_(model),
+      cam_from_world_(cam_from_world),
+      center_(cam_from_world.center().cast<float>()),
       world_from_cam_(cam_from_world.rotation.conjugate().toRotationMatrix().cast<float>()) {
   corners_.reserve(static_cast<std::size_t>(model.width + 1) * static_cast<std::size_t>(model.height + 1));
   for (int y = 0; y <= model.height; ++y) {
     for (int x = 0; x <= model.width; ++x) {
       const std::optional<Eigen::Vector3d> ray = unproject(model, {x, y});
-      corners_.push_back(ray ? Vector2f(ray->head<2>().cast<float>()) : Vector2f::Constant(std::numeric_limits<float>::quiet_NaN()));
+      corners_.push_back(ray ? Vector2f(ray->head<2>().cast<float>())
+                             : Vector2f::Constant(std::numeric_limits<float>::quiet_NaN()));
     }
   }
 }
@@ -153,7 +164,8 @@ Image photograph_room(const TracingCamera& camera, const Room& room) {
   return plate;
 }
 
-Exposure photograph(const TracingCamera& camera, const StageScene& scene, const Image& plate, const PhotographOptions& options) {
+Exposure photograph(const TracingCamera& camera, const StageScene& scene, const Image& plate,
+                    const PhotographOptions& options) {
   const int w = camera.model().width, h = camera.model().height;
   const std::size_t count = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
   Exposure out{w, h, std::vector<Vector3f>(count), std::vector<std::uint8_t>(count, 0),

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/camera.h"
 #include "core/image.h"
@@ -21,8 +22,8 @@ class TracingCamera {
   const Rigid3& cam_from_world() const { return cam_from_world_; }
   const Eigen::Vector3f& center() const { return center_; }
 
-  /// World direction, with z = 1 along the optical axis: ray parameters are depths. NaN where the lens has no ray.
-  /// (sx, sy) in [0, 1]² is the place in the pixel.
+  /// World direction, with z = 1 along the optical axis: ray parameters are depths. NaN where the lens has no
+  /// ray. (sx, sy) in [0, 1]² is the place in the pixel.
   Eigen::Vector3f direction(int x, int y, float sx, float sy) const;
 
  private:
@@ -51,6 +52,7 @@ struct PhotographOptions {
 Image photograph_room(const TracingCamera& camera, const Room& room);
 
 /// The performer before `plate`: colour = alpha * mean performer colour + (1 - alpha) * plate.
-Exposure photograph(const TracingCamera& camera, const StageScene& scene, const Image& plate, const PhotographOptions& options);
+Exposure photograph(const TracingCamera& camera, const StageScene& scene, const Image& plate,
+                    const PhotographOptions& options);
 
 }  // namespace floatstage::synthetic

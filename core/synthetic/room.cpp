@@ -11,7 +11,8 @@ namespace floatstage::synthetic {
 
 using Eigen::Vector3f;
 
-Room::Room(const Rig& rig, bool green, std::uint64_t seed) : green_(green), seed_(static_cast<std::uint32_t>(mix(seed ^ 0xC107))) {
+Room::Room(const Rig& rig, bool green, std::uint64_t seed)
+    : green_(green), seed_(static_cast<std::uint32_t>(mix(seed ^ 0xC107))) {
   double reach = 3, top = 3;
   for (const RigCamera& c : rig.cameras) {
     const Eigen::Vector3d center = c.cam_from_world.center();

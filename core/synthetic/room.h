@@ -1,14 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
+
+#include <Eigen/Core>
 
 #include "core/rig.h"
 
 namespace floatstage::synthetic {
 
-/// The studio's walls, floor and ceiling: a box of cloth that holds every camera, hung with slight folds and unevenly
-/// lit; or a black stage. It catches no shadow: the plate is what the picture shows wherever the performer is not.
+/// The studio's walls, floor and ceiling: a box of cloth that holds every camera, hung with slight folds and
+/// unevenly lit; or a black stage. It catches no shadow: the plate is what the picture shows wherever the
+/// performer is not.
 class Room {
  public:
   Room(const Rig& rig, bool green, std::uint64_t seed);

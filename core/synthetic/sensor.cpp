@@ -11,8 +11,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Normal deviates by table: one well-mixed 64-bit number is five indices into the quantiles of the distribution, which
-// is ten times faster than Box-Muller and, at 4096 quantiles, indistinguishable once rounded to 8 bits.
+// Normal deviates by table: one well-mixed 64-bit number is five indices into the quantiles of the
+// distribution, which is ten times faster than Box-Muller and, at 4096 quantiles, indistinguishable once
+// rounded to 8 bits.
 constexpr int kTableBits = 12, kTableSize = 1 << kTableBits;
 
 double normal_quantile(double p) {
@@ -32,18 +33,22 @@ std::vector<float> normal_table(double deviation) {
     table[static_cast<std::size_t>(i)] = static_cast<float>(q);
     squares += q * q;
   }
-  const auto scale = static_cast<float>(deviation / std::sqrt(squares / kTableSize));  // the cut tails are made up for
+  const auto scale =
+      static_cast<float>(deviation / std::sqrt(squares / kTableSize));  // the cut tails are made up for
   for (float& v : table) v *= scale;
   return table;
 }
 
-std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 255.0f))); }
+std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 255.0f)));
+}
 
 }  // namespace
 
 std::uint64_t key(std::uint64_t seed, std::uint64_t purpose, int camera, int frame) {
   std::uint64_t h = mix(seed + 0x9E3779B97F4A7C15u * purpose);
-  h = mix(h ^ (static_cast<std::uint64_t>(static_cast<std::uint32_t>(camera)) << 32 | static_cast<std::uint32_t>(frame)));
+  h = mix(h ^ (static_cast<std::uint64_t>(static_cast<std::uint32_t>(camera)) << 32 |
+               static_cast<std::uint32_t>(frame)));
   return mix(h + 0x9E3779B97F4A7C15u);
 }
 
@@ -51,7 +56,8 @@ Vector3f SensorDefects::gain(int camera) const {
   if (defects.color_gain == 0) return Vector3f::Ones();
   Random random(key(seed, kGainKey, camera, 0));
   Vector3f gain;
-  for (int c = 0; c < 3; ++c) gain[c] = static_cast<float>(std::max(0.1, 1 + defects.color_gain * random.normal()));
+  for (int c = 0; c < 3; ++c)
+    gain[c] = static_cast<float>(std::max(0.1, 1 + defects.color_gain * random.normal()));
   return gain;
 }
 
@@ -63,7 +69,8 @@ Timestamp SensorDefects::exposure_start(int camera, int frame) const {
   double instant = frame / frame_rate;
   if (defects.time_jitter > 0) {
     const double limit = 0.45 / frame_rate;
-    instant += std::clamp(defects.time_jitter * Random(key(seed, kJitterKey, camera, frame)).normal(), -limit, limit);
+    instant += std::clamp(defects.time_jitter * Random(key(seed, kJitterKey, camera, frame)).normal(), -limit,
+                          limit);
   }
   return {std::max<std::int64_t>(0, std::llround(instant * 1e9))};
 }
@@ -88,7 +95,8 @@ Image with_gain(const Image& plate, const Vector3f& gain) {
   Image image = plate;
   const Vector3f scale = 255 * gain;
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    image.pixels[i] = to_byte(static_cast<float>(plate.pixels[i]) / 255.0f * scale[static_cast<Eigen::Index>(i % 3)]);
+    image.pixels[i] =
+        to_byte(static_cast<float>(plate.pixels[i]) / 255.0f * scale[static_cast<Eigen::Index>(i % 3)]);
   return image;
 }
 

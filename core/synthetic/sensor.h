@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
+
+#include <Eigen/Core>
 
 #include "core/image.h"
 #include "core/synthetic/photograph.h"
@@ -18,8 +19,8 @@ struct SensorDefects {
   /// Gain per channel: 1 + color_gain * normal, at least 0.1.
   Eigen::Vector3f gain(int camera) const;
   bool dropped(int camera, int frame) const;
-  /// When the exposure really began. Jitter is cut at 0.45 frame periods, so that frames stay in order, and an
-  /// exposure never begins before the clock does.
+  /// When the exposure really began. Jitter is cut at 0.45 frame periods, so that frames stay in order, and
+  /// an exposure never begins before the clock does.
   Timestamp exposure_start(int camera, int frame) const;
 };
 

@@ -1,18 +1,31 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 namespace floatstage::synthetic {
 
-/// The performer's bones. Torso, head and feet: x to the performer's right, y to the front, z up. Limbs: z along the
-/// bone away from the body, y towards where the joint's outside points.
+/// The performer's bones. Torso, head and feet: x to the performer's right, y to the front, z up. Limbs: z
+/// along the bone away from the body, y towards where the joint's outside points.
 enum class Bone {
-  Pelvis, Chest, Head,
-  UpperArmRight, ForearmRight, HandRight, UpperArmLeft, ForearmLeft, HandLeft,
-  ThighRight, ShinRight, FootRight, ThighLeft, ShinLeft, FootLeft,
+  Pelvis,
+  Chest,
+  Head,
+  UpperArmRight,
+  ForearmRight,
+  HandRight,
+  UpperArmLeft,
+  ForearmLeft,
+  HandLeft,
+  ThighRight,
+  ShinRight,
+  FootRight,
+  ThighLeft,
+  ShinLeft,
+  FootLeft,
 };
 inline constexpr int kBoneCount = 15;
 
@@ -26,7 +39,9 @@ struct BodyMeasures {
 struct BonePose {
   Eigen::Quaterniond world_from_bone = Eigen::Quaterniond::Identity();
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< the joint at the bone's near end, world
-  Eigen::Vector3d operator*(const Eigen::Vector3d& in_bone) const { return world_from_bone * in_bone + origin; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& in_bone) const {
+    return world_from_bone * in_bone + origin;
+  }
 };
 
 struct SkeletonPose {
@@ -37,18 +52,19 @@ struct SkeletonPose {
 
 /// What the seed decides about the dance.
 struct Choreography {
-  double start = 0;    ///< radians of the beat at time 0
-  double turn = 0;     ///< radians of the slow turn at time 0
+  double start = 0;     ///< radians of the beat at time 0
+  double turn = 0;      ///< radians of the slow turn at time 0
   double period = 1.6;  ///< seconds a beat
 };
 Choreography choreography(std::uint64_t seed);
 
-/// Where every bone is at `seconds`: smooth in time, at least one foot flat on the floor, facing +y on the average.
+/// Where every bone is at `seconds`: smooth in time, at least one foot flat on the floor, facing +y on the
+/// average.
 SkeletonPose pose_at(const Choreography& dance, const BodyMeasures& body, double seconds);
 
-/// The middle joint of two bones of the given lengths from `root` towards `target`, bent towards `pole`. A target out
-/// of reach is moved along its direction into reach; `target` returns where the far end really is.
-Eigen::Vector3d bend_joint(const Eigen::Vector3d& root, Eigen::Vector3d& target, double near_length, double far_length,
-                           const Eigen::Vector3d& pole);
+/// The middle joint of two bones of the given lengths from `root` towards `target`, bent towards `pole`. A
+/// target out of reach is moved along its direction into reach; `target` returns where the far end really is.
+Eigen::Vector3d bend_joint(const Eigen::Vector3d& root, Eigen::Vector3d& target, double near_length,
+                           double far_length, const Eigen::Vector3d& pole);
 
 }  // namespace floatstage::synthetic

@@ -19,23 +19,29 @@ struct Lamp {
   float light, cloth;
 };
 
-// Directions spread evenly (Fibonacci spiral) over the sphere: a bright soft box in front and above, a weaker one behind,
-// overall light from the ceiling, and what floor and walls throw back.
+// Directions spread evenly (Fibonacci spiral) over the sphere: a bright soft box in front and above, a weaker
+// one behind, overall light from the ceiling, and what floor and walls throw back.
 std::array<Lamp, kLamps> lamps() {
   std::array<Lamp, kLamps> result;
-  const Vector3f key = Vector3f(-0.8f, 0.7f, 0.7f).normalized(), back = Vector3f(0.6f, -0.7f, 0.7f).normalized();
+  const Vector3f key = Vector3f(-0.8f, 0.7f, 0.7f).normalized(),
+                 back = Vector3f(0.6f, -0.7f, 0.7f).normalized();
   for (int i = 0; i < kLamps; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / kLamps;
-    const float azimuth = static_cast<float>(i) * std::numbers::pi_v<float> * (3 - std::sqrt(5.0f)), r = std::sqrt(1 - z * z);
+    const float azimuth = static_cast<float>(i) * std::numbers::pi_v<float> * (3 - std::sqrt(5.0f)),
+                r = std::sqrt(1 - z * z);
     const Vector3f d(r * std::cos(azimuth), r * std::sin(azimuth), z);
     const float toward_key = std::max(0.0f, d.dot(key)), toward_back = std::max(0.0f, d.dot(back));
-    result[static_cast<std::size_t>(i)] = {d, 0.12f + 0.15f * std::max(0.0f, z) + 1.5f * std::pow(toward_key, 4.0f) + 0.6f * std::pow(toward_back, 4.0f),
-                                          z < 0.6f ? 1.0f : 0.0f};
+    result[static_cast<std::size_t>(i)] = {d,
+                                           0.12f + 0.15f * std::max(0.0f, z) +
+                                               1.5f * std::pow(toward_key, 4.0f) +
+                                               0.6f * std::pow(toward_back, 4.0f),
+                                           z < 0.6f ? 1.0f : 0.0f};
   }
   return result;
 }
 
-std::vector<Vector3f> vertex_normals(const std::vector<Vector3f>& positions, const std::vector<std::uint32_t>& triangles) {
+std::vector<Vector3f> vertex_normals(const std::vector<Vector3f>& positions,
+                                     const std::vector<std::uint32_t>& triangles) {
   std::vector<Vector3f> normals(positions.size(), Vector3f::Zero());
   for (std::size_t t = 0; t < triangles.size(); t += 3) {
     const std::uint32_t a = triangles[t], b = triangles[t + 1], c = triangles[t + 2];
@@ -53,9 +59,11 @@ StageScene::StageScene(RTCDevice device, const Performer& performer, double seco
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);  // no ray slips between two triangles
   RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const std::vector<std::uint32_t>& triangles = performer.triangles();
-  void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vector3f), positions_.size());
+  void* vertices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                           sizeof(Vector3f), positions_.size());
   std::memcpy(vertices, positions_.data(), positions_.size() * sizeof(Vector3f));
-  void* indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles.size() / 3);
+  void* indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                          3 * sizeof(std::uint32_t), triangles.size() / 3);
   std::memcpy(indices, triangles.data(), triangles.size() * sizeof(std::uint32_t));
   rtcCommitGeometry(mesh);
   rtcAttachGeometry(scene_.get(), mesh);
@@ -113,8 +121,9 @@ void StageScene::light_vertices(const std::vector<Vector3f>& normals) {
   }
 }
 
-// A vertex inside another shell (a sleeve's end in the torso) is black; the triangles that come out from there would
-// carry that black into view in saw teeth. Such vertices take the light of their neighbours outside.
+// A vertex inside another shell (a sleeve's end in the torso) is black; the triangles that come out from
+// there would carry that black into view in saw teeth. Such vertices take the light of their neighbours
+// outside.
 void StageScene::light_hidden_vertices() {
   constexpr float kInside = 0.02f;
   constexpr int kRounds = 3;
@@ -197,7 +206,7 @@ Vector3f StageScene::shade(const Hit& hit, float footprint, float spill, std::ui
   const Vector3f lit = color * (0.10f + 1.12f * std::sqrt(light));
   if (spill == 0) return lit;
   // Even black cloth and hair shine a little green beside a green wall.
-  const Vector3f green(0.06f, 0.34f, 0.12f);
+  const Vector3f green(0.03f, 0.24f, 0.08f);
   return lit + spill * cloth * (color + Vector3f::Constant(0.25f)).cwiseProduct(green);
 }
 

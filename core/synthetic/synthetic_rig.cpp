@@ -10,7 +10,7 @@ namespace floatstage {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-const Eigen::Vector3d kMiddle(0, 0, 1.0);                  // of the performer
+const Eigen::Vector3d kMiddle(0, 0, 1.0);                // of the performer
 constexpr double kHalfHeight = 1.06, kHalfWidth = 0.95;  // metres around the middle that every picture shows
 
 Eigen::Vector3d eye(const SyntheticRigOptions& o, int i) {
@@ -18,8 +18,8 @@ Eigen::Vector3d eye(const SyntheticRigOptions& o, int i) {
     const double azimuth = 2 * kPi * i / o.cameras;
     return {o.distance * std::sin(azimuth), o.distance * std::cos(azimuth), o.height_above_floor};
   }
-  // Rows one above the other over a quarter of the circle in front, as even as the number allows; the lower rows
-  // get the remainder.
+  // Rows one above the other over a quarter of the circle in front, as even as the number allows; the lower
+  // rows get the remainder.
   const int rows = std::max(1, static_cast<int>(std::lround(std::sqrt(o.cameras / 2.0))));
   int row = 0, first = 0, in_row = 0;
   for (;; first += in_row, ++row) {
@@ -28,16 +28,17 @@ Eigen::Vector3d eye(const SyntheticRigOptions& o, int i) {
   }
   const double azimuth = in_row > 1 ? kPi / 2 * (static_cast<double>(i - first) / (in_row - 1) - 0.5) : 0;
   const double lowest = std::asin(std::clamp((o.height_above_floor - kMiddle.z()) / o.distance, -0.9, 0.9));
-  const double elevation = rows > 1 ? lowest + (kPi / 3 - lowest) * row / (rows - 1) : lowest;
-  return kMiddle + o.distance * Eigen::Vector3d(std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
-                                                std::sin(elevation));
+  const double elevation = rows > 1 ? lowest + (kPi / 4 - lowest) * row / (rows - 1) : lowest;
+  return kMiddle + o.distance * Eigen::Vector3d(std::sin(azimuth) * std::cos(elevation),
+                                                std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
 }
 
 }  // namespace
 
 Rig synthetic_rig(const SyntheticRigOptions& o) {
   FLOATSTAGE_CHECK(o.cameras > 0 && o.width > 0 && o.height > 0, "a rig without cameras or pixels");
-  FLOATSTAGE_CHECK(std::isfinite(o.distance) && o.distance > 1 && std::isfinite(o.height_above_floor), "cameras inside the performer");
+  FLOATSTAGE_CHECK(std::isfinite(o.distance) && o.distance > 1 && std::isfinite(o.height_above_floor),
+                   "cameras inside the performer");
   Rig rig;
   for (int i = 0; i < o.cameras; ++i) {
     const Eigen::Vector3d from = eye(o, i);
@@ -47,7 +48,13 @@ Rig synthetic_rig(const SyntheticRigOptions& o) {
     std::snprintf(serial, sizeof serial, "cam%02d", i);
     RigCamera camera;
     camera.serial = serial;
-    camera.model = {.width = o.width, .height = o.height, .fx = focal, .fy = focal, .cx = o.width / 2.0, .cy = o.height / 2.0, .lens = {}};
+    camera.model = {.width = o.width,
+                    .height = o.height,
+                    .fx = focal,
+                    .fy = focal,
+                    .cx = o.width / 2.0,
+                    .cy = o.height / 2.0,
+                    .lens = {}};
     camera.cam_from_world = look_at(from, kMiddle, Eigen::Vector3d::UnitZ());
     rig.cameras.push_back(camera);
   }

@@ -29,18 +29,26 @@ constexpr std::size_t kCachedScenes = 6;
 Result<void> check_options(const StudioOptions& o) {
   const int across = static_cast<int>(std::lround(std::sqrt(o.samples)));
   if (o.samples < 1 || o.samples > 1024 || across * across != o.samples)
-    return fail(ErrorCode::InvalidArgument, text("samples is ", o.samples, "; use a square number from 1 to 1024"));
+    return fail(ErrorCode::InvalidArgument,
+                text("samples is ", o.samples, "; use a square number from 1 to 1024"));
   if (!(o.frame_rate > 0 && std::isfinite(o.frame_rate)))
     return fail(ErrorCode::InvalidArgument, text("frame_rate is ", o.frame_rate, "; use a positive number"));
   const Defects& d = o.defects;
-  const std::pair<const char*, double> amounts[] = {{"noise", d.noise}, {"color_gain", d.color_gain}, {"calibration_error", d.calibration_error},
-                                                    {"green_spill", d.green_spill}, {"dropped_frames", d.dropped_frames},
+  const std::pair<const char*, double> amounts[] = {{"noise", d.noise},
+                                                    {"color_gain", d.color_gain},
+                                                    {"calibration_error", d.calibration_error},
+                                                    {"green_spill", d.green_spill},
+                                                    {"dropped_frames", d.dropped_frames},
                                                     {"time_jitter", d.time_jitter}};
   for (const auto& [name, amount] : amounts)
-    if (!(amount >= 0 && std::isfinite(amount))) return fail(ErrorCode::InvalidArgument, text("defect ", name, " is ", amount, "; use 0 or more"));
-  for (const auto& [name, share] : {std::pair("green_spill", d.green_spill), std::pair("dropped_frames", d.dropped_frames)})
-    if (share > 1) return fail(ErrorCode::InvalidArgument, text("defect ", name, " is ", share, "; use 0 to 1"));
-  if (!(std::abs(d.lens_k1) <= 1)) return fail(ErrorCode::InvalidArgument, text("defect lens_k1 is ", d.lens_k1, "; use -1 to 1"));
+    if (!(amount >= 0 && std::isfinite(amount)))
+      return fail(ErrorCode::InvalidArgument, text("defect ", name, " is ", amount, "; use 0 or more"));
+  for (const auto& [name, share] :
+       {std::pair("green_spill", d.green_spill), std::pair("dropped_frames", d.dropped_frames)})
+    if (share > 1)
+      return fail(ErrorCode::InvalidArgument, text("defect ", name, " is ", share, "; use 0 to 1"));
+  if (!(std::abs(d.lens_k1) <= 1))
+    return fail(ErrorCode::InvalidArgument, text("defect lens_k1 is ", d.lens_k1, "; use -1 to 1"));
   return {};
 }
 
@@ -54,12 +62,17 @@ Matte matte_of(const FrameInfo& info, const Exposure& exposure) {
 
 struct SyntheticStudio::Impl {
   Impl(const Rig& rig, const StudioOptions& o)
-      : options(o), true_rig(rig), published(synthetic::with_calibration_error(rig, o.defects.calibration_error, o.seed)),
-        sensor{o.seed, o.defects, o.frame_rate}, performer(o.seed), room(rig, o.green_room, o.seed),
+      : options(o),
+        true_rig(rig),
+        published(synthetic::with_calibration_error(rig, o.defects.calibration_error, o.seed)),
+        sensor{o.seed, o.defects, o.frame_rate},
+        performer(o.seed),
+        room(rig, o.green_room, o.seed),
         device(rtcNewDevice("threads=1,set_affinity=0")) {
     for (const RigCamera& c : rig.cameras) cameras.emplace_back(c.model, c.cam_from_world);
     plates.resize(cameras.size());
-    parallel_for(cameras.size(), 0, [&](std::size_t i) { plates[i] = synthetic::photograph_room(cameras[i], room); });
+    parallel_for(cameras.size(), 0,
+                 [&](std::size_t i) { plates[i] = synthetic::photograph_room(cameras[i], room); });
   }
 
   synthetic::PhotographOptions photograph_options() const {
@@ -104,7 +117,8 @@ struct SyntheticStudio::Impl {
   std::vector<TracingCamera> cameras;
   std::vector<Image> plates;  ///< without gain
   mutable std::mutex mutex;
-  mutable std::list<std::pair<Timestamp, std::shared_future<std::shared_ptr<const StageScene>>>> scenes;  ///< newest use first
+  mutable std::list<std::pair<Timestamp, std::shared_future<std::shared_ptr<const StageScene>>>>
+      scenes;  ///< newest use first
 };
 
 Result<SyntheticStudio> SyntheticStudio::create(const Rig& true_rig, const StudioOptions& options) {
@@ -115,7 +129,9 @@ Result<SyntheticStudio> SyntheticStudio::create(const Rig& true_rig, const Studi
   if (k1 != 0)
     for (RigCamera& c : rig.cameras) c.model.lens = BrownConrady{.k1 = k1, .k2 = -k1 / 4};
   auto impl = std::make_unique<Impl>(rig, options);
-  if (!impl->device) return fail(ErrorCode::Unsupported, "Embree found no usable instruction set on this machine (it needs SSE2)");
+  if (!impl->device)
+    return fail(ErrorCode::Unsupported,
+                "Embree found no usable instruction set on this machine (it needs SSE2)");
   return SyntheticStudio(std::move(impl));
 }
 
@@ -128,11 +144,15 @@ const Rig& SyntheticStudio::true_rig() const { return impl_->true_rig; }
 const Rig& SyntheticStudio::published_rig() const { return impl_->published; }
 
 SyntheticShot SyntheticStudio::shoot(int camera, int frame) const {
-  FLOATSTAGE_CHECK(camera >= 0 && camera < static_cast<int>(impl_->cameras.size()), text("no camera ", camera));
+  FLOATSTAGE_CHECK(camera >= 0 && camera < static_cast<int>(impl_->cameras.size()),
+                   text("no camera ", camera));
   FLOATSTAGE_CHECK(frame >= 0, text("frame ", frame, " is before the first"));
   const std::size_t i = static_cast<std::size_t>(camera);
-  FrameInfo info{.camera = camera, .sequence = static_cast<std::uint64_t>(frame), .exposure_start = impl_->sensor.exposure_start(camera, frame),
-                 .exposure = {}, .device_time = {}};
+  FrameInfo info{.camera = camera,
+                 .sequence = static_cast<std::uint64_t>(frame),
+                 .exposure_start = impl_->sensor.exposure_start(camera, frame),
+                 .exposure = {},
+                 .device_time = {}};
   SyntheticShot shot;
   if (impl_->sensor.dropped(camera, frame)) {
     info.exposure_start = impl_->instant(frame);
@@ -142,10 +162,11 @@ SyntheticShot SyntheticStudio::shoot(int camera, int frame) const {
     return shot;
   }
   info.device_time = Nanoseconds{info.exposure_start.ns};
-  const Exposure exposure =
-      synthetic::photograph(impl_->cameras[i], *impl_->scene_at(info.exposure_start), impl_->plates[i], impl_->photograph_options());
-  shot.frame = make_frame(info, synthetic::develop(exposure, impl_->sensor.gain(camera), impl_->options.defects.noise,
-                                                   synthetic::key(impl_->options.seed, synthetic::kNoiseKey, camera, frame)));
+  const Exposure exposure = synthetic::photograph(impl_->cameras[i], *impl_->scene_at(info.exposure_start),
+                                                  impl_->plates[i], impl_->photograph_options());
+  shot.frame = make_frame(
+      info, synthetic::develop(exposure, impl_->sensor.gain(camera), impl_->options.defects.noise,
+                               synthetic::key(impl_->options.seed, synthetic::kNoiseKey, camera, frame)));
   shot.matte = matte_of(info, exposure);
   shot.depth = exposure.depth;
   return shot;
@@ -153,9 +174,13 @@ SyntheticShot SyntheticStudio::shoot(int camera, int frame) const {
 
 SyntheticShot SyntheticStudio::shoot_view(const View& view, int frame) const {
   const TracingCamera camera(view.model, view.view_from_world);
-  const FrameInfo info{.sequence = static_cast<std::uint64_t>(frame), .exposure_start = impl_->instant(frame), .exposure = {}, .device_time = {}};
-  const Exposure exposure = synthetic::photograph(camera, *impl_->scene_at(info.exposure_start),
-                                                  synthetic::photograph_room(camera, impl_->room), impl_->photograph_options());
+  const FrameInfo info{.sequence = static_cast<std::uint64_t>(frame),
+                       .exposure_start = impl_->instant(frame),
+                       .exposure = {},
+                       .device_time = {}};
+  const Exposure exposure =
+      synthetic::photograph(camera, *impl_->scene_at(info.exposure_start),
+                            synthetic::photograph_room(camera, impl_->room), impl_->photograph_options());
   SyntheticShot shot;
   shot.frame = make_frame(info, synthetic::develop(exposure, Eigen::Vector3f::Ones(), 0, 0));
   shot.matte = matte_of(info, exposure);
@@ -164,7 +189,8 @@ SyntheticShot SyntheticStudio::shoot_view(const View& view, int frame) const {
 }
 
 Image SyntheticStudio::plate(int camera) const {
-  FLOATSTAGE_CHECK(camera >= 0 && camera < static_cast<int>(impl_->cameras.size()), text("no camera ", camera));
+  FLOATSTAGE_CHECK(camera >= 0 && camera < static_cast<int>(impl_->cameras.size()),
+                   text("no camera ", camera));
   return synthetic::with_gain(impl_->plates[static_cast<std::size_t>(camera)], impl_->sensor.gain(camera));
 }
 
@@ -173,7 +199,8 @@ Mesh SyntheticStudio::performer(int frame) const {
   Mesh mesh;
   mesh.positions = p.positions(seconds(impl_->instant(frame) - Timestamp{}));
   mesh.positions.resize(p.shell_vertices());
-  mesh.triangles.assign(p.triangles().begin(), p.triangles().begin() + static_cast<std::ptrdiff_t>(3 * p.shell_triangles()));
+  mesh.triangles.assign(p.triangles().begin(),
+                        p.triangles().begin() + static_cast<std::ptrdiff_t>(3 * p.shell_triangles()));
   return mesh;
 }
 

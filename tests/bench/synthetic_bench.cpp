@@ -4,7 +4,8 @@
 #include "core/synthetic/stage_scene.h"
 #include "core/synthetic/synthetic_studio.h"
 
-// CPU milliseconds on one core: what one more frame costs (a scene, shared by all cameras), and one more camera (a shot).
+// CPU milliseconds on one core: what one more frame costs (a scene, shared by all cameras), and one more
+// camera (a shot).
 namespace floatstage {
 namespace {
 
@@ -25,8 +26,10 @@ void build_and_light_a_scene(benchmark::State& state) {
 BENCHMARK(build_and_light_a_scene)->Unit(benchmark::kMillisecond);
 
 void shoot(benchmark::State& state) {
-  const Rig rig = synthetic_rig({.cameras = 1, .width = static_cast<int>(state.range(0)), .height = static_cast<int>(state.range(1))});
-  const auto studio = SyntheticStudio::create(rig, {.samples = static_cast<int>(state.range(2)), .defects = {.noise = 2, .lens_k1 = -0.1}});
+  const Rig rig = synthetic_rig(
+      {.cameras = 1, .width = static_cast<int>(state.range(0)), .height = static_cast<int>(state.range(1))});
+  const auto studio = SyntheticStudio::create(
+      rig, {.samples = static_cast<int>(state.range(2)), .defects = {.noise = 2, .lens_k1 = -0.1}});
   benchmark::DoNotOptimize(studio->shoot(0, 0));  // the scene is built here and kept
   for (auto _ : state) benchmark::DoNotOptimize(studio->shoot(0, 0));
 }
@@ -42,7 +45,12 @@ void set_up_a_studio(benchmark::State& state) {
   const Rig rig = synthetic_rig({.cameras = static_cast<int>(state.range(0))});
   for (auto _ : state) benchmark::DoNotOptimize(SyntheticStudio::create(rig, {.samples = 9}));
 }
-BENCHMARK(set_up_a_studio)->ArgName("cameras")->Arg(1)->Arg(8)->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(set_up_a_studio)
+    ->ArgName("cameras")
+    ->Arg(1)
+    ->Arg(8)
+    ->MeasureProcessCPUTime()
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace floatstage

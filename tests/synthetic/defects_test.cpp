@@ -1,8 +1,8 @@
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+
+#include <gmock/gmock.h>
 
 #include "core/synthetic/calibration_error.h"
 #include "core/synthetic/sensor.h"
@@ -39,18 +39,21 @@ TEST(Defects, NoiseHasItsStandardDeviation) {
 
 TEST(Defects, NoiseIsNewInEveryFrameAndLeavesTheTruthAlone) {
   const Rig rig = small_rig(2);
-  const SyntheticStudio clean = studio_with(rig, quick_options()), noisy = studio_with(rig, quick_options({.noise = 3}));
+  const SyntheticStudio clean = studio_with(rig, quick_options()),
+                        noisy = studio_with(rig, quick_options({.noise = 3}));
   EXPECT_EQ(to_image(clean.shoot(0, 1).matte), to_image(noisy.shoot(0, 1).matte));
   EXPECT_EQ(clean.plate(0), noisy.plate(0)) << "the plate is the mean of many pictures";
   const Image a = rgb_of(noisy.shoot(0, 1)), b = rgb_of(noisy.shoot(0, 2)), plate = noisy.plate(0);
   Spread together;  // in the top rows, where there is only cloth
-  for (std::size_t i = 0; i < 160 * 3 * 5; ++i) together.add((a.pixels[i] - plate.pixels[i]) * (b.pixels[i] - plate.pixels[i]));
+  for (std::size_t i = 0; i < 160 * 3 * 5; ++i)
+    together.add((a.pixels[i] - plate.pixels[i]) * (b.pixels[i] - plate.pixels[i]));
   EXPECT_NEAR(together.mean(), 0, 1.0) << "correlated; 9 would be the same noise twice";
 }
 
 TEST(Defects, ColourGainScalesEachCamerasChannels) {
   const Rig rig = small_rig(12);
-  const SyntheticStudio even = studio_with(rig, quick_options()), uneven = studio_with(rig, quick_options({.color_gain = 0.06}));
+  const SyntheticStudio even = studio_with(rig, quick_options()),
+                        uneven = studio_with(rig, quick_options({.color_gain = 0.06}));
   Spread gains;
   for (int camera = 0; camera < 12; ++camera) {
     const Image before = even.plate(camera), after = uneven.plate(camera);
@@ -73,15 +76,16 @@ TEST(Defects, ALensBendsTheProjectionAndTheRigSaysSo) {
   ASSERT_NE(lens, nullptr);
   EXPECT_DOUBLE_EQ(lens->k1, -0.2);
   EXPECT_DOUBLE_EQ(lens->k2, 0.05);
-  // The mesh, projected with the lens, lies on the performer's pixels (but for vertices that only graze a pixel's
-  // corner); projected without the lens it does not.
+  // The mesh, projected with the lens, lies on the performer's pixels (but for vertices that only graze a
+  // pixel's corner); projected without the lens it does not.
   const SyntheticShot shot = studio.shoot(0, 0);
   const RigCamera& camera = studio.true_rig().cameras[0];
   const std::vector<Eigen::Vector3f> vertices = studio.performer(0).positions;
   auto outside = [&](const CameraModel& model) {
     return std::count_if(vertices.begin(), vertices.end(), [&](const Eigen::Vector3f& p) {
       const Eigen::Vector2d pixel = *project(model, camera.cam_from_world * p.cast<double>());
-      return !inside(model, pixel) || shot.matte.row(static_cast<int>(pixel.y()))[static_cast<int>(pixel.x())] == 0;
+      return !inside(model, pixel) ||
+             shot.matte.row(static_cast<int>(pixel.y()))[static_cast<int>(pixel.x())] == 0;
     });
   };
   EXPECT_LT(outside(camera.model), static_cast<long>(vertices.size() / 100));
@@ -97,7 +101,8 @@ TEST_P(CalibrationError, MovesThePublishedProjectionsByItsPixels) {
     const RigCamera &truth = studio.true_rig().cameras[i], &published = studio.published_rig().cameras[i];
     for (const Eigen::Vector3f& p : studio.performer(0).positions) {
       const Eigen::Vector3d world = p.cast<double>();
-      const Eigen::Vector2d d = *project(published.model, published.cam_from_world * world) - *project(truth.model, truth.cam_from_world * world);
+      const Eigen::Vector2d d = *project(published.model, published.cam_from_world * world) -
+                                *project(truth.model, truth.cam_from_world * world);
       error.add(d.x());
       error.add(d.y());
     }
@@ -112,7 +117,8 @@ TEST(Defects, NoCalibrationErrorPublishesTheTrueRig) {
   const SyntheticStudio studio = studio_with(small_rig(3), quick_options());
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(studio.published_rig().cameras[i].model, studio.true_rig().cameras[i].model);
-    EXPECT_EQ(studio.published_rig().cameras[i].cam_from_world.matrix(), studio.true_rig().cameras[i].cam_from_world.matrix());
+    EXPECT_EQ(studio.published_rig().cameras[i].cam_from_world.matrix(),
+              studio.true_rig().cameras[i].cam_from_world.matrix());
   }
 }
 
@@ -136,7 +142,8 @@ double greenness(const SyntheticShot& shot) {
   Spread green;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x)
-      if (shot.matte.row(y)[x] == 255) green.add(picture.at(x, y)[1] - 0.5 * (picture.at(x, y)[0] + picture.at(x, y)[2]));
+      if (shot.matte.row(y)[x] == 255)
+        green.add(picture.at(x, y)[1] - 0.5 * (picture.at(x, y)[0] + picture.at(x, y)[2]));
   return green.mean();
 }
 
@@ -202,7 +209,8 @@ TEST(Defects, AJitteredPictureShowsThePerformerAtItsTrueTime) {
   fine.frame_rate = 1000;
   const SyntheticStudio slow_motion = studio_with(rig, fine);
   const double milliseconds = static_cast<double>(late.frame.info.exposure_start.ns) * 1e-6;
-  const Image mine = rgb_of(late), at_true_time = rgb_of(slow_motion.shoot(0, static_cast<int>(std::lround(milliseconds)))),
+  const Image mine = rgb_of(late),
+              at_true_time = rgb_of(slow_motion.shoot(0, static_cast<int>(std::lround(milliseconds)))),
               at_nominal_time = rgb_of(slow_motion.shoot(0, 360));
   auto difference = [&](const Image& other) {
     long sum = 0;

@@ -1,6 +1,6 @@
-#include <gmock/gmock.h>
-
 #include <vector>
+
+#include <gmock/gmock.h>
 
 #include "core/parallel.h"
 #include "tests/synthetic/studios.h"
@@ -8,8 +8,13 @@
 namespace floatstage {
 namespace {
 
-const Defects kEverything{.noise = 2, .lens_k1 = -0.1, .color_gain = 0.05, .calibration_error = 1, .green_spill = 0.5,
-                          .dropped_frames = 0.2, .time_jitter = 0.004};
+const Defects kEverything{.noise = 2,
+                          .lens_k1 = -0.1,
+                          .color_gain = 0.05,
+                          .calibration_error = 1,
+                          .green_spill = 0.5,
+                          .dropped_frames = 0.2,
+                          .time_jitter = 0.004};
 
 // Six shots: three cameras, two frames.
 std::vector<SyntheticShot> shoot_all(const SyntheticStudio& studio, int threads, bool backwards) {

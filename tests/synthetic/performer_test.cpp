@@ -39,7 +39,8 @@ TEST(SyntheticPerformer, IsMadeOfClosedManifoldShells) {
   const Mesh mesh = studio.performer(3);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> half_edges;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 3)
-    for (std::size_t k = 0; k < 3; ++k) ++half_edges[{mesh.triangles[t + k], mesh.triangles[t + (k + 1) % 3]}];
+    for (std::size_t k = 0; k < 3; ++k)
+      ++half_edges[{mesh.triangles[t + k], mesh.triangles[t + (k + 1) % 3]}];
   for (const auto& [edge, count] : half_edges) {
     ASSERT_EQ(count, 1) << "an edge runs twice in one direction";
     ASSERT_EQ(half_edges.count({edge.second, edge.first}), 1u) << "an open edge";
@@ -104,7 +105,8 @@ TEST(SyntheticPerformer, MovesBetweenFramesButNeverJumps) {
 }
 
 TEST(SyntheticPerformer, HidesPartsOfItselfFromMostCameras) {
-  // A ray that meets the performer and leaves again has crossed one part only; more crossings are self-occlusion.
+  // A ray that meets the performer and leaves again has crossed one part only; more crossings are
+  // self-occlusion.
   const Rig rig = small_rig(8);
   const Mesh mesh = studio_with(rig, quick_options()).performer(5);
   int cameras_with_hidden_limbs = 0;
@@ -112,15 +114,20 @@ TEST(SyntheticPerformer, HidesPartsOfItselfFromMostCameras) {
     // Depth of every front-facing triangle's middle, by pixel: two that are 12 cm apart are different limbs.
     std::map<std::pair<int, int>, std::pair<double, double>> range;
     for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-      const Eigen::Vector3f &p = mesh.positions[mesh.triangles[t]], &q = mesh.positions[mesh.triangles[t + 1]], &r = mesh.positions[mesh.triangles[t + 2]];
-      const Eigen::Vector3d middle = ((p + q + r) / 3).cast<double>(), normal = (q - p).cross(r - p).cast<double>();
+      const Eigen::Vector3f &p = mesh.positions[mesh.triangles[t]],
+                            &q = mesh.positions[mesh.triangles[t + 1]],
+                            &r = mesh.positions[mesh.triangles[t + 2]];
+      const Eigen::Vector3d middle = ((p + q + r) / 3).cast<double>(),
+                            normal = (q - p).cross(r - p).cast<double>();
       if (normal.dot(c.cam_from_world.center() - middle) <= 0) continue;
       const Eigen::Vector3d in_camera = c.cam_from_world * middle;
       const auto pixel = project(c.model, in_camera);
-      auto [it, fresh] = range.try_emplace({static_cast<int>(pixel->x()), static_cast<int>(pixel->y())}, in_camera.z(), in_camera.z());
+      auto [it, fresh] = range.try_emplace({static_cast<int>(pixel->x()), static_cast<int>(pixel->y())},
+                                           in_camera.z(), in_camera.z());
       it->second = {std::min(it->second.first, in_camera.z()), std::max(it->second.second, in_camera.z())};
     }
-    const auto hidden = std::count_if(range.begin(), range.end(), [](const auto& r) { return r.second.second - r.second.first > 0.12; });
+    const auto hidden = std::count_if(range.begin(), range.end(),
+                                      [](const auto& r) { return r.second.second - r.second.first > 0.12; });
     cameras_with_hidden_limbs += hidden > 20;
   }
   EXPECT_GE(cameras_with_hidden_limbs, 5);

@@ -1,8 +1,8 @@
 #include "core/synthetic/skeleton.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 namespace floatstage::synthetic {
 namespace {
@@ -48,7 +48,8 @@ TEST_P(EverySeed, KeepsAFootFlatOnTheFloor) {
   for (double t = 0; t < 4; t += 0.07) {
     const SkeletonPose pose = pose_at(dance, body, t);
     auto flat = [&](Bone foot) {
-      return std::abs(pose[foot].origin.z() - body.ankle_height) < 0.002 && (pose[foot].world_from_bone * Vector3d::UnitZ()).z() > 0.9999;
+      return std::abs(pose[foot].origin.z() - body.ankle_height) < 0.002 &&
+             (pose[foot].world_from_bone * Vector3d::UnitZ()).z() > 0.9999;
     };
     EXPECT_TRUE(flat(Bone::FootLeft) || flat(Bone::FootRight)) << t;
   }

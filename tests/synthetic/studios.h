@@ -1,18 +1,22 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstring>
 #include <utility>
+
+#include <gtest/gtest.h>
 
 #include "core/synthetic/synthetic_studio.h"
 
 namespace floatstage {
 
 /// Pictures small enough for quick tests; the performer is about 100 px tall.
-inline Rig small_rig(int cameras = 4) { return synthetic_rig({.cameras = cameras, .width = 160, .height = 120}); }
+inline Rig small_rig(int cameras = 4) {
+  return synthetic_rig({.cameras = cameras, .width = 160, .height = 120});
+}
 
-inline StudioOptions quick_options(Defects defects = {}) { return {.seed = 7, .samples = 9, .defects = defects}; }
+inline StudioOptions quick_options(Defects defects = {}) {
+  return {.seed = 7, .samples = 9, .defects = defects};
+}
 
 inline SyntheticStudio studio_with(const Rig& rig, const StudioOptions& options) {
   Result<SyntheticStudio> studio = SyntheticStudio::create(rig, options);
@@ -22,11 +26,16 @@ inline SyntheticStudio studio_with(const Rig& rig, const StudioOptions& options)
 
 /// Everything a shot says, bit by bit.
 inline bool same_shot(const SyntheticShot& a, const SyntheticShot& b) {
-  if (!(a.frame.info == b.frame.info) || !(a.frame.layout == b.frame.layout) || a.frame.empty() != b.frame.empty()) return false;
-  if (!a.frame.empty() && std::memcmp(a.frame.pixels.get(), b.frame.pixels.get(), a.frame.layout.size_bytes) != 0) return false;
+  if (!(a.frame.info == b.frame.info) || !(a.frame.layout == b.frame.layout) ||
+      a.frame.empty() != b.frame.empty())
+    return false;
+  if (!a.frame.empty() &&
+      std::memcmp(a.frame.pixels.get(), b.frame.pixels.get(), a.frame.layout.size_bytes) != 0)
+    return false;
   if (a.matte.empty() != b.matte.empty()) return false;
   if (!a.matte.empty() && !(to_image(a.matte) == to_image(b.matte))) return false;
-  return a.depth.size() == b.depth.size() && std::memcmp(a.depth.data(), b.depth.data(), a.depth.size() * sizeof(float)) == 0;
+  return a.depth.size() == b.depth.size() &&
+         std::memcmp(a.depth.data(), b.depth.data(), a.depth.size() * sizeof(float)) == 0;
 }
 
 inline Image rgb_of(const SyntheticShot& shot) { return to_rgb(shot.frame).value(); }

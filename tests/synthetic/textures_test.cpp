@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <string>
+
+#include <gtest/gtest.h>
 
 #include "core/synthetic/bitmap_font.h"
 #include "core/synthetic/materials.h"
@@ -26,7 +26,9 @@ TEST(ValueNoise, StaysInRangeWithMeanOneHalfAndIsContinuous) {
   EXPECT_NEAR(sum / count, 0.5, 0.03);
 }
 
-TEST(ValueNoise, DependsOnItsSeed) { EXPECT_NE(value_noise({0.2f, 0.4f, 0.6f}, 1), value_noise({0.2f, 0.4f, 0.6f}, 2)); }
+TEST(ValueNoise, DependsOnItsSeed) {
+  EXPECT_NE(value_noise({0.2f, 0.4f, 0.6f}, 1), value_noise({0.2f, 0.4f, 0.6f}, 2));
+}
 
 TEST(Stripes, AreSharpUpCloseAndFadeToTheirMeanFromAfar) {
   EXPECT_NEAR(stripes(0.1f, 1, 0.3f, 1e-5f), 1, 1e-3);
@@ -48,7 +50,9 @@ std::string printed(std::string_view line) {
   std::string rows;
   for (int y = 0; y < kGlyphHeight; ++y) {
     for (int x = 0; x < static_cast<int>(printed_width(line)); ++x)
-      rows += printed_ink(line, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, 0.01f) > 0.5f ? '#' : '.';
+      rows += printed_ink(line, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, 0.01f) > 0.5f
+                  ? '#'
+                  : '.';
     rows += '\n';
   }
   return rows;
@@ -76,7 +80,9 @@ TEST(Albedo, IsAColourForEveryMaterialEverywhere) {
     for (float z = -0.2f; z < 1; z += 0.013f) {
       for (float angle = 0; angle < 6.28f; angle += 0.4f) {
         const int variant = static_cast<Material>(m) == Material::Strand ? 2 : -1;
-        const Eigen::Vector3f c = albedo({static_cast<Material>(m), variant, {0.1f * std::cos(angle), 0.1f * std::sin(angle), z}, 0.002f}, 3);
+        const Eigen::Vector3f c = albedo(
+            {static_cast<Material>(m), variant, {0.1f * std::cos(angle), 0.1f * std::sin(angle), z}, 0.002f},
+            3);
         ASSERT_TRUE(c.allFinite());
         ASSERT_GE(c.minCoeff(), 0) << "material " << m;
         ASSERT_LE(c.maxCoeff(), 1.2f) << "material " << m;
@@ -89,7 +95,8 @@ TEST(Albedo, IsNeverTheGreenOfTheCloth) {
   for (int m = 0; m <= static_cast<int>(Material::Strand); ++m) {
     for (float z = -0.2f; z < 1; z += 0.007f) {
       for (float angle = 0; angle < 6.28f; angle += 0.2f) {
-        const Eigen::Vector3f c = albedo({static_cast<Material>(m), 1, {0.1f * std::cos(angle), 0.1f * std::sin(angle), z}, 0.001f}, 3);
+        const Eigen::Vector3f c = albedo(
+            {static_cast<Material>(m), 1, {0.1f * std::cos(angle), 0.1f * std::sin(angle), z}, 0.001f}, 3);
         ASSERT_LT(c.y() - std::max(c.x(), c.z()), 0.03f) << "material " << m;
       }
     }
@@ -102,7 +109,8 @@ TEST(Albedo, KeepsItsMeanWhenThePatternIsFinerThanThePixel) {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     constexpr int kSteps = 1000;
     for (int i = 0; i < kSteps; ++i)
-      sum += albedo({Material::Sleeve, 1, {0, 0.05f, 0.034f * 10 * static_cast<float>(i) / kSteps}, footprint}, 3);
+      sum += albedo(
+          {Material::Sleeve, 1, {0, 0.05f, 0.034f * 10 * static_cast<float>(i) / kSteps}, footprint}, 3);
     return Eigen::Vector3f(sum / kSteps);
   };
   EXPECT_LT((mean(0.0002f) - mean(0.02f)).cwiseAbs().maxCoeff(), 0.03f);

@@ -8,17 +8,21 @@
 namespace floatstage {
 namespace {
 
-// Depth of the mesh's surface along the ray through a pixel's centre, by testing every triangle (Möller and Trumbore, 1997).
+// Depth of the mesh's surface along the ray through a pixel's centre, by testing every triangle (Möller and
+// Trumbore, 1997).
 double mesh_depth(const Mesh& mesh, const RigCamera& camera, int x, int y) {
   const Eigen::Vector3d ray = *unproject(camera.model, {x + 0.5, y + 0.5});
-  const Eigen::Vector3d d = camera.cam_from_world.rotation.conjugate() * ray, o = camera.cam_from_world.center();
+  const Eigen::Vector3d d = camera.cam_from_world.rotation.conjugate() * ray,
+                        o = camera.cam_from_world.center();
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    const Eigen::Vector3d a = mesh.positions[mesh.triangles[t]].cast<double>(), e1 = mesh.positions[mesh.triangles[t + 1]].cast<double>() - a,
+    const Eigen::Vector3d a = mesh.positions[mesh.triangles[t]].cast<double>(),
+                          e1 = mesh.positions[mesh.triangles[t + 1]].cast<double>() - a,
                           e2 = mesh.positions[mesh.triangles[t + 2]].cast<double>() - a, p = d.cross(e2);
     const double det = e1.dot(p);
     if (std::abs(det) < 1e-14) continue;
-    const double u = (o - a).dot(p) / det, v = d.dot((o - a).cross(e1)) / det, s = e2.dot((o - a).cross(e1)) / det;
+    const double u = (o - a).dot(p) / det, v = d.dot((o - a).cross(e1)) / det,
+                 s = e2.dot((o - a).cross(e1)) / det;
     if (u >= 0 && v >= 0 && u + v <= 1 && s > 0) nearest = std::min(nearest, s);
   }
   return nearest;
@@ -32,11 +36,16 @@ TEST(SyntheticTruth, DepthIsTheMeshesOwn) {
   int compared = 0, strands = 0;
   for (int y = 1; y < 120; y += 4) {
     for (int x = 2; x < 160; x += 3) {
-      const double truth = mesh_depth(mesh, camera, x, y), depth = shot.depth[static_cast<std::size_t>(y * 160 + x)];
-      if (std::isfinite(truth) && std::abs(truth - depth) < 1e-3) ++compared;
-      else if (!std::isfinite(truth) && !std::isfinite(depth)) continue;
-      else if (depth < truth) ++strands;  // a loose strand, which is not in the mesh
-      else if (shot.matte.row(y)[x] == 255) ADD_FAILURE() << x << ", " << y << ": " << depth << " instead of " << truth;
+      const double truth = mesh_depth(mesh, camera, x, y),
+                   depth = shot.depth[static_cast<std::size_t>(y * 160 + x)];
+      if (std::isfinite(truth) && std::abs(truth - depth) < 1e-3)
+        ++compared;
+      else if (!std::isfinite(truth) && !std::isfinite(depth))
+        continue;
+      else if (depth < truth)
+        ++strands;  // a loose strand, which is not in the mesh
+      else if (shot.matte.row(y)[x] == 255)
+        ADD_FAILURE() << x << ", " << y << ": " << depth << " instead of " << truth;
     }
   }
   EXPECT_GT(compared, 50);
@@ -73,9 +82,11 @@ TEST(SyntheticTruth, StrandsCoverPixelsOnlyPartly) {
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
     Eigen::AlignedBox2d box;
     for (std::size_t k = 0; k < 3; ++k)
-      box.extend(*project(rig.cameras[1].model, rig.cameras[1].cam_from_world * mesh.positions[mesh.triangles[t + k]].cast<double>()));
+      box.extend(*project(rig.cameras[1].model, rig.cameras[1].cam_from_world *
+                                                    mesh.positions[mesh.triangles[t + k]].cast<double>()));
     for (int y = static_cast<int>(box.min().y()); y <= static_cast<int>(box.max().y()); ++y)
-      for (int x = static_cast<int>(box.min().x()); x <= static_cast<int>(box.max().x()); ++x) shell[static_cast<std::size_t>(y * 160 + x)] = 1;
+      for (int x = static_cast<int>(box.min().x()); x <= static_cast<int>(box.max().x()); ++x)
+        shell[static_cast<std::size_t>(y * 160 + x)] = 1;
   }
   int strand_pixels = 0, opaque = 0;
   for (int y = 0; y < 120; ++y) {
@@ -90,7 +101,8 @@ TEST(SyntheticTruth, StrandsCoverPixelsOnlyPartly) {
 }
 
 TEST(SyntheticTruth, PhotographIsThePlateWhereThePerformerIsNot) {
-  const SyntheticStudio studio = studio_with(small_rig(), quick_options({.color_gain = 0.1, .green_spill = 1}));
+  const SyntheticStudio studio =
+      studio_with(small_rig(), quick_options({.color_gain = 0.1, .green_spill = 1}));
   for (int camera = 0; camera < 4; ++camera) {
     const SyntheticShot shot = studio.shoot(camera, 3);
     const Image picture = rgb_of(shot), plate = studio.plate(camera);
@@ -116,20 +128,25 @@ TEST(SyntheticTruth, CamerasAgreeOnTheColourOfASurfacePoint) {
     for (int x = 0; x < 640; x += 2) {
       const float depth = a.depth[static_cast<std::size_t>(y * 640 + x)];
       if (!std::isfinite(depth) || a.matte.row(y)[x] < 255) continue;
-      const Eigen::Vector3d world = from.cam_from_world.inverse() * (*unproject(from.model, {x + 0.5, y + 0.5}) * depth);
+      const Eigen::Vector3d world =
+          from.cam_from_world.inverse() * (*unproject(from.model, {x + 0.5, y + 0.5}) * depth);
       const Eigen::Vector3d there = to.cam_from_world * world;
       const auto pixel = project(to.model, there);
-      if (!pixel || !inside(to.model, *pixel - Eigen::Vector2d(1, 1)) || !inside(to.model, *pixel + Eigen::Vector2d(1, 1))) continue;
+      if (!pixel || !inside(to.model, *pixel - Eigen::Vector2d(1, 1)) ||
+          !inside(to.model, *pixel + Eigen::Vector2d(1, 1)))
+        continue;
       const double px = pixel->x() - 0.5, py = pixel->y() - 0.5;
       const int ix = static_cast<int>(px), iy = static_cast<int>(py);
       bool seen = true;
       for (int k = 0; k < 4; ++k)
-        seen &= std::abs(b.depth[static_cast<std::size_t>((iy + k / 2) * 640 + ix + k % 2)] - there.z()) < 0.01;
+        seen &=
+            std::abs(b.depth[static_cast<std::size_t>((iy + k / 2) * 640 + ix + k % 2)] - there.z()) < 0.01;
       if (!seen) continue;
       for (int c = 0; c < 3; ++c) {
         auto at = [&](int dx, int dy) { return static_cast<double>(in_b.at(ix + dx, iy + dy)[c]); };
         const double u = px - ix, v = py - iy;
-        const double there_color = (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
+        const double there_color =
+            (1 - v) * ((1 - u) * at(0, 0) + u * at(1, 0)) + v * ((1 - u) * at(0, 1) + u * at(1, 1));
         const double difference = in_a.at(x, y)[c] - there_color;
         sum += difference;
         wild += std::abs(difference) > 60;
@@ -145,7 +162,8 @@ TEST(SyntheticTruth, CamerasAgreeOnTheColourOfASurfacePoint) {
 TEST(SyntheticTruth, AViewFromACamerasPlaceIsThatCamerasPhotograph) {
   const Rig rig = small_rig();
   const SyntheticStudio studio = studio_with(rig, quick_options());
-  const SyntheticShot shot = studio.shoot(2, 5), view = studio.shoot_view({rig.cameras[2].model, rig.cameras[2].cam_from_world}, 5);
+  const SyntheticShot shot = studio.shoot(2, 5),
+                      view = studio.shoot_view({rig.cameras[2].model, rig.cameras[2].cam_from_world}, 5);
   EXPECT_EQ(rgb_of(shot), rgb_of(view));
   EXPECT_EQ(to_image(shot.matte), to_image(view.matte));
   EXPECT_EQ(shot.depth, view.depth);
