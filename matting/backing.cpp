@@ -6,9 +6,9 @@
 namespace floatstage {
 namespace {
 
-constexpr int kBins = 64;          // a side of the (r, b) chromaticity histogram
-constexpr int kBorderShare = 6;    // the border is a sixth of the picture on each side
-constexpr int kDarkest = 60;       // r + g + b: below, chromaticity is noise
+constexpr int kBins = 64;           // a side of the (r, b) chromaticity histogram
+constexpr int kBorderShare = 6;     // the border is a sixth of the picture on each side
+constexpr int kDarkest = 60;        // r + g + b: below, chromaticity is noise
 constexpr double kMinShare = 0.02;  // of the border's pixels
 
 struct Bin {
@@ -52,8 +52,11 @@ std::optional<Rgb> sample_backing(const std::vector<Image>& pictures) {
       if (sum.count > mode.count) mode = sum;
     }
   }
-  if (mode.count == 0 || static_cast<double>(mode.count) < kMinShare * static_cast<double>(seen)) return std::nullopt;
-  auto mean = [&](std::int64_t total) { return static_cast<std::uint8_t>((total + mode.count / 2) / mode.count); };
+  if (mode.count == 0 || static_cast<double>(mode.count) < kMinShare * static_cast<double>(seen))
+    return std::nullopt;
+  auto mean = [&](std::int64_t total) {
+    return static_cast<std::uint8_t>((total + mode.count / 2) / mode.count);
+  };
   return Rgb{mean(mode.r), mean(mode.g), mean(mode.b)};
 }
 

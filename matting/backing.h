@@ -13,9 +13,9 @@ struct Rgb {
   bool operator==(const Rgb&) const = default;
 };
 
-/// The colour of the cloth in RGB pictures: the mean of the pixels in the mode of the chromaticity histogram of the
-/// saturated green or blue pixels near the borders. Chromaticity (colour over brightness) puts the lit and the shaded
-/// cloth into one bin. Nothing when less than 2 % of the border shows such a colour.
+/// The colour of the cloth in RGB pictures: the mean of the pixels in the mode of the chromaticity histogram
+/// of the saturated green or blue pixels near the borders. Chromaticity (colour over brightness) puts the lit
+/// and the shaded cloth into one bin. Nothing when less than 2 % of the border shows such a colour.
 std::optional<Rgb> sample_backing(const std::vector<Image>& pictures);
 
 }  // namespace floatstage

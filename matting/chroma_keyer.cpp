@@ -12,13 +12,15 @@
 namespace floatstage {
 namespace {
 
-// Lamps, cables and folds on the cloth are islands or thin; people in the picture are not under 3 % of the largest.
+// Lamps, cables and folds on the cloth are islands or thin; people in the picture are not under 3 % of the
+// largest.
 constexpr CleanupOptions kDefaultCleanup{.thin_radius = 3, .smallest_island = 0.03, .smallest_hole = 0.0003};
 
-// Thresholds of the cloth's saturation along its own direction in the CbCr plane, as shares of the key colour's.
+// Thresholds of the cloth's saturation along its own direction in the CbCr plane, as shares of the key
+// colour's.
 constexpr float kSubjectBelow = 0.15f;  // all subject
 constexpr float kClothAbove = 0.5f;     // all cloth
-constexpr float kAllCloth = 0.75f;       // no doubt about it, even beside hair
+constexpr float kAllCloth = 0.75f;      // no doubt about it, even beside hair
 constexpr float kAngleSlope = 0.2f;     // what a step across the direction costs of a step along it
 constexpr float kEdgeContrast = 5;      // 8-bit steps of chroma between subject and cloth that solve an edge
 constexpr float kDarkFloor = 2.0f;      // 8-bit steps of luma that keep black from having any saturation
@@ -63,7 +65,8 @@ class ChromaKeyer : public Keyer {
   Result<Matte> key(const Frame& frame) const override {
     if (frame.empty()) return Matte{frame.info, 0, 0, 0, nullptr};
     if (frame.layout.format == PixelFormat::Gray8)
-      return fail(ErrorCode::Unsupported, text("camera ", frame.info.camera, " delivers grey pictures, which have no chroma to key; "
+      return fail(ErrorCode::Unsupported, text("camera ", frame.info.camera,
+                                               " delivers grey pictures, which have no chroma to key; "
                                                "use the luminance or difference keyer"));
     auto rgb = to_rgb(frame);
     if (!rgb) return forward(rgb);
@@ -82,8 +85,8 @@ class ChromaKeyer : public Keyer {
   Result<Image> suppress_spill(const Frame& frame) const override {
     auto rgb = to_rgb(frame);
     if (!rgb) return forward(rgb);
-    // Light from the cloth only adds to the backing's channel. Limiting it to the larger of the other two leaves
-    // every colour alone in which it does not lead.
+    // Light from the cloth only adds to the backing's channel. Limiting it to the larger of the other two
+    // leaves every colour alone in which it does not lead.
     const int k = backing_channel_, i = (k + 1) % 3, j = (k + 2) % 3;
     for (std::uint8_t* p = rgb->pixels.data(); p != rgb->pixels.data() + rgb->pixels.size(); p += 3)
       p[k] = std::min(p[k], std::max(p[i], p[j]));
@@ -93,15 +96,17 @@ class ChromaKeyer : public Keyer {
   std::string spec() const override {
     constexpr const char* digits = "0123456789abcdef";
     std::string out = "chroma:#";
-    for (const int byte : {key_color_.r, key_color_.g, key_color_.b}) out += {digits[byte >> 4], digits[byte & 15]};
+    for (const int byte : {key_color_.r, key_color_.g, key_color_.b})
+      out += {digits[byte >> 4], digits[byte & 15]};
     return out;
   }
 
  private:
-  // Saturation is chroma over luma: cloth in shadow keeps it. The angle to the cloth enters as the ratio of the
-  // components across and along its direction, so that no pixel needs trigonometry. The channels are taken apart
-  // first (into `planes`, 3 rows) because compilers vectorise the arithmetic then.
-  void key_row(const std::uint8_t* rgb, std::vector<float>& planes, std::uint8_t* alpha, std::uint8_t* doubt) const {
+  // Saturation is chroma over luma: cloth in shadow keeps it. The angle to the cloth enters as the ratio of
+  // the components across and along its direction, so that no pixel needs trigonometry. The channels are
+  // taken apart first (into `planes`, 3 rows) because compilers vectorise the arithmetic then.
+  void key_row(const std::uint8_t* rgb, std::vector<float>& planes, std::uint8_t* alpha,
+               std::uint8_t* doubt) const {
     const std::size_t n = planes.size() / 3;
     float *r = planes.data(), *g = r + n, *b = g + n;
     for (std::size_t x = 0; x < n; ++x) {
@@ -109,7 +114,8 @@ class ChromaKeyer : public Keyer {
       g[x] = rgb[3 * x + 1];
       b[x] = rgb[3 * x + 2];
     }
-    const float slope = 255 / (kClothAbove - kSubjectBelow), top = kClothAbove * slope + 0.5f, scale = slope / saturation_;
+    const float slope = 255 / (kClothAbove - kSubjectBelow), top = kClothAbove * slope + 0.5f,
+                scale = slope / saturation_;
     const float doubtful = top - kAllCloth * slope;
     const Form along = along_, across = across_;
     for (std::size_t x = 0; x < n; ++x) {
@@ -126,8 +132,8 @@ class ChromaKeyer : public Keyer {
 
   Rgb key_color_;
   CleanupOptions cleanup_;
-  Form along_{}, across_{};   // the CbCr plane turned so that its first axis is the cloth's direction
-  float saturation_ = 0;      // the cloth's chroma over luma
+  Form along_{}, across_{};  // the CbCr plane turned so that its first axis is the cloth's direction
+  float saturation_ = 0;     // the cloth's chroma over luma
   int backing_channel_ = 1;  // of RGB
 };
 
@@ -142,7 +148,8 @@ Result<Rgb> parse_color(std::string_view text_color) {
   if (!good)
     return fail(ErrorCode::InvalidArgument,
                 text("'chroma:", text_color, "': the cloth's colour must look like chroma:#1f7a3c"));
-  return Rgb{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+  return Rgb{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+             static_cast<std::uint8_t>(value)};
 }
 
 }  // namespace
@@ -154,13 +161,16 @@ Result<std::unique_ptr<Keyer>> make_chroma_keyer(const KeyerRequest& request) {
     if (!parsed) return forward(parsed);
     color = *parsed;
     if (chroma_of(color).length() < 0.1f * chroma_of(color).luma + 5)
-      return fail(ErrorCode::InvalidArgument, text("'chroma:", *request.parameter, "' is too grey to key on; use the luminance keyer"));
+      return fail(ErrorCode::InvalidArgument,
+                  text("'chroma:", *request.parameter, "' is too grey to key on; use the luminance keyer"));
   } else {
     if (request.samples.empty())
-      return fail(ErrorCode::InvalidArgument, "the chroma keyer has no picture to sample the cloth's colour from; give chroma:#rrggbb");
+      return fail(ErrorCode::InvalidArgument,
+                  "the chroma keyer has no picture to sample the cloth's colour from; give chroma:#rrggbb");
     const auto sampled = sample_backing(request.samples);
     if (!sampled)
-      return fail(ErrorCode::NotFound, "no green or blue cloth at the borders of the pictures; give its colour as chroma:#rrggbb");
+      return fail(ErrorCode::NotFound,
+                  "no green or blue cloth at the borders of the pictures; give its colour as chroma:#rrggbb");
     color = *sampled;
   }
   return std::unique_ptr<Keyer>(new ChromaKeyer(color, request.cleanup.value_or(kDefaultCleanup)));

@@ -26,8 +26,8 @@ cv::Rect grown(const cv::Rect& box, int by, const cv::Size& limits) {
   return cv::Rect(box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by) & cv::Rect({0, 0}, limits);
 }
 
-// Cuts wires, stands and the like off the subject: what an erosion removes and lies further than 2r from what the
-// erosion leaves, grown back. Fingers and hair stay, as they are shorter than that or thicker.
+// Cuts wires, stands and the like off the subject: what an erosion removes and lies further than 2r from what
+// the erosion leaves, grown back. Fingers and hair stay, as they are shorter than that or thicker.
 void cut_thin_parts(cv::Mat& core, int radius) {
   cv::Mat thick, near;
   cv::erode(core, thick, disc(radius));
@@ -36,8 +36,8 @@ void cut_thin_parts(cv::Mat& core, int radius) {
 }
 
 struct Components {
-  cv::Mat labels;          // CV_32S, 0 is outside
-  std::vector<int> area;   // by label; [0] unused
+  cv::Mat labels;         // CV_32S, 0 is outside
+  std::vector<int> area;  // by label; [0] unused
   std::vector<cv::Rect> box;
   std::size_t largest = 0;  // a label; 0 when there is none
 };
@@ -45,7 +45,8 @@ struct Components {
 Components components_of(const cv::Mat& binary, int connectivity) {
   Components found;
   cv::Mat stats, centroids;
-  const int count = cv::connectedComponentsWithStats(binary, found.labels, stats, centroids, connectivity, CV_32S, cv::CCL_SAUF);
+  const int count = cv::connectedComponentsWithStats(binary, found.labels, stats, centroids, connectivity,
+                                                     CV_32S, cv::CCL_SAUF);
   found.area.assign(static_cast<std::size_t>(count), 0);
   found.box.resize(static_cast<std::size_t>(count));
   for (int i = 1; i < count; ++i) {
@@ -133,7 +134,8 @@ Image clean_up(const Image& raw, const CleanupOptions& options) {
   Choice kept(islands.area.size(), 0);
   cv::Rect kept_box;
   for (std::size_t i = 1; i < kept.size(); ++i) {
-    if (options.largest_only ? i != islands.largest : islands.area[i] < options.smallest_island * largest) continue;
+    if (options.largest_only ? i != islands.largest : islands.area[i] < options.smallest_island * largest)
+      continue;
     kept[i] = 255;
     kept_box |= islands.box[i];
   }

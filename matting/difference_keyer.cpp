@@ -10,7 +10,7 @@ namespace floatstage {
 namespace {
 
 constexpr CleanupOptions kDefaultCleanup{.close_radius = 1, .smallest_island = 0.02, .smallest_hole = 0.001};
-constexpr float kDarkestShadow = 0.55f;     // the plate in the subject's shadow is at most this much darker
+constexpr float kDarkestShadow = 0.55f;    // the plate in the subject's shadow is at most this much darker
 constexpr float kBrightestReflex = 1.15f;  // and this much brighter in its reflected light
 
 // The median of each byte; of an even number of pictures the mean of the middle two.
@@ -22,7 +22,9 @@ Image median_of(const std::vector<Image>& pictures) {
   for (std::size_t i = 0; i < median.pixels.size(); ++i) {
     for (std::size_t k = 0; k < pictures.size(); ++k) values[k] = pictures[k].pixels[i];
     std::sort(values.begin(), values.end());
-    median.pixels[i] = values.size() % 2 ? values[half] : static_cast<std::uint8_t>((values[half - 1] + values[half] + 1) / 2);
+    median.pixels[i] = values.size() % 2
+                           ? values[half]
+                           : static_cast<std::uint8_t>((values[half - 1] + values[half] + 1) / 2);
   }
   return median;
 }
@@ -38,8 +40,9 @@ class DifferenceKeyer : public Keyer {
     if (!rgb) return forward(rgb);
     if (rgb->width != plate_.width || rgb->height != plate_.height)
       return fail(ErrorCode::InvalidArgument,
-                  text("camera ", frame.info.camera, ": its frame is ", rgb->width, "x", rgb->height, " but its clean plate is ",
-                       plate_.width, "x", plate_.height, "; record the plate with the take's settings"));
+                  text("camera ", frame.info.camera, ": its frame is ", rgb->width, "x", rgb->height,
+                       " but its clean plate is ", plate_.width, "x", plate_.height,
+                       "; record the plate with the take's settings"));
     Image alpha(rgb->width, rgb->height, 1);
     const float low = 0.5f * static_cast<float>(threshold_), slope = 255 / static_cast<float>(threshold_);
     for (std::size_t i = 0; i < alpha.pixels.size(); ++i) {
@@ -47,7 +50,8 @@ class DifferenceKeyer : public Keyer {
       alpha.pixels[i] = static_cast<std::uint8_t>(std::clamp((d - low) * slope + 0.5f, 0.0f, 255.0f));
     }
     alpha = clean_up(alpha, cleanup_);
-    // Of a mixed pixel C = a F + (1 - a) B the distance to B is a |F - B|: linear in a, as refine_edges() wants it.
+    // Of a mixed pixel C = a F + (1 - a) B the distance to B is a |F - B|: linear in a, as refine_edges()
+    // wants it.
     const auto distance = [&](int y, int x0, int count, float* out) {
       for (int x = x0; x < x0 + count; ++x) *out++ = difference(rgb->at(x, y), plate_.at(x, y));
     };
@@ -59,9 +63,10 @@ class DifferenceKeyer : public Keyer {
   std::string spec() const override { return text("difference:", threshold_); }
 
  private:
-  // Distance in RGB from p to the piece of the line through black and the plate's colour b on which its shadows and
-  // reflexes lie: a change of brightness alone costs nothing there, a change of colour costs its full length.
-  // (The brightness and chromaticity distortion of Horprasert et al. 1999, eq. 5-6, as one distance.)
+  // Distance in RGB from p to the piece of the line through black and the plate's colour b on which its
+  // shadows and reflexes lie: a change of brightness alone costs nothing there, a change of colour costs its
+  // full length. (The brightness and chromaticity distortion of Horprasert et al. 1999, eq. 5-6, as one
+  // distance.)
   static float difference(const std::uint8_t* p, const std::uint8_t* b) {
     const float pr = p[0], pg = p[1], pb = p[2], br = b[0], bg = b[1], bb = b[2];
     const float bright = std::clamp((pr * br + pg * bg + pb * bb) / (br * br + bg * bg + bb * bb + 1e-3f),
@@ -81,13 +86,16 @@ Result<std::unique_ptr<Keyer>> make_difference_keyer(const KeyerRequest& request
   const auto threshold = threshold_of(request, "difference", 24);
   if (!threshold) return forward(threshold);
   if (request.samples.empty())
-    return fail(ErrorCode::InvalidArgument, "the difference keyer needs a clean plate of each camera; record one of the empty stage");
+    return fail(ErrorCode::InvalidArgument,
+                "the difference keyer needs a clean plate of each camera; record one of the empty stage");
   const Image& first = request.samples.front();
   for (const Image& sample : request.samples)
     if (sample.width != first.width || sample.height != first.height)
-      return fail(ErrorCode::InvalidArgument, text("the clean plates of a camera differ in size: ", first.width, "x", first.height,
-                                                   " and ", sample.width, "x", sample.height, "; give plates of one size"));
-  return std::unique_ptr<Keyer>(new DifferenceKeyer(median_of(request.samples), *threshold, request.cleanup.value_or(kDefaultCleanup)));
+      return fail(ErrorCode::InvalidArgument,
+                  text("the clean plates of a camera differ in size: ", first.width, "x", first.height,
+                       " and ", sample.width, "x", sample.height, "; give plates of one size"));
+  return std::unique_ptr<Keyer>(
+      new DifferenceKeyer(median_of(request.samples), *threshold, request.cleanup.value_or(kDefaultCleanup)));
 }
 
 }  // namespace floatstage

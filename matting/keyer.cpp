@@ -21,14 +21,16 @@ constexpr std::array kTable = {
           make_chroma_keyer},
     Entry{"difference", "difference or difference:T: against a clean plate, threshold T in 8-bit steps (24)",
           make_difference_keyer},
-    Entry{"luminance", "luminance or luminance:T: a black stage; grey above T (12) is subject", make_luminance_keyer},
+    Entry{"luminance", "luminance or luminance:T: a black stage; grey above T (12) is subject",
+          make_luminance_keyer},
 };
 
 Result<Image> as_rgb(const Image& sample) {
   const std::size_t bytes = static_cast<std::size_t>(sample.width) * sample.height * sample.channels;
   if (sample.empty() || sample.pixels.size() != bytes || (sample.channels != 1 && sample.channels != 3))
-    return fail(ErrorCode::InvalidArgument, text("a keyer's sample is ", sample.width, "x", sample.height, " with ",
-                                                 sample.channels, " channels; give grey or RGB pictures"));
+    return fail(ErrorCode::InvalidArgument,
+                text("a keyer's sample is ", sample.width, "x", sample.height, " with ", sample.channels,
+                     " channels; give grey or RGB pictures"));
   if (sample.channels == 3) return sample;
   Image rgb(sample.width, sample.height, 3);
   for (std::size_t i = 0; i < bytes; ++i)
@@ -71,8 +73,9 @@ Result<int> threshold_of(const KeyerRequest& request, std::string_view keyer, in
   int value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc() || end != digits.data() + digits.size() || value < 1 || value > 254)
-    return fail(ErrorCode::InvalidArgument, text("'", keyer, ":", digits, "': the threshold must be a whole number from 1 to 254, as in ",
-                                                 keyer, ":", fallback));
+    return fail(ErrorCode::InvalidArgument,
+                text("'", keyer, ":", digits, "': the threshold must be a whole number from 1 to 254, as in ",
+                     keyer, ":", fallback));
   return value;
 }
 

@@ -11,7 +11,8 @@
 // Private to the stage: what each keyer's file gives to the table in keyer.cpp.
 namespace floatstage {
 
-/// What a keyer is made from. `parameter` is what follows the colon of the spec; `samples` are RGB and of one size.
+/// What a keyer is made from. `parameter` is what follows the colon of the spec; `samples` are RGB and of one
+/// size.
 struct KeyerRequest {
   std::optional<std::string_view> parameter;
   const std::vector<Image>& samples;

@@ -12,8 +12,9 @@ namespace {
 
 // A black stage leaves dark crevices in the subject and specks on the cloth.
 constexpr CleanupOptions kDefaultCleanup{.close_radius = 2, .smallest_hole = 0.003, .largest_only = true};
-constexpr int kDimness = 5;     // times the threshold: as bright as black cloth gets in the subject's light
-constexpr int kLeakRadius = 2;  // px; the cloth does not leak into the subject through dim seams thinner than twice this
+constexpr int kDimness = 5;  // times the threshold: as bright as black cloth gets in the subject's light
+constexpr int kLeakRadius =
+    2;  // px; the cloth does not leak into the subject through dim seams thinner than twice this
 
 bool dim_at_border(const Image& alpha, const Image& grey, int dim_below) {
   auto dim = [&](int x, int y) { return *alpha.at(x, y) > 0 && *grey.at(x, y) <= dim_below; };
@@ -24,14 +25,15 @@ bool dim_at_border(const Image& alpha, const Image& grey, int dim_below) {
   return false;
 }
 
-// Black cloth that catches light is brighter than the threshold. It is told from a dark subject by hanging at the
-// picture's border: what is dim, and joined to the border by dim pixels alone, becomes background.
+// Black cloth that catches light is brighter than the threshold. It is told from a dark subject by hanging at
+// the picture's border: what is dim, and joined to the border by dim pixels alone, becomes background.
 void drop_lit_cloth(Image& alpha, const Image& grey, int dim_below) {
   if (!dim_at_border(alpha, grey, dim_below)) return;
   cv::Mat dim(alpha.height, alpha.width, CV_8U);
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
     dim.data[i] = alpha.pixels[i] > 0 && grey.pixels[i] <= dim_below ? 255 : 0;
-  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kLeakRadius + 1, 2 * kLeakRadius + 1});
+  const cv::Mat disc =
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kLeakRadius + 1, 2 * kLeakRadius + 1});
   cv::Mat broad, labels;
   cv::erode(dim, broad, disc);  // outside the picture counts as dim, so that cloth at the border stays there
   const int count = cv::connectedComponents(broad, labels, 4, CV_32S, cv::CCL_SAUF);

@@ -12,11 +12,14 @@ namespace {
 constexpr int kSubject = 128, kFaint = 24;  // alpha: subject; possibly subject
 constexpr int kEdge = 2;                    // px on either side of the key's edge that are solved
 constexpr int kHair = 20;                   // px from the subject in which hair is looked for
-constexpr int kNear = 4, kFar = 14;         // px: windows in which the two sides are looked for, first the near one
+constexpr int kNear = 4, kFar = 14;  // px: windows in which the two sides are looked for, first the near one
 
-cv::Mat square(int radius) { return cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1}); }
+cv::Mat square(int radius) {
+  return cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1});
+}
 
-// The mean of a measure over the masked pixels in a window around any pixel, by summed-area tables: few pixels ask.
+// The mean of a measure over the masked pixels in a window around any pixel, by summed-area tables: few
+// pixels ask.
 class LocalMean {
  public:
   LocalMean(const cv::Mat& measure, const cv::Mat& mask) {
@@ -84,7 +87,8 @@ void refine_edges(const BackingMeasure& measure, float contrast, const Image& do
   cv::Rect box = cv::boundingRect(whole);
   if (box.empty()) return;
   constexpr int reach = kHair + kFar;
-  box = cv::Rect(box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach) & cv::Rect(0, 0, whole.cols, whole.rows);
+  box = cv::Rect(box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach) &
+        cv::Rect(0, 0, whole.cols, whole.rows);
   cv::Mat key = whole(box);
 
   const cv::Mat subject = key >= kSubject, hair = hair_of(subject, whole_doubt(box));
@@ -97,7 +101,8 @@ void refine_edges(const BackingMeasure& measure, float contrast, const Image& do
 
   for (int y = 0; y < box.height; ++y) {
     std::uint8_t* row = key.ptr<std::uint8_t>(y);
-    const std::uint8_t *in = inside.ptr<std::uint8_t>(y), *out = outside.ptr<std::uint8_t>(y), *on_edge = edge.ptr<std::uint8_t>(y);
+    const std::uint8_t *in = inside.ptr<std::uint8_t>(y), *out = outside.ptr<std::uint8_t>(y),
+                       *on_edge = edge.ptr<std::uint8_t>(y);
     for (int x = 0; x < box.width; ++x) {
       if (in[x]) row[x] = 255;
       if (in[x] || out[x]) continue;

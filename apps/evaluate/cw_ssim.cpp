@@ -7,19 +7,22 @@
 #include "apps/evaluate/metrics.h"
 #include "apps/evaluate/picture_pair.h"
 
-// Complex wavelet SSIM, Sampat, Wang, Gupta, Bovik, Markey: "Complex wavelet structural similarity: a new image
-// similarity index" (2009). Of the coefficients x_i and y_i of one subband in one window (eq. 7):
+// Complex wavelet SSIM, Sampat, Wang, Gupta, Bovik, Markey: "Complex wavelet structural similarity: a new
+// image similarity index" (2009). Of the coefficients x_i and y_i of one subband in one window (eq. 7):
 //
 //   S(x, y) = (2 |sum x_i conj(y_i)| + K) / (sum |x_i|^2 + sum |y_i|^2 + K)
 //
-// The subbands are those of the complex steerable pyramid (Portilla and Simoncelli 2000, sec. 2.1), made in the frequency
-// domain: at scale s and orientation k of O, with r the frequency in units of the full picture's Nyquist frequency,
+// The subbands are those of the complex steerable pyramid (Portilla and Simoncelli 2000, sec. 2.1), made in
+// the frequency domain: at scale s and orientation k of O, with r the frequency in units of the full
+// picture's Nyquist frequency,
 //
 //   L(r; c) = 1 below c/2, cos(pi/2 log2(2 r / c)) up to c, 0 above;     H(r; c) = sqrt(1 - L(r; c)^2)
 //   B_s(r) = L(r; 2^-s) H(r; 2^-(s+1))
-//   A_k(t) = alpha cos(t - pi k / O)^(O-1) where that cosine is positive, else 0;   alpha = 2^(O-1) (O-1)! / sqrt(O (2 O - 2)!)
+//   A_k(t) = alpha cos(t - pi k / O)^(O-1) where that cosine is positive, else 0;   alpha = 2^(O-1) (O-1)! /
+//   sqrt(O (2 O - 2)!)
 //
-// B_s vanishes from 2^-s on, so its spectrum may be cut there: scale s is sampled every 2^s pixels without aliasing.
+// B_s vanishes from 2^-s on, so its spectrum may be cut there: scale s is sampled every 2^s pixels without
+// aliasing.
 namespace floatstage {
 namespace {
 
@@ -43,7 +46,8 @@ double angular(double angle, int orientation) {
   constexpr int n = kOrientations - 1;
   const double c = std::cos(angle - std::numbers::pi * orientation / kOrientations);
   if (c <= 0) return 0;
-  const double log_alpha = n * std::log(2.0) + std::lgamma(n + 1.0) - 0.5 * (std::log(kOrientations * 1.0) + std::lgamma(2.0 * n + 1));
+  const double log_alpha = n * std::log(2.0) + std::lgamma(n + 1.0) -
+                           0.5 * (std::log(kOrientations * 1.0) + std::lgamma(2.0 * n + 1));
   return std::exp(log_alpha) * std::pow(c, n);
 }
 
@@ -56,7 +60,8 @@ cv::Mat filter_of(int scale, int orientation, cv::Size full) {
   cv::Mat filter(cut, CV_64F);
   for (int v = 0; v < cut.height; ++v) {
     for (int u = 0; u < cut.width; ++u) {
-      const double fx = 2.0 * frequency(u, cut.width) / full.width, fy = 2.0 * frequency(v, cut.height) / full.height;
+      const double fx = 2.0 * frequency(u, cut.width) / full.width,
+                   fy = 2.0 * frequency(v, cut.height) / full.height;
       const double r = std::hypot(fx, fy);
       filter.at<double>(v, u) = r == 0 ? 0 : band_pass(r, scale) * angular(std::atan2(fy, fx), orientation);
     }
@@ -75,7 +80,8 @@ cv::Mat subband(const cv::Mat& spectrum, const cv::Mat& filter) {
     }
   }
   cv::Mat band;
-  // The spectrum is of the full picture, so the mean over the full number of pixels keeps amplitudes at every scale.
+  // The spectrum is of the full picture, so the mean over the full number of pixels keeps amplitudes at every
+  // scale.
   cv::dft(cut, band, cv::DFT_INVERSE);
   return band / static_cast<double>(spectrum.total());
 }
@@ -86,7 +92,8 @@ cv::Mat window_sum(const cv::Mat& m) {
   return out;
 }
 
-// The mean similarity of two subbands over the windows centred in the mask; NaN when the mask has no sample here.
+// The mean similarity of two subbands over the windows centred in the mask; NaN when the mask has no sample
+// here.
 double similarity(const cv::Mat& x, const cv::Mat& y, const cv::Mat& mask, int step) {
   cv::Mat product(x.size(), CV_64FC2), energy(x.size(), CV_64F);
   for (int i = 0; i < x.rows; ++i) {
@@ -138,7 +145,8 @@ double cw_ssim(const Image& rendered, const Image& truth, const Image& mask) {
   const cv::Mat a = luma_of(rendered, box), b = luma_of(truth, box), w = weights_of(mask, box);
   const double mean = cv::sum(w.mul(b))[0] / cv::sum(w)[0];
   const cv::Size canvas(padded(box.width), padded(box.height));
-  const cv::Mat of_a = spectrum_of(canvas_of(a, w, mean, canvas)), of_b = spectrum_of(canvas_of(b, w, mean, canvas));
+  const cv::Mat of_a = spectrum_of(canvas_of(a, w, mean, canvas)),
+                of_b = spectrum_of(canvas_of(b, w, mean, canvas));
   const cv::Mat placed = canvas_of(w, w, 0, canvas);
 
   double sum = 0, bands = 0;

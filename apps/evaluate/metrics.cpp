@@ -34,8 +34,10 @@ struct BlockError {
   std::int64_t squares = 0, pairs = 0;
 };
 
-// The block of the truth at (x0, y0) against the rendered picture (dx, dy) away, over pairs that are both in the mask.
-BlockError block_error(const Image& rendered, const Image& truth, const Image& mask, int x0, int y0, int dx, int dy) {
+// The block of the truth at (x0, y0) against the rendered picture (dx, dy) away, over pairs that are both in
+// the mask.
+BlockError block_error(const Image& rendered, const Image& truth, const Image& mask, int x0, int y0, int dx,
+                       int dy) {
   BlockError error;
   for (int y = std::max(y0, -dy); y < std::min({y0 + kBlock, truth.height, truth.height - dy}); ++y) {
     for (int x = std::max(x0, -dx); x < std::min({x0 + kBlock, truth.width, truth.width - dx}); ++x) {
@@ -93,14 +95,16 @@ double sharpness(const Image& rendered, const Image& truth, const Image& mask) {
   if (box.empty()) return kNaN;
   const cv::Mat a = luma_of(rendered, box), b = luma_of(truth, box), w = weights_of(mask, box);
   auto energy = [](const cv::Mat& m, int x, int y) {
-    const double dx = m.at<double>(y, x + 1) - m.at<double>(y, x - 1), dy = m.at<double>(y + 1, x) - m.at<double>(y - 1, x);
+    const double dx = m.at<double>(y, x + 1) - m.at<double>(y, x - 1),
+                 dy = m.at<double>(y + 1, x) - m.at<double>(y - 1, x);
     return dx * dx + dy * dy;
   };
   double of_a = 0, of_b = 0;
   for (int y = 1; y + 1 < box.height; ++y) {
     for (int x = 1; x + 1 < box.width; ++x) {
-      const bool all = w.at<double>(y, x) * w.at<double>(y, x - 1) * w.at<double>(y, x + 1) * w.at<double>(y - 1, x) *
-                           w.at<double>(y + 1, x) > 0;
+      const bool all = w.at<double>(y, x) * w.at<double>(y, x - 1) * w.at<double>(y, x + 1) *
+                           w.at<double>(y - 1, x) * w.at<double>(y + 1, x) >
+                       0;
       if (!all) continue;
       of_a += energy(a, x, y);
       of_b += energy(b, x, y);

@@ -4,31 +4,36 @@
 
 namespace floatstage {
 
-// How alike a rendered picture and a photograph are, inside a mask. docs/metrics.md says why each one is here.
+// How alike a rendered picture and a photograph are, inside a mask. docs/metrics.md says why each one is
+// here.
 //
-// All functions: `rendered` and `truth` are of one size and channel count (1 or 3), `mask` has 1 channel and their
-// size, and a pixel counts where the mask is >= 128. (Anything else is our bug and throws CheckFailure.) Nothing
-// outside the mask has any influence. An empty mask gives NaN. Pure, thread safe, same result on any thread.
+// All functions: `rendered` and `truth` are of one size and channel count (1 or 3), `mask` has 1 channel and
+// their size, and a pixel counts where the mask is >= 128. (Anything else is our bug and throws
+// CheckFailure.) Nothing outside the mask has any influence. An empty mask gives NaN. Pure, thread safe, same
+// result on any thread.
 
 /// Peak signal-to-noise ratio in dB over all channels: 10 log10(255^2 / MSE). Infinity for equal pictures.
 double psnr(const Image& rendered, const Image& truth, const Image& mask);
 
-/// Structural similarity of the luma (Wang et al. 2004, eq. 13; 11x11 Gaussian window, sigma 1.5, K1 0.01, K2 0.03):
-/// the mean of the SSIM map over the mask. Windows are cut off at the mask and renormalised there, so that neither
-/// background nor the picture's edge enters.
+/// Structural similarity of the luma (Wang et al. 2004, eq. 13; 11x11 Gaussian window, sigma 1.5, K1 0.01, K2
+/// 0.03): the mean of the SSIM map over the mask. Windows are cut off at the mask and renormalised there, so
+/// that neither background nor the picture's edge enters.
 double ssim(const Image& rendered, const Image& truth, const Image& mask);
 
-/// Complex wavelet structural similarity of the luma (Sampat et al. 2009, eq. 7): steerable pyramid of 4 scales x 8
-/// orientations, 7x7 windows in each subband, the mean over the mask and then over the subbands. Small shifts turn the
-/// phases of all coefficients in a window alike and cost little. Outside the mask both pictures get the truth's mean.
+/// Complex wavelet structural similarity of the luma (Sampat et al. 2009, eq. 7): steerable pyramid of 4
+/// scales x 8 orientations, 7x7 windows in each subband, the mean over the mask and then over the subbands.
+/// Small shifts turn the phases of all coefficients in a window alike and cost little. Outside the mask both
+/// pictures get the truth's mean.
 double cw_ssim(const Image& rendered, const Image& truth, const Image& mask);
 
-/// PSNR after each 16x16 block of the truth has chosen the shift of at most 3 px in x and y under which the rendered
-/// picture fits it best. Only pairs inside the mask count; a shift needs half of the block's pairs to be admitted.
+/// PSNR after each 16x16 block of the truth has chosen the shift of at most 3 px in x and y under which the
+/// rendered picture fits it best. Only pairs inside the mask count; a shift needs half of the block's pairs
+/// to be admitted.
 double psnr_shift(const Image& rendered, const Image& truth, const Image& mask);
 
-/// Gradient energy of the rendered luma over that of the truth's: 1 as sharp, below 1 blurred, above 1 ghost edges or
-/// noise. Central differences whose four pixels lie in the mask. NaN when there is none or the truth is flat.
+/// Gradient energy of the rendered luma over that of the truth's: 1 as sharp, below 1 blurred, above 1 ghost
+/// edges or noise. Central differences whose four pixels lie in the mask. NaN when there is none or the truth
+/// is flat.
 double sharpness(const Image& rendered, const Image& truth, const Image& mask);
 
 /// What the tables of `evaluate` hold of one picture.
@@ -44,8 +49,8 @@ struct Scores {
 /// All of them; `silhouette` is the mask of `psnr_full`.
 Scores score(const Image& rendered, const Image& truth, const Image& mask, const Image& silhouette);
 
-/// The mask without what lies within `px` of a pixel outside it (Euclidean). The picture's edge erodes nothing: a
-/// subject that it cuts off is as good there as anywhere. 255 and 0 only.
+/// The mask without what lies within `px` of a pixel outside it (Euclidean). The picture's edge erodes
+/// nothing: a subject that it cuts off is as good there as anywhere. 255 and 0 only.
 Image erode_mask(const Image& mask, int px);
 
 }  // namespace floatstage

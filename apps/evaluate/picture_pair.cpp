@@ -9,8 +9,8 @@ namespace floatstage {
 
 void check_pair(const Image& rendered, const Image& truth, const Image& mask) {
   auto shape = [](const Image& i) { return text(i.width, "x", i.height, "x", i.channels); };
-  FLOATSTAGE_CHECK(rendered.width == truth.width && rendered.height == truth.height && rendered.channels == truth.channels &&
-                       (truth.channels == 1 || truth.channels == 3),
+  FLOATSTAGE_CHECK(rendered.width == truth.width && rendered.height == truth.height &&
+                       rendered.channels == truth.channels && (truth.channels == 1 || truth.channels == 3),
                    text("metrics compare a picture of ", shape(rendered), " with one of ", shape(truth)));
   FLOATSTAGE_CHECK(mask.width == truth.width && mask.height == truth.height && mask.channels == 1,
                    text("a metric's mask is ", shape(mask), ", its pictures are ", shape(truth)));
@@ -44,7 +44,8 @@ cv::Mat luma_of(const Image& image, const cv::Rect& box) {
 cv::Mat weights_of(const Image& mask, const cv::Rect& box) {
   cv::Mat weights(box.height, box.width, CV_64F);
   for (int y = 0; y < box.height; ++y)
-    for (int x = 0; x < box.width; ++x) weights.at<double>(y, x) = *mask.at(box.x + x, box.y + y) >= 128 ? 1 : 0;
+    for (int x = 0; x < box.width; ++x)
+      weights.at<double>(y, x) = *mask.at(box.x + x, box.y + y) >= 128 ? 1 : 0;
   return weights;
 }
 

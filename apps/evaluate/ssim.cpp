@@ -27,16 +27,19 @@ double ssim(const Image& rendered, const Image& truth, const Image& mask) {
 
   // Normalised convolution: the window's weights times the mask's, which sum to `total` at each pixel.
   const cv::Mat wa = w.mul(a), wb = w.mul(b), total = windowed(w);
-  const cv::Mat sa = windowed(wa), sb = windowed(wb), saa = windowed(wa.mul(a)), sbb = windowed(wb.mul(b)), sab = windowed(wa.mul(b));
+  const cv::Mat sa = windowed(wa), sb = windowed(wb), saa = windowed(wa.mul(a)), sbb = windowed(wb.mul(b)),
+                sab = windowed(wa.mul(b));
   double sum = 0, count = 0;
   for (int y = 0; y < box.height; ++y) {
     for (int x = 0; x < box.width; ++x) {
       if (w.at<double>(y, x) == 0) continue;
       const double n = total.at<double>(y, x);
       const double mean_a = sa.at<double>(y, x) / n, mean_b = sb.at<double>(y, x) / n;
-      const double var_a = saa.at<double>(y, x) / n - mean_a * mean_a, var_b = sbb.at<double>(y, x) / n - mean_b * mean_b;
+      const double var_a = saa.at<double>(y, x) / n - mean_a * mean_a,
+                   var_b = sbb.at<double>(y, x) / n - mean_b * mean_b;
       const double covar = sab.at<double>(y, x) / n - mean_a * mean_b;
-      sum += (2 * mean_a * mean_b + kC1) * (2 * covar + kC2) / ((mean_a * mean_a + mean_b * mean_b + kC1) * (var_a + var_b + kC2));
+      sum += (2 * mean_a * mean_b + kC1) * (2 * covar + kC2) /
+             ((mean_a * mean_a + mean_b * mean_b + kC1) * (var_a + var_b + kC2));
       count += 1;
     }
   }

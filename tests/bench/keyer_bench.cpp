@@ -6,7 +6,8 @@
 #include "core/frame.h"
 #include "matting/keyer.h"
 
-// Milliseconds a frame on one core, clean-up included. A person-sized ellipse stands before a backing with uneven light.
+// Milliseconds a frame on one core, clean-up included. A person-sized ellipse stands before a backing with
+// uneven light.
 namespace floatstage {
 namespace {
 
@@ -17,7 +18,8 @@ Image stage(int width, int height, bool black, bool person) {
       const double u = 2.0 * x / width - 1, v = 2.0 * y / height - 1, light = 1 - 0.4 * (u * u + v * v) / 2;
       std::uint8_t* p = image.at(x, y);
       const bool subject = person && u * u / 0.04 + v * v / 0.6 < 1;
-      const double rgb[3] = {subject ? 180 : 40 * light, subject ? 90 + 60 * std::sin(x * 0.5) : 120 * light, subject ? 70 : 60 * light};
+      const double rgb[3] = {subject ? 180 : 40 * light, subject ? 90 + 60 * std::sin(x * 0.5) : 120 * light,
+                             subject ? 70 : 60 * light};
       for (int c = 0; c < 3; ++c) p[c] = static_cast<std::uint8_t>(black && !subject ? 3 : rgb[c]);
     }
   }
@@ -35,14 +37,18 @@ void key_a_frame(benchmark::State& state, const std::string& spec, int width, in
     covered = coverage(*matte);
   }
   state.counters["coverage"] = covered;
-  state.counters["Mpx/s"] = benchmark::Counter(static_cast<double>(width) * height * 1e-6, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["Mpx/s"] = benchmark::Counter(static_cast<double>(width) * height * 1e-6,
+                                               benchmark::Counter::kIsIterationInvariantRate);
 }
 
 int register_all() {
   for (const KeyerInfo& keyer : keyers())
     for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1024, 768}})
-      benchmark::RegisterBenchmark((keyer.name + "/" + std::to_string(width) + "x" + std::to_string(height)).c_str(),
-                                   [name = keyer.name, w = width, h = height](benchmark::State& state) { key_a_frame(state, name, w, h); })
+      benchmark::RegisterBenchmark(
+          (keyer.name + "/" + std::to_string(width) + "x" + std::to_string(height)).c_str(),
+          [name = keyer.name, w = width, h = height](benchmark::State& state) {
+            key_a_frame(state, name, w, h);
+          })
           ->Unit(benchmark::kMillisecond);
   return 0;
 }

@@ -3,7 +3,8 @@
 #include "apps/evaluate/metrics.h"
 #include "tests/metrics/textures.h"
 
-// Each score of one 640x480 picture pair whose mask is a person's size (a quarter of the width, four fifths high).
+// Each score of one 640x480 picture pair whose mask is a person's size (a quarter of the width, four fifths
+// high).
 namespace floatstage {
 namespace {
 

@@ -16,9 +16,7 @@ Matte keyed(const Scene& scene, const char* spec = "chroma") {
   return *matte;
 }
 
-TEST(ChromaKeyer, NeedsNoPlateWhenTheBordersShowTheCloth) {
-  EXPECT_GE(iou(keyed({}), truth({})), 0.97);
-}
+TEST(ChromaKeyer, NeedsNoPlateWhenTheBordersShowTheCloth) { EXPECT_GE(iou(keyed({}), truth({})), 0.97); }
 
 TEST(ChromaKeyer, KeysABlueClothAsWell) {
   Scene scene;

@@ -62,8 +62,8 @@ TEST(CleanUp, ClosesGapsUpToTwiceTheRadius) {
 
 TEST(CleanUp, CutsAWireThatTouchesTheSubjectButKeepsFingers) {
   Image image = person();
-  paint(image, 80, 50, 4, 3, 255);    // a finger
-  paint(image, 0, 30, 40, 2, 255);    // a wire from the picture's edge to the back
+  paint(image, 80, 50, 4, 3, 255);  // a finger
+  paint(image, 0, 30, 40, 2, 255);  // a wire from the picture's edge to the back
   const Image clean = clean_up(image, {.thin_radius = 3});
   for (int x = 0; x < 30; ++x) EXPECT_EQ(*clean.at(x, 30), 0) << x;
   for (int x = 80; x < 84; ++x) EXPECT_EQ(*clean.at(x, 51), 255) << x;

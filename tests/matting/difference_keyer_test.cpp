@@ -63,13 +63,15 @@ TEST(DifferenceKeyer, RefusesAFrameOfAnotherSizeThanThePlate) {
   const auto matte = (*keyer)->key(make_frame(info, Image(80, 60, 3)));
   ASSERT_FALSE(matte);
   EXPECT_EQ(matte.error().code, ErrorCode::InvalidArgument);
-  EXPECT_THAT(matte.error().message, ::testing::AllOf(::testing::HasSubstr("camera 6"), ::testing::HasSubstr("80x60"),
-                                                      ::testing::HasSubstr("160x120")));
+  EXPECT_THAT(matte.error().message,
+              ::testing::AllOf(::testing::HasSubstr("camera 6"), ::testing::HasSubstr("80x60"),
+                               ::testing::HasSubstr("160x120")));
 }
 
 TEST(DifferenceKeyer, RefusesToStartWithoutAPlateOrWithUnequalOnes) {
   EXPECT_EQ(make_keyer("difference", {}).error().code, ErrorCode::InvalidArgument);
-  EXPECT_EQ(make_keyer("difference", {Image(4, 4, 3), Image(4, 5, 3)}).error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(make_keyer("difference", {Image(4, 4, 3), Image(4, 5, 3)}).error().code,
+            ErrorCode::InvalidArgument);
 }
 
 }  // namespace

@@ -9,7 +9,8 @@
 #include "matting/keyer.h"
 #include "tests/matting/pictures.h"
 
-// What every keyer promises. A new keyer joins by its line in keyers(); if its stage is not green, by one in stage_for().
+// What every keyer promises. A new keyer joins by its line in keyers(); if its stage is not green, by one in
+// stage_for().
 namespace floatstage {
 namespace {
 
@@ -63,7 +64,8 @@ TEST_P(KeyerConformance, SeesNobodyOnTheEmptyStage) {
 
 TEST_P(KeyerConformance, GivesSoftEdgesWhereTheSubjectCoversPixelsPartly) {
   const Image alpha = to_image(*keyer()->key(make_frame({}, photograph(scene()))));
-  const auto soft = std::count_if(alpha.pixels.begin(), alpha.pixels.end(), [](int a) { return a > 0 && a < 255; });
+  const auto soft =
+      std::count_if(alpha.pixels.begin(), alpha.pixels.end(), [](int a) { return a > 0 && a < 255; });
   EXPECT_GT(soft, 20);
   EXPECT_LT(soft, 600);  // the disc's border is 190 px long
   EXPECT_EQ(*alpha.at(80, 60), 255);

@@ -46,9 +46,9 @@ TEST(LuminanceKeyer, ByDefaultClosesCrevicesAndKeepsTheLargestComponent) {
 
 TEST(LuminanceKeyer, TakesLitClothAtTheBorderForBackgroundButNotADarkCoat) {
   Image image(100, 100, 3, 2);
-  for (int y = 70; y < 100; ++y) std::fill_n(image.at(0, y), 300, std::uint8_t{30});              // the floor cloth
-  for (int y = 10; y < 60; ++y) std::fill_n(image.at(35, y), 90, std::uint8_t{30});               // a dark coat
-  for (int y = 60; y < 90; ++y) std::fill_n(image.at(35, y), 90, std::uint8_t{140});              // and bright boots
+  for (int y = 70; y < 100; ++y) std::fill_n(image.at(0, y), 300, std::uint8_t{30});  // the floor cloth
+  for (int y = 10; y < 60; ++y) std::fill_n(image.at(35, y), 90, std::uint8_t{30});   // a dark coat
+  for (int y = 60; y < 90; ++y) std::fill_n(image.at(35, y), 90, std::uint8_t{140});  // and bright boots
   const Image alpha = to_image(*(*make_keyer("luminance", {}))->key(make_frame({}, image)));
   EXPECT_EQ(*alpha.at(5, 95), 0);
   EXPECT_EQ(*alpha.at(20, 80), 0);

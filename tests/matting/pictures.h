@@ -11,8 +11,8 @@
 
 namespace floatstage {
 
-/// A stage for keyer tests: a plain backing, unevenly lit, and a disc of another colour in the middle that covers its
-/// border pixels partly; and the truth.
+/// A stage for keyer tests: a plain backing, unevenly lit, and a disc of another colour in the middle that
+/// covers its border pixels partly; and the truth.
 struct Scene {
   Rgb backing{40, 120, 60}, subject{180, 60, 50};
   int width = 160, height = 120;
@@ -34,7 +34,8 @@ inline Image photograph(const Scene& s, std::uint64_t seed = 1) {
     for (int x = 0; x < s.width; ++x) {
       const double light = 1 - s.vignette * std::hypot(x - s.width / 2.0, y - s.height / 2.0) / corner;
       const double a = disc_coverage(s, x, y);
-      const double rgb[3] = {a * s.subject.r + (1 - a) * light * s.backing.r, a * s.subject.g + (1 - a) * light * s.backing.g,
+      const double rgb[3] = {a * s.subject.r + (1 - a) * light * s.backing.r,
+                             a * s.subject.g + (1 - a) * light * s.backing.g,
                              a * s.subject.b + (1 - a) * light * s.backing.b};
       for (int c = 0; c < 3; ++c) {
         const double noisy = rgb[c] + (s.noise > 0 ? s.noise * random.normal() : 0);
@@ -48,7 +49,8 @@ inline Image photograph(const Scene& s, std::uint64_t seed = 1) {
 inline Matte truth(const Scene& s) {
   Image alpha(s.width, s.height, 1);
   for (int y = 0; y < s.height; ++y)
-    for (int x = 0; x < s.width; ++x) *alpha.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * disc_coverage(s, x, y)));
+    for (int x = 0; x < s.width; ++x)
+      *alpha.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * disc_coverage(s, x, y)));
   return make_matte({}, alpha);
 }
 

@@ -14,11 +14,11 @@ namespace {
 const std::filesystem::path kData = FLOATSTAGE_DATA_DIR;
 
 // Leaves the test when the data is not on this machine; on the build machine that is a failure.
-#define NEED_DATA(folder)                                                                      \
-  if (!std::filesystem::exists(folder)) {                                                      \
-    const char* ci = std::getenv("CI");                                                        \
-    if (ci != nullptr && std::string(ci) == "true") FAIL() << (folder) << " is missing";       \
-    GTEST_SKIP() << (folder) << " is not on this machine";                                     \
+#define NEED_DATA(folder)                                                                \
+  if (!std::filesystem::exists(folder)) {                                                \
+    const char* ci = std::getenv("CI");                                                  \
+    if (ci != nullptr && std::string(ci) == "true") FAIL() << (folder) << " is missing"; \
+    GTEST_SKIP() << (folder) << " is not on this machine";                               \
   }
 
 TEST(ChromaKeyerOnTheGreenDome, AgreesWithTheGivenMattesWithoutPlateOrParameter) {
@@ -26,7 +26,8 @@ TEST(ChromaKeyerOnTheGreenDome, AgreesWithTheGivenMattesWithoutPlateOrParameter)
   double sum = 0, worst = 1;
   for (int camera = 0; camera < 20; ++camera) {
     const std::string name = text(camera < 10 ? "0" : "", camera, ".png");
-    const auto photograph = load_png(kData / "green-dome/images" / name), given = load_png(kData / "green-dome/mattes" / name);
+    const auto photograph = load_png(kData / "green-dome/images" / name),
+               given = load_png(kData / "green-dome/mattes" / name);
     ASSERT_TRUE(photograph && given) << name;
     const auto keyer = make_keyer("chroma", {*photograph});
     ASSERT_TRUE(keyer) << keyer.error().message;
@@ -42,7 +43,8 @@ TEST(ChromaKeyerOnTheGreenDome, AgreesWithTheGivenMattesWithoutPlateOrParameter)
   EXPECT_GE(sum / 20, 0.975);
 }
 
-// Of the 640x480 pictures the temple covers between these shares, in every view (bounds found by eye on the mattes).
+// Of the 640x480 pictures the temple covers between these shares, in every view (bounds found by eye on the
+// mattes).
 TEST(LuminanceKeyerOnTheTemple, CutsTheTempleOutInOnePiece) {
   const auto folder = kData / "middlebury-temple-ring";
   NEED_DATA(folder);

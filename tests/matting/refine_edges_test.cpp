@@ -1,8 +1,8 @@
+#include "matting/refine_edges.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
-
-#include "matting/refine_edges.h"
 
 namespace floatstage {
 namespace {
@@ -25,8 +25,11 @@ struct HalfPlane {
     return alpha;
   }
   Image refined(Image alpha, const Image& doubt = Image(64, 32, 1), float contrast = 5) const {
-    refine_edges([this](int, int x0, int count, float* out) { for (int x = x0; x < x0 + count; ++x) *out++ = measure(x); },
-                 contrast, doubt, alpha);
+    refine_edges(
+        [this](int, int x0, int count, float* out) {
+          for (int x = x0; x < x0 + count; ++x) *out++ = measure(x);
+        },
+        contrast, doubt, alpha);
     return alpha;
   }
 };

@@ -39,7 +39,8 @@ Agreement agreement(const char* spec, const StudioOptions& options) {
     }
   }
   result.edge_error /= partly;
-  std::cout << spec << ": mean IoU " << result.mean_iou << ", error of partly covered pixels " << result.edge_error << "\n";
+  std::cout << spec << ": mean IoU " << result.mean_iou << ", error of partly covered pixels "
+            << result.edge_error << "\n";
   return result;
 }
 
@@ -72,7 +73,8 @@ TEST(LuminanceKeyerInTheStudio, FindsTheDancerOnTheBlackStage) {
 TEST(ChromaKeyerInTheStudio, TakesTheSpillOffThePhotograph) {
   StudioOptions spilled;
   spilled.defects.green_spill = 0.5;
-  const auto studio = SyntheticStudio::create(synthetic_rig({}), spilled), clean = SyntheticStudio::create(synthetic_rig({}), {});
+  const auto studio = SyntheticStudio::create(synthetic_rig({}), spilled),
+             clean = SyntheticStudio::create(synthetic_rig({}), {});
   ASSERT_TRUE(studio && clean);
   const SyntheticShot shot = studio->shoot(2, 0);
   const Image before = *to_rgb(shot.frame), truth = *to_rgb(clean->shoot(2, 0).frame);

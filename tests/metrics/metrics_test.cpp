@@ -1,9 +1,10 @@
+#include "apps/evaluate/metrics.h"
+
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "apps/evaluate/metrics.h"
 #include "core/check.h"
 #include "tests/metrics/textures.h"
 
@@ -63,8 +64,10 @@ TEST_P(AnyMetric, RefusesPicturesThatDoNotBelongTogether) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, AnyMetric,
-                         ::testing::Values(Metric{"psnr", psnr, kInfinity}, Metric{"ssim", ssim, 1}, Metric{"cw_ssim", cw_ssim, 1},
-                                           Metric{"psnr_shift", psnr_shift, kInfinity}, Metric{"sharpness", sharpness, 1}),
+                         ::testing::Values(Metric{"psnr", psnr, kInfinity}, Metric{"ssim", ssim, 1},
+                                           Metric{"cw_ssim", cw_ssim, 1},
+                                           Metric{"psnr_shift", psnr_shift, kInfinity},
+                                           Metric{"sharpness", sharpness, 1}),
                          [](const auto& suite) { return std::string(suite.param.name); });
 
 TEST(Psnr, OfAConstantOffsetIsKnown) {

@@ -14,13 +14,15 @@ double ssim_at(const Image& a, const Image& b, const Image& mask, int cx, int cy
   for (int y = std::max(0, cy - 5); y <= std::min(a.height - 1, cy + 5); ++y) {
     for (int x = std::max(0, cx - 5); x <= std::min(a.width - 1, cx + 5); ++x) {
       if (*mask.at(x, y) < 128) continue;
-      const double w = std::exp(-((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (2 * 1.5 * 1.5)), p = *a.at(x, y), q = *b.at(x, y);
+      const double w = std::exp(-((x - cx) * (x - cx) + (y - cy) * (y - cy)) / (2 * 1.5 * 1.5)),
+                   p = *a.at(x, y), q = *b.at(x, y);
       n += w, ma += w * p, mb += w * q, aa += w * p * p, bb += w * q * q, ab += w * p * q;
     }
   }
   ma /= n, mb /= n;
   const double c1 = 6.5025, c2 = 58.5225;
-  return (2 * ma * mb + c1) * (2 * (ab / n - ma * mb) + c2) / ((ma * ma + mb * mb + c1) * (aa / n - ma * ma + bb / n - mb * mb + c2));
+  return (2 * ma * mb + c1) * (2 * (ab / n - ma * mb) + c2) /
+         ((ma * ma + mb * mb + c1) * (aa / n - ma * ma + bb / n - mb * mb + c2));
 }
 
 TEST(Ssim, IsTheMeanOfThePapersFormulaOverTheMask) {
@@ -46,14 +48,16 @@ TEST(Ssim, OfUnrelatedTexturesIsNearZeroAndOfInvertedOnesNegative) {
 }
 
 TEST(CwSsim, OfHalfTheContrastIsFourFifths) {
-  // x = y / 2 in every coefficient: 2 * (1/2) / (1 + 1/4). The truth's mean stays, so only rounding and K interfere.
+  // x = y / 2 in every coefficient: 2 * (1/2) / (1 + 1/4). The truth's mean stays, so only rounding and K
+  // interfere.
   const Image truth = texture(128, 96, 1, 1), mask(128, 96, 1, 255);
   const Image flat = changed(truth, [](double v, int, int) { return 127.5 + 0.5 * (v - 127.5); });
   EXPECT_NEAR(cw_ssim(flat, truth, mask), 0.8, 0.01);
 }
 
 TEST(CwSsim, ForgivesASmallShiftThatSsimPunishes) {
-  const Image truth = texture(128, 96, 1, 2), moved = shifted(truth, 1, 1), mask = box_mask(128, 96, 8, 8, 120, 88);
+  const Image truth = texture(128, 96, 1, 2), moved = shifted(truth, 1, 1),
+              mask = box_mask(128, 96, 8, 8, 120, 88);
   EXPECT_GT(cw_ssim(moved, truth, mask), 0.85);
   EXPECT_LT(ssim(moved, truth, mask), cw_ssim(moved, truth, mask) - 0.2);
 }
@@ -74,16 +78,21 @@ TEST(CwSsim, DoesNotForgiveAnotherTextureNoiseOrBlur) {
   EXPECT_LT(cw_ssim(texture(128, 96, 2, 1), truth, mask), moved - 0.2);
   EXPECT_LT(cw_ssim(texture(128, 96, 1, 4), truth, mask), moved);
   Random random(3);
-  EXPECT_LT(cw_ssim(changed(truth, [&](double v, int, int) { return v + 40 * random.normal(); }), truth, mask), moved);
+  EXPECT_LT(
+      cw_ssim(changed(truth, [&](double v, int, int) { return v + 40 * random.normal(); }), truth, mask),
+      moved);
 }
 
 TEST(CwSsim, DoesNotCareWhichDirectionDetailRuns) {
-  // A grating at any angle is caught by some orientation: inverted it has the same magnitudes, so the score stays high.
+  // A grating at any angle is caught by some orientation: inverted it has the same magnitudes, so the score
+  // stays high.
   const Image mask(96, 96, 1, 255);
   for (int degrees : {0, 20, 45, 70, 90, 135}) {
     const double c = std::cos(degrees * 0.01745329), s = std::sin(degrees * 0.01745329);
     auto grating = [&](double phase) {
-      return changed(Image(96, 96, 1), [&](double, int x, int y) { return 127.5 + 80 * std::sin(0.8 * (c * x + s * y) + phase); });
+      return changed(Image(96, 96, 1), [&](double, int x, int y) {
+        return 127.5 + 80 * std::sin(0.8 * (c * x + s * y) + phase);
+      });
     };
     EXPECT_GT(cw_ssim(grating(0.5), grating(0), mask), 0.9) << degrees;
   }

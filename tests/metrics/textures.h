@@ -13,7 +13,9 @@ inline Image texture(int width, int height, std::uint64_t seed = 1, int passes =
   Random random(seed);
   std::vector<double> values(static_cast<std::size_t>(width) * height), next(values.size());
   for (double& v : values) v = random.uniform(-1, 1);
-  auto at = [&](int x, int y) { return values[static_cast<std::size_t>(((y + height) % height) * width + (x + width) % width)]; };
+  auto at = [&](int x, int y) {
+    return values[static_cast<std::size_t>(((y + height) % height) * width + (x + width) % width)];
+  };
   for (int pass = 0; pass < passes; ++pass) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
@@ -28,7 +30,8 @@ inline Image texture(int width, int height, std::uint64_t seed = 1, int passes =
   for (double v : values) largest = std::max(largest, std::abs(v));
   Image image(width, height, channels);
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    image.pixels[i] = static_cast<std::uint8_t>(std::lround(127.5 + 87 * values[i / static_cast<std::size_t>(channels)] / largest));
+    image.pixels[i] = static_cast<std::uint8_t>(
+        std::lround(127.5 + 87 * values[i / static_cast<std::size_t>(channels)] / largest));
   return image;
 }
 
@@ -38,7 +41,8 @@ Image changed(Image image, F f) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
       for (int c = 0; c < image.channels; ++c)
-        image.at(x, y)[c] = static_cast<std::uint8_t>(std::clamp(std::lround(f(static_cast<double>(image.at(x, y)[c]), x, y)), 0L, 255L));
+        image.at(x, y)[c] = static_cast<std::uint8_t>(
+            std::clamp(std::lround(f(static_cast<double>(image.at(x, y)[c]), x, y)), 0L, 255L));
   return image;
 }
 
@@ -47,7 +51,8 @@ inline Image shifted(const Image& image, int dx, int dy) {
   Image out = image;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
-      std::copy_n(image.at((x - dx + image.width) % image.width, (y - dy + image.height) % image.height), image.channels, out.at(x, y));
+      std::copy_n(image.at((x - dx + image.width) % image.width, (y - dy + image.height) % image.height),
+                  image.channels, out.at(x, y));
   return out;
 }
 
