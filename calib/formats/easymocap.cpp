@@ -1,7 +1,7 @@
 #include <cmath>
-#include <opencv2/core.hpp>
 
 #include "calib/formats/camera_parts.h"
+#include "calib/formats/opencv_yaml.h"
 #include "calib/formats/parsers.h"
 #include "calib/formats/text_lines.h"
 #include "core/file.h"
@@ -11,96 +11,14 @@ namespace floatstage {
 namespace {
 
 constexpr auto kOrigin = PixelOrigin::FirstPixelCenter;
-constexpr std::size_t kMostNumbers = 32;  // in a matrix of this format
-
-/// One of the two files, opened. Its matrices are read element by element: cv::Mat would be allocated from sizes that
-/// the file claims.
-class YamlFile {
- public:
-  static Result<YamlFile> open(std::string_view content, std::string_view name) {
-    YamlFile file;
-    file.name_ = name;
-    if (content.substr(0, 5) != "%YAML")
-      return fail(ErrorCode::BadData, text(name, ": does not begin with %YAML; it should be written by OpenCV's FileStorage"));
-    if (content.find('\0') != std::string_view::npos)
-      return fail(ErrorCode::BadData, text(name, ": holds a zero byte; it is not a text file"));
-    try {
-      if (!file.storage_.open(std::string(content), cv::FileStorage::READ | cv::FileStorage::MEMORY |
-                                                        cv::FileStorage::FORMAT_YAML))
-        return fail(ErrorCode::BadData, text(name, ": is not a YAML file as OpenCV writes it"));
-    } catch (const std::exception& e) {
-      return fail(ErrorCode::BadData, text(name, ": ", one_line(e.what())));
-    }
-    return file;
-  }
-
-  bool has(const std::string& key) const { return !storage_[key].empty(); }
-
-  /// A matrix of `rows`×`cols`, row by row. rows = 1 takes any vector of up to kMostNumbers, lying or standing.
-  Result<std::vector<double>> matrix(const std::string& key, int rows, int cols) const {
-    const cv::FileNode node = storage_[key];
-    if (!node.isMap()) return bad(key, "is missing or is not a matrix");
-    const Result<double> r = element(key, node["rows"]), c = element(key, node["cols"]);
-    if (!r) return forward(r);
-    if (!c) return forward(c);
-    const cv::FileNode data = node["data"];
-    const bool shape_fits = rows == 1 ? *r == 1 || *c == 1 : (*r == rows && *c == cols);
-    if (!shape_fits || !data.isSeq() || data.size() > kMostNumbers || static_cast<double>(data.size()) != *r * *c)
-      return bad(key, rows == 1 ? std::string("should be a vector of a few numbers") : text("should be ", rows, "×", cols, " numbers"));
-    std::vector<double> values;
-    for (const cv::FileNode& e : data) {
-      const Result<double> value = element(key, e);
-      if (!value) return forward(value);
-      values.push_back(*value);
-    }
-    return values;
-  }
-
-  Result<double> number(const std::string& key) const { return element(key, storage_[key]); }
-
-  Result<std::vector<std::string>> names() const {
-    const cv::FileNode node = storage_["names"];
-    if (!node.isSeq() || node.size() == 0) return bad("names", "is missing or is not a list of camera names");
-    std::vector<std::string> names;
-    for (const cv::FileNode& e : node) {
-      // A name of digits that its writer did not quote reads as a number.
-      if (e.isInt()) names.push_back(std::to_string(static_cast<int>(e)));
-      else if (e.isString()) names.push_back(static_cast<std::string>(e));
-      else return bad("names", "holds something that is not a name");
-    }
-    return names;
-  }
-
-  Unexpected bad(const std::string& key, const std::string& what) const {
-    return fail(ErrorCode::BadData, text(name_, ": ", key, " ", what));
-  }
-
- private:
-  Result<double> element(const std::string& key, const cv::FileNode& node) const {
-    if (!node.isInt() && !node.isReal()) return bad(key, "holds something that is not a number");
-    const double value = static_cast<double>(node);
-    if (!std::isfinite(value)) return bad(key, "holds a number that is not finite");
-    return value;
-  }
-
-  static std::string one_line(std::string message) {
-    for (char& c : message)
-      if (c == '\n') c = ' ';
-    while (!message.empty() && message.back() == ' ') message.pop_back();
-    return message;
-  }
-
-  cv::FileStorage storage_;
-  std::string name_;
-};
 
 Eigen::Matrix3d row_major(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
 }
 
-Result<Lens> read_lens(const YamlFile& intri, const std::string& key) {
+Result<Lens> read_lens(const OpenCvYaml& intri, const std::string& key) {
   if (!intri.has(key)) return Lens{};
-  const Result<std::vector<double>> read = intri.matrix(key, 1, 0);
+  const Result<std::vector<double>> read = intri.vector(key);
   if (!read) return forward(read);
   std::vector<double> d = *read;
   if (d.size() != 4 && d.size() != 5 && d.size() != 8 && d.size() != 12 && d.size() != 14)
@@ -114,7 +32,7 @@ Result<Lens> read_lens(const YamlFile& intri, const std::string& key) {
   return lens == BrownConrady{} ? Lens{} : Lens(lens);
 }
 
-Result<CameraModel> read_model(const YamlFile& intri, const std::string& camera) {
+Result<CameraModel> read_model(const OpenCvYaml& intri, const std::string& camera) {
   CameraModel model;
   const std::string key = "K_" + camera;
   const Result<std::vector<double>> k = intri.matrix(key, 3, 3);
@@ -134,7 +52,7 @@ Result<CameraModel> read_model(const YamlFile& intri, const std::string& camera)
   return model;
 }
 
-Result<Eigen::Quaterniond> read_rotation(const YamlFile& extri, const std::string& camera) {
+Result<Eigen::Quaterniond> read_rotation(const OpenCvYaml& extri, const std::string& camera) {
   const std::string matrix_key = "Rot_" + camera, vector_key = "R_" + camera;
   if (extri.has(matrix_key)) {
     const Result<std::vector<double>> m = extri.matrix(matrix_key, 3, 3);
@@ -154,7 +72,7 @@ Result<Eigen::Quaterniond> read_rotation(const YamlFile& extri, const std::strin
 std::string yaml_matrix(const std::string& key, int rows, int cols, const std::vector<double>& values) {
   std::string out = text(key, ": !!opencv-matrix\n   rows: ", rows, "\n   cols: ", cols, "\n   dt: d\n   data: [ ");
   for (std::size_t i = 0; i < values.size(); ++i) {
-    // OpenCV takes "1" for an integer and is content; the point keeps other readers from doing so.
+    // As OpenCV writes it: the point keeps readers from taking "1" for an integer.
     std::string number = to_text(values[i]);
     if (number.find_first_of(".e") == std::string::npos) number += '.';
     out += (i == 0 ? "" : ", ") + number;
@@ -170,28 +88,24 @@ std::vector<double> by_rows(const Eigen::Matrix3d& m) {
 
 Result<ForeignRig> parse_easymocap(std::string_view intri_text, std::string_view extri_text, std::string_view intri_name,
                                    std::string_view extri_name) {
-  const Result<YamlFile> intri = YamlFile::open(intri_text, intri_name);
+  const Result<OpenCvYaml> intri = OpenCvYaml::parse(intri_text, intri_name);
   if (!intri) return forward(intri);
-  const Result<YamlFile> extri = YamlFile::open(extri_text, extri_name);
+  const Result<OpenCvYaml> extri = OpenCvYaml::parse(extri_text, extri_name);
   if (!extri) return forward(extri);
-  try {
-    const Result<std::vector<std::string>> names = intri->names();
-    if (!names) return forward(names);
-    ForeignRig foreign;
-    for (const std::string& camera : *names) {
-      const Result<CameraModel> model = read_model(*intri, camera);
-      if (!model) return forward(model);
-      const Result<Eigen::Quaterniond> rotation = read_rotation(*extri, camera);
-      if (!rotation) return forward(rotation);
-      const Result<std::vector<double>> t = extri->matrix("T_" + camera, 3, 1);
-      if (!t) return forward(t);
-      foreign.rig.cameras.push_back({serial_from_name(camera), *model, {rotation->normalized(), {(*t)[0], (*t)[1], (*t)[2]}}, {}});
-      foreign.image_names.push_back(camera);
-    }
-    return checked(std::move(foreign), intri_name);
-  } catch (const cv::Exception& e) {  // its nodes may throw when they are read, too
-    return fail(ErrorCode::BadData, text(intri_name, " or ", extri_name, ": damaged: ", e.err));
+  const Result<std::vector<std::string>> names = intri->list("names");
+  if (!names) return forward(names);
+  ForeignRig foreign;
+  for (const std::string& camera : *names) {
+    const Result<CameraModel> model = read_model(*intri, camera);
+    if (!model) return forward(model);
+    const Result<Eigen::Quaterniond> rotation = read_rotation(*extri, camera);
+    if (!rotation) return forward(rotation);
+    const Result<std::vector<double>> t = extri->matrix("T_" + camera, 3, 1);
+    if (!t) return forward(t);
+    foreign.rig.cameras.push_back({serial_from_name(camera), *model, {rotation->normalized(), {(*t)[0], (*t)[1], (*t)[2]}}, {}});
+    foreign.image_names.push_back(camera);
   }
+  return checked(std::move(foreign), intri_name);
 }
 
 Result<ForeignRig> read_easymocap(const std::filesystem::path& folder) {

@@ -61,9 +61,9 @@ TEST(EasyMocap, NamesTheEntryThatIsMissingOrWrong) {
   expect_error(parse(kIntri, replaced(kExtri, "T_right", "X_right")), ErrorCode::BadData, {"extri.yml", "T_right", "missing"});
   expect_error(parse(kIntri, replaced(kExtri, "R_01", "X_01")), ErrorCode::BadData, {"extri.yml", "R_01", "missing"});
   expect_error(parse(replaced(kIntri, "names", "nomes"), kExtri), ErrorCode::BadData, {"intri.yml", "names"});
-  expect_error(parse(replaced(kIntri, "rows: 3", "rows: 4"), kExtri), ErrorCode::BadData, {"K_01", "3×3"});
-  expect_error(parse(replaced(kIntri, "3., 0., 0.5", ".nan, 0., 0.5"), kExtri), ErrorCode::BadData, {"intri.yml", "K_01", "finite"});
-  expect_error(parse(kIntri, replaced(kExtri, "1., 2., 3.", "1., .inf, 3.")), ErrorCode::BadData, {"T_01", "finite"});
+  expect_error(parse(replaced(kIntri, "rows: 3", "rows: 4"), kExtri), ErrorCode::BadData, {"line 6", "K_01", "rows times its cols"});
+  expect_error(parse(replaced(kIntri, "3., 0., 0.5", ".nan, 0., 0.5"), kExtri), ErrorCode::BadData, {"intri.yml: line 6", "K_01", "finite"});
+  expect_error(parse(kIntri, replaced(kExtri, "1., 2., 3.", "1., .inf, 3.")), ErrorCode::BadData, {"extri.yml: line 11", "T_01", "finite"});
   expect_error(parse(kIntri, replaced(kExtri, "0., -1., 0., 1.", "0., 1., 0., 1.")), ErrorCode::BadData, {"Rot_right", "mirror"});
 }
 
@@ -81,8 +81,20 @@ TEST(EasyMocap, RefusesSizesThatTheDataDoesNotHave) {
 TEST(EasyMocap, RefusesWhatIsNotYaml) {
   expect_error(parse("hello", kExtri), ErrorCode::BadData, {"intri.yml", "%YAML"});
   expect_error(parse("", kExtri), ErrorCode::BadData, {"intri.yml"});
-  expect_error(parse(std::string("%YAML:1.0\n\0x", 12), kExtri), ErrorCode::BadData, {"intri.yml", "zero byte"});
+  expect_error(parse(std::string("%YAML:1.0\n\0x", 12), kExtri), ErrorCode::BadData, {"intri.yml"});
   expect_error(parse("%YAML:1.0\n---\nnames: [ a, b", kExtri), ErrorCode::BadData, {"intri.yml"});
+}
+
+TEST(EasyMocap, RefusesLinesThatBelongToNothing) {
+  expect_error(parse(replaced(kIntri, "---\n", "---\n   stray: 1\n"), kExtri), ErrorCode::BadData, {"intri.yml: line 3"});
+  expect_error(parse(replaced(kIntri, "H_right", "- right\nH_right"), kExtri), ErrorCode::BadData, {"intri.yml: line 22"});
+  expect_error(parse(kIntri + "H_right: 480\n", kExtri), ErrorCode::BadData, {"H_right", "second time"});
+}
+
+TEST(EasyMocap, ReadsNamesInBracketsAndComments) {
+  const Result<ForeignRig> rig = parse(replaced(kIntri, "names:\n   - \"01\"\n   - right\n", "# two\nnames: [ \"01\",\n   right ]\n"), kExtri);
+  ASSERT_TRUE(rig.has_value()) << rig.error().message;
+  EXPECT_THAT(rig->image_names, testing::ElementsAre("01", "right"));
 }
 
 TEST(EasyMocap, RefusesEveryTruncation) {
