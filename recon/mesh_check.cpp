@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -90,6 +89,10 @@ class Shells {
   Shells(std::span<const Vector3d> positions, std::span<const Triangle> triangles)
       : positions_(positions), triangles_(triangles), parent_(positions.size()) {
     std::iota(parent_.begin(), parent_.end(), 0u);
+    const Eigen::Matrix3d slant = (Eigen::AngleAxisd(0.7391, Vector3d::UnitX()) * Eigen::AngleAxisd(0.5772, Vector3d::UnitY()))
+                                      .toRotationMatrix();
+    slanted_.reserve(positions.size());
+    for (const Vector3d& p : positions) slanted_.push_back(slant * p);
     for (const Triangle& t : triangles) {
       join(t[0], t[1]);
       join(t[0], t[2]);
@@ -121,7 +124,7 @@ class Shells {
 
   bool all_outward() const {
     for (std::size_t i = 0; i < count(); ++i) {
-      const Vector3d& probe = positions_[triangles_[members_[i].front()][0]];
+      const std::uint32_t probe = triangles_[members_[i].front()][0];
       bool cavity = false;
       for (std::size_t j = 0; j < count(); ++j)
         if (j != i && boxes_[j].contains(boxes_[i]) && encloses(members_[j], probe)) cavity = !cavity;
@@ -137,20 +140,27 @@ class Shells {
   }
   void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
 
-  // By the solid angle of the shell at the point (Van Oosterom and Strackee 1983): no ray, so no unlucky direction.
-  bool encloses(const std::vector<std::uint32_t>& members, const Vector3d& point) const {
-    double angle = 0;
+  // Signed crossings of a ray with the shell. The ray runs along z of a slanted frame, in which the vertices of grids and
+  // boxes do not line up, so it does not meet an edge head on; and edge(a, b) == -edge(b, a) bit by bit, so a ray beside
+  // an edge is claimed by exactly one of its two triangles.
+  bool encloses(const std::vector<std::uint32_t>& members, std::uint32_t vertex) const {
+    int crossings = 0;
+    const Vector3d& p = slanted_[vertex];
+    const auto edge = [](const Vector3d& a, const Vector3d& b) { return a.x() * b.y() - a.y() * b.x(); };
     for (std::uint32_t i : members) {
-      const Vector3d a = positions_[triangles_[i][0]] - point, b = positions_[triangles_[i][1]] - point,
-                     c = positions_[triangles_[i][2]] - point;
-      const double la = a.norm(), lb = b.norm(), lc = c.norm();
-      angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+      const Vector3d a = slanted_[triangles_[i][0]] - p, b = slanted_[triangles_[i][1]] - p, c = slanted_[triangles_[i][2]] - p;
+      if ((a.x() > 0 && b.x() > 0 && c.x() > 0) || (a.x() < 0 && b.x() < 0 && c.x() < 0)) continue;
+      const double ab = edge(a, b), bc = edge(b, c), ca = edge(c, a);
+      const bool positive = ab > 0 && bc > 0 && ca > 0, negative = ab < 0 && bc < 0 && ca < 0;
+      if (!positive && !negative) continue;
+      if ((bc * a.z() + ca * b.z() + ab * c.z()) / (ab + bc + ca) > 0) crossings += positive ? 1 : -1;
     }
-    return std::abs(angle) > 2 * std::numbers::pi;
+    return crossings != 0;
   }
 
   std::span<const Vector3d> positions_;
   std::span<const Triangle> triangles_;
+  std::vector<Vector3d> slanted_;
   std::vector<std::uint32_t> parent_;
   std::vector<std::vector<std::uint32_t>> members_;
   std::vector<double> volumes_;
