@@ -34,8 +34,7 @@ inline bool same_shot(const SyntheticShot& a, const SyntheticShot& b) {
     return false;
   if (a.matte.empty() != b.matte.empty()) return false;
   if (!a.matte.empty() && !(to_image(a.matte) == to_image(b.matte))) return false;
-  return a.depth.size() == b.depth.size() &&
-         std::memcmp(a.depth.data(), b.depth.data(), a.depth.size() * sizeof(float)) == 0;
+  return a.depth == b.depth;
 }
 
 inline Image rgb_of(const SyntheticShot& shot) { return to_rgb(shot.frame).value(); }
