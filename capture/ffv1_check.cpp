@@ -13,7 +13,8 @@ bool ffv1_intact(std::span<const std::uint8_t> picture) {
   while (!picture.empty()) {
     if (picture.size() < kFooter) return false;
     const std::uint8_t* footer = picture.data() + picture.size() - kFooter;
-    const std::size_t size = (std::size_t{footer[0]} << 16 | std::size_t{footer[1]} << 8 | footer[2]) + kFooter;
+    const std::size_t size =
+        (std::size_t{footer[0]} << 16 | std::size_t{footer[1]} << 8 | footer[2]) + kFooter;
     if (size > picture.size()) return false;
     if (av_crc(table, 0, picture.data() + picture.size() - size, size) != 0) return false;
     picture = picture.first(picture.size() - size);

@@ -13,9 +13,9 @@ namespace floatstage {
 
 /// What a started source will deliver.
 struct StreamInfo {
-  std::string name;            ///< the camera's serial
-  ImageLayout layout;          ///< of every frame with a picture
-  double frame_rate = 0;       ///< nominal; 0 when unknown
+  std::string name;                         ///< the camera's serial
+  ImageLayout layout;                       ///< of every frame with a picture
+  double frame_rate = 0;                    ///< nominal; 0 when unknown
   std::optional<std::int64_t> frame_count;  ///< for recordings: expected frames, gaps included
 };
 
@@ -24,19 +24,20 @@ struct SourceStats {
   std::uint64_t delivered = 0;  ///< frames handed out, corrupt ones included
   std::uint64_t lost = 0;       ///< gaps in the sequence
   std::uint64_t corrupt = 0;    ///< delivered with status Corrupt
-  std::uint64_t starved = 0;    ///< the device had no free buffer because the frames held elsewhere kept them all
+  std::uint64_t starved =
+      0;  ///< the device had no free buffer because the frames held elsewhere kept them all
 };
 
 /// The capture seam, complete. One thread calls start/next/stop; stats() may be called from any thread.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// Allocates, then starts; never in the constructor. Starting a started source is refused (InvalidArgument).
-  /// After stop() it may be started again, from the beginning.
+  /// Allocates, then starts; never in the constructor. Starting a started source is refused
+  /// (InvalidArgument). After stop() it may be started again, from the beginning.
   virtual Result<StreamInfo> start() = 0;
   /// The next frame. Timeout is an outcome; Disconnected is an error and final until stop() and start();
-  /// EndOfStream says a recording is over. InvalidArgument when not started. Lost frames are not delivered: the
-  /// sequence number jumps and stats().lost grows.
+  /// EndOfStream says a recording is over. InvalidArgument when not started. Lost frames are not delivered:
+  /// the sequence number jumps and stats().lost grows.
   virtual Result<Frame> next(Nanoseconds timeout) = 0;
   /// Frames held elsewhere stay valid. Stopping a stopped source does nothing.
   virtual void stop() = 0;

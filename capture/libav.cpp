@@ -35,7 +35,8 @@ std::string reason(int error) {
 
 ErrorCode code_of(int error) {
   switch (AVUNERROR(error)) {
-    case ENOENT: return ErrorCode::NotFound;
+    case ENOENT:
+      return ErrorCode::NotFound;
     case ENOSPC:
     case EFBIG:
     case EDQUOT:
@@ -44,8 +45,10 @@ ErrorCode code_of(int error) {
     case EPERM:
     case EROFS:
     case EISDIR:
-    case EMFILE: return ErrorCode::Io;
-    default: return ErrorCode::BadData;
+    case EMFILE:
+      return ErrorCode::Io;
+    default:
+      return ErrorCode::BadData;
   }
 }
 

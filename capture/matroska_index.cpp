@@ -1,14 +1,14 @@
 #include "capture/matroska_index.h"
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
 #include <cstring>
 #include <optional>
+
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "core/text.h"
 

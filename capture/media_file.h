@@ -10,25 +10,29 @@
 namespace floatstage {
 
 /// Decodes any picture or video file that libav knows, one RGB picture after the other: what `import` reads.
-/// Pictures come as they are to be looked at: turned by the file's rotation metadata (video display matrix, EXIF), full
-/// and limited range and the colour matrix honoured, 16-bit samples reduced, transparency dropped. One thread at a time.
+/// Pictures come as they are to be looked at: turned by the file's rotation metadata (video display matrix,
+/// EXIF), full and limited range and the colour matrix honoured, 16-bit samples reduced, transparency
+/// dropped. One thread at a time.
 class MediaReader {
  public:
   /// NotFound and Io as the operating system says, BadData when no picture can be found; each names the file.
   static Result<std::unique_ptr<MediaReader>> open(const std::filesystem::path& file);
   virtual ~MediaReader() = default;
   virtual double frame_rate() const = 0;  ///< nominal; 0 for a still
-  /// The next picture, 3 channels; EndOfStream after the last; BadData names the file and the picture's number.
+  /// The next picture, 3 channels; EndOfStream after the last; BadData names the file and the picture's
+  /// number.
   virtual Result<Image> next() = 0;
 };
 
-/// Writes RGB pictures of one size as an H.264 MP4 (yuv420p, BT.709, crf 18, faststart) that browsers play. 4:2:0 needs
-/// even sizes: an odd width or height grows by one, repeating the last column or row. Temporary name until finish(); a
-/// writer destroyed without it leaves nothing. One thread at a time; the bytes do not depend on the machine's cores.
+/// Writes RGB pictures of one size as an H.264 MP4 (yuv420p, BT.709, crf 18, faststart) that browsers play.
+/// 4:2:0 needs even sizes: an odd width or height grows by one, repeating the last column or row. Temporary
+/// name until finish(); a writer destroyed without it leaves nothing. One thread at a time; the bytes do not
+/// depend on the machine's cores.
 class VideoWriter {
  public:
   /// InvalidArgument for a size or rate that is not positive; Io names the file.
-  static Result<std::unique_ptr<VideoWriter>> create(const std::filesystem::path& file, int width, int height, double frame_rate);
+  static Result<std::unique_ptr<VideoWriter>> create(const std::filesystem::path& file, int width, int height,
+                                                     double frame_rate);
   virtual ~VideoWriter() = default;
   /// InvalidArgument when the picture has not that size and 3 channels, or after finish(); Io names the file.
   virtual Result<void> write(const Image& rgb) = 0;

@@ -1,11 +1,11 @@
 #include "capture/media_input.h"
 
+#include <cerrno>
+#include <cstring>
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 
 #include "core/text.h"
 
@@ -30,7 +30,9 @@ std::int64_t seek(void* opaque, std::int64_t offset, int whence) {
   return at < 0 ? AVERROR(errno) : at;
 }
 
-int refuse_other_files(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) { return AVERROR(EPERM); }
+int refuse_other_files(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) {
+  return AVERROR(EPERM);
+}
 
 }  // namespace
 
@@ -40,8 +42,10 @@ Result<std::unique_ptr<Input>> Input::open(const std::filesystem::path& file) {
   input->fd_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat status = {};
   if (input->fd_ < 0 || ::fstat(input->fd_, &status) != 0)
-    return fail(errno == ENOENT ? ErrorCode::NotFound : ErrorCode::Io, text("cannot open ", file.string(), ": ", std::strerror(errno)));
-  if (S_ISDIR(status.st_mode)) return fail(ErrorCode::Io, text(file.string(), " is a folder, not a picture or video"));
+    return fail(errno == ENOENT ? ErrorCode::NotFound : ErrorCode::Io,
+                text("cannot open ", file.string(), ": ", std::strerror(errno)));
+  if (S_ISDIR(status.st_mode))
+    return fail(ErrorCode::Io, text(file.string(), " is a folder, not a picture or video"));
   auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
   FLOATSTAGE_CHECK(buffer != nullptr, "out of memory");
   input->io_ = avio_alloc_context(buffer, kBufferBytes, 0, &input->fd_, &read_some, nullptr, &seek);
@@ -52,7 +56,9 @@ Result<std::unique_ptr<Input>> Input::open(const std::filesystem::path& file) {
   // Without a name, the content alone says what the file is.
   int error = avformat_open_input(&input->format_, "", nullptr, nullptr);
   if (error >= 0) error = avformat_find_stream_info(input->format_, nullptr);
-  if (error < 0) return fail(ErrorCode::BadData, text(file.string(), " is no picture or video that can be read: ", reason(error)));
+  if (error < 0)
+    return fail(ErrorCode::BadData,
+                text(file.string(), " is no picture or video that can be read: ", reason(error)));
   return input;
 }
 

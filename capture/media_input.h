@@ -6,8 +6,8 @@
 
 namespace floatstage::libav {
 
-/// A local file behind libav's own input routine. Unlike a URL, it cannot be taken for a numbered pattern of pictures,
-/// a device or a network address, and a play list inside it cannot open other files.
+/// A local file behind libav's own input routine. Unlike a URL, it cannot be taken for a numbered pattern of
+/// pictures, a device or a network address, and a play list inside it cannot open other files.
 class Input {
  public:
   static Result<std::unique_ptr<Input>> open(const std::filesystem::path& file);

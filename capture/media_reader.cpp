@@ -25,10 +25,12 @@ class ToRgb {
 
 // 16-bit RGB goes by its upper bytes: libswscale would dither, and pictures used for measuring must not be.
 bool is_rgb48(int format) {
-  return format == AV_PIX_FMT_RGB48BE || format == AV_PIX_FMT_RGB48LE || format == AV_PIX_FMT_RGBA64BE || format == AV_PIX_FMT_RGBA64LE;
+  return format == AV_PIX_FMT_RGB48BE || format == AV_PIX_FMT_RGB48LE || format == AV_PIX_FMT_RGBA64BE ||
+         format == AV_PIX_FMT_RGBA64LE;
 }
 bool is_gray16(int format) {
-  return format == AV_PIX_FMT_GRAY16BE || format == AV_PIX_FMT_GRAY16LE || format == AV_PIX_FMT_YA16BE || format == AV_PIX_FMT_YA16LE;
+  return format == AV_PIX_FMT_GRAY16BE || format == AV_PIX_FMT_GRAY16LE || format == AV_PIX_FMT_YA16BE ||
+         format == AV_PIX_FMT_YA16LE;
 }
 
 Image from_16_bits(const AVFrame& picture) {
@@ -41,7 +43,8 @@ Image from_16_bits(const AVFrame& picture) {
     const std::uint8_t* row = picture.data[0] + static_cast<std::ptrdiff_t>(y) * picture.linesize[0];
     for (int x = 0; x < picture.width; ++x)
       for (int c = 0; c < 3; ++c) {
-        const std::uint8_t* sample = row + static_cast<std::size_t>(x) * step + (gray ? 0u : static_cast<std::size_t>(2 * c));
+        const std::uint8_t* sample =
+            row + static_cast<std::size_t>(x) * step + (gray ? 0u : static_cast<std::size_t>(2 * c));
         // 65535 / 257 = 255, rounded to the nearest.
         const unsigned value = static_cast<unsigned>(sample[high]) << 8 | sample[1 - high];
         out.at(x, y)[c] = static_cast<std::uint8_t>((value + 128) / 257);
@@ -57,34 +60,40 @@ Result<Image> ToRgb::convert(const AVFrame& picture) {
   if (!description) return fail(ErrorCode::Unsupported, "an unknown pixel format");
   if (!scaler_ || picture.width != width_ || picture.height != height_ || picture.format != format_) {
     constexpr int kExact = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_BILINEAR;
-    scaler_.reset(sws_getContext(picture.width, picture.height, format, picture.width, picture.height, AV_PIX_FMT_RGB24, kExact, nullptr,
-                                 nullptr, nullptr));
-    if (!scaler_) return fail(ErrorCode::Unsupported, text("no conversion from ", description->name, " to RGB"));
+    scaler_.reset(sws_getContext(picture.width, picture.height, format, picture.width, picture.height,
+                                 AV_PIX_FMT_RGB24, kExact, nullptr, nullptr, nullptr));
+    if (!scaler_)
+      return fail(ErrorCode::Unsupported, text("no conversion from ", description->name, " to RGB"));
     width_ = picture.width;
     height_ = picture.height;
     format_ = picture.format;
   }
   // JPEG is BT.601 and full range; video says what it is, or is guessed by its size as players do.
-  const bool jpeg_format = format == AV_PIX_FMT_YUVJ420P || format == AV_PIX_FMT_YUVJ422P || format == AV_PIX_FMT_YUVJ444P ||
-                           format == AV_PIX_FMT_YUVJ440P || format == AV_PIX_FMT_YUVJ411P;
+  const bool jpeg_format = format == AV_PIX_FMT_YUVJ420P || format == AV_PIX_FMT_YUVJ422P ||
+                           format == AV_PIX_FMT_YUVJ444P || format == AV_PIX_FMT_YUVJ440P ||
+                           format == AV_PIX_FMT_YUVJ411P;
   const bool full_range = jpeg_format || picture.color_range == AVCOL_RANGE_JPEG;
   const bool unspecified = picture.colorspace == AVCOL_SPC_UNSPECIFIED || picture.colorspace == AVCOL_SPC_RGB;
-  const bool bt709 = picture.colorspace == AVCOL_SPC_BT709 || (unspecified && !full_range && picture.height >= 720);
+  const bool bt709 =
+      picture.colorspace == AVCOL_SPC_BT709 || (unspecified && !full_range && picture.height >= 720);
   const bool bt2020 = picture.colorspace == AVCOL_SPC_BT2020_NCL;
   const int* matrix = sws_getCoefficients(bt2020 ? SWS_CS_BT2020 : bt709 ? SWS_CS_ITU709 : SWS_CS_ITU601);
-  const bool yuv = !(description->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) && description->nb_components >= 3;
+  const bool yuv =
+      !(description->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) && description->nb_components >= 3;
   if (yuv) sws_setColorspaceDetails(scaler_.get(), matrix, full_range, matrix, 1, 0, 1 << 16, 1 << 16);
   Image out(picture.width, picture.height, 3);
   std::uint8_t* planes[4] = {out.pixels.data(), nullptr, nullptr, nullptr};
   const int strides[4] = {3 * picture.width, 0, 0, 0};
-  if (sws_scale(scaler_.get(), picture.data, picture.linesize, 0, picture.height, planes, strides) != picture.height)
+  if (sws_scale(scaler_.get(), picture.data, picture.linesize, 0, picture.height, planes, strides) !=
+      picture.height)
     return fail(ErrorCode::BadData, "the picture could not be converted to RGB");
   return out;
 }
 
 class LibavReader final : public MediaReader {
  public:
-  LibavReader(std::string name, std::unique_ptr<libav::Input> input) : name_(std::move(name)), input_(std::move(input)) {}
+  LibavReader(std::string name, std::unique_ptr<libav::Input> input)
+      : name_(std::move(name)), input_(std::move(input)) {}
 
   Result<void> open();
   double frame_rate() const override { return frame_rate_; }
@@ -92,7 +101,9 @@ class LibavReader final : public MediaReader {
 
  private:
   Result<void> decode();
-  Unexpected bad(const std::string& what) const { return fail(ErrorCode::BadData, text(name_, ": picture ", pictures_, ": ", what)); }
+  Unexpected bad(const std::string& what) const {
+    return fail(ErrorCode::BadData, text(name_, ": picture ", pictures_, ": ", what));
+  }
   std::optional<PictureTurn> turn() const;
 
   const std::string name_;
@@ -111,7 +122,8 @@ Result<void> LibavReader::open() {
   AVFormatContext& format = input_->format();
   const AVCodec* codec = nullptr;
   const int index = av_find_best_stream(&format, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
-  if (index < 0 || !codec) return fail(ErrorCode::BadData, text(name_, " holds no picture that can be decoded"));
+  if (index < 0 || !codec)
+    return fail(ErrorCode::BadData, text(name_, " holds no picture that can be decoded"));
   stream_ = format.streams[index];
   decoder_.reset(avcodec_alloc_context3(codec));
   FLOATSTAGE_CHECK(decoder_ != nullptr, "out of memory");
@@ -131,10 +143,12 @@ Result<void> LibavReader::decode() {
   for (;;) {
     const int received = avcodec_receive_frame(decoder_.get(), picture_.get());
     if (received >= 0) {
-      if (picture_->decode_error_flags != 0 || (picture_->flags & AV_FRAME_FLAG_CORRUPT)) return bad("damaged or cut off");
+      if (picture_->decode_error_flags != 0 || (picture_->flags & AV_FRAME_FLAG_CORRUPT))
+        return bad("damaged or cut off");
       return {};
     }
-    if (received == AVERROR_EOF) return fail(ErrorCode::EndOfStream, text(name_, " has ", pictures_, " pictures"));
+    if (received == AVERROR_EOF)
+      return fail(ErrorCode::EndOfStream, text(name_, " has ", pictures_, " pictures"));
     if (received != AVERROR(EAGAIN)) return bad(libav::reason(received));
     if (drained_) return bad("the decoder stopped");
     const int read = av_read_frame(&input_->format(), packet_.get());
@@ -152,17 +166,20 @@ Result<void> LibavReader::decode() {
 
 std::optional<PictureTurn> LibavReader::turn() const {
   const AVFrameSideData* on_frame = av_frame_get_side_data(picture_.get(), AV_FRAME_DATA_DISPLAYMATRIX);
-  if (on_frame && on_frame->size >= 9 * sizeof(std::int32_t)) return turn_of(reinterpret_cast<const std::int32_t*>(on_frame->data));
+  if (on_frame && on_frame->size >= 9 * sizeof(std::int32_t))
+    return turn_of(reinterpret_cast<const std::int32_t*>(on_frame->data));
   std::size_t size = 0;
   const std::uint8_t* on_stream = av_stream_get_side_data(stream_, AV_PKT_DATA_DISPLAYMATRIX, &size);
-  if (on_stream && size >= 9 * sizeof(std::int32_t)) return turn_of(reinterpret_cast<const std::int32_t*>(on_stream));
+  if (on_stream && size >= 9 * sizeof(std::int32_t))
+    return turn_of(reinterpret_cast<const std::int32_t*>(on_stream));
   return std::nullopt;
 }
 
 Result<Image> LibavReader::next() {
   if (Result<void> ok = decode(); !ok) return forward(ok);
   Result<Image> image = to_rgb_.convert(*picture_);
-  if (!image) return fail(image.error().code, text(name_, ": picture ", pictures_, ": ", image.error().message));
+  if (!image)
+    return fail(image.error().code, text(name_, ": picture ", pictures_, ": ", image.error().message));
   ++pictures_;
   const std::optional<PictureTurn> turn_by = turn();
   if (turn_by && *turn_by != PictureTurn{}) return turned(*image, *turn_by);

@@ -30,7 +30,8 @@ Result<std::unique_ptr<FrameSource>> open_source(const std::string& uri) {
     if (colon != std::string::npos && scheme == kind.scheme) return kind.open(uri.substr(colon + 1), uri);
     understood += text(understood.empty() ? "" : " or ", kind.usage);
   }
-  return fail(ErrorCode::InvalidArgument, text("source '", uri, "': no camera of this kind; understood is ", understood));
+  return fail(ErrorCode::InvalidArgument,
+              text("source '", uri, "': no camera of this kind; understood is ", understood));
 }
 
 }  // namespace floatstage

@@ -10,14 +10,20 @@ namespace {
 AVPixelFormat format_for(TakeCodec codec, PixelFormat format) {
   switch (format) {
     case PixelFormat::Gray8:
-    case PixelFormat::BayerRggb8: return AV_PIX_FMT_GRAY8;
+    case PixelFormat::BayerRggb8:
+      return AV_PIX_FMT_GRAY8;
     case PixelFormat::Rgb8:
-      // Each codec's nearest: FFV1 has no packed 24-bit RGB, Matroska stores raw RGB only as the 24-bit bitmaps of old,
-      // and 4:4:4 keeps the colour edges that keying lives on.
-      return codec == TakeCodec::Ffv1 ? AV_PIX_FMT_BGR0 : codec == TakeCodec::Raw ? AV_PIX_FMT_BGR24 : AV_PIX_FMT_YUV444P;
-    case PixelFormat::Yuyv: return codec == TakeCodec::Raw ? AV_PIX_FMT_YUYV422 : AV_PIX_FMT_YUV422P;
-    case PixelFormat::Nv12: return codec == TakeCodec::Raw ? AV_PIX_FMT_NV12 : AV_PIX_FMT_YUV420P;
-    case PixelFormat::Mjpeg: break;
+      // Each codec's nearest: FFV1 has no packed 24-bit RGB, Matroska stores raw RGB only as the 24-bit
+      // bitmaps of old, and 4:4:4 keeps the colour edges that keying lives on.
+      return codec == TakeCodec::Ffv1  ? AV_PIX_FMT_BGR0
+             : codec == TakeCodec::Raw ? AV_PIX_FMT_BGR24
+                                       : AV_PIX_FMT_YUV444P;
+    case PixelFormat::Yuyv:
+      return codec == TakeCodec::Raw ? AV_PIX_FMT_YUYV422 : AV_PIX_FMT_YUV422P;
+    case PixelFormat::Nv12:
+      return codec == TakeCodec::Raw ? AV_PIX_FMT_NV12 : AV_PIX_FMT_YUV420P;
+    case PixelFormat::Mjpeg:
+      break;
   }
   return AV_PIX_FMT_NONE;
 }
@@ -25,10 +31,14 @@ AVPixelFormat format_for(TakeCodec codec, PixelFormat format) {
 // libav has second names for full-range YUV; the planes are the same.
 int without_range(int format) {
   switch (format) {
-    case AV_PIX_FMT_YUVJ420P: return AV_PIX_FMT_YUV420P;
-    case AV_PIX_FMT_YUVJ422P: return AV_PIX_FMT_YUV422P;
-    case AV_PIX_FMT_YUVJ444P: return AV_PIX_FMT_YUV444P;
-    default: return format;
+    case AV_PIX_FMT_YUVJ420P:
+      return AV_PIX_FMT_YUV420P;
+    case AV_PIX_FMT_YUVJ422P:
+      return AV_PIX_FMT_YUV422P;
+    case AV_PIX_FMT_YUVJ444P:
+      return AV_PIX_FMT_YUV444P;
+    default:
+      return format;
   }
 }
 
@@ -70,14 +80,16 @@ Result<PicturePacking> PicturePacking::create(TakeCodec codec, PixelFormat forma
   if (packing.pixel_format_ == AV_PIX_FMT_YUV444P) {
     constexpr int kExact = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_FULL_CHR_H_INT | SWS_POINT;
     auto scaler = [&](AVPixelFormat from, AVPixelFormat to) {
-      libav::Owned<SwsContext> made(sws_getContext(width, height, from, width, height, to, kExact, nullptr, nullptr, nullptr));
+      libav::Owned<SwsContext> made(
+          sws_getContext(width, height, from, width, height, to, kExact, nullptr, nullptr, nullptr));
       if (made) libav::set_bt709(made.get(), true, true);
       return made;
     };
     packing.to_yuv_ = scaler(AV_PIX_FMT_RGB24, AV_PIX_FMT_YUV444P);
     packing.to_rgb_ = scaler(AV_PIX_FMT_YUV444P, AV_PIX_FMT_RGB24);
     if (!packing.to_yuv_ || !packing.to_rgb_)
-      return fail(ErrorCode::Unsupported, text("cannot convert ", width, "x", height, " RGB pictures to YUV"));
+      return fail(ErrorCode::Unsupported,
+                  text("cannot convert ", width, "x", height, " RGB pictures to YUV"));
   }
   return packing;
 }
@@ -94,11 +106,17 @@ void PicturePacking::pack(const Frame& frame, AVFrame& picture) const {
   }
   for (int y = 0; y < height; ++y) {
     const std::uint8_t* in = bytes + static_cast<std::size_t>(y) * stride;
-    auto out = [&](int plane, int row) { return picture.data[plane] + static_cast<std::ptrdiff_t>(row) * picture.linesize[plane]; };
+    auto out = [&](int plane, int row) {
+      return picture.data[plane] + static_cast<std::ptrdiff_t>(row) * picture.linesize[plane];
+    };
     switch (layout_.format) {
       case PixelFormat::Gray8:
-      case PixelFormat::BayerRggb8: std::memcpy(out(0, y), in, static_cast<std::size_t>(width)); break;
-      case PixelFormat::Rgb8: rgb_to_bgr(in, width, codec_ == TakeCodec::Ffv1 ? 4 : 3, out(0, y)); break;
+      case PixelFormat::BayerRggb8:
+        std::memcpy(out(0, y), in, static_cast<std::size_t>(width));
+        break;
+      case PixelFormat::Rgb8:
+        rgb_to_bgr(in, width, codec_ == TakeCodec::Ffv1 ? 4 : 3, out(0, y));
+        break;
       case PixelFormat::Yuyv:
         if (codec_ == TakeCodec::Raw) {
           std::memcpy(out(0, y), in, static_cast<std::size_t>(half) * 4);
@@ -125,7 +143,8 @@ void PicturePacking::pack(const Frame& frame, AVFrame& picture) const {
         }
         break;
       }
-      case PixelFormat::Mjpeg: FLOATSTAGE_CHECK(false, "create() refuses Mjpeg");
+      case PixelFormat::Mjpeg:
+        FLOATSTAGE_CHECK(false, "create() refuses Mjpeg");
     }
   }
 }
@@ -152,8 +171,12 @@ bool PicturePacking::unpack(const AVFrame& picture, std::byte* bytes_out) const 
     };
     switch (layout_.format) {
       case PixelFormat::Gray8:
-      case PixelFormat::BayerRggb8: std::memcpy(out, in(0, y), static_cast<std::size_t>(width)); break;
-      case PixelFormat::Rgb8: bgr_to_rgb(in(0, y), width, codec_ == TakeCodec::Ffv1 ? 4 : 3, out); break;
+      case PixelFormat::BayerRggb8:
+        std::memcpy(out, in(0, y), static_cast<std::size_t>(width));
+        break;
+      case PixelFormat::Rgb8:
+        bgr_to_rgb(in(0, y), width, codec_ == TakeCodec::Ffv1 ? 4 : 3, out);
+        break;
       case PixelFormat::Yuyv:
         if (codec_ == TakeCodec::Raw) {
           std::memcpy(out, in(0, y), static_cast<std::size_t>(half) * 4);
@@ -180,7 +203,8 @@ bool PicturePacking::unpack(const AVFrame& picture, std::byte* bytes_out) const 
         }
         break;
       }
-      case PixelFormat::Mjpeg: FLOATSTAGE_CHECK(false, "create() refuses Mjpeg");
+      case PixelFormat::Mjpeg:
+        FLOATSTAGE_CHECK(false, "create() refuses Mjpeg");
     }
   }
   return true;

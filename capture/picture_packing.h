@@ -1,6 +1,7 @@
 #pragma once
 
-// Private to capture/: how a sensor's pixels become a libav picture and come back, bit by bit unless the codec is lossy.
+// Private to capture/: how a sensor's pixels become a libav picture and come back, bit by bit unless the
+// codec is lossy.
 
 #include "capture/libav.h"
 #include "capture/take.h"
@@ -21,7 +22,8 @@ class PicturePacking {
   /// Fills `picture`, which has pixel_format() and this size. The frame's stride may be any.
   void pack(const Frame& frame, AVFrame& picture) const;
 
-  /// The other way, into layout().size_bytes zeroed bytes. False when the picture is not of this format or size.
+  /// The other way, into layout().size_bytes zeroed bytes. False when the picture is not of this format or
+  /// size.
   bool unpack(const AVFrame& picture, std::byte* out) const;
 
  private:

@@ -12,7 +12,8 @@ std::optional<PictureTurn> turn_of(const std::int32_t* m) {
 }
 
 Image turned(const Image& image, const PictureTurn& turn) {
-  const int width = turn.swap_axes ? image.height : image.width, height = turn.swap_axes ? image.width : image.height;
+  const int width = turn.swap_axes ? image.height : image.width,
+            height = turn.swap_axes ? image.width : image.height;
   Image out(width, height, image.channels);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {

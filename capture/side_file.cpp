@@ -1,11 +1,11 @@
 #include "capture/side_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "core/text.h"
 
@@ -22,7 +22,8 @@ Result<SideFileWriter> SideFileWriter::create(const std::filesystem::path& file)
   SideFileWriter made;
   made.file_ = file;
   made.fd_ = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
-  if (made.fd_ < 0) return fail(ErrorCode::Io, text("cannot create ", file.string(), ": ", std::strerror(errno)));
+  if (made.fd_ < 0)
+    return fail(ErrorCode::Io, text("cannot create ", file.string(), ": ", std::strerror(errno)));
   if (Result<void> ok = made.append(frames_csv_header()); !ok) return forward(ok);
   return made;
 }
@@ -34,7 +35,8 @@ Result<void> SideFileWriter::append(const std::string& line) {
     const ssize_t n = ::write(fd_, line.data() + done, line.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0)
-      return fail(ErrorCode::Io, text("cannot write ", file_.string(), ": ", std::strerror(errno), "; the rows before it are safe"));
+      return fail(ErrorCode::Io, text("cannot write ", file_.string(), ": ", std::strerror(errno),
+                                      "; the rows before it are safe"));
     done += static_cast<std::size_t>(n);
   }
   return {};

@@ -7,7 +7,8 @@
 
 namespace floatstage {
 
-/// A <serial>.frames.csv that is being recorded: one whole line a call, handed to the operating system at once.
+/// A <serial>.frames.csv that is being recorded: one whole line a call, handed to the operating system at
+/// once.
 class SideFileWriter {
  public:
   SideFileWriter() = default;

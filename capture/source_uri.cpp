@@ -26,7 +26,8 @@ UriOptions::UriOptions(std::string_view options, std::string uri) : uri_(std::mo
       continue;
     }
     const std::string key(option.substr(0, equals));
-    if (!values_.emplace(key, Value{std::string(option.substr(equals + 1))}).second) note(text("'", key, "' is given twice"));
+    if (!values_.emplace(key, Value{std::string(option.substr(equals + 1))}).second)
+      note(text("'", key, "' is given twice"));
   }
 }
 

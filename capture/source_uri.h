@@ -9,8 +9,8 @@
 
 namespace floatstage {
 
-/// The options of a source's URI, "key=value&key=value", each read once and checked. The first thing that is wrong is
-/// kept; finish() returns it, or that there was a key which nobody asked for.
+/// The options of a source's URI, "key=value&key=value", each read once and checked. The first thing that is
+/// wrong is kept; finish() returns it, or that there was a key which nobody asked for.
 class UriOptions {
  public:
   /// `uri` is for the errors.

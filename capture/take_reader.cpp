@@ -63,40 +63,51 @@ Result<void> FolderReader::read_rig() {
   Result<Rig> rig = parse_rig(*bytes, layout_.rig().string());
   if (!rig) return forward(rig);
   rig_ = std::move(*rig);
-  auto bad = [&](const std::string& what) { return fail(ErrorCode::BadData, text(layout_.rig().string(), ": ", what)); };
+  auto bad = [&](const std::string& what) {
+    return fail(ErrorCode::BadData, text(layout_.rig().string(), ": ", what));
+  };
   for (const TakeManifest::Camera& c : manifest_.cameras) {
     const int index = camera_index(rig_, c.serial);
     if (index < 0) return bad(text("camera '", c.serial, "' of take.json is missing in this rig"));
     const CameraModel& model = rig_.cameras[static_cast<std::size_t>(index)].model;
     if (model.width != c.width || model.height != c.height)
-      return bad(text("camera '", c.serial, "' is ", model.width, "x", model.height, " here but ", c.width, "x", c.height, " in take.json"));
+      return bad(text("camera '", c.serial, "' is ", model.width, "x", model.height, " here but ", c.width,
+                      "x", c.height, " in take.json"));
   }
   for (std::size_t i = 0; i < rig_.cameras.size(); ++i)
     if (i >= manifest_.cameras.size() || manifest_.cameras[i].serial != rig_.cameras[i].serial)
-      return bad(text("camera '", rig_.cameras[i].serial, "' is not number ", i, " of take.json; both must list the same cameras in one order"));
+      return bad(text("camera '", rig_.cameras[i].serial, "' is not number ", i,
+                      " of take.json; both must list the same cameras in one order"));
   if (sha256(*bytes) != manifest_.rig_sha256)
-    return bad("not the file that was recorded (its SHA-256 differs from take.json's); put it back, or import the pictures with the new "
-               "calibration as a new take");
+    return bad(
+        "not the file that was recorded (its SHA-256 differs from take.json's); put it back, or import the "
+        "pictures with the new "
+        "calibration as a new take");
   return {};
 }
 
-// Rows whose pictures are not in the file any more are not played: the side file promises, the media file delivers.
+// Rows whose pictures are not in the file any more are not played: the side file promises, the media file
+// delivers.
 void FolderReader::stop_at_the_cut(const TakeManifest::Camera& camera, CameraPlayback& playback) {
   const std::int64_t there = playback.track->pictures();
   const std::string media = (layout_.folder() / camera.media).string();
-  const auto beyond = std::find_if(playback.rows.begin(), playback.rows.end(),
-                                   [&](const FrameRow& row) { return row.media_index && *row.media_index >= there; });
+  const auto beyond = std::find_if(playback.rows.begin(), playback.rows.end(), [&](const FrameRow& row) {
+    return row.media_index && *row.media_index >= there;
+  });
   if (beyond != playback.rows.end()) {
     const auto row = beyond - playback.rows.begin();
-    warn(text(media, " ends after ", there, " pictures: camera '", camera.serial, "' plays up to row ", row, " of ", playback.rows.size()));
+    warn(text(media, " ends after ", there, " pictures: camera '", camera.serial, "' plays up to row ", row,
+              " of ", playback.rows.size()));
     playback.rows.erase(beyond, playback.rows.end());
     return;
   }
-  const auto last = std::find_if(playback.rows.rbegin(), playback.rows.rend(), [](const FrameRow& row) { return row.media_index.has_value(); });
+  const auto last = std::find_if(playback.rows.rbegin(), playback.rows.rend(),
+                                 [](const FrameRow& row) { return row.media_index.has_value(); });
   const std::int64_t used = last == playback.rows.rend() ? 0 : *last->media_index + 1;
   // A recorder that is killed has often written one picture more than rows.
   if (used < there && (manifest_.complete || there - used > 1))
-    warn(text(media, " has ", there - used, " pictures more than ", layout_.frames_csv(camera.serial).string(),
+    warn(text(media, " has ", there - used, " pictures more than ",
+              layout_.frames_csv(camera.serial).string(),
               "; the side file is the truth, they are not played"));
   else if (playback.track->cut() && manifest_.complete)
     warn(text(media, " is cut after its last picture; all of them are there"));
@@ -105,8 +116,11 @@ void FolderReader::stop_at_the_cut(const TakeManifest::Camera& camera, CameraPla
 Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
   const fs::path side_file = layout_.frames_csv(camera.serial);
   const Result<std::string> csv = read_file(side_file);
-  if (!csv) return fail(csv.error().code, text(csv.error().message, "; without it camera '", camera.serial, "' has no times"));
-  Result<std::vector<FrameRow>> rows = parse_frames_csv(*csv, static_cast<int>(cameras_.size()), side_file.string());
+  if (!csv)
+    return fail(csv.error().code,
+                text(csv.error().message, "; without it camera '", camera.serial, "' has no times"));
+  Result<std::vector<FrameRow>> rows =
+      parse_frames_csv(*csv, static_cast<int>(cameras_.size()), side_file.string());
   if (!rows) return forward(rows);
   CameraPlayback playback;
   playback.rows = std::move(*rows);
@@ -118,7 +132,8 @@ Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
       continue;
     }
     if (*row.media_index <= last)
-      return fail(ErrorCode::BadData, text(side_file.string(), ": row ", i, ": media index ", *row.media_index, " does not follow ", last));
+      return fail(ErrorCode::BadData, text(side_file.string(), ": row ", i, ": media index ",
+                                           *row.media_index, " does not follow ", last));
     last = *row.media_index;
   }
   if (last >= 0) {
@@ -143,14 +158,16 @@ Result<void> FolderReader::open() {
   if (Result<void> ok = read_rig(); !ok) return ok;
   for (const TakeManifest::Camera& camera : manifest_.cameras)
     if (Result<void> ok = read_camera(camera); !ok) return ok;
-  if (!manifest_.complete) warn(text(layout_.folder().string(), ": the recording was cut off; it plays up to the cut"));
+  if (!manifest_.complete)
+    warn(text(layout_.folder().string(), ": the recording was cut off; it plays up to the cut"));
   return {};
 }
 
 Result<Frame> FolderReader::frame(int camera, int index) {
   if (camera < 0 || camera >= static_cast<int>(cameras_.size()) || index < 0 || index >= frame_count_)
-    return fail(ErrorCode::InvalidArgument, text(layout_.folder().string(), " has no frame ", index, " of camera ", camera, ": it has ",
-                                                 frame_count_, " frames of ", cameras_.size(), " cameras"));
+    return fail(ErrorCode::InvalidArgument,
+                text(layout_.folder().string(), " has no frame ", index, " of camera ", camera, ": it has ",
+                     frame_count_, " frames of ", cameras_.size(), " cameras"));
   const CameraPlayback& playback = cameras_[static_cast<std::size_t>(camera)];
   Frame frame;
   if (index >= static_cast<int>(playback.rows.size())) {
@@ -170,7 +187,8 @@ Result<Frame> FolderReader::frame(int camera, int index) {
   if (pixels.error().code != ErrorCode::BadData) return forward(pixels);
   frame.info.status = FrameStatus::Corrupt;
   const std::lock_guard lock(reported_mutex_);
-  if (reported_.emplace(camera, index).second) log::warning(text(pixels.error().message, ": frame ", index, " is left out"));
+  if (reported_.emplace(camera, index).second)
+    log::warning(text(pixels.error().message, ": frame ", index, " is left out"));
   return frame;
 }
 

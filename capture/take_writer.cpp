@@ -52,7 +52,8 @@ class FolderWriter final : public TakeWriter {
 
  private:
   Unexpected refuse(int camera, const std::string& why) const {
-    return fail(ErrorCode::InvalidArgument, text("camera '", rig_.cameras[static_cast<std::size_t>(camera)].serial, "': ", why));
+    return fail(ErrorCode::InvalidArgument,
+                text("camera '", rig_.cameras[static_cast<std::size_t>(camera)].serial, "': ", why));
   }
   Result<void> check_frame(const Frame& frame, const CameraRecording& camera) const;
   Result<void> begin_track(int index, CameraRecording& camera, const ImageLayout& layout);
@@ -85,8 +86,8 @@ Result<void> FolderWriter::start() {
     if (!side_file) return forward(side_file);
     cameras_.emplace_back(std::move(*side_file));
     // The format is corrected when the first picture says otherwise.
-    manifest_.cameras.push_back(
-        {c.serial, c.serial + ".mkv", name_of(options_.codec), PixelFormat::Rgb8, c.model.width, c.model.height});
+    manifest_.cameras.push_back({c.serial, c.serial + ".mkv", name_of(options_.codec), PixelFormat::Rgb8,
+                                 c.model.width, c.model.height});
   }
   return write_manifest();
 }
@@ -104,18 +105,23 @@ Result<void> FolderWriter::check_frame(const Frame& frame, const CameraRecording
   const CameraModel& model = rig_.cameras[static_cast<std::size_t>(index)].model;
   if (frame.info.status == FrameStatus::Lost) return refuse(index, "a lost frame has pixels");
   if (l.width != model.width || l.height != model.height)
-    return refuse(index, text("a picture of ", l.width, "x", l.height, ", but the rig says ", model.width, "x", model.height));
+    return refuse(index, text("a picture of ", l.width, "x", l.height, ", but the rig says ", model.width,
+                              "x", model.height));
   if (camera.track && l.format != camera.format)
-    return refuse(index, text("a picture in ", name_of(l.format), " after pictures in ", name_of(camera.format)));
+    return refuse(index,
+                  text("a picture in ", name_of(l.format), " after pictures in ", name_of(camera.format)));
   if (l.format == PixelFormat::Mjpeg)
-    return fail(ErrorCode::Unsupported, text("camera '", rig_.cameras[static_cast<std::size_t>(index)].serial,
-                                             "': a take stores uncompressed pictures, not MJPEG; let the capture source decode them"));
+    return fail(
+        ErrorCode::Unsupported,
+        text("camera '", rig_.cameras[static_cast<std::size_t>(index)].serial,
+             "': a take stores uncompressed pictures, not MJPEG; let the capture source decode them"));
   const ImageLayout packed = packed_layout(l.format, l.width, l.height);
   const std::size_t rows = packed.size_bytes / packed.stride;
   // The last row may end with its pixels, without the padding of the others.
   if (l.stride < packed.stride || l.size_bytes < l.stride * (rows - 1) + packed.stride)
-    return refuse(index, text("a buffer of ", l.size_bytes, " bytes with ", l.stride, " a row is too short for ", l.width, "x",
-                              l.height, " pixels in ", name_of(l.format)));
+    return refuse(index,
+                  text("a buffer of ", l.size_bytes, " bytes with ", l.stride, " a row is too short for ",
+                       l.width, "x", l.height, " pixels in ", name_of(l.format)));
   return {};
 }
 
@@ -129,8 +135,9 @@ Result<void> FolderWriter::begin_track(int index, CameraRecording& camera, const
       if (Result<void> ok = write_manifest(); !ok) return ok;
     }
   }
-  Result<std::unique_ptr<TrackWriter>> track = TrackWriter::create(
-      layout_.folder() / (rig_camera.serial + ".mkv"), rig_camera.serial, options_.codec, layout, options_.frame_rate);
+  Result<std::unique_ptr<TrackWriter>> track =
+      TrackWriter::create(layout_.folder() / (rig_camera.serial + ".mkv"), rig_camera.serial, options_.codec,
+                          layout, options_.frame_rate);
   if (!track) return forward(track);
   camera.track = std::move(*track);
   camera.format = layout.format;
@@ -173,7 +180,8 @@ Result<void> FolderWriter::write_row(const Frame& frame, CameraRecording& camera
 Result<void> FolderWriter::write(const Frame& frame) {
   const int index = frame.info.camera;
   if (index < 0 || index >= static_cast<int>(cameras_.size()))
-    return fail(ErrorCode::InvalidArgument, text("frame of camera ", index, ", but the take has ", cameras_.size(), " cameras"));
+    return fail(ErrorCode::InvalidArgument,
+                text("frame of camera ", index, ", but the take has ", cameras_.size(), " cameras"));
   if (finished_) return refuse(index, "this take is finished; record a new one");
   CameraRecording& camera = cameras_[static_cast<std::size_t>(index)];
   if (camera.failure) return Unexpected{*camera.failure};
@@ -186,7 +194,9 @@ Result<void> FolderWriter::write(const Frame& frame) {
 }
 
 Result<void> FolderWriter::finish() {
-  if (finished_) return fail(ErrorCode::InvalidArgument, text("the take ", layout_.folder().string(), " is finished already"));
+  if (finished_)
+    return fail(ErrorCode::InvalidArgument,
+                text("the take ", layout_.folder().string(), " is finished already"));
   finished_ = true;
   std::optional<Error> failure;
   for (CameraRecording& camera : cameras_) {
@@ -204,10 +214,15 @@ Result<void> FolderWriter::finish() {
 Result<void> claim_folder(const fs::path& folder, bool& made) {
   std::error_code error;
   made = fs::create_directories(folder, error);
-  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
+  if (error)
+    return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
   const bool empty = fs::is_empty(folder, error);
-  if (error) return fail(ErrorCode::Io, text("cannot read the folder ", folder.string(), ": ", error.message()));
-  if (!empty) return fail(ErrorCode::AlreadyExists, text(folder.string(), " is not empty; a take needs a new folder, nothing is ever overwritten"));
+  if (error)
+    return fail(ErrorCode::Io, text("cannot read the folder ", folder.string(), ": ", error.message()));
+  if (!empty)
+    return fail(
+        ErrorCode::AlreadyExists,
+        text(folder.string(), " is not empty; a take needs a new folder, nothing is ever overwritten"));
   return {};
 }
 
@@ -217,16 +232,20 @@ void undo(const fs::path& folder, bool made) {
     fs::remove_all(folder, ignored);
     return;
   }
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) fs::remove_all(entry.path(), ignored);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    fs::remove_all(entry.path(), ignored);
 }
 
 }  // namespace
 
 Result<std::unique_ptr<TakeWriter>> TakeWriter::create(const std::filesystem::path& folder, const Rig& rig,
                                                        const TakeWriterOptions& options) {
-  if (Result<void> ok = check(rig); !ok) return fail(ErrorCode::InvalidArgument, text("cannot record ", folder.string(), ": ", ok.error().message));
+  if (Result<void> ok = check(rig); !ok)
+    return fail(ErrorCode::InvalidArgument,
+                text("cannot record ", folder.string(), ": ", ok.error().message));
   if (!(options.frame_rate >= 0 && options.frame_rate <= 1'000'000))
-    return fail(ErrorCode::InvalidArgument, text("cannot record ", folder.string(), ": ", options.frame_rate, " frames per second"));
+    return fail(ErrorCode::InvalidArgument,
+                text("cannot record ", folder.string(), ": ", options.frame_rate, " frames per second"));
   bool made = false;
   if (Result<void> ok = claim_folder(folder, made); !ok) return forward(ok);
   auto writer = std::make_unique<FolderWriter>(folder, rig, options);

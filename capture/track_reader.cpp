@@ -4,12 +4,12 @@ extern "C" {
 #include <libavutil/imgutils.h>
 }
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <mutex>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "capture/ffv1_check.h"
 #include "capture/libav.h"
@@ -24,7 +24,8 @@ namespace {
 class FileDescriptor {
  public:
   FileDescriptor() = default;
-  explicit FileDescriptor(const std::filesystem::path& file) : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
+  explicit FileDescriptor(const std::filesystem::path& file)
+      : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
   FileDescriptor(const FileDescriptor&) = delete;
   FileDescriptor& operator=(const FileDescriptor&) = delete;
   ~FileDescriptor() {
@@ -38,14 +39,18 @@ class FileDescriptor {
 
 AVCodecID codec_id(TakeCodec codec) {
   switch (codec) {
-    case TakeCodec::Ffv1: return AV_CODEC_ID_FFV1;
-    case TakeCodec::Raw: return AV_CODEC_ID_RAWVIDEO;
-    case TakeCodec::H264: return AV_CODEC_ID_H264;
+    case TakeCodec::Ffv1:
+      return AV_CODEC_ID_FFV1;
+    case TakeCodec::Raw:
+      return AV_CODEC_ID_RAWVIDEO;
+    case TakeCodec::H264:
+      return AV_CODEC_ID_H264;
   }
   return AV_CODEC_ID_NONE;
 }
 
-/// libav reads the header (what is the codec, and its private data); we find and fetch the pictures ourselves.
+/// libav reads the header (what is the codec, and its private data); we find and fetch the pictures
+/// ourselves.
 class MatroskaTrack final : public TrackReader {
  public:
   MatroskaTrack(const std::filesystem::path& file, TakeCodec codec, PicturePacking packing)
@@ -87,25 +92,32 @@ Result<void> MatroskaTrack::read_header(const TakeManifest::Camera& camera) {
   libav::Options options;
   options.set("protocol_whitelist", "file");
   const AVInputFormat* matroska = av_find_input_format("matroska");
-  if (const int error = avformat_open_input(&opened, libav::file_url(name_).c_str(), matroska, options.get()); error < 0)
-    return bad(text("the header is not that of a Matroska file (", libav::reason(error), "); the file is cut, damaged, or not of this take"));
+  if (const int error = avformat_open_input(&opened, libav::file_url(name_).c_str(), matroska, options.get());
+      error < 0)
+    return bad(text("the header is not that of a Matroska file (", libav::reason(error),
+                    "); the file is cut, damaged, or not of this take"));
   const libav::Format format(opened);
   const AVDictionaryEntry* title = av_dict_get(format->metadata, "title", nullptr, 0);
   if (title && camera.serial != title->value)
-    return bad(text("this file was recorded by camera '", title->value, "', not '", camera.serial, "'; were the files renamed?"));
-  if (format->nb_streams < 1 || format->streams[0]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO) return bad("no video track");
+    return bad(text("this file was recorded by camera '", title->value, "', not '", camera.serial,
+                    "'; were the files renamed?"));
+  if (format->nb_streams < 1 || format->streams[0]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO)
+    return bad("no video track");
   const AVCodecParameters& track = *format->streams[0]->codecpar;
   if (track.codec_id != codec_id(codec_))
     return bad(text("coded as ", avcodec_get_name(track.codec_id), ", but take.json says ", camera.codec));
   if (track.width != camera.width || track.height != camera.height)
-    return bad(text("pictures of ", track.width, "x", track.height, ", but take.json says ", camera.width, "x", camera.height));
+    return bad(text("pictures of ", track.width, "x", track.height, ", but take.json says ", camera.width,
+                    "x", camera.height));
   if (codec_ == TakeCodec::Raw) return {};
 
   const AVCodec* found = avcodec_find_decoder(track.codec_id);
-  if (!found) return fail(ErrorCode::Unsupported, text(name_, ": this libavcodec has no ", camera.codec, " decoder"));
+  if (!found)
+    return fail(ErrorCode::Unsupported, text(name_, ": this libavcodec has no ", camera.codec, " decoder"));
   decoder_.reset(avcodec_alloc_context3(found));
   FLOATSTAGE_CHECK(decoder_ != nullptr, "out of memory");
-  if (avcodec_parameters_to_context(decoder_.get(), &track) < 0) return bad("the codec's private data make no sense");
+  if (avcodec_parameters_to_context(decoder_.get(), &track) < 0)
+    return bad("the codec's private data make no sense");
   decoder_->thread_count = 1;  // cameras are decoded side by side instead
   decoder_->flags |= AV_CODEC_FLAG_LOW_DELAY;
   decoder_->max_pixels = std::int64_t{camera.width + 64} * (camera.height + 64);
@@ -117,7 +129,9 @@ Result<void> MatroskaTrack::read_header(const TakeManifest::Camera& camera) {
 Result<void> MatroskaTrack::open(const TakeManifest::Camera& camera) {
   if (file_.get() < 0) {
     const int error = errno;
-    if (error == ENOENT) return fail(ErrorCode::NotFound, text(name_, " is missing: camera '", camera.serial, "' has rows with pictures; put the file back under this name"));
+    if (error == ENOENT)
+      return fail(ErrorCode::NotFound, text(name_, " is missing: camera '", camera.serial,
+                                            "' has rows with pictures; put the file back under this name"));
     return fail(ErrorCode::Io, text("cannot open ", name_, ": ", std::strerror(error)));
   }
   if (Result<void> ok = read_header(camera); !ok) return ok;
@@ -133,7 +147,8 @@ Result<void> MatroskaTrack::fetch(std::int64_t index) {
   if (where.size <= 0 || where.size > INT32_MAX / 2) return damaged(index, "empty");
   FLOATSTAGE_CHECK(av_new_packet(packet_.get(), static_cast<int>(where.size)) == 0, "out of memory");
   for (std::int64_t done = 0; done < where.size;) {
-    const ssize_t n = ::pread(file_.get(), packet_->data + done, static_cast<std::size_t>(where.size - done), where.offset + done);
+    const ssize_t n = ::pread(file_.get(), packet_->data + done, static_cast<std::size_t>(where.size - done),
+                              where.offset + done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return fail(ErrorCode::Io, text("cannot read ", name_, ": ", std::strerror(errno)));
     if (n == 0) return damaged(index, "the file became shorter while it was open");
@@ -154,7 +169,8 @@ Result<void> MatroskaTrack::decode_one(std::int64_t index, bool is_wanted) {
     decoded_->format = packing_.pixel_format();
     decoded_->width = l.width;
     decoded_->height = l.height;
-    av_image_fill_arrays(decoded_->data, decoded_->linesize, packet_->data, packing_.pixel_format(), l.width, l.height, 1);
+    av_image_fill_arrays(decoded_->data, decoded_->linesize, packet_->data, packing_.pixel_format(), l.width,
+                         l.height, 1);
     return {};
   }
   if (codec_ == TakeCodec::Ffv1 && !ffv1_intact({packet_->data, static_cast<std::size_t>(packet_->size)}))
@@ -162,7 +178,8 @@ Result<void> MatroskaTrack::decode_one(std::int64_t index, bool is_wanted) {
   int error = avcodec_send_packet(decoder_.get(), packet_.get());
   if (error >= 0) error = avcodec_receive_frame(decoder_.get(), decoded_.get());
   if (error < 0) return damaged(index, libav::reason(error));
-  if (decoded_->decode_error_flags != 0 || (decoded_->flags & AV_FRAME_FLAG_CORRUPT) != 0) return damaged(index, "the decoder had to guess");
+  if (decoded_->decode_error_flags != 0 || (decoded_->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+    return damaged(index, "the decoder had to guess");
   if (is_wanted && decoded_->pts != index) return damaged(index, "the decoder returned another picture");
   return {};
 }
@@ -202,10 +219,12 @@ Result<std::shared_ptr<const std::byte[]>> MatroskaTrack::picture(std::int64_t i
 
 }  // namespace
 
-Result<std::unique_ptr<TrackReader>> TrackReader::open(const std::filesystem::path& file, const TakeManifest::Camera& camera) {
+Result<std::unique_ptr<TrackReader>> TrackReader::open(const std::filesystem::path& file,
+                                                       const TakeManifest::Camera& camera) {
   libav::be_quiet();
   const std::optional<TakeCodec> codec = take_codec_named(camera.codec);
-  if (!codec) return fail(ErrorCode::Unsupported, text(file.string(), ": unknown codec '", camera.codec, "'"));
+  if (!codec)
+    return fail(ErrorCode::Unsupported, text(file.string(), ": unknown codec '", camera.codec, "'"));
   if (camera.width <= 0 || camera.height <= 0)
     return fail(ErrorCode::BadData, text(file.string(), ": take.json gives its pictures no size"));
   Result<PicturePacking> packing = PicturePacking::create(*codec, camera.format, camera.width, camera.height);

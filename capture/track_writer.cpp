@@ -15,25 +15,29 @@ extern "C" {
 namespace floatstage {
 namespace {
 
-// Slices let one picture be coded by several cores; their number is fixed so that the bytes do not depend on the machine.
+// Slices let one picture be coded by several cores; their number is fixed so that the bytes do not depend on
+// the machine.
 constexpr int kSlices = 4;
 
-/// Turns pictures into packets: one in, one out, so that nothing waits inside an encoder when the program is killed.
+/// Turns pictures into packets: one in, one out, so that nothing waits inside an encoder when the program is
+/// killed.
 class PictureCoder {
  public:
-  Result<void> open(TakeCodec codec, const PicturePacking& packing, AVRational time_base, AVRational frame_rate);
+  Result<void> open(TakeCodec codec, const PicturePacking& packing, AVRational time_base,
+                    AVRational frame_rate);
   Result<void> code(const AVFrame& picture, AVPacket& packet);
   void describe(AVCodecParameters& stream) const;
 
  private:
-  int open_encoder(const AVCodec& codec, TakeCodec kind, const PicturePacking& packing, AVRational time_base, AVRational frame_rate,
-                   int slices);
+  int open_encoder(const AVCodec& codec, TakeCodec kind, const PicturePacking& packing, AVRational time_base,
+                   AVRational frame_rate, int slices);
   libav::Owned<AVCodecContext> encoder_;  // none for raw pictures
   AVPixelFormat raw_format_ = AV_PIX_FMT_NONE;
   int width_ = 0, height_ = 0;
 };
 
-Result<void> PictureCoder::open(TakeCodec codec, const PicturePacking& packing, AVRational time_base, AVRational frame_rate) {
+Result<void> PictureCoder::open(TakeCodec codec, const PicturePacking& packing, AVRational time_base,
+                                AVRational frame_rate) {
   width_ = packing.layout().width;
   height_ = packing.layout().height;
   if (codec == TakeCodec::Raw) {
@@ -41,20 +45,25 @@ Result<void> PictureCoder::open(TakeCodec codec, const PicturePacking& packing, 
     return {};
   }
   const bool ffv1 = codec == TakeCodec::Ffv1;
-  const AVCodec* found = ffv1 ? avcodec_find_encoder(AV_CODEC_ID_FFV1) : avcodec_find_encoder_by_name("libx264");
-  if (!found) return fail(ErrorCode::Unsupported, text("this libavcodec has no ", ffv1 ? "FFV1" : "libx264", " encoder"));
+  const AVCodec* found =
+      ffv1 ? avcodec_find_encoder(AV_CODEC_ID_FFV1) : avcodec_find_encoder_by_name("libx264");
+  if (!found)
+    return fail(ErrorCode::Unsupported,
+                text("this libavcodec has no ", ffv1 ? "FFV1" : "libx264", " encoder"));
   int error = open_encoder(*found, codec, packing, time_base, frame_rate, kSlices);
   // libav cannot cut some small or odd-sized pictures with shared chroma into four.
-  if (error < 0 && codec == TakeCodec::Ffv1) error = open_encoder(*found, codec, packing, time_base, frame_rate, 1);
+  if (error < 0 && codec == TakeCodec::Ffv1)
+    error = open_encoder(*found, codec, packing, time_base, frame_rate, 1);
   if (error < 0)
     return fail(ErrorCode::Unsupported,
-                text("the ", ffv1 ? "FFV1" : "H.264", " encoder refuses ", width_, "x", height_, " ", name_of(packing.layout().format),
-                     " pictures (", libav::reason(error), "); ", ffv1 ? "record them raw" : "it wants even sizes: record as FFV1 or raw"));
+                text("the ", ffv1 ? "FFV1" : "H.264", " encoder refuses ", width_, "x", height_, " ",
+                     name_of(packing.layout().format), " pictures (", libav::reason(error), "); ",
+                     ffv1 ? "record them raw" : "it wants even sizes: record as FFV1 or raw"));
   return {};
 }
 
-int PictureCoder::open_encoder(const AVCodec& codec, TakeCodec kind, const PicturePacking& packing, AVRational time_base,
-                               AVRational frame_rate, int slices) {
+int PictureCoder::open_encoder(const AVCodec& codec, TakeCodec kind, const PicturePacking& packing,
+                               AVRational time_base, AVRational frame_rate, int slices) {
   encoder_.reset(avcodec_alloc_context3(&codec));
   FLOATSTAGE_CHECK(encoder_ != nullptr, "out of memory");
   encoder_->width = width_;
@@ -65,8 +74,8 @@ int PictureCoder::open_encoder(const AVCodec& codec, TakeCodec kind, const Pictu
   encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
   libav::Options options;
   if (kind == TakeCodec::Ffv1) {
-    // Version 3 with a checksum a slice; every picture a key picture. Golomb-Rice codes with the small context are
-    // twice as fast as the range coder for 2-5 % more bytes (docs/adr/0020).
+    // Version 3 with a checksum a slice; every picture a key picture. Golomb-Rice codes with the small
+    // context are twice as fast as the range coder for 2-5 % more bytes (docs/adr/0020).
     encoder_->level = 3;
     encoder_->gop_size = 1;
     encoder_->slices = slices;
@@ -91,7 +100,8 @@ Result<void> PictureCoder::code(const AVFrame& picture, AVPacket& packet) {
   if (!encoder_) {
     const int size = av_image_get_buffer_size(raw_format_, width_, height_, 1);
     FLOATSTAGE_CHECK(size > 0 && av_new_packet(&packet, size) == 0, "out of memory");
-    av_image_copy_to_buffer(packet.data, size, picture.data, picture.linesize, raw_format_, width_, height_, 1);
+    av_image_copy_to_buffer(packet.data, size, picture.data, picture.linesize, raw_format_, width_, height_,
+                            1);
     packet.flags |= AV_PKT_FLAG_KEY;
     return {};
   }
@@ -126,7 +136,8 @@ class MatroskaTrack final : public TrackWriter {
 
  private:
   Unexpected io_failure(int error) const {
-    return fail(ErrorCode::Io, text("cannot write ", file_.string(), ": ", libav::reason(error), "; the pictures before it are safe"));
+    return fail(ErrorCode::Io, text("cannot write ", file_.string(), ": ", libav::reason(error),
+                                    "; the pictures before it are safe"));
   }
 
   const std::filesystem::path file_;
@@ -155,7 +166,8 @@ Result<void> MatroskaTrack::open(const std::string& serial, double frame_rate) {
 
   AVFormatContext* made = nullptr;
   const std::string url = libav::file_url(file_);
-  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, "matroska", url.c_str()) >= 0, "libavformat without Matroska");
+  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, "matroska", url.c_str()) >= 0,
+                   "libavformat without Matroska");
   muxer_.reset(made);
   muxer_->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers: the same pictures make the same bytes
   stream_ = avformat_new_stream(muxer_.get(), nullptr);
@@ -165,11 +177,13 @@ Result<void> MatroskaTrack::open(const std::string& serial, double frame_rate) {
   stream_->avg_frame_rate = rate;
   av_dict_set(&muxer_->metadata, "title", serial.c_str(), 0);  // tells a renamed file's camera
 
-  if (const int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0) return io_failure(error);
+  if (const int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0)
+    return io_failure(error);
   // FFV1 has its own checksums, and a second pass over raw pictures costs more than writing them.
   libav::Options options;
   options.set("allow_raw_vfw", "1").set("write_crc32", "0");
-  if (const int error = avformat_write_header(muxer_.get(), options.get()); error < 0) return io_failure(error);
+  if (const int error = avformat_write_header(muxer_.get(), options.get()); error < 0)
+    return io_failure(error);
   avio_flush(muxer_->pb);
   if (muxer_->pb->error < 0) return io_failure(muxer_->pb->error);
   return {};
@@ -179,7 +193,8 @@ Result<void> MatroskaTrack::write(const Frame& frame) {
   FLOATSTAGE_CHECK(av_frame_make_writable(picture_.get()) >= 0, "out of memory");
   packing_.pack(frame, *picture_);
   picture_->pts = pictures_;
-  if (Result<void> ok = coder_.code(*picture_, *packet_); !ok) return fail(ok.error().code, text(file_.string(), ": ", ok.error().message));
+  if (Result<void> ok = coder_.code(*picture_, *packet_); !ok)
+    return fail(ok.error().code, text(file_.string(), ": ", ok.error().message));
   // Container times are for players only; Matroska counts milliseconds and wants them to grow.
   last_time_ = std::max(last_time_ + 1, av_rescale_q(pictures_, tick_, stream_->time_base));
   packet_->pts = packet_->dts = last_time_;
@@ -206,13 +221,15 @@ Result<void> MatroskaTrack::finish() {
 
 }  // namespace
 
-Result<std::unique_ptr<TrackWriter>> TrackWriter::create(const std::filesystem::path& file, const std::string& serial, TakeCodec codec,
+Result<std::unique_ptr<TrackWriter>> TrackWriter::create(const std::filesystem::path& file,
+                                                         const std::string& serial, TakeCodec codec,
                                                          const ImageLayout& layout, double frame_rate) {
   libav::be_quiet();
   Result<PicturePacking> packing = PicturePacking::create(codec, layout.format, layout.width, layout.height);
   if (!packing) return fail(packing.error().code, text("camera '", serial, "': ", packing.error().message));
   auto track = std::make_unique<MatroskaTrack>(file, codec, std::move(*packing));
-  if (Result<void> ok = track->open(serial, frame_rate); !ok) return fail(ok.error().code, text("camera '", serial, "': ", ok.error().message));
+  if (Result<void> ok = track->open(serial, frame_rate); !ok)
+    return fail(ok.error().code, text("camera '", serial, "': ", ok.error().message));
   return {std::move(track)};
 }
 

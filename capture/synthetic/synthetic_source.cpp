@@ -34,7 +34,9 @@ class SyntheticSource final : public FrameSource {
 };
 
 Result<StreamInfo> SyntheticSource::start() {
-  if (studio_) return fail(ErrorCode::InvalidArgument, text("synthetic camera ", options_.camera, " is started already; stop it first"));
+  if (studio_)
+    return fail(ErrorCode::InvalidArgument,
+                text("synthetic camera ", options_.camera, " is started already; stop it first"));
   Result<SyntheticStudio> studio = SyntheticStudio::create(synthetic_rig(options_.rig), options_.studio);
   if (!studio) return forward(studio);
   studio_ = std::make_unique<SyntheticStudio>(std::move(*studio));
@@ -49,7 +51,9 @@ Result<StreamInfo> SyntheticSource::start() {
 }
 
 Result<Frame> SyntheticSource::next(Nanoseconds) {
-  if (!studio_) return fail(ErrorCode::InvalidArgument, text("synthetic camera ", options_.camera, " is not started; start it first"));
+  if (!studio_)
+    return fail(ErrorCode::InvalidArgument,
+                text("synthetic camera ", options_.camera, " is not started; start it first"));
   const int end = options_.frames > 0 ? options_.frames : INT_MAX;
   while (next_ < end) {
     Frame frame = studio_->shoot(options_.camera, next_++).frame;
@@ -60,7 +64,8 @@ Result<Frame> SyntheticSource::next(Nanoseconds) {
     meter_.count_delivered(frame);
     return frame;
   }
-  return fail(ErrorCode::EndOfStream, text("synthetic camera ", options_.camera, ": its ", end, " frames are over"));
+  return fail(ErrorCode::EndOfStream,
+              text("synthetic camera ", options_.camera, ": its ", end, " frames are over"));
 }
 
 }  // namespace
@@ -83,7 +88,8 @@ Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, 
   const std::string shape = given.word("shape", "ring");
   if (Result<void> ok = given.finish(kSyntheticUsage); !ok) return forward(ok);
   if (shape != "ring" && shape != "dome")
-    return fail(ErrorCode::InvalidArgument, text("source '", uri, "': shape=", shape, " is neither ring nor dome"));
+    return fail(ErrorCode::InvalidArgument,
+                text("source '", uri, "': shape=", shape, " is neither ring nor dome"));
   o.rig.shape = shape == "dome" ? RigShape::QuarterDome : RigShape::Ring;
   return {std::make_unique<SyntheticSource>(std::move(o))};
 }

@@ -1,10 +1,10 @@
 // How fast one camera's pictures go to disk and come back: MB/s of RGB, and how small they become.
 
-#include <benchmark/benchmark.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+
+#include <benchmark/benchmark.h>
 
 #include "capture/take.h"
 #include "core/synthetic/synthetic_studio.h"
@@ -47,7 +47,8 @@ void record(const std::filesystem::path& folder, const Rig& rig, TakeCodec codec
 
 void report(benchmark::State& state, const Rig& rig, double frames) {
   const double bytes = 3.0 * rig.cameras[0].model.width * rig.cameras[0].model.height;
-  state.counters["MB/s"] = benchmark::Counter(bytes * frames / 1e6, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["MB/s"] =
+      benchmark::Counter(bytes * frames / 1e6, benchmark::Counter::kIsIterationInvariantRate);
   state.counters["fps"] = benchmark::Counter(frames, benchmark::Counter::kIsIterationInvariantRate);
 }
 
@@ -59,11 +60,13 @@ void write_take(benchmark::State& state) {
     const TempFolder folder;
     record(folder / "take", rig, static_cast<TakeCodec>(state.range(0)));
     state.PauseTiming();
-    media = static_cast<double>(std::filesystem::file_size(folder / "take" / (rig.cameras[0].serial + ".mkv")));
+    media =
+        static_cast<double>(std::filesystem::file_size(folder / "take" / (rig.cameras[0].serial + ".mkv")));
     state.ResumeTiming();
   }
   report(state, rig, kFrames);
-  state.counters["of raw"] = media / (3.0 * kFrames * rig.cameras[0].model.width * rig.cameras[0].model.height);
+  state.counters["of raw"] =
+      media / (3.0 * kFrames * rig.cameras[0].model.width * rig.cameras[0].model.height);
 }
 
 void read_take(benchmark::State& state) {
@@ -82,7 +85,8 @@ void seek_take(benchmark::State& state) {
   record(folder / "take", rig, static_cast<TakeCodec>(state.range(0)));
   auto reader = TakeReader::open(folder / "take").value();
   for (auto _ : state)
-    for (int k = 0; k < kFrames; ++k) benchmark::DoNotOptimize(reader->frame(0, (k * 11 + 5) % kFrames).value());
+    for (int k = 0; k < kFrames; ++k)
+      benchmark::DoNotOptimize(reader->frame(0, (k * 11 + 5) % kFrames).value());
   report(state, rig, kFrames);
 }
 

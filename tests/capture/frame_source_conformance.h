@@ -1,13 +1,13 @@
 #pragma once
 
-// What every camera must do, whatever it is: a new kind of source adds one line to frame_source_conformance_test.cpp.
-// Include once in a program.
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+// What every camera must do, whatever it is: a new kind of source adds one line to
+// frame_source_conformance_test.cpp. Include once in a program.
 
 #include <functional>
 #include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "capture/frame_source.h"
 #include "tests/support/matchers.h"
@@ -122,7 +122,8 @@ TEST_P(FrameSourceConformance, CountsWhatItDeliversAndLoses) {
   EXPECT_EQ(frames.size(), GetParam().delivered);
   EXPECT_EQ(stats.delivered, GetParam().delivered);
   EXPECT_EQ(stats.lost, GetParam().lost);
-  EXPECT_EQ(stats.corrupt, static_cast<std::uint64_t>(std::count_if(frames.begin(), frames.end(), [](const Frame& f) {
+  EXPECT_EQ(stats.corrupt,
+            static_cast<std::uint64_t>(std::count_if(frames.begin(), frames.end(), [](const Frame& f) {
               return f.info.status == FrameStatus::Corrupt;
             })));
 }

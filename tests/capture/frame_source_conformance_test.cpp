@@ -23,13 +23,20 @@ using Step = FakeStep;
 INSTANTIATE_TEST_SUITE_P(
     AllSources, FrameSourceConformance,
     testing::Values(
-        SourceUnderTest{"replay_ffv1", [](const TempFolder& folder) { return replayed(folder, TakeCodec::Ffv1); }, 7, 1},
-        SourceUnderTest{"replay_h264", [](const TempFolder& folder) { return replayed(folder, TakeCodec::H264); }, 7, 1},
-        SourceUnderTest{"synthetic", [](const TempFolder&) { return opened("synthetic:camera=2&cameras=3&width=24&height=18&samples=1&frames=2"); }, 2, 0},
+        SourceUnderTest{"replay_ffv1",
+                        [](const TempFolder& folder) { return replayed(folder, TakeCodec::Ffv1); }, 7, 1},
+        SourceUnderTest{"replay_h264",
+                        [](const TempFolder& folder) { return replayed(folder, TakeCodec::H264); }, 7, 1},
+        SourceUnderTest{"synthetic",
+                        [](const TempFolder&) {
+                          return opened("synthetic:camera=2&cameras=3&width=24&height=18&samples=1&frames=2");
+                        },
+                        2, 0},
         SourceUnderTest{"fake",
                         [](const TempFolder&) -> std::unique_ptr<FrameSource> {
-                          return std::make_unique<FakeSource>(std::vector<FakeStep>{Step::Warmup, Step::Deliver, Step::Timeout, Step::Gap,
-                                                                                    Step::Starve, Step::Corrupt, Step::Deliver});
+                          return std::make_unique<FakeSource>(
+                              std::vector<FakeStep>{Step::Warmup, Step::Deliver, Step::Timeout, Step::Gap,
+                                                    Step::Starve, Step::Corrupt, Step::Deliver});
                         },
                         5, 2}),
     [](const auto& tested) { return tested.param.name; });

@@ -22,15 +22,19 @@ std::string bytes(std::initializer_list<int> values) {
 }
 
 std::string element(const std::string& id, const std::string& content) {
-  return id + bytes({0x40 | static_cast<int>(content.size() >> 8), static_cast<int>(content.size() & 0xFF)}) + content;
+  return id + bytes({0x40 | static_cast<int>(content.size() >> 8), static_cast<int>(content.size() & 0xFF)}) +
+         content;
 }
 
-const std::string kEbml = bytes({0x1A, 0x45, 0xDF, 0xA3}), kSegment = bytes({0x18, 0x53, 0x80, 0x67}), kCluster = bytes({0x1F, 0x43, 0xB6, 0x75}),
-                  kSimpleBlock = bytes({0xA3}), kBlockGroup = bytes({0xA0}), kBlock = bytes({0xA1}), kReference = bytes({0xFB}),
+const std::string kEbml = bytes({0x1A, 0x45, 0xDF, 0xA3}), kSegment = bytes({0x18, 0x53, 0x80, 0x67}),
+                  kCluster = bytes({0x1F, 0x43, 0xB6, 0x75}), kSimpleBlock = bytes({0xA3}),
+                  kBlockGroup = bytes({0xA0}), kBlock = bytes({0xA1}), kReference = bytes({0xFB}),
                   kVoid = bytes({0xEC}), kTime = bytes({0xE7});
 const std::string kUnknownSize = bytes({0x01, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF});
 
-std::string block(int track, int flags, const std::string& picture) { return bytes({0x80 | track, 0, 0, flags}) + picture; }
+std::string block(int track, int flags, const std::string& picture) {
+  return bytes({0x80 | track, 0, 0, flags}) + picture;
+}
 
 MatroskaIndex index_of(const std::string& content) {
   const TempFolder folder;
@@ -65,14 +69,16 @@ TEST(MatroskaIndex, FindsPicturesInClustersAndGroups) {
 
 TEST(MatroskaIndex, LeavesOtherTracksAlone) {
   const MatroskaIndex index =
-      index_of(element(kEbml, "") + element(kSegment, element(kCluster, element(kSimpleBlock, block(2, 0x80, "sound")))));
+      index_of(element(kEbml, "") +
+               element(kSegment, element(kCluster, element(kSimpleBlock, block(2, 0x80, "sound")))));
   EXPECT_THAT(index.pictures, IsEmpty());
   EXPECT_FALSE(index.cut);
 }
 
 TEST(MatroskaIndex, HasOnlyWholePicturesAtEveryLength) {
   const std::string one = element(kCluster, element(kSimpleBlock, block(1, 0x80, std::string(40, 'x'))));
-  const std::string start = element(kEbml, "any") + kSegment + kUnknownSize, content = start + one + one + one;
+  const std::string start = element(kEbml, "any") + kSegment + kUnknownSize,
+                    content = start + one + one + one;
   for (std::size_t length = 0; length <= content.size(); ++length) {
     const MatroskaIndex index = index_of(content.substr(0, length));
     const std::size_t whole = length < start.size() ? 0 : (length - start.size()) / one.size();
@@ -88,10 +94,13 @@ TEST(MatroskaIndex, StopsAtWhatIsNoMatroska) {
   EXPECT_TRUE(index_of(element(kEbml, "") + std::string(9, '\0')).cut);
   EXPECT_TRUE(index_of(element(kEbml, "") + element(kSimpleBlock, "")).cut) << "a block without its header";
   EXPECT_TRUE(index_of(element(kEbml, "") + element(kSimpleBlock, block(1, 0x02, "laced"))).cut);
-  EXPECT_TRUE(index_of(element(kEbml, "") + kVoid + bytes({0x01, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFE})).cut);
+  EXPECT_TRUE(
+      index_of(element(kEbml, "") + kVoid + bytes({0x01, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFE})).cut);
 }
 
-TEST(MatroskaIndex, ReportsWhatTheSystemRefuses) { EXPECT_THAT(index_matroska(-1), FailsWith(ErrorCode::Io, "cannot read")); }
+TEST(MatroskaIndex, ReportsWhatTheSystemRefuses) {
+  EXPECT_THAT(index_matroska(-1), FailsWith(ErrorCode::Io, "cannot read"));
+}
 
 }  // namespace
 }  // namespace floatstage

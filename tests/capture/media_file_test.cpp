@@ -2,11 +2,11 @@
 
 #include "capture/media_file.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/file.h"
 #include "core/png.h"
@@ -85,7 +85,8 @@ TEST(MediaReader, MakesGreyPicturesRgb) {
 
 TEST(MediaReader, MakesOneBitPicturesBlackAndWhite) {
   const TempFolder folder;
-  folder.write("a.png", encode_still("png", "monob", 16, 4, [](int x, int y, int) { return static_cast<unsigned>((x + y) % 2); }));
+  folder.write("a.png", encode_still("png", "monob", 16, 4,
+                                     [](int x, int y, int) { return static_cast<unsigned>((x + y) % 2); }));
   const Image rgb = read_only_picture(folder / "a.png");
   ASSERT_EQ(rgb.width, 16);
   EXPECT_EQ(color_at(rgb, 0, 0), (std::array{0, 0, 0}));
@@ -95,7 +96,9 @@ TEST(MediaReader, MakesOneBitPicturesBlackAndWhite) {
 
 TEST(MediaReader, RoundsSixteenBitsToEight) {
   const TempFolder folder;
-  auto value = [](int x, int y, int c) { return static_cast<unsigned>((x * 9377 + y * 311 + c * 20011) % 65536); };
+  auto value = [](int x, int y, int c) {
+    return static_cast<unsigned>((x * 9377 + y * 311 + c * 20011) % 65536);
+  };
   folder.write("rgb.png", encode_still("png", "rgb48be", 9, 5, value));
   folder.write("gray.png", encode_still("png", "gray16be", 9, 5, value));
   const Image rgb = read_only_picture(folder / "rgb.png"), gray = read_only_picture(folder / "gray.png");
@@ -132,15 +135,18 @@ TEST(MediaReader, ReadsJpegAsFullRange) {
     folder.write("a.jpg", encode_still("mjpeg", format, 64, 32, sample));
     const Image rgb = read_only_picture(folder / "a.jpg");
     ASSERT_EQ(rgb.width, 64) << format;
-    EXPECT_THAT(color_at(rgb, 8, 16), ElementsAre(testing::Ge(253), testing::Ge(253), testing::Ge(253))) << format;
-    EXPECT_THAT(color_at(rgb, 56, 16), ElementsAre(testing::Ge(251), testing::Le(4), testing::Le(4))) << format;
+    EXPECT_THAT(color_at(rgb, 8, 16), ElementsAre(testing::Ge(253), testing::Ge(253), testing::Ge(253)))
+        << format;
+    EXPECT_THAT(color_at(rgb, 56, 16), ElementsAre(testing::Ge(251), testing::Le(4), testing::Le(4)))
+        << format;
   }
 }
 
 TEST(MediaReader, NamesAFileThatIsMissingOrNoPicture) {
   const TempFolder folder;
   EXPECT_THAT(MediaReader::open(folder / "none.png"), FailsWith(ErrorCode::NotFound, "none.png"));
-  EXPECT_THAT(MediaReader::open(folder.write("text.png", "this is no picture")), FailsWith(ErrorCode::BadData, "text.png"));
+  EXPECT_THAT(MediaReader::open(folder.write("text.png", "this is no picture")),
+              FailsWith(ErrorCode::BadData, "text.png"));
   EXPECT_THAT(MediaReader::open(folder.write("empty.png", "")), FailsWith(ErrorCode::BadData, "empty.png"));
   EXPECT_THAT(MediaReader::open(folder.path()), FailsWith(ErrorCode::Io, "folder"));
 }
@@ -160,7 +166,8 @@ TEST(MediaReader, NeverCrashesOnATruncatedPicture) {
   const Image image = scene(24, 16);
   ASSERT_THAT(save_png(image, folder / "a.png"), IsOk());
   auto sample = [](int x, int y, int) { return static_cast<unsigned>(40 + 3 * x + 5 * y); };
-  const std::string whole[] = {read_file(folder / "a.png").value(), encode_still("mjpeg", "yuvj420p", 24, 16, sample)};
+  const std::string whole[] = {read_file(folder / "a.png").value(),
+                               encode_still("mjpeg", "yuvj420p", 24, 16, sample)};
   for (const std::string& bytes : whole) {
     ASSERT_FALSE(bytes.empty());
     for (std::size_t length = 0; length < bytes.size(); length += 7) {
@@ -174,7 +181,8 @@ TEST(MediaReader, NeverCrashesOnATruncatedPicture) {
   }
 }
 
-std::filesystem::path write_video(const std::filesystem::path& file, int width, int height, int pictures, double rate = 25) {
+std::filesystem::path write_video(const std::filesystem::path& file, int width, int height, int pictures,
+                                  double rate = 25) {
   auto writer = VideoWriter::create(file, width, height, rate);
   EXPECT_THAT(writer, IsOk());
   for (int k = 0; k < pictures; ++k) EXPECT_THAT((*writer)->write(scene(width, height, 2 * k)), IsOk());
@@ -189,16 +197,19 @@ TEST(VideoWriter, WritesWhatMediaReaderReads) {
   auto reader = MediaReader::open(folder / "a.mp4");
   ASSERT_THAT(reader, IsOk());
   EXPECT_DOUBLE_EQ((*reader)->frame_rate(), 30);
-  for (int k = 0; k < 30; ++k) EXPECT_THAT((*reader)->next(), IsOkAnd(ImageNear(scene(96, 64, 2 * k), 36.0))) << k;
+  for (int k = 0; k < 30; ++k)
+    EXPECT_THAT((*reader)->next(), IsOkAnd(ImageNear(scene(96, 64, 2 * k), 36.0))) << k;
   EXPECT_THAT((*reader)->next(), FailsWith(ErrorCode::EndOfStream, "30 pictures"));
 }
 
 TEST(VideoWriter, KeepsColours) {
   const TempFolder folder;
-  const std::array<std::array<int, 3>, 5> colors = {{{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {255, 255, 255}, {16, 120, 60}}};
+  const std::array<std::array<int, 3>, 5> colors = {
+      {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {255, 255, 255}, {16, 120, 60}}};
   for (const auto& color : colors) {
     Image image(32, 32, 3);
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<std::uint8_t>(color[i % 3]);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+      image.pixels[i] = static_cast<std::uint8_t>(color[i % 3]);
     auto writer = VideoWriter::create(folder / "a.mp4", 32, 32, 25);
     ASSERT_THAT(writer, IsOk());
     ASSERT_THAT((*writer)->write(image), IsOk());
@@ -206,7 +217,9 @@ TEST(VideoWriter, KeepsColours) {
     auto reader = MediaReader::open(folder / "a.mp4");
     ASSERT_THAT(reader, IsOk());
     const Image back = (*reader)->next().value();
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(back.at(16, 16)[c], color[static_cast<std::size_t>(c)], 4) << text(color[0], ' ', color[1], ' ', color[2]);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(back.at(16, 16)[c], color[static_cast<std::size_t>(c)], 4)
+          << text(color[0], ' ', color[1], ' ', color[2]);
   }
 }
 
@@ -217,7 +230,8 @@ TEST(VideoWriter, TagsBt709AndPutsTheIndexFirst) {
   ASSERT_NE(moov, std::string::npos);
   EXPECT_LT(moov, mdat);
   ASSERT_NE(colr, std::string::npos);
-  EXPECT_EQ(bytes.substr(colr + 8, 7), std::string("\0\1\0\1\0\1\0", 7)) << "primaries, transfer, matrix, limited range";
+  EXPECT_EQ(bytes.substr(colr + 8, 7), std::string("\0\1\0\1\0\1\0", 7))
+      << "primaries, transfer, matrix, limited range";
 }
 
 TEST(VideoWriter, GrowsOddSizesByRepeatingTheEdge) {
@@ -233,7 +247,8 @@ TEST(VideoWriter, GrowsOddSizesByRepeatingTheEdge) {
 
 TEST(VideoWriter, HasTheSameBytesEachTime) {
   const TempFolder folder;
-  EXPECT_EQ(read_file(write_video(folder / "a.mp4", 64, 48, 12)).value(), read_file(write_video(folder / "b.mp4", 64, 48, 12)).value());
+  EXPECT_EQ(read_file(write_video(folder / "a.mp4", 64, 48, 12)).value(),
+            read_file(write_video(folder / "b.mp4", 64, 48, 12)).value());
 }
 
 TEST(VideoWriter, LeavesTheOldFileUntilItIsFinished) {
@@ -250,9 +265,12 @@ TEST(VideoWriter, LeavesTheOldFileUntilItIsFinished) {
 
 TEST(VideoWriter, RefusesWhatCannotBeAVideo) {
   const TempFolder folder;
-  EXPECT_THAT(VideoWriter::create(folder / "a.mp4", 0, 32, 25), FailsWith(ErrorCode::InvalidArgument, "0x32"));
-  EXPECT_THAT(VideoWriter::create(folder / "a.mp4", 32, 32, 0), FailsWith(ErrorCode::InvalidArgument, "at 0"));
-  EXPECT_THAT(VideoWriter::create(folder / "a.mp4", 32, 32, std::nan("")), FailsWith(ErrorCode::InvalidArgument, "nan"));
+  EXPECT_THAT(VideoWriter::create(folder / "a.mp4", 0, 32, 25),
+              FailsWith(ErrorCode::InvalidArgument, "0x32"));
+  EXPECT_THAT(VideoWriter::create(folder / "a.mp4", 32, 32, 0),
+              FailsWith(ErrorCode::InvalidArgument, "at 0"));
+  EXPECT_THAT(VideoWriter::create(folder / "a.mp4", 32, 32, std::nan("")),
+              FailsWith(ErrorCode::InvalidArgument, "nan"));
   EXPECT_THAT(VideoWriter::create(folder / "none" / "a.mp4", 32, 32, 25), FailsWith(ErrorCode::Io, "a.mp4"));
   auto writer = VideoWriter::create(folder / "a.mp4", 32, 32, 25);
   ASSERT_THAT(writer, IsOk());
@@ -263,14 +281,16 @@ TEST(VideoWriter, RefusesWhatCannotBeAVideo) {
   EXPECT_THAT(folder.names(), IsEmpty());
 }
 
-// The 3x3 matrix of the track header, as phones write it: 16.16 fixed point, big-endian, 40 bytes into the box.
+// The 3x3 matrix of the track header, as phones write it: 16.16 fixed point, big-endian, 40 bytes into the
+// box.
 void set_track_matrix(const std::filesystem::path& file, const std::array<int, 9>& matrix) {
   std::string bytes = read_file(file).value();
   const std::size_t box = bytes.find("tkhd");
   ASSERT_NE(box, std::string::npos);
   for (std::size_t i = 0; i < 9; ++i) {
     const auto value = static_cast<std::uint32_t>(matrix[i]) * (i % 3 == 2 ? 0x40000000u : 0x10000u);
-    for (int b = 0; b < 4; ++b) bytes[box + 4 + 40 + 4 * i + static_cast<std::size_t>(b)] = static_cast<char>(value >> (24 - 8 * b));
+    for (int b = 0; b < 4; ++b)
+      bytes[box + 4 + 40 + 4 * i + static_cast<std::size_t>(b)] = static_cast<char>(value >> (24 - 8 * b));
   }
   ASSERT_THAT(write_file(file, bytes), IsOk());
 }
@@ -279,7 +299,8 @@ struct Turn {
   const char* name;
   std::array<int, 9> matrix;
   bool portrait;
-  std::array<int, 2> top_left_from;  // the corner of the stored picture that must be at the top left: 0 or 1 for x and y
+  std::array<int, 2>
+      top_left_from;  // the corner of the stored picture that must be at the top left: 0 or 1 for x and y
 };
 
 class TurnedVideo : public testing::TestWithParam<Turn> {};
@@ -298,12 +319,13 @@ TEST_P(TurnedVideo, IsPutUpright) {
   for (int c = 0; c < 2; ++c) EXPECT_NEAR(image->at(2, 2)[c], stored.at(x ? 61 : 2, y ? 45 : 2)[c], 6);
 }
 
-INSTANTIATE_TEST_SUITE_P(AllTurns, TurnedVideo,
-                         testing::Values(Turn{"none", {1, 0, 0, 0, 1, 0, 0, 0, 1}, false, {0, 0}},
-                                         Turn{"quarter_clockwise", {0, 1, 0, -1, 0, 0, 0, 0, 1}, true, {0, 1}},
-                                         Turn{"half", {-1, 0, 0, 0, -1, 0, 0, 0, 1}, false, {1, 1}},
-                                         Turn{"quarter_counter_clockwise", {0, -1, 0, 1, 0, 0, 0, 0, 1}, true, {1, 0}}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    AllTurns, TurnedVideo,
+    testing::Values(Turn{"none", {1, 0, 0, 0, 1, 0, 0, 0, 1}, false, {0, 0}},
+                    Turn{"quarter_clockwise", {0, 1, 0, -1, 0, 0, 0, 0, 1}, true, {0, 1}},
+                    Turn{"half", {-1, 0, 0, 0, -1, 0, 0, 0, 1}, false, {1, 1}},
+                    Turn{"quarter_counter_clockwise", {0, -1, 0, 1, 0, 0, 0, 0, 1}, true, {1, 0}}),
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace floatstage

@@ -14,7 +14,9 @@ namespace {
 
 TEST(OpenSource, SaysWhatIsUnderstood) {
   for (const char* uri : {"", "take", "webcam:0", "/dev/video0"})
-    EXPECT_THAT(open_source(uri), FailsWith(ErrorCode::InvalidArgument, "take:<folder>#<serial> or synthetic:")) << uri;
+    EXPECT_THAT(open_source(uri),
+                FailsWith(ErrorCode::InvalidArgument, "take:<folder>#<serial> or synthetic:"))
+        << uri;
 }
 
 TEST(OpenSource, NamesTheCamerasOfATakeWhenOneIsMissing) {
@@ -23,7 +25,8 @@ TEST(OpenSource, NamesTheCamerasOfATakeWhenOneIsMissing) {
   const std::string take = "take:" + (folder / "take").string();
   EXPECT_THAT(open_source(take + "#cam7"), FailsWith(ErrorCode::NotFound, "the take has cam0, cam1"));
   EXPECT_THAT(open_source(take), FailsWith(ErrorCode::NotFound, "no camera is named"));
-  EXPECT_THAT(open_source("take:" + (folder / "none").string() + "#cam0"), FailsWith(ErrorCode::NotFound, "is no take"));
+  EXPECT_THAT(open_source("take:" + (folder / "none").string() + "#cam0"),
+              FailsWith(ErrorCode::NotFound, "is no take"));
   EXPECT_THAT(open_source("take:#cam0"), FailsWith(ErrorCode::InvalidArgument, "no folder"));
 }
 
@@ -36,14 +39,17 @@ TEST(OpenSource, NeedsNoSerialForATakeOfOneCamera) {
 }
 
 TEST(OpenSource, RefusesSyntheticOptionsThatMakeNoSense) {
-  EXPECT_THAT(open_source("synthetic:camera=8"), FailsWith(ErrorCode::InvalidArgument, "camera=8 is not a whole number from 0 to 7"));
+  EXPECT_THAT(open_source("synthetic:camera=8"),
+              FailsWith(ErrorCode::InvalidArgument, "camera=8 is not a whole number from 0 to 7"));
   EXPECT_THAT(open_source("synthetic:width=1e3"), FailsWith(ErrorCode::InvalidArgument, "width=1e3"));
   EXPECT_THAT(open_source("synthetic:rate=nan"), FailsWith(ErrorCode::InvalidArgument, "rate=nan"));
   EXPECT_THAT(open_source("synthetic:dropped=1"), FailsWith(ErrorCode::InvalidArgument, "dropped=1"));
   EXPECT_THAT(open_source("synthetic:seed=-1"), FailsWith(ErrorCode::InvalidArgument, "seed=-1"));
   EXPECT_THAT(open_source("synthetic:shape=cube"), FailsWith(ErrorCode::InvalidArgument, "shape=cube"));
-  EXPECT_THAT(open_source("synthetic:colour=red"), FailsWith(ErrorCode::InvalidArgument, "unknown option 'colour'"));
-  EXPECT_THAT(open_source("synthetic:frames"), FailsWith(ErrorCode::InvalidArgument, "'frames' is not key=value"));
+  EXPECT_THAT(open_source("synthetic:colour=red"),
+              FailsWith(ErrorCode::InvalidArgument, "unknown option 'colour'"));
+  EXPECT_THAT(open_source("synthetic:frames"),
+              FailsWith(ErrorCode::InvalidArgument, "'frames' is not key=value"));
   EXPECT_THAT(open_source("synthetic:seed=1&seed=2"), FailsWith(ErrorCode::InvalidArgument, "given twice"));
 }
 

@@ -1,9 +1,9 @@
 #include "tests/capture/pictures.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstring>
+
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "core/text.h"
@@ -27,7 +27,8 @@ Frame patterned_frame(PixelFormat format, int width, int height, int camera, std
   Frame frame;
   frame.info.camera = camera;
   frame.info.sequence = sequence;
-  frame.info.exposure_start = Timestamp{1'700'000'000'000'000'000 + static_cast<std::int64_t>(sequence) * 40'000'000 + camera};
+  frame.info.exposure_start =
+      Timestamp{1'700'000'000'000'000'000 + static_cast<std::int64_t>(sequence) * 40'000'000 + camera};
   frame.info.device_time = Nanoseconds{static_cast<std::int64_t>(sequence) * 39'999'871};
   frame.info.exposure = milliseconds(4);
   frame.layout = packed_layout(format, width, height);
@@ -48,7 +49,8 @@ Frame with_longer_rows(const Frame& frame, std::size_t extra) {
   longer.layout.size_bytes = longer.layout.stride * rows;
   auto bytes = std::make_shared<std::byte[]>(longer.layout.size_bytes);
   for (std::size_t y = 0; y < rows; ++y)
-    std::memcpy(bytes.get() + y * longer.layout.stride, frame.pixels.get() + y * frame.layout.stride, frame.layout.stride);
+    std::memcpy(bytes.get() + y * longer.layout.stride, frame.pixels.get() + y * frame.layout.stride,
+                frame.layout.stride);
   longer.pixels = std::move(bytes);
   return longer;
 }
@@ -70,14 +72,16 @@ bool same_pixels(const Frame& a, const Frame& b) {
   const bool has_padding = l.width % 2 && (l.format == PixelFormat::Yuyv || l.format == PixelFormat::Nv12);
   for (std::size_t i = 0; i < l.size_bytes; ++i) {
     const std::size_t x = i % l.stride, y = i / l.stride;
-    const bool padding = has_padding && (l.format == PixelFormat::Yuyv ? x == l.stride - 2
-                                                                      : x == l.stride - 1 && y < static_cast<std::size_t>(l.height));
+    const bool padding = has_padding && (l.format == PixelFormat::Yuyv
+                                             ? x == l.stride - 2
+                                             : x == l.stride - 1 && y < static_cast<std::size_t>(l.height));
     if (!padding && a.pixels[i] != b.pixels[i]) return false;
   }
   return true;
 }
 
-void record_small_take(const std::filesystem::path& folder, int cameras, int frames, TakeCodec codec, int gap, int width, int height) {
+void record_small_take(const std::filesystem::path& folder, int cameras, int frames, TakeCodec codec, int gap,
+                       int width, int height) {
   TakeWriterOptions options;
   options.codec = codec;
   options.label = "small";
@@ -87,7 +91,8 @@ void record_small_take(const std::filesystem::path& folder, int cameras, int fra
   for (int k = 0; k < frames; ++k) {
     for (int c = 0; c < cameras; ++c) {
       const auto sequence = static_cast<std::uint64_t>(k);
-      const Frame frame = c == 0 && k == gap ? lost_frame(c, sequence) : patterned_frame(PixelFormat::Rgb8, width, height, c, sequence);
+      const Frame frame = c == 0 && k == gap ? lost_frame(c, sequence)
+                                             : patterned_frame(PixelFormat::Rgb8, width, height, c, sequence);
       const Result<void> ok = (*writer)->write(frame);
       ASSERT_TRUE(ok.has_value()) << ok.error().message;
     }

@@ -25,7 +25,7 @@ Frame lost_frame(int camera, std::uint64_t sequence);
 bool same_pixels(const Frame& a, const Frame& b);
 
 /// Records `frames` Rgb8 pictures of every camera of small_rig(); sequence `gap` is lost in camera 0.
-void record_small_take(const std::filesystem::path& folder, int cameras, int frames, TakeCodec codec = TakeCodec::Ffv1, int gap = -1,
-                       int width = 32, int height = 24);
+void record_small_take(const std::filesystem::path& folder, int cameras, int frames,
+                       TakeCodec codec = TakeCodec::Ffv1, int gap = -1, int width = 32, int height = 24);
 
 }  // namespace floatstage

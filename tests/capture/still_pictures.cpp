@@ -32,7 +32,8 @@ std::string encode_still(const char* encoder, const char* pixel_format, int widt
   AVPacket* packet = av_packet_alloc();
   std::string bytes;
   if (av_frame_get_buffer(frame, 0) >= 0 && avcodec_open2(context, codec, nullptr) >= 0) {
-    for (int i = 0; i < AV_NUM_DATA_POINTERS && frame->buf[i]; ++i) std::memset(frame->buf[i]->data, 0, frame->buf[i]->size);
+    for (int i = 0; i < AV_NUM_DATA_POINTERS && frame->buf[i]; ++i)
+      std::memset(frame->buf[i]->data, 0, frame->buf[i]->size);
     const AVPixFmtDescriptor* description = av_pix_fmt_desc_get(context->pix_fmt);
     for (int c = 0; c < description->nb_components; ++c) {
       const bool chroma = c == 1 || c == 2;
@@ -40,7 +41,8 @@ std::string encode_still(const char* encoder, const char* pixel_format, int widt
       const int h = chroma ? AV_CEIL_RSHIFT(height, description->log2_chroma_h) : height;
       for (int y = 0; y < h; ++y) {
         std::vector<std::uint16_t> line(static_cast<std::size_t>(w));
-        for (int x = 0; x < w; ++x) line[static_cast<std::size_t>(x)] = static_cast<std::uint16_t>(sample(x, y, c));
+        for (int x = 0; x < w; ++x)
+          line[static_cast<std::size_t>(x)] = static_cast<std::uint16_t>(sample(x, y, c));
         av_write_image_line(line.data(), frame->data, frame->linesize, description, 0, y, c, w);
       }
     }

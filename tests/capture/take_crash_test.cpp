@@ -44,7 +44,8 @@ void expect_plays_to_the_cut(TakeReader& reader, TakeCodec codec, std::size_t at
       const Result<Frame> frame = reader.frame(c, k);
       ASSERT_THAT(frame, IsOk());
       ASSERT_EQ(frame->info.status, FrameStatus::Ok) << "camera " << c << " frame " << k;
-      const Frame recorded = patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, c, static_cast<std::uint64_t>(k));
+      const Frame recorded =
+          patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, c, static_cast<std::uint64_t>(k));
       if (codec == TakeCodec::H264)
         EXPECT_THAT(to_rgb(*frame), IsOkAnd(ImageNear(to_rgb(recorded).value(), 27.0)));
       else
@@ -73,7 +74,8 @@ TEST_P(KilledRecording, PlaysUpToTheCut) {
 
 TEST_P(KilledRecording, PlaysInOtherPlayersToo) {
   const TempFolder folder;
-  ChildProcess recorder([&](const auto& report) { return record_for_ever(folder / "take", GetParam(), report); });
+  ChildProcess recorder(
+      [&](const auto& report) { return record_for_ever(folder / "take", GetParam(), report); });
   ASSERT_TRUE(recorder.wait_for_reports(6));
   recorder.kill();
   recorder.wait();
@@ -82,9 +84,12 @@ TEST_P(KilledRecording, PlaysInOtherPlayersToo) {
   for (int k = 0; k < 6; ++k) EXPECT_THAT((*player)->next(), IsOk()) << k;
 }
 
-INSTANTIATE_TEST_SUITE_P(AllCodecs, KilledRecording, testing::Values(TakeCodec::Ffv1, TakeCodec::Raw, TakeCodec::H264),
+INSTANTIATE_TEST_SUITE_P(AllCodecs, KilledRecording,
+                         testing::Values(TakeCodec::Ffv1, TakeCodec::Raw, TakeCodec::H264),
                          [](const auto& tested) {
-                           return tested.param == TakeCodec::Ffv1 ? "ffv1" : tested.param == TakeCodec::Raw ? "raw" : "h264";
+                           return tested.param == TakeCodec::Ffv1  ? "ffv1"
+                                  : tested.param == TakeCodec::Raw ? "raw"
+                                                                   : "h264";
                          });
 
 TEST(CutTake, PlaysWhatAnAbandonedWriterWrote) {
@@ -93,7 +98,8 @@ TEST(CutTake, PlaysWhatAnAbandonedWriterWrote) {
     auto writer = TakeWriter::create(folder / "take", small_rig(2, kWidth, kHeight), {});
     ASSERT_THAT(writer, IsOk());
     for (std::uint64_t k = 0; k < 3; ++k)
-      for (int c = 0; c < 2; ++c) ASSERT_THAT((*writer)->write(patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, c, k)), IsOk());
+      for (int c = 0; c < 2; ++c)
+        ASSERT_THAT((*writer)->write(patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, c, k)), IsOk());
   }
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());
@@ -136,8 +142,10 @@ TEST_P(FullDisk, IsNamedAndLosesNothingThatWasWritten) {
         continue;
       }
       const std::string media = (folder / "take" / "cam0.mkv").string();
-      if (ok.error().code != ErrorCode::Io || ok.error().message.find(media) == std::string::npos) return kWrongError;
-      const Result<void> again = (*writer)->write(patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, 0, k + 1));
+      if (ok.error().code != ErrorCode::Io || ok.error().message.find(media) == std::string::npos)
+        return kWrongError;
+      const Result<void> again =
+          (*writer)->write(patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, 0, k + 1));
       if (again || again.error().message != ok.error().message) return kWritesOn;
       if (!(*writer)->write(patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, 1, 0))) return kWritesOn;
       const Result<void> finished = (*writer)->finish();
@@ -154,9 +162,12 @@ TEST_P(FullDisk, IsNamedAndLosesNothingThatWasWritten) {
   EXPECT_GE((*reader)->rows(0).size(), 4u);
 }
 
-INSTANTIATE_TEST_SUITE_P(AllCodecs, FullDisk, testing::Values(TakeCodec::Ffv1, TakeCodec::Raw, TakeCodec::H264),
+INSTANTIATE_TEST_SUITE_P(AllCodecs, FullDisk,
+                         testing::Values(TakeCodec::Ffv1, TakeCodec::Raw, TakeCodec::H264),
                          [](const auto& tested) {
-                           return tested.param == TakeCodec::Ffv1 ? "ffv1" : tested.param == TakeCodec::Raw ? "raw" : "h264";
+                           return tested.param == TakeCodec::Ffv1  ? "ffv1"
+                                  : tested.param == TakeCodec::Raw ? "raw"
+                                                                   : "h264";
                          });
 
 TEST(FullDisk, LeavesWholeRowsInTheSideFile) {
@@ -165,8 +176,13 @@ TEST(FullDisk, LeavesWholeRowsInTheSideFile) {
     let_files_grow_to(1000);
     auto side_file = SideFileWriter::create(folder / "a.frames.csv");
     for (std::int64_t k = 0; k < 100; ++k) {
-      const Result<void> ok = side_file->write({patterned_frame(PixelFormat::Gray8, 1, 1, 0, static_cast<std::uint64_t>(k)).info, k});
-      if (!ok) return ok.error().code == ErrorCode::Io && ok.error().message.find("a.frames.csv") != std::string::npos ? 0 : 1;
+      const Result<void> ok = side_file->write(
+          {patterned_frame(PixelFormat::Gray8, 1, 1, 0, static_cast<std::uint64_t>(k)).info, k});
+      if (!ok)
+        return ok.error().code == ErrorCode::Io &&
+                       ok.error().message.find("a.frames.csv") != std::string::npos
+                   ? 0
+                   : 1;
       report();
     }
     return 2;
@@ -199,7 +215,9 @@ TEST(FullDisk, LeavesNoHalfVideo) {
     for (std::uint64_t k = 0; k < 200 && ok; ++k)
       ok = (*video)->write(to_rgb(patterned_frame(PixelFormat::Rgb8, kWidth, kHeight, 0, k)).value());
     if (ok) ok = (*video)->finish();
-    return !ok && ok.error().code == ErrorCode::Io && ok.error().message.find("a.mp4") != std::string::npos ? 0 : 2;
+    return !ok && ok.error().code == ErrorCode::Io && ok.error().message.find("a.mp4") != std::string::npos
+               ? 0
+               : 2;
   });
   ASSERT_EQ(writer.wait(), 0);
   EXPECT_THAT(folder.names(), IsEmpty());

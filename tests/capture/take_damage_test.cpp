@@ -1,9 +1,9 @@
 // Takes that were damaged, renamed or edited after they were recorded.
 
+#include <functional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <functional>
 
 #include "capture/sha256.h"
 #include "capture/take.h"
@@ -32,7 +32,9 @@ class DamagedTake : public testing::Test {
 
   fs::path file(const char* name) const { return take_ / name; }
   std::string bytes(const char* name) const { return read_file(file(name)).value(); }
-  void put(const char* name, std::string_view content) const { ASSERT_THAT(write_file(file(name), content), IsOk()); }
+  void put(const char* name, std::string_view content) const {
+    ASSERT_THAT(write_file(file(name), content), IsOk());
+  }
   void replace(const char* name, const std::string& old_text, const std::string& new_text) const {
     std::string content = bytes(name);
     const std::size_t at = content.find(old_text);
@@ -160,7 +162,8 @@ TEST_F(DamagedTake, NamesTheLineOfASideFileThatMakesNoSense) {
 TEST_F(DamagedTake, RefusesPicturesOutOfOrder) {
   record();
   replace("cam0.frames.csv", "ok,5\n", "ok,2\n");
-  EXPECT_THAT(open(), FailsWith(ErrorCode::BadData, "cam0.frames.csv: row 5: media index 2 does not follow 4"));
+  EXPECT_THAT(open(),
+              FailsWith(ErrorCode::BadData, "cam0.frames.csv: row 5: media index 2 does not follow 4"));
 }
 
 TEST_F(DamagedTake, PlaysFewerRowsThanPicturesByTheSideFile) {
@@ -186,7 +189,8 @@ TEST_F(DamagedTake, PlaysFewerPicturesThanRowsUpToTheCut) {
   EXPECT_LT(rows, 8u);
   EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("cam0.mkv ends after")));
   for (int k = 0; k < static_cast<int>(rows); ++k)
-    EXPECT_TRUE(same_pixels((*reader)->frame(0, k).value(), patterned_frame(PixelFormat::Rgb8, 32, 24, 0, static_cast<std::uint64_t>(k))));
+    EXPECT_TRUE(same_pixels((*reader)->frame(0, k).value(),
+                            patterned_frame(PixelFormat::Rgb8, 32, 24, 0, static_cast<std::uint64_t>(k))));
   EXPECT_EQ((*reader)->frame_count(), 8) << "camera 1 is whole";
   EXPECT_EQ((*reader)->frame(0, 7)->info.status, FrameStatus::Lost);
 }
@@ -208,7 +212,8 @@ TEST_F(DamagedTake, OpensOrSaysWhyAtEveryLengthOfEveryFile) {
           const Result<Frame> frame = (*reader)->frame(0, k);
           ASSERT_THAT(frame, IsOk()) << name << " of " << length << " bytes";
           if (!frame->empty() && codec != TakeCodec::H264) {
-            EXPECT_TRUE(same_pixels(*frame, patterned_frame(PixelFormat::Rgb8, 32, 24, 0, static_cast<std::uint64_t>(k))));
+            EXPECT_TRUE(same_pixels(
+                *frame, patterned_frame(PixelFormat::Rgb8, 32, 24, 0, static_cast<std::uint64_t>(k))));
           }
         }
       }
@@ -235,7 +240,9 @@ TEST_F(DamagedTake, NeverPassesDamagedPixelsOffAsGood) {
         EXPECT_TRUE(frame->empty());
         ++corrupt;
       } else {
-        EXPECT_TRUE(same_pixels(*frame, patterned_frame(PixelFormat::Rgb8, 32, 24, 0, static_cast<std::uint64_t>(k)))) << at;
+        EXPECT_TRUE(
+            same_pixels(*frame, patterned_frame(PixelFormat::Rgb8, 32, 24, 0, static_cast<std::uint64_t>(k))))
+            << at;
       }
     }
   }
@@ -253,7 +260,8 @@ TEST_F(DamagedTake, ReadsTheSamePastADamagedPictureInAnyOrder) {
   const int count = static_cast<int>((*forwards)->rows(0).size());
   std::vector<Frame> first;
   for (int k = 0; k < count; ++k) first.push_back((*forwards)->frame(0, k).value());
-  for (int k = count - 1; k >= 0; --k) EXPECT_TRUE(same_pixels((*backwards)->frame(0, k).value(), first[static_cast<std::size_t>(k)])) << k;
+  for (int k = count - 1; k >= 0; --k)
+    EXPECT_TRUE(same_pixels((*backwards)->frame(0, k).value(), first[static_cast<std::size_t>(k)])) << k;
 }
 
 TEST(Sha256, IsThatOfTheStandard) {

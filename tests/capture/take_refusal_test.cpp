@@ -1,9 +1,9 @@
 // What a TakeWriter does not record, and what it leaves alone.
 
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include "capture/take.h"
 #include "core/file.h"
@@ -21,11 +21,13 @@ TEST(TakeWriter, NeverOverwrites) {
   const TempFolder folder;
   record_small_take(folder / "take", 1, 2);
   const std::string before = read_file(folder / "take" / "cam0.mkv").value();
-  EXPECT_THAT(TakeWriter::create(folder / "take", small_rig(1, 8, 8), {}), FailsWith(ErrorCode::AlreadyExists, "is not empty"));
+  EXPECT_THAT(TakeWriter::create(folder / "take", small_rig(1, 8, 8), {}),
+              FailsWith(ErrorCode::AlreadyExists, "is not empty"));
   EXPECT_EQ(read_file(folder / "take" / "cam0.mkv").value(), before);
 
   folder.write("notes.txt", "mine");
-  EXPECT_THAT(TakeWriter::create(folder.path(), small_rig(1, 8, 8), {}), FailsWith(ErrorCode::AlreadyExists, "is not empty"));
+  EXPECT_THAT(TakeWriter::create(folder.path(), small_rig(1, 8, 8), {}),
+              FailsWith(ErrorCode::AlreadyExists, "is not empty"));
   EXPECT_THAT(folder.names(), ElementsAre("notes.txt", "take"));
 }
 
@@ -37,28 +39,35 @@ TEST(TakeWriter, RecordsIntoAnEmptyFolder) {
 TEST(TakeWriter, SaysWhichFolderCannotBeMade) {
   const TempFolder folder;
   folder.write("file", "");
-  EXPECT_THAT(TakeWriter::create(folder / "file" / "take", small_rig(1, 8, 8), {}), FailsWith(ErrorCode::Io, "file/take"));
-  EXPECT_THAT(TakeWriter::create("/proc/take", small_rig(1, 8, 8), {}), FailsWith(ErrorCode::Io, "/proc/take"));
+  EXPECT_THAT(TakeWriter::create(folder / "file" / "take", small_rig(1, 8, 8), {}),
+              FailsWith(ErrorCode::Io, "file/take"));
+  EXPECT_THAT(TakeWriter::create("/proc/take", small_rig(1, 8, 8), {}),
+              FailsWith(ErrorCode::Io, "/proc/take"));
 }
 
 TEST(TakeWriter, RefusesARigThatIsNone) {
   const TempFolder folder;
-  EXPECT_THAT(TakeWriter::create(folder / "take", {}, {}), FailsWith(ErrorCode::InvalidArgument, "no camera"));
+  EXPECT_THAT(TakeWriter::create(folder / "take", {}, {}),
+              FailsWith(ErrorCode::InvalidArgument, "no camera"));
   Rig rig = small_rig(2, 8, 8);
   rig.cameras[1].model.fx = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(TakeWriter::create(folder / "take", rig, {}), FailsWith(ErrorCode::InvalidArgument, "cam1"));
   rig = small_rig(2, 8, 8);
   rig.cameras[1].serial = "cam0";
-  EXPECT_THAT(TakeWriter::create(folder / "take", rig, {}), FailsWith(ErrorCode::InvalidArgument, "two cameras"));
+  EXPECT_THAT(TakeWriter::create(folder / "take", rig, {}),
+              FailsWith(ErrorCode::InvalidArgument, "two cameras"));
   EXPECT_THAT(folder.names(), IsEmpty());
 }
 
 TEST(TakeWriter, RefusesARateThatIsNone) {
   const TempFolder folder;
   for (const double rate : {-1.0, 1e9, std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_THAT(TakeWriter::create(folder / "take", small_rig(1, 8, 8), {.frame_rate = rate, .label = {}, .created = {}}),
+    EXPECT_THAT(TakeWriter::create(folder / "take", small_rig(1, 8, 8),
+                                   {.frame_rate = rate, .label = {}, .created = {}}),
                 FailsWith(ErrorCode::InvalidArgument, "frames per second"));
-  EXPECT_THAT(TakeWriter::create(folder / "take", small_rig(1, 8, 8), {.frame_rate = 0, .label = {}, .created = {}}), IsOk())
+  EXPECT_THAT(
+      TakeWriter::create(folder / "take", small_rig(1, 8, 8), {.frame_rate = 0, .label = {}, .created = {}}),
+      IsOk())
       << "0 is a take of one instant";
 }
 
@@ -93,12 +102,14 @@ TEST_F(RefusedFrame, OfACameraThatIsNotThere) {
 }
 
 TEST_F(RefusedFrame, OfAnotherSizeThanTheRig) {
-  EXPECT_THAT(writer_->write(patterned_frame(PixelFormat::Gray8, 17, 12, 0, 0)), FailsWith(ErrorCode::InvalidArgument, "17x12"));
+  EXPECT_THAT(writer_->write(patterned_frame(PixelFormat::Gray8, 17, 12, 0, 0)),
+              FailsWith(ErrorCode::InvalidArgument, "17x12"));
 }
 
 TEST_F(RefusedFrame, OfAnotherFormatThanTheFirst) {
   ASSERT_THAT(writer_->write(good(0)), IsOk());
-  EXPECT_THAT(writer_->write(patterned_frame(PixelFormat::Rgb8, 16, 12, 0, 1)), FailsWith(ErrorCode::InvalidArgument, "rgb8"));
+  EXPECT_THAT(writer_->write(patterned_frame(PixelFormat::Rgb8, 16, 12, 0, 1)),
+              FailsWith(ErrorCode::InvalidArgument, "rgb8"));
 }
 
 TEST_F(RefusedFrame, ThatIsCompressed) {
@@ -139,7 +150,8 @@ TEST(TakeWriter, IsFinishedOnce) {
   ASSERT_THAT(writer, IsOk());
   ASSERT_THAT((*writer)->finish(), IsOk());
   EXPECT_THAT((*writer)->finish(), FailsWith(ErrorCode::InvalidArgument, "finished already"));
-  EXPECT_THAT((*writer)->write(patterned_frame(PixelFormat::Gray8, 8, 8, 0, 0)), FailsWith(ErrorCode::InvalidArgument, "finished"));
+  EXPECT_THAT((*writer)->write(patterned_frame(PixelFormat::Gray8, 8, 8, 0, 0)),
+              FailsWith(ErrorCode::InvalidArgument, "finished"));
 }
 
 TEST(TakeWriter, NamesACodecThatCannotHoldThePicture) {
@@ -148,7 +160,8 @@ TEST(TakeWriter, NamesACodecThatCannotHoldThePicture) {
   options.codec = TakeCodec::H264;
   auto writer = TakeWriter::create(folder / "take", small_rig(1, 17, 13), options);
   ASSERT_THAT(writer, IsOk());
-  EXPECT_THAT((*writer)->write(patterned_frame(PixelFormat::Nv12, 17, 13, 0, 0)), FailsWith(ErrorCode::Unsupported, "17x13 nv12"));
+  EXPECT_THAT((*writer)->write(patterned_frame(PixelFormat::Nv12, 17, 13, 0, 0)),
+              FailsWith(ErrorCode::Unsupported, "17x13 nv12"));
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
 // A take as its users see it: what goes in comes out.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "capture/take.h"
 
 #include <algorithm>
 #include <tuple>
 
-#include "capture/take.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/text.h"
@@ -57,14 +58,16 @@ TEST_P(LosslessTake, ReturnsEveryPixelAsItWasRecorded) {
 
 std::string name_of_case(const testing::TestParamInfo<LosslessCase>& info) {
   const auto [codec, format, size] = info.param;
-  std::string name = text(codec == TakeCodec::Ffv1 ? "ffv1_" : "raw_", name_of(format), "_", size.width, "x", size.height);
+  std::string name =
+      text(codec == TakeCodec::Ffv1 ? "ffv1_" : "raw_", name_of(format), "_", size.width, "x", size.height);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
 
 INSTANTIATE_TEST_SUITE_P(AllFormats, LosslessTake,
                          testing::Combine(testing::Values(TakeCodec::Ffv1, TakeCodec::Raw),
-                                          testing::Values(PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Nv12,
+                                          testing::Values(PixelFormat::Gray8, PixelFormat::Rgb8,
+                                                          PixelFormat::Yuyv, PixelFormat::Nv12,
                                                           PixelFormat::BayerRggb8),
                                           testing::Values(Size{64, 48}, Size{37, 23})),
                          name_of_case);
@@ -78,7 +81,8 @@ TEST_P(LossyTake, ReturnsTheRecordedFormatNearlyAsItWas) {
   auto writer = TakeWriter::create(folder / "take", small_rig(1, 64, 48), options);
   ASSERT_THAT(writer, IsOk());
   constexpr int kFrames = 60;  // more than two groups of pictures
-  for (std::uint64_t k = 0; k < kFrames; ++k) ASSERT_THAT((*writer)->write(patterned_frame(GetParam(), 64, 48, 0, k)), IsOk());
+  for (std::uint64_t k = 0; k < kFrames; ++k)
+    ASSERT_THAT((*writer)->write(patterned_frame(GetParam(), 64, 48, 0, k)), IsOk());
   ASSERT_THAT((*writer)->finish(), IsOk());
 
   auto reader = TakeReader::open(folder / "take");
@@ -98,11 +102,13 @@ TEST_P(LossyTake, ReturnsTheRecordedFormatNearlyAsItWas) {
     in_order.push_back(*frame);
   }
   for (const int k : {59, 0, 33, 34, 31, 25, 24, 24, 26})
-    EXPECT_TRUE(same_pixels((*reader)->frame(0, k).value(), in_order[static_cast<std::size_t>(k)])) << "after seeking to " << k;
+    EXPECT_TRUE(same_pixels((*reader)->frame(0, k).value(), in_order[static_cast<std::size_t>(k)]))
+        << "after seeking to " << k;
 }
 
 INSTANTIATE_TEST_SUITE_P(AllFormats, LossyTake,
-                         testing::Values(PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Nv12, PixelFormat::BayerRggb8),
+                         testing::Values(PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Yuyv,
+                                         PixelFormat::Nv12, PixelFormat::BayerRggb8),
                          [](const auto& tested) {
                            std::string name = name_of(tested.param);
                            std::replace(name.begin(), name.end(), '-', '_');
@@ -113,9 +119,11 @@ TEST(Take, HasTheFilesOfTheLayoutAndNoOther) {
   const TempFolder folder;
   record_small_take(folder / "take", 2, 2);
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "take")) names.push_back(entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "take"))
+    names.push_back(entry.path().filename());
   std::sort(names.begin(), names.end());
-  EXPECT_THAT(names, ElementsAre("cam0.frames.csv", "cam0.mkv", "cam1.frames.csv", "cam1.mkv", "rig.json", "take.json"));
+  EXPECT_THAT(names, ElementsAre("cam0.frames.csv", "cam0.mkv", "cam1.frames.csv", "cam1.mkv", "rig.json",
+                                 "take.json"));
 }
 
 TEST(Take, TellsWhatItIs) {
@@ -173,7 +181,8 @@ TEST(Take, MakesRowsOfTheNumbersThatASequenceSkips) {
   ASSERT_EQ(rows.size(), 5u);
   EXPECT_EQ(rows[2].info.sequence, 12u);
   EXPECT_EQ(rows[2].info.status, FrameStatus::Lost);
-  EXPECT_EQ(rows[3].info.exposure_start, patterned_frame(PixelFormat::Gray8, 8, 8, 0, 13).info.exposure_start);
+  EXPECT_EQ(rows[3].info.exposure_start,
+            patterned_frame(PixelFormat::Gray8, 8, 8, 0, 13).info.exposure_start);
   EXPECT_EQ(rows[4].info.sequence, 14u);
 }
 
@@ -201,7 +210,9 @@ TEST(Take, GathersAnInstantOfAllCameras) {
   ASSERT_THAT(set, IsOk());
   ASSERT_EQ(set->frames.size(), 3u);
   EXPECT_TRUE(set->frames[0].empty());
-  for (int c = 1; c < 3; ++c) EXPECT_TRUE(same_pixels(set->frames[static_cast<std::size_t>(c)], patterned_frame(PixelFormat::Rgb8, 32, 24, c, 1)));
+  for (int c = 1; c < 3; ++c)
+    EXPECT_TRUE(same_pixels(set->frames[static_cast<std::size_t>(c)],
+                            patterned_frame(PixelFormat::Rgb8, 32, 24, c, 1)));
   EXPECT_EQ(set->time, set->frames[1].info.exposure_start);  // camera 0 is earlier, but it missed the instant
 }
 
@@ -209,7 +220,8 @@ TEST(Take, LetsCamerasHaveDifferentLengths) {
   const TempFolder folder;
   auto writer = TakeWriter::create(folder / "take", small_rig(2, 8, 8), {});
   ASSERT_THAT(writer, IsOk());
-  for (std::uint64_t k = 0; k < 3; ++k) ASSERT_THAT((*writer)->write(patterned_frame(PixelFormat::Gray8, 8, 8, 1, k)), IsOk());
+  for (std::uint64_t k = 0; k < 3; ++k)
+    ASSERT_THAT((*writer)->write(patterned_frame(PixelFormat::Gray8, 8, 8, 1, k)), IsOk());
   ASSERT_THAT((*writer)->finish(), IsOk());
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());
@@ -237,7 +249,8 @@ TEST(Take, HasTheSameBytesEachTimeItIsRecorded) {
     const auto name = [&](int i) { return text("take", static_cast<int>(codec), "-", i); };
     for (const int i : {0, 1}) record_small_take(folder / name(i), 2, 3, codec);
     for (const char* file : {"take.json", "rig.json", "cam0.frames.csv", "cam0.mkv", "cam1.mkv"})
-      EXPECT_EQ(read_file(folder / name(0) / file).value(), read_file(folder / name(1) / file).value()) << file;
+      EXPECT_EQ(read_file(folder / name(0) / file).value(), read_file(folder / name(1) / file).value())
+          << file;
   }
 }
 
@@ -250,7 +263,9 @@ TEST(Take, ReadsTheSameOnOneThreadAndOnSeveral) {
     ASSERT_THAT(reader, IsOk());
     std::vector<Frame> alone(80), together(80);
     auto read = [&](std::vector<Frame>& into) {
-      return [&](std::size_t i) { into[i] = (*reader)->frame(static_cast<int>(i % 2), static_cast<int>(i / 2)).value(); };
+      return [&](std::size_t i) {
+        into[i] = (*reader)->frame(static_cast<int>(i % 2), static_cast<int>(i / 2)).value();
+      };
     };
     parallel_for(80, 1, read(alone));
     parallel_for(80, 4, read(together));
@@ -264,13 +279,16 @@ TEST(Take, IsWrittenByAThreadACamera) {
   ASSERT_THAT(writer, IsOk());
   parallel_for(4, 4, [&](std::size_t c) {
     for (std::uint64_t k = 0; k < 10; ++k)
-      EXPECT_THAT((*writer)->write(patterned_frame(c % 2 ? PixelFormat::Yuyv : PixelFormat::Rgb8, 32, 24, static_cast<int>(c), k)), IsOk());
+      EXPECT_THAT((*writer)->write(patterned_frame(c % 2 ? PixelFormat::Yuyv : PixelFormat::Rgb8, 32, 24,
+                                                   static_cast<int>(c), k)),
+                  IsOk());
   });
   ASSERT_THAT((*writer)->finish(), IsOk());
   auto reader = TakeReader::open(folder / "take");
   ASSERT_THAT(reader, IsOk());
   for (int c = 0; c < 4; ++c)
-    EXPECT_TRUE(same_pixels((*reader)->frame(c, 9).value(), patterned_frame(c % 2 ? PixelFormat::Yuyv : PixelFormat::Rgb8, 32, 24, c, 9)));
+    EXPECT_TRUE(same_pixels((*reader)->frame(c, 9).value(),
+                            patterned_frame(c % 2 ? PixelFormat::Yuyv : PixelFormat::Rgb8, 32, 24, c, 9)));
 }
 
 TEST(Take, KeepsFramesValidAfterTheReaderIsGone) {

@@ -1,10 +1,11 @@
-// A media file of a take, from its first byte to its pixels: 8x8 Rgb8 pictures in FFV1, raw or H.264 by the first byte.
-
-#include <sys/mman.h>
-#include <unistd.h>
+// A media file of a take, from its first byte to its pixels: 8x8 Rgb8 pictures in FFV1, raw or H.264 by the
+// first byte.
 
 #include <algorithm>
 #include <cstdint>
+
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "capture/track_reader.h"
 #include "core/check.h"
@@ -14,7 +15,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace floatstage;
   if (size == 0) return 0;
   const int fd = ::memfd_create("fuzz", MFD_CLOEXEC);
-  FLOATSTAGE_CHECK(fd >= 0 && ::write(fd, data + 1, size - 1) == static_cast<ssize_t>(size - 1), "no memory file");
+  FLOATSTAGE_CHECK(fd >= 0 && ::write(fd, data + 1, size - 1) == static_cast<ssize_t>(size - 1),
+                   "no memory file");
   constexpr const char* kCodecs[] = {"ffv1", "raw", "h264"};
   TakeManifest::Camera camera{"cam0", "fuzz", kCodecs[data[0] % 3], PixelFormat::Rgb8, 8, 8};
   if (auto track = TrackReader::open(text("/proc/self/fd/", fd), camera)) {

@@ -1,17 +1,18 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <cstddef>
 #include <functional>
 
+#include <sys/types.h>
+
 namespace floatstage {
 
-/// Another process that runs a piece of this test: what is killed, or starved of disk, there harms nothing here. Made by
-/// fork(): begin it while the test has no other thread.
+/// Another process that runs a piece of this test: what is killed, or starved of disk, there harms nothing
+/// here. Made by fork(): begin it while the test has no other thread.
 class ChildProcess {
  public:
-  /// `body` gets a function that reports one more step to the parent; its return value is the exit status (0…100).
+  /// `body` gets a function that reports one more step to the parent; its return value is the exit status
+  /// (0…100).
   explicit ChildProcess(const std::function<int(const std::function<void()>& report)>& body);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

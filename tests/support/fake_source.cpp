@@ -2,7 +2,8 @@
 
 namespace floatstage {
 
-FakeSource::FakeSource(std::vector<FakeStep> script, ImageLayout layout) : script_(std::move(script)), layout_(layout) {}
+FakeSource::FakeSource(std::vector<FakeStep> script, ImageLayout layout)
+    : script_(std::move(script)), layout_(layout) {}
 
 Result<StreamInfo> FakeSource::start() {
   if (started_) return fail(ErrorCode::InvalidArgument, "camera 'fake' is started already");
@@ -32,7 +33,8 @@ Frame FakeSource::make_frame(FrameStatus status, const ImageLayout& layout) cons
   frame.info.status = status;
   frame.layout = layout;
   auto bytes = std::make_shared<std::byte[]>(layout.size_bytes);
-  for (std::size_t i = 0; i < layout.size_bytes; ++i) bytes[i] = static_cast<std::byte>((sequence_ * 7 + i) & 0xFF);
+  for (std::size_t i = 0; i < layout.size_bytes; ++i)
+    bytes[i] = static_cast<std::byte>((sequence_ * 7 + i) & 0xFF);
   frame.pixels = std::move(bytes);
   return frame;
 }
@@ -48,7 +50,8 @@ Frame FakeSource::deliver(FrameStatus status) {
 
 Result<Frame> FakeSource::next(Nanoseconds) {
   if (!started_) return fail(ErrorCode::InvalidArgument, "camera 'fake' is not started");
-  if (disconnected_) return fail(ErrorCode::Disconnected, "camera 'fake' is gone; plug it in and start again");
+  if (disconnected_)
+    return fail(ErrorCode::Disconnected, "camera 'fake' is gone; plug it in and start again");
   if (step_ == script_.size()) return fail(ErrorCode::EndOfStream, "camera 'fake': the script is over");
   auto lose_one = [this] {
     ++sequence_;
@@ -56,11 +59,17 @@ Result<Frame> FakeSource::next(Nanoseconds) {
     ++lost_;
   };
   switch (script_[step_++]) {
-    case FakeStep::Deliver: break;
-    case FakeStep::Timeout: return fail(ErrorCode::Timeout, "camera 'fake': no frame in time");
-    case FakeStep::Gap: lose_one(); break;
-    case FakeStep::Corrupt: return deliver(FrameStatus::Corrupt);
-    case FakeStep::Warmup: return deliver(FrameStatus::Warmup);
+    case FakeStep::Deliver:
+      break;
+    case FakeStep::Timeout:
+      return fail(ErrorCode::Timeout, "camera 'fake': no frame in time");
+    case FakeStep::Gap:
+      lose_one();
+      break;
+    case FakeStep::Corrupt:
+      return deliver(FrameStatus::Corrupt);
+    case FakeStep::Warmup:
+      return deliver(FrameStatus::Warmup);
     case FakeStep::Starve:
       lose_one();
       ++starved_;
@@ -68,7 +77,9 @@ Result<Frame> FakeSource::next(Nanoseconds) {
     case FakeStep::Disconnect:
       disconnected_ = true;
       return fail(ErrorCode::Disconnected, "camera 'fake' is gone; plug it in and start again");
-    case FakeStep::Duplicate: ++delivered_; return last_;
+    case FakeStep::Duplicate:
+      ++delivered_;
+      return last_;
     case FakeStep::WrongLayout: {
       ImageLayout half = layout_;
       half.height /= 2;
@@ -79,7 +90,9 @@ Result<Frame> FakeSource::next(Nanoseconds) {
       ++delivered_;
       return frame;
     }
-    case FakeStep::Wrap: sequence_ = 0; break;
+    case FakeStep::Wrap:
+      sequence_ = 0;
+      break;
   }
   return deliver(FrameStatus::Ok);
 }

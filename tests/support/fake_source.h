@@ -21,11 +21,12 @@ enum class FakeStep {
   Wrap,         ///< the device's counter begins again at 0: against the contract
 };
 
-/// A camera that behaves, or misbehaves, by script; then its recording is over. Its pictures depend on nothing but the
-/// sequence number, its time is a multiple of 40 ms, and it never waits.
+/// A camera that behaves, or misbehaves, by script; then its recording is over. Its pictures depend on
+/// nothing but the sequence number, its time is a multiple of 40 ms, and it never waits.
 class FakeSource final : public FrameSource {
  public:
-  explicit FakeSource(std::vector<FakeStep> script, ImageLayout layout = packed_layout(PixelFormat::Gray8, 16, 12));
+  explicit FakeSource(std::vector<FakeStep> script,
+                      ImageLayout layout = packed_layout(PixelFormat::Gray8, 16, 12));
 
   Result<StreamInfo> start() override;
   Result<Frame> next(Nanoseconds timeout) override;
