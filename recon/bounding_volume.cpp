@@ -15,8 +15,8 @@ struct HalfSpace {
   double offset;
 };
 
-// A convex body as its corners and faces would be needed to cut it again and again; since only the final box counts,
-// faces as plain polygons do: cutting clips each polygon and closes the body with one more.
+// A convex body as its corners and faces would be needed to cut it again and again; since only the final box
+// counts, faces as plain polygons do: cutting clips each polygon and closes the body with one more.
 class ConvexBody {
  public:
   explicit ConvexBody(const Eigen::AlignedBox3d& box) {
@@ -72,7 +72,8 @@ class ConvexBody {
     for (const Vector3d& p : corners) middle += p / static_cast<double>(corners.size());
     const Vector3d u = normal.unitOrthogonal(), v = normal.normalized().cross(u);
     auto angle = [&](const Vector3d& p) { return std::atan2((p - middle).dot(v), (p - middle).dot(u)); };
-    std::sort(corners.begin(), corners.end(), [&](const Vector3d& a, const Vector3d& b) { return angle(a) < angle(b); });
+    std::sort(corners.begin(), corners.end(),
+              [&](const Vector3d& a, const Vector3d& b) { return angle(a) < angle(b); });
     return corners;
   }
 
@@ -91,21 +92,26 @@ Sides bounding_sides(const Eigen::AlignedBox2i& r, const Matte& m, bool give_up_
     const bool some_side_is_free = !(left && right && top && bottom);
     return {some_side_is_free, some_side_is_free, some_side_is_free, some_side_is_free};
   }
-  return {!left && !top && !bottom, !right && !top && !bottom, !top && !left && !right, !bottom && !left && !right};
+  return {!left && !top && !bottom, !right && !top && !bottom, !top && !left && !right,
+          !bottom && !left && !right};
 }
 
-// The pyramid's planes: sides of the rectangle in normalised coordinates that holds the lens-free outline of `r`.
-void add_planes(const RigCamera& camera, const Matte& matte, bool give_up_outside, std::vector<HalfSpace>& planes) {
+// The pyramid's planes: sides of the rectangle in normalised coordinates that holds the lens-free outline of
+// `r`.
+void add_planes(const RigCamera& camera, const Matte& matte, bool give_up_outside,
+                std::vector<HalfSpace>& planes) {
   const Eigen::AlignedBox2i r = subject_rectangle(matte);
   if (r.isEmpty()) return;
   // Half a pixel more: bilinear mattes cross half opacity up to there.
-  const Eigen::AlignedBox2d outline(r.min().cast<double>().array() - 0.5, r.max().cast<double>().array() + 1.5);
+  const Eigen::AlignedBox2d outline(r.min().cast<double>().array() - 0.5,
+                                    r.max().cast<double>().array() + 1.5);
   Eigen::AlignedBox2d normalized;
   constexpr int kSteps = 64;  // a lens bends the sides; they are followed
   for (int i = 0; i <= kSteps; ++i) {
     const Eigen::Vector2d p = outline.min() + outline.sizes() * (static_cast<double>(i) / kSteps);
-    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(p.x(), outline.min().y()), Eigen::Vector2d(p.x(), outline.max().y()),
-                                         Eigen::Vector2d(outline.min().x(), p.y()), Eigen::Vector2d(outline.max().x(), p.y())}) {
+    for (const Eigen::Vector2d& pixel :
+         {Eigen::Vector2d(p.x(), outline.min().y()), Eigen::Vector2d(p.x(), outline.max().y()),
+          Eigen::Vector2d(outline.min().x(), p.y()), Eigen::Vector2d(outline.max().x(), p.y())}) {
       const std::optional<Vector3d> ray = unproject(camera.model, pixel);
       if (!ray) return;  // beyond the lens: this camera cannot bound its subject
       normalized.extend(ray->head<2>());
@@ -145,9 +151,11 @@ Eigen::AlignedBox2i subject_rectangle(const Matte& matte) {
 std::optional<Eigen::AlignedBox3d> bounding_volume(const Rig& rig, std::span<const Matte> mattes) {
   Eigen::AlignedBox3d centers;
   for (const RigCamera& c : rig.cameras) centers.extend(c.cam_from_world.center());
-  // Everything the rig could be about lies within a hundred times its own size; what reaches further is unbounded.
+  // Everything the rig could be about lies within a hundred times its own size; what reaches further is
+  // unbounded.
   const double reach = 100 * std::max(centers.diagonal().norm(), 1e-3);
-  const Eigen::AlignedBox3d everything(centers.center() - Vector3d::Constant(reach), centers.center() + Vector3d::Constant(reach));
+  const Eigen::AlignedBox3d everything(centers.center() - Vector3d::Constant(reach),
+                                       centers.center() + Vector3d::Constant(reach));
   for (bool give_up_outside : {false, true}) {
     std::vector<HalfSpace> planes;
     for (std::size_t i = 0; i < rig.cameras.size(); ++i)

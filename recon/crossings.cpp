@@ -1,9 +1,10 @@
 #include "recon/crossings.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include <Eigen/Geometry>
 
 #include "core/parallel.h"
 
@@ -39,7 +40,8 @@ bool some_edge_pierces(const Triangle& a, const std::array<int, 3>& side, const 
   return false;
 }
 
-// Boxes over triangles sorted along a Morton curve; node k's children are 2k + 1 and 2k + 2, each half of its range.
+// Boxes over triangles sorted along a Morton curve; node k's children are 2k + 1 and 2k + 2, each half of its
+// range.
 class BoxTree {
  public:
   BoxTree(std::span<const Vector3d> positions, std::span<const std::array<std::uint32_t, 3>> triangles)
@@ -50,8 +52,9 @@ class BoxTree {
       all.extend(boxes_[i]);
     }
     std::vector<std::uint32_t> code(triangles.size());
-    for (std::size_t i = 0; i < triangles.size(); ++i) code[i] = morton((boxes_[i].center() - all.min()).cwiseQuotient(
-        (all.sizes().array() + 1e-300).matrix()));
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      code[i] =
+          morton((boxes_[i].center() - all.min()).cwiseQuotient((all.sizes().array() + 1e-300).matrix()));
     std::iota(order_.begin(), order_.end(), 0u);
     std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
       return code[a] != code[b] ? code[a] < code[b] : a < b;
@@ -90,7 +93,8 @@ class BoxTree {
   }
 
   template <class Visit>
-  void descend(std::size_t node, std::size_t first, std::size_t last, const Eigen::AlignedBox3d& box, Visit& visit) const {
+  void descend(std::size_t node, std::size_t first, std::size_t last, const Eigen::AlignedBox3d& box,
+               Visit& visit) const {
     if (!nodes_[node].intersects(box)) return;
     if (last - first <= kLeaf) {
       for (std::size_t i = first; i < last; ++i)
@@ -124,7 +128,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(
     return Triangle{positions[triangles[t][0]], positions[triangles[t][1]], positions[triangles[t][2]]};
   };
   constexpr std::size_t kChunk = 4096;
-  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> found((triangles.size() + kChunk - 1) / kChunk);
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> found((triangles.size() + kChunk - 1) /
+                                                                          kChunk);
   parallel_for(found.size(), threads, [&](std::size_t chunk) {
     std::vector<std::uint32_t> others;
     for (std::size_t i = chunk * kChunk; i < std::min(triangles.size(), (chunk + 1) * kChunk); ++i) {
@@ -135,7 +140,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(
         if (other <= self) return;
         for (std::uint32_t v : triangles[other])
           if (v == mine[0] || v == mine[1] || v == mine[2]) return;
-        if (others.size() < limit_each && triangles_cross(corners(self), corners(other))) others.push_back(other);
+        if (others.size() < limit_each && triangles_cross(corners(self), corners(other)))
+          others.push_back(other);
       });
       std::sort(others.begin(), others.end());
       for (std::uint32_t other : others) found[chunk].push_back({self, other});

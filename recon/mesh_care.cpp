@@ -1,12 +1,12 @@
 #include "recon/mesh_care.h"
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <OpenMesh/Core/Geometry/VectorT.hh>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
+
+#include <OpenMesh/Core/Geometry/VectorT.hh>
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
 #include "core/check.h"
 #include "recon/crossings.h"
@@ -97,20 +97,23 @@ void collapse_short_edges(HalfEdges& mesh, double shortest) {
   }
 }
 
-// Each vertex towards (weight > 0) or away from the mean of its neighbours, but never far from where it began.
+// Each vertex towards (weight > 0) or away from the mean of its neighbours, but never far from where it
+// began.
 void smooth_step(HalfEdges& mesh, const std::vector<Vector3d>& start, double weight, double largest_move,
                  std::vector<Vector3d>& scratch) {
   scratch.resize(mesh.n_vertices());
   for (OpenMesh::VertexHandle v : mesh.vertices()) {
     Vector3d sum = Vector3d::Zero();
     int count = 0;
-    for (HalfEdges::ConstVertexVertexIter it = mesh.cvv_iter(v); it.is_valid(); ++it, ++count) sum += place(mesh, *it);
+    for (HalfEdges::ConstVertexVertexIter it = mesh.cvv_iter(v); it.is_valid(); ++it, ++count)
+      sum += place(mesh, *it);
     const std::size_t i = static_cast<std::size_t>(v.idx());
     Vector3d move = place(mesh, v) + weight * (sum / count - place(mesh, v)) - start[i];
     if (const double length = move.norm(); length > largest_move) move *= largest_move / length;
     scratch[i] = start[i] + move;
   }
-  for (OpenMesh::VertexHandle v : mesh.vertices()) mesh.set_point(v, to_openmesh(scratch[static_cast<std::size_t>(v.idx())]));
+  for (OpenMesh::VertexHandle v : mesh.vertices())
+    mesh.set_point(v, to_openmesh(scratch[static_cast<std::size_t>(v.idx())]));
 }
 
 void smooth(HalfEdges& mesh, double largest_move) {
@@ -124,9 +127,10 @@ void smooth(HalfEdges& mesh, double largest_move) {
   }
 }
 
-// Puts the vertices of crossing triangles back, to `start` and, if given, later to `safe`; true when nothing crosses
-// any more.
-bool undo_crossings(Surface& surface, const std::vector<Vector3d>& start, const std::vector<Vector3d>* safe, int threads) {
+// Puts the vertices of crossing triangles back, to `start` and, if given, later to `safe`; true when nothing
+// crosses any more.
+bool undo_crossings(Surface& surface, const std::vector<Vector3d>& start, const std::vector<Vector3d>* safe,
+                    int threads) {
   constexpr int kRounds = 4;
   for (int round = 0; round < (safe ? 3 * kRounds : kRounds); ++round) {
     const auto pairs = crossing_pairs(surface.positions, surface.triangles, 16, threads);
@@ -151,11 +155,13 @@ std::optional<Surface> try_to_care(const Surface& raw, const CareOptions& option
   Surface result = start;
   if (options.largest_move > 0) {
     smooth(mesh, options.largest_move * options.voxel);
-    for (OpenMesh::VertexHandle v : mesh.vertices()) result.positions[static_cast<std::size_t>(v.idx())] = place(mesh, v);
+    for (OpenMesh::VertexHandle v : mesh.vertices())
+      result.positions[static_cast<std::size_t>(v.idx())] = place(mesh, v);
     result = rounded_to_float(std::move(result));
   }
   // Without collapsing, vertices are still those of `raw`, one for one.
-  if (undo_crossings(result, start.positions, collapse ? nullptr : &raw.safe_positions, options.threads)) return result;
+  if (undo_crossings(result, start.positions, collapse ? nullptr : &raw.safe_positions, options.threads))
+    return result;
   return std::nullopt;
 }
 

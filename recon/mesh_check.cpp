@@ -1,12 +1,13 @@
 #include "recon/mesh_check.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <span>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "core/text.h"
 #include "recon/crossings.h"
@@ -40,7 +41,8 @@ void check_edges(std::span<const Triangle> triangles, MeshCheck& result) {
   result.watertight = result.oriented = true;
   for (std::size_t first = 0, last; first < edges.size(); first = last) {
     int rising = 0;
-    for (last = first; last < edges.size() && !(edges[first] < edges[last]); ++last) rising += edges[last].rising;
+    for (last = first; last < edges.size() && !(edges[first] < edges[last]); ++last)
+      rising += edges[last].rising;
     const int count = static_cast<int>(last - first);
     if (count != 2 || edges[first].low == edges[first].high) result.watertight = false;
     if (rising > 1 || count - rising > 1) result.oriented = false;
@@ -89,8 +91,9 @@ class Shells {
   Shells(std::span<const Vector3d> positions, std::span<const Triangle> triangles)
       : positions_(positions), triangles_(triangles), parent_(positions.size()) {
     std::iota(parent_.begin(), parent_.end(), 0u);
-    const Eigen::Matrix3d slant = (Eigen::AngleAxisd(0.7391, Vector3d::UnitX()) * Eigen::AngleAxisd(0.5772, Vector3d::UnitY()))
-                                      .toRotationMatrix();
+    const Eigen::Matrix3d slant =
+        (Eigen::AngleAxisd(0.7391, Vector3d::UnitX()) * Eigen::AngleAxisd(0.5772, Vector3d::UnitY()))
+            .toRotationMatrix();
     slanted_.reserve(positions.size());
     for (const Vector3d& p : positions) slanted_.push_back(slant * p);
     for (const Triangle& t : triangles) {
@@ -112,7 +115,8 @@ class Shells {
       for (std::uint32_t i : members) {
         const Triangle& t = triangles_[i];
         const Vector3d origin = positions_[triangles_[members.front()][0]];
-        volume += (positions_[t[0]] - origin).dot((positions_[t[1]] - origin).cross(positions_[t[2]] - origin)) / 6;
+        volume +=
+            (positions_[t[0]] - origin).dot((positions_[t[1]] - origin).cross(positions_[t[2]] - origin)) / 6;
         for (std::uint32_t v : t) box.extend(positions_[v]);
       }
       volumes_.push_back(volume);
@@ -140,15 +144,16 @@ class Shells {
   }
   void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
 
-  // Signed crossings of a ray with the shell. The ray runs along z of a slanted frame, in which the vertices of grids and
-  // boxes do not line up, so it does not meet an edge head on; and edge(a, b) == -edge(b, a) bit by bit, so a ray beside
-  // an edge is claimed by exactly one of its two triangles.
+  // Signed crossings of a ray with the shell. The ray runs along z of a slanted frame, in which the vertices
+  // of grids and boxes do not line up, so it does not meet an edge head on; and edge(a, b) == -edge(b, a) bit
+  // by bit, so a ray beside an edge is claimed by exactly one of its two triangles.
   bool encloses(const std::vector<std::uint32_t>& members, std::uint32_t vertex) const {
     int crossings = 0;
     const Vector3d& p = slanted_[vertex];
     const auto edge = [](const Vector3d& a, const Vector3d& b) { return a.x() * b.y() - a.y() * b.x(); };
     for (std::uint32_t i : members) {
-      const Vector3d a = slanted_[triangles_[i][0]] - p, b = slanted_[triangles_[i][1]] - p, c = slanted_[triangles_[i][2]] - p;
+      const Vector3d a = slanted_[triangles_[i][0]] - p, b = slanted_[triangles_[i][1]] - p,
+                     c = slanted_[triangles_[i][2]] - p;
       if ((a.x() > 0 && b.x() > 0 && c.x() > 0) || (a.x() < 0 && b.x() < 0 && c.x() < 0)) continue;
       const double ab = edge(a, b), bc = edge(b, c), ca = edge(c, a);
       const bool positive = ab > 0 && bc > 0 && ca > 0, negative = ab < 0 && bc < 0 && ca < 0;
@@ -217,7 +222,8 @@ MeshCheck check_mesh(const Mesh& mesh) {
   for (const Triangle& t : triangles) result.degenerate += !has_area(positions, t);
   if (result.manifold) {
     // Euler: V - E + F = 2 (shells - genus), and E = 3/2 F.
-    const int euler = count_vertices_in_use(triangles, positions.size()) - static_cast<int>(triangles.size() / 2);
+    const int euler =
+        count_vertices_in_use(triangles, positions.size()) - static_cast<int>(triangles.size() / 2);
     result.genus = result.shells - euler / 2;
   }
   result.outward = result.watertight && result.oriented && shells.all_outward();

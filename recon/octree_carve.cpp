@@ -9,7 +9,8 @@
 namespace floatstage {
 namespace {
 
-constexpr int kRootPoints = 16;  // per side of the octrees' roots: coarse enough to skip, fine enough to share out
+constexpr int kRootPoints =
+    16;  // per side of the octrees' roots: coarse enough to skip, fine enough to share out
 
 // What all views together say of a box, and which of them must be asked again inside it.
 struct Joint {
@@ -50,18 +51,22 @@ std::vector<std::uint32_t> everyone(std::span<const OctreeView> views) {
 
 class Carver {
  public:
-  Carver(std::span<const OctreeView> views, CarvedGrid& grid) : views_(views), grid_(grid), all_(everyone(views)) {}
+  Carver(std::span<const OctreeView> views, CarvedGrid& grid)
+      : views_(views), grid_(grid), all_(everyone(views)) {}
 
-  // All points of the rows y, z of one root column. Rows belong to one task only: no two threads write one word.
+  // All points of the rows y, z of one root column. Rows belong to one task only: no two threads write one
+  // word.
   void carve_rows(int y, int z) {
     for (int x = 0; x < grid_.points().x(); x += kRootPoints) carve_node({x, y, z}, kRootPoints, all_, false);
   }
 
  private:
-  void carve_node(const Eigen::Vector3i& first, int size, std::span<const std::uint32_t> candidates, bool witnessed) {
+  void carve_node(const Eigen::Vector3i& first, int size, std::span<const std::uint32_t> candidates,
+                  bool witnessed) {
     // The outermost layer of points stays outside.
     const Eigen::Vector3i lo = first.cwiseMax(1);
-    const Eigen::Vector3i hi = (first.array() + size).matrix().cwiseMin(grid_.points() - Eigen::Vector3i::Ones());
+    const Eigen::Vector3i hi =
+        (first.array() + size).matrix().cwiseMin(grid_.points() - Eigen::Vector3i::Ones());
     if ((lo.array() >= hi.array()).any()) return;
     const Eigen::AlignedBox3d box(grid_.position(lo.x(), lo.y(), lo.z()),
                                   grid_.position(hi.x() - 1, hi.y() - 1, hi.z() - 1));
@@ -110,7 +115,8 @@ class Carver {
 };
 
 void extend_by_uncarved(std::span<const OctreeView> views, const Eigen::AlignedBox3d& box, int depth,
-                        std::span<const std::uint32_t> candidates, bool witnessed, Eigen::AlignedBox3d& kept) {
+                        std::span<const std::uint32_t> candidates, bool witnessed,
+                        Eigen::AlignedBox3d& kept) {
   if (kept.contains(box)) return;
   const Joint joint = judge(views, candidates, witnessed, box);
   if (joint.carved || joint.unseen) return;
@@ -120,7 +126,8 @@ void extend_by_uncarved(std::span<const OctreeView> views, const Eigen::AlignedB
   }
   const Eigen::Vector3d half = box.sizes() / 2;
   for (int child = 0; child < 8; ++child) {
-    const Eigen::Vector3d corner = box.min() + half.cwiseProduct(Eigen::Vector3d(child & 1, (child >> 1) & 1, child >> 2));
+    const Eigen::Vector3d corner =
+        box.min() + half.cwiseProduct(Eigen::Vector3d(child & 1, (child >> 1) & 1, child >> 2));
     extend_by_uncarved(views, {corner, corner + half}, depth - 1, joint.undecided, joint.witnessed, kept);
   }
 }
@@ -147,13 +154,17 @@ CarvedGrid::CarvedGrid(const Eigen::AlignedBox3d& box, int resolution) : box_(bo
   bits_.assign(words_ * static_cast<std::size_t>(points_.y()) * static_cast<std::size_t>(points_.z()), 0);
 }
 
-CarvedGrid carve(std::span<const OctreeView> views, const Eigen::AlignedBox3d& box, int resolution, int threads) {
+CarvedGrid carve(std::span<const OctreeView> views, const Eigen::AlignedBox3d& box, int resolution,
+                 int threads) {
   CarvedGrid grid(box, resolution);
-  const auto roots = [](int points) { return static_cast<std::size_t>((points + kRootPoints - 1) / kRootPoints); };
+  const auto roots = [](int points) {
+    return static_cast<std::size_t>((points + kRootPoints - 1) / kRootPoints);
+  };
   const std::size_t across = roots(grid.points().y());
   parallel_for(across * roots(grid.points().z()), threads, [&](std::size_t task) {
-    Carver(views, grid).carve_rows(static_cast<int>(task % across) * kRootPoints,
-                                   static_cast<int>(task / across) * kRootPoints);
+    Carver(views, grid)
+        .carve_rows(static_cast<int>(task % across) * kRootPoints,
+                    static_cast<int>(task / across) * kRootPoints);
   });
   return grid;
 }

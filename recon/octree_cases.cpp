@@ -37,7 +37,8 @@ std::array<int, 4> face_corners(int axis, int side) {
 bool share_a_face(int edge_a, int edge_b) {
   const CubeEdge a = cube_edge(edge_a), b = cube_edge(edge_b);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (static_cast<int>(axis) != a.axis && static_cast<int>(axis) != b.axis && a.from[axis] == b.from[axis]) return true;
+    if (static_cast<int>(axis) != a.axis && static_cast<int>(axis) != b.axis && a.from[axis] == b.from[axis])
+      return true;
   return false;
 }
 

@@ -46,7 +46,8 @@ class Extractor {
       }
       if (z + 1 < layers) triangles[z] = triangulate_slab(static_cast<int>(z));
     });
-    for (const auto& slab : triangles) surface.triangles.insert(surface.triangles.end(), slab.begin(), slab.end());
+    for (const auto& slab : triangles)
+      surface.triangles.insert(surface.triangles.end(), slab.begin(), slab.end());
     return surface;
   }
 
@@ -116,7 +117,9 @@ class Extractor {
   class VertexNumbers {
    public:
     VertexNumbers(const Vector3i& n, int z0)
-        : nx_(static_cast<std::size_t>(n.x())), ny_(static_cast<std::size_t>(n.y())), z0_(z0),
+        : nx_(static_cast<std::size_t>(n.x())),
+          ny_(static_cast<std::size_t>(n.y())),
+          z0_(z0),
           numbers_(std::make_unique_for_overwrite<std::uint32_t[]>(2 * 3 * nx_ * ny_)) {}
     std::uint32_t& at(int x, int y, int z, int axis) {
       const std::size_t plane = static_cast<std::size_t>((z - z0_) * 3 + axis);
@@ -134,17 +137,20 @@ class Extractor {
     VertexNumbers numbers(grid_.points(), z);
     for (int layer = z; layer <= z + 1; ++layer) {
       std::uint32_t number = first_vertex_[static_cast<std::size_t>(layer)];
-      for (const CutEdge& e : edges_[static_cast<std::size_t>(layer)]) numbers.at(e.x, e.y, e.z, e.axis) = number++;
+      for (const CutEdge& e : edges_[static_cast<std::size_t>(layer)])
+        numbers.at(e.x, e.y, e.z, e.axis) = number++;
     }
     for (int y = 0; y + 1 < grid_.points().y(); ++y) {
-      const std::array<const std::uint64_t*, 4> rows = {grid_.row(y, z), grid_.row(y + 1, z), grid_.row(y, z + 1),
-                                                        grid_.row(y + 1, z + 1)};
+      const std::array<const std::uint64_t*, 4> rows = {grid_.row(y, z), grid_.row(y + 1, z),
+                                                        grid_.row(y, z + 1), grid_.row(y + 1, z + 1)};
       for (std::size_t w = 0; w < grid_.words_per_row(); ++w) {
-        std::uint64_t cells = (rows[0][w] ^ rows[1][w]) | (rows[0][w] ^ rows[2][w]) | (rows[0][w] ^ rows[3][w]);
+        std::uint64_t cells =
+            (rows[0][w] ^ rows[1][w]) | (rows[0][w] ^ rows[2][w]) | (rows[0][w] ^ rows[3][w]);
         const std::uint64_t carry = w + 1 < grid_.words_per_row() ? next_differs(rows, w + 1) << 63 : 0;
         cells |= cells >> 1 | carry;
         for (const std::uint64_t* row : rows) cells |= changes_along(row, w);
-        for_each_bit(cells, static_cast<int>(w) * 64, [&](int x) { triangulate_cell(x, y, z, numbers, triangles); });
+        for_each_bit(cells, static_cast<int>(w) * 64,
+                     [&](int x) { triangulate_cell(x, y, z, numbers, triangles); });
       }
     }
     return triangles;
@@ -158,7 +164,9 @@ class Extractor {
                         std::vector<std::array<std::uint32_t, 3>>& triangles) const {
     unsigned inside = 0;
     for (int corner = 0; corner < 8; ++corner)
-      inside |= static_cast<unsigned>(grid_.inside(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2))) << corner;
+      inside |=
+          static_cast<unsigned>(grid_.inside(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2)))
+          << corner;
     for (const auto& triangle : cases_[inside]) {
       std::array<std::uint32_t, 3> t;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -173,7 +181,8 @@ class Extractor {
   std::span<const OctreeView> views_;
   int threads_;
   CubeCases cases_;
-  std::vector<std::vector<CutEdge>> edges_;  // of the layer of their lower end, in the order of y, word, axis, x
+  std::vector<std::vector<CutEdge>>
+      edges_;  // of the layer of their lower end, in the order of y, word, axis, x
   std::vector<std::uint32_t> first_vertex_;
 };
 

@@ -17,7 +17,9 @@ Interval operator*(Interval a, Interval b) {
   const auto [lo, hi] = std::minmax({a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi});
   return {lo, hi};
 }
-Interval operator*(double a, Interval b) { return a >= 0 ? Interval{a * b.lo, a * b.hi} : Interval{a * b.hi, a * b.lo}; }
+Interval operator*(double a, Interval b) {
+  return a >= 0 ? Interval{a * b.lo, a * b.hi} : Interval{a * b.hi, a * b.lo};
+}
 
 Interval squared(Interval a) {
   if (a.lo > 0) return {a.lo * a.lo, a.hi * a.hi};
@@ -114,17 +116,21 @@ PointVerdict OctreeView::at(const Eigen::Vector3d& world) const {
     v = pixel.y();
   }
   if (!(u >= 0 && v >= 0 && u < model_.width && v < model_.height)) return PointVerdict::Unseen;
-  const double x = std::clamp(u - 0.5, 0.0, matte_.width - 1.0), y = std::clamp(v - 0.5, 0.0, matte_.height - 1.0);
+  const double x = std::clamp(u - 0.5, 0.0, matte_.width - 1.0),
+               y = std::clamp(v - 0.5, 0.0, matte_.height - 1.0);
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   const int x1 = std::min(x0 + 1, matte_.width - 1), y1 = std::min(y0 + 1, matte_.height - 1);
   const double fx = x - x0, fy = y - y0;
   const std::uint8_t *top = matte_.row(y0), *bottom = matte_.row(y1);
-  const double alpha = (1 - fy) * ((1 - fx) * top[x0] + fx * top[x1]) + fy * ((1 - fx) * bottom[x0] + fx * bottom[x1]);
+  const double alpha =
+      (1 - fy) * ((1 - fx) * top[x0] + fx * top[x1]) + fy * ((1 - fx) * bottom[x0] + fx * bottom[x1]);
   return alpha >= 127.5 ? PointVerdict::Subject : PointVerdict::Background;
 }
 
-// Where the lens puts a box of normalised points: interval arithmetic on its formula. Absent when it sees none of it.
-std::optional<OctreeView::PixelRange> OctreeView::pixel_range(double x0, double x1, double y0, double y1) const {
+// Where the lens puts a box of normalised points: interval arithmetic on its formula. Absent when it sees
+// none of it.
+std::optional<OctreeView::PixelRange> OctreeView::pixel_range(double x0, double x1, double y0,
+                                                              double y1) const {
   const Interval x{x0, x1}, y{y0, y1};
   Interval r2 = squared(x) + squared(y);
   if (r2.lo > largest_r2_) return std::nullopt;
@@ -150,7 +156,9 @@ std::optional<OctreeView::PixelRange> OctreeView::pixel_range(double x0, double 
 // Subject pixels in columns x0..x1 and rows y0..y1, both ends included.
 std::uint32_t OctreeView::subjects(int x0, int y0, int x1, int y1) const {
   const std::size_t stride = static_cast<std::size_t>(matte_.width) + 1;
-  auto sum = [&](int x, int y) { return integral_[static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(x)]; };
+  auto sum = [&](int x, int y) {
+    return integral_[static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(x)];
+  };
   return sum(x1 + 1, y1 + 1) - sum(x0, y1 + 1) - sum(x1 + 1, y0) + sum(x0, y0);
 }
 
@@ -195,7 +203,8 @@ BoxVerdict OctreeView::over(const Eigen::AlignedBox3d& world) const {
   const int px0 = column(r.u0), px1 = column(r.u1 + 1), py0 = line(r.v0), py1 = line(r.v1 + 1);
   const std::uint32_t count = subjects(px0, py0, px1, py1);
   if (count == 0) return partly_unseen ? BoxVerdict::Mixed : BoxVerdict::Background;
-  const std::uint32_t area = static_cast<std::uint32_t>(px1 - px0 + 1) * static_cast<std::uint32_t>(py1 - py0 + 1);
+  const std::uint32_t area =
+      static_cast<std::uint32_t>(px1 - px0 + 1) * static_cast<std::uint32_t>(py1 - py0 + 1);
   if (count == area) return partly_unseen ? BoxVerdict::NotBackground : BoxVerdict::Subject;
   return BoxVerdict::Mixed;
 }

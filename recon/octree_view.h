@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "core/matte.h"
 #include "core/rig.h"
@@ -27,9 +28,9 @@ enum class BoxVerdict : std::uint8_t {
   Mixed,          ///< anything; ask smaller boxes
 };
 
-/// One camera with its matte, prepared for carving: a fast projection through the lens, the matte as a continuous
-/// function (bilinear between pixel centres, subject from half opacity), and an integral image of its subject, so
-/// that a box of space is judged by four look-ups. Immutable; safe from any thread.
+/// One camera with its matte, prepared for carving: a fast projection through the lens, the matte as a
+/// continuous function (bilinear between pixel centres, subject from half opacity), and an integral image of
+/// its subject, so that a box of space is judged by four look-ups. Immutable; safe from any thread.
 class OctreeView {
  public:
   /// The matte must not be empty and must have the camera's size; both are only read.

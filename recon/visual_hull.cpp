@@ -18,15 +18,16 @@ namespace {
 Result<void> check_inputs(const Rig& rig, std::span<const Matte> mattes) {
   if (Result<void> ok = check(rig); !ok) return ok;
   if (mattes.size() != rig.cameras.size())
-    return fail(ErrorCode::InvalidArgument,
-                text(mattes.size(), " mattes for ", rig.cameras.size(), " cameras; give one each, empty where there is none"));
+    return fail(ErrorCode::InvalidArgument, text(mattes.size(), " mattes for ", rig.cameras.size(),
+                                                 " cameras; give one each, empty where there is none"));
   for (std::size_t i = 0; i < mattes.size(); ++i) {
     const CameraModel& model = rig.cameras[i].model;
     const Matte& matte = mattes[i];
     if (matte.empty() || (matte.width == model.width && matte.height == model.height)) continue;
     return fail(ErrorCode::InvalidArgument,
                 text("camera '", rig.cameras[i].serial, "': its matte is ", matte.width, "x", matte.height,
-                     ", its images are ", model.width, "x", model.height, "; key the images the rig was calibrated for"));
+                     ", its images are ", model.width, "x", model.height,
+                     "; key the images the rig was calibrated for"));
   }
   return {};
 }
@@ -38,23 +39,26 @@ Result<std::vector<std::string>> remark_on_subjects(const Rig& rig, std::span<co
   for (std::size_t i = 0; i < mattes.size(); ++i) {
     if (mattes[i].empty()) continue;
     if (subject_rectangle(mattes[i]).isEmpty())
-      remarks.push_back(text("camera '", rig.cameras[i].serial, "' sees only background and carves all that it sees"));
+      remarks.push_back(
+          text("camera '", rig.cameras[i].serial, "' sees only background and carves all that it sees"));
     else
       any = true;
   }
   if (!any)
-    return fail(ErrorCode::BadData, "empty silhouette: no camera shows any subject; check the mattes of this frame");
+    return fail(ErrorCode::BadData,
+                "empty silhouette: no camera shows any subject; check the mattes of this frame");
   return remarks;
 }
 
-Result<Eigen::AlignedBox3d> search_box(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
-                                       std::span<const OctreeView> views) {
+Result<Eigen::AlignedBox3d> search_box(const Rig& rig, std::span<const Matte> mattes,
+                                       const HullOptions& options, std::span<const OctreeView> views) {
   if (options.volume) return *options.volume;
   const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, mattes);
   if (!box)
-    return fail(ErrorCode::BadData,
-                "the silhouettes bound nothing: in too many cameras the subject fills the image or is cut by its "
-                "border; give the volume to search");
+    return fail(
+        ErrorCode::BadData,
+        "the silhouettes bound nothing: in too many cameras the subject fills the image or is cut by its "
+        "border; give the volume to search");
   return box->isEmpty() ? *box : shrink_to_hull(views, *box);
 }
 
@@ -73,7 +77,8 @@ Result<void> check(const HullOptions& o) {
   auto bad = [](const std::string& what) { return fail(ErrorCode::InvalidArgument, "hull: " + what); };
   if (o.resolution < 8 || o.resolution > 1024)
     return bad(text("a resolution of ", o.resolution, " voxels is not between 8 and 1024"));
-  if (!(o.smoothing >= 0 && o.smoothing <= 1)) return bad(text("smoothing by ", o.smoothing, " voxels is not between 0 and 1"));
+  if (!(o.smoothing >= 0 && o.smoothing <= 1))
+    return bad(text("smoothing by ", o.smoothing, " voxels is not between 0 and 1"));
   if (o.volume && !(o.volume->min().allFinite() && o.volume->max().allFinite() &&
                     (o.volume->min().array() < o.volume->max().array()).all()))
     return bad("the volume to search is not a box with finite corners and positive sides");
@@ -106,7 +111,8 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, co
     const CareOptions care{grid.voxel(), options.smoothing, options.threads};
     report.mesh = to_mesh(care_for(extract_surface(grid, views, options.threads), care));
   }
-  if (report.mesh.empty()) report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
+  if (report.mesh.empty())
+    report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
 
   report.volume = signed_volume(report.mesh);
   report.silhouette_iou.assign(mattes.size(), std::numeric_limits<double>::quiet_NaN());

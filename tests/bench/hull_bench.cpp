@@ -1,4 +1,5 @@
-// Octree hulls of a torus seen by ring cameras at 640x480: what a frame of the demo costs, and where the time goes.
+// Octree hulls of a torus seen by ring cameras at 640x480: what a frame of the demo costs, and where the time
+// goes.
 //   hull_bench --benchmark_filter=VisualHull
 
 #include <benchmark/benchmark.h>
@@ -54,7 +55,8 @@ BENCHMARK(PrepareView)->Unit(benchmark::kMillisecond);
 
 void Carve(benchmark::State& state) {
   const Scene scene(8);
-  for (auto _ : state) benchmark::DoNotOptimize(carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1));
 }
 BENCHMARK(Carve)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
 
@@ -69,7 +71,8 @@ void CareFor(benchmark::State& state) {
   const Scene scene(8);
   const CarvedGrid grid = carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1);
   const Surface surface = extract_surface(grid, scene.views, 1);
-  for (auto _ : state) benchmark::DoNotOptimize(care_for(surface, {.voxel = grid.voxel(), .largest_move = 0.5, .threads = 1}));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(care_for(surface, {.voxel = grid.voxel(), .largest_move = 0.5, .threads = 1}));
 }
 BENCHMARK(CareFor)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
 

@@ -28,21 +28,25 @@ inline Mesh cube(const Eigen::Vector3f& center, float side) {
 }
 
 inline Mesh turned_inside_out(Mesh mesh) {
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) std::swap(mesh.triangles[i + 1], mesh.triangles[i + 2]);
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3)
+    std::swap(mesh.triangles[i + 1], mesh.triangles[i + 2]);
   return mesh;
 }
 
 /// A torus around z with `around` × `across` quads.
 inline Mesh torus_mesh(float ring, float tube, int around = 24, int across = 12) {
   Mesh mesh;
-  const auto at = [&](int u, int v) { return static_cast<std::uint32_t>((u % around) * across + v % across); };
+  const auto at = [&](int u, int v) {
+    return static_cast<std::uint32_t>((u % around) * across + v % across);
+  };
   for (int i = 0; i < around; ++i) {
     for (int j = 0; j < across; ++j) {
       const float a = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(around);
       const float b = 2 * std::numbers::pi_v<float> * static_cast<float>(j) / static_cast<float>(across);
       const float r = ring + tube * std::cos(b);
       mesh.positions.push_back({r * std::cos(a), r * std::sin(a), tube * std::sin(b)});
-      for (std::uint32_t v : {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)})
+      for (std::uint32_t v :
+           {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)})
         mesh.triangles.push_back(v);
     }
   }

@@ -1,9 +1,9 @@
 #include "recon/mesh_check.h"
 
+#include <array>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <array>
 
 #include "core/random.h"
 #include "recon/crossings.h"

@@ -20,11 +20,14 @@ TEST(MeshMask, CoversTheSquareOfKnownPixels) {
 }
 
 TEST(MeshMask, AgreesWithRaysThroughEveryLens) {
-  for (const Lens& lens : {Lens{}, Lens{BrownConrady{-0.2, 0.05, 1e-3, 0, 0}}, Lens{KannalaBrandt{0.02, 0, 0, 0}}}) {
+  for (const Lens& lens :
+       {Lens{}, Lens{BrownConrady{-0.2, 0.05, 1e-3, 0, 0}}, Lens{KannalaBrandt{0.02, 0, 0, 0}}}) {
     const Rig rig = shapes::ring_rig({.cameras = 3, .distance = 1.8, .focal = 120, .lens = lens});
     const Mesh mesh = torus_mesh(0.5f, 0.2f, 96, 48);
     for (const RigCamera& camera : rig.cameras)
-      EXPECT_GT(iou(mesh_mask(camera, mesh), shapes::render_matte(camera, shapes::torus({0, 0, 0}, 0.5, 0.2))), 0.985);
+      EXPECT_GT(
+          iou(mesh_mask(camera, mesh), shapes::render_matte(camera, shapes::torus({0, 0, 0}, 0.5, 0.2))),
+          0.985);
   }
 }
 
@@ -34,7 +37,8 @@ TEST(MeshMask, CutsOffWhatIsBehindTheCamera) {
   camera.model = {.width = 64, .height = 48, .fx = 50, .fy = 50, .cx = 32, .cy = 24, .skew = 0, .lens = {}};
   EXPECT_EQ(coverage(mesh_mask(camera, cube({0, 0, -3}, 1))), 0) << "all of it behind";
   EXPECT_EQ(coverage(mesh_mask(camera, cube({0, 0, 0}, 4))), 1) << "all around the camera";
-  EXPECT_NEAR(coverage(mesh_mask(camera, cube({0, 50, 0}, 100))), 0.5, 0.02) << "a floor at the camera's height";
+  EXPECT_NEAR(coverage(mesh_mask(camera, cube({0, 50, 0}, 100))), 0.5, 0.02)
+      << "a floor at the camera's height";
 }
 
 TEST(MeshMask, OfNothingIsEmpty) {

@@ -1,8 +1,8 @@
 #include "recon/octree_carve.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "tests/support/analytic_shapes.h"
@@ -10,8 +10,8 @@
 namespace floatstage {
 namespace {
 
-const Lens kLenses[] = {Lens{}, Lens{BrownConrady{-0.25, 0.08, 2e-3, -1e-3, 0.01}}, Lens{BrownConrady{0.2, 0.05, 0, 0, 0}},
-                        Lens{KannalaBrandt{0.03, -0.01, 0.002, 0}}};
+const Lens kLenses[] = {Lens{}, Lens{BrownConrady{-0.25, 0.08, 2e-3, -1e-3, 0.01}},
+                        Lens{BrownConrady{0.2, 0.05, 0, 0, 0}}, Lens{KannalaBrandt{0.03, -0.01, 0.002, 0}}};
 
 // A noisy silhouette: blobs and holes at every scale.
 Matte speckled_matte(const RigCamera& camera, Random& random) {
@@ -19,7 +19,8 @@ Matte speckled_matte(const RigCamera& camera, Random& random) {
   for (int blob = 0; blob < 40; ++blob) {
     const double x = random.uniform(0, alpha.width), y = random.uniform(0, alpha.height);
     const double radius = random.uniform(0.5, 25);
-    const std::uint8_t value = random.uniform() < 0.7 ? static_cast<std::uint8_t>(random.uniform(100, 256)) : 0;
+    const std::uint8_t value =
+        random.uniform() < 0.7 ? static_cast<std::uint8_t>(random.uniform(100, 256)) : 0;
     for (int v = 0; v < alpha.height; ++v)
       for (int u = 0; u < alpha.width; ++u)
         if (std::hypot(u + 0.5 - x, v + 0.5 - y) < radius) *alpha.at(u, v) = value;
@@ -34,16 +35,22 @@ std::vector<OctreeView> speckled_views(const Rig& rig, Random& random) {
 }
 
 Rig close_ring(int cameras, const Lens& lens) {
-  return shapes::ring_rig({.cameras = cameras, .distance = 1.5, .width = 80, .height = 60, .focal = 60, .lens = lens});
+  return shapes::ring_rig(
+      {.cameras = cameras, .distance = 1.5, .width = 80, .height = 60, .focal = 60, .lens = lens});
 }
 
 bool agree(BoxVerdict box, PointVerdict point) {
   switch (box) {
-    case BoxVerdict::Unseen: return point == PointVerdict::Unseen;
-    case BoxVerdict::Background: return point == PointVerdict::Background;
-    case BoxVerdict::Subject: return point == PointVerdict::Subject;
-    case BoxVerdict::NotBackground: return point != PointVerdict::Background;
-    case BoxVerdict::Mixed: return true;
+    case BoxVerdict::Unseen:
+      return point == PointVerdict::Unseen;
+    case BoxVerdict::Background:
+      return point == PointVerdict::Background;
+    case BoxVerdict::Subject:
+      return point == PointVerdict::Subject;
+    case BoxVerdict::NotBackground:
+      return point != PointVerdict::Background;
+    case BoxVerdict::Mixed:
+      return true;
   }
   return false;
 }
@@ -55,7 +62,8 @@ TEST_P(CarvedThroughEveryLens, EqualsAskingEveryPoint) {
   for (int round = 0; round < 6; ++round) {
     const std::vector<OctreeView> views = speckled_views(close_ring(3, GetParam()), random);
     // Large enough to reach outside the images and behind the cameras.
-    const Eigen::AlignedBox3d box(Eigen::Vector3d(-1.9, -1.2, -0.7), Eigen::Vector3d(1.2, 1.8, random.uniform(0.5, 2)));
+    const Eigen::AlignedBox3d box(Eigen::Vector3d(-1.9, -1.2, -0.7),
+                                  Eigen::Vector3d(1.2, 1.8, random.uniform(0.5, 2)));
     const CarvedGrid grid = carve(views, box, 50, 1);
     int inside = 0;
     for (int z = 0; z < grid.points().z(); ++z) {
@@ -128,8 +136,10 @@ TEST(Carve, GivesTheSameBitsAtAnyThreadCount) {
 TEST(ShrinkToHull, KeepsEveryPointOfTheHullAndLittleElse) {
   const Rig rig = shapes::sphere_rig({.cameras = 12});
   std::vector<OctreeView> views;
-  for (const RigCamera& c : rig.cameras) views.emplace_back(c, shapes::render_matte(c, shapes::sphere({0.2, 0, -0.1}, 0.3)));
-  const Eigen::AlignedBox3d box = shrink_to_hull(views, {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1)});
+  for (const RigCamera& c : rig.cameras)
+    views.emplace_back(c, shapes::render_matte(c, shapes::sphere({0.2, 0, -0.1}, 0.3)));
+  const Eigen::AlignedBox3d box =
+      shrink_to_hull(views, {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1)});
   const Eigen::AlignedBox3d tight(Eigen::Vector3d(-0.1, -0.3, -0.4), Eigen::Vector3d(0.5, 0.3, 0.2));
   EXPECT_TRUE(box.contains(tight));
   EXPECT_LT(box.sizes().maxCoeff(), 0.75);
@@ -139,7 +149,8 @@ TEST(ShrinkToHull, IsEmptyWhenEverythingIsCarved) {
   const Rig rig = shapes::ring_rig({.cameras = 2});
   std::vector<OctreeView> views;
   for (const RigCamera& c : rig.cameras) views.emplace_back(c, shapes::uniform_matte(c, 0));
-  EXPECT_TRUE(shrink_to_hull(views, {Eigen::Vector3d(-0.1, -0.1, -0.1), Eigen::Vector3d(0.1, 0.1, 0.1)}).isEmpty());
+  EXPECT_TRUE(
+      shrink_to_hull(views, {Eigen::Vector3d(-0.1, -0.1, -0.1), Eigen::Vector3d(0.1, 0.1, 0.1)}).isEmpty());
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "recon/octree_cases.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
+
+#include <gtest/gtest.h>
 
 namespace floatstage {
 namespace {
@@ -30,7 +30,8 @@ std::set<Line> outline(const CubeCases& cases, int inside, int axis, int side) {
   for (const auto& t : cases[static_cast<std::size_t>(inside)])
     for (std::size_t i = 0; i < 3; ++i) all.insert({t[i], t[(i + 1) % 3]});
   for (const auto& [from, to] : all)
-    if (!all.contains({to, from}) && on_face(from, axis, side) && on_face(to, axis, side)) open.insert({from, to});
+    if (!all.contains({to, from}) && on_face(from, axis, side) && on_face(to, axis, side))
+      open.insert({from, to});
   return open;
 }
 
@@ -64,12 +65,14 @@ TEST(CubeCases, LeaveTheSameOutlineOnAFaceFromBothSides) {
   for (int axis = 0; axis < 3; ++axis) {
     std::map<int, std::set<Line>> from_below;
     for (int below = 0; below < 256; ++below) {
-      const auto [it, is_new] = from_below.try_emplace(signs_on_face(below, axis, 1), outline(cases, below, axis, 1));
+      const auto [it, is_new] =
+          from_below.try_emplace(signs_on_face(below, axis, 1), outline(cases, below, axis, 1));
       EXPECT_EQ(it->second, outline(cases, below, axis, 1)) << "axis " << axis << " case " << below;
     }
     for (int above = 0; above < 256; ++above) {
       std::set<Line> reversed;
-      for (const auto& [from, to] : outline(cases, above, axis, 0)) reversed.insert({across(to, axis), across(from, axis)});
+      for (const auto& [from, to] : outline(cases, above, axis, 0))
+        reversed.insert({across(to, axis), across(from, axis)});
       EXPECT_EQ(reversed, from_below[signs_on_face(above, axis, 0)]) << "axis " << axis << " case " << above;
     }
   }

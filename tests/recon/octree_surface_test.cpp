@@ -1,8 +1,8 @@
 #include "recon/octree_surface.h"
 
-#include <gtest/gtest.h>
-
 #include <optional>
+
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "recon/mesh_care.h"
@@ -55,7 +55,8 @@ class RoundBody : public testing::Test {
  protected:
   RoundBody() {
     const Rig rig = shapes::ring_rig({.cameras = 6});
-    for (const RigCamera& c : rig.cameras) views.emplace_back(c, shapes::render_matte(c, shapes::sphere({0, 0, 0}, 0.5)));
+    for (const RigCamera& c : rig.cameras)
+      views.emplace_back(c, shapes::render_matte(c, shapes::sphere({0, 0, 0}, 0.5)));
     grid.emplace(carve(views, {Eigen::Vector3d(-0.8, -0.8, -0.8), Eigen::Vector3d(0.8, 0.8, 0.8)}, 40, 1));
     surface = extract_surface(*grid, views, 1);
   }
@@ -95,7 +96,8 @@ TEST(ExtractSurface, CrossesItselfNowhereWithAllVerticesInTheirSafePlaces) {
 TEST(CareFor, KeepsAWildSurfaceAManifold) {
   const Surface raw = wild_surface();
   const MeshCheck before = check_mesh(to_mesh(raw));
-  const MeshCheck after = check_mesh(to_mesh(care_for(raw, {.voxel = 1.0 / 14, .largest_move = 0.5, .threads = 1})));
+  const MeshCheck after =
+      check_mesh(to_mesh(care_for(raw, {.voxel = 1.0 / 14, .largest_move = 0.5, .threads = 1})));
   EXPECT_TRUE(after.watertight && after.manifold && after.oriented) << after.summary();
   EXPECT_FALSE(after.self_intersecting);
   EXPECT_EQ(after.shells, before.shells);

@@ -38,8 +38,10 @@ Image spread(const Image& in, int radius, bool grow) {
     for (int y = 0; y < in.height; ++y)
       for (int x = 0; x < in.width; ++x)
         for (int d = -radius; d <= radius; ++d) {
-          const int u = std::clamp(x + (pass ? 0 : d), 0, in.width - 1), v = std::clamp(y + (pass ? d : 0), 0, in.height - 1);
-          *to.at(x, y) = grow ? std::max(*to.at(x, y), *from.at(u, v)) : std::min(*to.at(x, y), *from.at(u, v));
+          const int u = std::clamp(x + (pass ? 0 : d), 0, in.width - 1),
+                    v = std::clamp(y + (pass ? d : 0), 0, in.height - 1);
+          *to.at(x, y) =
+              grow ? std::max(*to.at(x, y), *from.at(u, v)) : std::min(*to.at(x, y), *from.at(u, v));
         }
   }
   return out;
@@ -54,7 +56,8 @@ Image largest_component(const Image& mask) {
     std::vector<std::size_t> queue = {seed};
     label[seed] = ++labels;
     for (std::size_t next = 0; next < queue.size(); ++next) {
-      const int x = static_cast<int>(queue[next]) % mask.width, y = static_cast<int>(queue[next]) / mask.width;
+      const int x = static_cast<int>(queue[next]) % mask.width,
+                y = static_cast<int>(queue[next]) / mask.width;
       for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
         if (x + dx < 0 || y + dy < 0 || x + dx >= mask.width || y + dy >= mask.height) continue;
         const std::size_t other = mask.offset(x + dx, y + dy);
@@ -114,13 +117,20 @@ MatteSet load_vacancy_bunny(const std::filesystem::path& folder) {
     RigCamera camera;
     camera.serial = index;
     // Its principal point counts from the first pixel's centre: so its own truth mesh fits its masks.
-    camera.model = {.width = mask.width, .height = mask.height, .fx = 258.65, .fy = 258.25,
-                    .cx = 159.3 + 0.5, .cy = 127.65 + 0.5, .skew = 0, .lens = {}};
+    camera.model = {.width = mask.width,
+                    .height = mask.height,
+                    .fx = 258.65,
+                    .fy = 258.25,
+                    .cx = 159.3 + 0.5,
+                    .cy = 127.65 + 0.5,
+                    .skew = 0,
+                    .lens = {}};
     camera.cam_from_world = Rigid3{q.normalized(), t}.inverse();
     set.rig.cameras.push_back(camera);
     set.mattes.push_back(make_matte({}, mask));
   }
-  if (set.mattes.size() != 6) throw std::runtime_error(text(folder.string(), ": ", set.mattes.size(), " poses, not 6"));
+  if (set.mattes.size() != 6)
+    throw std::runtime_error(text(folder.string(), ": ", set.mattes.size(), " poses, not 6"));
   return set;
 }
 

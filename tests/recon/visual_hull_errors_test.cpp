@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "recon/visual_hull.h"
 #include "tests/support/analytic_shapes.h"
@@ -20,12 +20,14 @@ class VisualHullErrors : public testing::Test {
 
 TEST_F(VisualHullErrors, RefusesAnotherNumberOfMattes) {
   mattes.pop_back();
-  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::InvalidArgument, "3 mattes for 4 cameras"));
+  EXPECT_THAT(visual_hull(rig, mattes, options),
+              FailsWith(ErrorCode::InvalidArgument, "3 mattes for 4 cameras"));
 }
 
 TEST_F(VisualHullErrors, RefusesAMatteOfAnotherSizeAndNamesItsCamera) {
   mattes[2] = make_matte({}, Image(159, 120, 1));
-  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::InvalidArgument, "camera 'c2': its matte is 159x120"));
+  EXPECT_THAT(visual_hull(rig, mattes, options),
+              FailsWith(ErrorCode::InvalidArgument, "camera 'c2': its matte is 159x120"));
 }
 
 TEST_F(VisualHullErrors, RefusesARigThatIsNotFinite) {
@@ -69,7 +71,8 @@ TEST_F(VisualHullErrors, RefusesOptionsOutOfRange) {
   bad = options;
   bad.volume = Eigen::AlignedBox3d(Vector3d(0, 0, 0), Vector3d(1, 0, 1));
   refuses(bad, "positive sides");
-  bad.volume = Eigen::AlignedBox3d(Vector3d(0, 0, 0), Vector3d(1, std::numeric_limits<double>::infinity(), 1));
+  bad.volume =
+      Eigen::AlignedBox3d(Vector3d(0, 0, 0), Vector3d(1, std::numeric_limits<double>::infinity(), 1));
   refuses(bad, "finite corners");
 }
 

@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <numeric>
 #include <optional>
+
+#include <gtest/gtest.h>
 
 #include "core/mesh_io.h"
 #include "recon/mesh_check.h"
@@ -15,7 +15,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::filesystem::path data(const std::string& name) { return std::filesystem::path(FLOATSTAGE_DATA_DIR) / name; }
+std::filesystem::path data(const std::string& name) {
+  return std::filesystem::path(FLOATSTAGE_DATA_DIR) / name;
+}
 
 // Real data may be absent on a laptop, never in the checks that guard the main branch.
 #define NEEDS_DATA(folder)                                                               \
@@ -64,8 +66,10 @@ TEST(TempleRingReal, HullCoversTheTempleAndStaysInItsSilhouettes) {
   NEEDS_DATA(folder);
   const MatteSet set = load_temple_ring(folder);
   ASSERT_EQ(set.mattes.size(), 19u);
-  // The silhouettes also hold the dark cloth that the temple stands on; the published box, widened by 4 mm, cuts it off.
-  const Eigen::AlignedBox3d box(Vector3d(-0.027121, -0.042009, -0.095940), Vector3d(0.082626, 0.125636, -0.013395));
+  // The silhouettes also hold the dark cloth that the temple stands on; the published box, widened by 4 mm,
+  // cuts it off.
+  const Eigen::AlignedBox3d box(Vector3d(-0.027121, -0.042009, -0.095940),
+                                Vector3d(0.082626, 0.125636, -0.013395));
   const HullReport hull = hull_of(set, 200, box);
   expect_sound(hull);
   EXPECT_LE(hull.voxel, 0.001);
@@ -79,7 +83,8 @@ TEST(TempleRingReal, HullCoversTheTempleAndStaysInItsSilhouettes) {
 
 TEST(GreenDomeReal, HullOfEightCamerasFillsItsSilhouettes) {
   NEEDS_DATA(data("green-dome"));
-  const HullReport hull = hull_of(subset(load_green_dome(data("green-dome")), {0, 2, 5, 7, 10, 12, 15, 17}), 256);
+  const HullReport hull =
+      hull_of(subset(load_green_dome(data("green-dome")), {0, 2, 5, 7, 10, 12, 15, 17}), 256);
   expect_sound(hull);
   EXPECT_LE(hull.voxel, 0.008);
   EXPECT_GT(mean_iou(hull), 0.985);

@@ -1,10 +1,10 @@
 #include "recon/visual_hull.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "recon/mesh_check.h"
@@ -47,7 +47,8 @@ MATCHER(IsGood, "is closed, manifold, outward and crosses itself nowhere") {
 
 TEST(VisualHull, OfASphereIsALittleLargerThanTheSphere) {
   const Rig rig = shapes::sphere_rig({.cameras = 24, .width = 320, .height = 240, .focal = 400});
-  const HullReport hull = hull_of(rig, shapes::render_mattes(rig, shapes::sphere({0.1, 0, 0}, 0.5)), at_resolution(96));
+  const HullReport hull =
+      hull_of(rig, shapes::render_mattes(rig, shapes::sphere({0.1, 0, 0}, 0.5)), at_resolution(96));
   EXPECT_THAT(hull.mesh, IsGood());
   EXPECT_EQ(check_mesh(hull.mesh).genus, 0);
   EXPECT_GT(hull.volume, kSphere * 0.125);
@@ -94,7 +95,8 @@ TEST(VisualHull, ContainsTheBodyItCameFrom) {
 
 TEST(VisualHull, OfATorusHasItsHole) {
   const Rig rig = shapes::sphere_rig({.cameras = 20, .focal = 200});
-  const HullReport hull = hull_of(rig, shapes::render_mattes(rig, shapes::torus({0, 0, 0}, 0.4, 0.12)), at_resolution(80));
+  const HullReport hull =
+      hull_of(rig, shapes::render_mattes(rig, shapes::torus({0, 0, 0}, 0.4, 0.12)), at_resolution(80));
   EXPECT_THAT(hull.mesh, IsGood());
   EXPECT_EQ(check_mesh(hull.mesh).shells, 1);
   EXPECT_EQ(check_mesh(hull.mesh).genus, 1);
@@ -102,7 +104,8 @@ TEST(VisualHull, OfATorusHasItsHole) {
 
 TEST(VisualHull, OfTwoBodiesHasTwoShells) {
   const Rig rig = shapes::sphere_rig({.cameras = 16, .focal = 180});
-  const auto shape = shapes::both(shapes::sphere({-0.5, 0, 0}, 0.25), shapes::box({0.5, 0.1, 0}, {0.3, 0.3, 0.3}));
+  const auto shape =
+      shapes::both(shapes::sphere({-0.5, 0, 0}, 0.25), shapes::box({0.5, 0.1, 0}, {0.3, 0.3, 0.3}));
   const HullReport hull = hull_of(rig, shapes::render_mattes(rig, shape), at_resolution(96));
   EXPECT_THAT(hull.mesh, IsGood());
   EXPECT_EQ(check_mesh(hull.mesh).shells, 2);
@@ -116,7 +119,8 @@ TEST(VisualHull, IsNotCarvedByACameraWithoutAMatte) {
   auto fewer = mattes;
   fewer.erase(fewer.begin() + 2);
   mattes[2] = {};
-  const HullReport with_empty = hull_of(rig, mattes, at_resolution(48)), reference = hull_of(without, fewer, at_resolution(48));
+  const HullReport with_empty = hull_of(rig, mattes, at_resolution(48)),
+                   reference = hull_of(without, fewer, at_resolution(48));
   ASSERT_FALSE(reference.mesh.empty());
   EXPECT_NEAR(with_empty.volume, reference.volume, 1e-3 * reference.volume);
   EXPECT_EQ(check_mesh(with_empty.mesh).genus, check_mesh(reference.mesh).genus);
@@ -174,7 +178,8 @@ TEST(VisualHull, FillsAGivenVolumeThatEveryCameraSeesAsSubject) {
   const Rig rig = shapes::ring_rig({.cameras = 4});
   std::vector<Matte> mattes;
   for (const RigCamera& c : rig.cameras) mattes.push_back(shapes::uniform_matte(c, 255));
-  const HullReport hull = hull_of(rig, mattes, within({Vector3d(-0.2, -0.3, -0.1), Vector3d(0.2, 0.3, 0.1)}, 40));
+  const HullReport hull =
+      hull_of(rig, mattes, within({Vector3d(-0.2, -0.3, -0.1), Vector3d(0.2, 0.3, 0.1)}, 40));
   EXPECT_THAT(hull.mesh, IsGood());
   EXPECT_NEAR(hull.volume, 0.4 * 0.6 * 0.2, 0.03 * 0.048);
 }
@@ -183,17 +188,19 @@ TEST(VisualHull, HoldsNothingThatNoCameraSees) {
   const Rig rig = shapes::ring_rig({.cameras = 8});
   const auto mattes = shapes::render_mattes(rig, shapes::sphere({0, 0, 0}, 0.3));
   // A hall around the ring: its corners are in no image.
-  const HullReport hull = hull_of(rig, mattes, within({Vector3d(-2.5, -2.5, -2.5), Vector3d(2.5, 2.5, 2.5)}, 120));
+  const HullReport hull =
+      hull_of(rig, mattes, within({Vector3d(-2.5, -2.5, -2.5), Vector3d(2.5, 2.5, 2.5)}, 120));
   EXPECT_EQ(check_mesh(hull.mesh).shells, 1);
   EXPECT_LT(bounding_box(hull.mesh).sizes().maxCoeff(), 1.0f);
 }
 
 TEST(VisualHull, SeesThroughLenses) {
-  for (const Lens& lens : {Lens{BrownConrady{-0.25, 0.08, 1e-3, -1e-3, 0}}, Lens{BrownConrady{0.15, 0.02, 0, 0, 0}},
-                           Lens{KannalaBrandt{0.03, -0.01, 0, 0}}}) {
+  for (const Lens& lens : {Lens{BrownConrady{-0.25, 0.08, 1e-3, -1e-3, 0}},
+                           Lens{BrownConrady{0.15, 0.02, 0, 0, 0}}, Lens{KannalaBrandt{0.03, -0.01, 0, 0}}}) {
     const Rig rig = shapes::sphere_rig(
         {.cameras = 16, .distance = 1.5, .width = 200, .height = 160, .focal = 120, .lens = lens});
-    const HullReport hull = hull_of(rig, shapes::render_mattes(rig, shapes::sphere({0.15, 0.1, 0}, 0.4)), at_resolution(80));
+    const HullReport hull =
+        hull_of(rig, shapes::render_mattes(rig, shapes::sphere({0.15, 0.1, 0}, 0.4)), at_resolution(80));
     EXPECT_THAT(hull.mesh, IsGood());
     EXPECT_NEAR(hull.volume / (kSphere * 0.064), 1.05, 0.05);
     for (double iou : hull.silhouette_iou) EXPECT_GT(iou, 0.985);
@@ -207,7 +214,8 @@ TEST(VisualHull, TakesCamerasNearAndFar) {
     c.serial = "near-" + c.serial;
     rig.cameras.push_back(c);
   }
-  const HullReport hull = hull_of(rig, shapes::render_mattes(rig, shapes::sphere({0, 0, 0}, 0.5)), at_resolution(64));
+  const HullReport hull =
+      hull_of(rig, shapes::render_mattes(rig, shapes::sphere({0, 0, 0}, 0.5)), at_resolution(64));
   EXPECT_THAT(hull.mesh, IsGood());
   EXPECT_NEAR(hull.volume / (kSphere * 0.125), 1.08, 0.08);
 }
@@ -244,10 +252,12 @@ TEST(VisualHull, IsSoundForDisturbedCamerasAndMattes) {
   int not_empty = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     Random random(seed);
-    Rig rig = shapes::ring_rig({.cameras = 3 + static_cast<int>(seed % 5), .width = 96, .height = 72, .focal = 80},
-                               random.uniform(-1, 1.5));
-    const auto shape = shapes::both(shapes::torus({0, 0, random.uniform(-0.2, 0.2)}, 0.45, random.uniform(0.03, 0.2)),
-                                    shapes::box({0, 0, 0.2}, {0.1, random.uniform(0.05, 0.6), 0.9}));
+    Rig rig =
+        shapes::ring_rig({.cameras = 3 + static_cast<int>(seed % 5), .width = 96, .height = 72, .focal = 80},
+                         random.uniform(-1, 1.5));
+    const auto shape =
+        shapes::both(shapes::torus({0, 0, random.uniform(-0.2, 0.2)}, 0.45, random.uniform(0.03, 0.2)),
+                     shapes::box({0, 0, 0.2}, {0.1, random.uniform(0.05, 0.6), 0.9}));
     std::vector<Matte> mattes = shapes::render_mattes(rig, shape);
     for (std::size_t i = 0; i < mattes.size(); ++i) {
       Image alpha = to_image(mattes[i]);
@@ -258,7 +268,8 @@ TEST(VisualHull, IsSoundForDisturbedCamerasAndMattes) {
       t.rotation = (t.rotation * Eigen::AngleAxisd(random.normal() * 0.01, Vector3d::UnitY())).normalized();
       t.translation += 0.02 * Vector3d(random.normal(), random.normal(), random.normal());
     }
-    const HullReport hull = hull_of(rig, mattes, within({Vector3d(-0.8, -0.8, -0.6), Vector3d(0.8, 0.8, 0.9)}, 40));
+    const HullReport hull =
+        hull_of(rig, mattes, within({Vector3d(-0.8, -0.8, -0.6), Vector3d(0.8, 0.8, 0.9)}, 40));
     EXPECT_THAT(hull.mesh, IsGood()) << "seed " << seed;
     not_empty += !hull.mesh.empty();
   }

@@ -15,10 +15,17 @@ using Eigen::Vector3d;
 RigCamera camera_at(const Vector3d& eye, const RigShape& shape, int index) {
   RigCamera c;
   c.serial = text("c", index);
-  c.model = {.width = shape.width, .height = shape.height, .fx = shape.focal, .fy = shape.focal,
-             .cx = shape.width / 2.0, .cy = shape.height / 2.0, .skew = 0, .lens = shape.lens};
+  c.model = {.width = shape.width,
+             .height = shape.height,
+             .fx = shape.focal,
+             .fy = shape.focal,
+             .cx = shape.width / 2.0,
+             .cy = shape.height / 2.0,
+             .skew = 0,
+             .lens = shape.lens};
   const Vector3d along = (shape.target - eye).normalized();
-  c.cam_from_world = look_at(eye, shape.target, std::abs(along.z()) > 0.99 ? Vector3d::UnitY() : Vector3d::UnitZ());
+  c.cam_from_world =
+      look_at(eye, shape.target, std::abs(along.z()) > 0.99 ? Vector3d::UnitY() : Vector3d::UnitZ());
   return c;
 }
 
@@ -36,7 +43,8 @@ Shape box(const Vector3d& center, const Vector3d& sizes) {
   return [=](const Vector3d& origin, const Vector3d& direction) {
     double enter = 0, leave = 1e30;
     for (int axis = 0; axis < 3; ++axis) {
-      const double lo = center[axis] - sizes[axis] / 2 - origin[axis], hi = center[axis] + sizes[axis] / 2 - origin[axis];
+      const double lo = center[axis] - sizes[axis] / 2 - origin[axis],
+                   hi = center[axis] + sizes[axis] / 2 - origin[axis];
       if (direction[axis] == 0) {
         if (lo > 0 || hi < 0) return false;
         continue;
@@ -64,7 +72,9 @@ Shape torus(const Vector3d& center, double ring, double tube) {
 }
 
 Shape both(Shape a, Shape b) {
-  return [a = std::move(a), b = std::move(b)](const Vector3d& o, const Vector3d& d) { return a(o, d) || b(o, d); };
+  return [a = std::move(a), b = std::move(b)](const Vector3d& o, const Vector3d& d) {
+    return a(o, d) || b(o, d);
+  };
 }
 
 Matte render_matte(const RigCamera& camera, const Shape& shape) {

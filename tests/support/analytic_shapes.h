@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <functional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/matte.h"
 #include "core/rig.h"
@@ -27,10 +28,10 @@ Matte uniform_matte(const RigCamera& camera, std::uint8_t alpha);
 
 struct RigShape {
   int cameras = 8;
-  double distance = 3;        ///< metres, from the target
+  double distance = 3;  ///< metres, from the target
   Eigen::Vector3d target = Eigen::Vector3d::Zero();
   int width = 160, height = 120;
-  double focal = 150;         ///< px
+  double focal = 150;  ///< px
   Lens lens = {};
 };
 
