@@ -1,11 +1,10 @@
 #include "render/floating_renderer.h"
 
 #include <algorithm>
-#include <optional>
+#include <vector>
 
-#include "core/parallel.h"
-#include "render/image_fill.h"
 #include "render/inspection.h"
+#include "render/pairwise_flows.h"
 #include "render/projection.h"
 
 namespace floatstage {
@@ -13,11 +12,7 @@ namespace {
 
 constexpr int kMargin = 16;  // px around the view: what the warps may pull in from outside
 
-/// Grey pictures of the intermediate images, continued beyond the proxy, and whether each camera counts anywhere.
-struct FlowInputs {
-  int width = 0, height = 0;
-  std::vector<std::vector<std::uint8_t>> gray;
-};
+constexpr float kLeastFade = 1e-4F;  // shaders/float.frag has the same: a fainter camera pulls nothing
 
 class FloatingRenderer : public ViewRenderer {
  public:
@@ -43,7 +38,7 @@ class FloatingRenderer : public ViewRenderer {
         glUniform2i(0, w.x, w.y);
         projection_.draw_at(target_.framebuffer(), float_,
                             {projection_.surface(), projection_.weights(0), projection_.weights(1), images_.id(),
-                             flows_.id()},
+                             flows_.id(), projection_.angular(0), projection_.angular(1), projection_.soft(0), projection_.soft(1)},
                             w.x, w.y, w.width, w.height);
       }
     }
@@ -64,53 +59,39 @@ class FloatingRenderer : public ViewRenderer {
                      {projection_.surface(), projection_.weights(0), projection_.weights(1), projection_.visibility()});
   }
 
-  FlowInputs read_images() const {
+  ProjectedImages read_images() const {
     const Window& w = projection_.window();
-    FlowInputs in{w.width, w.height, {}};
-    const std::size_t size = static_cast<std::size_t>(w.width) * w.height;
-    std::vector<std::uint8_t> rgba(size * 4 * static_cast<std::size_t>(count()));
+    const auto layers = static_cast<std::size_t>(count());
+    const std::size_t size = static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height);
+    std::vector<std::uint8_t> rgba(size * 4 * layers);
     glGetTextureSubImage(images_.id(), 0, 0, 0, 0, w.width, w.height, count(), GL_RGBA, GL_UNSIGNED_BYTE,
                          static_cast<GLsizei>(rgba.size()), rgba.data());
-    in.gray.assign(static_cast<std::size_t>(count()), std::vector<std::uint8_t>(size));
-    parallel_for(in.gray.size(), 0, [&](std::size_t layer) {
+    const std::vector<std::vector<std::uint8_t>> planes(layers, std::vector<std::uint8_t>(size));
+    ProjectedImages out{w.width, w.height, planes, planes};
+    for (std::size_t layer = 0; layer < layers; ++layer) {
       const std::uint8_t* from = rgba.data() + layer * size * 4;
-      std::vector<std::uint8_t> mask(size);
-      for (std::size_t i = 0; i < size; ++i) {
-        mask[i] = from[4 * i + 3];
-        in.gray[layer][i] = static_cast<std::uint8_t>((77 * from[4 * i] + 150 * from[4 * i + 1] + 29 * from[4 * i + 2] + 128) >> 8);
+      for (std::size_t i = 0; i < size; ++i, from += 4) {
+        out.gray[layer][i] = static_cast<std::uint8_t>((77 * from[0] + 150 * from[1] + 29 * from[2] + 128) >> 8);
+        out.state[layer][i] = from[3] > 192 ? ProjectedImages::kOwn
+                              : from[3] > 0 ? ProjectedImages::kFilled
+                                            : ProjectedImages::kNoProxy;
       }
-      fill_unknown(w.width, w.height, mask.data(), in.gray[layer].data());
-    });
-    return in;
+    }
+    return out;
   }
 
-  /// All ordered pairs of the chosen images, in parallel; every pair has its own estimator, so the result does not
-  /// depend on which thread takes it.
   Result<void> estimate_flows(const RendererOptions& options) {
     const Window& w = projection_.window();
-    const int n = count(), pairs = n * (n - 1);
-    flows_.reserve(GL_RG32F, GL_LINEAR, w.width, w.height, std::max(pairs, 1));
-    if (pairs == 0) return {};
-    if (!flow_options_ || *flow_options_ != options.flow) estimators_.clear();
-    flow_options_ = options.flow;
-    while (estimators_.size() < static_cast<std::size_t>(pairs)) {
-      auto estimator = make_flow_estimator(options.flow);
-      if (!estimator) return forward(estimator);
-      estimators_.push_back(std::move(*estimator));
-    }
-    const FlowInputs in = read_images();
-    std::vector<Result<FlowField>> fields(static_cast<std::size_t>(pairs), Result<FlowField>(FlowField{}));
-    parallel_for(fields.size(), 0, [&](std::size_t pair) {
-      const std::size_t i = pair / static_cast<std::size_t>(n - 1), rest = pair % static_cast<std::size_t>(n - 1);
-      const std::size_t j = rest < i ? rest : rest + 1;
-      fields[pair] = estimators_[pair]->estimate({in.width, in.height, in.gray[i].data()},
-                                                 {in.width, in.height, in.gray[j].data()});
-    });
-    for (std::size_t pair = 0; pair < fields.size(); ++pair) {
-      if (!fields[pair]) return forward(fields[pair]);
+    const CameraChoice& choice = projection_.choice();
+    flows_.reserve(GL_RG32F, GL_LINEAR, w.width, w.height, std::max(count() * (count() - 1), 1));
+    if (count() < 2) return {};
+    std::vector<bool> pulls(choice.chosen);
+    for (std::size_t i = 0; i < choice.chosen; ++i) pulls[i] = choice.fade[i] >= kLeastFade;
+    if (std::find(pulls.begin(), pulls.end(), true) == pulls.end()) pulls.assign(choice.chosen, true);
+    if (Result<void> ok = pairwise_.estimate(read_images(), pulls, options.flow, options.threads); !ok) return ok;
+    for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
       glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), w.width, w.height, 1, GL_RG, GL_FLOAT,
-                          fields[pair]->uv.data());
-    }
+                          pairwise_.fields()[pair].uv.data());
     return {};
   }
 
@@ -120,8 +101,7 @@ class FloatingRenderer : public ViewRenderer {
   gl::Texture images_, flows_;
   gl::Framebuffer images_target_;
   ViewTarget target_;
-  std::optional<FlowOptions> flow_options_;
-  std::vector<std::unique_ptr<FlowEstimator>> estimators_;
+  PairwiseFlows pairwise_;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 struct Level {
   int width = 0, height = 0;
-  std::vector<float> value, weight;  // value is a weighted sum until push() normalises it
+  std::vector<float> value, weight;  // weight 1: known, 0: unknown
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x); }
 };
 
@@ -45,37 +45,38 @@ float bilinear(const Level& level, float x, float y) {
   return top * (1 - fy) + bottom * fy;
 }
 
-}  // namespace
-
-void fill_unknown(int width, int height, const std::uint8_t* mask, std::uint8_t* gray) {
-  std::vector<Level> levels(1);
-  Level& base = levels.front();
-  base.width = width;
-  base.height = height;
-  const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  base.value.resize(size);
-  base.weight.resize(size);
-  bool any = false;
-  for (std::size_t i = 0; i < size; ++i) {
-    base.value[i] = gray[i];
-    base.weight[i] = mask[i] != 0 ? 1.F : 0.F;
-    any = any || mask[i] != 0;
-  }
-  if (!any) return;
-  while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(half(levels.back()));
-  for (std::size_t l = levels.size() - 1; l-- > 0;) {
-    Level& fine = levels[l];
-    for (int y = 0; y < fine.height; ++y) {
-      for (int x = 0; x < fine.width; ++x) {
-        const std::size_t i = fine.at(x, y);
-        if (fine.weight[i] >= 1) continue;
-        const float coarse = bilinear(levels[l + 1], 0.5F * static_cast<float>(x) - 0.25F, 0.5F * static_cast<float>(y) - 0.25F);
-        fine.value[i] = fine.weight[i] * fine.value[i] + (1 - fine.weight[i]) * coarse;
-      }
+void push(const Level& coarse, Level& fine) {
+  for (int y = 0; y < fine.height; ++y) {
+    for (int x = 0; x < fine.width; ++x) {
+      const std::size_t i = fine.at(x, y);
+      if (fine.weight[i] >= 1) continue;
+      const float around = bilinear(coarse, 0.5F * static_cast<float>(x) - 0.25F, 0.5F * static_cast<float>(y) - 0.25F);
+      fine.value[i] = fine.weight[i] * fine.value[i] + (1 - fine.weight[i]) * around;
     }
   }
-  for (std::size_t i = 0; i < size; ++i)
-    if (mask[i] == 0) gray[i] = static_cast<std::uint8_t>(std::clamp(std::lround(levels[0].value[i]), 0L, 255L));
+}
+
+}  // namespace
+
+void fill_unknown(int width, int height, int channels, const std::vector<bool>& known, float* values) {
+  const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const auto step = static_cast<std::size_t>(channels);
+  for (std::size_t c = 0; c < step; ++c) {
+    std::vector<Level> levels(1);
+    Level& base = levels.front();
+    base.width = width;
+    base.height = height;
+    base.value.resize(size);
+    base.weight.resize(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      base.value[i] = values[i * step + c];
+      base.weight[i] = known[i] ? 1.F : 0.F;
+    }
+    while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(half(levels.back()));
+    if (levels.back().weight[0] <= 0) levels.back().value[0] = 0;
+    for (std::size_t l = levels.size() - 1; l-- > 0;) push(levels[l + 1], levels[l]);
+    for (std::size_t i = 0; i < size; ++i) values[i * step + c] = levels[0].value[i];
+  }
 }
 
 }  // namespace floatstage

@@ -11,7 +11,7 @@ namespace floatstage {
 namespace {
 
 constexpr int kWindowGrid = 16;          // px
-constexpr double kToleranceShare = 0.005;  // of the proxy's diagonal: the automatic depth tolerance
+constexpr double kToleranceShare = 0.0125;  // of the proxy's diagonal: the automatic depth tolerance
 constexpr float kNothing = 1e30F;        // shaders/view.glsl has the same
 
 Eigen::Matrix4d clip_from_view(const View& view) {
@@ -139,7 +139,7 @@ void Projection::reserve() {
       glNamedFramebufferTexture(visibility_target_.id(), GL_COLOR_ATTACHMENT1 + place, angular_[n].id(), 0);
     if (weights_[n].reserve(GL_RGBA16F, GL_NEAREST, w, h))
       glNamedFramebufferTexture(weights_target_.id(), GL_COLOR_ATTACHMENT0 + place, weights_[n].id(), 0);
-    if (soft_[n].reserve(GL_RGBA16F, GL_NEAREST, w, h))
+    if (soft_[n].reserve(GL_RGBA16F, GL_LINEAR, w, h))
       glNamedFramebufferTexture(weights_target_.id(), GL_COLOR_ATTACHMENT2 + place, soft_[n].id(), 0);
   }
   set_draw_buffers(visibility_target_, 3);

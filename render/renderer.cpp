@@ -41,6 +41,7 @@ Result<void> check(const RendererOptions& o) {
     return bad("the soft visibility radius ", o.soft_radius, " px is not between 0 and ", kLargestRadius);
   if (!(o.depth_tolerance >= 0) || !std::isfinite(o.depth_tolerance))
     return bad("the depth tolerance ", o.depth_tolerance, " m is negative or not a number");
+  if (o.threads < 0) return bad(o.threads, " threads; 0 means one per core");
   for (float c : o.background)
     if (!(c >= 0) || !(c <= 1)) return bad("the background colour ", c, " is not between 0 and 1");
   return {};

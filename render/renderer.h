@@ -29,8 +29,9 @@ const std::vector<std::string>& render_output_names();  ///< "color", "weights",
 struct RendererOptions {
   int cameras = 3;               ///< k: photographs blended per view
   double soft_radius = 8;        ///< px: r of Eq. 11.5
-  double depth_tolerance = 0;    ///< metres the proxy may lie behind a camera's depth map and still be seen; 0: 0.5 % of its diagonal
+  double depth_tolerance = 0;    ///< metres the proxy may lie behind a camera's depth map and still be seen; 0: 1.25 % of its diagonal
   FlowOptions flow;              ///< floating only
+  int threads = 0;               ///< CPU threads of the flow; 0: one per core. The picture does not depend on it
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;
 };

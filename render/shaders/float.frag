@@ -2,73 +2,120 @@
 layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
-layout(binding = 4) uniform sampler2DArray images;  // rgb zero and alpha 0 off the proxy
+layout(binding = 4) uniform sampler2DArray images;  // alpha: see project.frag
 layout(binding = 5) uniform sampler2DArray flows;   // layer of I_i -> I_j: i (n - 1) + j, one less beyond i
+layout(binding = 6) uniform sampler2D angular0;
+layout(binding = 7) uniform sampler2D angular1;
+layout(binding = 8) uniform sampler2D soft0;
+layout(binding = 9) uniform sampler2D soft1;
 layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 0) out vec4 color;
 
 const int kInversions = 4;
-const float kFaint = 1.0 / 1024.0;
+const float kFaint = 1.0 / 1024.0, kLeastFade = 1e-4, kUnseen = 1e-4;
 
-float weight[kMaxListed];
+float pull[kMaxListed];  // how much each camera's idea of a position counts: angular weights, visible or not
 
 // W_i at p: where the combined warp moves what I_i shows at p.
 vec2 combined_warp(int i, vec2 p) {
   vec2 size = vec2(textureSize(flows, 0).xy), sum = vec2(0.0);
   int n = view.counts.y;
   for (int j = 0; j < n; ++j) {
-    if (j == i || weight[j] < kFaint) continue;
+    if (j == i || pull[j] < kFaint) continue;
     int layer = i * (n - 1) + (j < i ? j : j - 1);
-    sum += weight[j] * textureLod(flows, vec3(p / size, layer), 0.0).xy;
+    sum += pull[j] * textureLod(flows, vec3(p / size, layer), 0.0).xy;
   }
   return sum;
 }
 
-vec4 image_at(int i, vec2 p) { return textureLod(images, vec3(p / vec2(textureSize(images, 0).xy), i), 0.0); }
+// I_i at p: straight from the photograph where I_i has its own colour on a connected surface (one resampling instead
+// of two), else from the intermediate image. False: nothing there.
+bool image_at(int i, vec2 p, out vec3 rgb) {
+  ivec2 low = ivec2(floor(p - 0.5)), last = ivec2(view.window.zw) - 1;
+  vec2 f = p - 0.5 - vec2(low);
+  vec4 sum = vec4(0.0);
+  float inverse_z = 0.0, least = kNothing, most = 0.0;
+  bool own = true;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 o = ivec2(k & 1, k >> 1), at = clamp(low + o, ivec2(0), last);
+    float w = (o.x == 1 ? f.x : 1.0 - f.x) * (o.y == 1 ? f.y : 1.0 - f.y);
+    vec4 c = texelFetch(images, ivec3(at, i), 0);
+    float z = texelFetch(surface, at, 0).w;
+    sum += w * vec4(c.rgb, c.a > 0.0 ? 1.0 : 0.0);  // rgb is zero off the proxy
+    own = own && c.a > 0.75;
+    inverse_z += w / z;
+    least = min(least, z);
+    most = max(most, z);
+  }
+  if (own && most - least < view.settings.z) {
+    int index = listed(i);
+    vec2 pixel;
+    vec3 world = world_at(p, 1.0 / inverse_z);
+    if (photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel)) {
+      rgb = photo(index, pixel).rgb;
+      return true;
+    }
+  }
+  rgb = sum.rgb / max(sum.a, 1e-3);
+  return sum.a >= 0.5;
+}
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
   if (texelFetch(surface, at, 0).w >= kNothing) discard;
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
-  int n = view.counts.y, strongest = 0;
-  float total = 0.0;
+  vec4 a0 = texelFetch(angular0, at, 0), a1 = texelFetch(angular1, at, 0);
+  int n = view.counts.y;
+  float pull_total = 0.0, visible_total = 0.0, visible[kMaxListed];
   for (int i = 0; i < n; ++i) {
-    weight[i] = i < 4 ? w0[i] : w1[i - 4];
-    total += weight[i];
+    float fade = view.camera_fade[i].x;
+    pull[i] = fade < kLeastFade ? 0.0 : abs(i < 4 ? a0[i] : a1[i - 4]) * fade;
+    visible[i] = i < 4 ? w0[i] : w1[i - 4];
+    pull_total += pull[i];
+    visible_total += visible[i];
   }
   for (int i = 0; i < n; ++i) {
+    pull[i] = pull_total > 0.0 ? pull[i] / pull_total : 1.0 / float(n);
     // Where only stand-ins see the proxy all images hold the same filled colour.
-    weight[i] = total > 1e-3 ? weight[i] / total : 1.0 / float(n);
-    if (weight[i] > weight[strongest]) strongest = i;
+    visible[i] = visible_total > 1e-3 ? visible[i] / visible_total : 1.0 / float(n);
   }
 
-  vec2 x = vec2(at) + 0.5, shown_warp = vec2(0.0);
+  vec2 x = vec2(at) + 0.5, strongest_warp = vec2(0.0);
   vec3 sum = vec3(0.0), colors[kMaxListed];
-  float used = 0.0;
+  float used[kMaxListed], total = 0.0, strongest = -1.0;
   for (int i = 0; i < n; ++i) {
-    if (weight[i] < kFaint) continue;
+    used[i] = 0.0;
+    if (pull[i] < kFaint && visible[i] < kFaint) continue;
     // I_i's point p lands at p + W_i(p): find the one that lands here.
     vec2 p = x, warp = vec2(0.0);
     for (int k = 0; k < kInversions; ++k) {
       warp = combined_warp(i, p);
       p = x - warp;
     }
-    vec4 c = image_at(i, p);
-    if (c.a < 0.5) c = image_at(i, x);
-    colors[i] = c.rgb / max(c.a, 1e-3);
-    sum += weight[i] * colors[i];
-    used += weight[i];
-    if (i == strongest) shown_warp = warp;
+    if (!image_at(i, p, colors[i])) {
+      p = x;
+      image_at(i, p, colors[i]);
+    }
+    // What matters is whether camera i sees the point whose colour arrives here, not the point that is here.
+    vec2 there = p / vec2(textureSize(soft0, 0));
+    float seen = i < 4 ? textureLod(soft0, there, 0.0)[i] : textureLod(soft1, there, 0.0)[i - 4];
+    used[i] = pull[i] * seen + kUnseen * visible[i];
+    sum += used[i] * colors[i];
+    total += used[i];
+    if (pull[i] > strongest) {
+      strongest = pull[i];
+      strongest_warp = warp;
+    }
   }
-  vec3 mean = sum / max(used, 1e-6);
+  vec3 mean = sum / total;
   color = vec4(mean, 1.0);
   if (view.counts.w == kFlow) {
-    float length_px = length(shown_warp);
-    color.rgb = mix(vec3(1.0), hue(atan(shown_warp.y, shown_warp.x) / 6.2831853), min(length_px / 8.0, 1.0));
+    float direction = atan(strongest_warp.y, strongest_warp.x) / 6.2831853;
+    color.rgb = mix(vec3(1.0), hue(direction), min(length(strongest_warp) / 8.0, 1.0));
   } else if (view.counts.w == kGhosting) {
     float apart = 0.0;
     for (int i = 0; i < n; ++i)
-      if (weight[i] >= kFaint) apart += weight[i] / used * distance(colors[i], mean);
+      if (used[i] > 0.0) apart += used[i] / total * distance(colors[i], mean);
     color.rgb = heat(3.0 * apart);
   }
 }

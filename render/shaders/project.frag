@@ -1,5 +1,6 @@
 // The intermediate images I_i^v: each chosen photograph through the proxy; where its camera sees nothing, the colour
-// of the strongest camera that does. Alpha 0: no proxy.
+// of the strongest camera that does. Alpha: 1 own colour, 0.5 filled, 0 no
+// proxy.
 layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
@@ -34,6 +35,6 @@ void main() {
   for (int slot = 0; slot < kMaxListed; ++slot) {
     if (slot >= view.counts.y) break;
     bool own = (seen >> slot & 1u) != 0u;
-    images[slot] = vec4(own ? slot == best ? fill : projected(slot, world) : fill, 1.0);
+    images[slot] = vec4(own ? slot == best ? fill : projected(slot, world) : fill, own ? 1.0 : 0.5);
   }
 }
