@@ -98,7 +98,7 @@ DemoOptions default_demo() {
   demo.studio.frames = 24;
   demo.studio.studio.frame_rate = 12;
   demo.studio.studio.samples = 4;
-  demo.studio.studio.defects = {.noise = 2, .lens_k1 = -0.05, .color_gain = 0.01, .calibration_error = 1, .green_spill = 0.2};
+  demo.studio.studio.defects = {.noise = 2, .lens_k1 = -0.05, .color_gain = 0.01, .calibration_error = 0.3, .green_spill = 0.2};
   demo.studio.take.label = "demo";
   return demo;
 }

@@ -6,7 +6,7 @@
 
 #include "core/file.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
@@ -68,7 +68,7 @@ TEST(CommandLine, LeavesAnUnwritableFolderAlone) {
 }
 
 TEST(CommandLine, NeverWritesOverATake) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const std::string out = (folder / "take").string(), verb = "synthesize --frames 1 --cameras 2 --size 64x48 --samples 1 --out " + out;
   EXPECT_EQ(floatstage(verb).code, 0);
   const std::string before = *read_file(folder / "take/take.json");
@@ -79,7 +79,7 @@ TEST(CommandLine, NeverWritesOverATake) {
 }
 
 TEST(CommandLine, DemoRefusesAFolderThatHoldsSomebodysFiles) {
-  TemporaryFolder folder;
+  TempFolder folder;
   folder.write("thesis.doc", "years of work");
   const Ended ended = floatstage("demo --out " + folder.path().string());
   EXPECT_EQ(ended.code, 5);

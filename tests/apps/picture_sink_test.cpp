@@ -6,7 +6,7 @@
 #include "capture/media_file.h"
 #include "core/png.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(PictureSink, WritesAFolderOfPngsThatAppearsWhenItIsWhole) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path out = folder.path() / "film";
   auto sink = open_picture_sink(out, 32, 16, 25);
   ASSERT_THAT(sink, IsOk());
@@ -26,7 +26,7 @@ TEST(PictureSink, WritesAFolderOfPngsThatAppearsWhenItIsWhole) {
 }
 
 TEST(PictureSink, LeavesNothingBehindWhenItIsAbandoned) {
-  TemporaryFolder folder;
+  TempFolder folder;
   for (const char* name : {"film", "film.mp4"}) {
     auto sink = open_picture_sink(folder.path() / name, 32, 16, 25);
     ASSERT_THAT(sink, IsOk());
@@ -36,7 +36,7 @@ TEST(PictureSink, LeavesNothingBehindWhenItIsAbandoned) {
 }
 
 TEST(PictureSink, WritesAVideoThatOthersRead) {
-  TemporaryFolder folder;
+  TempFolder folder;
   auto sink = open_picture_sink(folder.path() / "film.mp4", 64, 48, 25);
   ASSERT_THAT(sink, IsOk());
   for (int i = 0; i < 5; ++i) ASSERT_THAT((*sink)->write(Image(64, 48, 3, 90)), IsOk());
@@ -52,11 +52,11 @@ TEST(PictureSink, WritesAVideoThatOthersRead) {
 }
 
 TEST(PictureSink, RefusesToOverwriteAndSaysSo) {
-  TemporaryFolder folder;
+  TempFolder folder;
   fs::create_directory(folder.path() / "film");
   EXPECT_THAT(open_picture_sink(folder.path() / "film", 32, 16, 25), FailsWith(ErrorCode::AlreadyExists, "another --out"));
   EXPECT_THAT(open_picture_sink(folder.path() / "film.gif", 32, 16, 25), FailsWith(ErrorCode::InvalidArgument, ".mp4"));
-  EXPECT_THAT(open_picture_sink(folder.path() / "no" / "such" / "film.mp4", 32, 16, 25), FailsWith(ErrorCode::NotFound, "film.mp4"));
+  EXPECT_THAT(open_picture_sink(folder.path() / "no" / "such" / "film.mp4", 32, 16, 25), FailsWith(ErrorCode::Io, "film.mp4"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 class PlayUnderXvfb : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TemporaryFolder;
+    folder_ = new TempFolder;
     take_ = small_take(*folder_, 2);
     ProcessOptions options{.take = take_, .key = "chroma", .hull = {}};
     options.hull.resolution = 64;
@@ -41,12 +41,12 @@ class PlayUnderXvfb : public testing::Test {
     return image ? *image : Image();
   }
 
-  static TemporaryFolder* folder_;
+  static TempFolder* folder_;
   static std::filesystem::path take_;
   std::string output_;
   int code_ = -1;
 };
-TemporaryFolder* PlayUnderXvfb::folder_ = nullptr;
+TempFolder* PlayUnderXvfb::folder_ = nullptr;
 std::filesystem::path PlayUnderXvfb::take_;
 
 constexpr int kPanel = 270, kTimeLine = 62;  // px of the window that are not the stage

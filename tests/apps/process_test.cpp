@@ -25,7 +25,7 @@ ProcessOptions options_for(const fs::path& take) {
 }
 
 TEST(Process, MakesAMatteForEveryPhotographAndAMeshForEveryInstant) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder);
   const Result<ProcessReport> report = process_take(options_for(take));
   ASSERT_THAT(report, IsOk());
@@ -42,7 +42,7 @@ TEST(Process, MakesAMatteForEveryPhotographAndAMeshForEveryInstant) {
 }
 
 TEST(Process, KeysTheSyntheticRoomNearlyAsTheTruthHasIt) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   const TakeLayout layout(take);
@@ -54,7 +54,7 @@ TEST(Process, KeysTheSyntheticRoomNearlyAsTheTruthHasIt) {
 }
 
 TEST(Process, DoesOnlyWhatIsMissingInASecondRun) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   const TakeLayout layout(take);
@@ -70,7 +70,7 @@ TEST(Process, DoesOnlyWhatIsMissingInASecondRun) {
 }
 
 TEST(Process, GivesTheSameBytesOnOneThreadAndOnTwo) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder);
   ProcessOptions options = options_for(take);
   options.threads = 1;
@@ -86,7 +86,7 @@ TEST(Process, GivesTheSameBytesOnOneThreadAndOnTwo) {
 }
 
 TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   ProcessOptions other = options_for(take);
@@ -104,7 +104,7 @@ TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
 }
 
 TEST(Process, GoesOnWithTheKeyerOfTheFirstRunWhenNoneIsNamed) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   ProcessOptions unnamed = options_for(take);
@@ -115,7 +115,7 @@ TEST(Process, GoesOnWithTheKeyerOfTheFirstRunWhenNoneIsNamed) {
 }
 
 TEST(Process, SweepsUpWhatAKilledRunLeftHalfWritten) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder, 1);
   const TakeLayout layout(take);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
@@ -127,7 +127,7 @@ TEST(Process, SweepsUpWhatAKilledRunLeftHalfWritten) {
 }
 
 TEST(Process, ReportsABadMatteByNameAndGoesOnWithTheOtherFrames) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   const TakeLayout layout(take);
@@ -141,12 +141,14 @@ TEST(Process, ReportsABadMatteByNameAndGoesOnWithTheOtherFrames) {
 }
 
 TEST(Process, TakesAnEmptyStageAsAnEmptyMesh) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   const TakeLayout layout(take);
-  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes()))
-    if (camera.is_directory()) ASSERT_THAT(save_png(Image(160, 120, 1), layout.matte(camera.path().filename().string(), 0)), IsOk());
+  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes())) {
+    if (!camera.is_directory()) continue;
+    ASSERT_THAT(save_png(Image(160, 120, 1), layout.matte(camera.path().filename().string(), 0)), IsOk());
+  }
   fs::remove_all(layout.meshes());
   const Result<ProcessReport> report = process_take(options_for(take));
   ASSERT_THAT(report, IsOk());
@@ -155,27 +157,29 @@ TEST(Process, TakesAnEmptyStageAsAnEmptyMesh) {
 }
 
 TEST(Process, NamesAMatteThatIsAllForeground) {
-  TemporaryFolder folder;
+  TempFolder folder;
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   const TakeLayout layout(take);
-  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes()))
-    if (camera.is_directory()) ASSERT_THAT(save_png(Image(160, 120, 1, 255), layout.matte(camera.path().filename().string(), 0)), IsOk());
+  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes())) {
+    if (!camera.is_directory()) continue;
+    ASSERT_THAT(save_png(Image(160, 120, 1, 255), layout.matte(camera.path().filename().string(), 0)), IsOk());
+  }
   fs::remove_all(layout.meshes());
   const Result<ProcessReport> report = process_take(options_for(take));
   ASSERT_THAT(report, IsOk());
   ASSERT_EQ(report->meshes.failures.size(), 1u);
-  EXPECT_THAT(report->meshes.failures[0], HasSubstr("foreground"));
+  EXPECT_THAT(report->meshes.failures[0], HasSubstr("the subject fills the image"));
 }
 
 TEST(Process, SaysWhichFolderIsNoTake) {
-  TemporaryFolder folder;
+  TempFolder folder;
   EXPECT_THAT(process_take(options_for(folder.path())), FailsWith(ErrorCode::NotFound, folder.path().string()));
   EXPECT_THAT(process_take(options_for(folder / "nowhere")), FailsWith(ErrorCode::NotFound, "nowhere"));
 }
 
 TEST(Process, ListsTheKeyersWhenItsNameIsUnknown) {
-  TemporaryFolder folder;
+  TempFolder folder;
   ProcessOptions options = options_for(small_take(folder, 1));
   options.key = "croma";
   EXPECT_THAT(process_take(options), FailsWith(ErrorCode::InvalidArgument, "chroma"));

@@ -26,7 +26,7 @@ class ProcessedTake : public testing::Test {
     EXPECT_THAT(take, IsOk());
     return std::move(*take);
   }
-  TemporaryFolder folder_;
+  TempFolder folder_;
   fs::path path_;
 };
 

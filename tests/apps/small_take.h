@@ -4,12 +4,12 @@
 
 #include "apps/synthesize.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 
 /// A small perfect synthetic take: 6 cameras, 160×120, in `folder`.
-inline std::filesystem::path small_take(const TemporaryFolder& folder, int frames = 2) {
+inline std::filesystem::path small_take(const TempFolder& folder, int frames = 2) {
   SynthesizeOptions options;
   options.out = folder / "take";
   options.rig.cameras = 6;
