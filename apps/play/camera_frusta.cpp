@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -12,6 +13,7 @@ namespace floatstage {
 namespace {
 
 constexpr int kThumbnailWidth = 128;
+constexpr float kLargest = 0.4f;  // of the picture's width: we stand inside that camera, its frustum would hide the stage
 
 // Box filter to a small picture: every source pixel counts once.
 Image shrunk(const Image& rgb) {
@@ -78,6 +80,7 @@ void CameraFrusta::draw(ImDrawList* list, const ImVec2& origin, float scale, con
     const auto points = project_frustum(rig.cameras[i], view, depth, origin, scale);
     if (!points) continue;
     const auto& [apex, a, b, c, d] = *points;
+    if (std::abs(c.x - a.x) > kLargest * scale * static_cast<float>(view.model.width)) continue;
     const bool strong = std::find(used.begin(), used.end(), static_cast<int>(i)) != used.end();
     if (i < thumbnails_.size() && thumbnails_[i])
       list->AddImageQuad(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(thumbnails_[i])), a, b, c, d, {0, 0}, {1, 0}, {1, 1}, {0, 1},

@@ -143,7 +143,9 @@ class Player {
 Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& take, const Eigen::AlignedBox3d& subject) {
   if (options.frame < 0 || options.frame >= take.frame_count())
     return fail(ErrorCode::InvalidArgument, text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
-  PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(orbit_path(take.rig(), subject, 1).keys.front()), {}};
+  // Home lies between two cameras: at a camera every method shows its photograph.
+  const PathKey home = sample(orbit_path(take.rig(), subject, 1), 0.5 / static_cast<double>(take.rig().cameras.size()));
+  PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
   for (const RendererInfo& r : renderers()) state.methods.push_back(r.name);
   Result<int> left = method_index(state.methods, options.method), right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
   if (!left) return forward(left);
@@ -185,9 +187,11 @@ Result<void> play_take(const PlayOptions& options) {
   while (!(*window)->should_close() && !interrupted()) {
     (*window)->begin_frame(player.busy() || !options.screenshot.empty() ? 0 : kIdle);
     player.frame();
-    (*window)->end_frame();
     settled = player.stands() ? settled + 1 : 0;
-    if (!options.screenshot.empty() && settled >= kSettleFrames) return save_png((*window)->grab(), options.screenshot);
+    const bool last = !options.screenshot.empty() && settled >= kSettleFrames;
+    Image picture;
+    (*window)->end_frame(last ? &picture : nullptr);
+    if (last) return save_png(picture, options.screenshot);
   }
   return {};
 }

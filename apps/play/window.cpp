@@ -67,7 +67,7 @@ void Window::begin_frame(double patience) {
   ImGui::NewFrame();
 }
 
-void Window::end_frame() {
+void Window::end_frame(Image* picture) {
   ImGui::Render();
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
@@ -79,15 +79,14 @@ void Window::end_frame() {
   glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  if (picture) *picture = grab(width, height);  // before the swap: afterwards the back buffer is undefined
   glfwSwapBuffers(window_);
 }
 
-Image Window::grab() const {
-  int width = 0, height = 0;
-  glfwGetFramebufferSize(window_, &width, &height);
+Image Window::grab(int width, int height) const {
   Image upside_down(width, height, 3), image(width, height, 3);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
-  glReadBuffer(GL_FRONT);
+  glReadBuffer(GL_BACK);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upside_down.pixels.data());
   for (int y = 0; y < height; ++y) std::memcpy(image.at(0, y), upside_down.at(0, height - 1 - y), static_cast<std::size_t>(width) * 3);

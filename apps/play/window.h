@@ -23,13 +23,13 @@ class Window {
   bool should_close() const;
   /// Takes events and begins a frame of the user interface; waits up to `patience` seconds for an event first.
   void begin_frame(double patience);
-  /// Draws the user interface and shows it.
-  void end_frame();
-  /// The whole window as it was last shown, RGB, top row first.
-  Image grab() const;
+  /// Draws the user interface and shows it. `picture`, when not null, receives the whole window: RGB, top row first.
+  void end_frame(Image* picture = nullptr);
 
  private:
   Window() = default;
+  Image grab(int width, int height) const;
+
   GLFWwindow* window_ = nullptr;
   std::unique_ptr<GlContext> gl_;
 };

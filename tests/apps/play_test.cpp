@@ -93,13 +93,21 @@ TEST_F(PlayUnderXvfb, ShowsThePerformerInTheMiddleAndThePanelsAround) {
 TEST_F(PlayUnderXvfb, StandsUprightOnTheScreen) {
   const Image shot = screenshot("--background 000000 --method nearest");
   ASSERT_FALSE(shot.empty()) << output_;
-  // The head is narrower than the arms and the feet stand at the floor: compare the extents of the upper and lower tenth.
+  // The trousers are bluish, skin and hair reddish: the body turns from red to blue downwards.
   int top = shot.height, bottom = 0;
   for (int y = 0; y < shot.height - kTimeLine; ++y)
     for (int x = kPanel + 5; x < shot.width; ++x)
-      if (shot.at(x, y)[0] > 20) top = std::min(top, y), bottom = std::max(bottom, y);
-  EXPECT_LT(top, bottom);
-  EXPECT_GT(bottom - top, 200);
+      if (shot.at(x, y)[0] > 60) top = std::min(top, y), bottom = std::max(bottom, y);
+  ASSERT_GT(bottom - top, 200);
+  auto redness = [&](int from, int to) {
+    double sum = 0, count = 1;
+    for (int y = from; y < to; ++y)
+      for (int x = kPanel + 5; x < shot.width; ++x)
+        if (shot.at(x, y)[0] + shot.at(x, y)[1] + shot.at(x, y)[2] > 60) sum += shot.at(x, y)[0] - shot.at(x, y)[2], ++count;
+    return sum / count;
+  };
+  const int height = bottom - top;
+  EXPECT_GT(redness(top, top + height / 5), redness(top + height * 11 / 20, top + height * 17 / 20) + 15);
 }
 
 TEST_F(PlayUnderXvfb, SplitsTheScreenBetweenTwoMethods) {
