@@ -1,0 +1,154 @@
+#include "render/flow.h"
+
+#include <cmath>
+
+#include "render/image_fill.h"
+#include "render/pairwise_flows.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A smooth texture, displaced.
+std::vector<std::uint8_t> texture(int width, int height, double dx, double dy) {
+  std::vector<std::uint8_t> gray;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double u = x - dx, v = y - dy;
+      gray.push_back(static_cast<std::uint8_t>(128 + 50 * std::sin(u * 0.31) * std::cos(v * 0.23) + 50 * std::sin(0.13 * u + 0.19 * v)));
+    }
+  return gray;
+}
+
+class FlowBackend : public testing::TestWithParam<std::string> {
+ protected:
+  std::unique_ptr<FlowEstimator> make() {
+    FlowOptions options;
+    options.backend = GetParam();
+    auto made = make_flow_estimator(options);
+    EXPECT_THAT(made, IsOk());
+    return std::move(*made);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Conformance, FlowBackend, testing::ValuesIn(flow_backends()),
+                         [](const auto& param) { return param.param; });
+
+TEST_P(FlowBackend, FindsADisplacementWithItsSign) {
+  const auto first = texture(160, 120, 0, 0), second = texture(160, 120, 3.5, -2);
+  const auto flow = make()->estimate({160, 120, first.data()}, {160, 120, second.data()});
+  ASSERT_THAT(flow, IsOk());
+  for (int y = 30; y < 90; y += 5)
+    for (int x = 30; x < 130; x += 5) {
+      EXPECT_NEAR(flow->uv[2 * (static_cast<std::size_t>(y) * 160 + static_cast<std::size_t>(x))], 3.5, 0.3);
+      EXPECT_NEAR(flow->uv[2 * (static_cast<std::size_t>(y) * 160 + static_cast<std::size_t>(x)) + 1], -2, 0.3);
+    }
+}
+
+TEST_P(FlowBackend, EqualPicturesDoNotMove) {
+  const auto picture = texture(96, 80, 0, 0);
+  const auto flow = make()->estimate({96, 80, picture.data()}, {96, 80, picture.data()});
+  ASSERT_THAT(flow, IsOk());
+  EXPECT_THAT(flow->uv, testing::Each(0.F));
+}
+
+TEST_P(FlowBackend, TakesPicturesOfAnySize) {
+  for (const auto& [width, height] : {std::pair(1, 1), std::pair(7, 200), std::pair(65, 33)}) {
+    const auto first = texture(width, height, 0, 0), second = texture(width, height, 1, 0);
+    const auto flow = make()->estimate({width, height, first.data()}, {width, height, second.data()});
+    ASSERT_THAT(flow, IsOk());
+    EXPECT_EQ(flow->width, width);
+    EXPECT_EQ(flow->uv.size(), static_cast<std::size_t>(2 * width * height));
+    for (float v : flow->uv) ASSERT_TRUE(std::isfinite(v));
+  }
+}
+
+TEST_P(FlowBackend, RefusesPicturesOfDifferentSizes) {
+  const auto picture = texture(96, 80, 0, 0);
+  EXPECT_THAT(make()->estimate({96, 80, picture.data()}, {80, 96, picture.data()}),
+              FailsWith(ErrorCode::InvalidArgument, "different sizes"));
+}
+
+TEST(Flow, RefusesUnknownNamesAndNumbers) {
+  FlowOptions options;
+  options.backend = "guess";
+  EXPECT_THAT(make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "'guess'"));
+  options = {};
+  options.preset = "slow";
+  EXPECT_THAT(make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "'slow'"));
+  options = {};
+  options.finest_scale = -1;
+  EXPECT_THAT(make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "finest scale"));
+}
+
+TEST(FillUnknown, KeepsWhatIsKnownAndContinuesItSmoothly) {
+  constexpr int kWidth = 33, kHeight = 20;
+  std::vector<float> values(kWidth * kHeight, -1000);
+  std::vector<bool> known(kWidth * kHeight, false);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x : {0, 1, 31, 32}) {
+      known[static_cast<std::size_t>(y * kWidth + x)] = true;
+      values[static_cast<std::size_t>(y * kWidth + x)] = x < 5 ? 10 : 20;
+    }
+  fill_unknown(kWidth, kHeight, 1, known, values.data());
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const float v = values[static_cast<std::size_t>(i)];
+    if (known[static_cast<std::size_t>(i)]) {
+      EXPECT_EQ(v, i % kWidth < 5 ? 10 : 20);
+    }
+    EXPECT_GE(v, 10);
+    EXPECT_LE(v, 20);
+  }
+  EXPECT_NEAR(values[10 * kWidth + 16], 15, 2);
+}
+
+TEST(FillUnknown, NothingKnownIsZero) {
+  std::vector<float> values(30, 7);
+  fill_unknown(3, 5, 2, std::vector<bool>(15, false), values.data());
+  EXPECT_THAT(values, testing::Each(0.F));
+}
+
+ProjectedImages two_images(double dx) {
+  ProjectedImages images{160, 120, {texture(160, 120, 0, 0), texture(160, 120, dx, 0)}, {}};
+  images.state.assign(2, std::vector<std::uint8_t>(160 * 120, ProjectedImages::kOwn));
+  return images;
+}
+
+TEST(PairwiseFlows, HasBothDirections) {
+  PairwiseFlows flows;
+  ASSERT_THAT(flows.estimate(two_images(3), {true, true}, {}, 1), IsOk());
+  ASSERT_EQ(flows.fields().size(), 2U);
+  const std::size_t middle = 2 * (60 * 160 + 80);
+  EXPECT_NEAR(flows.fields()[0].uv[middle], 3, 0.3);
+  EXPECT_NEAR(flows.fields()[1].uv[middle], -3, 0.3);
+}
+
+TEST(PairwiseFlows, ContinuesTheFlowWhereAnImageHasNoColorOfItsOwn) {
+  ProjectedImages images = two_images(3);
+  for (int y = 40; y < 80; ++y)  // a hole filled from the other image: there it would look unmoved
+    for (int x = 60; x < 90; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * 160 + static_cast<std::size_t>(x);
+      images.state[1][i] = ProjectedImages::kFilled;
+      images.gray[1][i] = images.gray[0][i];
+    }
+  PairwiseFlows flows;
+  ASSERT_THAT(flows.estimate(images, {true, true}, {}, 1), IsOk());
+  EXPECT_NEAR(flows.fields()[0].uv[2 * (60 * 160 + 75)], 3, 0.6);
+}
+
+TEST(PairwiseFlows, DropsDisplacementsWithinTheJitterOfTheFlow) {
+  PairwiseFlows flows;
+  ASSERT_THAT(flows.estimate(two_images(0.1), {true, true}, {}, 1), IsOk());
+  EXPECT_EQ(flows.fields()[0].uv[2 * (60 * 160 + 80)], 0);
+}
+
+TEST(PairwiseFlows, LeavesOutImagesThatPullNothing) {
+  PairwiseFlows flows;
+  ASSERT_THAT(flows.estimate(two_images(3), {true, false}, {}, 1), IsOk());
+  EXPECT_THAT(flows.fields()[0].uv, testing::Each(0.F));  // towards the second image
+  EXPECT_NE(flows.fields()[1].uv[2 * (60 * 160 + 80)], 0);
+}
+
+}  // namespace
+}  // namespace floatstage::test

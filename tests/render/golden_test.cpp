@@ -1,0 +1,97 @@
+// Pictures compared with pictures looked at by a person. On failure expected, actual and difference are written to
+// FLOATSTAGE_GOLDEN_OUT (a folder; default: golden_failures in the working folder). FLOATSTAGE_GOLDEN_UPDATE=1 writes
+// the goldens anew: look at them before committing.
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/png.h"
+#include "tests/render/stage.h"
+
+namespace floatstage::test {
+namespace {
+
+constexpr double kMeanTolerance = 1.0;     // 8-bit steps, over the covered pixels: drivers round differently
+constexpr double kOutlierTolerance = 0.01;  // fraction of pixels that may be off by more than kOutlier
+constexpr int kOutlier = 24;
+
+struct Golden {
+  const char* name;
+  const char* method;
+  RenderOutput output;
+  double coverage;       // fraction of the picture
+  double mean[3];        // of the covered pixels
+};
+
+const Golden kGoldens[] = {
+    {"nearest", "nearest", RenderOutput::Color, 0.4837, {115, 123.2, 124}},
+    {"linear", "linear", RenderOutput::Color, 0.4837, {114.6, 123.4, 124.4}},
+    {"floating", "floating", RenderOutput::Color, 0.4837, {115.3, 124, 124.5}},
+    {"floating_weights", "floating", RenderOutput::Weights, 0.4837, {139.5, 165.4, 111.2}},
+    {"floating_soft_visibility", "floating", RenderOutput::SoftVisibility, 0.4837, {101.9, 89.1, 95.1}},
+    {"linear_ghosting", "linear", RenderOutput::Ghosting, 0.4837, {144.6, 60.9, 21.3}},
+};
+
+std::filesystem::path golden_file(const Golden& golden) {
+  return std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "tests/golden" / text("render_", golden.name, ".png");
+}
+
+void write_failure(const Golden& golden, const Image& expected, const Image& actual) {
+  const char* wanted = std::getenv("FLOATSTAGE_GOLDEN_OUT");
+  const std::filesystem::path folder = wanted != nullptr ? wanted : "golden_failures";
+  std::filesystem::create_directories(folder);
+  Image difference(actual.width, actual.height, 3);
+  for (int y = 0; y < actual.height; ++y)
+    for (int x = 0; x < actual.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        difference.at(x, y)[c] = static_cast<std::uint8_t>(std::min(255, 4 * std::abs(actual.at(x, y)[c] - expected.at(x, y)[c])));
+  for (const auto& [suffix, image] : {std::pair("expected", &expected), std::pair("actual", &actual),
+                                      std::pair("diff", static_cast<const Image*>(&difference))})
+    EXPECT_THAT(save_png(*image, folder / text(golden.name, "_", suffix, ".png")), IsOk());
+}
+
+class Goldens : public Rendering, public testing::WithParamInterface<Golden> {};
+INSTANTIATE_TEST_SUITE_P(Render, Goldens, testing::ValuesIn(kGoldens),
+                         [](const auto& param) { return std::string(param.param.name); });
+
+TEST_P(Goldens, LooksAsBefore) {
+  const Golden& golden = GetParam();
+  // A flattened ball with a wrong proxy, so that ghosts, occlusion and soft visibility have something to show.
+  const Stage stage = photographed(arc(5, 25), ball(0.25F, 48, 0.6F), ball(0.265F, 16, 0.6F));
+  RendererOptions options;
+  options.output = golden.output;
+  const Image actual = rendered(stage, view_at(8, 25), golden.method, options);
+  double covered = 0, mean[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < actual.pixels.size(); i += 4) {
+    if (actual.pixels[i + 3] == 0) continue;
+    ++covered;
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += actual.pixels[i + c];
+  }
+  for (double& m : mean) m /= covered;
+  if (std::getenv("FLOATSTAGE_GOLDEN_UPDATE") != nullptr) {
+    std::filesystem::create_directories(golden_file(golden).parent_path());
+    ASSERT_THAT(save_png(actual, golden_file(golden), 9), IsOk());
+    GTEST_SKIP() << golden.name << ": coverage " << covered / (actual.width * actual.height) << ", mean " << mean[0] << ", "
+                 << mean[1] << ", " << mean[2];
+  }
+  EXPECT_NEAR(covered / (actual.width * actual.height), golden.coverage, 0.005);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], golden.mean[c], 2) << "channel " << c;
+
+  const Result<Image> expected = load_png(golden_file(golden));
+  ASSERT_THAT(expected, IsOk());
+  ASSERT_EQ(expected->width, actual.width);
+  ASSERT_EQ(expected->height, actual.height);
+  ASSERT_EQ(expected->channels, 4);
+  double sum = 0, outliers = 0;
+  for (std::size_t i = 0; i < actual.pixels.size(); ++i) {
+    const int difference = std::abs(actual.pixels[i] - expected->pixels[i]);
+    sum += difference;
+    outliers += difference > kOutlier;
+  }
+  EXPECT_LE(sum / (3 * covered), kMeanTolerance);
+  EXPECT_LE(outliers / static_cast<double>(actual.pixels.size()), kOutlierTolerance);
+  if (HasFailure()) write_failure(golden, *expected, actual);
+}
+
+}  // namespace
+}  // namespace floatstage::test
