@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "apps/evaluate/evaluate.h"
+#include "apps/import/import.h"
+#include "apps/process.h"
+#include "core/png.h"
+#include "render/gl_context.h"
+#include "tests/support/matchers.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The commands of the README on real photographs, with the bars that they are held to.
+class RealTake : public testing::Test {
+ protected:
+  // False when the data set is not on this machine; CI must have it.
+  bool find(const std::string& name) {
+    data_ = fs::path(FLOATSTAGE_DATA_DIR) / name;
+    if (fs::exists(data_)) return true;
+    const char* ci = std::getenv("CI");
+    EXPECT_FALSE(ci && std::string(ci) == "true") << data_ << " is missing on CI";
+    return false;
+  }
+
+  void make_take(CalibrationFormat format, const std::string& key) {
+    ImportOptions import;
+    import.calibration.format = format;
+    import.calibration.path = data_;
+    import.out = take();
+    ASSERT_THAT(import_take(import), IsOk());
+    ASSERT_THAT(process_take({.take = take(), .key = key, .hull = {}}), IsOk());
+  }
+
+  fs::path take() const { return folder_ / "take"; }
+
+  /// Mean scores per method over the views, each held out in turn.
+  std::map<std::string, Scores> leave_out(const std::vector<std::string>& views) {
+    auto reader = TakeReader::open(take());
+    auto gl = GlContext::headless();
+    EXPECT_THAT(reader, IsOk());
+    EXPECT_THAT(gl, IsOk());
+    std::map<std::string, Scores> mean;
+    const double n = static_cast<double>(views.size());
+    EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};
+    EXPECT_THAT(evaluate_take(**reader, options, [&](HeldOutView view) {
+      for (const auto& [method, s] : view.scores)
+        for (double Scores::*m : {&Scores::psnr, &Scores::ssim, &Scores::cw_ssim, &Scores::psnr_shift, &Scores::sharpness}) mean[method].*m += s.*m / n;
+      return Result<void>();
+    }), IsOk());
+    return mean;
+  }
+
+  TempFolder folder_;
+  fs::path data_;
+};
+
+TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
+  if (!find("middlebury-temple-ring")) GTEST_SKIP() << data_ << " is not here";
+  make_take(CalibrationFormat::Middlebury, "luminance:12");
+  const auto mean = leave_out({"templeR0014.png", "templeR0016.png", "templeR0018.png", "templeR0020.png", "templeR0022.png",
+                               "templeR0024.png", "templeR0026.png", "templeR0028.png", "templeR0030.png"});
+  EXPECT_GE(mean.at("floating").psnr, 22.0);
+  EXPECT_GE(mean.at("floating").psnr, mean.at("linear").psnr + 2.0);
+  EXPECT_GE(mean.at("floating").ssim, mean.at("linear").ssim + 0.08);
+}
+
+TEST_F(RealTake, TempleSparseRingIsBetterFloatingInEveryMetric) {
+  if (!find("middlebury-temple-sparse-ring")) GTEST_SKIP() << data_ << " is not here";
+  make_take(CalibrationFormat::Middlebury, "luminance:12");
+  const auto mean = leave_out({"templeSR0002.png", "templeSR0003.png", "templeSR0004.png", "templeSR0005.png", "templeSR0006.png", "templeSR0007.png", "templeSR0008.png",
+                               "templeSR0009.png", "templeSR0010.png", "templeSR0011.png", "templeSR0012.png", "templeSR0013.png", "templeSR0014.png", "templeSR0015.png"});
+  const Scores &linear = mean.at("linear"), &floating = mean.at("floating");
+  EXPECT_GT(floating.psnr, linear.psnr);
+  EXPECT_GT(floating.ssim, linear.ssim);
+  EXPECT_GT(floating.cw_ssim, linear.cw_ssim);
+  EXPECT_GT(floating.psnr_shift, linear.psnr_shift);
+  EXPECT_GT(floating.sharpness, linear.sharpness);
+}
+
+TEST_F(RealTake, PersonInTheGreenDomeIsKeyedAndFloats) {
+  if (!find("green-dome")) GTEST_SKIP() << data_ << " is not here";
+  make_take(CalibrationFormat::Dome, "chroma");
+  double sum = 0;
+  for (int i = 0; i < 20; ++i) {
+    const std::string serial = (i < 10 ? "0" : "") + std::to_string(i);
+    const Matte made = make_matte({}, *load_png(TakeLayout(take()).matte(serial, 0)));
+    sum += iou(made, make_matte({}, *load_png(data_ / "mattes" / (serial + ".png"))));
+  }
+  EXPECT_GE(sum / 20, 0.97) << "mean IoU of the key with the mattes made by others";
+  const auto mean = leave_out({"01", "03", "05", "07", "09", "11", "13", "15", "17", "19"});
+  EXPECT_GT(mean.at("floating").psnr, mean.at("linear").psnr + 0.5);
+  EXPECT_GT(mean.at("floating").ssim, mean.at("linear").ssim + 0.025);
+}
+
+}  // namespace
+}  // namespace floatstage
