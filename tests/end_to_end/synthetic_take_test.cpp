@@ -27,14 +27,12 @@ class SyntheticTake : public testing::Test {
     SynthesizeOptions studio;
     studio.out = *folder_ / "take";
     studio.rig.cameras = 12;
-    studio.rig.width = 320;
-    studio.rig.height = 240;
     studio.studio.samples = 4;
-    studio.studio.defects.calibration_error = 0.2;
+    studio.studio.defects.calibration_error = 0.3;
     studio.frames = 1;
     ASSERT_THAT(synthesize_take(studio), IsOk());
     ProcessOptions process{.take = studio.out, .key = "chroma", .hull = {}};
-    process.hull.resolution = 128;
+    process.hull.resolution = 160;
     ASSERT_THAT(process_take(process), IsOk());
   }
   static void TearDownTestSuite() {
@@ -48,7 +46,7 @@ class SyntheticTake : public testing::Test {
     EXPECT_THAT(take, IsOk());
     EXPECT_THAT(gl, IsOk());
     EvaluateOptions options{.hold_out = hold_out, .renderer = {}, .hull = {}};
-    options.hull.resolution = 128;
+    options.hull.resolution = 160;
     std::vector<HeldOutView> views;
     EXPECT_THAT(evaluate_take(**take, options, [&](HeldOutView view) { return views.push_back(std::move(view)), Result<void>(); }), IsOk());
     return views;
@@ -80,9 +78,9 @@ TEST_F(SyntheticTake, NeverUsesTheHeldOutPhotograph) {
   ASSERT_THAT(reader, IsOk());
   const std::filesystem::path matte = (*reader)->layout().matte("cam02", 0);
   const std::string kept = *read_file(matte);
-  Image garbage(320, 240, 1);
-  for (int x = 0; x < 320; ++x)
-    for (int y = 100; y < 140; ++y) garbage.at(x, y)[0] = 255;
+  Image garbage(640, 480, 1);
+  for (int x = 0; x < 640; ++x)
+    for (int y = 100; y < 180; ++y) garbage.at(x, y)[0] = 255;
   ASSERT_THAT(save_png(garbage, matte), IsOk());
   const std::vector<HeldOutView> after = evaluate({"cam02"});
   ASSERT_THAT(write_file(matte, kept), IsOk());
