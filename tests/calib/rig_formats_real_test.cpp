@@ -4,26 +4,15 @@
 #include <numbers>
 
 #include "tests/calib/format_support.h"
+#include "tests/support/real_data.h"
 
 namespace floatstage {
 namespace {
 
 using Eigen::Vector3d;
 
-std::filesystem::path data(const std::string& name) { return std::filesystem::path(FLOATSTAGE_DATA_DIR) / name; }
-
-// Real data may be absent on a laptop, never in the checks that guard the main branch.
-#define NEEDS_DATA(folder)                                                                          \
-  do {                                                                                              \
-    const char* ci = std::getenv("CI");                                                             \
-    if (!std::filesystem::exists(folder)) {                                                         \
-      if (ci != nullptr && std::string(ci) == "true") FAIL() << folder << " is missing";            \
-      GTEST_SKIP() << folder << " is not on this machine";                                          \
-    }                                                                                               \
-  } while (false)
-
 void expect_temple(const std::string& file, std::size_t cameras, const Eigen::AlignedBox3d& box) {
-  const Result<ForeignRig> foreign = read_middlebury(data(file));
+  const Result<ForeignRig> foreign = read_middlebury(real_data(file));
   ASSERT_TRUE(foreign.has_value()) << foreign.error().message;
   ASSERT_EQ(foreign->rig.cameras.size(), cameras);
   for (RigCamera c : foreign->rig.cameras) {
@@ -38,20 +27,20 @@ void expect_temple(const std::string& file, std::size_t cameras, const Eigen::Al
 }
 
 TEST(MiddleburyReal, TempleRingLooksAtTheTemple) {
-  NEEDS_DATA(data("middlebury-temple-ring"));
+  FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-ring"));
   expect_temple("middlebury-temple-ring/templeR_par.txt", 47,
                 {Vector3d(-0.023121, -0.038009, -0.091940), Vector3d(0.078626, 0.121636, -0.017395)});
 }
 
 TEST(MiddleburyReal, TempleSparseRingLooksAtTheTemple) {
-  NEEDS_DATA(data("middlebury-temple-sparse-ring"));
+  FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-sparse-ring"));
   expect_temple("middlebury-temple-sparse-ring/templeSR_par.txt", 16,
                 {Vector3d(-0.073568, 0.021728, -0.012445), Vector3d(0.028855, 0.181892, 0.062736)});
 }
 
 TEST(DomeReal, TwentyCamerasStandOnARingEighteenDegreesApart) {
-  NEEDS_DATA(data("green-dome"));
-  const Result<ForeignRig> foreign = read_dome(data("green-dome/calibration.txt"), 0.1);
+  FLOATSTAGE_NEEDS_DATA(real_data("green-dome"));
+  const Result<ForeignRig> foreign = read_dome(real_data("green-dome/calibration.txt"), 0.1);
   ASSERT_TRUE(foreign.has_value()) << foreign.error().message;
   const Rig& rig = foreign->rig;
   ASSERT_EQ(rig.cameras.size(), 20u);
@@ -76,7 +65,7 @@ TEST(DomeReal, TwentyCamerasStandOnARingEighteenDegreesApart) {
 
 // The four cameras of the balancing recording: serials cam01 … cam04.
 Rig balancing_rig() {
-  const Result<ForeignRig> foreign = read_qualisys(data("pose2sim-balancing/calibration/Calib.qca.txt"));
+  const Result<ForeignRig> foreign = read_qualisys(real_data("pose2sim-balancing/calibration/Calib.qca.txt"));
   EXPECT_TRUE(foreign.has_value()) << foreign.error().message;
   return foreign ? foreign->rig : Rig{};
 }
@@ -120,7 +109,7 @@ double residual_of_marks(const Rig& rig) {
 }
 
 TEST(QualisysReal, FourCamerasHangAroundTheRoomAndLookAtThePerson) {
-  NEEDS_DATA(data("pose2sim-balancing"));
+  FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   const Rig rig = balancing_rig();
   ASSERT_EQ(rig.cameras.size(), 4u);
   const Vector3d focus = focus_point(rig);
@@ -141,7 +130,7 @@ TEST(QualisysReal, FourCamerasHangAroundTheRoomAndLookAtThePerson) {
 // This calibration is about a quarter of a degree (10 px) off in each camera: were every camera's principal point free,
 // 0.4 px would be left. A wrong axis, unit or order of the rotation is off by hundreds.
 TEST(QualisysReal, MarksOnThePlatformMeetAtItsSurface) {
-  NEEDS_DATA(data("pose2sim-balancing"));
+  FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   const Rig rig = balancing_rig();
   ASSERT_EQ(rig.cameras.size(), 4u);
   EXPECT_LT(residual_of_marks(rig), 12);
@@ -151,7 +140,7 @@ TEST(QualisysReal, MarksOnThePlatformMeetAtItsSurface) {
 }
 
 TEST(QualisysReal, MarksDoNotMeetUnderAnyOtherReadingOfTheRotation) {
-  NEEDS_DATA(data("pose2sim-balancing"));
+  FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   const Rig rig = balancing_rig();
   ASSERT_EQ(rig.cameras.size(), 4u);
   for (const Eigen::Quaterniond& turn : {Eigen::Quaterniond(0, 1, 0, 0), Eigen::Quaterniond(0, 0, 1, 0), Eigen::Quaterniond(0, 0, 0, 1)}) {

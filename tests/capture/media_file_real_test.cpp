@@ -9,6 +9,7 @@
 #include "capture/media_file.h"
 #include "core/png.h"
 #include "tests/support/matchers.h"
+#include "tests/support/real_data.h"
 
 namespace floatstage {
 namespace {
@@ -16,12 +17,9 @@ namespace {
 class RealMedia : public testing::Test {
  protected:
   void SetUp() override {
-    if (std::filesystem::exists(data_)) return;
-    const char* ci = std::getenv("CI");
-    ASSERT_FALSE(ci && std::string(ci) == "true") << "CI must have the data at " << data_;
-    GTEST_SKIP() << "no data at " << data_;
+    FLOATSTAGE_NEEDS_DATA(data_);
   }
-  const std::filesystem::path data_ = FLOATSTAGE_DATA_DIR;
+  const std::filesystem::path data_ = real_data("");
 };
 
 int pictures_of(const std::filesystem::path& file, int width, int height) {

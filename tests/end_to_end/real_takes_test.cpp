@@ -9,6 +9,7 @@
 #include "render/gl_context.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/real_data.h"
 
 namespace floatstage {
 namespace {
@@ -18,15 +19,6 @@ namespace fs = std::filesystem;
 // The commands of the README on real photographs, with the bars that they are held to.
 class RealTake : public testing::Test {
  protected:
-  // False when the data set is not on this machine; CI must have it.
-  bool find(const std::string& name) {
-    data_ = fs::path(FLOATSTAGE_DATA_DIR) / name;
-    if (fs::exists(data_)) return true;
-    const char* ci = std::getenv("CI");
-    EXPECT_FALSE(ci && std::string(ci) == "true") << data_ << " is missing on CI";
-    return false;
-  }
-
   void make_take(CalibrationFormat format, const std::string& key) {
     ImportOptions import;
     import.calibration.format = format;
@@ -60,7 +52,8 @@ class RealTake : public testing::Test {
 };
 
 TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
-  if (!find("middlebury-temple-ring")) GTEST_SKIP() << data_ << " is not here";
+  data_ = real_data("middlebury-temple-ring");
+  FLOATSTAGE_NEEDS_DATA(data_);
   make_take(CalibrationFormat::Middlebury, "luminance:12");
   const auto mean = leave_out({"templeR0014.png", "templeR0016.png", "templeR0018.png", "templeR0020.png", "templeR0022.png",
                                "templeR0024.png", "templeR0026.png", "templeR0028.png", "templeR0030.png"});
@@ -70,7 +63,8 @@ TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
 }
 
 TEST_F(RealTake, TempleSparseRingIsBetterFloatingInEveryMetric) {
-  if (!find("middlebury-temple-sparse-ring")) GTEST_SKIP() << data_ << " is not here";
+  data_ = real_data("middlebury-temple-sparse-ring");
+  FLOATSTAGE_NEEDS_DATA(data_);
   make_take(CalibrationFormat::Middlebury, "luminance:12");
   const auto mean = leave_out({"templeSR0002.png", "templeSR0003.png", "templeSR0004.png", "templeSR0005.png", "templeSR0006.png", "templeSR0007.png", "templeSR0008.png",
                                "templeSR0009.png", "templeSR0010.png", "templeSR0011.png", "templeSR0012.png", "templeSR0013.png", "templeSR0014.png", "templeSR0015.png"});
@@ -83,7 +77,8 @@ TEST_F(RealTake, TempleSparseRingIsBetterFloatingInEveryMetric) {
 }
 
 TEST_F(RealTake, PersonInTheGreenDomeIsKeyedAndFloats) {
-  if (!find("green-dome")) GTEST_SKIP() << data_ << " is not here";
+  data_ = real_data("green-dome");
+  FLOATSTAGE_NEEDS_DATA(data_);
   make_take(CalibrationFormat::Dome, "chroma");
   double sum = 0;
   for (int i = 0; i < 20; ++i) {

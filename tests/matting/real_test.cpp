@@ -7,27 +7,18 @@
 #include "core/png.h"
 #include "core/text.h"
 #include "matting/keyer.h"
+#include "tests/support/real_data.h"
 
 namespace floatstage {
 namespace {
 
-const std::filesystem::path kData = FLOATSTAGE_DATA_DIR;
-
-// Leaves the test when the data is not on this machine; on the build machine that is a failure.
-#define NEED_DATA(folder)                                                                \
-  if (!std::filesystem::exists(folder)) {                                                \
-    const char* ci = std::getenv("CI");                                                  \
-    if (ci != nullptr && std::string(ci) == "true") FAIL() << (folder) << " is missing"; \
-    GTEST_SKIP() << (folder) << " is not on this machine";                               \
-  }
-
 TEST(ChromaKeyerOnTheGreenDome, AgreesWithTheGivenMattesWithoutPlateOrParameter) {
-  NEED_DATA(kData / "green-dome");
+  FLOATSTAGE_NEEDS_DATA(real_data("green-dome"));
   double sum = 0, worst = 1;
   for (int camera = 0; camera < 20; ++camera) {
     const std::string name = text(camera < 10 ? "0" : "", camera, ".png");
-    const auto photograph = load_png(kData / "green-dome/images" / name),
-               given = load_png(kData / "green-dome/mattes" / name);
+    const auto photograph = load_png(real_data("green-dome/images") / name),
+               given = load_png(real_data("green-dome/mattes") / name);
     ASSERT_TRUE(photograph && given) << name;
     const auto keyer = make_keyer("chroma", {*photograph});
     ASSERT_TRUE(keyer) << keyer.error().message;
@@ -46,8 +37,8 @@ TEST(ChromaKeyerOnTheGreenDome, AgreesWithTheGivenMattesWithoutPlateOrParameter)
 // Of the 640x480 pictures the temple covers between these shares, in every view (bounds found by eye on the
 // mattes).
 TEST(LuminanceKeyerOnTheTemple, CutsTheTempleOutInOnePiece) {
-  const auto folder = kData / "middlebury-temple-ring";
-  NEED_DATA(folder);
+  const auto folder = real_data("middlebury-temple-ring");
+  FLOATSTAGE_NEEDS_DATA(folder);
   int views = 0;
   for (int view = 13; view <= 31; ++view, ++views) {
     const auto photograph = load_png(folder / text("templeR00", view, ".png"));

@@ -9,25 +9,12 @@
 #include "recon/mesh_mask.h"
 #include "recon/visual_hull.h"
 #include "tests/recon/real_sets.h"
+#include "tests/support/real_data.h"
 
 namespace floatstage {
 namespace {
 
 using Eigen::Vector3d;
-
-std::filesystem::path data(const std::string& name) {
-  return std::filesystem::path(FLOATSTAGE_DATA_DIR) / name;
-}
-
-// Real data may be absent on a laptop, never in the checks that guard the main branch.
-#define NEEDS_DATA(folder)                                                               \
-  do {                                                                                   \
-    const char* ci = std::getenv("CI");                                                  \
-    if (!std::filesystem::exists(folder)) {                                              \
-      if (ci != nullptr && std::string(ci) == "true") FAIL() << folder << " is missing"; \
-      GTEST_SKIP() << folder << " is not on this machine";                               \
-    }                                                                                    \
-  } while (false)
 
 HullReport hull_of(const MatteSet& set, int resolution, std::optional<Eigen::AlignedBox3d> volume = {}) {
   HullOptions options;
@@ -62,8 +49,8 @@ double share_inside(const Matte& part, const Matte& whole) {
 }
 
 TEST(TempleRingReal, HullCoversTheTempleAndStaysInItsSilhouettes) {
-  const std::filesystem::path folder = data("middlebury-temple-ring");
-  NEEDS_DATA(folder);
+  const std::filesystem::path folder = real_data("middlebury-temple-ring");
+  FLOATSTAGE_NEEDS_DATA(folder);
   const MatteSet set = load_temple_ring(folder);
   ASSERT_EQ(set.mattes.size(), 19u);
   // The silhouettes also hold the dark cloth that the temple stands on; the published box, widened by 4 mm,
@@ -82,17 +69,17 @@ TEST(TempleRingReal, HullCoversTheTempleAndStaysInItsSilhouettes) {
 }
 
 TEST(GreenDomeReal, HullOfEightCamerasFillsItsSilhouettes) {
-  NEEDS_DATA(data("green-dome"));
+  FLOATSTAGE_NEEDS_DATA(real_data("green-dome"));
   const HullReport hull =
-      hull_of(subset(load_green_dome(data("green-dome")), {0, 2, 5, 7, 10, 12, 15, 17}), 256);
+      hull_of(subset(load_green_dome(real_data("green-dome")), {0, 2, 5, 7, 10, 12, 15, 17}), 256);
   expect_sound(hull);
   EXPECT_LE(hull.voxel, 0.008);
   EXPECT_GT(mean_iou(hull), 0.985);
 }
 
 TEST(GreenDomeReal, HullOfAllTwentyCamerasFillsItsSilhouettes) {
-  NEEDS_DATA(data("green-dome"));
-  const HullReport hull = hull_of(load_green_dome(data("green-dome")), 256);
+  FLOATSTAGE_NEEDS_DATA(real_data("green-dome"));
+  const HullReport hull = hull_of(load_green_dome(real_data("green-dome")), 256);
   expect_sound(hull);
   EXPECT_LE(hull.voxel, 0.008);
   EXPECT_GT(mean_iou(hull), 0.98);
@@ -100,9 +87,9 @@ TEST(GreenDomeReal, HullOfAllTwentyCamerasFillsItsSilhouettes) {
 
 // Pins the half-pixel convention of that set, and the rasteriser.
 TEST(VacancyBunnyReal, MaskOfTheTruthMeshIsTheGivenMaskPixelForPixel) {
-  NEEDS_DATA(data("vacancy-bunny"));
-  const MatteSet set = load_vacancy_bunny(data("vacancy-bunny/data"));
-  const Result<Mesh> truth = load_ply(data("vacancy-bunny/data/GT.ply"));
+  FLOATSTAGE_NEEDS_DATA(real_data("vacancy-bunny"));
+  const MatteSet set = load_vacancy_bunny(real_data("vacancy-bunny/data"));
+  const Result<Mesh> truth = load_ply(real_data("vacancy-bunny/data/GT.ply"));
   ASSERT_TRUE(truth.has_value()) << truth.error().message;
   EXPECT_NEAR(signed_volume(*truth), 24642400, 100);
   for (std::size_t i = 0; i < set.mattes.size(); ++i) {
@@ -114,8 +101,8 @@ TEST(VacancyBunnyReal, MaskOfTheTruthMeshIsTheGivenMaskPixelForPixel) {
 }
 
 TEST(VacancyBunnyReal, HullOfSixAxisViewsHasTheKnownVolume) {
-  NEEDS_DATA(data("vacancy-bunny"));
-  const HullReport hull = hull_of(load_vacancy_bunny(data("vacancy-bunny/data")), 200);
+  FLOATSTAGE_NEEDS_DATA(real_data("vacancy-bunny"));
+  const HullReport hull = hull_of(load_vacancy_bunny(real_data("vacancy-bunny/data")), 200);
   expect_sound(hull);
   EXPECT_NEAR(hull.volume / 24642400, 1.191, 0.002);
   EXPECT_GT(mean_iou(hull), 0.999);

@@ -7,6 +7,7 @@
 #include "core/mesh_io.h"
 #include "core/parallel.h"
 #include "tests/render/stage.h"
+#include "tests/support/real_data.h"
 
 namespace floatstage::test {
 namespace {
@@ -41,12 +42,8 @@ std::vector<RigCamera> test_views() {
 class Bunny : public Rendering {
  protected:
   void SetUp() override {
-    const std::filesystem::path folder = std::filesystem::path(FLOATSTAGE_DATA_DIR) / "stanford-bunny";
-    const char* ci = std::getenv("CI");
-    if (!std::filesystem::exists(folder)) {
-      if (ci != nullptr && std::string(ci) == "true") FAIL() << folder << " is missing";
-      GTEST_SKIP() << folder << " is not on this machine";
-    }
+    const std::filesystem::path folder = real_data("stanford-bunny");
+    FLOATSTAGE_NEEDS_DATA(folder);
     Rendering::SetUp();
     const Result<Mesh> full = load_ply(folder / "bun_zipper.ply"), coarse = load_ply(folder / "bun_zipper_res4.ply");
     ASSERT_THAT(full, IsOk());

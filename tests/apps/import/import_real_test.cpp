@@ -7,27 +7,16 @@
 #include "core/png.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/real_data.h"
 
 namespace floatstage {
 namespace {
 
-std::filesystem::path data(const std::string& name) { return std::filesystem::path(FLOATSTAGE_DATA_DIR) / name; }
-
-// Real data may be absent on a laptop, never in the checks that guard the main branch.
-#define NEEDS_DATA(folder)                                                                          \
-  do {                                                                                              \
-    const char* ci = std::getenv("CI");                                                             \
-    if (!std::filesystem::exists(folder)) {                                                         \
-      if (ci != nullptr && std::string(ci) == "true") FAIL() << folder << " is missing";            \
-      GTEST_SKIP() << folder << " is not on this machine";                                          \
-    }                                                                                               \
-  } while (false)
-
 TEST(ImportReal, TempleRingTakesTheNineteenViewsThatHaveAnImage) {
-  NEEDS_DATA(data("middlebury-temple-ring"));
+  FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-ring"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {CalibrationFormat::Middlebury, data("middlebury-temple-ring")};
+  options.calibration = {CalibrationFormat::Middlebury, real_data("middlebury-temple-ring")};
   options.out = folder / "T";
   const Result<ImportReport> report = import_take(options);
   ASSERT_THAT(report, IsOk());
@@ -39,18 +28,18 @@ TEST(ImportReal, TempleRingTakesTheNineteenViewsThatHaveAnImage) {
   ASSERT_THAT(take, IsOk());
   const int camera = camera_index((*take)->rig(), "templeR0014.png");
   ASSERT_GE(camera, 0);
-  const Result<Image> original = load_png(data("middlebury-temple-ring/templeR0014.png"));
+  const Result<Image> original = load_png(real_data("middlebury-temple-ring/templeR0014.png"));
   const Result<Frame> frame = (*take)->frame(camera, 0);
   ASSERT_TRUE(original && frame);
   EXPECT_TRUE(*to_rgb(*frame) == *original);
 }
 
 TEST(ImportReal, DomeComesWithItsMattes) {
-  NEEDS_DATA(data("green-dome"));
+  FLOATSTAGE_NEEDS_DATA(real_data("green-dome"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {CalibrationFormat::Dome, data("green-dome")};
-  options.mattes = data("green-dome/mattes");
+  options.calibration = {CalibrationFormat::Dome, real_data("green-dome")};
+  options.mattes = real_data("green-dome/mattes");
   options.out = folder / "G";
   const Result<ImportReport> report = import_take(options);
   ASSERT_THAT(report, IsOk());
@@ -71,11 +60,11 @@ TEST(ImportReal, DomeComesWithItsMattes) {
 
 // The videos of cam01 and cam02 were scaled to another size than their calibration's, so they must be refused.
 TEST(ImportReal, QualisysVideosOfAnotherSizeAreRefusedAndTheOthersTaken) {
-  NEEDS_DATA(data("pose2sim-balancing"));
+  FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {CalibrationFormat::Qualisys, data("pose2sim-balancing/calibration/Calib.qca.txt")};
-  options.pictures = data("pose2sim-balancing/videos");
+  options.calibration = {CalibrationFormat::Qualisys, real_data("pose2sim-balancing/calibration/Calib.qca.txt")};
+  options.pictures = real_data("pose2sim-balancing/videos");
   options.frames = {.first = 4, .end = 6};
   options.out = folder / "Q";
   EXPECT_THAT(import_take(options), FailsWith(ErrorCode::BadData, "camera 'cam01': its pictures are 1080x1920"));

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace floatstage {
+
+/// A set of the recorded data beside the checkout (tests labelled `real`).
+inline std::filesystem::path real_data(const std::string& set) { return std::filesystem::path(FLOATSTAGE_DATA_DIR) / set; }
+
+inline bool on_ci() {
+  const char* ci = std::getenv("CI");
+  return ci != nullptr && std::string(ci) == "true";
+}
+
+}  // namespace floatstage
+
+/// Leaves the test (or SetUp) when the data is not on this machine. It may be absent on a laptop, never in the checks
+/// that guard the main branch: there it is a failure.
+#define FLOATSTAGE_NEEDS_DATA(folder)                              \
+  do {                                                             \
+    if (!std::filesystem::exists(folder)) {                        \
+      if (::floatstage::on_ci()) FAIL() << (folder) << " is missing"; \
+      GTEST_SKIP() << (folder) << " is not on this machine";       \
+    }                                                              \
+  } while (false)
