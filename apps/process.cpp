@@ -5,6 +5,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
+#include "apps/hull_flags.h"
 #include "apps/interrupt.h"
 #include "apps/keying.h"
 #include "apps/progress.h"
@@ -132,13 +133,6 @@ Result<StageReport> make_mattes(TakeReader& take, const KeyingRecord& record, in
 
 bool nobody_on_stage(const std::vector<Matte>& mattes) {
   return std::all_of(mattes.begin(), mattes.end(), [](const Matte& m) { return m.empty() || coverage(m) == 0; });
-}
-
-json describe(const HullOptions& o) {
-  json j = {{"method", "octree"}, {"resolution", o.resolution}, {"smoothing", o.smoothing}};
-  if (o.volume)
-    j["volume"] = {o.volume->min().x(), o.volume->min().y(), o.volume->min().z(), o.volume->max().x(), o.volume->max().y(), o.volume->max().z()};
-  return j;
 }
 
 // meshes/hull.json: the options, and a line a frame. Written once the stage is done.

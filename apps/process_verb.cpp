@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "apps/hull_flags.h"
 #include "apps/json_report.h"
 #include "apps/process.h"
 #include "apps/verbs.h"
@@ -15,7 +16,7 @@ namespace {
 struct Options {
   ProcessOptions process;
   std::string key, json_file;
-  std::vector<double> volume;
+  HullFlags hull;
 };
 
 nlohmann::json to_json(const StageReport& stage) {
@@ -25,9 +26,9 @@ nlohmann::json to_json(const StageReport& stage) {
 Result<void> run(const Options& given) {
   ProcessOptions options = given.process;
   if (!given.key.empty()) options.key = given.key;
-  if (!given.volume.empty())
-    options.hull.volume = Eigen::AlignedBox3d(Eigen::Vector3d(given.volume[0], given.volume[1], given.volume[2]),
-                                              Eigen::Vector3d(given.volume[3], given.volume[4], given.volume[5]));
+  Result<HullOptions> hull = hull_options(given.hull);
+  if (!hull) return forward(hull);
+  options.hull = *hull;
   Result<ProcessReport> report = process_take(options);
   if (!report) return forward(report);
 
@@ -59,9 +60,7 @@ void add_process(CLI::App& app, Chosen& chosen) {
   for (const KeyerInfo& k : keyers()) keys += "\n  " + k.name + ": " + k.help;
   verb->add_option("take", options->process.take, "The take's folder")->required();
   verb->add_option("--key", options->key, keys);
-  verb->add_option("--resolution", options->process.hull.resolution, "Voxels along the hull's longest side")->capture_default_str();
-  verb->add_option("--smoothing", options->process.hull.smoothing, "Largest move of a vertex by smoothing, in voxels")->capture_default_str();
-  verb->add_option("--volume", options->volume, "World box of the stage, metres: x0 y0 z0 x1 y1 z1 (default: from the silhouettes)")->expected(6);
+  add_hull_flags(*verb, options->hull);
   verb->add_option("--threads", options->process.threads, "Threads; 0: one per core")->capture_default_str();
   verb->add_flag("--redo", options->process.redo, "Make again what was made with other options");
   verb->add_option("--json", options->json_file, "Write a report as JSON");

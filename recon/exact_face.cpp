@@ -40,7 +40,8 @@ void FaceSweep::run(int view, int edge, FaceOutput& out) {
   window_low_ = 0;
   window_high_ = kInfinity;
   for (int j = 0; j < static_cast<int>(in_->views.size()); ++j) {
-    if (j != view && !add_view(j) && strict) return;  // the views so far have nothing in common along the whole face
+    if (j != view && !add_view(j) && strict)
+      return;  // the views so far have nothing in common along the whole face
   }
   if (!find_window()) return;
   for (ViewLines& group : views_) {
@@ -59,8 +60,8 @@ void FaceSweep::run(int view, int edge, FaceOutput& out) {
   out.defects += defect_;
 }
 
-/// Where a view can be inside at all, from the points at which its lines begin and end. Narrows the window; false when
-/// nothing is left of it.
+/// Where a view can be inside at all, from the points at which its lines begin and end. Narrows the window;
+/// false when nothing is left of it.
 bool FaceSweep::add_view(int j) {
   const PairTable& mine = in_->pairs->of(i_, j);
   ViewLines group{j, static_cast<int>(vertices_.size()), 0, 0, 0, kInfinity, -kInfinity, 0};
@@ -144,18 +145,19 @@ bool FaceSweep::find_window() {
   return true;
 }
 
-/// Makes the lines of a view that reach into the window. What the others would say is kept in two ways: those above
-/// the window count in `state`, and where a kept line ends above the window its end stands for a vertical line from
-/// there upwards, so that the states below it are the true ones.
+/// Makes the lines of a view that reach into the window. What the others would say is kept in two ways: those
+/// above the window count in `state`, and where a kept line ends above the window its end stands for a
+/// vertical line from there upwards, so that the states below it are the true ones.
 void FaceSweep::add_lines(ViewLines& group) {
   const int j = group.view;
   const PairTable &mine = in_->pairs->of(i_, j), &theirs = in_->pairs->of(j, i_);
   const ConeView& other = in_->views[j];
-  const int a = mine.ray_start[a_], a_end = mine.ray_start[a_ + 1], b = mine.ray_start[b_], b_end = mine.ray_start[b_ + 1];
+  const int a = mine.ray_start[a_], a_end = mine.ray_start[a_ + 1], b = mine.ray_start[b_],
+            b_end = mine.ray_start[b_ + 1];
   group.begin = static_cast<int>(lines_.size());
   group.state = mine.top;
-  // s grows with phi where this face is not an upper bound for the other view's rays; an upper bound of the other
-  // view runs towards larger phi.
+  // s grows with phi where this face is not an upper bound for the other view's rays; an upper bound of the
+  // other view runs towards larger phi.
   const bool s_with_phi = theirs.upper[edge_] == 0;
   const auto runs_right = [&](int edge) { return (mine.upper[edge] != 0) == s_with_phi; };
   const auto vertex_end = [&](int ray, End& end) {
@@ -184,7 +186,8 @@ void FaceSweep::add_lines(ViewLines& group) {
     for (int h = b; h < b_end; ++h) {
       const int edge = mine.hits[h].edge;
       End left;
-      if (!vertex_end(runs_right(edge) ? edge : other.next[edge], left)) continue;  // it came from the other ray
+      if (!vertex_end(runs_right(edge) ? edge : other.next[edge], left))
+        continue;  // it came from the other ray
       add_line(j, edge, left, {1, mine.hits[h].w, kSide, mine.first_id + h});
     }
     for (int v = group.vertices; v < group.vertices_end; ++v) {
@@ -228,7 +231,8 @@ bool FaceSweep::add_line(int j, int edge, const End& left, const End& right) {
   return true;
 }
 
-/// The states of the other views are true in the window only: there the line is followed from where it enters.
+/// The states of the other views are true in the window only: there the line is followed from where it
+/// enters.
 FaceSweep::End FaceSweep::entry_of(const Line& line) const {
   const double w = line.left.w;
   if (w >= keep_low_ && w <= keep_high_) return line.left;
@@ -253,7 +257,8 @@ bool FaceSweep::cut_by_view(int f, const End& entry, const ViewLines& other, boo
     }
     const bool ends_earlier = before(cutter.right, cutter.view, line.right, line.view);
     const End &from = starts_later ? cutter.left : entry, &to = ends_earlier ? cutter.right : line.right;
-    const int from_view = starts_later ? cutter.view : line.view, to_view = ends_earlier ? cutter.view : line.view;
+    const int from_view = starts_later ? cutter.view : line.view,
+              to_view = ends_earlier ? cutter.view : line.view;
     if (!before(from, from_view, to, to_view)) continue;
     const int first = side(f, g, from, from_view), last = side(f, g, to, to_view);
     if (spans && first < 0) state += sign;
@@ -279,9 +284,8 @@ void FaceSweep::cut_line(int f, bool strict) {
   }
   const int wanted = in_->votes - 2;
   if (crossings_.size() > 1) {
-    std::sort(crossings_.begin(), crossings_.end(), [&](const Crossing& x, const Crossing& y) {
-      return crosses_before(f, x, y);
-    });
+    std::sort(crossings_.begin(), crossings_.end(),
+              [&](const Crossing& x, const Crossing& y) { return crosses_before(f, x, y); });
   }
   // wanted: the face is on the inner side of the line; wanted + 1: on its outer side.
   int open = -2;  // crossing at which the run began; -1: the line's left end; -2: no run
@@ -302,12 +306,14 @@ void FaceSweep::emit_run(int f, int from, int to, bool inner) {
   // Corner keys within the face: hits are unique; at a triple point the quadrant tells touching cells apart.
   const auto corner = [&](int crossing, const End& end, bool after) -> std::pair<std::uint64_t, FaceCorner> {
     if (crossing < 0) {
-      return {static_cast<std::uint64_t>(end.hit), {VertexName::hit(end.hit), end.s, w_at(line.wa, line.wb, end.s)}};
+      return {static_cast<std::uint64_t>(end.hit),
+              {VertexName::hit(end.hit), end.s, w_at(line.wa, line.wb, end.s)}};
     }
     const Crossing& c = crossings_[crossing];
     const bool inside_cutter = (c.change > 0) == after;
     const std::uint64_t low = std::min(f, c.line), high = std::max(f, c.line);
-    const std::uint64_t low_inside = f < c.line ? inner : inside_cutter, high_inside = f < c.line ? inside_cutter : inner;
+    const std::uint64_t low_inside = f < c.line ? inner : inside_cutter,
+                        high_inside = f < c.line ? inside_cutter : inner;
     const std::uint64_t key = std::uint64_t{1} << 63 | low << 33 | high << 2 | low_inside << 1 | high_inside;
     const Line& cutter = lines_[c.line];
     const VertexName name = VertexName::triple(face_number(i_, edge_), face_number(line.view, line.edge),
@@ -316,8 +322,12 @@ void FaceSweep::emit_run(int f, int from, int to, bool inner) {
   };
   const auto [left_key, left] = corner(from, line.left, true);
   const auto [right_key, right] = corner(to, line.right, false);
-  defect_ |= from < 0 && line.left.w != entry_of(line).w;  // the hull cannot reach out of the window
-  unbounded_ |= left.w <= 0 || right.w <= 0;
+  if (std::min(left.w, right.w) <= 0) {
+    unbounded_ |= std::max(left.w, right.w) > 0;
+    return;
+  }
+  // Outside the window the other views' states are not the true ones, and there is no hull.
+  if (std::min(left.w, right.w) < keep_low_ || std::max(left.w, right.w) > keep_high_) return;
   // Clockwise in (s, w): along its upper boundary a cell is walked towards larger s.
   if (line.upper == inner) {
     edges_.push_back({left_key, right_key, left});

@@ -10,8 +10,9 @@
 
 namespace floatstage {
 
-/// The name of a hull vertex, by which neighbouring faces meet without any tolerance: a hit (a ray through a face), the
-/// three faces of a triple point in ascending order, or a camera's centre seen through one polygon.
+/// The name of a hull vertex, by which neighbouring faces meet without any tolerance: a hit (a ray through a
+/// face), the three faces of a triple point in ascending order, or a camera's centre seen through one
+/// polygon.
 class VertexName {
  public:
   static constexpr int kFaceBits = 20;
@@ -45,8 +46,8 @@ struct FaceCorner {
   double s, w;
 };
 
-/// What a run of faces adds to the mesh: polygons of corners, clockwise in (s, w), which is counter-clockwise seen from
-/// outside. The polygons of one face are consecutive; holes run the other way.
+/// What a run of faces adds to the mesh: polygons of corners, clockwise in (s, w), which is counter-clockwise
+/// seen from outside. The polygons of one face are consecutive; holes run the other way.
 struct FaceOutput {
   struct Face {
     std::int32_t view, edge;
@@ -67,16 +68,16 @@ struct ArrangementInput {
   std::span<const ConeView> views;
   const PairTables* pairs;
   const RayIntervals* rays;
-  const GridViews* grid;               ///< null: doubles decide
+  const GridViews* grid;                 ///< null: doubles decide
   std::vector<std::int32_t> first_face;  ///< per view: number of its first contour edge among all
-  int votes;                           ///< how many views have to agree on "inside"
+  int votes;                             ///< how many views have to agree on "inside"
 };
 
 /// Computes the part of the hull that lies in one contour edge's cone face
 ///     X = C_i + ((1-s) d_a + s d_b) / w,  s in [0,1],
-/// where every plane of another view is a straight line. Each line's stretch is cut at its crossings with the lines of
-/// other views; the stretches along which exactly the right number of views agree, and those of the two rays, are the
-/// boundary of the face's polygons.
+/// where every plane of another view is a straight line. Each line's stretch is cut at its crossings with the
+/// lines of other views; the stretches along which exactly the right number of views agree, and those of the
+/// two rays, are the boundary of the face's polygons.
 class FaceSweep {
  public:
   explicit FaceSweep(const ArrangementInput& input) : in_(&input) {}
@@ -96,7 +97,7 @@ class FaceSweep {
     End left, right;
     std::int32_t edge;
     std::int16_t view;
-    bool upper;        ///< the inside of its view is below it (at smaller w)
+    bool upper;                                    ///< the inside of its view is below it (at smaller w)
     bool left_above = false, right_above = false;  ///< that end is a vertex above the window
   };
   struct ExactLine {

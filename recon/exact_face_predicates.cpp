@@ -2,8 +2,9 @@
 
 #include "recon/exact_face.h"
 
-// The decisions of the sweep. Without a grid, doubles decide. With one, the doubles are rounded from exact integers, so
-// their relative errors are a few 2^-53; where a result is not larger than its error, integers decide.
+// The decisions of the sweep. Without a grid, doubles decide. With one, the doubles are rounded from exact
+// integers, so their relative errors are a few 2^-53; where a result is not larger than its error, integers
+// decide.
 
 namespace floatstage {
 namespace {
@@ -12,12 +13,15 @@ constexpr double kEpsilon = 1e-14;  // about 45 roundings
 
 }  // namespace
 
-/// det(C_j - C_i, d_a, q) and det(C_j - C_i, d_b, q) for the ray q at this end: opposite signs, s = ta / (ta - tb).
+/// det(C_j - C_i, d_a, q) and det(C_j - C_i, d_b, q) for the ray q at this end: opposite signs, s = ta / (ta
+/// - tb).
 std::pair<Int128, Int128> FaceSweep::exact_sides(const End& end, int view) const {
   const GridViews& grid = *in_->grid;
   const GridViews::Vector baseline = grid.centers[view] - grid.centers[i_];
   // Components of the plane's normal: 28 + 28 + 1 bits; times the baseline's 27 bits, summed.
-  const auto side_of = [&](int ray) { return dot(cross(grid.rays[i_][ray], grid.rays[view][end.ray]), baseline); };
+  const auto side_of = [&](int ray) {
+    return dot(cross(grid.rays[i_][ray], grid.rays[view][end.ray]), baseline);
+  };
   return {side_of(a_), side_of(b_)};
 }
 

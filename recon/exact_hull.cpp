@@ -60,7 +60,8 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
     for (std::size_t p = parts * stretch / stretches; p < parts * (stretch + 1) / stretches; ++p) {
       FaceOutput& part = parts_[p];
       part.clear();
-      const std::int32_t end = std::min<std::int32_t>(faces, static_cast<std::int32_t>((p + 1) * kFacesPerPart));
+      const std::int32_t end =
+          std::min<std::int32_t>(faces, static_cast<std::int32_t>((p + 1) * kFacesPerPart));
       for (std::int32_t face = static_cast<std::int32_t>(p) * kFacesPerPart; face < end; ++face) {
         const auto view = std::upper_bound(input_.first_face.begin(), input_.first_face.end(), face) - 1;
         sweep.run(static_cast<int>(view - input_.first_face.begin()), face - *view, part);
@@ -77,12 +78,14 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
     defects += part.defects;
     outcome.unbounded |= part.unbounded;
   }
+  outcome.tie = tie;
+  outcome.defects = defects;
   outcome.unbounded &= !tie;
   if (outcome.unbounded) return;
   welder_.weld(input_, parts_, polygons_);
   outcome.closed = !tie && defects == 0 && !outcome.unbounded && polygons_.closed();
   outcome.timings.weld = watch.lap();
-  if (outcome.closed && options.triangulate) welder_.triangulate(parts_, polygons_);
+  if (outcome.closed && options.triangulate) outcome.closed = welder_.triangulate(parts_, polygons_);
   outcome.timings.triangles = watch.lap();
 }
 

@@ -21,9 +21,9 @@ enum class ExactLevel {
 };
 
 struct ExactOptions {
-  int votes = 0;            ///< how many views have to agree on "inside"; 0: all of them
-  int threads = 1;          ///< 0: one per core; the same result at any number
-  double pixel = 1e-3;      ///< size of a pixel in units of a ray's z: 1 / focal length
+  int votes = 0;        ///< how many views have to agree on "inside"; 0: all of them
+  int threads = 1;      ///< 0: one per core; the same result at any number
+  double pixel = 1e-3;  ///< size of a pixel in units of a ray's z: 1 / focal length
   bool triangulate = true;
   ExactLevel start = ExactLevel::Doubles;
 };
@@ -35,15 +35,19 @@ struct ExactTimings {
 
 struct ExactOutcome {
   ExactLevel level = ExactLevel::Doubles;
-  int attempts = 0;        ///< sweeps over the whole frame; 1 when plain doubles were enough
-  bool unbounded = false;  ///< the views do not bound the hull: give a volume. Believed only from the integers.
+  int attempts = 0;  ///< sweeps over the whole frame; 1 when plain doubles were enough
+  bool unbounded =
+      false;  ///< the views do not bound the hull: give a volume. Believed only from the integers.
   bool closed = false;
-  ExactTimings timings;    ///< of the last attempt
+  int defects = 0;       ///< faces whose boundary did not close, in the last attempt
+  bool tie = false;      ///< an exact predicate was zero, in the last attempt
+  ExactTimings timings;  ///< of the last attempt
 };
 
-/// The exact polyhedral visual hull of polygonal silhouettes (Franco and Boyer 2003 state the problem): one planar sweep
-/// for each contour edge, vertices that carry names instead of tolerances, and a check that every edge has its reverse.
-/// docs/algorithms/visual-hull.md explains it. Keeps its memory: the second frame of like size allocates nothing large.
+/// The exact polyhedral visual hull of polygonal silhouettes (Franco and Boyer 2003 state the problem): one
+/// planar sweep for each contour edge, vertices that carry names instead of tolerances, and a check that
+/// every edge has its reverse. docs/algorithms/visual-hull.md explains it. Keeps its memory: the second frame
+/// of like size allocates nothing large.
 class ExactHull {
  public:
   /// At least two views; every view has at least one polygon. The views are moved when escalation needs it.

@@ -8,8 +8,9 @@ namespace floatstage {
 __extension__ typedef __int128 Int128;
 __extension__ typedef unsigned __int128 UInt128;
 
-/// A signed integer of 384 bits (two's complement, six limbs, least first): enough for every predicate of the exact
-/// hull, whose largest is the product of two 175-bit numbers. No allocation; overflow cannot happen for those.
+/// A signed integer of 384 bits (two's complement, six limbs, least first): enough for every predicate of the
+/// exact hull, whose largest is the product of two 175-bit numbers. No allocation; overflow cannot happen for
+/// those.
 class Wide {
  public:
   Wide() = default;

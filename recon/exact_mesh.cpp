@@ -1,8 +1,9 @@
 #include "recon/exact_mesh.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Geometry>
 
 #include "core/random.h"
 
@@ -116,7 +117,8 @@ void MeshWelder::check(const ArrangementInput& input, HullPolygons& out) {
   const auto each_edge = [&](const auto& visit) {
     for (std::size_t p = 0; p + 1 < out.polygon_start.size(); ++p) {
       const std::int32_t begin = out.polygon_start[p], end = out.polygon_start[p + 1];
-      for (std::int32_t c = begin; c < end; ++c) visit(out.corners[c], out.corners[c + 1 < end ? c + 1 : begin]);
+      for (std::int32_t c = begin; c < end; ++c)
+        visit(out.corners[c], out.corners[c + 1 < end ? c + 1 : begin]);
     }
   };
   each_edge([&](std::int32_t u, std::int32_t v) {
@@ -142,14 +144,40 @@ void MeshWelder::check(const ArrangementInput& input, HullPolygons& out) {
   const bool strict = input.votes == static_cast<int>(input.views.size());
   for (std::size_t v = 0; v < count; ++v) {
     // Three edges in and out of a vertex of a closed surface cannot be anything but one fan.
-    const bool regular = kind_[v] == kApexVertex || degree_[v] == 3 || (!strict && kind_[v] == kTripleVertex && degree_[v] == 6);
+    const bool regular = kind_[v] == kApexVertex || degree_[v] == 3 ||
+                         (!strict && kind_[v] == kTripleVertex && degree_[v] == 6);
     out.irregular += !regular;
   }
 }
 
-void MeshWelder::triangulate(std::span<const FaceOutput> parts, HullPolygons& out) {
+/// Notes the edges of a face's triangles that are not edges of the face; false when another face has one of
+/// them.
+bool MeshWelder::claim_diagonals(std::size_t first_triangle, std::int32_t face, HullPolygons& out) {
+  for (std::size_t t = first_triangle; t < out.triangles.size(); t += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t u = out.triangles[t + k], v = out.triangles[t + (k + 1) % 3];
+      const std::int32_t* edges = &out_edges_[u * kSlots];
+      if (kind_[u] == kApexVertex || kind_[v] == kApexVertex) continue;
+      if (std::find(edges, edges + degree_[u], static_cast<std::int32_t>(v)) != edges + degree_[u]) continue;
+      const std::uint64_t key = std::min(u, v) << 32 | std::max(u, v);
+      std::size_t at = mix(key) & (keys_.size() - 1);
+      while (keys_[at] != 0 && keys_[at] != key) at = (at + 1) & (keys_.size() - 1);
+      if (keys_[at] == key && values_[at] != face) return false;
+      keys_[at] = key;
+      values_[at] = face;
+    }
+  }
+  return true;
+}
+
+bool MeshWelder::triangulate(std::span<const FaceOutput> parts, HullPolygons& out) {
   std::size_t base = 0;
   std::int32_t number = 0;
+  std::size_t capacity = 1024;
+  while (capacity < 2 * out.corners.size()) capacity *= 2;
+  keys_.assign(capacity, 0);
+  values_.resize(capacity);
+  bool sound = true;
   for (const FaceOutput& part : parts) {
     for (std::size_t f = 0; f < part.faces.size(); ++f, ++number) {
       const int first = part.faces[f].first_polygon;
@@ -168,14 +196,17 @@ void MeshWelder::triangulate(std::span<const FaceOutput> parts, HullPolygons& ou
       }
       for (int p = first; p < last; ++p) ends_.push_back(part.polygon_start[p + 1] - begin);
       local_.clear();
+      const std::size_t first_triangle = out.triangles.size();
       cutter_.cut(points_, ends_, local_);
       for (const std::int32_t k : local_) {
         out.triangles.push_back(static_cast<std::uint32_t>(out.corners[base + static_cast<std::size_t>(k)]));
       }
       for (std::size_t t = 0; t < local_.size() / 3; ++t) out.triangle_face.push_back(number);
+      if (local_.size() > 3) sound &= claim_diagonals(first_triangle, number, out);
       base += static_cast<std::size_t>(end - begin);
     }
   }
+  return sound;
 }
 
 }  // namespace floatstage

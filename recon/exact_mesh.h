@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "recon/exact_face.h"
 #include "recon/exact_polygon.h"
@@ -13,19 +14,20 @@ namespace floatstage {
 /// The hull with its polygonal faces. Vertices are shared by name, so it is closed without any tolerance.
 struct HullPolygons {
   struct Face {
-    std::int32_t view, edge;      ///< the contour edge whose cone face it lies in
-    std::int32_t first_polygon;   ///< polygons first_polygon … of the next face; an outline per piece, then its holes
+    std::int32_t view, edge;  ///< the contour edge whose cone face it lies in
+    std::int32_t
+        first_polygon;  ///< polygons first_polygon … of the next face; an outline per piece, then its holes
   };
-  std::vector<Eigen::Vector3d> positions;    ///< metres
-  std::vector<std::int32_t> corners;         ///< indices into positions
-  std::vector<std::int32_t> polygon_start;   ///< one more than polygons
+  std::vector<Eigen::Vector3d> positions;   ///< metres
+  std::vector<std::int32_t> corners;        ///< indices into positions
+  std::vector<std::int32_t> polygon_start;  ///< one more than polygons
   std::vector<Face> faces;
-  std::vector<std::uint32_t> triangles;      ///< three indices each, counter-clockwise seen from outside
-  std::vector<std::int32_t> triangle_face;   ///< per triangle: index into faces
-  double volume = 0;                         ///< m³, from the faces' area vectors, without triangles
+  std::vector<std::uint32_t> triangles;     ///< three indices each, counter-clockwise seen from outside
+  std::vector<std::int32_t> triangle_face;  ///< per triangle: index into faces
+  double volume = 0;                        ///< m³, from the faces' area vectors, without triangles
 
-  int unmatched = 0;   ///< directed edges without their reverse
-  int irregular = 0;   ///< vertices whose faces do not form one fan
+  int unmatched = 0;  ///< directed edges without their reverse
+  int irregular = 0;  ///< vertices whose faces do not form one fan
   bool closed() const { return unmatched == 0 && irregular == 0; }
   void clear();
 };
@@ -35,16 +37,18 @@ class MeshWelder {
  public:
   /// Numbers the vertices and fills `out` but for the triangles; `parts` in ascending order of faces.
   void weld(const ArrangementInput& input, std::span<const FaceOutput> parts, HullPolygons& out);
-  /// Cuts all polygons into triangles.
-  void triangulate(std::span<const FaceOutput> parts, HullPolygons& out);
+  /// Cuts all polygons into triangles. False when two faces were cut along one diagonal, which only rounding
+  /// can do: that edge would have four triangles.
+  bool triangulate(std::span<const FaceOutput> parts, HullPolygons& out);
 
  private:
   std::int32_t number_of(VertexName name, const FaceCorner& corner, const FaceOutput::Face& face,
                          const ArrangementInput& input, HullPolygons& out);
   void check(const ArrangementInput& input, HullPolygons& out);
+  bool claim_diagonals(std::size_t first_triangle, std::int32_t face, HullPolygons& out);
 
   std::vector<std::int32_t> of_hit_;
-  std::vector<std::uint64_t> keys_;        ///< open addressing; 0 is free
+  std::vector<std::uint64_t> keys_;  ///< open addressing; 0 is free
   std::vector<std::int32_t> values_;
   std::size_t named_ = 0;
   std::vector<std::int32_t> out_edges_, degree_;

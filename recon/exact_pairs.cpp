@@ -1,8 +1,9 @@
 #include "recon/exact_pairs.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Geometry>
 
 #include "core/parallel.h"
 
@@ -70,7 +71,8 @@ void PairTables::build_axis(std::span<const ConeView> views, const GridViews* gr
   if (!(u.norm() > 1e-9)) u = along.unitOrthogonal();
   u.normalize();
   const Vector3d v = along.cross(u);
-  const auto flatten = [&](const std::vector<Vector3d>& rays, std::vector<Vector2d>& flat, std::vector<double>& key) {
+  const auto flatten = [&](const std::vector<Vector3d>& rays, std::vector<Vector2d>& flat,
+                           std::vector<double>& key) {
     flat.resize(rays.size());
     key.resize(rays.size());
     for (std::size_t r = 0; r < rays.size(); ++r) {
@@ -106,13 +108,14 @@ void PairTables::build_axis(std::span<const ConeView> views, const GridViews* gr
   find_hits(views, grid, axis, j, i, tie);
 }
 
-void PairTables::find_hits(std::span<const ConeView> views, const GridViews* grid, AxisTable& axis, int i, int j,
-                           bool& tie) {
+void PairTables::find_hits(std::span<const ConeView> views, const GridViews* grid, AxisTable& axis, int i,
+                           int j, bool& tie) {
   PairTable& pair = pairs_[static_cast<std::size_t>(i) * views_ + j];
   const bool forward = i < j;
   const ConeView &from = views[i], &to = views[j];
   const auto &rays = forward ? axis.low : axis.high, &ends = forward ? axis.high : axis.low;
-  const auto &ray_key = forward ? axis.low_key : axis.high_key, &end_key = forward ? axis.high_key : axis.low_key;
+  const auto &ray_key = forward ? axis.low_key : axis.high_key,
+             &end_key = forward ? axis.high_key : axis.low_key;
   const int edges = static_cast<int>(ends.size()), count = static_cast<int>(rays.size());
 
   // Edges of j in bins of phi.
@@ -155,13 +158,15 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
   }
   for (int bin = 0; bin <= bins; ++bin) axis.bin_start[bin + 1] += axis.bin_start[bin];
   axis.bin_edges.resize(axis.bin_start[bins + 1]);
-  for (int f = 0; f < edges; ++f) each_bin(f, [&](int bin) { axis.bin_edges[axis.bin_start[bin + 1]++] = f; });
+  for (int f = 0; f < edges; ++f)
+    each_bin(f, [&](int bin) { axis.bin_edges[axis.bin_start[bin + 1]++] = f; });
 
   // Zero counts as "the higher view's ray is on the positive side", the same for both directions of the pair.
   const auto positive = [&](int a, int p) {
     const double c = cross2(rays[a], ends[p]);
     if (grid && std::abs(c) < kUnsure * from.rays[a].norm() * to.rays[p].norm()) {
-      const GridViews::Vector e = forward ? grid->centers[j] - grid->centers[i] : grid->centers[i] - grid->centers[j];
+      const GridViews::Vector e =
+          forward ? grid->centers[j] - grid->centers[i] : grid->centers[i] - grid->centers[j];
       const Int128 exact = dot(cross(grid->rays[i][a], grid->rays[j][p]), e);
       tie |= exact == 0;
       return exact > 0;

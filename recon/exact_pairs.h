@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "recon/exact_views.h"
 
@@ -18,30 +19,33 @@ struct RayHit {
 
 /// Everything about rays of view i against contour edges of view j (an ordered pair).
 ///
-/// All planes through both centres form a pencil; every ray lies in one half-plane of it, at an angle phi about the
-/// baseline. A ray of i meets an edge of j where the edge's arc of phi contains the ray's phi. Within that half-plane
-/// the edge's plane is w = slope . d for a ray direction d: affine, without any division by angles.
+/// All planes through both centres form a pencil; every ray lies in one half-plane of it, at an angle phi
+/// about the baseline. A ray of i meets an edge of j where the edge's arc of phi contains the ray's phi.
+/// Within that half-plane the edge's plane is w = slope . d for a ray direction d: affine, without any
+/// division by angles.
 struct PairTable {
   std::vector<Eigen::Vector3d> slope;  ///< per edge of j: n / (n . (C_j - C_i)), so w = slope . d
-  std::vector<std::uint8_t> upper;     ///< per edge of j: 1 when the inside of j is at smaller w (an upper bound)
-  std::vector<RayHit> hits;            ///< sorted by ray, then edge
+  std::vector<std::uint8_t>
+      upper;                 ///< per edge of j: 1 when the inside of j is at smaller w (an upper bound)
+  std::vector<RayHit> hits;  ///< sorted by ray, then edge
   std::vector<std::int32_t> ray_start;   ///< ray r owns hits[ray_start[r]] … hits[ray_start[r + 1] - 1]
   std::vector<std::int32_t> face_start;  ///< edge f owns face_hits[face_start[f]] …, sorted by ray
   std::vector<std::int32_t> face_hits;   ///< indices into hits
-  int top = 0;                ///< 1 when C_i, where w is infinite, is inside the silhouette of j
-  std::int32_t first_id = 0;  ///< number of the first hit among the hits of all pairs
+  int top = 0;                           ///< 1 when C_i, where w is infinite, is inside the silhouette of j
+  std::int32_t first_id = 0;             ///< number of the first hit among the hits of all pairs
 };
 
 /// Rays of both views of an unordered pair, seen along the baseline.
 struct AxisTable {
-  std::vector<Eigen::Vector2d> low, high;      ///< rays of the view with the lower, the higher index
-  std::vector<double> low_key, high_key;       ///< monotone in phi, in [-2, 2]
+  std::vector<Eigen::Vector2d> low, high;  ///< rays of the view with the lower, the higher index
+  std::vector<double> low_key, high_key;   ///< monotone in phi, in [-2, 2]
   std::vector<std::int32_t> bin_start, bin_edges, first_bin, last_bin;  ///< scratch
 };
 
 class PairTables {
  public:
-  /// Builds all V(V-1) tables. `grid` not null: every sign is exact, and `tie()` tells whether a predicate was zero.
+  /// Builds all V(V-1) tables. `grid` not null: every sign is exact, and `tie()` tells whether a predicate
+  /// was zero.
   void build(std::span<const ConeView> views, const GridViews* grid, int threads);
 
   const PairTable& of(int i, int j) const { return pairs_[static_cast<std::size_t>(i) * views_ + j]; }
@@ -54,7 +58,8 @@ class PairTables {
 
  private:
   void build_axis(std::span<const ConeView> views, const GridViews* grid, int i, int j, bool& tie);
-  void find_hits(std::span<const ConeView> views, const GridViews* grid, AxisTable& axis, int i, int j, bool& tie);
+  void find_hits(std::span<const ConeView> views, const GridViews* grid, AxisTable& axis, int i, int j,
+                 bool& tie);
 
   std::size_t views_ = 0;
   std::vector<PairTable> pairs_;

@@ -23,9 +23,10 @@ bool in_triangle(const Vector2d& p, const Vector2d& a, const Vector2d& b, const 
 bool PolygonCutter::is_ear(std::size_t before, std::size_t at, std::size_t after) const {
   const std::int32_t ia = loop_[before], ib = loop_[at], ic = loop_[after];
   const Vector2d &a = points_[ia], &b = points_[ib], &c = points_[ic];
-  if (!(clockwise(a, b, c) > 0)) return false;
+  if (ia == ic || !(clockwise(a, b, c) > 0)) return false;
   for (const std::int32_t other : loop_) {
     if (other == ia || other == ib || other == ic) continue;
+    if (points_[other] == a || points_[other] == b || points_[other] == c) continue;
     if (in_triangle(points_[other], a, b, c)) return false;
   }
   return true;
@@ -45,8 +46,9 @@ void PolygonCutter::clip(std::vector<std::int32_t>& triangles) {
       if (n == 4) {
         // The diagonal for which the worse of the two triangles is better.
         const std::size_t opposite = (at + 2) % 4;
-        const double score = std::min(clockwise(points_[loop_[before]], points_[loop_[at]], points_[loop_[after]]),
-                                      clockwise(points_[loop_[after]], points_[loop_[opposite]], points_[loop_[before]]));
+        const double score =
+            std::min(clockwise(points_[loop_[before]], points_[loop_[at]], points_[loop_[after]]),
+                     clockwise(points_[loop_[after]], points_[loop_[opposite]], points_[loop_[before]]));
         if (score > best_score) {
           best_score = score;
           best = at;
@@ -58,9 +60,11 @@ void PolygonCutter::clip(std::vector<std::int32_t>& triangles) {
         found = true;
         break;
       }
+      if (loop_[before] == loop_[after]) continue;  // both sides of a bridge
       const double area = clockwise(points_[loop_[before]], points_[loop_[at]], points_[loop_[after]]);
       // No ear at all happens only to polygons flattened by rounding: then the least bad corner goes.
-      if (!found && area > best_score && (area < 0 || best_score == -std::numeric_limits<double>::infinity())) {
+      if (!found && area > best_score &&
+          (area < 0 || best_score == -std::numeric_limits<double>::infinity())) {
         best_score = area;
         best = at;
       }
@@ -84,13 +88,16 @@ void PolygonCutter::bridge(const Ring& hole) {
   const auto blocked = [&](const Vector2d& q) {
     const auto crosses = [&](const Vector2d& u, const Vector2d& v) {
       if (u == q || v == q || u == p || v == p) return false;
-      return (clockwise(p, q, u) > 0) != (clockwise(p, q, v) > 0) && (clockwise(u, v, p) > 0) != (clockwise(u, v, q) > 0);
+      return (clockwise(p, q, u) > 0) != (clockwise(p, q, v) > 0) &&
+             (clockwise(u, v, p) > 0) != (clockwise(u, v, q) > 0);
     };
-    for (std::size_t k = 0; k < loop_.size(); ++k) {
-      if (crosses(points_[loop_[k]], points_[loop_[(k + 1) % loop_.size()]])) return true;
+    for (const Ring& ring : rings_) {
+      for (std::int32_t k = ring.begin; k < ring.end; ++k) {
+        if (crosses(points_[k], points_[k + 1 < ring.end ? k + 1 : ring.begin])) return true;
+      }
     }
-    for (std::int32_t k = hole.begin; k < hole.end; ++k) {
-      if (crosses(points_[k], points_[k + 1 < hole.end ? k + 1 : hole.begin])) return true;
+    for (std::size_t k = 0; k < loop_.size(); ++k) {  // earlier bridges
+      if (crosses(points_[loop_[k]], points_[loop_[(k + 1) % loop_.size()]])) return true;
     }
     return false;
   };
@@ -99,7 +106,8 @@ void PolygonCutter::bridge(const Ring& hole) {
       const Vector2d q = points_[loop_[k]];
       const double distance = (q - p).squaredNorm();
       if (distance >= best_distance || (pass == 0 && blocked(q))) continue;
-      // Where the outline passes a point twice (an earlier bridge), the bridge must start within the corner's angle.
+      // Where the outline passes a point twice (an earlier bridge), the bridge must start within the corner's
+      // angle.
       const Vector2d before = points_[loop_[k == 0 ? loop_.size() - 1 : k - 1]];
       const Vector2d after = points_[loop_[k + 1 == loop_.size() ? 0 : k + 1]];
       const bool convex = clockwise(before, q, after) > 0;
@@ -146,11 +154,17 @@ void PolygonCutter::cut(std::span<const Vector2d> points, std::span<const std::i
     bool inside = false;
     for (std::int32_t k = ring.begin; k < ring.end; ++k) {
       const Vector2d &u = points[k], &v = points[k + 1 < ring.end ? k + 1 : ring.begin];
-      if ((u.y() > p.y()) != (v.y() > p.y()) && p.x() < u.x() + (p.y() - u.y()) / (v.y() - u.y()) * (v.x() - u.x())) {
+      if ((u.y() > p.y()) != (v.y() > p.y()) &&
+          p.x() < u.x() + (p.y() - u.y()) / (v.y() - u.y()) * (v.x() - u.x())) {
         inside = !inside;
       }
     }
     return inside;
+  };
+  const auto left_of = [&](const Ring& ring) {
+    double left = points[ring.begin].x();
+    for (std::int32_t k = ring.begin; k < ring.end; ++k) left = std::min(left, points[k].x());
+    return left;
   };
   // Each hole belongs to the smallest outline around it.
   std::vector<std::vector<const Ring*>> holes_of(rings_.size());
@@ -170,6 +184,9 @@ void PolygonCutter::cut(std::span<const Vector2d> points, std::span<const std::i
   for (std::size_t r = 0; r < rings_.size(); ++r) {
     if (is_hole(rings_[r])) continue;
     load(rings_[r].begin, rings_[r].end);
+    // From left to right: then what lies to the left of a hole is connected already.
+    std::sort(holes_of[r].begin(), holes_of[r].end(),
+              [&](const Ring* a, const Ring* b) { return left_of(*a) < left_of(*b); });
     for (const Ring* hole : holes_of[r]) bridge(*hole);
     clip(triangles);
   }

@@ -99,8 +99,8 @@ int gather(const PairTables& pairs, int i, int ray, int views, bool strict, std:
 
 }  // namespace
 
-void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid, int votes,
-                        int threads, RayIntervals& out) {
+void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid,
+                        int votes, int threads, RayIntervals& out) {
   const int count = static_cast<int>(views.size());
   const bool strict = votes == count;
   out.of_view.resize(views.size());

@@ -7,8 +7,9 @@
 
 namespace floatstage {
 
-/// A stretch of a ray that is an edge of the hull: the ray's own view is at its boundary there, and `votes - 1` other
-/// views contain it. `low` and `high` number the hits at its ends; high is kApex where the stretch reaches the camera.
+/// A stretch of a ray that is an edge of the hull: the ray's own view is at its boundary there, and `votes -
+/// 1` other views contain it. `low` and `high` number the hits at its ends; high is kApex where the stretch
+/// reaches the camera.
 struct RayInterval {
   static constexpr std::int32_t kApex = -1;
   std::int32_t low, high;
@@ -22,7 +23,7 @@ struct RayIntervals {
   bool tie = false;                               ///< an exact comparison was zero
 };
 
-void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid, int votes,
-                        int threads, RayIntervals& out);
+void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid,
+                        int votes, int threads, RayIntervals& out);
 
 }  // namespace floatstage

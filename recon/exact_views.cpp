@@ -38,8 +38,8 @@ void perturb(std::span<ConeView> views, const Perturbation& perturbation) {
   if (perturbation.seed == 0) return;
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (int axis = 0; axis < 3; ++axis) {
-      views[v].center[axis] +=
-          perturbation.center * signed_unit(perturbation.seed, v, ~std::uint64_t{0}, static_cast<std::uint64_t>(axis));
+      views[v].center[axis] += perturbation.center * signed_unit(perturbation.seed, v, ~std::uint64_t{0},
+                                                                 static_cast<std::uint64_t>(axis));
     }
     for (std::size_t r = 0; r < views[v].rays.size(); ++r) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -88,26 +88,21 @@ bool snap_to_grid(std::span<ConeView> views, GridViews& grid) {
 }
 
 std::array<ConeView, 2> volume_views(const Eigen::AlignedBox3d& box) {
-  const Eigen::Vector3d middle = box.center(), half = 0.5 * box.sizes();
-  const double away = 64 * half.maxCoeff();
+  // Spread so little that the box grows by a hundred-thousandth, and unevenly: exact right angles between the
+  // views of one box would be degenerate.
+  constexpr double kSpread = 1e-5;
   std::array<ConeView, 2> out;
   for (int k = 0; k < 2; ++k) {
-    // From above (along z), then along x; the second a hair wider, so that the two pairs of y planes differ.
-    const int forward_axis = k == 0 ? 2 : 0, u_axis = k == 0 ? 0 : 1, v_axis = k == 0 ? 1 : 2;
-    Eigen::Vector3d forward = Eigen::Vector3d::Zero();
-    forward[forward_axis] = -1;
-    out[k].center = middle - away * forward;
-    // The frustum contains the box: its nearer side is the narrower one.
-    const double near_side = (away - half[forward_axis]) / (1 + 1e-3 * k);
-    std::array<Eigen::Vector3d, 4> corners;
-    const int signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    for (int c = 0; c < 4; ++c) {
-      corners[c] = forward;
-      corners[c][u_axis] = signs[c][0] * half[u_axis] / near_side;
-      corners[c][v_axis] = signs[c][1] * half[v_axis] / near_side;
+    const double inward = k == 0 ? 1 : -1;
+    out[k].center = k == 0 ? box.min() : box.max();
+    std::array<Eigen::Vector3d, 3> rays;
+    for (int axis = 0; axis < 3; ++axis) {
+      rays[axis][axis] = inward;
+      rays[axis][(axis + 1) % 3] = -inward * kSpread * (1 + 0.11 * axis + 0.05 * k);
+      rays[axis][(axis + 2) % 3] = -inward * kSpread * (1 + 0.07 * axis + 0.03 * k);
     }
-    if (corners[0].cross(corners[1]).dot(forward) < 0) std::reverse(corners.begin(), corners.end());
-    out[k].add_loop(corners);
+    if (rays[0].cross(rays[1]).dot(rays[2]) < 0) std::swap(rays[0], rays[1]);
+    out[k].add_loop(rays);
   }
   return out;
 }

@@ -1,19 +1,20 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 #include "recon/exact_integer.h"
 
 namespace floatstage {
 
-/// One silhouette as the exact engine sees it: a cone of planes through the camera's centre. From here on the rays are
-/// the data, pixels never return. Ray k starts contour edge k, which ends at ray next[k].
+/// One silhouette as the exact engine sees it: a cone of planes through the camera's centre. From here on the
+/// rays are the data, pixels never return. Ray k starts contour edge k, which ends at ray next[k].
 struct ConeView {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> rays;  ///< world; z = 1 in the camera's frame
@@ -43,12 +44,13 @@ struct Perturbation {
 /// Moves every ray and centre by a hash of its index and the seed.
 void perturb(std::span<ConeView> views, const Perturbation& perturbation);
 
-/// Rounds the views to the grid and overwrites them with the rounded numbers. False when the cameras are so far apart
-/// compared to their distances that the grid cannot tell centres apart (1e-7 of the rig's size).
+/// Rounds the views to the grid and overwrites them with the rounded numbers. False when the cameras are so
+/// far apart compared to their distances that the grid cannot tell centres apart (1e-7 of the rig's size).
 bool snap_to_grid(std::span<ConeView> views, GridViews& grid);
 
 inline Int128 dot(const GridViews::Vector& a, const GridViews::Vector& b) {
-  return static_cast<Int128>(a[0]) * b[0] + static_cast<Int128>(a[1]) * b[1] + static_cast<Int128>(a[2]) * b[2];
+  return static_cast<Int128>(a[0]) * b[0] + static_cast<Int128>(a[1]) * b[1] +
+         static_cast<Int128>(a[2]) * b[2];
 }
 /// Components of operands within 2^28: the result stays within 2^57.
 inline GridViews::Vector cross(const GridViews::Vector& a, const GridViews::Vector& b) {
@@ -58,8 +60,9 @@ inline GridViews::Vector operator-(const GridViews::Vector& a, const GridViews::
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/// Four planes each of two far virtual cameras that look at a box along two axes: together they bound a volume that
-/// contains it and is little larger. Works like any other view, so that the engine needs no special case.
+/// A box as two cones: three of its planes meet in the lowest corner, the other three in the highest, and
+/// seen from there the box fills a triangle. They work like any other view, so that the engine needs no
+/// special case.
 std::array<ConeView, 2> volume_views(const Eigen::AlignedBox3d& box);
 
 }  // namespace floatstage

@@ -12,25 +12,27 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-// Both orientations, edges included: neighbours overlap rather than leave a seam.
+// Both orientations, edges included: neighbours overlap rather than leave a seam. Row by row, because the
+// triangles of an exact hull are long and thin.
 void fill(const std::array<Vector2d, 3>& t, Image& mask) {
   const Vector2d lo = t[0].cwiseMin(t[1]).cwiseMin(t[2]), hi = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
   const double width = mask.width, height = mask.height;
   if (!(hi.x() >= 0.5 && hi.y() >= 0.5 && lo.x() <= width - 0.5 && lo.y() <= height - 0.5)) return;
-  const int x0 = static_cast<int>(std::ceil(std::max(lo.x() - 0.5, 0.0)));
   const int y0 = static_cast<int>(std::ceil(std::max(lo.y() - 0.5, 0.0)));
-  const int x1 = static_cast<int>(std::floor(std::min(hi.x() - 0.5, width - 1)));
   const int y1 = static_cast<int>(std::floor(std::min(hi.y() - 0.5, height - 1)));
-  const double turn = cross(t[1] - t[0], t[2] - t[0]) < 0 ? -1 : 1;
   for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) {
-      const Vector2d p(x + 0.5, y + 0.5);
-      if (turn * cross(t[1] - t[0], p - t[0]) >= 0 && turn * cross(t[2] - t[1], p - t[1]) >= 0 &&
-          turn * cross(t[0] - t[2], p - t[2]) >= 0)
-        *mask.at(x, y) = 255;
+    const double row = y + 0.5;
+    double left = hi.x(), right = lo.x();
+    for (int k = 0; k < 3; ++k) {
+      const Vector2d &a = t[k], &b = t[(k + 1) % 3];
+      if ((a.y() < row && b.y() < row) || (a.y() > row && b.y() > row)) continue;
+      const double x = a.y() == b.y() ? a.x() : a.x() + (row - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+      left = std::min({left, x, a.y() == b.y() ? b.x() : x});
+      right = std::max({right, x, a.y() == b.y() ? b.x() : x});
     }
+    const int x0 = static_cast<int>(std::ceil(std::max(left - 0.5, 0.0)));
+    const int x1 = static_cast<int>(std::floor(std::min(right - 0.5, width - 1)));
+    if (x0 <= x1) std::fill(mask.at(x0, y), mask.at(x1, y) + 1, std::uint8_t{255});
   }
 }
 

@@ -121,7 +121,8 @@ Silhouette trace_outline(const Matte& matte, bool unknown_beyond, SilhouetteScra
     out.starts.push_back(static_cast<int>(out.points.size()));
     int cx = x0, cy = y0 + 1, direction = 3;
     do {
-      // The pixel edge from lattice corner (cx, cy) in `direction`: subject pixel right of it, background left.
+      // The pixel edge from lattice corner (cx, cy) in `direction`: subject pixel right of it, background
+      // left.
       const Step step = kSteps[direction], right = kSteps[(direction + 1) % 4];
       const int fx = cx + (step.dx + right.dx - 1) / 2, fy = cy + (step.dy + right.dy - 1) / 2;
       const int bx = fx - right.dx, by = fy - right.dy;
@@ -163,7 +164,8 @@ double enclosed_area(const Silhouette& outline) {
   double twice = 0;
   for (int k = 0; k < outline.polygons(); ++k) {
     for (int i = outline.starts[k], end = outline.starts[k + 1]; i < end; ++i) {
-      const Eigen::Vector2d &p = outline.points[i], &q = outline.points[i + 1 < end ? i + 1 : outline.starts[k]];
+      const Eigen::Vector2d &p = outline.points[i],
+                            &q = outline.points[i + 1 < end ? i + 1 : outline.starts[k]];
       twice += p.x() * q.y() - p.y() * q.x();
     }
   }

@@ -1,21 +1,23 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/camera.h"
 #include "core/matte.h"
 
 namespace floatstage {
 
-/// The outline of the subject in one picture: simple, disjoint polygons in pixels (corner convention), the subject to
-/// the right of every edge as one walks it on the screen (y down), so that outer polygons have positive shoelace area
-/// and holes negative. Private to recon/.
+/// The outline of the subject in one picture: simple, disjoint polygons in pixels (corner convention), the
+/// subject to the right of every edge as one walks it on the screen (y down), so that outer polygons have
+/// positive shoelace area and holes negative. Private to recon/.
 struct Silhouette {
   std::vector<Eigen::Vector2d> points;  ///< all polygons one after the other, px
-  std::vector<int> starts;              ///< polygon k is points[starts[k]] … points[starts[k + 1] - 1]; one more than polygons
-  /// What lies outside the picture is not known, so it counts as inside: set when the subject is cut by the border of
-  /// the picture or is not in it at all. The polygons then bound the *background* that was seen.
+  std::vector<int>
+      starts;  ///< polygon k is points[starts[k]] … points[starts[k + 1] - 1]; one more than polygons
+  /// What lies outside the picture is not known, so it counts as inside: set when the subject is cut by the
+  /// border of the picture or is not in it at all. The polygons then bound the *background* that was seen.
   bool beyond_counts = false;
 
   int polygons() const { return starts.empty() ? 0 : static_cast<int>(starts.size()) - 1; }
@@ -23,7 +25,7 @@ struct Silhouette {
 };
 
 struct SilhouetteOptions {
-  double tolerance = 0.5;   ///< px: how far the polygon may leave the iso-line; 0 keeps every point
+  double tolerance = 0.5;       ///< px: how far the polygon may leave the iso-line; 0 keeps every point
   bool unknown_beyond = false;  ///< outside the picture is unknown even where the subject is not cut
 };
 
@@ -34,21 +36,22 @@ struct SilhouetteScratch {
   std::vector<int> starts;
 };
 
-/// Every point of the iso-line alpha = 127.5 (marching squares: one point for each pixel edge between subject and
-/// background, on the line between the two pixel centres), still in the picture's distorted pixels. Foreground pixels
-/// connect over their sides only, background over corners too, so polygons are simple and disjoint by construction.
-/// At the border of the picture the point lies on the border.
+/// Every point of the iso-line alpha = 127.5 (marching squares: one point for each pixel edge between subject
+/// and background, on the line between the two pixel centres), still in the picture's distorted pixels.
+/// Foreground pixels connect over their sides only, background over corners too, so polygons are simple and
+/// disjoint by construction. At the border of the picture the point lies on the border.
 Silhouette trace_outline(const Matte& matte, bool unknown_beyond, SilhouetteScratch& scratch);
 
-/// Douglas-Peucker that keeps the topology: no two edges of the result come nearer than a hundredth of a pixel, and no
-/// chord jumps over a point of another polygon. `longest` (px) limits the length of a chord (0: no limit).
+/// Douglas-Peucker that keeps the topology: no two edges of the result come nearer than a hundredth of a
+/// pixel, and no chord jumps over a point of another polygon. `longest` (px) limits the length of a chord (0:
+/// no limit).
 Silhouette simplify_outline(const Silhouette& outline, double tolerance, double longest = 0);
 
 /// True when no two edges that are not neighbours touch.
 bool is_simple(const Silhouette& outline);
 
-/// Both of the above, then the lens removed from the points: the outline as the ideal pinhole camera would see it,
-/// with simplicity checked again. Points that the lens cannot undo are dropped.
+/// Both of the above, then the lens removed from the points: the outline as the ideal pinhole camera would
+/// see it, with simplicity checked again. Points that the lens cannot undo are dropped.
 Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, const SilhouetteOptions& options,
                                SilhouetteScratch& scratch);
 

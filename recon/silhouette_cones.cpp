@@ -7,7 +7,8 @@
 namespace floatstage {
 namespace {
 
-/// Whether the whole box lies in the picture. Its corners decide: a frustum is convex, and lenses bend little.
+/// Whether the whole box lies in the picture. Its corners decide: a frustum is convex, and lenses bend
+/// little.
 bool sees_all(const RigCamera& camera, const Eigen::AlignedBox3d& box) {
   for (int c = 0; c < 8; ++c) {
     const Eigen::Vector3d corner = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(c));

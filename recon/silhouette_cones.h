@@ -11,14 +11,15 @@
 namespace floatstage {
 
 struct ConeOptions {
-  double tolerance = 0.5;                     ///< px, of the contours
-  std::optional<Eigen::AlignedBox3d> volume;  ///< the hull is sought here; cameras that do not see all of it know less
-  int max_points = 200000;                    ///< contour points of one view; noisier mattes are simplified further
+  double tolerance = 0.5;  ///< px, of the contours
+  std::optional<Eigen::AlignedBox3d>
+      volume;               ///< the hull is sought here; cameras that do not see all of it know less
+  int max_points = 200000;  ///< contour points of one view; noisier mattes are simplified further
   int threads = 1;
 };
 
-/// The silhouettes of one instant as cones. Cameras without a matte, and those whose matte is all subject, know nothing
-/// and have no cone.
+/// The silhouettes of one instant as cones. Cameras without a matte, and those whose matte is all subject,
+/// know nothing and have no cone.
 struct SilhouetteCones {
   std::vector<Silhouette> outlines;  ///< per camera of the rig: undistorted px; empty where it knows nothing
   std::vector<ConeView> views;       ///< then the volume's, when there is one

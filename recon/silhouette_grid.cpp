@@ -18,8 +18,10 @@ double point_segment_squared(const Vector2d& p, const Vector2d& a, const Vector2
 }
 
 bool touch(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d, double gap) {
-  if (std::max(a.x(), b.x()) + gap < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) + gap < std::min(a.x(), b.x()) ||
-      std::max(a.y(), b.y()) + gap < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) + gap < std::min(a.y(), b.y())) {
+  if (std::max(a.x(), b.x()) + gap < std::min(c.x(), d.x()) ||
+      std::max(c.x(), d.x()) + gap < std::min(a.x(), b.x()) ||
+      std::max(a.y(), b.y()) + gap < std::min(c.y(), d.y()) ||
+      std::max(c.y(), d.y()) + gap < std::min(a.y(), b.y())) {
     return false;
   }
   const double c_side = cross(b - a, c - a), d_side = cross(b - a, d - a);
@@ -35,7 +37,8 @@ bool touch(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector
 
 std::pair<int, int> EdgeGrid::cell_of(const Vector2d& point) const {
   const Vector2d at = (point - origin_) / cell_;
-  return {std::clamp(static_cast<int>(at.x()), 0, columns_ - 1), std::clamp(static_cast<int>(at.y()), 0, rows_ - 1)};
+  return {std::clamp(static_cast<int>(at.x()), 0, columns_ - 1),
+          std::clamp(static_cast<int>(at.y()), 0, rows_ - 1)};
 }
 
 template <class Visit>
@@ -92,7 +95,8 @@ std::vector<int> EdgeGrid::touching_edges(double gap) const {
       for (int k = i + 1; k < start_[cell + 1]; ++k) {
         const int e = edges_[i], f = edges_[k];
         if (next_[e] == f || next_[f] == e) continue;
-        if (touch(outline_.points[e], outline_.points[next_[e]], outline_.points[f], outline_.points[next_[f]], gap)) {
+        if (touch(outline_.points[e], outline_.points[next_[e]], outline_.points[f],
+                  outline_.points[next_[f]], gap)) {
           out.push_back(e);
           out.push_back(f);
         }

@@ -1,15 +1,16 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <vector>
 
 #include "recon/silhouette.h"
 
 namespace floatstage {
 
-/// The edges of an outline in square cells, to find those that touch in time linear in their length. Edge e goes from
-/// point e to next(e).
+/// The edges of an outline in square cells, to find those that touch in time linear in their length. Edge e
+/// goes from point e to next(e).
 class EdgeGrid {
  public:
   explicit EdgeGrid(const Silhouette& outline);

@@ -31,7 +31,8 @@ class Simplifier {
   }
 
  private:
-  /// Two points of the polygon that Douglas-Peucker can start from: its first, and the one farthest from that.
+  /// Two points of the polygon that Douglas-Peucker can start from: its first, and the one farthest from
+  /// that.
   void anchor(int begin, int end) {
     int far = begin;
     double best = -1;
@@ -107,7 +108,8 @@ class Simplifier {
     return out;
   }
 
-  /// The full-resolution index at which the chord that starts at kept point `chord` ends (one lap later for the last).
+  /// The full-resolution index at which the chord that starts at kept point `chord` ends (one lap later for
+  /// the last).
   int chord_end(const Silhouette& result, int chord) const {
     const auto next = std::upper_bound(result.starts.begin(), result.starts.end(), chord);
     const int polygon = static_cast<int>(next - result.starts.begin()) - 1;

@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "recon/bounding_volume.h"
+#include "recon/exact_method.h"
 #include "recon/mesh_care.h"
 #include "recon/mesh_mask.h"
 #include "recon/octree_carve.h"
@@ -71,29 +72,9 @@ Mesh to_mesh(const Surface& surface) {
   return mesh;
 }
 
-}  // namespace
-
-Result<void> check(const HullOptions& o) {
-  auto bad = [](const std::string& what) { return fail(ErrorCode::InvalidArgument, "hull: " + what); };
-  if (o.resolution < 8 || o.resolution > 1024)
-    return bad(text("a resolution of ", o.resolution, " voxels is not between 8 and 1024"));
-  if (!(o.smoothing >= 0 && o.smoothing <= 1))
-    return bad(text("smoothing by ", o.smoothing, " voxels is not between 0 and 1"));
-  if (o.volume && !(o.volume->min().allFinite() && o.volume->max().allFinite() &&
-                    (o.volume->min().array() < o.volume->max().array()).all()))
-    return bad("the volume to search is not a box with finite corners and positive sides");
-  return {};
-}
-
-Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
-  if (Result<void> ok = check(options); !ok) return forward(ok);
-  if (Result<void> ok = check_inputs(rig, mattes); !ok) return forward(ok);
-  Result<std::vector<std::string>> remarks = remark_on_subjects(rig, mattes);
-  if (!remarks) return forward(remarks);
-
-  HullReport report;
-  report.remarks = std::move(*remarks);
+/// The octree method, for inputs that were checked.
+Result<void> octree_visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                                HullReport& report) {
   std::vector<std::optional<OctreeView>> prepared(mattes.size());
   parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
     if (!mattes[i].empty()) prepared[i].emplace(rig.cameras[i], mattes[i]);
@@ -111,15 +92,72 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, co
     const CareOptions care{grid.voxel(), options.smoothing, options.threads};
     report.mesh = to_mesh(care_for(extract_surface(grid, views, options.threads), care));
   }
+  report.volume = signed_volume(report.mesh);
+  return {};
+}
+
+}  // namespace
+
+HullWorkspace::HullWorkspace() : impl_(std::make_unique<Impl>()) {}
+HullWorkspace::HullWorkspace(HullWorkspace&&) noexcept = default;
+HullWorkspace& HullWorkspace::operator=(HullWorkspace&&) noexcept = default;
+HullWorkspace::~HullWorkspace() = default;
+
+Result<void> check(const HullOptions& o) {
+  auto bad = [](const std::string& what) { return fail(ErrorCode::InvalidArgument, "hull: " + what); };
+  if (o.resolution < 8 || o.resolution > 1024)
+    return bad(text("a resolution of ", o.resolution, " voxels is not between 8 and 1024"));
+  if (!(o.smoothing >= 0 && o.smoothing <= 1))
+    return bad(text("smoothing by ", o.smoothing, " voxels is not between 0 and 1"));
+  if (!(o.contour_tolerance >= 0 && o.contour_tolerance <= 16))
+    return bad(text("a contour tolerance of ", o.contour_tolerance, " px is not between 0 and 16"));
+  if (o.votes < 0 || (o.voting == HullVoting::MofN && o.votes < 2))
+    return bad(text(o.votes, " votes are too few: at least two cameras have to agree"));
+  if (o.volume && !(o.volume->min().allFinite() && o.volume->max().allFinite() &&
+                    (o.volume->min().array() < o.volume->max().array()).all()))
+    return bad("the volume to search is not a box with finite corners and positive sides");
+  return {};
+}
+
+Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                               HullWorkspace* workspace) {
+  const auto begin = std::chrono::steady_clock::now();
+  if (Result<void> ok = check(options); !ok) return forward(ok);
+  if (Result<void> ok = check_inputs(rig, mattes); !ok) return forward(ok);
+  Result<std::vector<std::string>> remarks = remark_on_subjects(rig, mattes);
+  if (!remarks) return forward(remarks);
+
+  HullReport report;
+  report.remarks = std::move(*remarks);
+  bool octree = options.method == HullMethod::Octree;
+  if (!octree) {
+    std::optional<HullWorkspace> own;
+    if (workspace == nullptr) workspace = &own.emplace();
+    const Result<bool> closed = exact_visual_hull(rig, mattes, options, workspace->impl(), report);
+    if (!closed) return forward(closed);
+    if (!*closed) {
+      report.remarks.push_back(
+          "the exact hull did not close: the octree made this one; please report the frame");
+      octree = true;
+    }
+  }
+  if (octree) {
+    if (Result<void> ok = octree_visual_hull(rig, mattes, options, report); !ok) return forward(ok);
+  }
   if (report.mesh.empty())
     report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
 
-  report.volume = signed_volume(report.mesh);
+  const auto quality = std::chrono::steady_clock::now();
   report.silhouette_iou.assign(mattes.size(), std::numeric_limits<double>::quiet_NaN());
-  parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
-    if (!mattes[i].empty()) report.silhouette_iou[i] = iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
-  });
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (options.quality) {
+    parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
+      if (!mattes[i].empty())
+        report.silhouette_iou[i] = iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
+    });
+  }
+  const auto end = std::chrono::steady_clock::now();
+  report.timings.quality = std::chrono::duration<double>(end - quality).count();
+  report.seconds = std::chrono::duration<double>(end - begin).count();
   return report;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,32 +16,85 @@
 namespace floatstage {
 
 enum class HullMethod {
+  Exact,   ///< the polyhedron of the silhouettes' polygons, exactly (docs/algorithms/visual-hull.md): fast,
+           ///< sharp
   Octree,  ///< carving of an octree and an iso-surface: slow, soft, sturdy; the reference
 };
 
+/// Which cameras have to agree that a point is inside (exact method).
+enum class HullVoting {
+  Strict,  ///< all of them
+  MofN,    ///< HullOptions::votes of them
+  Auto,    ///< all of them; but one whose matte lacks what the others agree on is left out, and named in the
+           ///< report
+};
+
 struct HullOptions {
-  HullMethod method = HullMethod::Octree;
+  HullMethod method = HullMethod::Exact;
   /// World box to search, metres; the hull is cut off at its sides. Absent: the box of the intersection of
   /// all silhouettes' bounding pyramids, shrunk to what the silhouettes leave of it.
   std::optional<Eigen::AlignedBox3d> volume = {};
-  int resolution = 256;    ///< voxels along the longest side of the box, 8 … 1024
-  double smoothing = 0.5;  ///< largest move of a vertex by smoothing, in voxels; 0: none
+  double contour_tolerance =
+      0.5;  ///< exact: px by which the polygons may leave the silhouettes' iso-lines; 0: every point
+  HullVoting voting = HullVoting::Strict;
+  int votes = 0;           ///< MofN: m; views without a matte do not vote
+  int resolution = 256;    ///< octree: voxels along the longest side of the box, 8 … 1024
+  double smoothing = 0.5;  ///< octree: largest move of a vertex by smoothing, in voxels; 0: none
   int threads = 0;         ///< 0: one per core; the result is the same at any number
+  bool quality = true;     ///< compute silhouette_iou; takes longer than the exact hull itself
 };
 
 /// Every number in range; the sentence says which is not.
 Result<void> check(const HullOptions& options);
 
+/// Where a triangle of an exact hull comes from: the cone face behind one edge of one camera's outline.
+struct HullFaceSource {
+  int camera = -1;        ///< index into Rig::cameras; -1: a side of HullOptions::volume
+  int contour_edge = -1;  ///< counted over all polygons of the camera's outline
+  bool operator==(const HullFaceSource&) const = default;
+};
+
+/// Seconds. The hull alone is their sum but `contours` and `quality`.
+struct HullTimings {
+  double contours = 0;  ///< mattes to polygons
+  double tables = 0;    ///< every pair of cameras
+  double rays = 0, faces = 0, weld = 0, triangles = 0;
+  double voting = 0;   ///< Auto: looking for a bad matte
+  double quality = 0;  ///< silhouettes of the mesh against the mattes
+  double hull() const { return tables + rays + faces + weld + triangles + voting; }
+};
+
 struct HullReport {
-  Mesh mesh;          ///< empty when no point of space is inside every silhouette
-  double volume = 0;  ///< m³
-  std::vector<double>
-      silhouette_iou;  ///< per camera: the mesh's silhouette against the matte; NaN for an empty matte
-  Eigen::AlignedBox3d searched;  ///< metres
-  double voxel = 0;              ///< metres
+  Mesh mesh;                           ///< empty when no point of space is inside every silhouette
+  double volume = 0;                   ///< m³
+  std::vector<double> silhouette_iou;  ///< per camera: the mesh's silhouette against the matte; NaN for an
+                                       ///< empty matte, or without options.quality
+  Eigen::AlignedBox3d searched;        ///< metres
+  double voxel = 0;                    ///< metres; 0 for the exact method
   double seconds = 0;
   /// What a person should know, a sentence each: cameras that saw only background, an empty hull and why.
   std::vector<std::string> remarks;
+  // Exact method:
+  std::vector<HullFaceSource> sources;  ///< per triangle
+  int faces = 0;                        ///< polygons, before they were cut into triangles
+  int escalations = 0;  ///< times that the frame was computed again, with jitter or with exact integers
+  std::vector<int> voted_down;  ///< cameras that Auto left out
+  HullTimings timings;
+};
+
+/// Memory that visual_hull() keeps from frame to frame. Not for two calls at once; results do not depend on
+/// it.
+class HullWorkspace {
+ public:
+  HullWorkspace();
+  HullWorkspace(HullWorkspace&&) noexcept;
+  HullWorkspace& operator=(HullWorkspace&&) noexcept;
+  ~HullWorkspace();
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
 };
 
 /// The visual hull (Laurentini 1994): the largest body that projects into every silhouette. mattes[i] belongs
@@ -55,6 +109,7 @@ struct HullReport {
 /// Errors: InvalidArgument for unequal counts or sizes and for options out of range; BadData for a rig that
 /// does not pass check(), when no camera shows any subject ("empty silhouette"), and when the silhouettes
 /// bound nothing (all foreground) and no volume was given.
-Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options);
+Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                               HullWorkspace* workspace = nullptr);
 
 }  // namespace floatstage

@@ -137,6 +137,7 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
   verb->add_option("--hold-out", options->hold_out, "Cameras, each left out in turn, separated by commas (default: every one)");
   verb->add_option("--methods", options->methods, method_help())->capture_default_str();
   verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4")->capture_default_str();
+  options->hull.method = HullMethod::Octree;  // soft mattes and cut subjects: the published scores rest on it
   verb->add_option("--resolution", options->hull.resolution, "Voxels along the hull's longest side")->capture_default_str();
   verb->add_option("--json", options->json_file, "Write the scores as JSON");
   verb->add_option("--csv", options->csv_file, "Write the scores as CSV");

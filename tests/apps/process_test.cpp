@@ -98,7 +98,7 @@ TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
   EXPECT_EQ(redone->mattes.made, 6);
   EXPECT_EQ(redone->meshes.made, 1);
 
-  other.hull.resolution = 40;
+  other.hull.contour_tolerance = 1;
   other.redo = false;
   EXPECT_THAT(process_take(other), FailsWith(ErrorCode::AlreadyExists, "hull options"));
 }

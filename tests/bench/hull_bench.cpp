@@ -29,6 +29,7 @@ struct Scene {
 void VisualHull(benchmark::State& state) {
   const Scene scene(static_cast<int>(state.range(0)));
   HullOptions options;
+  options.method = HullMethod::Octree;
   options.resolution = static_cast<int>(state.range(1));
   options.threads = static_cast<int>(state.range(2));
   for (auto _ : state) {
@@ -79,6 +80,7 @@ BENCHMARK(CareFor)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
 void CheckMesh(benchmark::State& state) {
   const Scene scene(8);
   HullOptions options;
+  options.method = HullMethod::Octree;
   options.resolution = static_cast<int>(state.range(0));
   const Result<HullReport> hull = visual_hull(scene.rig, scene.mattes, options);
   for (auto _ : state) benchmark::DoNotOptimize(check_mesh(hull->mesh));

@@ -1,8 +1,9 @@
 #include "tests/recon/cone_oracle.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 namespace floatstage {
 namespace {

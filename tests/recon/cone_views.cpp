@@ -1,9 +1,10 @@
 #include "tests/recon/cone_views.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <Eigen/Geometry>
 
 namespace floatstage {
 namespace cones {
@@ -96,7 +97,8 @@ ConeView of_sphere(const Vector3d& center, double radius, int sides, double turn
 
 std::vector<Vector3d> cube_corners(double half) {
   std::vector<Vector3d> corners;
-  for (int c = 0; c < 8; ++c) corners.push_back(half * Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
+  for (int c = 0; c < 8; ++c)
+    corners.push_back(half * Vector3d(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1));
   return corners;
 }
 
@@ -127,7 +129,8 @@ std::vector<Vector3d> around(int count, double distance) {
   return centers;
 }
 
-std::vector<ConeView> random_stars(Random& random, const std::vector<Vector3d>& centers, int spikes, bool holes) {
+std::vector<ConeView> random_stars(Random& random, const std::vector<Vector3d>& centers, int spikes,
+                                   bool holes) {
   std::vector<ConeView> views;
   for (const Vector3d& center : centers) {
     ConeView view = at(center);

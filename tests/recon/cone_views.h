@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/mesh.h"
 #include "core/random.h"
@@ -17,8 +18,8 @@ namespace cones {
 ConeView of_convex(const Eigen::Vector3d& center, const std::vector<Eigen::Vector3d>& points);
 /// The silhouette of a sphere around the origin, a regular polygon of `sides` inscribed in the cone's circle.
 ConeView of_sphere(const Eigen::Vector3d& center, double radius, int sides, double turn = 0);
-/// A polygon given in the plane through the origin that faces the camera: (right, up) coordinates, metres, running
-/// counter-clockwise as the camera sees it for an outline, clockwise for a hole.
+/// A polygon given in the plane through the origin that faces the camera: (right, up) coordinates, metres,
+/// running counter-clockwise as the camera sees it for an outline, clockwise for a hole.
 void add_polygon(ConeView& view, const std::vector<Eigen::Vector2d>& polygon);
 ConeView at(const Eigen::Vector3d& center);
 
@@ -30,7 +31,8 @@ std::vector<Eigen::Vector3d> ring(int count, double distance, double z, double p
 std::vector<Eigen::Vector3d> around(int count, double distance);
 
 /// Stars, combs and rings with holes: `spikes` concave corners, drawn from `random`.
-std::vector<ConeView> random_stars(Random& random, const std::vector<Eigen::Vector3d>& centers, int spikes, bool holes);
+std::vector<ConeView> random_stars(Random& random, const std::vector<Eigen::Vector3d>& centers, int spikes,
+                                   bool holes);
 
 }  // namespace cones
 

@@ -1,10 +1,10 @@
 #include "recon/exact_hull.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "tests/recon/cone_oracle.h"
 #include "tests/recon/cone_views.h"
@@ -40,9 +40,10 @@ ExactOptions starting_at(ExactLevel level) {
 
 MATCHER(IsSound, "is closed, manifold, oriented and outward") {
   *result_listener << "level " << static_cast<int>(arg.outcome.level) << ", " << arg.outcome.attempts
-                   << " attempts, unmatched " << arg.polygons.unmatched << ", irregular " << arg.polygons.irregular
-                   << "; " << arg.check.summary();
-  return arg.outcome.closed && arg.check.watertight && arg.check.manifold && arg.check.oriented && arg.check.outward;
+                   << " attempts, unmatched " << arg.polygons.unmatched << ", irregular "
+                   << arg.polygons.irregular << "; " << arg.check.summary();
+  return arg.outcome.closed && arg.check.watertight && arg.check.manifold && arg.check.oriented &&
+         arg.check.outward;
 }
 
 std::vector<ConeView> spheres(int cameras, double radius, int sides) {
@@ -67,7 +68,8 @@ TEST(ExactHull, HasTwiceItsFacesLessFourVertices) {
 TEST(ExactHull, OfCutCubesEqualsTheCube) {
   // Three cameras that each see two faces edge-on would be degenerate; these see the cube from its diagonals.
   std::vector<ConeView> views;
-  for (const Vector3d& center : cones::around(30, 40)) views.push_back(cones::of_convex(center, cones::cube_corners(0.5)));
+  for (const Vector3d& center : cones::around(30, 40))
+    views.push_back(cones::of_convex(center, cones::cube_corners(0.5)));
   const Computed hull = hull_of(views);
   ASSERT_THAT(hull, IsSound());
   EXPECT_GT(hull.polygons.volume, 1 - 1e-6);
@@ -93,7 +95,8 @@ TEST(ExactHull, HasTheVolumeThatClippingConvexConesGives) {
 TEST(ExactHull, HasTheVolumeThatClippingStarsWithHolesGives) {
   Random random(11);
   for (int round = 0; round < 10; ++round) {
-    const auto views = cones::random_stars(random, {{3, 0.1, 0.2}, {-0.3, 2.8, 0.5}, {0.4, -0.2, 3.1}}, 4, true);
+    const auto views =
+        cones::random_stars(random, {{3, 0.1, 0.2}, {-0.3, 2.8, 0.5}, {0.4, -0.2, 3.1}}, 4, true);
     const double oracle = volume_by_clipping(views, 3);
     for (const ExactLevel level : {ExactLevel::Doubles, ExactLevel::Integers}) {
       const Computed hull = hull_of(views, starting_at(level));
@@ -138,17 +141,20 @@ TEST(ExactHull, ConvergesToTheSphereAsCamerasAreAdded) {
 }
 
 TEST(ExactHull, IsClosedWhereDoublesMustFail) {
-  // Coplanar rings around polyhedra: all rays of one corner meet in it, epipolar planes contain edges and centres.
+  // Coplanar rings around polyhedra: all rays of one corner meet in it, epipolar planes contain edges and
+  // centres.
   int escalated = 0;
   for (const int cameras : {3, 4, 5, 6, 8, 12, 16}) {
     for (const bool cube : {true, false}) {
       for (const double z : {0.0, 1.0}) {
         std::vector<ConeView> views;
         const auto corners = cube ? cones::cube_corners(0.5) : cones::octahedron_corners(0.7);
-        for (const Vector3d& center : cones::ring(cameras, 3, z)) views.push_back(cones::of_convex(center, corners));
+        for (const Vector3d& center : cones::ring(cameras, 3, z))
+          views.push_back(cones::of_convex(center, corners));
         views.push_back(cones::of_convex({0, 0, 3}, corners));
         const Computed hull = hull_of(views);
-        ASSERT_THAT(hull, IsSound()) << cameras << (cube ? " cameras, cube, z " : " cameras, octahedron, z ") << z;
+        ASSERT_THAT(hull, IsSound()) << cameras << (cube ? " cameras, cube, z " : " cameras, octahedron, z ")
+                                     << z;
         escalated += hull.outcome.level != ExactLevel::Doubles;
         const double body = cube ? 1 : 4.0 / 3 * std::pow(0.7, 3);
         EXPECT_GT(hull.polygons.volume, body * (1 - 1e-5));
@@ -160,7 +166,8 @@ TEST(ExactHull, IsClosedWhereDoublesMustFail) {
 
 TEST(ExactHull, IsExactlyTheCubeThatACoplanarRingSeesWithTheIntegersToo) {
   std::vector<ConeView> views;
-  for (const Vector3d& center : cones::ring(4, 3, 0)) views.push_back(cones::of_convex(center, cones::cube_corners(0.5)));
+  for (const Vector3d& center : cones::ring(4, 3, 0))
+    views.push_back(cones::of_convex(center, cones::cube_corners(0.5)));
   const Computed any = hull_of(views), exact = hull_of(views, starting_at(ExactLevel::Integers));
   ASSERT_THAT(exact, IsSound());
   ASSERT_THAT(any, IsSound());
@@ -174,7 +181,8 @@ TEST(ExactHull, SurvivesAThousandPerturbationsOfADegenerateRig) {
     std::vector<ConeView> views;
     for (const Vector3d& center : cones::ring(5, 3, round % 2)) {
       views.push_back(cones::of_convex(center, cones::cube_corners(0.5)));
-      for (Vector3d& ray : views.back().rays) ray += noise * Vector3d(random.normal(), random.normal(), random.normal());
+      for (Vector3d& ray : views.back().rays)
+        ray += noise * Vector3d(random.normal(), random.normal(), random.normal());
     }
     const Computed hull = hull_of(views);
     ASSERT_THAT(hull, IsSound()) << "round " << round << ", noise " << noise;
@@ -184,7 +192,8 @@ TEST(ExactHull, SurvivesAThousandPerturbationsOfADegenerateRig) {
 TEST(ExactHull, TakesCamerasThatSeeEachOther) {
   // Opposite cameras on the axis: each one's image of the other lies inside its silhouette.
   std::vector<ConeView> views;
-  for (const Vector3d& center : {Vector3d(3, 0, 0.05), Vector3d(-3, 0.01, 0), Vector3d(0.1, 3, 0.2), Vector3d(0, -3, 0.02)}) {
+  for (const Vector3d& center :
+       {Vector3d(3, 0, 0.05), Vector3d(-3, 0.01, 0), Vector3d(0.1, 3, 0.2), Vector3d(0, -3, 0.02)}) {
     views.push_back(cones::of_sphere(center, 0.5, 14, center.x()));
   }
   const Computed hull = hull_of(views);
@@ -258,7 +267,8 @@ TEST(ExactHull, KnowsWhichContourEdgeEveryTriangleCameFrom) {
   const Computed hull = hull_of(views);
   ASSERT_EQ(hull.polygons.triangle_face.size() * 3, hull.polygons.triangles.size());
   for (std::size_t t = 0; t < hull.polygons.triangle_face.size(); ++t) {
-    const HullPolygons::Face& face = hull.polygons.faces[static_cast<std::size_t>(hull.polygons.triangle_face[t])];
+    const HullPolygons::Face& face =
+        hull.polygons.faces[static_cast<std::size_t>(hull.polygons.triangle_face[t])];
     const ConeView& view = views[static_cast<std::size_t>(face.view)];
     const Vector3d normal = view.rays[face.edge].cross(view.rays[view.next[face.edge]]).normalized();
     for (int k = 0; k < 3; ++k) {

@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "recon/exact_integer.h"
@@ -129,7 +129,8 @@ TEST(ExactViews, RoundToAGridWithoutMovingMuch) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     EXPECT_LT((views[v].center - before[v].center).norm(), 1e-7);
     for (std::size_t r = 0; r < views[v].rays.size(); ++r) {
-      EXPECT_LT((views[v].rays[r] - before[v].rays[r]).norm(), 1e-8) << "1e-5 px at a focal length of 1000 px";
+      EXPECT_LT((views[v].rays[r] - before[v].rays[r]).norm(), 1e-8)
+          << "1e-5 px at a focal length of 1000 px";
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_LE(std::abs(grid.rays[v][r][axis]), std::int64_t{1} << 28);
         EXPECT_EQ(static_cast<double>(grid.rays[v][r][axis]) / grid.ray_scale, views[v].rays[r][axis]);

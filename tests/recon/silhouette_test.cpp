@@ -1,11 +1,11 @@
 #include "recon/silhouette.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "recon/silhouette_cones.h"
@@ -36,14 +36,17 @@ Silhouette traced(const Matte& matte, bool unknown_beyond = false) {
 
 Matte noise(std::uint64_t seed, int width, int height, double density) {
   Random random(seed);
-  return picture(width, height, [&](int, int) { return random.uniform() < density ? 128 + random.next() % 128 : random.next() % 128; });
+  return picture(width, height, [&](int, int) {
+    return random.uniform() < density ? 128 + random.next() % 128 : random.next() % 128;
+  });
 }
 
 double distance_to(const Silhouette& outline, const Vector2d& p) {
   double best = 1e9;
   for (int k = 0; k < outline.polygons(); ++k) {
     for (int i = outline.starts[k]; i < outline.starts[k + 1]; ++i) {
-      const Vector2d a = outline.points[i], b = outline.points[i + 1 < outline.starts[k + 1] ? i + 1 : outline.starts[k]];
+      const Vector2d a = outline.points[i],
+                     b = outline.points[i + 1 < outline.starts[k + 1] ? i + 1 : outline.starts[k]];
       const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
       best = std::min(best, (p - a - t * (b - a)).norm());
     }
@@ -87,7 +90,8 @@ TEST(Silhouette, FollowsPartialCoverageBelowAPixel) {
 
 TEST(Silhouette, IsSimpleForAnyNoise) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const Silhouette outline = traced(noise(seed, 50, 40, 0.2 + 0.02 * static_cast<double>(seed)), seed % 2 == 0);
+    const Silhouette outline =
+        traced(noise(seed, 50, 40, 0.2 + 0.02 * static_cast<double>(seed)), seed % 2 == 0);
     EXPECT_TRUE(is_simple(outline)) << seed;
     for (const double tolerance : {0.5, 1.0, 3.0}) {
       const Silhouette simple = simplify_outline(outline, tolerance);
@@ -99,7 +103,8 @@ TEST(Silhouette, IsSimpleForAnyNoise) {
 }
 
 TEST(Silhouette, KeepsDiagonalNeighboursApart) {
-  const Silhouette outline = traced(picture(10, 10, [](int x, int y) { return x == y && x > 2 && x < 6 ? 255 : 0; }));
+  const Silhouette outline =
+      traced(picture(10, 10, [](int x, int y) { return x == y && x > 2 && x < 6 ? 255 : 0; }));
   EXPECT_EQ(outline.polygons(), 3) << "a pinch is no connection";
   EXPECT_TRUE(is_simple(outline));
 }
@@ -128,7 +133,8 @@ TEST(Silhouette, DoesNotJumpOverASmallPolygonBesideALongEdge) {
   EXPECT_TRUE(is_simple(simple));
   const auto polygon_area = [](const Silhouette& outline, int k) {
     Silhouette one;
-    one.points.assign(outline.points.begin() + outline.starts[k], outline.points.begin() + outline.starts[k + 1]);
+    one.points.assign(outline.points.begin() + outline.starts[k],
+                      outline.points.begin() + outline.starts[k + 1]);
     one.starts = {0, static_cast<int>(one.points.size())};
     return enclosed_area(one);
   };

@@ -11,26 +11,37 @@ namespace {
 
 using Eigen::Vector3d;
 
-class VisualHullErrors : public testing::Test {
+class VisualHullErrors : public testing::TestWithParam<HullMethod> {
  protected:
   Rig rig = shapes::ring_rig({.cameras = 4});
   std::vector<Matte> mattes = shapes::render_mattes(rig, shapes::sphere({0, 0, 0}, 0.5));
-  HullOptions options{.resolution = 32, .threads = 1};
+  HullOptions options = [] {
+    HullOptions o;
+    o.method = GetParam();
+    o.resolution = 32;
+    o.threads = 1;
+    return o;
+  }();
 };
 
-TEST_F(VisualHullErrors, RefusesAnotherNumberOfMattes) {
+INSTANTIATE_TEST_SUITE_P(Methods, VisualHullErrors, testing::Values(HullMethod::Exact, HullMethod::Octree),
+                         [](const auto& method) {
+                           return method.param == HullMethod::Exact ? "Exact" : "Octree";
+                         });
+
+TEST_P(VisualHullErrors, RefusesAnotherNumberOfMattes) {
   mattes.pop_back();
   EXPECT_THAT(visual_hull(rig, mattes, options),
               FailsWith(ErrorCode::InvalidArgument, "3 mattes for 4 cameras"));
 }
 
-TEST_F(VisualHullErrors, RefusesAMatteOfAnotherSizeAndNamesItsCamera) {
+TEST_P(VisualHullErrors, RefusesAMatteOfAnotherSizeAndNamesItsCamera) {
   mattes[2] = make_matte({}, Image(159, 120, 1));
   EXPECT_THAT(visual_hull(rig, mattes, options),
               FailsWith(ErrorCode::InvalidArgument, "camera 'c2': its matte is 159x120"));
 }
 
-TEST_F(VisualHullErrors, RefusesARigThatIsNotFinite) {
+TEST_P(VisualHullErrors, RefusesARigThatIsNotFinite) {
   rig.cameras[1].cam_from_world.translation.y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "camera 'c1'"));
   rig = shapes::ring_rig({.cameras = 4});
@@ -38,23 +49,23 @@ TEST_F(VisualHullErrors, RefusesARigThatIsNotFinite) {
   EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "camera 'c3'"));
 }
 
-TEST_F(VisualHullErrors, RefusesARigWithoutCameras) {
+TEST_P(VisualHullErrors, RefusesARigWithoutCameras) {
   EXPECT_THAT(visual_hull({}, {}, options), FailsWith(ErrorCode::BadData, "no camera"));
 }
 
-TEST_F(VisualHullErrors, SaysSoWhenNoCameraShowsASubject) {
+TEST_P(VisualHullErrors, SaysSoWhenNoCameraShowsASubject) {
   for (std::size_t i = 0; i < mattes.size(); ++i) mattes[i] = shapes::uniform_matte(rig.cameras[i], 0);
   EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "empty silhouette"));
   for (Matte& matte : mattes) matte = {};
   EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "empty silhouette"));
 }
 
-TEST_F(VisualHullErrors, SaysSoWhenTheSilhouettesBoundNothing) {
+TEST_P(VisualHullErrors, SaysSoWhenTheSilhouettesBoundNothing) {
   for (std::size_t i = 0; i < mattes.size(); ++i) mattes[i] = shapes::uniform_matte(rig.cameras[i], 255);
   EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "give the volume to search"));
 }
 
-TEST_F(VisualHullErrors, RefusesOptionsOutOfRange) {
+TEST_P(VisualHullErrors, RefusesOptionsOutOfRange) {
   const auto refuses = [&](const HullOptions& bad, const char* words) {
     EXPECT_THAT(visual_hull(rig, mattes, bad), FailsWith(ErrorCode::InvalidArgument, words));
   };

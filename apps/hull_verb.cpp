@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/hull_flags.h"
+#include "apps/json_report.h"
+#include "apps/scene_loader.h"
+#include "apps/text_options.h"
+#include "apps/verbs.h"
+#include "core/mesh_io.h"
+#include "core/text.h"
+#include "recon/mesh_check.h"
+
+namespace floatstage {
+namespace {
+
+struct Options {
+  std::filesystem::path take, out;
+  std::string cameras, json_file;
+  HullFlags hull;
+  int frame = 0, threads = 0, repeat = 1;
+};
+
+struct Input {
+  Rig rig;
+  std::vector<Matte> mattes;
+};
+
+Result<Input> load(const Options& given) {
+  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  if (!take) return forward(take);
+  if (given.frame < 0 || given.frame >= (*take)->frame_count()) {
+    return fail(ErrorCode::InvalidArgument, text("--frame ", given.frame, ": ", given.take.string(),
+                                                 " has frames 0 to ", (*take)->frame_count() - 1));
+  }
+  Result<std::vector<Matte>> mattes = load_mattes(**take, given.frame);
+  if (!mattes) return forward(mattes);
+  if (given.cameras.empty()) return Input{(*take)->rig(), std::move(*mattes)};
+  Input input;
+  for (const std::string& serial : split_list(given.cameras)) {
+    const int camera = camera_index((*take)->rig(), serial);
+    if (camera < 0) {
+      return fail(ErrorCode::InvalidArgument, text("--cameras: ", given.take.string(), " has no camera '",
+                                                   serial, "'; see its rig.json"));
+    }
+    input.rig.cameras.push_back((*take)->rig().cameras[static_cast<std::size_t>(camera)]);
+    input.mattes.push_back((*mattes)[static_cast<std::size_t>(camera)]);
+  }
+  return input;
+}
+
+double percentile(std::vector<double> sorted, double share) {
+  std::sort(sorted.begin(), sorted.end());
+  const double at = share * static_cast<double>(sorted.size() - 1);
+  const std::size_t low = static_cast<std::size_t>(at), high = std::min(low + 1, sorted.size() - 1);
+  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+}
+
+nlohmann::json spread_of(const std::vector<double>& ms) {
+  return {{"p50", percentile(ms, 0.5)}, {"p95", percentile(ms, 0.95)}, {"min", percentile(ms, 0)}};
+}
+
+nlohmann::json phases(const HullTimings& t) {
+  return {{"contours", 1e3 * t.contours}, {"tables", 1e3 * t.tables}, {"rays", 1e3 * t.rays},
+          {"faces", 1e3 * t.faces},       {"weld", 1e3 * t.weld},     {"triangles", 1e3 * t.triangles},
+          {"voting", 1e3 * t.voting}};
+}
+
+Result<void> save_mesh(const Mesh& mesh, const std::filesystem::path& file) {
+  if (file.extension() == ".glb") return save_glb(mesh, file);
+  if (file.extension() == ".ply") return save_ply(mesh, file);
+  return fail(ErrorCode::InvalidArgument, text("--out ", file.string(), ": a mesh is a .ply or a .glb file"));
+}
+
+Result<void> run(const Options& given) {
+  if (given.repeat < 1)
+    return fail(ErrorCode::InvalidArgument, text("--repeat ", given.repeat, " is less than 1"));
+  Result<HullOptions> options = hull_options(given.hull);
+  if (!options) return forward(options);
+  options->threads = given.threads;
+  Result<Input> input = load(given);
+  if (!input) return forward(input);
+
+  // The repeats measure what a live chain pays for a frame; how good the mesh is, is found out once,
+  // afterwards.
+  HullWorkspace workspace;
+  std::vector<double> ms, with_contours;
+  HullTimings timings;
+  options->quality = false;
+  for (int k = 0; k < given.repeat; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    const Result<HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (!hull) return forward(hull);
+    with_contours.push_back(1e3 * seconds);
+    ms.push_back(1e3 * (seconds - hull->timings.contours));
+    timings = hull->timings;
+  }
+  options->quality = true;
+  const Result<HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
+  if (!hull) return forward(hull);
+  const MeshCheck check = check_mesh(hull->mesh);
+
+  nlohmann::json iou = nlohmann::json::object(), voted_down = nlohmann::json::array();
+  double sum = 0;
+  int counted = 0;
+  for (std::size_t c = 0; c < input->rig.cameras.size(); ++c) {
+    iou[input->rig.cameras[c].serial] = hull->silhouette_iou[c];
+    if (!(hull->silhouette_iou[c] >= 0)) continue;
+    sum += hull->silhouette_iou[c];
+    ++counted;
+  }
+  for (const int camera : hull->voted_down)
+    voted_down.push_back(input->rig.cameras[static_cast<std::size_t>(camera)].serial);
+  const double mean_iou = counted > 0 ? sum / counted : 0;
+  for (const std::string& remark : hull->remarks) std::fprintf(stderr, "floatstage: %s\n", remark.c_str());
+  std::printf(
+      "%zu vertices, %zu triangles, %.6g m³; mean IoU %.4f; %s; %.2f ms (p95 %.2f), with contours %.2f ms\n",
+      hull->mesh.positions.size(), hull->mesh.triangle_count(), hull->volume, mean_iou,
+      check.watertight && check.manifold ? "closed and manifold" : "NOT CLOSED", percentile(ms, 0.5),
+      percentile(ms, 0.95), percentile(with_contours, 0.5));
+  if (!given.out.empty()) {
+    if (Result<void> ok = save_mesh(hull->mesh, given.out); !ok) return ok;
+  }
+  if (given.json_file.empty()) return {};
+  return save_json({{"options", describe(*options)},
+                    {"ms", spread_of(ms)},
+                    {"ms_with_contours", spread_of(with_contours)},
+                    {"phases_ms", phases(timings)},
+                    {"faces", hull->faces},
+                    {"vertices", hull->mesh.positions.size()},
+                    {"triangles", hull->mesh.triangle_count()},
+                    {"volume", hull->volume},
+                    {"watertight", check.watertight},
+                    {"manifold", check.manifold},
+                    {"oriented", check.oriented && check.outward},
+                    {"iou", iou},
+                    {"mean_iou", mean_iou},
+                    {"escalations", hull->escalations},
+                    {"voted_down", voted_down},
+                    {"remarks", hull->remarks}},
+                   given.json_file);
+}
+
+}  // namespace
+
+void add_hull(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      app.add_subcommand("hull", "The visual hull of one frame of a take that has mattes, timed and checked");
+  verb->add_option("take", options->take, "The take's folder")->required();
+  verb->add_option("--frame", options->frame, "Which frame")->capture_default_str();
+  verb->add_option("--cameras", options->cameras, "Only these serials, separated by commas (default: all)");
+  options->hull.votes = "strict";
+  add_hull_flags(*verb, options->hull);
+  verb->add_option("--threads", options->threads, "Threads; 0: one per core")->capture_default_str();
+  verb->add_option("--repeat", options->repeat, "Compute it this often and report the times")
+      ->capture_default_str();
+  verb->add_option("--out", options->out, "Write the mesh: .ply or .glb");
+  verb->add_option("--json", options->json_file, "Write a report as JSON");
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage
