@@ -9,6 +9,18 @@
 
 namespace {
 
+// CLI11 only says that a subcommand is required; a user wants to know which word was wrong.
+bool names_unknown_verb(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return false;
+  std::string verbs;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (verb->get_name() == argv[1]) return false;
+    verbs += " " + verb->get_name();
+  }
+  std::fprintf(stderr, "floatstage: there is no verb '%s'; there are:%s\n", argv[1], verbs.c_str());
+  return true;
+}
+
 int run(int argc, char** argv) {
   using namespace floatstage;
   CLI::App app("Floatstage: a multiview capture-and-playback studio with Floating Textures", "floatstage");
@@ -23,6 +35,7 @@ int run(int argc, char** argv) {
   for (auto add : {add_demo, add_check, add_synthesize, add_import, add_hull, add_process, add_render, add_evaluate, add_play})
     add(app, chosen);
 
+  if (names_unknown_verb(app, argc, argv)) return kExitUsage;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -41,7 +41,9 @@ TEST(CommandLine, ExplainsItself) {
 
 TEST(CommandLine, EndsWithTheUsageCodeAfterATypo) {
   EXPECT_EQ(floatstage("").code, 2);
-  EXPECT_EQ(floatstage("rendr").code, 2);
+  const Ended typo = floatstage("rendr");
+  EXPECT_EQ(typo.code, 2);
+  EXPECT_THAT(typo.output, AllOf(HasSubstr("'rendr'"), HasSubstr(" render")));
   EXPECT_EQ(floatstage("render --sise 3").code, 2);
   EXPECT_EQ(floatstage("process").code, 2) << "the take is missing";
 }
