@@ -29,6 +29,10 @@ class Collector {
  public:
   void made() { std::lock_guard lock(mutex_); ++report_.made; }
   void kept() { std::lock_guard lock(mutex_); ++report_.kept; }
+  void gap() {
+    std::lock_guard lock(mutex_);
+    ++report_.gaps;
+  }
   void failed(const Error& e, int item) {
     std::lock_guard lock(mutex_);
     if (e.code == ErrorCode::Io && !fatal_) fatal_ = e;
@@ -117,7 +121,7 @@ Result<StageReport> make_mattes(TakeReader& take, const KeyingRecord& record, in
       if (fs::exists(file) || keyers.empty()) return collector.kept(), Result<void>();
       Result<Frame> photograph = take.frame(static_cast<int>(camera), frame);
       if (!photograph) return forward(photograph);
-      if (photograph->empty()) return collector.kept(), Result<void>();  // a gap: this camera does not know
+      if (photograph->empty()) return collector.gap(), Result<void>();  // a gap: this camera does not know
       Result<Matte> matte = keyers[camera]->key(*photograph);
       if (!matte) return forward(matte);
       if (Result<void> ok = save_png(to_image(*matte), file); !ok) return ok;

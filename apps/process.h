@@ -18,10 +18,11 @@ struct ProcessOptions {
   bool redo = false;  ///< remake what was made with other options
 };
 
-/// What one stage did. made + kept + failures = items.
+/// What one stage did. made + kept + gaps + failures = items.
 struct StageReport {
   int made = 0;  ///< in this run
   int kept = 0;  ///< there already
+  int gaps = 0;  ///< nothing to make: the camera has no photograph of that instant
   std::vector<std::string> failures;  ///< one sentence each
 };
 

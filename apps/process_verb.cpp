@@ -20,7 +20,7 @@ struct Options {
 };
 
 nlohmann::json to_json(const StageReport& stage) {
-  return {{"made", stage.made}, {"kept", stage.kept}, {"failures", stage.failures}};
+  return {{"made", stage.made}, {"kept", stage.kept}, {"gaps", stage.gaps}, {"failures", stage.failures}};
 }
 
 Result<void> run(const Options& given) {
@@ -35,8 +35,8 @@ Result<void> run(const Options& given) {
   std::vector<std::string> failures = report->mattes.failures;
   failures.insert(failures.end(), report->meshes.failures.begin(), report->meshes.failures.end());
   for (const std::string& f : failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
-  std::printf("%s: %d frames of %d cameras; mattes %d made, %d kept; meshes %d made, %d kept; %.1f s\n", options.take.c_str(),
-              report->frames, report->cameras, report->mattes.made, report->mattes.kept, report->meshes.made,
+  std::printf("%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n", options.take.c_str(),
+              report->frames, report->cameras, report->mattes.made, report->mattes.kept, report->mattes.gaps, report->meshes.made,
               report->meshes.kept, report->seconds);
   if (!given.json_file.empty()) {
     Result<void> ok = save_json({{"take", options.take.string()}, {"frames", report->frames}, {"cameras", report->cameras},

@@ -140,6 +140,23 @@ TEST(Process, ReportsABadMatteByNameAndGoesOnWithTheOtherFrames) {
   EXPECT_EQ(report->meshes.made, 1);
 }
 
+TEST(Process, LeavesTheGapsOfARecordingOpen) {
+  TempFolder folder;
+  SynthesizeOptions studio;
+  studio.out = folder / "take";
+  studio.rig.width = 160;
+  studio.rig.height = 120;
+  studio.studio.samples = 1;
+  studio.studio.defects.dropped_frames = 0.3;
+  studio.frames = 2;
+  ASSERT_THAT(synthesize_take(studio), IsOk());
+  const Result<ProcessReport> report = process_take(options_for(studio.out));
+  ASSERT_THAT(report, IsOk());
+  EXPECT_GT(report->mattes.gaps, 0);
+  EXPECT_EQ(report->mattes.made + report->mattes.gaps, 16);
+  EXPECT_EQ(report->meshes.made, 2) << "a camera that missed the instant does not carve";
+}
+
 TEST(Process, TakesAnEmptyStageAsAnEmptyMesh) {
   TempFolder folder;
   const fs::path take = small_take(folder, 1);
