@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -42,10 +44,19 @@ struct SilhouetteScratch {
 /// disjoint by construction. At the border of the picture the point lies on the border.
 Silhouette trace_outline(const Matte& matte, bool unknown_beyond, SilhouetteScratch& scratch);
 
-/// Douglas-Peucker that keeps the topology: no two edges of the result come nearer than a hundredth of a
-/// pixel, and no chord jumps over a point of another polygon. `longest` (px) limits the length of a chord (0:
-/// no limit).
+/// Douglas-Peucker that keeps the topology, then fit_outline(): no two edges of the result come nearer than a
+/// hundredth of a pixel, and no chord jumps over a point of another polygon. `longest` (px) limits the length
+/// of a chord (0: no limit).
 Silhouette simplify_outline(const Silhouette& outline, double tolerance, double longest = 0);
+
+/// Moves the chords of `simple` (the points `origin` of `full`, ascending) sideways so that each cuts off as
+/// much of the outline as it adds: chords of a round outline lie inside it, and hulls of them would be too
+/// small. No corner moves more than `most` px, and none that would change the topology.
+Silhouette fit_outline(const Silhouette& full, const Silhouette& simple, std::span<const int> origin,
+                       double most);
+
+/// Two edges of an outline that are not neighbours stay this far apart, px.
+inline constexpr double kOutlineGap = 0.01;
 
 /// True when no two edges that are not neighbours touch.
 bool is_simple(const Silhouette& outline);

@@ -26,7 +26,9 @@ class Simplifier {
       const std::vector<int> conflicts = chords_in_conflict(result);
       bool cut = false;
       for (const int chord : conflicts) cut |= cut_chord(origin_[chord], chord_end(result, chord));
-      if (!cut) return result;
+      if (!cut)
+        return fit_outline(outline_, result, std::span(origin_).first(result.points.size()),
+                           std::sqrt(tolerance2_));
     }
   }
 
@@ -118,7 +120,7 @@ class Simplifier {
 
   std::vector<int> chords_in_conflict(const Silhouette& result) const {
     EdgeGrid grid(result);
-    std::vector<int> conflicts = grid.touching_edges(kGap);
+    std::vector<int> conflicts = grid.touching_edges(kOutlineGap);
     for (int chord = 0; chord < static_cast<int>(result.points.size()); ++chord) {
       const int from = origin_[chord], to = chord_end(result, chord);
       if (to - from > 1 && swallows_a_point(grid, result, chord, from, to)) conflicts.push_back(chord);
@@ -155,8 +157,6 @@ class Simplifier {
     keep_[farthest(from, to, begin, end).first] = 1;
     return true;
   }
-
-  static constexpr double kGap = 0.01;  // px
 
   const Silhouette& outline_;
   double tolerance2_, longest2_;
