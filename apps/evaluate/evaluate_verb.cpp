@@ -21,7 +21,7 @@ using nlohmann::json;
 
 struct Options {
   std::filesystem::path take, json_file, csv_file, sheet;
-  std::string hold_out, methods = "nearest,linear,floating", frames = "0";
+  std::string hold_out, methods = "nearest,linear,floating", frames = "0", hull_method = "octree";
   RendererFlags renderer;
   HullOptions hull;
 };
@@ -97,6 +97,7 @@ Result<void> save_reports(const Options& given, const std::vector<Row>& rows, co
 
 Result<void> run(const Options& given) {
   EvaluateOptions options{.hold_out = split_list(given.hold_out), .methods = split_list(given.methods), .renderer = {}, .hull = given.hull};
+  options.hull.method = given.hull_method == "octree" ? HullMethod::Octree : HullMethod::Exact;
   if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "--methods names none; see --help");
   Result<RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
@@ -137,8 +138,9 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
   verb->add_option("--hold-out", options->hold_out, "Cameras, each left out in turn, separated by commas (default: every one)");
   verb->add_option("--methods", options->methods, method_help())->capture_default_str();
   verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4")->capture_default_str();
-  options->hull.method = HullMethod::Octree;  // soft mattes and cut subjects: the published scores rest on it
-  verb->add_option("--resolution", options->hull.resolution, "Voxels along the hull's longest side")->capture_default_str();
+  // The reference by default: it is soft, so scores do not hang on how the outlines were made polygons.
+  verb->add_option("--hull", options->hull_method, "Hull method: octree or exact")->capture_default_str()->check(CLI::IsMember({"octree", "exact"}));
+  verb->add_option("--resolution", options->hull.resolution, "Octree: voxels along the hull's longest side")->capture_default_str();
   verb->add_option("--json", options->json_file, "Write the scores as JSON");
   verb->add_option("--csv", options->csv_file, "Write the scores as CSV");
   verb->add_option("--sheet", options->sheet, "Write a picture sheet a view to this folder: truth, methods, difference");

@@ -39,6 +39,7 @@ class RealTake : public testing::Test {
     std::map<std::string, Scores> mean;
     const double n = static_cast<double>(views.size());
     EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};
+    options.hull.method = HullMethod::Octree;
     EXPECT_THAT(evaluate_take(**reader, options, [&](HeldOutView view) {
       for (const auto& [method, s] : view.scores)
         for (double Scores::*m : {&Scores::psnr, &Scores::ssim, &Scores::cw_ssim, &Scores::psnr_shift, &Scores::sharpness}) mean[method].*m += s.*m / n;

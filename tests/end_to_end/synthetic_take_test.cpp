@@ -46,6 +46,7 @@ class SyntheticTake : public testing::Test {
     EXPECT_THAT(take, IsOk());
     EXPECT_THAT(gl, IsOk());
     EvaluateOptions options{.hold_out = hold_out, .renderer = {}, .hull = {}};
+    options.hull.method = HullMethod::Octree;
     options.hull.resolution = 160;
     std::vector<HeldOutView> views;
     EXPECT_THAT(evaluate_take(**take, options, [&](HeldOutView view) { return views.push_back(std::move(view)), Result<void>(); }), IsOk());
