@@ -127,8 +127,8 @@ TEST(QualisysReal, FourCamerasHangAroundTheRoomAndLookAtThePerson) {
   }
 }
 
-// This calibration is about a quarter of a degree (10 px) off in each camera: were every camera's principal point free,
-// 0.4 px would be left. A wrong axis, unit or order of the rotation is off by hundreds.
+// This calibration is off by up to about 0.7 degrees in a camera: were every camera's principal point free,
+// 0.44 px would be left. A wrong axis, unit or order of the rotation is off by hundreds.
 TEST(QualisysReal, MarksOnThePlatformMeetAtItsSurface) {
   FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   const Rig rig = balancing_rig();
