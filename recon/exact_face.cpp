@@ -36,7 +36,7 @@ void FaceSweep::run(int view, int edge, FaceOutput& out) {
   views_.clear();
   edges_.clear();
   tie_ = defect_ = unbounded_ = false;
-  const bool strict = in_->votes == static_cast<int>(in_->views.size());
+  const bool strict = in_->votes.strict;
   window_low_ = 0;
   window_high_ = kInfinity;
   for (int j = 0; j < static_cast<int>(in_->views.size()); ++j) {
@@ -64,20 +64,25 @@ void FaceSweep::run(int view, int edge, FaceOutput& out) {
 /// false when nothing is left of it.
 bool FaceSweep::add_view(int j) {
   const PairTable& mine = in_->pairs->of(i_, j);
-  ViewLines group{j, static_cast<int>(vertices_.size()), 0, 0, 0, kInfinity, -kInfinity, 0};
+  ViewLines group{};
+  group.view = j;
+  group.vertices = static_cast<int>(vertices_.size());
+  group.lowest = group.least = kInfinity;
+  group.highest = group.most = -kInfinity;
   add_vertices(j);
   group.vertices_end = static_cast<int>(vertices_.size());
   const auto extend = [&](int line_edge, double w) {
+    group.least = std::min(group.least, w);
+    group.most = std::max(group.most, w);
     if (mine.upper[line_edge]) {
       group.highest = std::max(group.highest, w);
     } else {
       group.lowest = std::min(group.lowest, w);
     }
   };
-  int net = 0;
   for (int h = mine.ray_start[a_]; h < mine.ray_start[a_ + 1]; ++h) {
     extend(mine.hits[h].edge, mine.hits[h].w);
-    net += mine.upper[mine.hits[h].edge] ? 1 : -1;
+    group.net += mine.upper[mine.hits[h].edge] ? 1 : -1;
   }
   for (int h = mine.ray_start[b_]; h < mine.ray_start[b_ + 1]; ++h) extend(mine.hits[h].edge, mine.hits[h].w);
   for (int v = group.vertices; v < group.vertices_end; ++v) {
@@ -85,7 +90,7 @@ bool FaceSweep::add_view(int j) {
     extend(in_->views[j].prev[vertices_[v].ray], vertices_[v].w);
   }
   if (mine.top) group.highest = kInfinity;
-  if (mine.top + net > 0) group.lowest = -kInfinity;
+  if (mine.top + group.net > 0) group.lowest = -kInfinity;
   views_.push_back(group);
   window_low_ = std::max(window_low_, group.lowest);
   window_high_ = std::min(window_high_, group.highest);
@@ -101,8 +106,9 @@ void FaceSweep::add_vertices(int j) {
   const Eigen::Vector3d baseline = other.center - in_->views[i_].center;
   const Eigen::Vector2d u = own_flat[a_], v = own_flat[b_];
   for (int at = theirs.face_start[edge_]; at < theirs.face_start[edge_ + 1]; ++at) {
-    const int h = theirs.face_hits[at], q = theirs.hits[h].ray;
-    Vertex vertex{0, 0, q, theirs.first_id + h};
+    const PairTable::FaceHit& hit = theirs.face_hits[at];
+    const int q = hit.ray;
+    Vertex vertex{0, 0, q, theirs.first_id + hit.index};
     if (in_->grid) {
       const auto [ta, tb] = exact_sides({0, 0, q, 0}, j);
       vertex.s = static_cast<double>(ta) / (static_cast<double>(ta) - static_cast<double>(tb));
@@ -113,27 +119,37 @@ void FaceSweep::add_vertices(int j) {
     }
     // From the point itself: the lines through it may be steep.
     const Eigen::Vector3d d = da_ + vertex.s * step_;
-    const double w = theirs.hits[h].w;
+    const double w = hit.w;
     vertex.w = w * d.squaredNorm() / (w * d.dot(baseline) + d.dot(other.rays[q]));
     vertices_.push_back(vertex);
   }
 }
 
 bool FaceSweep::find_window() {
-  const int needed = in_->votes - 1;  // other views that have to agree
-  const bool strict = needed == static_cast<int>(views_.size());
+  const bool strict = in_->votes.strict;
   keep_low_ = -kInfinity;
   keep_high_ = kInfinity;
   if (!strict) {
+    window_low_ = 0;
+    window_high_ = kInfinity;
     std::vector<double> lows, highs;
     for (const ViewLines& group : views_) {
-      lows.push_back(group.lowest);
-      highs.push_back(-group.highest);
+      if (in_->views[group.view].mandatory) {
+        window_low_ = std::max(window_low_, group.lowest);
+        window_high_ = std::min(window_high_, group.highest);
+      } else {
+        lows.push_back(group.lowest);
+        highs.push_back(-group.highest);
+      }
     }
-    std::nth_element(lows.begin(), lows.begin() + (needed - 1), lows.end());
-    std::nth_element(highs.begin(), highs.begin() + (needed - 1), highs.end());
-    window_low_ = std::max(0.0, lows[needed - 1]);
-    window_high_ = -highs[needed - 1];
+    const int needed = in_->votes.ordinary - (in_->views[i_].mandatory ? 0 : 1);
+    if (needed > static_cast<int>(lows.size())) return false;
+    if (needed > 0) {
+      std::nth_element(lows.begin(), lows.begin() + (needed - 1), lows.end());
+      std::nth_element(highs.begin(), highs.begin() + (needed - 1), highs.end());
+      window_low_ = std::max(window_low_, lows[needed - 1]);
+      window_high_ = std::min(window_high_, -highs[needed - 1]);
+    }
   }
   if (!(window_low_ < window_high_)) return false;
   window_low_ *= 1 - kSlack;
@@ -155,7 +171,13 @@ void FaceSweep::add_lines(ViewLines& group) {
   const int a = mine.ray_start[a_], a_end = mine.ray_start[a_ + 1], b = mine.ray_start[b_],
             b_end = mine.ray_start[b_ + 1];
   group.begin = static_cast<int>(lines_.size());
+  group.end = group.begin;
   group.state = mine.top;
+  if (group.most < keep_low_) return;
+  if (group.least > keep_high_) {
+    group.state += group.net;
+    return;
+  }
   // s grows with phi where this face is not an upper bound for the other view's rays; an upper bound of the
   // other view runs towards larger phi.
   const bool s_with_phi = theirs.upper[edge_] == 0;
@@ -270,7 +292,7 @@ bool FaceSweep::cut_by_view(int f, const End& entry, const ViewLines& other, boo
     crossings_.push_back({s, g, static_cast<std::int8_t>((first > 0) == cutter.upper ? 1 : -1)});
   }
   if (strict && state <= 0 && crossings_.size() == before_count) return false;
-  inside += state > 0;
+  if (state > 0) inside += in_->votes.weight[other.view];
   return true;
 }
 
@@ -282,20 +304,25 @@ void FaceSweep::cut_line(int f, bool strict) {
     if (other.view == lines_[f].view) continue;
     if (!cut_by_view(f, entry, other, strict, inside)) return;
   }
-  const int wanted = in_->votes - 2;
+  // The run is the hull's where exactly one side of the line is: the inner one, or the outer.
+  const int own = in_->votes.weight[lines_[f].view];
+  const auto kind_of = [&](int weight) {
+    const bool inner = in_->votes.decides(i_, weight + own), outer = in_->votes.decides(i_, weight);
+    return inner == outer ? -1 : (inner ? 0 : 1);
+  };
   if (crossings_.size() > 1) {
     std::sort(crossings_.begin(), crossings_.end(),
               [&](const Crossing& x, const Crossing& y) { return crosses_before(f, x, y); });
   }
-  // wanted: the face is on the inner side of the line; wanted + 1: on its outer side.
   int open = -2;  // crossing at which the run began; -1: the line's left end; -2: no run
-  int kind = inside - wanted;
-  if (kind == 0 || kind == 1) open = -1;
+  int kind = kind_of(inside);
+  if (kind >= 0) open = -1;
   for (int c = 0; c < static_cast<int>(crossings_.size()); ++c) {
-    inside += crossings_[c].change;
-    const int now = inside - wanted;
+    inside += crossings_[c].change * in_->votes.weight[lines_[crossings_[c].line].view];
+    const int now = kind_of(inside);
+    if (now == kind) continue;
     if (open != -2) emit_run(f, open, c, kind == 0);
-    open = now == 0 || now == 1 ? c : -2;
+    open = now >= 0 ? c : -2;
     kind = now;
   }
   if (open != -2) emit_run(f, open, -1, kind == 0);

@@ -68,9 +68,9 @@ struct ArrangementInput {
   std::span<const ConeView> views;
   const PairTables* pairs;
   const RayIntervals* rays;
-  const GridViews* grid;                 ///< null: doubles decide
+  const GridViews* grid;  ///< null: doubles decide
+  Votes votes;
   std::vector<std::int32_t> first_face;  ///< per view: number of its first contour edge among all
-  int votes;                             ///< how many views have to agree on "inside"
 };
 
 /// Computes the part of the hull that lies in one contour edge's cone face
@@ -113,6 +113,8 @@ class FaceSweep {
     int vertices, vertices_end;  ///< in vertices_, sorted by ray
     int begin, end;              ///< in lines_: those that reach into the window
     double lowest, highest;      ///< range of w that has any inside of this view
+    double least, most;          ///< range of w of the ends of its lines
+    int net;                     ///< upper minus lower bounds on the ray at s = 0
     int state;                   ///< inside (1) or not at s = 0 above all lines that are kept
   };
   struct Crossing {

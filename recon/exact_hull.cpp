@@ -34,16 +34,14 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
   polygons_.clear();
   pairs_.build(views, grid, options.threads);
   outcome.timings.pairs = watch.lap();
-  const int votes = options.votes > 0 ? std::min<int>(options.votes, static_cast<int>(views.size()))
-                                      : static_cast<int>(views.size());
-  find_ray_intervals(views, pairs_, grid, votes, options.threads, rays_);
+  input_.votes = Votes::of(views, options.votes);
+  find_ray_intervals(views, pairs_, grid, input_.votes, options.threads, rays_);
   outcome.timings.rays = watch.lap();
 
   input_.views = views;
   input_.pairs = &pairs_;
   input_.rays = &rays_;
   input_.grid = grid;
-  input_.votes = votes;
   input_.first_face.resize(views.size());
   std::int32_t faces = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {

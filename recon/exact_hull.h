@@ -21,7 +21,7 @@ enum class ExactLevel {
 };
 
 struct ExactOptions {
-  int votes = 0;        ///< how many views have to agree on "inside"; 0: all of them
+  int votes = 0;        ///< how many views, besides the mandatory ones, have to agree on "inside"; 0: all
   int threads = 1;      ///< 0: one per core; the same result at any number
   double pixel = 1e-3;  ///< size of a pixel in units of a ray's z: 1 / focal length
   bool triangulate = true;

@@ -141,7 +141,7 @@ void MeshWelder::check(const ArrangementInput& input, HullPolygons& out) {
   std::sort(from_apex.begin(), from_apex.end());
   std::sort(to_apex.begin(), to_apex.end());
   if (from_apex != to_apex) ++out.unmatched;
-  const bool strict = input.votes == static_cast<int>(input.views.size());
+  const bool strict = input.votes.strict;
   for (std::size_t v = 0; v < count; ++v) {
     // Three edges in and out of a vertex of a closed surface cannot be anything but one fan.
     const bool regular = kind_[v] == kApexVertex || degree_[v] == 3 ||

@@ -21,16 +21,6 @@ Unexpected unbounded() {
       "border; give the volume to search");
 }
 
-int votes_of(const HullOptions& options, const SilhouetteCones& cones) {
-  const int views = static_cast<int>(cones.views.size());
-  if (options.voting != HullVoting::MofN || options.votes <= 0) return views;
-  // The sides of the volume are not cameras: they always have to agree. Without a majority they cannot be
-  // outvoted.
-  const int cameras =
-      static_cast<int>(std::count_if(cones.camera.begin(), cones.camera.end(), [](int c) { return c >= 0; }));
-  return std::clamp(options.votes, 1, cameras) + (views - cameras);
-}
-
 /// Shells of which no camera sees anything are not hull: nothing bears witness for them.
 void drop_unseen_shells(const Rig& rig, std::span<const Matte> mattes, HullReport& report) {
   Mesh& mesh = report.mesh;
@@ -117,7 +107,7 @@ Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   ExactOptions engine_options;
   engine_options.threads = options.threads;
   engine_options.pixel = cones.pixel;
-  engine_options.votes = votes_of(options, cones);
+  engine_options.votes = options.voting == HullVoting::MofN ? options.votes : 0;
   const auto compute = [&] {
     workspace.views = cones.views;
     return workspace.engine.compute(workspace.views, engine_options);
@@ -139,7 +129,6 @@ Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, co
         report.remarks.push_back(text("camera '", rig.cameras[static_cast<std::size_t>(camera)].serial,
                                       "' was voted down: its matte lacks what all others show; look at it"));
       }
-      engine_options.votes = static_cast<int>(cones.views.size());
       const ExactOutcome again = compute();
       if (again.unbounded || !again.closed) return false;
       outcome.attempts += again.attempts;

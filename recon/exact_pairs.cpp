@@ -203,7 +203,8 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
   for (int f = 0; f < edges; ++f) pair.face_start[f + 1] += pair.face_start[f];
   pair.face_hits.resize(pair.hits.size());
   for (std::size_t h = 0; h < pair.hits.size(); ++h) {
-    pair.face_hits[pair.face_start[pair.hits[h].edge]++] = static_cast<std::int32_t>(h);
+    const RayHit& hit = pair.hits[h];
+    pair.face_hits[pair.face_start[hit.edge]++] = {hit.w, hit.ray, static_cast<std::int32_t>(h)};
   }
   for (int f = edges; f > 0; --f) pair.face_start[f] = pair.face_start[f - 1];
   pair.face_start[0] = 0;

@@ -24,15 +24,19 @@ struct RayHit {
 /// Within that half-plane the edge's plane is w = slope . d for a ray direction d: affine, without any
 /// division by angles.
 struct PairTable {
+  struct FaceHit {  ///< a hit again, in the order in which faces read them
+    double w;
+    std::int32_t ray, index;  ///< into hits
+  };
   std::vector<Eigen::Vector3d> slope;  ///< per edge of j: n / (n . (C_j - C_i)), so w = slope . d
   std::vector<std::uint8_t>
       upper;                 ///< per edge of j: 1 when the inside of j is at smaller w (an upper bound)
   std::vector<RayHit> hits;  ///< sorted by ray, then edge
   std::vector<std::int32_t> ray_start;   ///< ray r owns hits[ray_start[r]] … hits[ray_start[r + 1] - 1]
-  std::vector<std::int32_t> face_start;  ///< edge f owns face_hits[face_start[f]] …, sorted by ray
-  std::vector<std::int32_t> face_hits;   ///< indices into hits
-  int top = 0;                           ///< 1 when C_i, where w is infinite, is inside the silhouette of j
-  std::int32_t first_id = 0;             ///< number of the first hit among the hits of all pairs
+  std::vector<std::int32_t> face_start;  ///< edge f owns face_hits[face_start[f]] …, by ray
+  std::vector<FaceHit> face_hits;
+  int top = 0;                ///< 1 when C_i, where w is infinite, is inside the silhouette of j
+  std::int32_t first_id = 0;  ///< number of the first hit among the hits of all pairs
 };
 
 /// Rays of both views of an unordered pair, seen along the baseline.

@@ -53,10 +53,11 @@ struct Scratch {
 };
 
 /// Gathers the hits that can matter and the number of views that contain the ray before the first of them.
-int gather(const PairTables& pairs, int i, int ray, int views, bool strict, std::vector<Crossing>& out) {
+int gather(const PairTables& pairs, int i, int ray, int views, const Votes& votes,
+           std::vector<Crossing>& out) {
   // In a strict hull only the stretch between the last entry and the first exit matters.
   double window_low = 0, window_high = kInfinity;
-  if (strict) {
+  if (votes.strict) {
     for (int j = 0; j < views; ++j) {
       if (j == i) continue;
       const PairTable& pair = pairs.of(i, j);
@@ -91,18 +92,29 @@ int gather(const PairTables& pairs, int i, int ray, int views, bool strict, std:
       out.push_back({hit.w, pair.first_id + h, hit.edge, static_cast<std::int16_t>(j),
                      static_cast<std::int16_t>(change)});
     }
-    inside += state > 0;
-    if (strict && state <= 0 && pair.ray_start[ray] == pair.ray_start[ray + 1]) return -1;
+    if (state > 0) inside += votes.weight[j];
+    if (votes.strict && state <= 0 && pair.ray_start[ray] == pair.ray_start[ray + 1]) return -1;
   }
   return inside;
 }
 
 }  // namespace
 
+Votes Votes::of(std::span<const ConeView> views, int votes) {
+  const auto is_mandatory = [](const ConeView& view) { return view.mandatory; };
+  const int mandatory = static_cast<int>(std::count_if(views.begin(), views.end(), is_mandatory));
+  const int others = static_cast<int>(views.size()) - mandatory;
+  Votes out;
+  out.ordinary = votes > 0 ? std::min(votes, others) : others;
+  out.strict = out.ordinary == others;
+  out.needed = out.ordinary + mandatory * (others + 1);
+  for (const ConeView& view : views) out.weight.push_back(view.mandatory ? others + 1 : 1);
+  return out;
+}
+
 void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid,
-                        int votes, int threads, RayIntervals& out) {
+                        const Votes& votes, int threads, RayIntervals& out) {
   const int count = static_cast<int>(views.size());
-  const bool strict = votes == count;
   out.of_view.resize(views.size());
   out.start.resize(views.size());
   std::vector<std::uint8_t> unbounded(views.size(), 0), ties(views.size(), 0);
@@ -115,17 +127,17 @@ void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs
     Scratch scratch;
     for (int ray = 0; ray < rays; ++ray) {
       start[ray] = static_cast<std::int32_t>(intervals.size());
-      int inside = gather(pairs, i, ray, count, strict, scratch.crossings);
+      int inside = gather(pairs, i, ray, count, votes, scratch.crossings);
       if (inside < 0) continue;
       bool tie = false;
       std::sort(scratch.crossings.begin(), scratch.crossings.end(), HitOrder(views, grid, i, ray, tie));
       ties[v] |= tie;
       const Crossing* open = nullptr;
-      bool is_open = inside == votes - 1;
+      bool is_open = votes.decides(i, inside);
       if (is_open) unbounded[v] = 1;
       for (const Crossing& crossing : scratch.crossings) {
-        inside += crossing.change;
-        const bool now = inside == votes - 1;
+        inside += crossing.change * votes.weight[crossing.view];
+        const bool now = votes.decides(i, inside);
         if (now && !is_open) open = &crossing;
         if (!now && is_open && open) intervals.push_back({open->id, crossing.id, open->w, crossing.w});
         is_open = now;

@@ -7,6 +7,19 @@
 
 namespace floatstage {
 
+/// How votes are counted: a point is hull when the weights of the views that contain it reach `needed`. A
+/// mandatory view weighs as much as all others together, so that it cannot be outvoted.
+struct Votes {
+  int needed = 0;
+  bool strict = true;       ///< all views have to agree
+  int ordinary = 0;         ///< how many of the views that can be outvoted have to agree
+  std::vector<int> weight;  ///< per view
+
+  static Votes of(std::span<const ConeView> views, int votes);
+  /// Whether a view's boundary is the hull's where the other views that contain it weigh `others`.
+  bool decides(int view, int others) const { return others < needed && others + weight[view] >= needed; }
+};
+
 /// A stretch of a ray that is an edge of the hull: the ray's own view is at its boundary there, and `votes -
 /// 1` other views contain it. `low` and `high` number the hits at its ends; high is kApex where the stretch
 /// reaches the camera.
@@ -24,6 +37,6 @@ struct RayIntervals {
 };
 
 void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid,
-                        int votes, int threads, RayIntervals& out);
+                        const Votes& votes, int threads, RayIntervals& out);
 
 }  // namespace floatstage

@@ -20,7 +20,7 @@ void ConeView::clear() {
   next.clear();
   prev.clear();
   loop.clear();
-  beyond_counts = false;
+  beyond_counts = mandatory = false;
 }
 
 void ConeView::add_loop(std::span<const Eigen::Vector3d> loop_rays) {
@@ -102,6 +102,7 @@ std::array<ConeView, 2> volume_views(const Eigen::AlignedBox3d& box) {
       rays[axis][(axis + 2) % 3] = -inward * kSpread * (1 + 0.07 * axis + 0.03 * k);
     }
     if (rays[0].cross(rays[1]).dot(rays[2]) < 0) std::swap(rays[0], rays[1]);
+    out[k].mandatory = true;
     out[k].add_loop(rays);
   }
   return out;

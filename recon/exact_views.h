@@ -20,6 +20,7 @@ struct ConeView {
   std::vector<Eigen::Vector3d> rays;  ///< world; z = 1 in the camera's frame
   std::vector<int> next, prev, loop;  ///< per ray
   bool beyond_counts = false;         ///< outside of all polygons is inside
+  bool mandatory = false;             ///< cannot be outvoted: the sides of a volume
 
   void clear();
   /// Appends a closed polygon, interior on the side of ray(k) x ray(next).

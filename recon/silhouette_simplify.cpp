@@ -210,6 +210,33 @@ void remove_lens(const CameraModel& model, Silhouette& outline) {
   outline = std::move(out);
 }
 
+/// Last resort where a lens cannot be undone over a part of the picture: the points whose edges cross are
+/// left out until none do. Ends, because every round leaves some out.
+void drop_conflicts(Silhouette& outline) {
+  while (!outline.empty()) {
+    const EdgeGrid grid(outline);
+    const std::vector<int> edges = grid.touching_edges(0);
+    if (edges.empty()) return;
+    std::vector<char> drop(outline.points.size(), 0);
+    for (const int e : edges) drop[e] = drop[grid.next(e)] = 1;
+    Silhouette out;
+    out.beyond_counts = outline.beyond_counts;
+    for (int k = 0; k < outline.polygons(); ++k) {
+      const std::size_t first = out.points.size();
+      for (int i = outline.starts[k]; i < outline.starts[k + 1]; ++i) {
+        if (!drop[i]) out.points.push_back(outline.points[i]);
+      }
+      if (out.points.size() - first < 3) {
+        out.points.resize(first);
+      } else {
+        out.starts.push_back(static_cast<int>(first));
+      }
+    }
+    out.starts.push_back(static_cast<int>(out.points.size()));
+    outline = std::move(out);
+  }
+}
+
 }  // namespace
 
 Silhouette simplify_outline(const Silhouette& outline, double tolerance, double longest) {
@@ -231,7 +258,11 @@ Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, con
     Silhouette out = simplify_outline(full, tolerance, lens ? longest_chord(model, 0.1 * tolerance) : 0);
     if (!lens) return out;
     remove_lens(model, out);
-    if (round == 4 || is_simple(out)) return out;
+    if (is_simple(out)) return out;
+    if (round == 4) {
+      drop_conflicts(out);
+      return out;
+    }
   }
 }
 

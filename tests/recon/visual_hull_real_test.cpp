@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdlib>
 #include <numeric>
 #include <optional>
@@ -5,8 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "core/mesh_io.h"
+#include "recon/bounding_volume.h"
+#include "recon/exact_hull.h"
 #include "recon/mesh_check.h"
 #include "recon/mesh_mask.h"
+#include "recon/silhouette_cones.h"
 #include "recon/visual_hull.h"
 #include "tests/recon/real_sets.h"
 #include "tests/support/real_data.h"
@@ -195,6 +199,45 @@ TEST(VacancyBunnyReal, ExactHullOfSixAxisViewsHasTheKnownVolume) {
   const HullReport full = exact_hull_of(set, HullVoting::Strict, 0);
   EXPECT_GT(mean_iou(full), 0.99999);
   EXPECT_NEAR(full.volume / hull_of(set, 200).volume, 1, 0.003);
+}
+
+/// Cones of a real set with every ray moved by up to `noise` px, at a coarse contour tolerance.
+void expect_closed_when_disturbed(const MatteSet& set, double tolerance, int rounds) {
+  ConeBuilder builder;
+  SilhouetteCones cones;
+  ConeOptions options;
+  options.tolerance = tolerance;
+  builder.build(set.rig, set.mattes, options, cones);
+  const std::optional<Eigen::AlignedBox3d> box = bounding_volume(set.rig, set.mattes);
+  ASSERT_TRUE(box);
+  add_volume(*box, cones);
+  ExactHull engine;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<ConeView> views = cones.views;
+    // From far below a rounding error to a tenth of a pixel.
+    const double noise = std::pow(10, -1 - 13.0 * round / rounds);
+    perturb(views, {static_cast<std::uint64_t>(round) + 100, noise * cones.pixel, 0.1 * noise});
+    ExactOptions settings;
+    settings.pixel = cones.pixel;
+    const ExactOutcome outcome = engine.compute(views, settings);
+    ASSERT_TRUE(outcome.closed) << "round " << round << ", noise " << noise << " px";
+  }
+}
+
+TEST(DisturbedReal, ThousandHullsOfTheGreenDomeAreClosed) {
+  FLOATSTAGE_NEEDS_DATA(real_data("green-dome"));
+  expect_closed_when_disturbed(subset(load_green_dome(real_data("green-dome")), {0, 2, 5, 7, 10, 12, 15, 17}),
+                               3, 1000);
+}
+
+TEST(DisturbedReal, ThousandHullsOfTheBunnyAreClosed) {
+  FLOATSTAGE_NEEDS_DATA(real_data("vacancy-bunny"));
+  expect_closed_when_disturbed(load_vacancy_bunny(real_data("vacancy-bunny/data")), 1, 1000);
+}
+
+TEST(DisturbedReal, HullsOfTheTempleAreClosed) {
+  FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-ring"));
+  expect_closed_when_disturbed(load_temple_ring(real_data("middlebury-temple-ring")), 8, 20);
 }
 
 }  // namespace
