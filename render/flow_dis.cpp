@@ -14,6 +14,10 @@ namespace {
 
 constexpr int kSmallestSide = 64;  // px: DIS builds a pyramid over 8 px patches; smaller pictures are padded
 constexpr int kMostScales = 6;
+// Projected photographs differ by small smooth displacements: refined longer and smoothed less than OpenCV's presets
+// do (5 iterations, 20, 10), the fields follow them better (measured on the temple ring).
+constexpr int kRefinementIterations = 20;
+constexpr float kSmoothness = 10, kGradientConstancy = 5;
 
 class DisFlow : public FlowEstimator {
  public:
@@ -70,6 +74,11 @@ Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options)
   cv::setNumThreads(1);
   cv::Ptr<cv::DISOpticalFlow> dis = cv::DISOpticalFlow::create(preset);
   dis->setFinestScale(options.finest_scale);
+  if (preset != cv::DISOpticalFlow::PRESET_ULTRAFAST) {
+    dis->setVariationalRefinementIterations(kRefinementIterations);
+    dis->setVariationalRefinementAlpha(kSmoothness);
+    dis->setVariationalRefinementGamma(kGradientConstancy);
+  }
   if (options.iterations > 0) dis->setGradientDescentIterations(options.iterations);
   return std::unique_ptr<FlowEstimator>(std::make_unique<DisFlow>(std::move(dis)));
 }

@@ -9,7 +9,6 @@
 namespace floatstage {
 namespace {
 
-constexpr float kLargestRoundTrip = 1;            // px by which the way there and back may miss
 constexpr float kNoise = 0.15F, kCertain = 0.45F;  // px: displacements the flow invents, and those to be followed
 
 struct Pair {
@@ -32,26 +31,6 @@ void continue_beyond_proxy(int width, int height, const std::vector<std::uint8_t
   fill_unknown(width, height, 1, known, values.data());
   for (std::size_t i = 0; i < gray.size(); ++i)
     if (!known[i]) gray[i] = static_cast<std::uint8_t>(std::clamp(std::lround(values[i]), 0L, 255L));
-}
-
-/// Pixels whose flow is to be believed: both images have their own colour at both ends, and `back` leads home.
-std::vector<bool> dependable(const ProjectedImages& images, Pair pair, const FlowField& there, const FlowField* back) {
-  const int width = images.width, height = images.height;
-  const std::vector<std::uint8_t>&from = images.state[pair.from], &to = images.state[pair.to];
-  std::vector<bool> good(from.size());
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-      if (from[i] != ProjectedImages::kOwn || to[i] != ProjectedImages::kOwn) continue;
-      const float u = there.uv[2 * i], v = there.uv[2 * i + 1];
-      const long tx = std::lround(static_cast<float>(x) + u), ty = std::lround(static_cast<float>(y) + v);
-      if (tx < 0 || ty < 0 || tx >= width || ty >= height) continue;
-      const std::size_t t = static_cast<std::size_t>(ty) * static_cast<std::size_t>(width) + static_cast<std::size_t>(tx);
-      if (to[t] != ProjectedImages::kOwn) continue;
-      good[i] = back == nullptr || std::hypot(u + back->uv[2 * t], v + back->uv[2 * t + 1]) <= kLargestRoundTrip;
-    }
-  }
-  return good;
 }
 
 /// Where the projections already meet, the flow still jitters by a fraction of a pixel (resampling noise): following
@@ -103,7 +82,7 @@ Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<b
     }
     field = *raw[index];
     const FlowField* back = wanted[pair.from] ? &*raw[index_of({pair.to, pair.from}, count)] : nullptr;
-    fill_unknown(images.width, images.height, 2, dependable(images, pair, *raw[index], back), field.uv.data());
+    fill_unknown(images.width, images.height, 2, trusted(images, pair.from, pair.to, *raw[index], back), field.uv.data());
     drop_jitter(field);
   });
   return {};

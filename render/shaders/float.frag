@@ -52,7 +52,7 @@ bool image_at(int i, vec2 p, out vec3 rgb) {
     vec2 pixel;
     vec3 world = world_at(p, 1.0 / inverse_z);
     if (photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel)) {
-      rgb = photo(index, pixel).rgb;
+      rgb = photo_color(index, pixel);
       return true;
     }
   }

@@ -11,7 +11,7 @@ vec3 projected(int slot, vec3 world) {
   int index = listed(slot);
   vec2 pixel;
   photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel);
-  return photo(index, pixel).rgb;
+  return photo_color(index, pixel);
 }
 
 void main() {

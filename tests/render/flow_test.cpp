@@ -115,6 +115,27 @@ ProjectedImages two_images(double dx) {
   return images;
 }
 
+TEST(FlowTrust, BelievesARightFlowAndNotAWrongOne) {
+  const ProjectedImages images = two_images(3);
+  FlowField right{160, 120, std::vector<float>(2 * 160 * 120, 0)}, wrong = right, back = right;
+  for (std::size_t i = 0; i < right.uv.size(); i += 2) {
+    right.uv[i] = 3;
+    wrong.uv[i] = -3;
+    back.uv[i] = -3;
+  }
+  const std::size_t middle = 60 * 160 + 80;
+  EXPECT_TRUE(trusted(images, 0, 1, right, &back)[middle]);
+  EXPECT_FALSE(trusted(images, 0, 1, wrong, nullptr)[middle]) << "it makes the pictures differ more";
+  EXPECT_FALSE(trusted(images, 0, 1, right, &right)[middle]) << "the way back does not lead home";
+}
+
+TEST(FlowTrust, BelievesNothingWhereAColorIsBorrowed) {
+  ProjectedImages images = two_images(0);
+  images.state[1].assign(images.state[1].size(), ProjectedImages::kFilled);
+  const FlowField none{160, 120, std::vector<float>(2 * 160 * 120, 0)};
+  EXPECT_THAT(trusted(images, 0, 1, none, &none), testing::Each(false));
+}
+
 TEST(PairwiseFlows, HasBothDirections) {
   PairwiseFlows flows;
   ASSERT_THAT(flows.estimate(two_images(3), {true, true}, {}, 1), IsOk());

@@ -24,12 +24,12 @@ struct Golden {
 };
 
 const Golden kGoldens[] = {
-    {"nearest", "nearest", RenderOutput::Color, 0.4837, {115, 123.2, 124}},
-    {"linear", "linear", RenderOutput::Color, 0.4837, {114.6, 123.4, 124.4}},
-    {"floating", "floating", RenderOutput::Color, 0.4837, {115.3, 124, 124.5}},
+    {"nearest", "nearest", RenderOutput::Color, 0.4837, {115.5, 123.5, 124.5}},
+    {"linear", "linear", RenderOutput::Color, 0.4837, {114.9, 123.7, 124.8}},
+    {"floating", "floating", RenderOutput::Color, 0.4837, {115.6, 124.4, 124.8}},
     {"floating_weights", "floating", RenderOutput::Weights, 0.4837, {139.5, 165.4, 111.2}},
     {"floating_soft_visibility", "floating", RenderOutput::SoftVisibility, 0.4837, {101.9, 89.1, 95.1}},
-    {"linear_ghosting", "linear", RenderOutput::Ghosting, 0.4837, {144.6, 60.9, 21.3}},
+    {"linear_ghosting", "linear", RenderOutput::Ghosting, 0.4837, {145.8, 65.4, 25.5}},
 };
 
 std::filesystem::path golden_file(const Golden& golden) {
