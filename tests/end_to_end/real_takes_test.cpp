@@ -59,7 +59,7 @@ TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
   const auto mean = leave_out({"templeR0014.png", "templeR0016.png", "templeR0018.png", "templeR0020.png", "templeR0022.png",
                                "templeR0024.png", "templeR0026.png", "templeR0028.png", "templeR0030.png"});
   EXPECT_GE(mean.at("floating").psnr, 22.0);
-  EXPECT_GE(mean.at("floating").psnr, mean.at("linear").psnr + 2.0);
+  EXPECT_GE(mean.at("floating").psnr, mean.at("linear").psnr + 2.8);
   EXPECT_GE(mean.at("floating").ssim, mean.at("linear").ssim + 0.08);
 }
 
