@@ -14,10 +14,12 @@ class BlendRenderer : public ViewRenderer {
         inspection_(std::move(inspection)),
         blend_(std::move(blend)) {}
 
-  Result<RenderedView> render(const SceneTextures& scene, const View& view, const RendererOptions& options) override {
+  Result<RenderedView> render(const SceneTextures& scene, const View& view,
+                              const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     if (options.output == RenderOutput::Flow)
-      return fail(ErrorCode::InvalidArgument, "only the floating renderer has a flow to show; choose another output");
+      return fail(ErrorCode::InvalidArgument,
+                  "only the floating renderer has a flow to show; choose another output");
     projection_.run(scene, view, options, 0, one_camera_);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
@@ -27,8 +29,8 @@ class BlendRenderer : public ViewRenderer {
         glUseProgram(blend_.id());
         glUniform2i(0, w.x, w.y);
         projection_.draw_at(target_.framebuffer(), blend_,
-                            {projection_.surface(), projection_.weights(0), projection_.weights(1)}, w.x, w.y, w.width,
-                            w.height);
+                            {projection_.surface(), projection_.weights(0), projection_.weights(1)}, w.x, w.y,
+                            w.width, w.height);
       }
     }
     return rendered_view(scene, view, projection_, target_);
@@ -52,8 +54,8 @@ Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera) {
   Result<gl::Program> blend =
       gl::make_program("fullscreen.vert", "blend.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});
   if (!blend) return forward(blend);
-  return std::unique_ptr<ViewRenderer>(std::make_unique<BlendRenderer>(one_camera, std::move(*projection),
-                                                                       std::move(*inspection), std::move(*blend)));
+  return std::unique_ptr<ViewRenderer>(std::make_unique<BlendRenderer>(
+      one_camera, std::move(*projection), std::move(*inspection), std::move(*blend)));
 }
 
 }  // namespace floatstage

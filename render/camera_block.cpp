@@ -15,15 +15,16 @@ struct Overloaded : F... {
   using F::operator()...;
 };
 
-/// Bounds of the picture's border in pinhole coordinates; absent parts of the border (a lens that cannot be inverted
-/// there) are left out, so a fisheye's bounds are capped.
+/// Bounds of the picture's border in pinhole coordinates; absent parts of the border (a lens that cannot be
+/// inverted there) are left out, so a fisheye's bounds are capped.
 Eigen::AlignedBox2d picture_bounds(const CameraModel& m) {
   constexpr int kSteps = 32;
   Eigen::AlignedBox2d bounds;
   for (int i = 0; i <= kSteps; ++i) {
     const double s = static_cast<double>(i) / kSteps;
-    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(s * m.width, 0), Eigen::Vector2d(s * m.width, m.height),
-                                         Eigen::Vector2d(0, s * m.height), Eigen::Vector2d(m.width, s * m.height)}) {
+    for (const Eigen::Vector2d& pixel :
+         {Eigen::Vector2d(s * m.width, 0), Eigen::Vector2d(s * m.width, m.height),
+          Eigen::Vector2d(0, s * m.height), Eigen::Vector2d(m.width, s * m.height)}) {
       if (const auto ray = unproject(m, pixel))
         bounds.extend(Eigen::Vector2d(ray->head<2>()));
       else
@@ -79,7 +80,9 @@ CameraBlock camera_block(const RigCamera& camera, int layer) {
                           block.lens = {f(l.k1), f(l.k2), f(l.p1), f(l.p2)};
                           k3 = f(l.k3);
                         },
-                        [&](const KannalaBrandt& l) { block.lens = {f(l.k1), f(l.k2), f(l.k3), f(l.k4)}; }},
+                        [&](const KannalaBrandt& l) {
+                          block.lens = {f(l.k1), f(l.k2), f(l.k3), f(l.k4)};
+                        }},
              m.lens);
   block.lens_more = {k3, f(m.skew), f(largest_radius2(m.lens)), f(static_cast<double>(m.lens.index()))};
   block.image = {f(m.width), f(m.height), f(layer), 0};

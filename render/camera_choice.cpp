@@ -21,12 +21,14 @@ double importance(const View& view, const Eigen::Vector3d& world) {
   return 1e-4 + 1 / (1 + r2 * r2);
 }
 
-double fade(double angle, double threshold) { return threshold > 0 ? std::max(0.0, 1 - angle / threshold) : 0.0; }
+double fade(double angle, double threshold) {
+  return threshold > 0 ? std::max(0.0, 1 - angle / threshold) : 0.0;
+}
 
 }  // namespace
 
-CameraChoice choose_cameras(const std::vector<RigCamera>& cameras, const std::vector<Eigen::Vector3f>& samples,
-                            const View& view, int count) {
+CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
+                            const std::vector<Eigen::Vector3f>& samples, const View& view, int count) {
   const Eigen::Vector3d eye = view.view_from_world.center();
   std::vector<double> angle(cameras.size(), 0.0);
   double total = 0;
@@ -55,13 +57,16 @@ CameraChoice choose_cameras(const std::vector<RigCamera>& cameras, const std::ve
 
   CameraChoice choice;
   choice.chosen = std::min<std::size_t>(static_cast<std::size_t>(count), order.size());
-  const std::size_t listed = std::min({order.size(), choice.chosen + kStandIns, static_cast<std::size_t>(kMostListed)});
+  const std::size_t listed =
+      std::min({order.size(), choice.chosen + kStandIns, static_cast<std::size_t>(kMostListed)});
   choice.listed.assign(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed));
   auto angle_of_rank = [&](std::size_t rank) { return angle[static_cast<std::size_t>(order[rank])]; };
   for (std::size_t i = 0; i < listed; ++i) {
     const double a = angle_of_rank(i);
     const bool all_chosen = choice.chosen == order.size(), all_listed = listed == order.size();
-    choice.fade.push_back(static_cast<float>(i >= choice.chosen ? 0 : all_chosen ? 1 : fade(a, angle_of_rank(choice.chosen))));
+    choice.fade.push_back(static_cast<float>(i >= choice.chosen ? 0
+                                             : all_chosen       ? 1
+                                                                : fade(a, angle_of_rank(choice.chosen))));
     choice.stand_in_fade.push_back(static_cast<float>(all_listed ? 1 : fade(a, angle_of_rank(listed))));
   }
   return choice;

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/rig.h"
 #include "core/view.h"
@@ -10,20 +11,21 @@ namespace floatstage {
 
 /// The photographs a view is made from, for the whole view: the per-pixel weights are refined from these.
 struct CameraChoice {
-  std::vector<int> listed;        ///< indices into the given cameras, nearest first; the first `chosen` are blended
-  std::size_t chosen = 0;         ///< the others stand in where none of the chosen sees the proxy
-  std::vector<float> fade;        ///< per listed camera: 1 at the view … 0 where the next camera would take its place
+  std::vector<int> listed;  ///< indices into the given cameras, nearest first; the first `chosen` are blended
+  std::size_t chosen = 0;   ///< the others stand in where none of the chosen sees the proxy
+  std::vector<float>
+      fade;  ///< per listed camera: 1 at the view … 0 where the next camera would take its place
   std::vector<float> stand_in_fade;  ///< the same for the list as a whole
 };
 
 /// At most this many cameras are listed (the shaders' weights are two RGBA textures).
 inline constexpr int kMostListed = 8;
 
-/// Ranks cameras by the mean angle, over sample points of the proxy, between the ray to the view and the ray to the
-/// camera (the angular penalty of Buehler et al. 2001). A camera's fade falls to zero as the next camera outside the
-/// set comes as near: along a path, cameras come and go with weight zero. Ties go by the camera's place in the world,
-/// never by its place in the rig.
-CameraChoice choose_cameras(const std::vector<RigCamera>& cameras, const std::vector<Eigen::Vector3f>& samples,
-                            const View& view, int count);
+/// Ranks cameras by the mean angle, over sample points of the proxy, between the ray to the view and the ray
+/// to the camera (the angular penalty of Buehler et al. 2001). A camera's fade falls to zero as the next
+/// camera outside the set comes as near: along a path, cameras come and go with weight zero. Ties go by the
+/// camera's place in the world, never by its place in the rig.
+CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
+                            const std::vector<Eigen::Vector3f>& samples, const View& view, int count);
 
 }  // namespace floatstage

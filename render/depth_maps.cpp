@@ -21,9 +21,11 @@ void DepthMaps::plan(const std::vector<RigCamera>& cameras, const Eigen::Aligned
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const RigCamera& camera = cameras[i];
     const Eigen::AlignedBox2d bounds = pinhole_bounds(camera, box, kGuardPixels);
-    // One texel a photograph pixel: finer shows nothing that the photograph has, coarser blurs occlusion borders.
+    // One texel a photograph pixel: finer shows nothing that the photograph has, coarser blurs occlusion
+    // borders.
     const Eigen::Vector2d extent = bounds.sizes();
-    const double scale = std::min({std::max(camera.model.fx, camera.model.fy), kLargestSide / extent.x(), kLargestSide / extent.y()});
+    const double scale = std::min(
+        {std::max(camera.model.fx, camera.model.fy), kLargestSide / extent.x(), kLargestSide / extent.y()});
     width_ = std::max(width_, static_cast<int>(std::ceil(extent.x() * scale)));
     height_ = std::max(height_, static_cast<int>(std::ceil(extent.y() * scale)));
     const Eigen::Vector2d offset = -bounds.min() * scale;

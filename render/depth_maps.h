@@ -7,13 +7,14 @@
 
 namespace floatstage {
 
-/// The proxy's depth from each photograph's camera, in ideal pinhole coordinates (so that one map serves any lens),
-/// rendered on first use and kept until the scene changes.
+/// The proxy's depth from each photograph's camera, in ideal pinhole coordinates (so that one map serves any
+/// lens), rendered on first use and kept until the scene changes.
 class DepthMaps {
  public:
   /// Places every camera's map over the part of its picture that `box` can cover. Forgets what was rendered.
   /// Fills `blocks[i].depth`.
-  void plan(const std::vector<RigCamera>& cameras, const Eigen::AlignedBox3f& box, std::vector<CameraBlock>& blocks);
+  void plan(const std::vector<RigCamera>& cameras, const Eigen::AlignedBox3f& box,
+            std::vector<CameraBlock>& blocks);
 
   /// Renders the maps of `wanted` (indices into plan()'s cameras) that are not there yet.
   void ensure(const std::vector<int>& wanted, GLuint program, GLuint mesh, GLsizei indices);

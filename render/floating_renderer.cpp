@@ -23,7 +23,8 @@ class FloatingRenderer : public ViewRenderer {
         float_(std::move(composite)),
         images_target_(gl::Framebuffer::create()) {}
 
-  Result<RenderedView> render(const SceneTextures& scene, const View& view, const RendererOptions& options) override {
+  Result<RenderedView> render(const SceneTextures& scene, const View& view,
+                              const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     projection_.run(scene, view, options, kMargin, false);
     const Window& w = projection_.window();
@@ -36,10 +37,11 @@ class FloatingRenderer : public ViewRenderer {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         glUseProgram(float_.id());
         glUniform2i(0, w.x, w.y);
-        projection_.draw_at(target_.framebuffer(), float_,
-                            {projection_.surface(), projection_.weights(0), projection_.weights(1), images_.id(),
-                             flows_.id(), projection_.angular(0), projection_.angular(1), projection_.soft(0), projection_.soft(1)},
-                            w.x, w.y, w.width, w.height);
+        projection_.draw_at(
+            target_.framebuffer(), float_,
+            {projection_.surface(), projection_.weights(0), projection_.weights(1), images_.id(), flows_.id(),
+             projection_.angular(0), projection_.angular(1), projection_.soft(0), projection_.soft(1)},
+            w.x, w.y, w.width, w.height);
       }
     }
     return rendered_view(scene, view, projection_, target_);
@@ -55,8 +57,9 @@ class FloatingRenderer : public ViewRenderer {
         glNamedFramebufferTextureLayer(images_target_.id(), GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i),
                                        i < count() ? images_.id() : 0, 0, i);
     set_draw_buffers(images_target_, count());
-    projection_.draw(images_target_.id(), project_,
-                     {projection_.surface(), projection_.weights(0), projection_.weights(1), projection_.visibility()});
+    projection_.draw(
+        images_target_.id(), project_,
+        {projection_.surface(), projection_.weights(0), projection_.weights(1), projection_.visibility()});
   }
 
   ProjectedImages read_images() const {
@@ -71,7 +74,8 @@ class FloatingRenderer : public ViewRenderer {
     for (std::size_t layer = 0; layer < layers; ++layer) {
       const std::uint8_t* from = rgba.data() + layer * size * 4;
       for (std::size_t i = 0; i < size; ++i, from += 4) {
-        out.gray[layer][i] = static_cast<std::uint8_t>((77 * from[0] + 150 * from[1] + 29 * from[2] + 128) >> 8);
+        out.gray[layer][i] =
+            static_cast<std::uint8_t>((77 * from[0] + 150 * from[1] + 29 * from[2] + 128) >> 8);
         out.state[layer][i] = from[3] > 192 ? ProjectedImages::kOwn
                               : from[3] > 0 ? ProjectedImages::kFilled
                                             : ProjectedImages::kNoProxy;
@@ -88,10 +92,11 @@ class FloatingRenderer : public ViewRenderer {
     std::vector<bool> pulls(choice.chosen);
     for (std::size_t i = 0; i < choice.chosen; ++i) pulls[i] = choice.fade[i] >= kLeastFade;
     if (std::find(pulls.begin(), pulls.end(), true) == pulls.end()) pulls.assign(choice.chosen, true);
-    if (Result<void> ok = pairwise_.estimate(read_images(), pulls, options.flow, options.threads); !ok) return ok;
+    if (Result<void> ok = pairwise_.estimate(read_images(), pulls, options.flow, options.threads); !ok)
+      return ok;
     for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
-      glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), w.width, w.height, 1, GL_RG, GL_FLOAT,
-                          pairwise_.fields()[pair].uv.data());
+      glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), w.width, w.height, 1, GL_RG,
+                          GL_FLOAT, pairwise_.fields()[pair].uv.data());
     return {};
   }
 
@@ -111,7 +116,8 @@ Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
   if (!projection) return forward(projection);
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
-  Result<gl::Program> project = gl::make_program("fullscreen.vert", "project.frag", {"view.glsl", "camera.glsl"});
+  Result<gl::Program> project =
+      gl::make_program("fullscreen.vert", "project.frag", {"view.glsl", "camera.glsl"});
   if (!project) return forward(project);
   Result<gl::Program> composite =
       gl::make_program("fullscreen.vert", "float.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});

@@ -19,7 +19,8 @@ Result<std::unique_ptr<FlowEstimator>> make_flow_estimator(const FlowOptions& op
     if (options.backend == backend.name) return backend.make(options);
   std::string known;
   for (const Backend& backend : kBackends) known += text(known.empty() ? "" : ", ", backend.name);
-  return fail(ErrorCode::InvalidArgument, text("unknown flow back-end '", options.backend, "'; there is: ", known));
+  return fail(ErrorCode::InvalidArgument,
+              text("unknown flow back-end '", options.backend, "'; there is: ", known));
 }
 
 std::vector<std::string> flow_backends() {

@@ -1,11 +1,11 @@
 #include "render/flow_dis.h"
 
+#include <algorithm>
+#include <cstring>
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
-
-#include <algorithm>
-#include <cstring>
 
 #include "core/text.h"
 
@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kSmallestSide = 64;  // px: DIS builds a pyramid over 8 px patches; smaller pictures are padded
 constexpr int kMostScales = 6;
-// Projected photographs differ by small smooth displacements: refined longer and smoothed less than OpenCV's presets
-// do (5 iterations, 20, 10), the fields follow them better (measured on the temple ring).
+// Projected photographs differ by small smooth displacements: refined longer and smoothed less than OpenCV's
+// presets do (5 iterations, 20, 10), the fields follow them better (measured on the temple ring).
 constexpr int kRefinementIterations = 20;
 constexpr float kSmoothness = 10, kGradientConstancy = 5;
 
@@ -27,8 +27,8 @@ class DisFlow : public FlowEstimator {
     if (a.gray == nullptr || b.gray == nullptr || a.width <= 0 || a.height <= 0)
       return fail(ErrorCode::InvalidArgument, "optical flow of an empty picture");
     if (a.width != b.width || a.height != b.height)
-      return fail(ErrorCode::InvalidArgument, text("optical flow between pictures of different sizes, ", a.width, "x",
-                                                   a.height, " and ", b.width, "x", b.height));
+      return fail(ErrorCode::InvalidArgument, text("optical flow between pictures of different sizes, ",
+                                                   a.width, "x", a.height, " and ", b.width, "x", b.height));
     FlowField field{a.width, a.height, {}};
     field.uv.resize(static_cast<std::size_t>(a.width) * a.height * 2);
     if (std::equal(a.gray, a.gray + static_cast<std::size_t>(a.width) * a.height, b.gray)) return field;
@@ -67,10 +67,11 @@ Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options)
     return fail(ErrorCode::InvalidArgument,
                 text("unknown DIS preset '", options.preset, "'; there are: ultrafast, fast, medium"));
   if (options.finest_scale < 0 || options.finest_scale > kMostScales || options.iterations < 0)
-    return fail(ErrorCode::InvalidArgument, text("DIS finest scale ", options.finest_scale, " or iterations ",
-                                                 options.iterations, " out of range (0…", kMostScales, ", 0…)"));
-  // DIS cuts its search into one stripe a thread and propagates only inside a stripe: with OpenCV's own threads the
-  // result would depend on the machine. We run whole fields in parallel instead.
+    return fail(ErrorCode::InvalidArgument,
+                text("DIS finest scale ", options.finest_scale, " or iterations ", options.iterations,
+                     " out of range (0…", kMostScales, ", 0…)"));
+  // DIS cuts its search into one stripe a thread and propagates only inside a stripe: with OpenCV's own
+  // threads the result would depend on the machine. We run whole fields in parallel instead.
   cv::setNumThreads(1);
   cv::Ptr<cv::DISOpticalFlow> dis = cv::DISOpticalFlow::create(preset);
   dis->setFinestScale(options.finest_scale);

@@ -7,8 +7,9 @@ namespace floatstage {
 namespace {
 
 constexpr float kLargestRoundTrip = 0.7F;  // px by which the way there and back may miss
-constexpr float kLargestResidual = 10;     // 8-bit steps, mean over a neighbourhood: beyond it nothing was matched
-constexpr int kNeighborhood = 2;           // px to each side
+constexpr float kLargestResidual =
+    10;                           // 8-bit steps, mean over a neighbourhood: beyond it nothing was matched
+constexpr int kNeighborhood = 2;  // px to each side
 
 /// A plane of one number a pixel.
 struct Plane {
@@ -19,7 +20,8 @@ struct Plane {
   }
 };
 
-/// Mean over a square neighbourhood, cut at the border (where fewer pixels count as the full number: a little trusting).
+/// Mean over a square neighbourhood, cut at the border (where fewer pixels count as the full number: a little
+/// trusting).
 void box_mean(Plane& plane, int radius) {
   const float share = 1.F / static_cast<float>((2 * radius + 1) * (2 * radius + 1));
   std::vector<float> rows(plane.values.size());
@@ -48,7 +50,8 @@ float bilinear(const std::vector<std::uint8_t>& gray, const Plane& size, float x
   const int x1 = std::min(x0 + 1, size.width - 1), y1 = std::min(y0 + 1, size.height - 1);
   const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
   auto value = [&](int u, int v) { return static_cast<float>(gray[size.at(u, v)]); };
-  return (value(x0, y0) * (1 - fx) + value(x1, y0) * fx) * (1 - fy) + (value(x0, y1) * (1 - fx) + value(x1, y1) * fx) * fy;
+  return (value(x0, y0) * (1 - fx) + value(x1, y0) * fx) * (1 - fy) +
+         (value(x0, y1) * (1 - fx) + value(x1, y1) * fx) * fy;
 }
 
 /// How far image `to`, fetched along `flow` (null: none), is from image `from`, smoothed.
@@ -58,7 +61,8 @@ Plane residual(const ProjectedImages& images, std::size_t from, std::size_t to, 
     for (int x = 0; x < out.width; ++x) {
       const std::size_t i = out.at(x, y);
       const float u = flow != nullptr ? flow->uv[2 * i] : 0, v = flow != nullptr ? flow->uv[2 * i + 1] : 0;
-      const float there = bilinear(images.gray[to], out, static_cast<float>(x) + u, static_cast<float>(y) + v);
+      const float there =
+          bilinear(images.gray[to], out, static_cast<float>(x) + u, static_cast<float>(y) + v);
       out.values[i] = std::abs(static_cast<float>(images.gray[from][i]) - there);
     }
   }
@@ -68,8 +72,8 @@ Plane residual(const ProjectedImages& images, std::size_t from, std::size_t to, 
 
 }  // namespace
 
-std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::size_t to, const FlowField& there,
-                          const FlowField* back) {
+std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::size_t to,
+                          const FlowField& there, const FlowField* back) {
   const std::vector<std::uint8_t>&start = images.state[from], &end = images.state[to];
   const Plane before = residual(images, from, to, nullptr), after = residual(images, from, to, &there);
   std::vector<bool> good(start.size());
@@ -83,7 +87,8 @@ std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::
       if (tx < 0 || ty < 0 || tx >= images.width || ty >= images.height) continue;
       const std::size_t t = after.at(static_cast<int>(tx), static_cast<int>(ty));
       if (end[t] != ProjectedImages::kOwn) continue;
-      good[i] = back == nullptr || std::hypot(u + back->uv[2 * t], v + back->uv[2 * t + 1]) <= kLargestRoundTrip;
+      good[i] =
+          back == nullptr || std::hypot(u + back->uv[2 * t], v + back->uv[2 * t + 1]) <= kLargestRoundTrip;
     }
   }
   return good;

@@ -16,10 +16,10 @@ struct ProjectedImages {
   std::vector<std::vector<std::uint8_t>> state;  ///< per image and pixel: where the colour comes from
 };
 
-/// Per pixel of image `from`: is the flow `there` to image `to` to be believed? Both images must have their own
-/// colour at both ends, `back` (may be null) must lead home, and the flow must make the images agree: well, and
-/// better than no flow at all.
-std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::size_t to, const FlowField& there,
-                          const FlowField* back);
+/// Per pixel of image `from`: is the flow `there` to image `to` to be believed? Both images must have their
+/// own colour at both ends, `back` (may be null) must lead home, and the flow must make the images agree:
+/// well, and better than no flow at all.
+std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::size_t to,
+                          const FlowField& there, const FlowField* back);
 
 }  // namespace floatstage

@@ -1,12 +1,12 @@
 #include "render/gl_context.h"
 
-#include <epoxy/egl.h>
-#include <epoxy/gl.h>
-
 #include <cstdlib>
 #include <cstring>
 #include <string>
 #include <vector>
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
 
 #include "core/text.h"
 
@@ -30,9 +30,9 @@ std::string gl_string(GLenum name) {
 
 Result<void> set_conventions() {
   if (epoxy_gl_version() < kMajor * 10 + kMinor || !epoxy_is_desktop_gl())
-    return fail(ErrorCode::Unsupported,
-                text("this machine offers OpenGL ", gl_string(GL_VERSION), "; 4.5 core is needed: install a newer "
-                     "driver, or libgl1-mesa-dri for software rendering"));
+    return fail(ErrorCode::Unsupported, text("this machine offers OpenGL ", gl_string(GL_VERSION),
+                                             "; 4.5 core is needed: install a newer "
+                                             "driver, or libgl1-mesa-dri for software rendering"));
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -77,13 +77,20 @@ std::unique_ptr<GlContext> context_on(EGLDisplay display, const std::string& nam
   const EGLint config_attributes[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
   EGLConfig config = EGL_NO_CONFIG_KHR;
   EGLint configs = 0;
-  if (!eglChooseConfig(display, config_attributes, &config, 1, &configs) || configs == 0) config = EGL_NO_CONFIG_KHR;
-  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, kMajor, EGL_CONTEXT_MINOR_VERSION, kMinor,
-                               EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+  if (!eglChooseConfig(display, config_attributes, &config, 1, &configs) || configs == 0)
+    config = EGL_NO_CONFIG_KHR;
+  const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                               kMajor,
+                               EGL_CONTEXT_MINOR_VERSION,
+                               kMinor,
+                               EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                               EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                               EGL_NONE};
   const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
   if (context == EGL_NO_CONTEXT) return give_up("no OpenGL 4.5 core context");
   auto owner = std::make_unique<EglContext>(display, context);
-  if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) return give_up("cannot be made current");
+  if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
+    return give_up("cannot be made current");
   if (!set_conventions()) return give_up("OpenGL is older than 4.5");
   return owner;
 }
@@ -91,7 +98,9 @@ std::unique_ptr<GlContext> context_on(EGLDisplay display, const std::string& nam
 /// The devices EGL lists, hardware or software ones.
 std::vector<EGLDeviceEXT> devices(bool software) {
   const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-  if (!has_extension(client, "EGL_EXT_platform_device") || !has_extension(client, "EGL_EXT_device_enumeration")) return {};
+  if (!has_extension(client, "EGL_EXT_platform_device") ||
+      !has_extension(client, "EGL_EXT_device_enumeration"))
+    return {};
   EGLint count = 0;
   if (!eglQueryDevicesEXT(0, nullptr, &count) || count <= 0) return {};
   std::vector<EGLDeviceEXT> all(static_cast<std::size_t>(count));
@@ -99,7 +108,8 @@ std::vector<EGLDeviceEXT> devices(bool software) {
   all.resize(static_cast<std::size_t>(count));
   std::vector<EGLDeviceEXT> chosen;
   for (EGLDeviceEXT device : all)
-    if (has_extension(eglQueryDeviceStringEXT(device, EGL_EXTENSIONS), "EGL_MESA_device_software") == software)
+    if (has_extension(eglQueryDeviceStringEXT(device, EGL_EXTENSIONS), "EGL_MESA_device_software") ==
+        software)
       chosen.push_back(device);
   return chosen;
 }
@@ -115,8 +125,10 @@ std::unique_ptr<GlContext> on_devices(bool software, std::string& tried) {
 }
 
 std::unique_ptr<GlContext> on_surfaceless_mesa(std::string& tried) {
-  if (!has_extension(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS), "EGL_MESA_platform_surfaceless")) return nullptr;
-  const EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+  if (!has_extension(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS), "EGL_MESA_platform_surfaceless"))
+    return nullptr;
+  const EGLDisplay display =
+      eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
   return context_on(display, "surfaceless Mesa", tried);
 }
 
@@ -126,15 +138,17 @@ Result<std::unique_ptr<GlContext>> GlContext::headless() {
   const char* wanted = std::getenv("FLOATSTAGE_GL");
   const std::string kind = wanted == nullptr ? "" : wanted;
   if (!kind.empty() && kind != "software" && kind != "device")
-    return fail(ErrorCode::InvalidArgument, text("FLOATSTAGE_GL is '", kind, "'; it may be 'software' or 'device'"));
+    return fail(ErrorCode::InvalidArgument,
+                text("FLOATSTAGE_GL is '", kind, "'; it may be 'software' or 'device'"));
   std::string tried;
   std::unique_ptr<GlContext> context;
   if (kind != "software") context = on_devices(false, tried);
   if (!context && kind != "device") context = on_devices(true, tried);
   if (!context && kind != "device") context = on_surfaceless_mesa(tried);
   if (!context)
-    return fail(ErrorCode::Unsupported, text("no OpenGL 4.5 without a window (", tried.empty() ? "EGL lists no device" : tried,
-                                             "): install libegl-mesa0 and libgl1-mesa-dri, or the GPU's driver"));
+    return fail(ErrorCode::Unsupported,
+                text("no OpenGL 4.5 without a window (", tried.empty() ? "EGL lists no device" : tried,
+                     "): install libegl-mesa0 and libgl1-mesa-dri, or the GPU's driver"));
   return context;
 }
 

@@ -8,7 +8,8 @@
 namespace floatstage {
 
 /// An OpenGL 4.5 core context that is current on the thread that made it, with our conventions set
-/// (glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE)). Everything of render/ is used on that thread, while it lives.
+/// (glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE)). Everything of render/ is used on that thread, while it
+/// lives.
 class GlContext {
  public:
   /// Without a window: EGL on a GPU's device platform where there is one, else surfaceless Mesa (llvmpipe).

@@ -9,7 +9,8 @@
 namespace floatstage::gl {
 namespace {
 
-constexpr int kGranularity = 64;  // px: storage sizes are rounded up, so that a moving crop seldom reallocates
+constexpr int kGranularity =
+    64;  // px: storage sizes are rounded up, so that a moving crop seldom reallocates
 
 Result<GLuint> compile(GLenum stage, std::string_view name, std::initializer_list<std::string_view> shared) {
   std::string source = "#version 450 core\n";
@@ -85,7 +86,8 @@ void Texture::allocate(GLenum format, GLenum filter, int width, int height, int 
 }
 
 bool Texture::reserve(GLenum format, GLenum filter, int width, int height, int layers) {
-  if (id_ != 0 && format == format_ && filter == filter_ && layers == layers_ && width <= width_ && height <= height_)
+  if (id_ != 0 && format == format_ && filter == filter_ && layers == layers_ && width <= width_ &&
+      height <= height_)
     return false;
   auto round_up = [](int n) { return (n + kGranularity - 1) / kGranularity * kGranularity; };
   const bool same_kind = format == format_ && layers == layers_;
@@ -95,7 +97,8 @@ bool Texture::reserve(GLenum format, GLenum filter, int width, int height, int l
 }
 
 bool Texture::resize(GLenum format, GLenum filter, int width, int height, int layers) {
-  if (id_ != 0 && format == format_ && filter == filter_ && layers == layers_ && width == width_ && height == height_)
+  if (id_ != 0 && format == format_ && filter == filter_ && layers == layers_ && width == width_ &&
+      height == height_)
     return false;
   allocate(format, filter, width, height, layers);
   return true;

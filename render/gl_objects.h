@@ -1,11 +1,11 @@
 #pragma once
 
-#include <epoxy/gl.h>
-
 #include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include <epoxy/gl.h>
 
 #include "core/result.h"
 
@@ -59,7 +59,8 @@ using VertexArray = Object<VertexArrayKind>;
 using Framebuffer = Object<FramebufferKind>;
 using Program = Object<ProgramKind>;
 
-/// A GL_TEXTURE_2D (layers == 0) or GL_TEXTURE_2D_ARRAY with immutable storage, one level, clamped to its edge.
+/// A GL_TEXTURE_2D (layers == 0) or GL_TEXTURE_2D_ARRAY with immutable storage, one level, clamped to its
+/// edge.
 class Texture {
  public:
   Texture() = default;
@@ -70,8 +71,9 @@ class Texture {
   }
   ~Texture();
 
-  /// Makes storage of at least this size; keeps what it has when format, filter and layers agree and it is large
-  /// enough (so sizes that vary a little from view to view do not reallocate). True when storage is new.
+  /// Makes storage of at least this size; keeps what it has when format, filter and layers agree and it is
+  /// large enough (so sizes that vary a little from view to view do not reallocate). True when storage is
+  /// new.
   bool reserve(GLenum format, GLenum filter, int width, int height, int layers = 0);
   /// Makes storage of exactly this size, kept when nothing changes. True when storage is new.
   bool resize(GLenum format, GLenum filter, int width, int height, int layers = 0);
@@ -89,8 +91,8 @@ class Texture {
   int width_ = 0, height_ = 0, layers_ = 0;
 };
 
-/// Compiles and links embedded shaders (names as in render/shaders). `preamble` comes after the #version line, then
-/// the shared files named in `shared`. Unsupported with the compiler's own message.
+/// Compiles and links embedded shaders (names as in render/shaders). `preamble` comes after the #version
+/// line, then the shared files named in `shared`. Unsupported with the compiler's own message.
 Result<Program> make_program(std::string_view vertex, std::string_view fragment,
                              std::initializer_list<std::string_view> shared = {});
 

@@ -10,7 +10,9 @@ namespace {
 struct Level {
   int width = 0, height = 0;
   std::vector<float> value, weight;  // weight 1: known, 0: unknown
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x); }
+  std::size_t at(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  }
 };
 
 Level half(const Level& fine) {
@@ -50,7 +52,8 @@ void push(const Level& coarse, Level& fine) {
     for (int x = 0; x < fine.width; ++x) {
       const std::size_t i = fine.at(x, y);
       if (fine.weight[i] >= 1) continue;
-      const float around = bilinear(coarse, 0.5F * static_cast<float>(x) - 0.25F, 0.5F * static_cast<float>(y) - 0.25F);
+      const float around =
+          bilinear(coarse, 0.5F * static_cast<float>(x) - 0.25F, 0.5F * static_cast<float>(y) - 0.25F);
       fine.value[i] = fine.weight[i] * fine.value[i] + (1 - fine.weight[i]) * around;
     }
   }

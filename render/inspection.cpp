@@ -21,15 +21,16 @@ bool Inspection::shows(RenderOutput output) const {
 void Inspection::draw(const Projection& projection, const SceneTextures& scene, const View& view,
                       const ViewTarget& target) const {
   const Eigen::AlignedBox3f& box = scene.impl().box;
-  const float middle = static_cast<float>((view.view_from_world * Eigen::Vector3d(box.center().cast<double>())).z());
+  const float middle =
+      static_cast<float>((view.view_from_world * Eigen::Vector3d(box.center().cast<double>())).z());
   const float radius = 0.5F * box.diagonal().norm() + 1e-6F;
   const Window& w = projection.window();
   glUseProgram(program_.id());
   glUniform2i(0, w.x, w.y);
   glUniform2f(1, middle - radius, middle + radius);
   projection.draw_at(target.framebuffer(), program_,
-                     {projection.surface(), projection.weights(0), projection.weights(1), projection.visibility(),
-                      projection.soft(0), projection.soft(1)},
+                     {projection.surface(), projection.weights(0), projection.weights(1),
+                      projection.visibility(), projection.soft(0), projection.soft(1)},
                      w.x, w.y, w.width, w.height);
 }
 
@@ -37,7 +38,8 @@ Result<void> check_render(const SceneTextures& scene, const View& view, const Re
   if (Result<void> ok = check(options); !ok) return ok;
   if (Result<void> ok = check(view); !ok) return ok;
   if (scene.impl().cameras.empty())
-    return fail(ErrorCode::InvalidArgument, "the scene has no usable camera: upload pictures before rendering");
+    return fail(ErrorCode::InvalidArgument,
+                "the scene has no usable camera: upload pictures before rendering");
   return {};
 }
 

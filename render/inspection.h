@@ -9,7 +9,8 @@ class Inspection {
  public:
   static Result<Inspection> create();
   bool shows(RenderOutput output) const;
-  void draw(const Projection& projection, const SceneTextures& scene, const View& view, const ViewTarget& target) const;
+  void draw(const Projection& projection, const SceneTextures& scene, const View& view,
+            const ViewTarget& target) const;
 
  private:
   gl::Program program_;

@@ -9,7 +9,8 @@
 namespace floatstage {
 namespace {
 
-constexpr float kNoise = 0.15F, kCertain = 0.45F;  // px: displacements the flow invents, and those to be followed
+constexpr float kNoise = 0.15F,
+                kCertain = 0.45F;  // px: displacements the flow invents, and those to be followed
 
 struct Pair {
   std::size_t from, to;
@@ -24,7 +25,8 @@ std::size_t index_of(Pair pair, std::size_t images) {
   return pair.from * (images - 1) + (pair.to < pair.from ? pair.to : pair.to - 1);
 }
 
-void continue_beyond_proxy(int width, int height, const std::vector<std::uint8_t>& state, std::vector<std::uint8_t>& gray) {
+void continue_beyond_proxy(int width, int height, const std::vector<std::uint8_t>& state,
+                           std::vector<std::uint8_t>& gray) {
   std::vector<bool> known(state.size());
   std::vector<float> values(gray.begin(), gray.end());
   for (std::size_t i = 0; i < state.size(); ++i) known[i] = state[i] != ProjectedImages::kNoProxy;
@@ -33,8 +35,8 @@ void continue_beyond_proxy(int width, int height, const std::vector<std::uint8_t
     if (!known[i]) gray[i] = static_cast<std::uint8_t>(std::clamp(std::lround(values[i]), 0L, 255L));
 }
 
-/// Where the projections already meet, the flow still jitters by a fraction of a pixel (resampling noise): following
-/// it would only blur. Such displacements become zero, larger ones stay as they are.
+/// Where the projections already meet, the flow still jitters by a fraction of a pixel (resampling noise):
+/// following it would only blur. Such displacements become zero, larger ones stay as they are.
 void drop_jitter(FlowField& field) {
   for (std::size_t i = 0; i < field.uv.size(); i += 2) {
     const float length = std::hypot(field.uv[i], field.uv[i + 1]);
@@ -46,8 +48,8 @@ void drop_jitter(FlowField& field) {
 
 }  // namespace
 
-Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<bool>& wanted, const FlowOptions& options,
-                                     int threads) {
+Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<bool>& wanted,
+                                     const FlowOptions& options, int threads) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
   if (options_ != options) estimators_.clear();
   options_ = options;
@@ -82,7 +84,8 @@ Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<b
     }
     field = *raw[index];
     const FlowField* back = wanted[pair.from] ? &*raw[index_of({pair.to, pair.from}, count)] : nullptr;
-    fill_unknown(images.width, images.height, 2, trusted(images, pair.from, pair.to, *raw[index], back), field.uv.data());
+    fill_unknown(images.width, images.height, 2, trusted(images, pair.from, pair.to, *raw[index], back),
+                 field.uv.data());
     drop_jitter(field);
   });
   return {};

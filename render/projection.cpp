@@ -10,9 +10,9 @@
 namespace floatstage {
 namespace {
 
-constexpr int kWindowGrid = 16;          // px
+constexpr int kWindowGrid = 16;             // px
 constexpr double kToleranceShare = 0.0125;  // of the proxy's diagonal: the automatic depth tolerance
-constexpr float kNothing = 1e30F;        // shaders/view.glsl has the same
+constexpr float kNothing = 1e30F;           // shaders/view.glsl has the same
 
 Eigen::Matrix4d clip_from_view(const View& view) {
   const CameraModel& m = view.model;
@@ -27,7 +27,8 @@ Eigen::Matrix4d clip_from_view(const View& view) {
 
 /// From clip coordinates of the whole view to those of a window of it.
 Eigen::Matrix4d window_clip(const View& view, const Window& w) {
-  const double sx = static_cast<double>(view.model.width) / w.width, sy = static_cast<double>(view.model.height) / w.height;
+  const double sx = static_cast<double>(view.model.width) / w.width,
+               sy = static_cast<double>(view.model.height) / w.height;
   Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
   clip(0, 0) = sx;
   clip(0, 3) = sx - 1 - 2.0 * w.x / w.width;
@@ -48,11 +49,13 @@ float f(double v) { return static_cast<float>(v); }
 
 Result<void> check(const View& view) {
   if (!std::holds_alternative<std::monostate>(view.model.lens))
-    return fail(ErrorCode::InvalidArgument, "the view has a lens; a virtual camera is a pinhole: pass pinhole(model)");
-  if (Result<void> ok = check(view.model); !ok) return fail(ErrorCode::InvalidArgument, text("the view: ", ok.error().message));
+    return fail(ErrorCode::InvalidArgument,
+                "the view has a lens; a virtual camera is a pinhole: pass pinhole(model)");
+  if (Result<void> ok = check(view.model); !ok)
+    return fail(ErrorCode::InvalidArgument, text("the view: ", ok.error().message));
   if (!(view.near_plane > 0) || !(view.far_plane > view.near_plane) || !std::isfinite(view.far_plane))
-    return fail(ErrorCode::InvalidArgument, text("the view's planes ", view.near_plane, " and ", view.far_plane,
-                                                 " m are not 0 < near < far"));
+    return fail(ErrorCode::InvalidArgument, text("the view's planes ", view.near_plane, " and ",
+                                                 view.far_plane, " m are not 0 < near < far"));
   if (!view.view_from_world.translation.allFinite() || !view.view_from_world.rotation.coeffs().allFinite() ||
       std::abs(view.view_from_world.rotation.norm() - 1) > 1e-6)
     return fail(ErrorCode::InvalidArgument, "the view's transform is not a finite rotation and translation");
@@ -62,7 +65,10 @@ Result<void> check(const View& view) {
 Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions, int margin) {
   const CameraModel& m = view.model;
   const Eigen::Matrix<float, 3, 4> transform =
-      (Eigen::Matrix4d() << m.k(), Eigen::Vector3d::Zero(), 0, 0, 0, 1).finished().topRows<3>().cast<float>() *
+      (Eigen::Matrix4d() << m.k(), Eigen::Vector3d::Zero(), 0, 0, 0, 1)
+          .finished()
+          .topRows<3>()
+          .cast<float>() *
       view.view_from_world.matrix().cast<float>();
   const float near_plane = f(view.near_plane), infinity = std::numeric_limits<float>::infinity();
   float low_x = infinity, low_y = infinity, high_x = -infinity, high_y = -infinity;
@@ -89,7 +95,8 @@ Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions
   auto up = [](float v) { return static_cast<int>(std::ceil(v / kWindowGrid)) * kWindowGrid; };
   const float grow = static_cast<float>(margin);
   const float x0 = std::clamp(low_x, 0.F, f(m.width)) - grow, x1 = std::clamp(high_x, 0.F, f(m.width)) + grow;
-  const float y0 = std::clamp(low_y, 0.F, f(m.height)) - grow, y1 = std::clamp(high_y, 0.F, f(m.height)) + grow;
+  const float y0 = std::clamp(low_y, 0.F, f(m.height)) - grow,
+              y1 = std::clamp(high_y, 0.F, f(m.height)) + grow;
   if (high_x < -grow || low_x > f(m.width) + grow || high_y < -grow || low_y > f(m.height) + grow) return {};
   const int left = down(x0), top = down(y0);
   return {left, top, up(x1) - left, up(y1) - top};
@@ -117,7 +124,8 @@ Result<Projection> Projection::create() {
     *w.program = std::move(*program);
   }
   p.no_vertices_ = gl::VertexArray::create();
-  for (gl::Framebuffer* target : {&p.surface_target_, &p.visibility_target_, &p.rows_target_, &p.weights_target_})
+  for (gl::Framebuffer* target :
+       {&p.surface_target_, &p.visibility_target_, &p.rows_target_, &p.weights_target_})
     *target = gl::Framebuffer::create();
   return p;
 }
@@ -158,12 +166,13 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
   block.view_center = {f(eye.x()), f(eye.y()), f(eye.z()), 1};
   block.view_k = {f(m.fx), f(m.fy), f(m.cx), f(m.cy)};
   block.window = {f(window_.x), f(window_.y), f(window_.width), f(window_.height)};
-  const double tolerance =
-      options.depth_tolerance > 0 ? options.depth_tolerance : kToleranceShare * static_cast<double>(s.box.diagonal().norm());
+  const double tolerance = options.depth_tolerance > 0
+                               ? options.depth_tolerance
+                               : kToleranceShare * static_cast<double>(s.box.diagonal().norm());
   block.settings = {f(m.skew), f(options.soft_radius), f(tolerance), 0};
   block.background = {options.background[0], options.background[1], options.background[2], 0};
-  block.counts = {static_cast<int>(choice_.listed.size()), static_cast<int>(choice_.chosen), one_camera ? 1 : 0,
-                  static_cast<int>(options.output)};
+  block.counts = {static_cast<int>(choice_.listed.size()), static_cast<int>(choice_.chosen),
+                  one_camera ? 1 : 0, static_cast<int>(options.output)};
   for (std::size_t i = 0; i < choice_.listed.size(); ++i) {
     block.camera_list[i / 4][i % 4] = choice_.listed[i];
     block.camera_fade[i] = {choice_.fade[i], choice_.stand_in_fade[i], 0, 0};
@@ -201,15 +210,17 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
 
   draw(visibility_target_.id(), visibility_pass_, {surface_.id(), s.depth_maps.texture()});
   draw(rows_target_.id(), soft_rows_, {visibility_.id()});
-  draw(weights_target_.id(), weights_pass_, {visibility_.id(), row_distances_.id(), angular_[0].id(), angular_[1].id()});
+  draw(weights_target_.id(), weights_pass_,
+       {visibility_.id(), row_distances_.id(), angular_[0].id(), angular_[1].id()});
 }
 
-void Projection::draw(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures) const {
+void Projection::draw(GLuint framebuffer, const gl::Program& program,
+                      std::initializer_list<GLuint> textures) const {
   draw_at(framebuffer, program, textures, 0, 0, window_.width, window_.height);
 }
 
-void Projection::draw_at(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures, int x,
-                         int y, int width, int height) const {
+void Projection::draw_at(GLuint framebuffer, const gl::Program& program,
+                         std::initializer_list<GLuint> textures, int x, int y, int width, int height) const {
   GLuint unit = 1;
   for (GLuint texture : textures) glBindTextureUnit(unit++, texture);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);

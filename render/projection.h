@@ -28,8 +28,8 @@ static_assert(sizeof(ViewBlock) == 128 + 5 * 16 + 3 * 16 + kMostListed * 16);
 /// InvalidArgument with a sentence for a view that cannot be drawn.
 Result<void> check(const View& view);
 
-/// The part of a view that a mesh covers, grown by `margin` px, cut at the view's border plus `margin`, with corners on
-/// multiples of 16 px (so that coarse levels of the flow see the same grid from view to view).
+/// The part of a view that a mesh covers, grown by `margin` px, cut at the view's border plus `margin`, with
+/// corners on multiples of 16 px (so that coarse levels of the flow see the same grid from view to view).
 Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions, int margin);
 
 /// The first half of every renderer: the proxy from the view, who sees what (depth maps, frame, matte), soft
@@ -38,9 +38,10 @@ class Projection {
  public:
   static Result<Projection> create();
 
-  /// Runs the passes. `one_camera` gives all weight to the best visible camera of each pixel. After it the uniforms,
-  /// the camera buffer and the photographs stay bound for passes that go on from here.
-  void run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin, bool one_camera);
+  /// Runs the passes. `one_camera` gives all weight to the best visible camera of each pixel. After it the
+  /// uniforms, the camera buffer and the photographs stay bound for passes that go on from here.
+  void run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
+           bool one_camera);
 
   const Window& window() const { return window_; }
   const CameraChoice& choice() const { return choice_; }
@@ -52,13 +53,14 @@ class Projection {
 
   /// Draws one triangle over the window-sized viewport of `framebuffer` with these textures at units 1, 2, …
   void draw(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures) const;
-  void draw_at(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures, int x, int y,
-               int width, int height) const;
+  void draw_at(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures, int x,
+               int y, int width, int height) const;
 
  private:
   Projection() = default;
   void reserve();
-  void write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options, bool one_camera);
+  void write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options,
+                      bool one_camera);
 
   gl::Program depth_map_, proxy_, visibility_pass_, soft_rows_, weights_pass_;
   gl::Buffer uniforms_;

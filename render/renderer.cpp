@@ -1,8 +1,8 @@
 #include "render/renderer.h"
 
-#include <epoxy/gl.h>
-
 #include <cmath>
+
+#include <epoxy/gl.h>
 
 #include "core/text.h"
 #include "render/blend_renderer.h"
@@ -22,8 +22,10 @@ struct Entry {
 };
 constexpr Entry kRenderers[] = {
     {"nearest", "the best camera per pixel, no blending", [] { return make_blend_renderer(true); }},
-    {"linear", "Unstructured Lumigraph: photographs blended by viewing angle", [] { return make_blend_renderer(false); }},
-    {"floating", "Floating Textures: photographs aligned by optical flow, then blended", make_floating_renderer},
+    {"linear", "Unstructured Lumigraph: photographs blended by viewing angle",
+     [] { return make_blend_renderer(false); }},
+    {"floating", "Floating Textures: photographs aligned by optical flow, then blended",
+     make_floating_renderer},
 };
 
 }  // namespace
@@ -36,7 +38,8 @@ const std::vector<std::string>& render_output_names() {
 
 Result<void> check(const RendererOptions& o) {
   auto bad = [](const auto&... parts) { return fail(ErrorCode::InvalidArgument, text(parts...)); };
-  if (o.cameras < 1 || o.cameras > kMostListed) return bad(o.cameras, " photographs a view; 1 to ", kMostListed, " are possible");
+  if (o.cameras < 1 || o.cameras > kMostListed)
+    return bad(o.cameras, " photographs a view; 1 to ", kMostListed, " are possible");
   if (!(o.soft_radius >= 0) || o.soft_radius > kLargestRadius)
     return bad("the soft visibility radius ", o.soft_radius, " px is not between 0 and ", kLargestRadius);
   if (!(o.depth_tolerance >= 0) || !std::isfinite(o.depth_tolerance))
@@ -64,7 +67,8 @@ std::vector<RendererInfo> renderers() {
 
 Image download(const RenderedView& view) {
   Image image(view.width, view.height, 4);
-  glGetTextureImage(view.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.pixels.size()), image.pixels.data());
+  glGetTextureImage(view.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.pixels.size()),
+                    image.pixels.data());
   return image;
 }
 

@@ -27,11 +27,12 @@ enum class RenderOutput {
 const std::vector<std::string>& render_output_names();  ///< "color", "weights", … in the enum's order
 
 struct RendererOptions {
-  int cameras = 3;               ///< k: photographs blended per view
-  double soft_radius = 8;        ///< px: r of Eq. 11.5
-  double depth_tolerance = 0;    ///< metres the proxy may lie behind a camera's depth map and still be seen; 0: 1.25 % of its diagonal
-  FlowOptions flow;              ///< floating only
-  int threads = 0;               ///< CPU threads of the flow; 0: one per core. The picture does not depend on it
+  int cameras = 3;             ///< k: photographs blended per view
+  double soft_radius = 8;      ///< px: r of Eq. 11.5
+  double depth_tolerance = 0;  ///< metres the proxy may lie behind a camera's depth map and still be seen;
+                               ///< 0: 1.25 % of its diagonal
+  FlowOptions flow;            ///< floating only
+  int threads = 0;  ///< CPU threads of the flow; 0: one per core. The picture does not depend on it
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;
 };
@@ -49,11 +50,12 @@ class ViewRenderer {
  public:
   virtual ~ViewRenderer() = default;
   /// InvalidArgument for a view with a lens, an empty size or no usable camera (the sentence says which).
-  virtual Result<RenderedView> render(const SceneTextures& scene, const View& view, const RendererOptions& options) = 0;
+  virtual Result<RenderedView> render(const SceneTextures& scene, const View& view,
+                                      const RendererOptions& options) = 0;
 };
 
-/// "nearest": the best camera per pixel. "linear": Unstructured Lumigraph (Buehler et al. 2001) angular weights.
-/// "floating": Floating Textures (thesis ch. 11).
+/// "nearest": the best camera per pixel. "linear": Unstructured Lumigraph (Buehler et al. 2001) angular
+/// weights. "floating": Floating Textures (thesis ch. 11).
 Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name);
 struct RendererInfo {
   std::string name, help;

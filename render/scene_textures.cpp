@@ -14,13 +14,16 @@ constexpr std::size_t kRankingSamples = 96;
 
 Result<void> check_mesh(const Mesh& mesh) {
   if (mesh.triangles.size() % 3 != 0)
-    return fail(ErrorCode::BadData, text("the mesh has ", mesh.triangles.size(), " indices, not three a triangle"));
+    return fail(ErrorCode::BadData,
+                text("the mesh has ", mesh.triangles.size(), " indices, not three a triangle"));
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     if (!mesh.positions[i].allFinite())
-      return fail(ErrorCode::BadData, text("vertex ", i, " of the mesh is not a finite point; rebuild the mesh"));
+      return fail(ErrorCode::BadData,
+                  text("vertex ", i, " of the mesh is not a finite point; rebuild the mesh"));
   for (std::uint32_t index : mesh.triangles)
     if (index >= mesh.positions.size())
-      return fail(ErrorCode::BadData, text("the mesh refers to vertex ", index, " but has ", mesh.positions.size()));
+      return fail(ErrorCode::BadData,
+                  text("the mesh refers to vertex ", index, " but has ", mesh.positions.size()));
   return {};
 }
 
@@ -32,12 +35,12 @@ Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matt
   if (!rgb) return fail(rgb.error().code, text("camera '", camera.serial, "': ", rgb.error().message));
   const Image& in = *rgb;
   if (in.width != camera.model.width || in.height != camera.model.height)
-    return fail(ErrorCode::BadData,
-                text("camera '", camera.serial, "': the picture is ", in.width, "x", in.height, " but the rig says ",
-                     camera.model.width, "x", camera.model.height, "; calibrate at the recorded size"));
+    return fail(ErrorCode::BadData, text("camera '", camera.serial, "': the picture is ", in.width, "x",
+                                         in.height, " but the rig says ", camera.model.width, "x",
+                                         camera.model.height, "; calibrate at the recorded size"));
   if (matte != nullptr && (matte->width != in.width || matte->height != in.height))
-    return fail(ErrorCode::BadData, text("camera '", camera.serial, "': the matte is ", matte->width, "x", matte->height,
-                                         " but the picture is ", in.width, "x", in.height));
+    return fail(ErrorCode::BadData, text("camera '", camera.serial, "': the matte is ", matte->width, "x",
+                                         matte->height, " but the picture is ", in.width, "x", in.height));
   const bool recolor = !camera.color.is_identity();
   Image out(in.width, in.height, 4);
   for (int y = 0; y < in.height; ++y) {
@@ -58,11 +61,12 @@ Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matt
 }
 
 /// The cameras that have a picture and may be used.
-Result<std::vector<int>> cameras_in_use(const Rig& rig, const SceneFrame& scene, const std::vector<bool>& usable) {
+Result<std::vector<int>> cameras_in_use(const Rig& rig, const SceneFrame& scene,
+                                        const std::vector<bool>& usable) {
   const std::size_t count = rig.cameras.size();
   if (scene.images.frames.size() != count)
-    return fail(ErrorCode::InvalidArgument,
-                text("the rig has ", count, " cameras but the scene has ", scene.images.frames.size(), " pictures"));
+    return fail(ErrorCode::InvalidArgument, text("the rig has ", count, " cameras but the scene has ",
+                                                 scene.images.frames.size(), " pictures"));
   if (!scene.mattes.empty() && scene.mattes.size() != count)
     return fail(ErrorCode::InvalidArgument,
                 text("the rig has ", count, " cameras but the scene has ", scene.mattes.size(), " mattes"));
@@ -73,7 +77,8 @@ Result<std::vector<int>> cameras_in_use(const Rig& rig, const SceneFrame& scene,
   for (std::size_t i = 0; i < count; ++i)
     if (!scene.images.frames[i].empty() && (usable.empty() || usable[i])) used.push_back(static_cast<int>(i));
   if (used.empty())
-    return fail(ErrorCode::InvalidArgument, "no camera with a picture is left to draw from; keep at least one");
+    return fail(ErrorCode::InvalidArgument,
+                "no camera with a picture is left to draw from; keep at least one");
   return used;
 }
 
@@ -94,7 +99,8 @@ Result<void> SceneTextures::upload(const Rig& rig, const SceneFrame& scene, cons
   std::vector<Result<Image>> pictures(used->size(), Result<Image>(Image{}));
   parallel_for(used->size(), 0, [&](std::size_t i) {
     const auto camera = static_cast<std::size_t>((*used)[i]);
-    const Matte* matte = scene.mattes.empty() || scene.mattes[camera].empty() ? nullptr : &scene.mattes[camera];
+    const Matte* matte =
+        scene.mattes.empty() || scene.mattes[camera].empty() ? nullptr : &scene.mattes[camera];
     pictures[i] = with_matte(rig.cameras[camera], scene.images.frames[camera], matte);
   });
   int width = 0, height = 0;
@@ -107,8 +113,9 @@ Result<void> SceneTextures::upload(const Rig& rig, const SceneFrame& scene, cons
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
   if (std::max(width, height) > largest || static_cast<int>(pictures.size()) > most_layers)
-    return fail(ErrorCode::Unsupported, text(pictures.size(), " pictures of up to ", width, "x", height,
-                                             " do not fit this GPU's textures (", largest, " px, ", most_layers, " layers)"));
+    return fail(ErrorCode::Unsupported,
+                text(pictures.size(), " pictures of up to ", width, "x", height,
+                     " do not fit this GPU's textures (", largest, " px, ", most_layers, " layers)"));
 
   Impl& s = *impl_;
   s.cameras.clear();
@@ -120,8 +127,8 @@ Result<void> SceneTextures::upload(const Rig& rig, const SceneFrame& scene, cons
     s.cameras.push_back(rig.cameras[static_cast<std::size_t>((*used)[i])]);
     blocks.push_back(camera_block(s.cameras.back(), layer));
     const Image& picture = *pictures[i];
-    glTextureSubImage3D(s.photographs.id(), 0, 0, 0, layer, picture.width, picture.height, 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                        picture.pixels.data());
+    glTextureSubImage3D(s.photographs.id(), 0, 0, 0, layer, picture.width, picture.height, 1, GL_RGBA,
+                        GL_UNSIGNED_BYTE, picture.pixels.data());
   }
 
   s.positions = scene.mesh.positions;
@@ -131,7 +138,8 @@ Result<void> SceneTextures::upload(const Rig& rig, const SceneFrame& scene, cons
   const std::size_t stride = std::max<std::size_t>(1, scene.mesh.triangle_count() / kRankingSamples);
   for (std::size_t t = 0; t < scene.mesh.triangle_count(); t += stride)
     s.samples.push_back(s.positions[scene.mesh.triangles[3 * t]]);
-  gl::upload(s.vertex_buffer, s.vertex_capacity, s.positions.data(), s.positions.size() * sizeof(Eigen::Vector3f));
+  gl::upload(s.vertex_buffer, s.vertex_capacity, s.positions.data(),
+             s.positions.size() * sizeof(Eigen::Vector3f));
   gl::upload(s.index_buffer, s.index_capacity, scene.mesh.triangles.data(),
              scene.mesh.triangles.size() * sizeof(std::uint32_t));
   if (!s.mesh) s.mesh = gl::VertexArray::create();

@@ -9,8 +9,9 @@
 
 namespace floatstage {
 
-/// A SceneFrame on the GPU: photographs in one array texture, mattes beside them, cameras in one storage buffer,
-/// the mesh in vertex buffers, one depth map per camera. Upload once, render many views. GL thread only.
+/// A SceneFrame on the GPU: photographs in one array texture, mattes beside them, cameras in one storage
+/// buffer, the mesh in vertex buffers, one depth map per camera. Upload once, render many views. GL thread
+/// only.
 class SceneTextures {
  public:
   SceneTextures();
@@ -19,9 +20,9 @@ class SceneTextures {
   ~SceneTextures();
 
   /// Replaces the scene; GPU storage is reused when sizes agree. `usable[i] == false` leaves camera i out of
-  /// everything (leave-one-out); an empty vector means all. Cameras without a picture at this instant are left out.
-  /// Pictures may differ in size. Errors: InvalidArgument (counts, no camera left), BadData (an image shorter than
-  /// its layout, NaN in the rig or the mesh).
+  /// everything (leave-one-out); an empty vector means all. Cameras without a picture at this instant are
+  /// left out. Pictures may differ in size. Errors: InvalidArgument (counts, no camera left), BadData (an
+  /// image shorter than its layout, NaN in the rig or the mesh).
   Result<void> upload(const Rig& rig, const SceneFrame& scene, const std::vector<bool>& usable = {});
 
   struct Impl;

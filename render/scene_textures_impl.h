@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "core/rig.h"
 #include "render/camera_block.h"
@@ -12,8 +13,8 @@
 namespace floatstage {
 
 struct SceneTextures::Impl {
-  std::vector<RigCamera> cameras;   ///< those in use, in the rig's order
-  std::vector<int> rig_index;       ///< of each, in the rig
+  std::vector<RigCamera> cameras;          ///< those in use, in the rig's order
+  std::vector<int> rig_index;              ///< of each, in the rig
   std::vector<Eigen::Vector3f> positions;  ///< the mesh's, for the views' windows
   std::vector<Eigen::Vector3f> samples;    ///< a few of them, spread over the mesh, for ranking cameras
   Eigen::AlignedBox3f box;

@@ -1,11 +1,11 @@
 // Every render method at 640x480 and 1024x768 on the synthetic performer, and the flow alone.
 // Run: render_bench --benchmark_filter=Render/
 
-#include <benchmark/benchmark.h>
-
 #include <cmath>
 #include <memory>
 #include <string>
+
+#include <benchmark/benchmark.h>
 
 #include "core/synthetic/synthetic_studio.h"
 #include "render/gl_context.h"
@@ -31,7 +31,8 @@ struct Stage {
       scene.mattes.push_back(std::move(shot.matte));
     }
     scene.mesh = studio.performer(0);
-    if (const Result<void> ok = textures.upload(rig, scene); !ok) throw std::runtime_error(ok.error().message);
+    if (const Result<void> ok = textures.upload(rig, scene); !ok)
+      throw std::runtime_error(ok.error().message);
   }
 };
 
@@ -84,10 +85,13 @@ void flow(benchmark::State& state, const std::string& preset, int finest_scale) 
   std::vector<std::uint8_t> a, b;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      a.push_back(static_cast<std::uint8_t>(128 + 60 * std::sin(0.31 * x) * std::cos(0.23 * y) + 60 * std::sin(0.11 * x + 0.17 * y)));
-      b.push_back(static_cast<std::uint8_t>(128 + 60 * std::sin(0.31 * (x - 3)) * std::cos(0.23 * y) + 60 * std::sin(0.11 * (x - 3) + 0.17 * y)));
+      a.push_back(static_cast<std::uint8_t>(128 + 60 * std::sin(0.31 * x) * std::cos(0.23 * y) +
+                                            60 * std::sin(0.11 * x + 0.17 * y)));
+      b.push_back(static_cast<std::uint8_t>(128 + 60 * std::sin(0.31 * (x - 3)) * std::cos(0.23 * y) +
+                                            60 * std::sin(0.11 * (x - 3) + 0.17 * y)));
     }
-  for (auto _ : state) benchmark::DoNotOptimize(estimator->estimate({width, height, a.data()}, {width, height, b.data()}));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(estimator->estimate({width, height, a.data()}, {width, height, b.data()}));
 }
 
 void sizes(benchmark::internal::Benchmark* bench) {

@@ -11,7 +11,9 @@ class RenderErrors : public Rendering {
  protected:
   RenderErrors() : stage_(photographed(arc(3, 20), ball(0.25F, 8), ball(0.25F, 8))) {}
 
-  Result<void> upload(const std::vector<bool>& usable = {}) { return textures_.upload(stage_.rig, stage_.scene, usable); }
+  Result<void> upload(const std::vector<bool>& usable = {}) {
+    return textures_.upload(stage_.rig, stage_.scene, usable);
+  }
   Result<RenderedView> render(const View& view, const RendererOptions& options = {}) {
     auto renderer = make_renderer("linear");
     EXPECT_THAT(renderer, IsOk());

@@ -37,15 +37,15 @@ Spot bright_spot(const Image& picture, int backdrop) {
 
 constexpr int kBackdrop = 40;
 
-/// Two cameras look at a wall; each photograph shows a soft bright square, displaced by `shift` px from where the
-/// geometry says, to the left in one photograph and to the right in the other.
+/// Two cameras look at a wall; each photograph shows a soft bright square, displaced by `shift` px from where
+/// the geometry says, to the left in one photograph and to the right in the other.
 Stage misprojected_square(double shift) {
   CameraModel model = small_camera(200, 160);
   Stage stage{arc(2, 10, model), {}};
   for (int c = 0; c < 2; ++c) {
     const RigCamera& camera = stage.rig.cameras[static_cast<std::size_t>(c)];
-    const Eigen::Vector2d center =
-        *project(model, camera.cam_from_world * Eigen::Vector3d::Zero()) + Eigen::Vector2d(c == 0 ? -shift : shift, 0);
+    const Eigen::Vector2d center = *project(model, camera.cam_from_world * Eigen::Vector3d::Zero()) +
+                                   Eigen::Vector2d(c == 0 ? -shift : shift, 0);
     Image photo(model.width, model.height, 3, kBackdrop);
     for (int y = 0; y < model.height; ++y)
       for (int x = 0; x < model.width; ++x) {
@@ -71,7 +71,8 @@ TEST_F(Floating, AMisprojectedSquareAppearsOnceAtTheMeanPosition) {
   // Once: as large as one square (25 px wide), where the ghosts of the linear blend cover 33 px.
   auto width_at_half = [](const Image& picture) {
     int width = 0;
-    for (int x = 0; x < picture.width; ++x) width += picture.at(x, 80)[1] > kBackdrop + 45 && picture.at(x, 80)[3] > 0;
+    for (int x = 0; x < picture.width; ++x)
+      width += picture.at(x, 80)[1] > kBackdrop + 45 && picture.at(x, 80)[3] > 0;
     return width;
   };
   EXPECT_NEAR(width_at_half(floating), 25, 2);
@@ -81,7 +82,8 @@ TEST_F(Floating, AMisprojectedSquareAppearsOnceAtTheMeanPosition) {
 TEST_F(Floating, TheMeanPositionFollowsTheWeights) {
   const Stage stage = misprojected_square(4);
   const CameraModel model = small_camera(200, 160);
-  // At a camera the square is where that photograph has it; in between it moves steadily from one to the other.
+  // At a camera the square is where that photograph has it; in between it moves steadily from one to the
+  // other.
   double before = -1e9;
   std::vector<double> offsets;
   for (double degrees : {-4.9, -2.5, 0.0, 2.5, 4.9}) {
@@ -102,24 +104,28 @@ TEST_F(Floating, IdenticalProjectionsDoNotMoveAndBlendAsBefore) {
   stage.rig.cameras[1].serial = "twin";
   stage.scene.images.frames.push_back(stage.scene.images.frames[0]);
   stage.scene.mattes.push_back(stage.scene.mattes[0]);
-  const Image linear = rendered(stage, view_at(6), "linear"), floating = rendered(stage, view_at(6), "floating");
+  const Image linear = rendered(stage, view_at(6), "linear"),
+              floating = rendered(stage, view_at(6), "floating");
   for (std::size_t i = 0; i < linear.pixels.size(); ++i) ASSERT_NEAR(linear.pixels[i], floating.pixels[i], 1);
   RendererOptions options;
   options.output = RenderOutput::Flow;
   const Image flow = rendered(stage, view_at(6), "floating", options);
   for (std::size_t i = 0; i < flow.pixels.size(); i += 4) {
     if (flow.pixels[i + 3] == 0) continue;
-    for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(flow.pixels[i + c], 255) << "a warp where there should be none";
+    for (std::size_t c = 0; c < 3; ++c)
+      ASSERT_EQ(flow.pixels[i + c], 255) << "a warp where there should be none";
   }
 }
 
 TEST_F(Floating, IsNearerToTheTruthThanLinearWhenTheProxyIsWrong) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 48), ball(0.265F, 24));
   const View view = view_at(10);
-  const Photograph truth = photograph(ball(0.25F, 48), view.model, view.view_from_world, 3, random_checker(0.04F, 5));
+  const Photograph truth =
+      photograph(ball(0.25F, 48), view.model, view.view_from_world, 3, random_checker(0.04F, 5));
   auto score = [&](const char* method) {
     const Image picture = rendered(stage, view, method);
-    return psnr(picture, truth.rgb, [&](int x, int y) { return *truth.alpha.at(x, y) == 255 && picture.at(x, y)[3] > 0; });
+    return psnr(picture, truth.rgb,
+                [&](int x, int y) { return *truth.alpha.at(x, y) == 255 && picture.at(x, y)[3] > 0; });
   };
   EXPECT_GT(score("floating"), score("linear") + 1);
 }
@@ -134,7 +140,8 @@ TEST_F(Floating, TheNumberOfThreadsDoesNotChangeAByte) {
 
 TEST_F(Floating, WorksWithASingleCamera) {
   const Stage stage = photographed(arc(1, 20), ball(0.25F, 24), ball(0.25F, 24));
-  const Image linear = rendered(stage, view_at(4), "linear"), floating = rendered(stage, view_at(4), "floating");
+  const Image linear = rendered(stage, view_at(4), "linear"),
+              floating = rendered(stage, view_at(4), "floating");
   for (std::size_t i = 0; i < linear.pixels.size(); ++i) ASSERT_NEAR(linear.pixels[i], floating.pixels[i], 2);
 }
 

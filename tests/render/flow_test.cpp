@@ -17,7 +17,8 @@ std::vector<std::uint8_t> texture(int width, int height, double dx, double dy) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const double u = x - dx, v = y - dy;
-      gray.push_back(static_cast<std::uint8_t>(128 + 50 * std::sin(u * 0.31) * std::cos(v * 0.23) + 50 * std::sin(0.13 * u + 0.19 * v)));
+      gray.push_back(static_cast<std::uint8_t>(128 + 50 * std::sin(u * 0.31) * std::cos(v * 0.23) +
+                                               50 * std::sin(0.13 * u + 0.19 * v)));
     }
   return gray;
 }
@@ -42,7 +43,8 @@ TEST_P(FlowBackend, FindsADisplacementWithItsSign) {
   for (int y = 30; y < 90; y += 5)
     for (int x = 30; x < 130; x += 5) {
       EXPECT_NEAR(flow->uv[2 * (static_cast<std::size_t>(y) * 160 + static_cast<std::size_t>(x))], 3.5, 0.3);
-      EXPECT_NEAR(flow->uv[2 * (static_cast<std::size_t>(y) * 160 + static_cast<std::size_t>(x)) + 1], -2, 0.3);
+      EXPECT_NEAR(flow->uv[2 * (static_cast<std::size_t>(y) * 160 + static_cast<std::size_t>(x)) + 1], -2,
+                  0.3);
     }
 }
 

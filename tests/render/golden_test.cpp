@@ -1,6 +1,6 @@
-// Pictures compared with pictures looked at by a person. On failure expected, actual and difference are written to
-// FLOATSTAGE_GOLDEN_OUT (a folder; default: golden_failures in the working folder). FLOATSTAGE_GOLDEN_UPDATE=1 writes
-// the goldens anew: look at them before committing.
+// Pictures compared with pictures looked at by a person. On failure expected, actual and difference are
+// written to FLOATSTAGE_GOLDEN_OUT (a folder; default: golden_failures in the working folder).
+// FLOATSTAGE_GOLDEN_UPDATE=1 writes the goldens anew: look at them before committing.
 
 #include <cstdlib>
 #include <filesystem>
@@ -11,7 +11,7 @@
 namespace floatstage::test {
 namespace {
 
-constexpr double kMeanTolerance = 1.0;     // 8-bit steps, over the covered pixels: drivers round differently
+constexpr double kMeanTolerance = 1.0;      // 8-bit steps, over the covered pixels: drivers round differently
 constexpr double kOutlierTolerance = 0.01;  // fraction of pixels that may be off by more than kOutlier
 constexpr int kOutlier = 24;
 
@@ -19,8 +19,8 @@ struct Golden {
   const char* name;
   const char* method;
   RenderOutput output;
-  double coverage;       // fraction of the picture
-  double mean[3];        // of the covered pixels
+  double coverage;  // fraction of the picture
+  double mean[3];   // of the covered pixels
 };
 
 const Golden kGoldens[] = {
@@ -44,7 +44,8 @@ void write_failure(const Golden& golden, const Image& expected, const Image& act
   for (int y = 0; y < actual.height; ++y)
     for (int x = 0; x < actual.width; ++x)
       for (int c = 0; c < 3; ++c)
-        difference.at(x, y)[c] = static_cast<std::uint8_t>(std::min(255, 4 * std::abs(actual.at(x, y)[c] - expected.at(x, y)[c])));
+        difference.at(x, y)[c] =
+            static_cast<std::uint8_t>(std::min(255, 4 * std::abs(actual.at(x, y)[c] - expected.at(x, y)[c])));
   for (const auto& [suffix, image] : {std::pair("expected", &expected), std::pair("actual", &actual),
                                       std::pair("diff", static_cast<const Image*>(&difference))})
     EXPECT_THAT(save_png(*image, folder / text(golden.name, "_", suffix, ".png")), IsOk());
@@ -56,7 +57,8 @@ INSTANTIATE_TEST_SUITE_P(Render, Goldens, testing::ValuesIn(kGoldens),
 
 TEST_P(Goldens, LooksAsBefore) {
   const Golden& golden = GetParam();
-  // A flattened ball with a wrong proxy, so that ghosts, occlusion and soft visibility have something to show.
+  // A flattened ball with a wrong proxy, so that ghosts, occlusion and soft visibility have something to
+  // show.
   const Stage stage = photographed(arc(5, 25), ball(0.25F, 48, 0.6F), ball(0.265F, 16, 0.6F));
   RendererOptions options;
   options.output = golden.output;
@@ -71,8 +73,8 @@ TEST_P(Goldens, LooksAsBefore) {
   if (std::getenv("FLOATSTAGE_GOLDEN_UPDATE") != nullptr) {
     std::filesystem::create_directories(golden_file(golden).parent_path());
     ASSERT_THAT(save_png(actual, golden_file(golden), 9), IsOk());
-    GTEST_SKIP() << golden.name << ": coverage " << covered / (actual.width * actual.height) << ", mean " << mean[0] << ", "
-                 << mean[1] << ", " << mean[2];
+    GTEST_SKIP() << golden.name << ": coverage " << covered / (actual.width * actual.height) << ", mean "
+                 << mean[0] << ", " << mean[1] << ", " << mean[2];
   }
   EXPECT_NEAR(covered / (actual.width * actual.height), golden.coverage, 0.005);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], golden.mean[c], 2) << "channel " << c;

@@ -14,9 +14,11 @@ TEST_P(Renderers, ACameraAtTheViewReturnsItsPhotograph) {
   const View view = view_of(stage.rig.cameras[2]);
   const Image picture = rendered(stage, view, GetParam());
   const Image truth = *to_rgb(stage.scene.images.frames[2]);
-  EXPECT_GE(psnr(picture, truth, [&](int x, int y) {
-              return well_inside(picture, x, y, 2) && stage.scene.mattes[2].row(y)[x] == 255;
-            }), 45);
+  EXPECT_GE(psnr(picture, truth,
+                 [&](int x, int y) {
+                   return well_inside(picture, x, y, 2) && stage.scene.mattes[2].row(y)[x] == 255;
+                 }),
+            45);
 }
 
 TEST_P(Renderers, TheOrderOfTheCamerasDoesNotMatter) {

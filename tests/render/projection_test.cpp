@@ -94,10 +94,12 @@ TEST_F(Geometry, ASquareCoversExactlyItsPixels) {
 
 TEST_F(Geometry, ADistortedPhotographGivesThePictureOfAPinholeOne) {
   CameraModel lens = small_camera();
-  for (const Lens& kind : {Lens(BrownConrady{-0.25, 0.08, 0.002, -0.001, 0.01}), Lens(KannalaBrandt{0.05, -0.02, 0.01, 0})}) {
+  for (const Lens& kind :
+       {Lens(BrownConrady{-0.25, 0.08, 0.002, -0.001, 0.01}), Lens(KannalaBrandt{0.05, -0.02, 0.01, 0})}) {
     lens.lens = kind;
     const Mesh mesh = ball(0.25F, 48);
-    const Stage straight = photographed(arc(3, 20), mesh, mesh), curved = photographed(arc(3, 20, lens), mesh, mesh);
+    const Stage straight = photographed(arc(3, 20), mesh, mesh),
+                curved = photographed(arc(3, 20, lens), mesh, mesh);
     const Image a = rendered(straight, view_at(6), "linear"), b = rendered(curved, view_at(6), "linear");
     EXPECT_GT(psnr(a, b, [&](int x, int y) { return well_inside(a, x, y, 3); }), 28);
     const Stage ignored = [&] {
@@ -106,7 +108,8 @@ TEST_F(Geometry, ADistortedPhotographGivesThePictureOfAPinholeOne) {
       return s;
     }();
     const Image wrong = rendered(ignored, view_at(6), "linear");
-    EXPECT_LT(psnr(a, wrong, [&](int x, int y) { return well_inside(a, x, y, 3); }), 26) << "the lens makes no difference";
+    EXPECT_LT(psnr(a, wrong, [&](int x, int y) { return well_inside(a, x, y, 3); }), 26)
+        << "the lens makes no difference";
   }
 }
 
@@ -126,7 +129,8 @@ TEST_F(Geometry, AHiddenPartIsNotPaintedWithWhatHidesIt) {
     return p.x() > 0.15F ? Eigen::Vector3f(255, 0, 0) : Eigen::Vector3f(0, 255, 0);
   };
   for (const RigCamera& camera : stage.rig.cameras)
-    stage.scene.images.frames.push_back(make_frame({}, photograph(mesh, camera.model, camera.cam_from_world, 1, color).rgb));
+    stage.scene.images.frames.push_back(
+        make_frame({}, photograph(mesh, camera.model, camera.cam_from_world, 1, color).rgb));
   stage.scene.mesh = mesh;
   const View view = view_at(2);
   const Photograph truth = photograph(mesh, view.model, view.view_from_world, 1, color);
@@ -152,9 +156,9 @@ TEST_F(Geometry, AColorOutsideTheMatteIsNotUsedWhereAnotherCameraKnowsBetter) {
   const Mesh subject = ball(0.2F, 48), proxy = ball(0.22F, 24);
   Stage stage{arc(5, 20), {}};
   for (const RigCamera& camera : stage.rig.cameras) {
-    const Photograph p = photograph(subject, camera.model, camera.cam_from_world, 3,
-                                    [](const Eigen::Vector3f&) { return Eigen::Vector3f(120, 120, 120); },
-                                    Eigen::Vector3f(0, 255, 0));
+    const Photograph p = photograph(
+        subject, camera.model, camera.cam_from_world, 3,
+        [](const Eigen::Vector3f&) { return Eigen::Vector3f(120, 120, 120); }, Eigen::Vector3f(0, 255, 0));
     stage.scene.images.frames.push_back(make_frame({}, p.rgb));
     stage.scene.mattes.push_back(make_matte({}, p.alpha));
   }
@@ -162,7 +166,8 @@ TEST_F(Geometry, AColorOutsideTheMatteIsNotUsedWhereAnotherCameraKnowsBetter) {
   auto loud = [&] {
     const Image picture = rendered(stage, view_at(0), "linear");
     int count = 0;
-    for (std::size_t i = 0; i < picture.pixels.size(); i += 4) count += picture.pixels[i + 3] > 0 && picture.pixels[i + 1] > 180;
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 4)
+      count += picture.pixels[i + 3] > 0 && picture.pixels[i + 1] > 180;
     return count;
   };
   const int with_mattes = loud();
@@ -179,7 +184,8 @@ TEST_F(Geometry, EveryIntermediateCanBeShown) {
     int covered = 0, colored = 0;
     for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
       covered += picture.pixels[i + 3] > 0;
-      colored += picture.pixels[i + 3] > 0 && picture.pixels[i] + picture.pixels[i + 1] + picture.pixels[i + 2] > 0;
+      colored +=
+          picture.pixels[i + 3] > 0 && picture.pixels[i] + picture.pixels[i + 1] + picture.pixels[i + 2] > 0;
     }
     EXPECT_GT(covered, 1500) << render_output_names()[static_cast<std::size_t>(output)];
     EXPECT_GT(colored, covered / 2) << render_output_names()[static_cast<std::size_t>(output)];

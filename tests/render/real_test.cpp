@@ -1,4 +1,5 @@
-// The Stanford bunny of the thesis' Figure 61: a solid checker, a coarse proxy of 948 triangles, 7x7 photographs.
+// The Stanford bunny of the thesis' Figure 61: a solid checker, a coarse proxy of 948 triangles, 7x7
+// photographs.
 
 #include <cstdlib>
 #include <filesystem>
@@ -24,17 +25,17 @@ RigCamera bunny_camera(double azimuth, double elevation) {
   camera.model.width = camera.model.height = 512;
   camera.model.fx = camera.model.fy = 1150;
   camera.model.cx = camera.model.cy = 256;
-  camera.cam_from_world =
-      look_at(target + 0.45 * Eigen::Vector3d(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)), target,
-              Eigen::Vector3d::UnitY());
+  camera.cam_from_world = look_at(
+      target + 0.45 * Eigen::Vector3d(std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)),
+      target, Eigen::Vector3d::UnitY());
   return camera;
 }
 
 /// Test views between the grid's nodes.
 std::vector<RigCamera> test_views() {
   std::vector<RigCamera> views;
-  for (const auto& [azimuth, elevation] :
-       {std::pair(-25, -8), std::pair(-15, 2), std::pair(-5, 12), std::pair(5, 22), std::pair(15, 32), std::pair(25, 42)})
+  for (const auto& [azimuth, elevation] : {std::pair(-25, -8), std::pair(-15, 2), std::pair(-5, 12),
+                                           std::pair(5, 22), std::pair(15, 32), std::pair(25, 42)})
     views.push_back(bunny_camera(azimuth, elevation));
   return views;
 }
@@ -45,7 +46,8 @@ class Bunny : public Rendering {
     const std::filesystem::path folder = real_data("stanford-bunny");
     FLOATSTAGE_NEEDS_DATA(folder);
     Rendering::SetUp();
-    const Result<Mesh> full = load_ply(folder / "bun_zipper.ply"), coarse = load_ply(folder / "bun_zipper_res4.ply");
+    const Result<Mesh> full = load_ply(folder / "bun_zipper.ply"),
+                       coarse = load_ply(folder / "bun_zipper_res4.ply");
     ASSERT_THAT(full, IsOk());
     ASSERT_THAT(coarse, IsOk());
     exact_ = *full;
@@ -53,7 +55,8 @@ class Bunny : public Rendering {
     views_ = test_views();
     for (int row = 0; row < kGrid; ++row)
       for (int column = 0; column < kGrid; ++column) {
-        RigCamera camera = bunny_camera(kStepDegrees * (column - kGrid / 2), kMiddleElevation + kStepDegrees * (row - kGrid / 2));
+        RigCamera camera = bunny_camera(kStepDegrees * (column - kGrid / 2),
+                                        kMiddleElevation + kStepDegrees * (row - kGrid / 2));
         camera.serial = text(row, "-", column);
         stage_.rig.cameras.push_back(camera);
       }
@@ -102,7 +105,8 @@ class Bunny : public Rendering {
 };
 
 TEST_F(Bunny, FloatingBeatsLinearOnTheCoarseProxyAndLosesNothingOnTheExactOne) {
-  const double nearest = score(coarse_, "nearest"), linear = score(coarse_, "linear"), floating = score(coarse_, "floating");
+  const double nearest = score(coarse_, "nearest"), linear = score(coarse_, "linear"),
+               floating = score(coarse_, "floating");
   EXPECT_GT(linear, nearest + 1);
   EXPECT_GT(floating, linear + 0.5);
   EXPECT_GT(floating, 25.5);

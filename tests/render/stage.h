@@ -1,8 +1,8 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "render/gl_context.h"
 #include "render/renderer.h"
@@ -30,8 +30,9 @@ inline CameraModel small_camera(int width = 160, int height = 120) {
 /// Looks at the origin from `degrees` around the z axis and `elevation` above the floor plane.
 inline Rigid3 on_orbit(double degrees, double elevation = 10, double distance = 1) {
   const double a = degrees * M_PI / 180, e = elevation * M_PI / 180;
-  return look_at(distance * Eigen::Vector3d(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)),
-                 Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ());
+  return look_at(
+      distance * Eigen::Vector3d(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)),
+      Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ());
 }
 
 /// A ball of latitude and longitude quads; `flatten` squeezes it along z.
@@ -41,12 +42,16 @@ inline Mesh ball(float radius, int rings = 24, float flatten = 1) {
   for (int r = 0; r <= rings; ++r)
     for (int a = 0; a < around; ++a) {
       const double theta = M_PI * r / rings, phi = 2 * M_PI * a / around;
-      mesh.positions.push_back(radius * Eigen::Vector3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
-                                                        flatten * std::cos(theta)).cast<float>());
+      mesh.positions.push_back(radius * Eigen::Vector3d(std::sin(theta) * std::cos(phi),
+                                                        std::sin(theta) * std::sin(phi),
+                                                        flatten * std::cos(theta))
+                                            .cast<float>());
     }
   for (int r = 0; r < rings; ++r)
     for (int a = 0; a < around; ++a) {
-      const auto at = [&](int row, int column) { return static_cast<std::uint32_t>(row * around + column % around); };
+      const auto at = [&](int row, int column) {
+        return static_cast<std::uint32_t>(row * around + column % around);
+      };
       const std::uint32_t nw = at(r, a), ne = at(r, a + 1), sw = at(r + 1, a), se = at(r + 1, a + 1);
       if (r > 0) mesh.triangles.insert(mesh.triangles.end(), {nw, sw, ne});
       if (r + 1 < rings) mesh.triangles.insert(mesh.triangles.end(), {ne, sw, se});
@@ -54,12 +59,14 @@ inline Mesh ball(float radius, int rings = 24, float flatten = 1) {
   return mesh;
 }
 
-/// `true_mesh` photographed by `rig`, textured with a solid checker of 4 cm cells, and `proxy` to render it with.
+/// `true_mesh` photographed by `rig`, textured with a solid checker of 4 cm cells, and `proxy` to render it
+/// with.
 inline Stage photographed(Rig rig, const Mesh& true_mesh, const Mesh& proxy, bool mattes = true) {
   Stage stage{std::move(rig), {}};
   for (std::size_t i = 0; i < stage.rig.cameras.size(); ++i) {
     const RigCamera& camera = stage.rig.cameras[i];
-    const Photograph p = photograph(true_mesh, camera.model, camera.cam_from_world, 3, random_checker(0.04F, 5));
+    const Photograph p =
+        photograph(true_mesh, camera.model, camera.cam_from_world, 3, random_checker(0.04F, 5));
     FrameInfo info;
     info.camera = static_cast<int>(i);
     stage.scene.images.frames.push_back(make_frame(info, p.rgb));
@@ -96,8 +103,8 @@ inline View view_at(double degrees, double elevation = 10, const CameraModel& mo
 }
 
 /// Renders one picture from scratch.
-inline Image rendered(const Stage& stage, const View& view, std::string_view method, const RendererOptions& options = {},
-                      const std::vector<bool>& usable = {}) {
+inline Image rendered(const Stage& stage, const View& view, std::string_view method,
+                      const RendererOptions& options = {}, const std::vector<bool>& usable = {}) {
   SceneTextures textures;
   const Result<void> uploaded = textures.upload(stage.rig, stage.scene, usable);
   EXPECT_THAT(uploaded, IsOk());
@@ -131,7 +138,8 @@ double psnr(const Image& picture, const Image& truth, Keep keep) {
 inline bool well_inside(const Image& picture, int x, int y, int radius) {
   for (int v = y - radius; v <= y + radius; ++v)
     for (int u = x - radius; u <= x + radius; ++u)
-      if (u < 0 || v < 0 || u >= picture.width || v >= picture.height || picture.at(u, v)[3] == 0) return false;
+      if (u < 0 || v < 0 || u >= picture.width || v >= picture.height || picture.at(u, v)[3] == 0)
+        return false;
   return true;
 }
 

@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <map>
+
+#include <gtest/gtest.h>
 
 #include "render/camera_choice.h"
 #include "tests/render/stage.h"
@@ -21,13 +21,15 @@ CameraChoice chosen(const Rig& rig, double degrees, int count) {
 TEST(CameraChoice, TakesTheNearestCamerasNearestFirst) {
   const CameraChoice choice = chosen(arc(8, 20), 13, 3);  // cameras stand at -70, -50 … 70
   ASSERT_EQ(choice.chosen, 3U);
-  EXPECT_THAT(std::vector<int>(choice.listed.begin(), choice.listed.begin() + 3), testing::ElementsAre(4, 5, 3));
+  EXPECT_THAT(std::vector<int>(choice.listed.begin(), choice.listed.begin() + 3),
+              testing::ElementsAre(4, 5, 3));
 }
 
 TEST(CameraChoice, KeepsFurtherCamerasInReserve) {
   const CameraChoice choice = chosen(arc(8, 20), 13, 3);
   EXPECT_GT(choice.listed.size(), choice.chosen);
-  for (std::size_t i = choice.chosen; i < choice.listed.size(); ++i) EXPECT_EQ(choice.fade[i], 0) << "camera " << i;
+  for (std::size_t i = choice.chosen; i < choice.listed.size(); ++i)
+    EXPECT_EQ(choice.fade[i], 0) << "camera " << i;
 }
 
 TEST(CameraChoice, UsesAllCamerasWhenThereAreFewerThanAsked) {
@@ -67,7 +69,8 @@ TEST(CameraChoice, EqualAnglesAreOrderedByPlaceNotByNumber) {
   std::reverse(rig.cameras.begin(), rig.cameras.end());
   const CameraChoice backward = chosen(rig, 0, 2);
   ASSERT_EQ(forward_order.listed.size(), backward.listed.size());
-  for (std::size_t i = 0; i < backward.listed.size(); ++i) EXPECT_EQ(forward_order.listed[i], 3 - backward.listed[i]);
+  for (std::size_t i = 0; i < backward.listed.size(); ++i)
+    EXPECT_EQ(forward_order.listed[i], 3 - backward.listed[i]);
 }
 
 class Weights : public Rendering {};
