@@ -24,6 +24,15 @@ ProcessOptions options_for(const fs::path& take) {
   return options;
 }
 
+// Every camera's matte of the first instant becomes `alpha`, and the meshes have to be made anew.
+void replace_every_matte(const TakeLayout& layout, const Image& alpha) {
+  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes())) {
+    if (!camera.is_directory()) continue;
+    ASSERT_THAT(save_png(alpha, layout.matte(camera.path().filename().string(), 0)), IsOk());
+  }
+  fs::remove_all(layout.meshes());
+}
+
 TEST(Process, MakesAMatteForEveryPhotographAndAMeshForEveryInstant) {
   TempFolder folder;
   const fs::path take = small_take(folder);
@@ -162,11 +171,7 @@ TEST(Process, TakesAnEmptyStageAsAnEmptyMesh) {
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   const TakeLayout layout(take);
-  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes())) {
-    if (!camera.is_directory()) continue;
-    ASSERT_THAT(save_png(Image(160, 120, 1), layout.matte(camera.path().filename().string(), 0)), IsOk());
-  }
-  fs::remove_all(layout.meshes());
+  replace_every_matte(layout, Image(160, 120, 1));
   const Result<ProcessReport> report = process_take(options_for(take));
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->empty_frames, 1);
@@ -178,11 +183,7 @@ TEST(Process, NamesAMatteThatIsAllForeground) {
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   const TakeLayout layout(take);
-  for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes())) {
-    if (!camera.is_directory()) continue;
-    ASSERT_THAT(save_png(Image(160, 120, 1, 255), layout.matte(camera.path().filename().string(), 0)), IsOk());
-  }
-  fs::remove_all(layout.meshes());
+  replace_every_matte(layout, Image(160, 120, 1, 255));
   const Result<ProcessReport> report = process_take(options_for(take));
   ASSERT_THAT(report, IsOk());
   ASSERT_EQ(report->meshes.failures.size(), 1u);
