@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "recon/silhouette.h"
 #include "recon/silhouette_grid.h"
@@ -189,16 +190,16 @@ double longest_chord(const CameraModel& model, double sag) {
   return bend > 1e-12 ? std::max(2.0, std::sqrt(8 * sag / bend)) : 0;
 }
 
-void remove_lens(const CameraModel& model, Silhouette& outline) {
-  const CameraModel ideal = pinhole(model);
+/// The outline with every point i replaced by point_of(i), or left out where that is absent. Polygons of fewer than
+/// three points go.
+template <class PointOf>
+Silhouette rebuilt(const Silhouette& outline, const PointOf& point_of) {
   Silhouette out;
   out.beyond_counts = outline.beyond_counts;
   for (int k = 0; k < outline.polygons(); ++k) {
     const std::size_t first = out.points.size();
     for (int i = outline.starts[k]; i < outline.starts[k + 1]; ++i) {
-      const auto ray = unproject(model, outline.points[i]);
-      const auto pixel = ray ? project(ideal, *ray) : std::nullopt;
-      if (pixel && pixel->allFinite()) out.points.push_back(*pixel);
+      if (const std::optional<Eigen::Vector2d> point = point_of(i)) out.points.push_back(*point);
     }
     if (out.points.size() - first < 3) {
       out.points.resize(first);
@@ -207,7 +208,16 @@ void remove_lens(const CameraModel& model, Silhouette& outline) {
     }
   }
   out.starts.push_back(static_cast<int>(out.points.size()));
-  outline = std::move(out);
+  return out;
+}
+
+void remove_lens(const CameraModel& model, Silhouette& outline) {
+  const CameraModel ideal = pinhole(model);
+  outline = rebuilt(outline, [&](int i) -> std::optional<Eigen::Vector2d> {
+    const auto ray = unproject(model, outline.points[i]);
+    const auto pixel = ray ? project(ideal, *ray) : std::nullopt;
+    return pixel && pixel->allFinite() ? pixel : std::nullopt;
+  });
 }
 
 /// Last resort where a lens cannot be undone over a part of the picture: the points whose edges cross are
@@ -219,21 +229,9 @@ void drop_conflicts(Silhouette& outline) {
     if (edges.empty()) return;
     std::vector<char> drop(outline.points.size(), 0);
     for (const int e : edges) drop[e] = drop[grid.next(e)] = 1;
-    Silhouette out;
-    out.beyond_counts = outline.beyond_counts;
-    for (int k = 0; k < outline.polygons(); ++k) {
-      const std::size_t first = out.points.size();
-      for (int i = outline.starts[k]; i < outline.starts[k + 1]; ++i) {
-        if (!drop[i]) out.points.push_back(outline.points[i]);
-      }
-      if (out.points.size() - first < 3) {
-        out.points.resize(first);
-      } else {
-        out.starts.push_back(static_cast<int>(first));
-      }
-    }
-    out.starts.push_back(static_cast<int>(out.points.size()));
-    outline = std::move(out);
+    outline = rebuilt(outline, [&](int i) -> std::optional<Eigen::Vector2d> {
+      return drop[i] ? std::nullopt : std::optional<Eigen::Vector2d>(outline.points[i]);
+    });
   }
 }
 
