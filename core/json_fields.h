@@ -1,6 +1,7 @@
 #pragma once
 
-// Private to core: reads JSON strictly. Not for stages; it names nlohmann-json.
+// Reads JSON strictly. Not a public header, since it names nlohmann-json: for the .cpp files of core and of stages
+// that have files of their own.
 
 #include <nlohmann/json.hpp>
 #include <optional>
