@@ -22,6 +22,9 @@ namespace floatstage {
 /// point in common. mattes[i] belongs to rig.cameras[i] and is empty or of its size.
 std::optional<Eigen::AlignedBox3d> bounding_volume(const Rig& rig, std::span<const Matte> mattes);
 
+/// Whether any pixel is subject (alpha >= 128); stops at the first.
+bool has_subject(const Matte& matte);
+
 /// The rectangle, in pixels, of all pixels with any subject at all (alpha >= 128); empty when there is none.
 Eigen::AlignedBox2i subject_rectangle(const Matte& matte);
 

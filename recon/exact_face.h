@@ -56,6 +56,9 @@ struct FaceOutput {
   std::vector<FaceCorner> corners;
   std::vector<std::int32_t> polygon_start;  ///< polygon p is corners[polygon_start[p]] … [p + 1]
   std::vector<Face> faces;
+  std::vector<std::uint32_t> triangles;       ///< once triangulated: vertex numbers of the hull
+  std::vector<std::int32_t> triangle_face;    ///< per triangle: index into the hull's faces
+  std::vector<std::uint64_t> risky;           ///< diagonals whose ends have another face in common
   int defects = 0;         ///< faces whose boundary does not close: doubles were not enough
   bool unbounded = false;  ///< a face reaches infinity
   bool tie = false;        ///< an exact comparison was zero

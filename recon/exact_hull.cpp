@@ -83,7 +83,7 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
   welder_.weld(input_, parts_, polygons_);
   outcome.closed = !tie && defects == 0 && !outcome.unbounded && polygons_.closed();
   outcome.timings.weld = watch.lap();
-  if (outcome.closed && options.triangulate) outcome.closed = welder_.triangulate(parts_, polygons_);
+  if (outcome.closed && options.triangulate) outcome.closed = welder_.triangulate(parts_, options.threads, polygons_);
   outcome.timings.triangles = watch.lap();
 }
 

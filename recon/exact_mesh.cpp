@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/parallel.h"
 #include "core/random.h"
 
 namespace floatstage {
@@ -77,6 +78,16 @@ void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput>
   keys_.assign(capacity, 0);
   values_.resize(capacity);
   named_ = 0;
+  faces_of_.assign(kFaces * (out.positions.size() + corner_count), -1);
+  const auto note_face = [&](std::int32_t vertex, std::int32_t face) {
+    if (kind_[vertex] == kApexVertex) return;
+    std::int32_t* of = &faces_of_[kFaces * vertex];
+    for (int k = 0; k < kFaces && of[k] != face; ++k) {
+      if (of[k] >= 0) continue;
+      of[k] = face;
+      break;
+    }
+  };
 
   out.corners.reserve(corner_count);
   for (const FaceOutput& part : parts) {
@@ -94,6 +105,7 @@ void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput>
             ++out.unmatched;  // the face uses a hit that its ray does not know as a vertex
             return;
           }
+          note_face(number, static_cast<std::int32_t>(out.faces.size()) - 1);
           out.corners.push_back(number);
         }
         out.polygon_start.push_back(static_cast<std::int32_t>(out.corners.size()));
@@ -150,63 +162,86 @@ void MeshWelder::check(const ArrangementInput& input, HullPolygons& out) {
   }
 }
 
-/// Notes the edges of a face's triangles that are not edges of the face; false when another face has one of
-/// them.
-bool MeshWelder::claim_diagonals(std::size_t first_triangle, std::int32_t face, HullPolygons& out) {
-  for (std::size_t t = first_triangle; t < out.triangles.size(); t += 3) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t u = out.triangles[t + k], v = out.triangles[t + (k + 1) % 3];
-      const std::int32_t* edges = &out_edges_[u * kSlots];
-      if (kind_[u] == kApexVertex || kind_[v] == kApexVertex) continue;
-      if (std::find(edges, edges + degree_[u], static_cast<std::int32_t>(v)) != edges + degree_[u]) continue;
-      const std::uint64_t key = std::min(u, v) << 32 | std::max(u, v);
-      std::size_t at = mix(key) & (keys_.size() - 1);
-      while (keys_[at] != 0 && keys_[at] != key) at = (at + 1) & (keys_.size() - 1);
-      if (keys_[at] == key && values_[at] != face) return false;
-      keys_[at] = key;
-      values_[at] = face;
-    }
+bool MeshWelder::share_another_face(std::int32_t u, std::int32_t v, std::int32_t face) const {
+  const std::int32_t *of_u = &faces_of_[kFaces * u], *of_v = &faces_of_[kFaces * v];
+  for (int k = 0; k < kFaces; ++k) {
+    if (of_u[k] < 0 || of_u[k] == face) continue;
+    if (of_u[k] == of_v[0] || of_u[k] == of_v[1] || of_u[k] == of_v[2]) return true;
   }
-  return true;
+  return false;
 }
 
-bool MeshWelder::triangulate(std::span<const FaceOutput> parts, HullPolygons& out) {
-  std::size_t base = 0;
-  std::int32_t number = 0;
-  std::size_t capacity = 1024;
-  while (capacity < 2 * out.corners.size()) capacity *= 2;
-  keys_.assign(capacity, 0);
-  values_.resize(capacity);
-  bool sound = true;
-  for (const FaceOutput& part : parts) {
-    for (std::size_t f = 0; f < part.faces.size(); ++f, ++number) {
-      const int first = part.faces[f].first_polygon;
-      const int last = f + 1 < part.faces.size() ? part.faces[f + 1].first_polygon
-                                                 : static_cast<int>(part.polygon_start.size()) - 1;
-      const int begin = part.polygon_start[first], end = part.polygon_start[last];
-      points_.clear();
-      ends_.clear();
-      double highest = 0;
-      for (int c = begin; c < end; ++c) {
-        points_.push_back({part.corners[c].s, part.corners[c].w});
-        if (std::isfinite(part.corners[c].w)) highest = std::max(highest, part.corners[c].w);
-      }
-      for (auto& point : points_) {
-        if (!std::isfinite(point.y())) point = {0.5, 1e6 * (highest + 1)};  // the camera's centre
-      }
-      for (int p = first; p < last; ++p) ends_.push_back(part.polygon_start[p + 1] - begin);
-      local_.clear();
-      const std::size_t first_triangle = out.triangles.size();
-      cutter_.cut(points_, ends_, local_);
-      for (const std::int32_t k : local_) {
-        out.triangles.push_back(static_cast<std::uint32_t>(out.corners[base + static_cast<std::size_t>(k)]));
-      }
-      for (std::size_t t = 0; t < local_.size() / 3; ++t) out.triangle_face.push_back(number);
-      if (local_.size() > 3) sound &= claim_diagonals(first_triangle, number, out);
-      base += static_cast<std::size_t>(end - begin);
+void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullPolygons& hull,
+                                  Scratch& scratch) const {
+  part.triangles.clear();
+  part.triangle_face.clear();
+  part.risky.clear();
+  for (std::size_t f = 0; f < part.faces.size(); ++f) {
+    const std::int32_t number = start.face + static_cast<std::int32_t>(f);
+    const int first = part.faces[f].first_polygon;
+    const int last = f + 1 < part.faces.size() ? part.faces[f + 1].first_polygon
+                                               : static_cast<int>(part.polygon_start.size()) - 1;
+    const int begin = part.polygon_start[first], end = part.polygon_start[last];
+    scratch.points.clear();
+    scratch.ends.clear();
+    double highest = 0;
+    for (int c = begin; c < end; ++c) {
+      scratch.points.push_back({part.corners[c].s, part.corners[c].w});
+      if (std::isfinite(part.corners[c].w)) highest = std::max(highest, part.corners[c].w);
     }
+    for (auto& point : scratch.points) {
+      if (!std::isfinite(point.y())) point = {0.5, 1e6 * (highest + 1)};  // the camera's centre
+    }
+    for (int p = first; p < last; ++p) scratch.ends.push_back(part.polygon_start[p + 1] - begin);
+    scratch.local.clear();
+    scratch.cutter.cut(scratch.points, scratch.ends, scratch.local);
+    const std::int32_t* corners = &hull.corners[static_cast<std::size_t>(start.corner + begin)];
+    const std::size_t first_triangle = part.triangles.size();
+    for (const std::int32_t k : scratch.local) part.triangles.push_back(static_cast<std::uint32_t>(corners[k]));
+    part.triangle_face.insert(part.triangle_face.end(), scratch.local.size() / 3, number);
+    // Only vertices with another face in common can be joined twice. Clipping an ear leaves its third side.
+    const bool ears_only = last == first + 1;
+    const std::size_t triangles = part.triangles.size() - (ears_only ? 3 : 0);
+    const auto first_risky = static_cast<std::ptrdiff_t>(part.risky.size());
+    for (std::size_t t = first_triangle; t < triangles; t += 3) {
+      for (std::size_t k = ears_only ? 2 : 0; k < 3; ++k) {
+        const std::int32_t u = static_cast<std::int32_t>(part.triangles[t + k]),
+                           v = static_cast<std::int32_t>(part.triangles[t + (k + 1) % 3]);
+        if (!share_another_face(u, v, number)) continue;
+        const std::int32_t* edges = &out_edges_[static_cast<std::size_t>(u) * kSlots];
+        if (std::find(edges, edges + degree_[u], v) != edges + degree_[u]) continue;
+        const std::uint64_t low = static_cast<std::uint64_t>(std::min(u, v)),
+                            high = static_cast<std::uint64_t>(std::max(u, v));
+        part.risky.push_back(low << 32 | high);
+      }
+    }
+    std::sort(part.risky.begin() + first_risky, part.risky.end());
+    part.risky.erase(std::unique(part.risky.begin() + first_risky, part.risky.end()), part.risky.end());
   }
-  return sound;
+}
+
+bool MeshWelder::triangulate(std::span<FaceOutput> parts, int threads, HullPolygons& out) {
+  part_start_.clear();
+  PartStart start{0, 0};
+  for (const FaceOutput& part : parts) {
+    part_start_.push_back(start);
+    start.corner += static_cast<std::int32_t>(part.corners.size());
+    start.face += static_cast<std::int32_t>(part.faces.size());
+  }
+  const std::size_t stretches = threads == 1 ? 1 : std::min<std::size_t>(parts.size(), 16);
+  scratch_.resize(std::max(scratch_.size(), stretches));
+  parallel_for(stretches, threads, [&](std::size_t k) {
+    for (std::size_t p = parts.size() * k / stretches; p < parts.size() * (k + 1) / stretches; ++p)
+      triangulate_part(parts[p], part_start_[p], out, scratch_[k]);
+  });
+  risky_.clear();
+  for (const FaceOutput& part : parts) {
+    out.triangles.insert(out.triangles.end(), part.triangles.begin(), part.triangles.end());
+    out.triangle_face.insert(out.triangle_face.end(), part.triangle_face.begin(), part.triangle_face.end());
+    risky_.insert(risky_.end(), part.risky.begin(), part.risky.end());
+  }
+  std::sort(risky_.begin(), risky_.end());
+  return std::adjacent_find(risky_.begin(), risky_.end()) == risky_.end();
 }
 
 }  // namespace floatstage

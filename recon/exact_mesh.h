@@ -39,23 +39,34 @@ class MeshWelder {
   void weld(const ArrangementInput& input, std::span<const FaceOutput> parts, HullPolygons& out);
   /// Cuts all polygons into triangles. False when two faces were cut along one diagonal, which only rounding
   /// can do: that edge would have four triangles.
-  bool triangulate(std::span<const FaceOutput> parts, HullPolygons& out);
+  bool triangulate(std::span<FaceOutput> parts, int threads, HullPolygons& out);
 
  private:
   std::int32_t number_of(VertexName name, const FaceCorner& corner, const FaceOutput::Face& face,
                          const ArrangementInput& input, HullPolygons& out);
   void check(const ArrangementInput& input, HullPolygons& out);
-  bool claim_diagonals(std::size_t first_triangle, std::int32_t face, HullPolygons& out);
+  struct Scratch {
+    std::vector<Eigen::Vector2d> points;
+    std::vector<std::int32_t> ends, local;
+    PolygonCutter cutter;
+  };
+  struct PartStart {
+    std::int32_t corner, face;
+  };
+  void triangulate_part(FaceOutput& part, PartStart start, const HullPolygons& hull, Scratch& scratch) const;
+  bool share_another_face(std::int32_t u, std::int32_t v, std::int32_t face) const;
 
+  static constexpr int kFaces = 3;  ///< of a vertex that are noted; all, but for apexes
+  std::vector<std::int32_t> faces_of_;
+  std::vector<PartStart> part_start_;
+  std::vector<Scratch> scratch_;
+  std::vector<std::uint64_t> risky_;
   std::vector<std::int32_t> of_hit_;
   std::vector<std::uint64_t> keys_;  ///< open addressing; 0 is free
   std::vector<std::int32_t> values_;
   std::size_t named_ = 0;
   std::vector<std::int32_t> out_edges_, degree_;
   std::vector<std::uint8_t> kind_;
-  std::vector<Eigen::Vector2d> points_;
-  std::vector<std::int32_t> ends_, local_;
-  PolygonCutter cutter_;
 };
 
 }  // namespace floatstage

@@ -4,6 +4,10 @@
 #include <bit>
 #include <cstring>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace floatstage {
 namespace {
 
@@ -44,21 +48,38 @@ class BitPicture {
   }
 
  private:
-  // alpha >= 128 is the top bit of the byte; a multiplication gathers eight of them.
-  void pack_row(const std::uint8_t* row, int width, std::uint64_t* out) const {
-    int x = 0;
-    auto put = [&](std::uint64_t value, int at) {
-      const std::size_t column = static_cast<std::size_t>(at) + 1;
-      out[column / 64] |= value << (column % 64);
-      if (column % 64 > 56 && column / 64 + 1 < words_) out[column / 64 + 1] |= value >> (64 - column % 64);
-    };
-    for (; x + 8 <= width; x += 8) {
-      std::uint64_t eight = 0;
-      std::memcpy(&eight, row + x, 8);
-      if (eight == 0) continue;
-      put(((eight >> 7) & 0x0101010101010101ULL) * 0x0102040810204080ULL >> 56, x);
+  /// The top bits (alpha >= 128) of sixteen bytes.
+  static std::uint64_t top_bits(const std::uint8_t* bytes) {
+#if defined(__SSE2__)
+    return static_cast<std::uint64_t>(
+        _mm_movemask_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes))));
+#else
+    std::uint64_t out = 0;
+    for (int half = 0; half < 2; ++half) {
+      std::uint64_t eight;
+      std::memcpy(&eight, bytes + 8 * half, 8);
+      // A multiplication gathers the eight bits.
+      out |= (((eight >> 7) & 0x0101010101010101ULL) * 0x0102040810204080ULL >> 56) << (8 * half);
     }
-    for (; x < width; ++x) put(row[x] >> 7, x);
+    return out;
+#endif
+  }
+
+  /// Pixel x becomes bit x + 1.
+  void pack_row(const std::uint8_t* row, int width, std::uint64_t* out) const {
+    std::uint64_t carry = 0;
+    std::size_t word = 0;
+    for (int x = 0; x < width; x += 64, ++word) {
+      std::uint64_t bits = 0;
+      if (x + 64 <= width) {
+        for (int k = 0; k < 4; ++k) bits |= top_bits(row + x + 16 * k) << (16 * k);
+      } else {
+        for (int k = x; k < width; ++k) bits |= static_cast<std::uint64_t>(row[k] >> 7) << (k - x);
+      }
+      out[word] = bits << 1 | carry;
+      carry = bits >> 63;
+    }
+    if (word < words_) out[word] = carry;
   }
 
   std::size_t words_;

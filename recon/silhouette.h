@@ -31,6 +31,10 @@ struct SilhouetteOptions {
   bool unknown_beyond = false;  ///< outside the picture is unknown even where the subject is not cut
 };
 
+/// How much a lens bends straight lines: the largest second difference over the picture, px per px². 0 without a
+/// lens. Depends on the calibration only: found once, used for every frame.
+double lens_bend(const CameraModel& model);
+
 /// Scratch memory, kept from frame to frame.
 struct SilhouetteScratch {
   std::vector<std::uint64_t> bits, visited;
@@ -63,8 +67,9 @@ bool is_simple(const Silhouette& outline);
 
 /// Both of the above, then the lens removed from the points: the outline as the ideal pinhole camera would
 /// see it, with simplicity checked again. Points that the lens cannot undo are dropped.
-Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, const SilhouetteOptions& options,
-                               SilhouetteScratch& scratch);
+/// `bend` is lens_bend(model).
+Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
+                               const SilhouetteOptions& options, SilhouetteScratch& scratch);
 
 /// Shoelace area of all polygons, px²; holes count negative.
 double enclosed_area(const Silhouette& outline);

@@ -47,15 +47,18 @@ void ConeBuilder::build(const Rig& rig, std::span<const Matte> mattes, const Con
                         SilhouetteCones& out) {
   const std::size_t count = rig.cameras.size();
   scratch_.resize(count);
+  tables_.resize(count);
   out.outlines.resize(count);
   parallel_for(count, options.threads, [&](std::size_t c) {
+    CameraTable& table = tables_[c];
+    if (!(table.model == rig.cameras[c].model)) table = {rig.cameras[c].model, lens_bend(rig.cameras[c].model)};
     SilhouetteOptions settings;
     settings.tolerance = options.tolerance;
     settings.unknown_beyond = options.volume && !sees_all(rig.cameras[c], *options.volume);
-    out.outlines[c] = undistorted_outline(mattes[c], rig.cameras[c].model, settings, scratch_[c]);
+    out.outlines[c] = undistorted_outline(mattes[c], table.model, table.bend, settings, scratch_[c]);
     while (static_cast<int>(out.outlines[c].points.size()) > options.max_points && settings.tolerance < 64) {
       settings.tolerance = std::max(0.25, 2 * settings.tolerance);
-      out.outlines[c] = undistorted_outline(mattes[c], rig.cameras[c].model, settings, scratch_[c]);
+      out.outlines[c] = undistorted_outline(mattes[c], table.model, table.bend, settings, scratch_[c]);
     }
   });
   std::size_t used = 0;

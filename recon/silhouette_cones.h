@@ -32,6 +32,12 @@ class ConeBuilder {
   void build(const Rig& rig, std::span<const Matte> mattes, const ConeOptions& options, SilhouetteCones& out);
 
  private:
+  /// What depends on the calibration only; made again when a camera's model changes.
+  struct CameraTable {
+    CameraModel model;
+    double bend = 0;
+  };
+  std::vector<CameraTable> tables_;
   std::vector<SilhouetteScratch> scratch_;
 };
 

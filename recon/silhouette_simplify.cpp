@@ -166,27 +166,8 @@ class Simplifier {
   std::vector<std::pair<int, int>> stack_;
 };
 
-/// The longest chord whose image under the lens stays within `sag` px of a straight line, from the second
-/// differences of the lens over the picture; 0 when there is no lens.
-double longest_chord(const CameraModel& model, double sag) {
-  if (std::holds_alternative<std::monostate>(model.lens)) return 0;
-  constexpr int kCells = 8;
-  const double h = std::max(model.width, model.height) / 32.0;
-  const CameraModel ideal = pinhole(model);
-  double bend = 0;  // px per px²
-  const auto straight = [&](const Vector2d& p) -> std::optional<Vector2d> {
-    const auto ray = unproject(model, p);
-    return ray ? project(ideal, *ray) : std::nullopt;
-  };
-  for (int y = 0; y <= kCells; ++y) {
-    for (int x = 0; x <= kCells; ++x) {
-      const Vector2d p(model.width * x / double(kCells), model.height * y / double(kCells));
-      for (const Vector2d& step : {Vector2d(h, 0), Vector2d(0, h), Vector2d(h, h)}) {
-        const auto a = straight(p - step), b = straight(p), c = straight(p + step);
-        if (a && b && c) bend = std::max(bend, (*a - 2 * *b + *c).norm() / step.squaredNorm());
-      }
-    }
-  }
+/// The longest chord whose image under the lens stays within `sag` px of a straight line; 0 when all do.
+double longest_chord(double bend, double sag) {
   return bend > 1e-12 ? std::max(2.0, std::sqrt(8 * sag / bend)) : 0;
 }
 
@@ -237,6 +218,28 @@ void drop_conflicts(Silhouette& outline) {
 
 }  // namespace
 
+double lens_bend(const CameraModel& model) {
+  if (std::holds_alternative<std::monostate>(model.lens)) return 0;
+  constexpr int kCells = 8;
+  const double h = std::max(model.width, model.height) / 32.0;
+  const CameraModel ideal = pinhole(model);
+  double bend = 0;  // px per px²
+  const auto straight = [&](const Vector2d& p) -> std::optional<Vector2d> {
+    const auto ray = unproject(model, p);
+    return ray ? project(ideal, *ray) : std::nullopt;
+  };
+  for (int y = 0; y <= kCells; ++y) {
+    for (int x = 0; x <= kCells; ++x) {
+      const Vector2d p(model.width * x / double(kCells), model.height * y / double(kCells));
+      for (const Vector2d& step : {Vector2d(h, 0), Vector2d(0, h), Vector2d(h, h)}) {
+        const auto a = straight(p - step), b = straight(p), c = straight(p + step);
+        if (a && b && c) bend = std::max(bend, (*a - 2 * *b + *c).norm() / step.squaredNorm());
+      }
+    }
+  }
+  return bend;
+}
+
 Silhouette simplify_outline(const Silhouette& outline, double tolerance, double longest) {
   if (outline.empty() || tolerance <= 0) return outline;
   return Simplifier(outline, tolerance, longest).run();
@@ -246,14 +249,14 @@ bool is_simple(const Silhouette& outline) {
   return outline.empty() || EdgeGrid(outline).touching_edges(0).empty();
 }
 
-Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, const SilhouetteOptions& options,
-                               SilhouetteScratch& scratch) {
+Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
+                               const SilhouetteOptions& options, SilhouetteScratch& scratch) {
   const Silhouette full = trace_outline(matte, options.unknown_beyond, scratch);
   const bool lens = !std::holds_alternative<std::monostate>(model.lens);
   double tolerance = options.tolerance;
   // The lens may fold neighbouring chains over each other where it bends strongly: then keep more points.
   for (int round = 0;; ++round, tolerance /= 4) {
-    Silhouette out = simplify_outline(full, tolerance, lens ? longest_chord(model, 0.1 * tolerance) : 0);
+    Silhouette out = simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance));
     if (!lens) return out;
     remove_lens(model, out);
     if (is_simple(out)) return out;

@@ -39,7 +39,7 @@ Result<std::vector<std::string>> remark_on_subjects(const Rig& rig, std::span<co
   bool any = false;
   for (std::size_t i = 0; i < mattes.size(); ++i) {
     if (mattes[i].empty()) continue;
-    if (subject_rectangle(mattes[i]).isEmpty())
+    if (!has_subject(mattes[i]))
       remarks.push_back(
           text("camera '", rig.cameras[i].serial, "' sees only background and carves all that it sees"));
     else

@@ -183,7 +183,7 @@ TEST(Silhouette, LosesTheLensFromItsPointsAndStaysSimple) {
     return 255 * hits / 64;
   });
   SilhouetteScratch scratch;
-  const Silhouette outline = undistorted_outline(matte, model, {.tolerance = 0.25}, scratch);
+  const Silhouette outline = undistorted_outline(matte, model, lens_bend(model), {.tolerance = 0.25}, scratch);
   ASSERT_EQ(outline.polygons(), 1);
   EXPECT_TRUE(is_simple(outline));
   const double top = model.cy + 150 * 0.3, bottom = model.cy + 150 * 0.4;
