@@ -58,10 +58,16 @@ class Collector {
   std::vector<std::pair<int, std::string>> failures_;
 };
 
-// A stage's folder holds products of one set of options; others need --redo, which clears it.
-Result<void> clear_for_redo(const fs::path& folder) {
+// A stage's folder holds products of one set of options; others need --redo, which clears it. What a person made
+// in it (`keep`) stays.
+Result<void> clear_for_redo(const fs::path& folder, const fs::path& keep = {}) {
   std::error_code error;
-  fs::remove_all(folder, error);
+  std::vector<fs::path> entries;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (entry.path() != keep) entries.push_back(entry.path());
+  if (error == std::errc::no_such_file_or_directory) return {};
+  for (const fs::path& entry : entries)
+    if (!error) fs::remove_all(entry, error);
   if (error) return fail(ErrorCode::Io, text("cannot clear ", folder.string(), ": ", error.message()));
   return {};
 }
@@ -93,7 +99,7 @@ Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& optio
     if (!keyer) return forward(keyer);
     record.specs.push_back((*keyer)->spec());
   }
-  if (Result<void> ok = clear_for_redo(take.layout().mattes()); !ok) return forward(ok);
+  if (Result<void> ok = clear_for_redo(take.layout().mattes(), take.layout().edits()); !ok) return forward(ok);
   if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
   if (Result<void> ok = make_folder(take.layout().mattes()); !ok) return forward(ok);
   if (Result<void> ok = save_keying(record, take.layout(), take.rig()); !ok) return forward(ok);

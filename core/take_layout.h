@@ -17,6 +17,7 @@ namespace floatstage {
 ///   take.json  rig.json  <serial>.mkv  <serial>.frames.csv      the recording, never changed again
 ///   mattes/<serial>/<frame>.png  meshes/<frame>.ply  renders/    derived by `process`, may be deleted and remade
 ///   mattes/keying.json  meshes/hull.json                         with which options they were made
+///   mattes/edits.json                                            what a person said about them (core/matte_edits.h); never removed
 ///   truth/…                                                      ground truth of a synthetic take, same layout below
 ///   plates/<serial>.png                                          clean plates, when they were shot
 class TakeLayout {
@@ -30,6 +31,7 @@ class TakeLayout {
   std::filesystem::path mattes() const { return folder_ / "mattes"; }
   std::filesystem::path matte(std::string_view serial, int frame) const;
   std::filesystem::path keying() const { return mattes() / "keying.json"; }
+  std::filesystem::path edits() const { return mattes() / "edits.json"; }
   std::filesystem::path meshes() const { return folder_ / "meshes"; }
   std::filesystem::path mesh(int frame) const;
   std::filesystem::path hull_report() const { return meshes() / "hull.json"; }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/evaluate/evaluate.h"
+#include "apps/evaluate/evaluate_mattes.h"
 #include "apps/evaluate/picture_sheet.h"
 #include "apps/json_report.h"
 #include "apps/progress.h"
@@ -21,7 +22,9 @@ using nlohmann::json;
 
 struct Options {
   std::filesystem::path take, json_file, csv_file, sheet;
-  std::string hold_out, methods = "nearest,linear,floating", frames = "0", hull_method = "octree";
+  std::string hold_out, methods = "nearest,linear,floating", frames, hull_method = "octree";
+  bool mattes = false;
+  std::filesystem::path truth;
   RendererFlags renderer;
   HullOptions hull;
 };
@@ -95,7 +98,66 @@ Result<void> save_reports(const Options& given, const std::vector<Row>& rows, co
   return given.csv_file.empty() ? Result<void>() : write_file(given.csv_file, to_csv(rows, methods));
 }
 
+struct MatteColumn {
+  const char* name;
+  double MatteScores::*score;
+};
+constexpr MatteColumn kMatteColumns[] = {{"sad", &MatteScores::sad}, {"mse", &MatteScores::mse}, {"mad", &MatteScores::mad},
+                                         {"grad", &MatteScores::gradient}, {"conn", &MatteScores::connectivity},
+                                         {"iou", &MatteScores::iou}, {"boundary_f", &MatteScores::boundary_f}};
+
+json to_json(const CameraMatteScores& c) {
+  json j = {{"frames", c.frames}, {"worst_frame", c.worst_frame}, {"worst_iou", c.worst_iou},
+            {"effort", {{"keyframes", c.effort.keyframes}, {"clicks", c.effort.clicks}, {"scribbles", c.effort.scribbles}, {"masks", c.effort.masks}}}};
+  for (const MatteColumn& column : kMatteColumns) j[column.name] = c.mean.*column.score;
+  j["dtssd"] = c.dtssd ? json(*c.dtssd) : json();
+  return j;
+}
+
+// Each camera counts alike; dtSSD over those that have frames in a row.
+CameraMatteScores mean(const std::vector<CameraMatteScores>& cameras) {
+  CameraMatteScores m{.serial = "mean", .mean = {}, .dtssd = {}, .effort = {}};
+  double flicker = 0;
+  int flickering = 0;
+  for (const CameraMatteScores& c : cameras) {
+    for (const MatteColumn& column : kMatteColumns) m.mean.*column.score += c.mean.*column.score / static_cast<double>(cameras.size());
+    if (c.dtssd) flicker += *c.dtssd, ++flickering;
+    if (c.worst_iou <= m.worst_iou) m.worst_iou = c.worst_iou, m.worst_frame = c.worst_frame;
+    m.frames += c.frames;
+    m.effort.keyframes += c.effort.keyframes, m.effort.clicks += c.effort.clicks;
+    m.effort.scribbles += c.effort.scribbles, m.effort.masks += c.effort.masks;
+  }
+  if (flickering) m.dtssd = flicker / flickering;
+  return m;
+}
+
+Result<void> run_mattes(const Options& given) {
+  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  if (!take) return forward(take);
+  Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
+  if (!frames) return forward(frames);
+  const std::filesystem::path truth = given.truth.empty() ? (*take)->layout().truth().mattes() : given.truth;
+  Result<std::vector<CameraMatteScores>> cameras = evaluate_mattes(**take, truth, *frames);
+  if (!cameras) return forward(cameras);
+  const CameraMatteScores total = mean(*cameras);
+  std::printf("%-12s", "camera");
+  for (const MatteColumn& column : kMatteColumns) std::printf(" %11s", column.name);
+  std::printf(" %11s %7s\n", "dtssd", "effort");
+  std::vector<CameraMatteScores> rows = *cameras;
+  rows.push_back(total);
+  for (const CameraMatteScores& c : rows) {
+    std::printf("%-12s", c.serial.c_str());
+    for (const MatteColumn& column : kMatteColumns) std::printf(" %11.5g", c.mean.*column.score);
+    std::printf(" %11.5g %3d/%-3d\n", c.dtssd.value_or(std::nan("")), c.effort.keyframes, c.effort.clicks + c.effort.scribbles + c.effort.masks);
+  }
+  if (given.json_file.empty()) return {};
+  json j = {{"take", given.take.string()}, {"truth", truth.string()}, {"mean", to_json(total)}};
+  for (const CameraMatteScores& c : *cameras) j["per_camera"][c.serial] = to_json(c);
+  return save_json(j, given.json_file);
+}
+
 Result<void> run(const Options& given) {
+  if (given.mattes) return run_mattes(given);
   EvaluateOptions options{.hold_out = split_list(given.hold_out), .methods = split_list(given.methods), .renderer = {}, .hull = given.hull};
   options.hull.method = given.hull_method == "octree" ? HullMethod::Octree : HullMethod::Exact;
   if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "--methods names none; see --help");
@@ -104,7 +166,7 @@ Result<void> run(const Options& given) {
   options.renderer = *renderer;
   Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
   if (!take) return forward(take);
-  Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
+  Result<std::vector<int>> frames = parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   options.frames = std::move(*frames);
   if (!given.sheet.empty())
@@ -133,11 +195,13 @@ Result<void> run(const Options& given) {
 
 void add_evaluate(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("evaluate", "Leave-one-out scores of the renderers on a processed take");
+  CLI::App* verb = app.add_subcommand("evaluate", "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones");
   verb->add_option("take", options->take, "The take's folder")->required();
   verb->add_option("--hold-out", options->hold_out, "Cameras, each left out in turn, separated by commas (default: every one)");
   verb->add_option("--methods", options->methods, method_help())->capture_default_str();
-  verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4")->capture_default_str();
+  verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4 (default: 0; with --mattes: all)");
+  verb->add_flag("--mattes", options->mattes, "Score the take's mattes against true ones instead of rendered views");
+  verb->add_option("--truth", options->truth, "With --mattes: folder of true mattes, <serial>/<frame>.png (default: the take's truth/mattes)");
   // The reference by default: it is soft, so scores do not hang on how the outlines were made polygons.
   verb->add_option("--hull", options->hull_method, "Hull method: octree or exact")->capture_default_str()->check(CLI::IsMember({"octree", "exact"}));
   verb->add_option("--resolution", options->hull.resolution, "Octree: voxels along the hull's longest side")->capture_default_str();

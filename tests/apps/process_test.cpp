@@ -112,6 +112,18 @@ TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
   EXPECT_THAT(process_take(other), FailsWith(ErrorCode::AlreadyExists, "hull options"));
 }
 
+TEST(Process, KeepsWhatAPersonSaidAboutTheMattesWhenItMakesThemAgain) {
+  TempFolder folder;
+  ProcessOptions options = options_for(small_take(folder, 1));
+  ASSERT_THAT(process_take(options), IsOk());
+  const TakeLayout layout(options.take);
+  ASSERT_THAT(write_file(layout.edits(), "{}"), IsOk());
+  options.key = "difference";
+  options.redo = true;
+  ASSERT_THAT(process_take(options), IsOk());
+  EXPECT_TRUE(fs::exists(layout.edits()));
+}
+
 TEST(Process, GoesOnWithTheKeyerOfTheFirstRunWhenNoneIsNamed) {
   TempFolder folder;
   const fs::path take = small_take(folder, 1);
