@@ -119,7 +119,6 @@ Result<DemoReport> run_demo(const DemoOptions& options) {
   stage_done("synthesize");
 
   ProcessOptions process{.take = synthesize.out, .key = "chroma", .hull = {}};
-  process.hull.voting = HullVoting::Auto;  // as `process` has it, so that a demo's take can be processed on
   Result<ProcessReport> processed = process_take(process);
   if (!processed) return forward(processed);
   if (!processed->meshes.failures.empty()) return fail(ErrorCode::BadData, processed->meshes.failures.front());

@@ -1,5 +1,6 @@
 #include "apps/hull_flags.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <nlohmann/json.hpp>
@@ -10,25 +11,31 @@ namespace floatstage {
 
 void add_hull_flags(CLI::App& verb, HullFlags& flags) {
   HullOptions& options = flags.options;
-  verb.add_option("--method", flags.method,
-                  "exact (the silhouettes' polyhedron) or octree (soft, slow, the reference)")
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    CLI::Option* word = verb.add_option(name, value, help);
+    flags.words.push_back(word);
+    return word;
+  };
+  add("--method", flags.method, "exact (the silhouettes' polyhedron) or octree (soft, slow, the reference)")
       ->capture_default_str();
-  verb.add_option("--contour-tolerance", options.contour_tolerance,
-                  "Exact: pixels by which the polygons may leave the silhouettes; 0 keeps every point")
+  add("--contour-tolerance", options.contour_tolerance,
+      "Exact: pixels by which the polygons may leave the silhouettes; 0 keeps every point")
       ->capture_default_str();
-  verb.add_option(
-          "--votes", flags.votes,
-          "Exact: strict (all cameras agree), auto (a camera whose matte lacks a part is left out), or how "
-          "many cameras have to agree")
+  add("--votes", flags.votes,
+      "Exact: strict (all cameras agree), auto (a camera whose matte lacks a part is left out), or how many "
+      "cameras have to agree")
       ->capture_default_str();
-  verb.add_option("--resolution", options.resolution, "Octree: voxels along the hull's longest side")
+  add("--resolution", options.resolution, "Octree: voxels along the hull's longest side")
       ->capture_default_str();
-  verb.add_option("--smoothing", options.smoothing,
-                  "Octree: largest move of a vertex by smoothing, in voxels")
+  add("--smoothing", options.smoothing, "Octree: largest move of a vertex by smoothing, in voxels")
       ->capture_default_str();
-  verb.add_option("--volume", flags.volume,
-                  "World box of the stage, metres: x0 y0 z0 x1 y1 z1 (default: from the silhouettes)")
+  add("--volume", flags.volume,
+      "World box of the stage, metres: x0 y0 z0 x1 y1 z1 (default: from the silhouettes)")
       ->expected(6);
+}
+
+bool HullFlags::given() const {
+  return std::any_of(words.begin(), words.end(), [](const CLI::Option* word) { return word->count() > 0; });
 }
 
 Result<HullOptions> hull_options(const HullFlags& flags) {
@@ -80,6 +87,25 @@ nlohmann::json describe(const HullOptions& options) {
     j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
   }
   return j;
+}
+
+std::optional<HullOptions> parse_hull_options(const nlohmann::json& description) {
+  try {
+    const nlohmann::json& j = description;
+    HullFlags flags;
+    flags.method = j.at("method").get<std::string>();
+    flags.options.resolution = j.value("resolution", flags.options.resolution);
+    flags.options.smoothing = j.value("smoothing", flags.options.smoothing);
+    flags.options.contour_tolerance = j.value("contour_tolerance", flags.options.contour_tolerance);
+    if (j.contains("votes")) flags.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
+    if (j.contains("volume")) flags.volume = j["volume"].get<std::vector<double>>();
+    if (!flags.volume.empty() && flags.volume.size() != 6) return std::nullopt;
+    Result<HullOptions> options = hull_options(flags);
+    if (!options) return std::nullopt;
+    return *options;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // a word that is missing or of another kind
+  }
 }
 
 }  // namespace floatstage

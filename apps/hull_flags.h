@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ struct HullFlags {
   std::string method = "exact", votes = "auto";
   HullOptions options;
   std::vector<double> volume;
+  std::vector<const CLI::Option*> words;  ///< what add_hull_flags() added
+
+  /// Whether the command line said anything about the hull.
+  bool given() const;
 };
 
 void add_hull_flags(CLI::App& verb, HullFlags& flags);
@@ -25,5 +30,9 @@ Result<HullOptions> hull_options(const HullFlags& flags);
 
 /// What was asked for, in the words of the flags: only what the method takes notice of.
 nlohmann::json describe(const HullOptions& options);
+
+/// The options that describe() wrote; absent when `description` is none. What the method takes no notice of has its
+/// default.
+std::optional<HullOptions> parse_hull_options(const nlohmann::json& description);
 
 }  // namespace floatstage

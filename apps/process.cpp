@@ -145,22 +145,31 @@ bool nobody_on_stage(const std::vector<Matte>& mattes) {
   return std::all_of(mattes.begin(), mattes.end(), [](const Matte& m) { return m.empty() || coverage(m) == 0; });
 }
 
-// meshes/hull.json: the options, and a line a frame. Written once the stage is done.
-Result<void> settle_hull_options(TakeReader& take, const ProcessOptions& options) {
+// meshes/hull.json: the options, and a line a frame. Written once the stage is done. The answer: the options to go on
+// with.
+Result<HullOptions> settle_hull_options(TakeReader& take, const ProcessOptions& options) {
   const fs::path file = take.layout().hull_report();
-  const json wanted = describe(options.hull);
   Result<std::string> before = read_file(file);
-  if (before) {
-    const json j = json::parse(*before, nullptr, false);
-    if (j.is_object() && j.value("options", json()) == wanted) return {};
-    if (!options.redo)
-      return fail(ErrorCode::AlreadyExists, text(take.layout().meshes().string(), " was made with other hull options; add --redo to make its meshes again"));
-    if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return ok;
-  } else if (before.error().code != ErrorCode::NotFound) {
-    return forward(before);
+  if (!before && before.error().code != ErrorCode::NotFound) return forward(before);
+  const json old = before ? json::parse(*before, nullptr, false) : json();
+  const json recorded = old.is_object() ? old.value("options", json()) : json();
+  HullOptions hull = *hull_options(HullFlags());
+  if (options.hull) {
+    hull = *options.hull;
+  } else if (std::optional<HullOptions> earlier = parse_hull_options(recorded)) {
+    hull = *earlier;
   }
-  if (Result<void> ok = make_folder(take.layout().meshes()); !ok) return ok;
-  return write_file(file, json{{"options", wanted}}.dump(2) + "\n");
+  const json wanted = describe(hull);
+  if (before) {
+    if (recorded == wanted) return hull;
+    if (!options.redo)
+      return fail(ErrorCode::AlreadyExists, text(take.layout().meshes().string(), " was made with other hull options (", recorded.dump(),
+                                                 "); leave the flags out to go on with them, or add --redo to make its meshes again"));
+    if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
+  }
+  if (Result<void> ok = make_folder(take.layout().meshes()); !ok) return forward(ok);
+  if (Result<void> ok = write_file(file, json{{"options", wanted}}.dump(2) + "\n"); !ok) return forward(ok);
+  return hull;
 }
 
 struct FrameHull {
@@ -205,10 +214,11 @@ Result<void> save_hull_report(TakeReader& take, const HullOptions& options, cons
 }
 
 Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options) {
-  if (Result<void> ok = settle_hull_options(take, options); !ok) return forward(ok);
+  Result<HullOptions> settled = settle_hull_options(take, options);
+  if (!settled) return forward(settled);
   const std::size_t frames = static_cast<std::size_t>(take.frame_count());
-  HullOptions hull_options = options.hull;
-  hull_options.threads = frames > 1 ? 1 : options.threads;  // over frames when there are several, else inside the one
+  HullOptions each = *settled;
+  each.threads = frames > 1 ? 1 : options.threads;  // over frames when there are several, else inside the one
   Collector collector;
   std::vector<FrameHull> hulls(frames);
   Progress progress("meshes", frames);
@@ -216,7 +226,7 @@ Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options)
     if (collector.stopped()) return;
     if (fs::exists(take.layout().mesh(static_cast<int>(frame)))) {
       collector.kept();
-    } else if (Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), hull_options); hull) {
+    } else if (Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), each); hull) {
       hulls[frame] = std::move(*hull);
       collector.made();
     } else {
@@ -224,7 +234,7 @@ Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options)
     }
     progress.advance();
   });
-  if (Result<void> ok = save_hull_report(take, options.hull, hulls); !ok) return forward(ok);
+  if (Result<void> ok = save_hull_report(take, *settled, hulls); !ok) return forward(ok);
   return collector.finish();
 }
 

@@ -13,7 +13,7 @@ namespace floatstage {
 struct ProcessOptions {
   std::filesystem::path take;
   std::optional<std::string> key;  ///< keyer spec; absent: as before, else "chroma"
-  HullOptions hull;
+  std::optional<HullOptions> hull;  ///< absent: as before, else exact with automatic voting
   int threads = 0;    ///< 0: one per core
   bool redo = false;  ///< remake what was made with other options
 };

@@ -28,7 +28,7 @@ Result<void> run(const Options& given) {
   if (!given.key.empty()) options.key = given.key;
   Result<HullOptions> hull = hull_options(given.hull);
   if (!hull) return forward(hull);
-  options.hull = *hull;
+  if (given.hull.given()) options.hull = *hull;
   Result<ProcessReport> report = process_take(options);
   if (!report) return forward(report);
 

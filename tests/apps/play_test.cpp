@@ -18,8 +18,8 @@ class PlayUnderXvfb : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
     take_ = small_take(*folder_, 2);
-    ProcessOptions options{.take = take_, .key = "chroma", .hull = {}};
-    options.hull.resolution = 64;
+    ProcessOptions options{.take = take_, .key = "chroma", .hull = HullOptions{}};
+    options.hull->resolution = 64;
     ASSERT_THAT(process_take(options), IsOk());
   }
   static void TearDownTestSuite() {

@@ -19,8 +19,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 ProcessOptions options_for(const fs::path& take) {
-  ProcessOptions options{.take = take, .key = "chroma", .hull = {}};
-  options.hull.resolution = 48;
+  ProcessOptions options{.take = take, .key = "chroma", .hull = HullOptions{}};
+  options.hull->resolution = 48;
   return options;
 }
 
@@ -107,7 +107,7 @@ TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
   EXPECT_EQ(redone->mattes.made, 6);
   EXPECT_EQ(redone->meshes.made, 1);
 
-  other.hull.contour_tolerance = 1;
+  other.hull->contour_tolerance = 1;
   other.redo = false;
   EXPECT_THAT(process_take(other), FailsWith(ErrorCode::AlreadyExists, "hull options"));
 }
@@ -133,6 +133,26 @@ TEST(Process, GoesOnWithTheKeyerOfTheFirstRunWhenNoneIsNamed) {
   const Result<ProcessReport> again = process_take(unnamed);
   ASSERT_THAT(again, IsOk());
   EXPECT_EQ(again->mattes.kept, 6);
+}
+
+TEST(Process, GoesOnWithTheHullOptionsOfTheFirstRunWhenNoneAreGiven) {
+  TempFolder folder;
+  const fs::path take = small_take(folder);
+  ProcessOptions first = options_for(take);
+  first.hull->contour_tolerance = 1.5;
+  first.hull->voting = HullVoting::MofN;
+  first.hull->votes = 5;
+  ASSERT_THAT(process_take(first), IsOk());
+  const TakeLayout layout(take);
+  const std::string mesh = *read_file(layout.mesh(1));
+  fs::remove(layout.mesh(1));
+  ProcessOptions unsaid = options_for(take);
+  unsaid.hull.reset();
+  const Result<ProcessReport> again = process_take(unsaid);
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->meshes.kept, 1);
+  EXPECT_EQ(again->meshes.made, 1);
+  EXPECT_EQ(*read_file(layout.mesh(1)), mesh) << "with the tolerance and the votes of the first run";
 }
 
 TEST(Process, SweepsUpWhatAKilledRunLeftHalfWritten) {

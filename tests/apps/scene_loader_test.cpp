@@ -17,8 +17,8 @@ class ProcessedTake : public testing::Test {
  protected:
   void SetUp() override {
     path_ = small_take(folder_, 1);
-    ProcessOptions options{.take = path_, .key = "chroma", .hull = {}};
-    options.hull.resolution = 48;
+    ProcessOptions options{.take = path_, .key = "chroma", .hull = HullOptions{}};
+    options.hull->resolution = 48;
     ASSERT_THAT(process_take(options), IsOk());
   }
   std::unique_ptr<TakeReader> open() {

@@ -25,7 +25,7 @@ class RealTake : public testing::Test {
     import.calibration.path = data_;
     import.out = take();
     ASSERT_THAT(import_take(import), IsOk());
-    ASSERT_THAT(process_take({.take = take(), .key = key, .hull = {}}), IsOk());
+    ASSERT_THAT(process_take({.take = take(), .key = key, .hull = HullOptions{}}), IsOk());
   }
 
   fs::path take() const { return folder_ / "take"; }

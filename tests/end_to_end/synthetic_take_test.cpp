@@ -31,8 +31,8 @@ class SyntheticTake : public testing::Test {
     studio.studio.defects.calibration_error = 0.3;
     studio.frames = 1;
     ASSERT_THAT(synthesize_take(studio), IsOk());
-    ProcessOptions process{.take = studio.out, .key = "chroma", .hull = {}};
-    process.hull.resolution = 160;
+    ProcessOptions process{.take = studio.out, .key = "chroma", .hull = HullOptions{}};
+    process.hull->resolution = 160;
     ASSERT_THAT(process_take(process), IsOk());
   }
   static void TearDownTestSuite() {
