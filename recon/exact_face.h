@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -73,6 +74,7 @@ struct ArrangementInput {
   const RayIntervals* rays;
   const GridViews* grid;  ///< null: doubles decide
   Votes votes;
+  bool cull = true;  ///< leave out lines that cannot matter; without, the same result is found slowly
   std::vector<std::int32_t> first_face;  ///< per view: number of its first contour edge among all
 };
 
@@ -84,7 +86,9 @@ struct ArrangementInput {
 class FaceSweep {
  public:
   explicit FaceSweep(const ArrangementInput& input) : in_(&input) {}
-  void run(int view, int edge, FaceOutput& out);
+  /// The faces behind edges begin … end - 1 of a view, at most kMostFaces.
+  void run(int view, int begin, int end, FaceOutput& out);
+  static constexpr int kMostFaces = 64;
 
  private:
   static constexpr std::int32_t kSide = -1;     ///< an end on one of the two rays that bound the face
@@ -108,17 +112,20 @@ class FaceSweep {
   };
   /// A contour vertex of another view whose ray passes through the face.
   struct Vertex {
-    double s, w;
+    double w;
     std::int32_t ray, hit;
+  };
+  /// What cutting reads of each line, one array for each number.
+  struct LineColumns {
+    std::vector<double> wa, wb, left, right, low, high;
+    std::vector<std::uint8_t> relation;  ///< of the line that is being cut to each line
+    void clear();
+    void push(const Line& line);
   };
   struct ViewLines {
     int view;
-    int vertices, vertices_end;  ///< in vertices_, sorted by ray
-    int begin, end;              ///< in lines_: those that reach into the window
-    double lowest, highest;      ///< range of w that has any inside of this view
-    double least, most;          ///< range of w of the ends of its lines
-    int net;                     ///< upper minus lower bounds on the ray at s = 0
-    int state;                   ///< inside (1) or not at s = 0 above all lines that are kept
+    int begin, end;  ///< in lines_: those that reach into the window
+    int state;       ///< inside (1) or not at s = 0 above all lines that are kept
   };
   struct Crossing {
     double s;
@@ -130,13 +137,25 @@ class FaceSweep {
     FaceCorner corner;       ///< at `from`
   };
 
+  void take(int edge);
+  void take_depths();
+  void find_windows(int begin, int end);
+  PairTable::Bound bound_of(int j, double low, double high);
+  bool surely_inside(int j, const PairTable& mine, const PairTable& theirs);
+  PairTable::Bound voted_window();
+  void run_face(FaceOutput& out);
+  double w_of(const PairTable::FaceHit& hit, const Eigen::Vector3d& ray, double along_baseline) const {
+    return hit.w / (hit.w * along_baseline + depth_.dot(ray));
+  }
+  double s_of(int j, int ray) const;
   bool add_view(int j);
-  void add_vertices(int j);
-  bool find_window();
-  void add_lines(ViewLines& group);
-  bool add_line(int j, int edge, const End& left, const End& right);
+  int add_lines(int j);
+  bool add_line(int j, int edge, End left, End right);
   End entry_of(const Line& line) const;
   void cut_line(int f, bool strict);
+  void relate(int f, double entry);
+  void add_crossing(int f, int g, const End& entry, bool falls);
+  bool tally_view(int f, const End& entry, const ViewLines& other, bool strict, int& inside);
   bool cut_by_view(int f, const End& entry, const ViewLines& other, bool strict, int& inside);
   void emit_run(int f, int from_crossing, int to_crossing, bool inner);
   void add_ray_edges();
@@ -159,13 +178,18 @@ class FaceSweep {
   const ArrangementInput* in_;
   int i_ = 0, edge_ = 0, a_ = 0, b_ = 0;
   Eigen::Vector3d da_, db_, step_;
-  double window_low_ = 0, window_high_ = 0;
+  Eigen::Vector3d depth_;  ///< w of a point X of the face is 1 / (depth_ . (X - C_i))
+  std::array<PairTable::Bound, kMostFaces> windows_;
   double keep_low_ = 0, keep_high_ = 0;  ///< lines that do not reach into this range of w are left out
+  int inside_ = 0;                       ///< weight of the views that are inside all over that range
   bool tie_ = false, defect_ = false, unbounded_ = false;
   std::vector<Line> lines_;
+  LineColumns columns_;           ///< the same lines, where doubles decide
   std::vector<ExactLine> exact_;  ///< beside lines_, with a grid only
   std::vector<ViewLines> views_;
-  std::vector<Vertex> vertices_;
+  std::vector<Vertex> vertices_;  ///< of the view whose lines are being made, sorted by ray
+  std::vector<int> order_;        ///< in which views are asked: first those that cut most
+  VoteWindow vote_window_;
   std::vector<Crossing> crossings_;
   std::vector<Edge> edges_;
   std::vector<std::uint8_t> used_;

@@ -22,7 +22,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-constexpr int kFacesPerPart = 64;  // fixed, so that the parts do not depend on the number of threads
+constexpr int kFacesPerPart = FaceSweep::kMostFaces;  // fixed, so that the parts do not depend on the number of threads
 
 }  // namespace
 
@@ -42,6 +42,7 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
   input_.pairs = &pairs_;
   input_.rays = &rays_;
   input_.grid = grid;
+  input_.cull = options.cull;
   input_.first_face.resize(views.size());
   std::int32_t faces = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -60,9 +61,11 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
       part.clear();
       const std::int32_t end =
           std::min<std::int32_t>(faces, static_cast<std::int32_t>((p + 1) * kFacesPerPart));
-      for (std::int32_t face = static_cast<std::int32_t>(p) * kFacesPerPart; face < end; ++face) {
-        const auto view = std::upper_bound(input_.first_face.begin(), input_.first_face.end(), face) - 1;
-        sweep.run(static_cast<int>(view - input_.first_face.begin()), face - *view, part);
+      for (std::int32_t face = static_cast<std::int32_t>(p) * kFacesPerPart; face < end;) {
+        const auto next = std::upper_bound(input_.first_face.begin(), input_.first_face.end(), face);
+        const std::int32_t stop = next == input_.first_face.end() ? end : std::min(end, *next);
+        sweep.run(static_cast<int>(next - input_.first_face.begin()) - 1, face - *(next - 1), stop - *(next - 1), part);
+        face = stop;
       }
     }
   });

@@ -25,6 +25,7 @@ struct ExactOptions {
   int threads = 1;      ///< 0: one per core; the same result at any number
   double pixel = 1e-3;  ///< size of a pixel in units of a ray's z: 1 / focal length
   bool triangulate = true;
+  bool cull = true;  ///< false: the slow reference, which leaves nothing out
   ExactLevel start = ExactLevel::Doubles;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -29,6 +30,7 @@ Vector3d mean_of(const std::vector<Vector3d>& rays) {
   return sum;
 }
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnsure = 1e-12;  // relative: far above the rounding of a triple product in doubles
 
 }  // namespace
@@ -39,6 +41,12 @@ void PairTables::build(std::span<const ConeView> views, const GridViews* grid, i
   axes_.resize(views_ * views_);
   const std::size_t count = views_ * (views_ - 1) / 2;
   ties_.assign(count, 0);
+  normals_.resize(views_);
+  for (std::size_t v = 0; v < views_; ++v) {
+    const ConeView& view = views[v];
+    normals_[v].resize(view.rays.size());
+    for (std::size_t f = 0; f < view.rays.size(); ++f) normals_[v][f] = view.rays[f].cross(view.rays[view.next[f]]);
+  }
   parallel_for(count, threads, [&](std::size_t k) {
     int i = 0;
     std::size_t rest = k;
@@ -90,7 +98,7 @@ void PairTables::build_axis(std::span<const ConeView> views, const GridViews* gr
     pair.slope.resize(target.rays.size());
     pair.upper.resize(target.rays.size());
     for (std::size_t f = 0; f < target.rays.size(); ++f) {
-      const Vector3d n = target.rays[f].cross(target.rays[target.next[f]]);
+      const Vector3d& n = normals_[to][f];
       double d = n.dot(e);
       if (grid) {
         const auto &p = grid->rays[to][f], &q = grid->rays[to][target.next[f]];
@@ -174,16 +182,28 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
     return forward ? c >= 0 : c > 0;
   };
   pair.hits.clear();
+  pair.bounds.resize(rays.size());
   pair.ray_start.resize(static_cast<std::size_t>(count) + 1);
   pair.face_start.assign(static_cast<std::size_t>(edges) + 1, 0);
+  axis.found.resize(ends.size());
   int net = 0;  // upper minus lower: the same in every half-plane
   for (int a = 0; a < count; ++a) {
     pair.ray_start[a] = static_cast<std::int32_t>(pair.hits.size());
     const int bin = bin_of(ray_key[a], 0);
+    int found = 0;
     for (int at = axis.bin_start[bin]; at < axis.bin_start[bin + 1]; ++at) {
       const int f = axis.bin_edges[at];
       const bool ccw = (pair.upper[f] != 0) == forward;
-      if (positive(a, f) == ccw || positive(a, to.next[f]) != ccw) continue;
+      axis.found[found] = f;  // counted without a branch: which edges are met is as good as random
+      found += static_cast<int>(positive(a, f) != ccw) & static_cast<int>(positive(a, to.next[f]) == ccw);
+    }
+    if (a == 0) {
+      for (int k = 0; k < found; ++k) net += pair.upper[axis.found[k]] ? 1 : -1;
+      pair.top = net == 0 ? to.beyond_counts : net < 0;
+    }
+    PairTable::Bound bound{pair.top + net > 0 ? -kInfinity : kInfinity, pair.top ? kInfinity : -kInfinity};
+    for (int k = 0; k < found; ++k) {
+      const int f = axis.found[k];
       double w = pair.slope[f].dot(from.rays[a]);
       if (grid) {
         const auto &p = grid->rays[j][f], &q = grid->rays[j][to.next[f]];
@@ -194,11 +214,15 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
       }
       pair.hits.push_back({f, a, w});
       ++pair.face_start[f + 1];
-      if (a == 0) net += pair.upper[f] ? 1 : -1;
+      if (pair.upper[f]) {
+        bound.high = std::max(bound.high, w);
+      } else {
+        bound.low = std::min(bound.low, w);
+      }
     }
+    pair.bounds[a] = bound;
   }
   pair.ray_start[count] = static_cast<std::int32_t>(pair.hits.size());
-  pair.top = net == 0 ? to.beyond_counts : net < 0;
 
   for (int f = 0; f < edges; ++f) pair.face_start[f + 1] += pair.face_start[f];
   pair.face_hits.resize(pair.hits.size());

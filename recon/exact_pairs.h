@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,6 +25,10 @@ struct RayHit {
 /// Within that half-plane the edge's plane is w = slope . d for a ray direction d: affine, without any
 /// division by angles.
 struct PairTable {
+  /// Where the inside of j lies on one ray: nowhere below `low`, nowhere above `high`.
+  struct Bound {
+    double low, high;
+  };
   struct FaceHit {  ///< a hit again, in the order in which faces read them
     double w;
     std::int32_t ray, index;  ///< into hits
@@ -33,17 +38,25 @@ struct PairTable {
       upper;                 ///< per edge of j: 1 when the inside of j is at smaller w (an upper bound)
   std::vector<RayHit> hits;  ///< sorted by ray, then edge
   std::vector<std::int32_t> ray_start;   ///< ray r owns hits[ray_start[r]] … hits[ray_start[r + 1] - 1]
+  std::vector<Bound> bounds;             ///< per ray
   std::vector<std::int32_t> face_start;  ///< edge f owns face_hits[face_start[f]] …, by ray
   std::vector<FaceHit> face_hits;
   int top = 0;                ///< 1 when C_i, where w is infinite, is inside the silhouette of j
   std::int32_t first_id = 0;  ///< number of the first hit among the hits of all pairs
+
+  int hits_on(int ray) const { return ray_start[ray + 1] - ray_start[ray]; }
+  /// Whether all between the ray's bounds is inside: it has no other hits.
+  bool is_interval(int ray) const {
+    const Bound& bound = bounds[ray];
+    return hits_on(ray) == std::isfinite(bound.low) + std::isfinite(bound.high);
+  }
 };
 
 /// Rays of both views of an unordered pair, seen along the baseline.
 struct AxisTable {
   std::vector<Eigen::Vector2d> low, high;  ///< rays of the view with the lower, the higher index
   std::vector<double> low_key, high_key;   ///< monotone in phi, in [-2, 2]
-  std::vector<std::int32_t> bin_start, bin_edges, first_bin, last_bin;  ///< scratch
+  std::vector<std::int32_t> bin_start, bin_edges, first_bin, last_bin, found;  ///< scratch
 };
 
 class PairTables {
@@ -66,6 +79,7 @@ class PairTables {
                  bool& tie);
 
   std::size_t views_ = 0;
+  std::vector<std::vector<Eigen::Vector3d>> normals_;  ///< per view and edge
   std::vector<PairTable> pairs_;
   std::vector<AxisTable> axes_;
   std::vector<std::uint8_t> ties_;
