@@ -1,5 +1,7 @@
 #include "recon/exact_hull.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -274,6 +276,35 @@ TEST(ExactHull, KnowsWhichContourEdgeEveryTriangleCameFrom) {
     for (int k = 0; k < 3; ++k) {
       const Vector3d corner = hull.polygons.positions[hull.polygons.triangles[3 * t + k]];
       EXPECT_NEAR(normal.dot(corner - view.center), 0, 1e-9);
+    }
+  }
+}
+
+/// What a hull is, whatever order its parts are numbered in.
+std::vector<std::array<double, 3>> sorted_positions(const HullPolygons& hull) {
+  std::vector<std::array<double, 3>> out;
+  for (const Vector3d& p : hull.positions) out.push_back({p.x(), p.y(), p.z()});
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+TEST(ExactHull, IsTheSameWithoutLeavingAnythingOut) {
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    Random random(seed + 50);
+    const int cameras = 4 + static_cast<int>(seed % 6);
+    const auto views = cones::random_stars(random, cones::around(cameras, 3), 10, seed % 2 == 0);
+    for (const int votes : {0, cameras - 1, cameras - 2}) {
+      ExactOptions options;
+      options.votes = std::max(votes, 0);
+      const Computed culled = hull_of(views, options);
+      options.cull = false;
+      const Computed reference = hull_of(views, options);
+      ASSERT_EQ(culled.outcome.closed, reference.outcome.closed) << "seed " << seed << ", votes " << votes;
+      ASSERT_EQ(culled.outcome.unbounded, reference.outcome.unbounded) << "seed " << seed << ", votes " << votes;
+      EXPECT_EQ(culled.outcome.level, reference.outcome.level);
+      EXPECT_EQ(sorted_positions(culled.polygons), sorted_positions(reference.polygons)) << "seed " << seed;
+      EXPECT_EQ(culled.polygons.polygon_start.size(), reference.polygons.polygon_start.size());
+      EXPECT_NEAR(culled.polygons.volume, reference.polygons.volume, 1e-12);
     }
   }
 }
