@@ -1,0 +1,308 @@
+#include "calib/solver/bundle.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "core/parallel.h"
+
+namespace floatstage::solver {
+namespace {
+
+using Pose = std::array<double, 7>;  // quaternion x y z w, translation
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+Pose to_array(const Rigid3& t) {
+  const Eigen::Quaterniond& q = t.rotation;
+  return {q.x(), q.y(), q.z(), q.w(), t.translation.x(), t.translation.y(), t.translation.z()};
+}
+
+Rigid3 from_array(const Pose& p) {
+  return {Eigen::Quaterniond(p[3], p[0], p[1], p[2]).normalized(), {p[4], p[5], p[6]}};
+}
+
+// A rotation vector (rad) from the left, and an addition to the translation.
+class PoseManifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return 7; }
+  int TangentSize() const override { return 6; }
+  bool Plus(const double* x, const double* delta, double* out) const override {
+    const Eigen::Quaterniond q(x[3], x[0], x[1], x[2]);
+    const Eigen::Quaterniond turned = (rotation_from_vector({delta[0], delta[1], delta[2]}) * q).normalized();
+    Eigen::Map<Eigen::Vector4d> quaternion(out, 4);
+    quaternion = turned.coeffs();
+    for (int i = 0; i < 3; ++i) out[4 + i] = x[4 + i] + delta[3 + i];
+    return true;
+  }
+  bool PlusJacobian(const double* x, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> j(jacobian);
+    j.setZero();
+    j.topLeftCorner<4, 3>() = 0.5 * quaternion_by_rotation(x);
+    j.bottomRightCorner<3, 3>().setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* delta) const override {
+    const Eigen::Quaterniond a(y[3], y[0], y[1], y[2]), b(x[3], x[0], x[1], x[2]);
+    Eigen::Map<Eigen::Vector3d>(delta, 3) = vector_from_rotation(a * b.conjugate());
+    for (int i = 0; i < 3; ++i) delta[3 + i] = y[4 + i] - x[4 + i];
+    return true;
+  }
+  bool MinusJacobian(const double* x, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> j(jacobian);
+    j.setZero();
+    j.topLeftCorner<3, 4>() = 2 * quaternion_by_rotation(x).transpose();
+    j.bottomRightCorner<3, 3>().setIdentity();
+    return true;
+  }
+  // Twice the derivative of a unit quaternion by a rotation vector; its columns are orthonormal.
+  static Eigen::Matrix<double, 4, 3> quaternion_by_rotation(const double* q) {
+    Eigen::Matrix<double, 4, 3> j;
+    j << q[3], q[2], -q[1], -q[2], q[3], q[0], q[1], -q[0], q[3], -q[0], -q[1], -q[2];
+    return j;
+  }
+};
+
+// Derivatives by the 7 numbers of a pose, such that PlusJacobian takes them back to the 6 of its tangent.
+void spread(const Eigen::Ref<const Eigen::MatrixXd>& tangent, const Pose& pose, double* out) {
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor>> j(out, tangent.rows(), 7);
+  j.leftCols<4>() = 2 * tangent.leftCols<3>() * PoseManifold::quaternion_by_rotation(pose.data()).transpose();
+  j.rightCols<3>() = tangent.rightCols<3>();
+}
+
+// Ceres' own copy of the parameters, and the linearised views that its cost functions read.
+struct Workspace {
+  Scene& scene;
+  const BundleOptions& options;
+  std::vector<Pose> cameras, boards;
+  std::vector<std::vector<double>> markers;
+  std::vector<int> views;  // the usable ones
+  std::vector<LinearView> linear;
+
+  Workspace(Scene& s, const BundleOptions& o) : scene(s), options(o) {
+    for (const SceneCamera& c : s.cameras) cameras.push_back(to_array(c.cam_from_world));
+    for (const SceneBoard& b : s.boards) boards.push_back(to_array(b.world_from_target));
+    for (const SceneMarkers& m : s.markers) {
+      markers.emplace_back();
+      for (const Eigen::Vector3d& p : m.positions) markers.back().insert(markers.back().end(), {p.x(), p.y(), p.z()});
+    }
+    for (std::size_t i = 0; i < s.views.size(); ++i) {
+      const SceneView& v = s.views[i];
+      const bool any = std::any_of(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
+      if (any && usable(s, v)) views.push_back(static_cast<int>(i));
+    }
+    linear.resize(views.size());
+  }
+
+  void to_scene() {
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+      if (scene.cameras[i].placed) scene.cameras[i].cam_from_world = from_array(cameras[i]);
+    for (std::size_t i = 0; i < boards.size(); ++i)
+      if (scene.boards[i].placed) scene.boards[i].world_from_target = from_array(boards[i]);
+    for (std::size_t i = 0; i < markers.size(); ++i)
+      for (std::size_t k = 0; k < scene.markers[i].positions.size(); ++k)
+        scene.markers[i].positions[k] = Eigen::Map<const Eigen::Vector3d>(markers[i].data() + 3 * k);
+  }
+};
+
+// Projects all views on all threads before Ceres asks for them one by one: the same sums at any number of threads.
+class ProjectViews final : public ceres::EvaluationCallback {
+ public:
+  explicit ProjectViews(Workspace& w) : w_(w) {}
+  void PrepareForEvaluation(bool with_derivatives, bool new_point) override {
+    if (!new_point && (have_derivatives_ || !with_derivatives)) return;
+    w_.to_scene();
+    parallel_for(w_.views.size(), w_.options.threads, [&](std::size_t i) {
+      linearize(w_.scene, w_.scene.views[static_cast<std::size_t>(w_.views[i])], w_.options.loss, with_derivatives, w_.linear[i]);
+    });
+    have_derivatives_ = with_derivatives;
+  }
+
+ private:
+  Workspace& w_;
+  bool have_derivatives_ = false;
+};
+
+class ViewCost final : public ceres::CostFunction {
+ public:
+  ViewCost(const Workspace& w, std::size_t index) : w_(w), index_(index) {
+    const SceneView& v = view();
+    const int markers = v.board >= 0 ? 0 : static_cast<int>(w.markers[static_cast<std::size_t>(v.markers)].size());
+    set_num_residuals(v.board >= 0 ? kBoardRows : 2 * static_cast<int>(v.points.size()));
+    *mutable_parameter_block_sizes() = {kIntrinsics, 7, v.board >= 0 ? 7 : markers, 1};
+  }
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    const LinearView& linear = w_.linear[index_];
+    if (!linear.valid) return false;
+    Eigen::Map<Eigen::VectorXd>(residuals, linear.residual.size()) = linear.residual;
+    if (!jacobians) return true;
+    const SceneView& v = view();
+    const Eigen::Index height = linear.residual.size();
+    if (jacobians[0]) Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kIntrinsics, Eigen::RowMajor>>(jacobians[0], height, kIntrinsics) = linear.by_intrinsics;
+    if (jacobians[1]) spread(linear.by_camera, w_.cameras[static_cast<std::size_t>(v.camera)], jacobians[1]);
+    if (jacobians[2]) {
+      if (v.board >= 0)
+        spread(linear.by_object, w_.boards[static_cast<std::size_t>(v.board)], jacobians[2]);
+      else
+        Eigen::Map<RowMajor>(jacobians[2], height, linear.by_object.cols()) = linear.by_object;
+    }
+    if (jacobians[3]) Eigen::Map<Eigen::VectorXd>(jacobians[3], height) = linear.by_offset;
+    return true;
+  }
+
+ private:
+  const SceneView& view() const { return w_.scene.views[static_cast<std::size_t>(w_.views[index_])]; }
+  const Workspace& w_;
+  std::size_t index_;
+};
+
+// (x - start) / sigma of the intrinsics.
+class IntrinsicsPrior final : public ceres::SizedCostFunction<kIntrinsics, kIntrinsics> {
+ public:
+  explicit IntrinsicsPrior(const SceneCamera& c) : start_(c.start), sigma_(prior_sigmas(c)) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    Eigen::Map<Intrinsics> r(residuals);
+    r = (Eigen::Map<const Intrinsics>(parameters[0]) - start_).cwiseQuotient(sigma_);
+    if (jacobians && jacobians[0])
+      Eigen::Map<RowMajor>(jacobians[0], kIntrinsics, kIntrinsics) = sigma_.cwiseInverse().asDiagonal().toDenseMatrix();
+    return true;
+  }
+
+ private:
+  const Intrinsics start_, sigma_;
+};
+
+// What is known of markers: lengths between them, and where they are when they were surveyed.
+class MarkerKnowledge final : public ceres::CostFunction {
+ public:
+  MarkerKnowledge(const SceneMarkers& markers, const Target& target) : markers_(markers), target_(target) {
+    set_num_residuals(static_cast<int>(marker_residual(markers, target, nullptr).size()));
+    *mutable_parameter_block_sizes() = {3 * static_cast<int>(markers.positions.size())};
+  }
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    SceneMarkers here = markers_;
+    for (std::size_t k = 0; k < here.positions.size(); ++k)
+      here.positions[k] = Eigen::Map<const Eigen::Vector3d>(parameters[0] + 3 * k);
+    Eigen::MatrixXd by_positions;
+    const Eigen::VectorXd r = marker_residual(here, target_, &by_positions);
+    Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
+    if (jacobians && jacobians[0]) Eigen::Map<RowMajor>(jacobians[0], by_positions.rows(), by_positions.cols()) = by_positions;
+    return true;
+  }
+
+ private:
+  const SceneMarkers markers_;
+  const Target& target_;
+};
+
+void add_cameras(ceres::Problem& problem, Workspace& w, const std::vector<bool>& seen) {
+  for (std::size_t i = 0; i < w.scene.cameras.size(); ++i) {
+    if (!seen[i]) continue;
+    SceneCamera& c = w.scene.cameras[i];
+    const CameraMask free = free_parameters(w.scene, static_cast<int>(i), w.options);
+    std::vector<int> still;
+    for (int k = 0; k < kIntrinsics; ++k)
+      if (!free[k]) still.push_back(k);
+    if (still.size() == kIntrinsics) {
+      problem.SetParameterBlockConstant(c.intrinsics.data());
+    } else {
+      if (!still.empty()) problem.SetManifold(c.intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, still));
+      problem.AddResidualBlock(new IntrinsicsPrior(c), nullptr, c.intrinsics.data());
+    }
+    problem.SetManifold(w.cameras[i].data(), new PoseManifold);
+    if (!free[kIntrinsics]) problem.SetParameterBlockConstant(w.cameras[i].data());
+    if (!free[kIntrinsics + 6]) problem.SetParameterBlockConstant(&c.offset);
+  }
+}
+
+}  // namespace
+
+Intrinsics prior_sigmas(const SceneCamera& c) {
+  Intrinsics sigma = Intrinsics::Ones();
+  sigma.head<2>() = 0.5 * c.start.head<2>();
+  sigma[2] = 0.1 * c.width;
+  sigma[3] = 0.1 * c.height;
+  return sigma;
+}
+
+CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& options) {
+  const SceneCamera& c = scene.cameras[static_cast<std::size_t>(camera)];
+  CameraMask free = CameraMask::Constant(false);
+  if (!options.cameras_move) return free;
+  if (!c.intrinsics_fixed && options.intrinsics != Freedom::None) {
+    const int coefficients = coefficient_count(c.lens);
+    free.head<2>().setConstant(true);
+    if (options.intrinsics == Freedom::All) {
+      free.head(4 + coefficients).setConstant(true);
+      if (c.without_k3) free[8] = false;
+    } else if (coefficients > 0) {
+      free[4] = true;
+    }
+  }
+  if (!c.pose_fixed && camera != scene.reference) free.segment<6>(kIntrinsics).setConstant(true);
+  if (options.offsets && camera != scene.reference) free[kIntrinsics + 6] = true;
+  return free;
+}
+
+BundleSummary solve(Scene& scene, const BundleOptions& options) {
+  Workspace w(scene, options);
+  const Scene before = scene;
+  ProjectViews project_views(w);
+  ceres::Problem::Options problem_options;
+  problem_options.evaluation_callback = &project_views;
+  ceres::Problem problem(problem_options);
+
+  std::vector<bool> cameras(scene.cameras.size()), boards(scene.boards.size()), markers(scene.markers.size());
+  for (std::size_t i = 0; i < w.views.size(); ++i) {
+    const SceneView& v = scene.views[static_cast<std::size_t>(w.views[i])];
+    const auto camera = static_cast<std::size_t>(v.camera);
+    const auto object = static_cast<std::size_t>(v.board >= 0 ? v.board : v.markers);
+    double* place = v.board >= 0 ? w.boards[object].data() : w.markers[object].data();
+    problem.AddResidualBlock(new ViewCost(w, i), nullptr, scene.cameras[camera].intrinsics.data(), w.cameras[camera].data(), place,
+                             &scene.cameras[camera].offset);
+    cameras[camera] = true;
+    (v.board >= 0 ? boards : markers)[object] = true;
+  }
+  if (w.views.empty()) return {};
+  add_cameras(problem, w, cameras);
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    if (!boards[i]) continue;
+    problem.SetManifold(w.boards[i].data(), new PoseManifold);
+    ordering->AddElementToGroup(w.boards[i].data(), 0);
+  }
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    if (!markers[i]) continue;
+    const Target& target = scene.targets[static_cast<std::size_t>(scene.markers[i].target)];
+    ordering->AddElementToGroup(w.markers[i].data(), 0);
+    if (marker_residual(scene.markers[i], target, nullptr).size() > 0)
+      problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target), nullptr, w.markers[i].data());
+  }
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (!cameras[i]) continue;
+    ordering->AddElementToGroup(scene.cameras[i].intrinsics.data(), 1);
+    ordering->AddElementToGroup(w.cameras[i].data(), 1);
+    ordering->AddElementToGroup(&scene.cameras[i].offset, 1);
+  }
+
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_SCHUR;
+  solver.linear_solver_ordering = ordering;
+  solver.max_num_iterations = options.iterations;
+  solver.num_threads = 1;  // more of them add in the order in which they arrive
+  solver.function_tolerance = 1e-9;
+  solver.gradient_tolerance = 1e-14;
+  solver.parameter_tolerance = 1e-10;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  if (!summary.IsSolutionUsable()) {
+    scene = before;
+    return {};
+  }
+  w.to_scene();
+  return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()), summary.final_cost};
+}
+
+}  // namespace floatstage::solver

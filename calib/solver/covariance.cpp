@@ -1,0 +1,109 @@
+#include "calib/solver/covariance.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <map>
+
+namespace floatstage::solver {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+bool has_kept(const SceneView& v) {
+  return std::any_of(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
+}
+
+// Views by what they show, so that one object after the other can be eliminated.
+std::map<std::pair<bool, int>, std::vector<const SceneView*>> by_object(const Scene& scene) {
+  std::map<std::pair<bool, int>, std::vector<const SceneView*>> groups;
+  for (const SceneView& v : scene.views)
+    if (usable(scene, v) && has_kept(v)) groups[{v.board >= 0, v.board >= 0 ? v.board : v.markers}].push_back(&v);
+  return groups;
+}
+
+MatrixXd by_parameters(const LinearView& linear) {
+  MatrixXd j(linear.residual.size(), kCameraParameters);
+  j << linear.by_intrinsics, linear.by_camera, linear.by_offset;
+  return j;
+}
+
+// Eigenvalues that are nothing but rounding are directions of which nothing is known; they stay out.
+MatrixXd inverse(const MatrixXd& m) {
+  const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * m * scale.asDiagonal());
+  const double smallest = 1e-13 * eigen.eigenvalues().cwiseAbs().maxCoeff();
+  const Eigen::VectorXd inverted = eigen.eigenvalues().unaryExpr([&](double v) { return v > smallest ? 1 / v : 1 / smallest; });
+  return scale.asDiagonal() * eigen.eigenvectors() * inverted.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+}
+
+}  // namespace
+
+MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
+  const Index size = kCameraParameters * static_cast<Index>(scene.cameras.size());
+  std::vector<Index> free;
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    if (!scene.cameras[c].placed) continue;
+    const CameraMask mask = free_parameters(scene, static_cast<int>(c), options);
+    for (Index k = 0; k < kCameraParameters; ++k)
+      if (mask[k]) free.push_back(kCameraParameters * static_cast<Index>(c) + k);
+  }
+  MatrixXd information = MatrixXd::Zero(size, size);
+  for (const auto& [object, views] : by_object(scene)) {
+    const SceneMarkers* markers = object.first ? nullptr : &scene.markers[static_cast<std::size_t>(object.second)];
+    const Index width = markers ? 3 * static_cast<Index>(markers->positions.size()) : 6;
+    MatrixXd own = MatrixXd::Zero(width, width);
+    std::vector<std::pair<Index, MatrixXd>> shared;  // camera's first row, its block with the object
+    for (const SceneView* v : views) {
+      LinearView linear;
+      linearize(scene, *v, options.loss, true, linear);
+      if (!linear.valid) continue;
+      const MatrixXd j = by_parameters(linear);
+      const Index at = kCameraParameters * v->camera;
+      information.block(at, at, kCameraParameters, kCameraParameters) += j.transpose() * j;
+      shared.emplace_back(at, j.transpose() * linear.by_object);
+      own += linear.by_object.transpose() * linear.by_object;
+    }
+    if (markers) {
+      MatrixXd by_positions;
+      marker_residual(*markers, scene.targets[static_cast<std::size_t>(markers->target)], &by_positions);
+      own += by_positions.transpose() * by_positions;
+    }
+    const Eigen::LDLT<MatrixXd> solved(own);
+    std::vector<MatrixXd> eliminated;
+    for (const auto& [at, block] : shared) eliminated.push_back(solved.solve(block.transpose()));
+    for (const auto& [row, block] : shared)
+      for (std::size_t k = 0; k < shared.size(); ++k)
+        information.block(row, shared[k].first, kCameraParameters, kCameraParameters) -= block * eliminated[k];
+  }
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c)
+    information.diagonal().segment<kIntrinsics>(kCameraParameters * static_cast<Index>(c)) +=
+        prior_sigmas(scene.cameras[c]).cwiseMax(1e-12).cwiseAbs2().cwiseInverse();
+
+  MatrixXd result = MatrixXd::Zero(size, size);
+  if (free.empty()) return result;
+  const MatrixXd reduced = information(free, free);
+  result(free, free) = inverse(0.5 * (reduced + reduced.transpose()));
+  return result;
+}
+
+Redundancy redundancy(const Scene& scene, const BundleOptions& options) {
+  Redundancy r;
+  for (const auto& [object, views] : by_object(scene)) {
+    for (const SceneView* v : views)
+      r.rows += 2.0 * static_cast<double>(std::count_if(v->points.begin(), v->points.end(), [](const ScenePoint& p) { return p.kept; }));
+    if (object.first) {
+      r.unknowns += 6;
+      continue;
+    }
+    const SceneMarkers& markers = scene.markers[static_cast<std::size_t>(object.second)];
+    r.unknowns += 3.0 * static_cast<double>(markers.positions.size());
+    r.rows += static_cast<double>(marker_residual(markers, scene.targets[static_cast<std::size_t>(markers.target)], nullptr).size());
+  }
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c)
+    if (scene.cameras[c].placed) r.unknowns += static_cast<double>(free_parameters(scene, static_cast<int>(c), options).count());
+  return r;
+}
+
+}  // namespace floatstage::solver

@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+
+#include "calib/solver/failures.h"
+#include "calib/solver/linearize.h"
+#include "calib/solver/stages.h"
+#include "core/text.h"
+
+namespace floatstage::solver {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// The offset (s) that would most reduce each camera's errors if nothing else changed.
+std::vector<double> suspected_offsets(const Scene& scene) {
+  std::vector<double> along(scene.cameras.size()), square(scene.cameras.size());
+  for (const SceneView& v : scene.views) {
+    if (!usable(scene, v)) continue;
+    LinearView linear;
+    linearize(scene, v, {3}, true, linear);
+    if (!linear.valid) continue;
+    along[at(v.camera)] += linear.by_offset.dot(linear.residual);
+    square[at(v.camera)] += linear.by_offset.squaredNorm();
+  }
+  std::vector<double> out;
+  for (std::size_t c = 0; c < along.size(); ++c) out.push_back(square[c] > 0 ? -along[c] / square[c] : 0);
+  return out;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n == 0 ? 0 : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+double cost_of(const Scene& scene) {
+  double sum = 0;
+  for (const SceneView& v : scene.views)
+    if (usable(scene, v))
+      for (const Eigen::Vector2d& e : errors_of(scene, v)) sum += std::log1p(std::min(e.squaredNorm(), 1e6));
+  return sum;
+}
+
+}  // namespace
+
+std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOptions& options) {
+  if (options.time_offsets || !(scene.period > 0) || scene.cameras.size() < 2) return {};
+  Scene moving = scene;
+  for (SceneView& v : moving.views) v.lag = 0;
+  for (SceneView& v : moving.views)
+    for (ScenePoint& p : v.points) p.kept = true;
+  select_inliers(moving, 1e12);
+  estimate_motion(moving);
+  const std::vector<double> suspected = suspected_offsets(moving);
+  constexpr double kSuspicious = 0.12;  // of a frame: the boards have followed a late camera part of the way
+  if (std::none_of(suspected.begin(), suspected.end(), [&](double s) { return std::abs(s) > kSuspicious * scene.period; })) return {};
+
+  const double before = cost_of(moving);
+  BundleOptions bundle{.loss = {3}, .offsets = true, .iterations = 8, .threads = options.threads};
+  bundle.intrinsics = Freedom::None;
+  for (int round = 0; round < 6; ++round) {
+    solve(moving, bundle);
+    estimate_motion(moving);
+    measure_noise(moving, bundle);
+  }
+  constexpr double kConvincing = 0.9;  // of the errors' cost before
+  if (!(cost_of(moving) < kConvincing * before)) return {};
+  std::vector<double> offsets;
+  for (const SceneCamera& c : moving.cameras) offsets.push_back(c.offset);
+  const double middle = median(offsets);
+  std::vector<NamedFailure> out;
+  for (const SceneCamera& c : moving.cameras) {
+    const double frames = (c.offset - middle) / scene.period;
+    if (std::abs(frames) < options.late_frames) continue;
+    out.push_back({CalibrationFailure::LateCamera, c.serial,
+                   text("camera '", c.serial, "' is ", std::fixed, std::setprecision(2), std::abs(frames), " frames ", frames > 0 ? "late" : "early",
+                        ": its errors follow the target's motion; repair its synchronisation (or, for a steady lag, let the session solve for "
+                        "time offsets) and record again")});
+  }
+  return out;
+}
+
+}  // namespace floatstage::solver

@@ -1,0 +1,186 @@
+#include "calib/solver/linearize.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace floatstage::solver {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// A residual of two rows scaled so that its square is the loss of its square; its derivative likewise.
+struct Robust {
+  double scale = 1;  // of the residual
+  double bend = 0;   // derivative: scale * d + residual * bend * (residual · d)
+};
+
+Robust robust(Loss loss, double square) {
+  Robust r;
+  if (loss.cauchy <= 0 || square < 1e-12) return r;
+  const double c2 = loss.cauchy * loss.cauchy;
+  const double rho = c2 * std::log1p(square / c2), slope = 1 / (1 + square / c2);
+  r.scale = std::sqrt(rho / square);
+  r.bend = (slope * square - rho) / (square * square * r.scale);
+  return r;
+}
+
+template <class Row>
+void apply(const Robust& r, const Vector2d& residual, Row&& derivative) {
+  const auto along = (residual.transpose() * derivative).eval();
+  derivative *= r.scale;
+  derivative += r.bend * residual * along;
+}
+
+// The triangle of the QR decomposition of `rows`, which is overwritten; zeros below when there are fewer rows.
+using Compressed = Eigen::Matrix<double, kBoardRows, kBoardRows>;
+Compressed compress(Eigen::Matrix<double, Eigen::Dynamic, kBoardRows>& rows) {
+  Compressed out = Compressed::Zero();
+  Eigen::HouseholderQR<Eigen::Ref<Eigen::Matrix<double, Eigen::Dynamic, kBoardRows>>> qr(rows);
+  const auto height = std::min<Eigen::Index>(rows.rows(), kBoardRows);
+  out.topRows(height) = qr.matrixQR().topRows(height).triangularView<Eigen::Upper>();
+  return out;
+}
+
+void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool with_derivatives, LinearView& out) {
+  const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
+  const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
+  const Target& target = scene.targets[static_cast<std::size_t>(board.target)];
+  const double dt = v.lag + camera.offset;
+  const Rigid3 world_from_target = board.at(dt);
+  const Rigid3 from_target = camera.cam_from_world * world_from_target;
+  const Matrix3d turn = from_target.rotation.toRotationMatrix();
+
+  const auto kept = std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
+  Eigen::Matrix<double, Eigen::Dynamic, kBoardRows> rows(2 * kept, kBoardRows);
+  Eigen::Index row = 0;
+  double cost = 0;
+  Projected projected;
+  for (const ScenePoint& p : v.points) {
+    if (!p.kept) continue;
+    const Vector3d in_camera = turn * target.points[static_cast<std::size_t>(p.index)].position + from_target.translation;
+    if (!project(camera.intrinsics, camera.lens, in_camera, projected)) return;
+    const double weight = 1 / (p.sigma * camera.noise);
+    const Vector2d residual = (projected.pixel - p.pixel) * weight;
+    const Robust r = robust(loss, residual.squaredNorm());
+    cost += (r.scale * residual).squaredNorm();
+    if (!with_derivatives) continue;
+    auto block = rows.middleRows<2>(row);
+    block.leftCols<kIntrinsics>() = weight * projected.by_intrinsics;
+    block.middleCols<3>(kIntrinsics) = -weight * projected.by_point * cross_matrix(in_camera);
+    block.middleCols<3>(kIntrinsics + 3) = weight * projected.by_point;
+    apply(r, residual, block.leftCols<kIntrinsics + 6>());
+    block.col(kIntrinsics + 6) = r.scale * residual;
+    row += 2;
+  }
+  out.valid = true;
+  if (!with_derivatives) {  // only the sum of squares is asked for
+    out.residual = Eigen::VectorXd::Zero(kBoardRows);
+    out.residual[0] = std::sqrt(cost);
+    return;
+  }
+  const Compressed r = compress(rows);
+  const Eigen::Matrix<double, kBoardRows, 6> by_twist = r.middleCols<6>(kIntrinsics);
+  out.residual = r.col(kIntrinsics + 6);
+  out.by_intrinsics = r.leftCols<kIntrinsics>();
+  // A twist of the camera's frame moves a point by ω × p + v. Both poses act on it through such a twist.
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  const Matrix3d rotation = camera.cam_from_world.rotation.toRotationMatrix();
+  Matrix6 of_camera = Matrix6::Identity(), of_board = Matrix6::Zero();
+  of_camera.bottomLeftCorner<3, 3>() = cross_matrix(camera.cam_from_world.translation);
+  of_board.topLeftCorner<3, 3>() = rotation;
+  of_board.bottomLeftCorner<3, 3>() = cross_matrix(from_target.translation) * rotation;
+  of_board.bottomRightCorner<3, 3>() = rotation;
+  Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
+  if (board.has_motion) {
+    motion << board.spin, board.velocity + board.acceleration * dt;
+    motion = of_board * motion;
+    // What turns the board at its own time is carried along by the turn since.
+    of_board.leftCols<3>() *= rotation_from_vector(board.spin * dt).toRotationMatrix();
+  }
+  out.by_camera = by_twist * of_camera;
+  out.by_object = by_twist * of_board;
+  out.by_offset = by_twist * motion;
+}
+
+void linearize_markers(const Scene& scene, const SceneView& v, Loss loss, LinearView& out) {
+  const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
+  const SceneMarkers& markers = scene.markers[static_cast<std::size_t>(v.markers)];
+  const double dt = v.lag + camera.offset;
+  const Matrix3d rotation = camera.cam_from_world.rotation.toRotationMatrix();
+  const auto height = 2 * static_cast<Eigen::Index>(v.points.size());
+  out.residual.setZero(height);
+  out.by_intrinsics.setZero(height, kIntrinsics);
+  out.by_camera.setZero(height, 6);
+  out.by_object.setZero(height, 3 * static_cast<Eigen::Index>(markers.positions.size()));
+  out.by_offset.setZero(height);
+  Eigen::Index row = 0;
+  Projected projected;
+  for (const ScenePoint& p : v.points) {
+    if (!p.kept) continue;
+    const auto i = static_cast<std::size_t>(p.index);
+    const Vector3d velocity = markers.has_motion ? markers.velocities[i] : Vector3d(Vector3d::Zero());
+    const Vector3d turned = rotation * (markers.positions[i] + velocity * dt);
+    if (!project(camera.intrinsics, camera.lens, turned + camera.cam_from_world.translation, projected)) return;
+    const double weight = 1 / (p.sigma * camera.noise);
+    const Vector2d residual = (projected.pixel - p.pixel) * weight;
+    const Robust r = robust(loss, residual.squaredNorm());
+    Eigen::Matrix<double, 2, 3> by_point = weight * projected.by_point;
+    Eigen::Matrix<double, 2, kIntrinsics> by_intrinsics = weight * projected.by_intrinsics;
+    apply(r, residual, by_point);
+    apply(r, residual, by_intrinsics);
+    out.residual.segment<2>(row) = r.scale * residual;
+    out.by_intrinsics.middleRows<2>(row) = by_intrinsics;
+    out.by_camera.block<2, 3>(row, 0) = -by_point * cross_matrix(turned);
+    out.by_camera.block<2, 3>(row, 3) = by_point;
+    out.by_object.block<2, 3>(row, 3 * p.index) = by_point * rotation;
+    out.by_offset.segment<2>(row) = by_point * (rotation * velocity);
+    row += 2;
+  }
+  out.valid = true;
+}
+
+}  // namespace
+
+void linearize(const Scene& scene, const SceneView& view, Loss loss, bool with_derivatives, LinearView& out) {
+  out.valid = false;
+  if (view.board >= 0)
+    linearize_board(scene, view, loss, with_derivatives, out);
+  else
+    linearize_markers(scene, view, loss, out);
+}
+
+Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& target, Eigen::MatrixXd* by_positions) {
+  const auto place = [&](int id) {
+    const auto found = std::find(markers.indices.begin(), markers.indices.end(), point_index(target, id));
+    return found == markers.indices.end() ? -1 : static_cast<int>(found - markers.indices.begin());
+  };
+  std::vector<const TargetLength*> lengths;
+  for (const TargetLength& l : target.lengths)
+    if (place(l.a) >= 0 && place(l.b) >= 0) lengths.push_back(&l);
+  const auto count = static_cast<Eigen::Index>(markers.positions.size());
+  const auto surveyed = target.positions_sigma ? 3 * count : 0, known = static_cast<Eigen::Index>(lengths.size());
+  Eigen::VectorXd r(known + surveyed);
+  if (by_positions) by_positions->setZero(r.size(), 3 * count);
+  for (Eigen::Index i = 0; i < known; ++i) {
+    const TargetLength& l = *lengths[static_cast<std::size_t>(i)];
+    const int a = place(l.a), b = place(l.b);
+    const Vector3d between = markers.positions[static_cast<std::size_t>(a)] - markers.positions[static_cast<std::size_t>(b)];
+    const double length = std::max(between.norm(), 1e-9);
+    r[i] = (length - l.metres) / l.sigma;
+    if (!by_positions) continue;
+    by_positions->block<1, 3>(i, 3 * a) = between.transpose() / (length * l.sigma);
+    by_positions->block<1, 3>(i, 3 * b) = -by_positions->block<1, 3>(i, 3 * a);
+  }
+  for (Eigen::Index i = 0; i < surveyed / 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double weight = 1 / *target.positions_sigma;
+    r.segment<3>(known + 3 * i) = weight * (markers.positions[k] - target.points[static_cast<std::size_t>(markers.indices[k])].position);
+    if (by_positions) by_positions->block<3, 3>(known + 3 * i, 3 * i) = weight * Eigen::Matrix3d::Identity();
+  }
+  return r;
+}
+
+}  // namespace floatstage::solver

@@ -1,0 +1,92 @@
+#include "calib/solver/projection.h"
+
+#include <cmath>
+
+namespace floatstage::solver {
+namespace {
+
+// A point on the plane z = 1 after the lens, its derivative by the point before it, and by the lens' coefficients.
+struct Bent {
+  Eigen::Vector2d point;
+  Eigen::Matrix2d by_point;
+  Eigen::Matrix<double, 2, 5> by_lens;
+};
+
+Bent brown(const Intrinsics& in, double x, double y) {
+  const double k1 = in[4], k2 = in[5], p1 = in[6], p2 = in[7], k3 = in[8];
+  const double r2 = x * x + y * y, r4 = r2 * r2;
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = k1 + r2 * (2 * k2 + 3 * r2 * k3);
+  Bent b;
+  b.point = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  const double cross = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
+  b.by_point << radial + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x, cross, cross,
+      radial + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x;
+  b.by_lens << x * r2, x * r4, 2 * x * y, r2 + 2 * x * x, x * r4 * r2,  //
+      y * r2, y * r4, r2 + 2 * y * y, 2 * x * y, y * r4 * r2;
+  return b;
+}
+
+Bent fisheye(const Intrinsics& in, double x, double y) {
+  const double r = std::hypot(x, y);
+  Bent b;
+  b.by_lens.setZero();
+  if (r < 1e-9) {  // the limit: no bending on the axis
+    b.point = {x, y};
+    b.by_point.setIdentity();
+    return b;
+  }
+  const double theta = std::atan(r), q = theta * theta;
+  const double bent = theta * (1 + q * (in[4] + q * (in[5] + q * (in[6] + q * in[7]))));
+  const double slope = (1 + q * (3 * in[4] + q * (5 * in[5] + q * (7 * in[6] + q * 9 * in[7])))) / (1 + r * r);  // by r
+  const Eigen::Vector2d n(x / r, y / r);
+  b.point = bent * n;
+  b.by_point = (bent / r) * Eigen::Matrix2d::Identity() + (slope - bent / r) * n * n.transpose();
+  double power = theta * q;
+  for (int i = 0; i < 4; ++i, power *= q) b.by_lens.col(i) = power * n;
+  return b;
+}
+
+}  // namespace
+
+int coefficient_count(LensKind lens) { return lens == LensKind::BrownConrady ? 5 : lens == LensKind::KannalaBrandt ? 4 : 0; }
+
+Intrinsics pack(const CameraModel& m) {
+  Intrinsics v = Intrinsics::Zero();
+  v.head<4>() << m.fx, m.fy, m.cx, m.cy;
+  if (const auto* b = std::get_if<BrownConrady>(&m.lens)) v.tail<5>() << b->k1, b->k2, b->p1, b->p2, b->k3;
+  if (const auto* f = std::get_if<KannalaBrandt>(&m.lens)) v.segment<4>(4) << f->k1, f->k2, f->k3, f->k4;
+  return v;
+}
+
+CameraModel unpack(const Intrinsics& v, LensKind lens, int width, int height) {
+  CameraModel m{.width = width, .height = height, .fx = v[0], .fy = v[1], .cx = v[2], .cy = v[3], .lens = {}};
+  if (lens == LensKind::BrownConrady) m.lens = BrownConrady{v[4], v[5], v[6], v[7], v[8]};
+  if (lens == LensKind::KannalaBrandt) m.lens = KannalaBrandt{v[4], v[5], v[6], v[7]};
+  return m;
+}
+
+bool project(const Intrinsics& in, LensKind lens, const Eigen::Vector3d& p, Projected& out) {
+  constexpr double kNearest = 1e-6;  // metres
+  if (!(p.z() > kNearest)) return false;
+  const double inverse = 1 / p.z(), x = p.x() * inverse, y = p.y() * inverse;
+  Bent bent;
+  if (lens == LensKind::BrownConrady) {
+    bent = brown(in, x, y);
+  } else if (lens == LensKind::KannalaBrandt) {
+    bent = fisheye(in, x, y);
+  } else {
+    bent.point = {x, y};
+    bent.by_point.setIdentity();
+    bent.by_lens.setZero();
+  }
+  out.pixel = {in[0] * bent.point.x() + in[2], in[1] * bent.point.y() + in[3]};
+  Eigen::Matrix<double, 2, 3> plane_by_point;
+  plane_by_point << inverse, 0, -x * inverse, 0, inverse, -y * inverse;
+  const Eigen::Vector2d f(in[0], in[1]);
+  out.by_point = f.asDiagonal() * bent.by_point * plane_by_point;
+  out.by_intrinsics.leftCols<4>() << bent.point.x(), 0, 1, 0, 0, bent.point.y(), 0, 1;
+  out.by_intrinsics.rightCols<5>() = f.asDiagonal() * bent.by_lens;
+  return true;
+}
+
+}  // namespace floatstage::solver

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "calib/observations.h"
+
+namespace floatstage::solver {
+
+/// fx fy cx cy, then the lens' coefficients in the order of its struct; those that a lens lacks are 0 and stay so.
+inline constexpr int kIntrinsics = 9;
+using Intrinsics = Eigen::Matrix<double, kIntrinsics, 1>;
+
+/// Coefficients of a lens: 0, 5 or 4.
+int coefficient_count(LensKind lens);
+
+Intrinsics pack(const CameraModel& model);
+CameraModel unpack(const Intrinsics& intrinsics, LensKind lens, int width, int height);
+
+/// A pixel and how it changes. Unlike core's project(), Brown-Conrady is the bare polynomial here: while it is being
+/// solved for, a lens may fold over where it will not in the end.
+struct Projected {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> by_point;  ///< by the point in camera coordinates
+  Eigen::Matrix<double, 2, kIntrinsics> by_intrinsics;
+};
+
+/// False where the point is not in front of the camera.
+bool project(const Intrinsics& intrinsics, LensKind lens, const Eigen::Vector3d& in_camera, Projected& out);
+
+}  // namespace floatstage::solver

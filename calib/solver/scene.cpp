@@ -1,0 +1,225 @@
+#include "calib/solver/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace floatstage::solver {
+namespace {
+
+constexpr int kAlways = std::numeric_limits<int>::min();  // the frame of what does not move
+
+SceneCamera make_camera(const CalibrationCamera& c) {
+  SceneCamera s;
+  s.serial = c.serial;
+  s.width = c.width;
+  s.height = c.height;
+  s.lens = c.lens;
+  s.intrinsics_fixed = c.intrinsics == Prior::Fixed;
+  s.pose_fixed = c.pose == Prior::Fixed;
+  s.has_intrinsics = c.intrinsics != Prior::Unknown;
+  if (s.has_intrinsics) s.start = s.intrinsics = pack(c.model);
+  s.placed = c.pose != Prior::Unknown;
+  if (s.placed) s.cam_from_world = c.cam_from_world;
+  return s;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Boards or markers of each target in the order of their frames.
+template <class Object>
+std::map<int, std::vector<Object*>> tracks(std::vector<Object>& objects) {
+  std::map<int, std::vector<Object*>> by_target;
+  for (Object& o : objects) {
+    o.has_motion = false;
+    if (o.placed && o.frame != kAlways) by_target[o.target].push_back(&o);
+  }
+  for (auto& [target, track] : by_target)
+    std::sort(track.begin(), track.end(), [](const Object* a, const Object* b) { return a->time < b->time; });
+  return by_target;
+}
+
+// Velocity and acceleration of a parabola through three instants, at the middle one.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> parabola(const Eigen::Vector3d& before, const Eigen::Vector3d& here,
+                                                     const Eigen::Vector3d& after, double back, double on) {
+  const Eigen::Vector3d v0 = (here - before) / back, v1 = (after - here) / on;
+  return {(v0 * on + v1 * back) / (back + on), 2 * (v1 - v0) / (back + on)};
+}
+
+}  // namespace
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  if (angle < 1e-12) return Eigen::Quaterniond(1, v.x() / 2, v.y() / 2, v.z() / 2).normalized();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, v / angle));
+}
+
+Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& q) {
+  const Eigen::Vector3d v = q.w() < 0 ? Eigen::Vector3d(-q.vec()) : Eigen::Vector3d(q.vec());
+  const double sine = v.norm();
+  if (sine < 1e-12) return 2 * v;
+  return v * (2 * std::atan2(sine, std::abs(q.w())) / sine);
+}
+
+double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return vector_from_rotation(a.conjugate() * b).norm();
+}
+
+Rigid3 SceneBoard::at(double dt) const {
+  if (!has_motion || dt == 0) return world_from_target;
+  return {(rotation_from_vector(spin * dt) * world_from_target.rotation).normalized(),
+          world_from_target.translation + velocity * dt + acceleration * (dt * dt / 2)};
+}
+
+Scene make_scene(const Observations& o) {
+  Scene scene;
+  scene.targets = o.targets;
+  for (const CalibrationCamera& c : o.cameras) scene.cameras.push_back(make_camera(c));
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  for (const TargetView& v : o.views) first = std::min(first, v.time.ns);
+
+  std::map<std::pair<int, int>, std::vector<int>> groups;  // by target and frame: the views
+  for (std::size_t i = 0; i < o.views.size(); ++i) {
+    const TargetView& v = o.views[i];
+    const Target& target = o.targets[static_cast<std::size_t>(v.target)];
+    const bool still = target.kind == TargetKind::Markers || target.is_static;
+    groups[{v.target, still ? kAlways : v.frame}].push_back(static_cast<int>(i));
+  }
+  std::map<int, double> frame_times;
+  for (const auto& [key, members] : groups) {
+    const auto [target_index, frame] = key;
+    const Target& target = o.targets[static_cast<std::size_t>(target_index)];
+    const bool is_board = target.kind == TargetKind::Board;
+    std::vector<double> times;
+    for (const int i : members) times.push_back(1e-9 * static_cast<double>(o.views[static_cast<std::size_t>(i)].time.ns - first));
+    const double time = median(times);
+    if (frame != kAlways) frame_times.emplace(frame, time);
+    SceneMarkers markers;
+    if (is_board) {
+      SceneBoard board;
+      board.target = target_index;
+      board.frame = frame;
+      board.time = time;
+      scene.boards.push_back(board);
+    } else {
+      // A marker needs two rays.
+      std::map<int, int> seen;
+      for (const int i : members)
+        for (const SeenPoint& p : o.views[static_cast<std::size_t>(i)].points) ++seen[point_index(target, p.id)];
+      for (const auto& [index, count] : seen)
+        if (count >= 2) markers.indices.push_back(index);
+      markers.target = target_index;
+      markers.frame = frame;
+      markers.time = time;
+      markers.positions.resize(markers.indices.size(), Eigen::Vector3d::Zero());
+      scene.markers.push_back(markers);
+    }
+    for (const int i : members) {
+      const TargetView& from = o.views[static_cast<std::size_t>(i)];
+      SceneView view;
+      view.camera = from.camera;
+      view.source = i;
+      view.lag = frame == kAlways ? 0 : 1e-9 * static_cast<double>(from.time.ns - first) - time;
+      (is_board ? view.board : view.markers) = static_cast<int>(is_board ? scene.boards.size() : scene.markers.size()) - 1;
+      for (const SeenPoint& p : from.points) {
+        int index = point_index(target, p.id);
+        if (!is_board) {
+          const auto found = std::find(markers.indices.begin(), markers.indices.end(), index);
+          if (found == markers.indices.end()) continue;
+          index = static_cast<int>(found - markers.indices.begin());
+        }
+        view.points.push_back({index, p.pixel, p.sigma, true});
+      }
+      if (!view.points.empty()) scene.views.push_back(std::move(view));
+    }
+  }
+  std::vector<double> steps;
+  for (auto a = frame_times.begin(); a != frame_times.end(); ++a)
+    if (const auto b = std::next(a); b != frame_times.end() && b->first > a->first)
+      steps.push_back((b->second - a->second) / (b->first - a->first));
+  scene.period = std::max(0.0, median(steps));
+  return scene;
+}
+
+bool usable(const Scene& scene, const SceneView& v) {
+  if (!scene.cameras[static_cast<std::size_t>(v.camera)].placed) return false;
+  return v.board >= 0 ? scene.boards[static_cast<std::size_t>(v.board)].placed
+                      : scene.markers[static_cast<std::size_t>(v.markers)].placed;
+}
+
+Rigid3 camera_from_target(const Scene& scene, const SceneView& v) {
+  const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
+  const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
+  return camera.cam_from_world * board.at(v.lag + camera.offset);
+}
+
+std::vector<Eigen::Vector2d> errors_of(const Scene& scene, const SceneView& v) {
+  const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
+  std::vector<Eigen::Vector2d> errors;
+  errors.reserve(v.points.size());
+  const Rigid3 from_target = v.board >= 0 ? camera_from_target(scene, v) : Rigid3{};
+  for (const ScenePoint& p : v.points) {
+    const auto i = static_cast<std::size_t>(p.index);
+    Eigen::Vector3d in_camera;
+    if (v.board >= 0) {
+      const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
+      in_camera = from_target * scene.targets[static_cast<std::size_t>(board.target)].points[i].position;
+    } else {
+      const SceneMarkers& m = scene.markers[static_cast<std::size_t>(v.markers)];
+      Eigen::Vector3d x = m.positions[i];
+      if (m.has_motion) x += m.velocities[i] * (v.lag + camera.offset);
+      in_camera = camera.cam_from_world * x;
+    }
+    Projected projected;
+    if (project(camera.intrinsics, camera.lens, in_camera, projected))
+      errors.push_back(projected.pixel - p.pixel);
+    else
+      errors.push_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()));
+  }
+  return errors;
+}
+
+void estimate_motion(Scene& scene) {
+  // Over longer gaps a hand does not move along a parabola.
+  const double longest = 2.5 * scene.period;
+  if (!(longest > 0)) return;
+  for (auto& [target, track] : tracks(scene.boards))
+    for (std::size_t i = 1; i + 1 < track.size(); ++i) {
+      const SceneBoard &before = *track[i - 1], &after = *track[i + 1];
+      SceneBoard& here = *track[i];
+      const double back = here.time - before.time, on = after.time - here.time;
+      if (!(back > 0 && on > 0 && back <= longest && on <= longest)) continue;
+      std::tie(here.velocity, here.acceleration) = parabola(before.world_from_target.translation, here.world_from_target.translation,
+                                                            after.world_from_target.translation, back, on);
+      const Eigen::Quaterniond turn = after.world_from_target.rotation * before.world_from_target.rotation.conjugate();
+      here.spin = vector_from_rotation(turn) / (back + on);
+      here.has_motion = true;
+    }
+  for (auto& [target, track] : tracks(scene.markers))
+    for (std::size_t i = 1; i + 1 < track.size(); ++i) {
+      const SceneMarkers &before = *track[i - 1], &after = *track[i + 1];
+      SceneMarkers& here = *track[i];
+      const double back = here.time - before.time, on = after.time - here.time;
+      if (!(back > 0 && on > 0 && back <= longest && on <= longest)) continue;
+      here.velocities.assign(here.positions.size(), Eigen::Vector3d::Zero());
+      here.has_motion = before.indices == here.indices && after.indices == here.indices;
+      if (!here.has_motion) continue;
+      for (std::size_t k = 0; k < here.positions.size(); ++k)
+        here.velocities[k] = parabola(before.positions[k], here.positions[k], after.positions[k], back, on).first;
+    }
+}
+
+}  // namespace floatstage::solver

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "calib/observations.h"
+#include "calib/solver/projection.h"
+#include "core/camera.h"
+
+namespace floatstage::solver {
+
+/// What is being solved for: cameras, where boards were, where markers were; and the views that tie them together.
+
+struct SceneCamera {
+  std::string serial;
+  int width = 0, height = 0;
+  LensKind lens = LensKind::BrownConrady;
+  Intrinsics intrinsics = Intrinsics::Zero();
+  Intrinsics start = Intrinsics::Zero();  ///< what the weak priors hold on to where a capture says nothing
+  Rigid3 cam_from_world;
+  double offset = 0;  ///< seconds that this camera's pictures were taken later than their time says
+  double noise = 1;   ///< its pixel errors in units of the detector's sigmas
+  bool intrinsics_fixed = false, pose_fixed = false, without_k3 = false;
+  bool has_intrinsics = false, placed = false;
+};
+
+/// A board at one instant, and how it was moving then.
+struct SceneBoard {
+  int target = 0, frame = 0;
+  double time = 0;  ///< seconds, from the first frame
+  Rigid3 world_from_target;
+  bool placed = false, held_out = false;
+  bool has_motion = false;
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();          ///< rad/s, in the world
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s of the target's origin
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< m/s²
+
+  /// Where it was `dt` seconds later.
+  Rigid3 at(double dt) const;
+};
+
+/// Markers of one target at one instant (a wand), or at all (static markers).
+struct SceneMarkers {
+  int target = 0, frame = 0;
+  double time = 0;
+  std::vector<int> indices;                ///< into the target's points
+  std::vector<Eigen::Vector3d> positions;  ///< world
+  std::vector<Eigen::Vector3d> velocities;
+  bool placed = false, held_out = false, has_motion = false;
+};
+
+struct ScenePoint {
+  int index = 0;  ///< of a board: into its target's points; of markers: into SceneMarkers::positions
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  double sigma = 0;
+  bool kept = true;  ///< false: an outlier
+};
+
+struct SceneView {
+  int camera = 0;
+  int board = -1, markers = -1;  ///< one of them
+  int source = 0;                ///< index into Observations::views
+  double lag = 0;                ///< seconds after the time of its board or markers
+  std::vector<ScenePoint> points;
+};
+
+struct Scene {
+  std::vector<SceneCamera> cameras;
+  std::vector<Target> targets;
+  std::vector<SceneBoard> boards;
+  std::vector<SceneMarkers> markers;
+  std::vector<SceneView> views;
+  int reference = -1;  ///< the camera that stands still while the others are solved for; -1: fixed things hold the world
+  double period = 0;   ///< seconds from frame to frame; 0: unknown
+};
+
+/// Boards and markers made out of the views; nothing placed but what is known.
+Scene make_scene(const Observations& observations);
+
+/// Both ends exist: whether a view takes part in a solution.
+bool usable(const Scene& scene, const SceneView& view);
+
+/// Where the target of a board view is in the camera's frame at the instant of the view.
+Rigid3 camera_from_target(const Scene& scene, const SceneView& view);
+
+/// Pixel errors of a view's points, kept or not; infinite behind the camera. Needs usable(scene, view).
+std::vector<Eigen::Vector2d> errors_of(const Scene& scene, const SceneView& view);
+
+/// Fills in how boards and markers move, from where they are in neighbouring frames.
+void estimate_motion(Scene& scene);
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& axis_times_angle);
+Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& rotation);
+double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);  ///< rad
+
+}  // namespace floatstage::solver

@@ -1,0 +1,123 @@
+#include "calib/solver/stages.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/solver/covariance.h"
+#include "core/parallel.h"
+
+namespace floatstage::solver {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// The curve of a Brown-Conrady lens must still rise at the corners of its picture.
+bool covers_picture(const SceneCamera& c) {
+  if (c.lens != LensKind::BrownConrady) return true;
+  const CameraModel model = unpack(c.intrinsics, c.lens, c.width, c.height);
+  for (const double x : {0.0, 1.0 * c.width})
+    for (const double y : {0.0, 1.0 * c.height})
+      if (!unproject(model, {x, y})) return false;
+  return true;
+}
+
+// Without k3 where the capture's border says so little that the lens would fold over inside its picture.
+bool drop_k3(Scene& scene) {
+  bool any = false;
+  for (SceneCamera& c : scene.cameras) {
+    if (c.intrinsics_fixed || c.without_k3 || !c.placed || covers_picture(c)) continue;
+    c.without_k3 = any = true;
+    c.intrinsics[8] = 0;
+  }
+  return any;
+}
+
+constexpr int kRounds = 4;  // of leaving out and taking back; the set hardly changes after two
+
+void settle(Scene& scene, BundleOptions& bundle, const CalibrationOptions& options) {
+  for (int round = 0; round < kRounds; ++round) {
+    if (bundle.offsets) estimate_motion(scene);
+    solve(scene, bundle);
+    measure_noise(scene, bundle);
+    const bool other_lens = drop_k3(scene);
+    if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens && !(bundle.offsets && round < 2)) break;
+    bundle.iterations = 15;
+  }
+  solve(scene, bundle);
+}
+
+}  // namespace
+
+int select_inliers(Scene& scene, double sigmas) {
+  int changed = 0;
+  for (SceneView& v : scene.views) {
+    if (!usable(scene, v)) continue;
+    const double noise = scene.cameras[at(v.camera)].noise;
+    const std::vector<Eigen::Vector2d> errors = errors_of(scene, v);
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      const bool keep = errors[i].norm() < sigmas * noise * v.points[i].sigma;
+      changed += keep != v.points[i].kept;
+      v.points[i].kept = keep;
+    }
+  }
+  return changed;
+}
+
+void measure_noise(Scene& scene, const BundleOptions& options) {
+  std::vector<std::vector<double>> squares(scene.cameras.size());
+  for (const SceneView& v : scene.views) {
+    if (!usable(scene, v)) continue;
+    const std::vector<Eigen::Vector2d> errors = errors_of(scene, v);
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      if (std::isfinite(errors[i].norm())) squares[at(v.camera)].push_back(errors[i].squaredNorm() / (v.points[i].sigma * v.points[i].sigma));
+  }
+  // What was solved for has taken up its share of the errors.
+  const double share = std::max(0.1, redundancy(scene, options).share());
+  for (std::size_t c = 0; c < squares.size(); ++c) {
+    std::vector<double>& s = squares[c];
+    if (s.empty()) continue;
+    const auto middle = s.begin() + static_cast<std::ptrdiff_t>(s.size() / 2);
+    std::nth_element(s.begin(), middle, s.end());
+    // The median of a squared length of two normal numbers is 2 ln 2; from there the mean of what is no outlier.
+    const double robust = *middle / (2 * std::log(2.0)), limit = 4.5 * 4.5 * robust;
+    double sum = 0;
+    int count = 0;
+    for (const double q : s)
+      if (q < limit) {
+        sum += q;
+        ++count;
+      }
+    const double variance = count > 0 ? sum / (2.0 * count * share) : 1;
+    scene.cameras[c].noise = std::clamp(std::sqrt(variance), 0.02, 1000.0);
+  }
+}
+
+BundleOptions solve_in_stages(Scene& scene, const CalibrationOptions& options) {
+  BundleOptions bundle{.threads = options.threads};
+  // A start may be off by tens of pixels; a lens by as many at the border.
+  for (SceneCamera& c : scene.cameras) c.noise = 1;
+  measure_noise(scene, bundle);
+  bundle.loss.cauchy = 2;
+  bundle.intrinsics = Freedom::Focal;
+  bundle.iterations = 12;
+  solve(scene, bundle);
+  measure_noise(scene, bundle);
+  bundle.intrinsics = Freedom::All;
+  bundle.iterations = 30;
+  solve(scene, bundle);
+  measure_noise(scene, bundle);
+  select_inliers(scene, 2 * options.outlier_sigmas);
+  drop_k3(scene);
+  solve(scene, bundle);
+  measure_noise(scene, bundle);
+  select_inliers(scene, options.outlier_sigmas);
+  return solve_again(scene, options);
+}
+
+BundleOptions solve_again(Scene& scene, const CalibrationOptions& options) {
+  BundleOptions bundle{.offsets = options.time_offsets, .iterations = 30, .threads = options.threads};
+  settle(scene, bundle, options);
+  return bundle;
+}
+
+}  // namespace floatstage::solver
