@@ -1,5 +1,6 @@
 #include <array>
 
+#include "capture/aravis/aravis_source.h"
 #include "capture/frame_source.h"
 #include "capture/replay/replay_source.h"
 #include "capture/synthetic/synthetic_source.h"
@@ -18,6 +19,7 @@ struct SourceKind {
 constexpr std::array kKinds = {
     SourceKind{"take", kReplayUsage, &open_replay},
     SourceKind{"synthetic", kSyntheticUsage, &open_synthetic},
+    SourceKind{"gige", kAravisUsage, &open_aravis},
 };
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "tests/capture/frame_source_conformance.h"
 
 #include "core/text.h"
+#include "tests/capture/fake_gige_camera.h"
 #include "tests/capture/pictures.h"
 #include "tests/support/fake_source.h"
+#include "tests/support/own_network.h"
 
 namespace floatstage {
 namespace {
@@ -16,6 +18,25 @@ std::unique_ptr<FrameSource> opened(const std::string& uri) {
 std::unique_ptr<FrameSource> replayed(const TempFolder& folder, TakeCodec codec) {
   record_small_take(folder / "take", 2, 8, codec, /*gap=*/3);
   return opened(text("take:", (folder / "take").string(), "#cam0"));
+}
+
+// A source together with the camera process that it reads.
+class WithItsCamera final : public FrameSource {
+ public:
+  WithItsCamera() : camera_(1, "FAKE1"), source_(opened(camera_.uri("format=gray8&width=64&height=48&frames=4"))) {}
+  Result<StreamInfo> start() override { return source_->start(); }
+  Result<Frame> next(Nanoseconds timeout) override { return source_->next(timeout); }
+  void stop() override { source_->stop(); }
+  SourceStats stats() const override { return source_->stats(); }
+
+ private:
+  FakeGigeCamera camera_;
+  std::unique_ptr<FrameSource> source_;
+};
+
+std::unique_ptr<FrameSource> gige(const TempFolder&) {
+  EXPECT_TRUE(enter_own_network());
+  return std::make_unique<WithItsCamera>();
 }
 
 using Step = FakeStep;
@@ -32,6 +53,7 @@ INSTANTIATE_TEST_SUITE_P(
                           return opened("synthetic:camera=2&cameras=3&width=24&height=18&samples=1&frames=2");
                         },
                         2, 0},
+        SourceUnderTest{"gige", gige, 4, 0, /*live=*/true},
         SourceUnderTest{"fake",
                         [](const TempFolder&) -> std::unique_ptr<FrameSource> {
                           return std::make_unique<FakeSource>(
