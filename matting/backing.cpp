@@ -24,6 +24,10 @@ bool looks_like_cloth(int r, int g, int b) {
 
 }  // namespace
 
+BackingChannel backing_channel(Rgb color) {
+  return color.b > color.g ? BackingChannel::Blue : BackingChannel::Green;
+}
+
 std::optional<Rgb> sample_backing(const std::vector<Image>& pictures) {
   std::vector<Bin> bins(kBins * kBins);
   std::int64_t seen = 0;

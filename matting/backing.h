@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "matting/foreground.h"
 
 namespace floatstage {
 
@@ -17,5 +18,8 @@ struct Rgb {
 /// of the saturated green or blue pixels near the borders. Chromaticity (colour over brightness) puts the lit
 /// and the shaded cloth into one bin. Nothing when less than 2 % of the border shows such a colour.
 std::optional<Rgb> sample_backing(const std::vector<Image>& pictures);
+
+/// The channel in which a cloth of that colour leads; green unless blue does.
+BackingChannel backing_channel(Rgb color);
 
 }  // namespace floatstage

@@ -6,6 +6,7 @@
 
 #include "core/text.h"
 #include "matting/backing.h"
+#include "matting/foreground.h"
 #include "matting/keyers.h"
 #include "matting/refine_edges.h"
 
@@ -58,8 +59,7 @@ class ChromaKeyer : public Keyer {
     along_ = chroma_form(c.cb / c.length(), c.cr / c.length());
     across_ = chroma_form(-c.cr / c.length(), c.cb / c.length());
     saturation_ = c.length() / (c.luma + kDarkFloor);
-    const std::array<std::uint8_t, 3> rgb = {key_color.r, key_color.g, key_color.b};
-    backing_channel_ = static_cast<int>(std::max_element(rgb.begin(), rgb.end()) - rgb.begin());
+    backing_ = backing_channel(key_color);
   }
 
   Result<Matte> key(const Frame& frame) const override {
@@ -85,11 +85,7 @@ class ChromaKeyer : public Keyer {
   Result<Image> suppress_spill(const Frame& frame) const override {
     auto rgb = to_rgb(frame);
     if (!rgb) return forward(rgb);
-    // Light from the cloth only adds to the backing's channel. Limiting it to the larger of the other two
-    // leaves every colour alone in which it does not lead.
-    const int k = backing_channel_, i = (k + 1) % 3, j = (k + 2) % 3;
-    for (std::uint8_t* p = rgb->pixels.data(); p != rgb->pixels.data() + rgb->pixels.size(); p += 3)
-      p[k] = std::min(p[k], std::max(p[i], p[j]));
+    despill(*rgb, backing_);
     return rgb;
   }
 
@@ -134,7 +130,7 @@ class ChromaKeyer : public Keyer {
   CleanupOptions cleanup_;
   Form along_{}, across_{};  // the CbCr plane turned so that its first axis is the cloth's direction
   float saturation_ = 0;     // the cloth's chroma over luma
-  int backing_channel_ = 1;  // of RGB
+  BackingChannel backing_ = BackingChannel::Green;
 };
 
 Result<Rgb> parse_color(std::string_view text_color) {

@@ -22,6 +22,7 @@ struct KeyerRequest {
 Result<std::unique_ptr<Keyer>> make_chroma_keyer(const KeyerRequest& request);
 Result<std::unique_ptr<Keyer>> make_difference_keyer(const KeyerRequest& request);
 Result<std::unique_ptr<Keyer>> make_luminance_keyer(const KeyerRequest& request);
+Result<std::unique_ptr<Keyer>> make_plate_keyer(const KeyerRequest& request);
 
 /// The threshold in a spec, a whole number of 8-bit steps from 1 to 254; `fallback` when none is given.
 Result<int> threshold_of(const KeyerRequest& request, std::string_view keyer, int fallback);
