@@ -115,12 +115,13 @@ class FaceSweep {
     double w;
     std::int32_t ray, hit;
   };
-  /// What cutting reads of each line, one array for each number.
-  struct LineColumns {
-    std::vector<double> wa, wb, left, right, low, high;
-    std::vector<std::uint8_t> relation;  ///< of the line that is being cut to each line
-    void clear();
-    void push(const Line& line);
+  /// What relate() reads of a line.
+  struct LineColumn {
+    double wa, wb, left, right, low, high;
+  };
+  /// The buckets of s that a line reaches, and the view it belongs to, as an index into views_.
+  struct Reach {
+    int first, last, view;
   };
   struct ViewLines {
     int view;
@@ -141,7 +142,6 @@ class FaceSweep {
   void take_depths();
   void find_windows(int begin, int end);
   PairTable::Bound bound_of(int j, double low, double high);
-  bool surely_inside(int j, const PairTable& mine, const PairTable& theirs);
   PairTable::Bound voted_window();
   void run_face(FaceOutput& out);
   double w_of(const PairTable::FaceHit& hit, const Eigen::Vector3d& ray, double along_baseline) const {
@@ -150,10 +150,15 @@ class FaceSweep {
   double s_of(int j, int ray) const;
   bool add_view(int j);
   int add_lines(int j);
-  bool add_line(int j, int edge, End left, End right);
+  void add_line(int j, int edge, const End& left, const End& right);
+  void start_cutting();
   End entry_of(const Line& line) const;
   void cut_line(int f, bool strict);
   void relate(int f, double entry);
+  void meet(int f, int g, const End& entry, int& state);
+  void fill_buckets();
+  int bucket_of(double s) const;
+  bool cut_in_buckets(int f, const End& entry, bool strict, int& inside);
   void add_crossing(int f, int g, const End& entry, bool falls);
   bool tally_view(int f, const End& entry, const ViewLines& other, bool strict, int& inside);
   bool cut_by_view(int f, const End& entry, const ViewLines& other, bool strict, int& inside);
@@ -184,10 +189,18 @@ class FaceSweep {
   int inside_ = 0;                       ///< weight of the views that are inside all over that range
   bool tie_ = false, defect_ = false, unbounded_ = false;
   std::vector<Line> lines_;
-  LineColumns columns_;           ///< the same lines, where doubles decide
   std::vector<ExactLine> exact_;  ///< beside lines_, with a grid only
   std::vector<ViewLines> views_;
   std::vector<Vertex> vertices_;  ///< of the view whose lines are being made, sorted by ray
+  std::vector<int> vertex_of_ray_;  ///< one more than the index in vertices_; 0: none
+  std::vector<LineColumn> columns_;
+  std::vector<std::uint8_t> relation_;  ///< of the line that is being cut to each line
+  bool is_wide_ = false;
+  int bucket_count_ = 0;
+  std::vector<Reach> reach_;
+  std::vector<int> bucket_start_, bucket_lines_;  ///< bucket b holds bucket_lines_[bucket_start_[b]] …
+  std::vector<int> above_;                        ///< lines with an end above the window
+  std::vector<std::pair<int, bool>> states_;      ///< per view: where the line is entered; whether it crosses
   std::vector<int> order_;        ///< in which views are asked: first those that cut most
   VoteWindow vote_window_;
   std::vector<Crossing> crossings_;

@@ -20,60 +20,87 @@ bool in_triangle(const Vector2d& p, const Vector2d& a, const Vector2d& b, const 
 
 }  // namespace
 
-bool PolygonCutter::is_ear(std::size_t before, std::size_t at, std::size_t after) const {
-  const std::int32_t ia = loop_[before], ib = loop_[at], ic = loop_[after];
+bool PolygonCutter::is_ear(std::int32_t at) const {
+  const std::int32_t ia = loop_[prev_[at]], ib = loop_[at], ic = loop_[next_[at]];
   const Vector2d &a = points_[ia], &b = points_[ib], &c = points_[ic];
   if (ia == ic || !(clockwise(a, b, c) > 0)) return false;
-  for (const std::int32_t other : loop_) {
-    if (other == ia || other == ib || other == ic) continue;
-    if (points_[other] == a || points_[other] == b || points_[other] == c) continue;
-    if (in_triangle(points_[other], a, b, c)) return false;
+  const Vector2d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
+  for (const std::int32_t node : reflex_) {
+    const std::int32_t other = loop_[node];
+    const Vector2d& p = points_[other];
+    if (p.x() < low.x() || p.x() > high.x() || p.y() < low.y() || p.y() > high.y()) continue;
+    if (next_[node] < 0 || other == ia || other == ib || other == ic) continue;
+    if (p == a || p == b || p == c) continue;
+    if (in_triangle(p, a, b, c)) return false;
   }
   return true;
 }
 
+/// No ear at all happens only to polygons flattened by rounding: then the least bad corner goes.
+std::int32_t PolygonCutter::least_bad(std::int32_t from, std::int32_t remaining) const {
+  std::int32_t best = from;
+  double best_area = -std::numeric_limits<double>::infinity();
+  for (std::int32_t at = from; remaining > 0; at = next_[at], --remaining) {
+    if (loop_[prev_[at]] == loop_[next_[at]]) continue;  // both sides of a bridge
+    const double area = clockwise(points_[loop_[prev_[at]]], points_[loop_[at]], points_[loop_[next_[at]]]);
+    if (area > best_area && (area < 0 || best_area == -std::numeric_limits<double>::infinity())) {
+      best_area = area;
+      best = at;
+    }
+  }
+  return best;
+}
+
 void PolygonCutter::clip(std::vector<std::int32_t>& triangles) {
-  const auto emit = [&](std::size_t a, std::size_t b, std::size_t c) {
-    triangles.insert(triangles.end(), {loop_[a], loop_[b], loop_[c]});
+  std::int32_t remaining = static_cast<std::int32_t>(loop_.size());
+  if (remaining < 3) return;
+  next_.resize(loop_.size());
+  prev_.resize(loop_.size());
+  for (std::int32_t k = 0; k < remaining; ++k) {
+    next_[k] = k + 1 < remaining ? k + 1 : 0;
+    prev_[k] = k > 0 ? k - 1 : remaining - 1;
+  }
+  const auto corner = [&](std::int32_t node) -> const Vector2d& { return points_[loop_[node]]; };
+  reflex_.clear();  // only these can lie in an ear
+  for (std::int32_t k = 0; k < remaining && remaining > 4; ++k) {
+    if (!(clockwise(corner(prev_[k]), corner(k), corner(next_[k])) > 0)) reflex_.push_back(k);
+  }
+  std::int32_t at = 0;
+  const auto cut = [&](std::int32_t node) {
+    triangles.insert(triangles.end(), {loop_[prev_[node]], loop_[node], loop_[next_[node]]});
+    at = next_[node];
+    next_[prev_[node]] = next_[node];
+    prev_[next_[node]] = prev_[node];
+    next_[node] = -1;
+    --remaining;
   };
-  while (loop_.size() > 3) {
-    const std::size_t n = loop_.size();
-    std::size_t best = 0;
+  for (std::int32_t failed = 0; remaining > 4;) {
+    if (is_ear(at)) {
+      cut(at);
+      failed = 0;
+    } else if (++failed < remaining) {
+      at = next_[at];
+    } else {
+      cut(least_bad(at, remaining));
+      failed = 0;
+    }
+  }
+  if (remaining == 4) {
+    // The diagonal for which the worse of the two triangles is better.
+    std::int32_t best = at;
     double best_score = -std::numeric_limits<double>::infinity();
-    bool found = false;
-    for (std::size_t at = 0; at < n; ++at) {
-      const std::size_t before = at == 0 ? n - 1 : at - 1, after = at + 1 == n ? 0 : at + 1;
-      if (n == 4) {
-        // The diagonal for which the worse of the two triangles is better.
-        const std::size_t opposite = (at + 2) % 4;
-        const double score =
-            std::min(clockwise(points_[loop_[before]], points_[loop_[at]], points_[loop_[after]]),
-                     clockwise(points_[loop_[after]], points_[loop_[opposite]], points_[loop_[before]]));
-        if (score > best_score) {
-          best_score = score;
-          best = at;
-        }
-        continue;
-      }
-      if (is_ear(before, at, after)) {
-        best = at;
-        found = true;
-        break;
-      }
-      if (loop_[before] == loop_[after]) continue;  // both sides of a bridge
-      const double area = clockwise(points_[loop_[before]], points_[loop_[at]], points_[loop_[after]]);
-      // No ear at all happens only to polygons flattened by rounding: then the least bad corner goes.
-      if (!found && area > best_score &&
-          (area < 0 || best_score == -std::numeric_limits<double>::infinity())) {
-        best_score = area;
+    for (int k = 0; k < 4; ++k, at = next_[at]) {
+      const std::int32_t before = prev_[at], after = next_[at];
+      const double score = std::min(clockwise(corner(before), corner(at), corner(after)),
+                                    clockwise(corner(after), corner(next_[after]), corner(before)));
+      if (score > best_score) {
+        best_score = score;
         best = at;
       }
     }
-    const std::size_t before = best == 0 ? n - 1 : best - 1, after = best + 1 == n ? 0 : best + 1;
-    emit(before, best, after);
-    loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(best));
+    cut(best);
   }
-  if (loop_.size() == 3) emit(0, 1, 2);
+  triangles.insert(triangles.end(), {loop_[prev_[at]], loop_[at], loop_[next_[at]]});
 }
 
 void PolygonCutter::bridge(const Ring& hole) {
@@ -166,28 +193,28 @@ void PolygonCutter::cut(std::span<const Vector2d> points, std::span<const std::i
     for (std::int32_t k = ring.begin; k < ring.end; ++k) left = std::min(left, points[k].x());
     return left;
   };
-  // Each hole belongs to the smallest outline around it.
-  std::vector<std::vector<const Ring*>> holes_of(rings_.size());
-  for (const Ring& hole : rings_) {
-    if (!is_hole(hole)) continue;
+  // Each hole belongs to the smallest outline around it. Holes are connected from left to right: then what lies to
+  // the left of a hole is connected already.
+  holes_.clear();
+  for (std::size_t h = 0; h < rings_.size(); ++h) {
+    if (!is_hole(rings_[h])) continue;
     std::size_t owner = rings_.size();
     for (std::size_t r = 0; r < rings_.size(); ++r) {
       if (is_hole(rings_[r]) || (owner < rings_.size() && rings_[r].area >= rings_[owner].area)) continue;
-      if (contains(rings_[r], points[hole.begin])) owner = r;
+      if (contains(rings_[r], points[rings_[h].begin])) owner = r;
     }
     if (owner == rings_.size()) {
       owner = 0;
       while (is_hole(rings_[owner])) ++owner;
     }
-    holes_of[owner].push_back(&hole);
+    holes_.push_back({owner, left_of(rings_[h]), h});
   }
+  std::sort(holes_.begin(), holes_.end());
+  auto hole = holes_.begin();
   for (std::size_t r = 0; r < rings_.size(); ++r) {
     if (is_hole(rings_[r])) continue;
     load(rings_[r].begin, rings_[r].end);
-    // From left to right: then what lies to the left of a hole is connected already.
-    std::sort(holes_of[r].begin(), holes_of[r].end(),
-              [&](const Ring* a, const Ring* b) { return left_of(*a) < left_of(*b); });
-    for (const Ring* hole : holes_of[r]) bridge(*hole);
+    for (; hole != holes_.end() && hole->owner == r; ++hole) bridge(rings_[hole->ring]);
     clip(triangles);
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,14 +25,24 @@ class PolygonCutter {
     std::int32_t begin, end;
     double area;  ///< positive for clockwise
   };
+  struct Hole {
+    std::size_t owner;
+    double left;
+    std::size_t ring;
+    auto operator<=>(const Hole&) const = default;
+  };
   void clip(std::vector<std::int32_t>& triangles);
   void bridge(const Ring& hole);
-  bool is_ear(std::size_t before, std::size_t at, std::size_t after) const;
+  bool is_ear(std::int32_t at) const;
+  std::int32_t least_bad(std::int32_t from, std::int32_t remaining) const;
 
   std::span<const Eigen::Vector2d> points_;
   std::vector<Ring> rings_;
   std::vector<std::int32_t> loop_;
   std::vector<std::int32_t> merged_;
+  std::vector<std::int32_t> next_, prev_;  ///< of the loop's corners that are left; next -1: cut off
+  std::vector<std::int32_t> reflex_;
+  std::vector<Hole> holes_;
 };
 
 }  // namespace floatstage
