@@ -173,6 +173,8 @@ class IntrinsicsPrior final : public ceres::SizedCostFunction<kIntrinsics, kIntr
   const Intrinsics start_, sigma_;
 };
 
+constexpr double kDoubtfulLength = 10;  // sigmas
+
 // What is known of markers: lengths between them, and where they are when they were surveyed.
 class MarkerKnowledge final : public ceres::CostFunction {
  public:
@@ -277,7 +279,8 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
     const Target& target = scene.targets[static_cast<std::size_t>(scene.markers[i].target)];
     ordering->AddElementToGroup(w.markers[i].data(), 0);
     if (marker_residual(scene.markers[i], target, nullptr).size() > 0)
-      problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target), nullptr, w.markers[i].data());
+      // Lengths that contradict the boards must not drag markers off their rays: then nobody could say which is wrong.
+      problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target), new ceres::CauchyLoss(kDoubtfulLength), w.markers[i].data());
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (!cameras[i]) continue;

@@ -34,6 +34,12 @@ double median(std::vector<double> values) {
   return n == 0 ? 0 : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
+std::vector<double> offsets_of(const Scene& scene) {
+  std::vector<double> out;
+  for (const SceneCamera& c : scene.cameras) out.push_back(c.offset);
+  return out;
+}
+
 double cost_of(const Scene& scene) {
   double sum = 0;
   for (const SceneView& v : scene.views)
@@ -57,24 +63,29 @@ std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOpti
   if (std::none_of(suspected.begin(), suspected.end(), [&](double s) { return std::abs(s) > kSuspicious * scene.period; })) return {};
 
   const double before = cost_of(moving);
+  // A late camera's intrinsics have bent to its errors; all is solved again, while the motion and the noise follow.
   BundleOptions bundle{.loss = {3}, .offsets = true, .iterations = 8, .threads = options.threads};
-  bundle.intrinsics = Freedom::None;
-  for (int round = 0; round < 6; ++round) {
+  constexpr int kRounds = 12;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<double> last = offsets_of(moving);
     solve(moving, bundle);
     estimate_motion(moving);
     measure_noise(moving, bundle);
+    double change = 0;
+    for (std::size_t c = 0; c < last.size(); ++c) change = std::max(change, std::abs(moving.cameras[c].offset - last[c]));
+    if (change < 0.01 * scene.period) break;
   }
   constexpr double kConvincing = 0.9;  // of the errors' cost before
   if (!(cost_of(moving) < kConvincing * before)) return {};
-  std::vector<double> offsets;
-  for (const SceneCamera& c : moving.cameras) offsets.push_back(c.offset);
+  const std::vector<double> offsets = offsets_of(moving);
   const double middle = median(offsets);
   std::vector<NamedFailure> out;
   for (const SceneCamera& c : moving.cameras) {
+    // Pictures that show an earlier instant than their frame's came late.
     const double frames = (c.offset - middle) / scene.period;
     if (std::abs(frames) < options.late_frames) continue;
     out.push_back({CalibrationFailure::LateCamera, c.serial,
-                   text("camera '", c.serial, "' is ", std::fixed, std::setprecision(2), std::abs(frames), " frames ", frames > 0 ? "late" : "early",
+                   text("camera '", c.serial, "' is ", std::fixed, std::setprecision(2), std::abs(frames), " frames ", frames < 0 ? "late" : "early",
                         ": its errors follow the target's motion; repair its synchronisation (or, for a steady lag, let the session solve for "
                         "time offsets) and record again")});
   }

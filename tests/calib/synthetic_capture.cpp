@@ -127,7 +127,7 @@ void capture_more(Observations& seen, const Rig& truth, const Target& target, co
   for (const TargetView& v : seen.views) first = std::max(first, v.frame + 100);
   for (int f = 0; f < options.frames; ++f)
     for (std::size_t c = 0; c < truth.cameras.size(); ++c) {
-      const int shown = static_cast<int>(c) == options.late_camera ? f - options.late_frames : f;
+      const double shown = static_cast<int>(c) == options.late_camera ? f - options.late_frames : f;
       Rigid3 pose = path(shown * options.frame_seconds);
       pose.translation -= pose.rotation * middle;
       TargetView view{static_cast<int>(c), index, first + f, {static_cast<std::int64_t>((first + f) * options.frame_seconds * 1e9)}, {}};

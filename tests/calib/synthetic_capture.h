@@ -36,7 +36,8 @@ struct CaptureOptions {
   Eigen::Vector3d center{0, 0, 1};
   double extent = 0.6;  ///< half the side of the cube in which the board's centre is
   double frame_seconds = 1.0 / 30;
-  int late_camera = -1, late_frames = 1;  ///< this camera's pictures are of `late_frames` before
+  int late_camera = -1;
+  double late_frames = 1;  ///< that camera's pictures show what the others saw so many frames before
 };
 
 /// Where a target is at a time (s); smooth, so that neighbouring frames are near each other.
