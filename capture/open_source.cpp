@@ -4,6 +4,7 @@
 #include "capture/frame_source.h"
 #include "capture/replay/replay_source.h"
 #include "capture/synthetic/synthetic_source.h"
+#include "capture/v4l2/v4l2_source.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -20,6 +21,7 @@ constexpr std::array kKinds = {
     SourceKind{"take", kReplayUsage, &open_replay},
     SourceKind{"synthetic", kSyntheticUsage, &open_synthetic},
     SourceKind{"gige", kAravisUsage, &open_aravis},
+    SourceKind{"v4l2", kV4l2Usage, &open_v4l2},
 };
 
 }  // namespace
