@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSlack = 1e-9;  // widens windows that only save work
+constexpr std::size_t kMany = 24;  // lines, from which a window is worth splitting
 
 }  // namespace
 
@@ -28,9 +29,15 @@ void FaceSweep::run(int view, int begin, int end, FaceOutput& out) {
     if (!(window.low < window.high)) continue;
     take(edge);
     take_depths();
-    keep_low_ = in_->cull ? window.low * (1 - kSlack) : -kInfinity;
-    keep_high_ = in_->cull ? window.high * (1 + kSlack) : kInfinity;
-    run_face(out);
+    edges_.clear();
+    first_line_ = 0;
+    tie_ = defect_ = unbounded_ = false;
+    sweep(in_->cull ? window : PairTable::Bound{-kInfinity, kInfinity}, 0);
+    add_ray_edges();
+    if (!edges_.empty()) link(out);
+    out.tie |= tie_;
+    out.unbounded |= unbounded_;
+    out.defects += defect_;
   }
 }
 
@@ -111,26 +118,76 @@ PairTable::Bound FaceSweep::voted_window() {
   return vote_window_.find(in_->votes, in_->views[i_].mandatory);
 }
 
-void FaceSweep::run_face(FaceOutput& out) {
+/// Finds the runs of hull boundary in a window of w.
+void FaceSweep::sweep(const PairTable::Bound& window, std::size_t depth) {
+  keep_low_ = window.low * (1 - kSlack);
+  keep_high_ = window.high * (1 + kSlack);
   lines_.clear();
   exact_.clear();
   views_.clear();
-  edges_.clear();
-  tie_ = defect_ = unbounded_ = false;
   inside_ = 0;
   const bool strict = in_->votes.strict;
   for (int j = 0; j < static_cast<int>(in_->views.size()); ++j) {
     if (j != i_ && !add_view(j) && strict) return;  // outside all over the window
   }
+  if (strict && in_->cull && depth < parts_.size() && lines_.size() > kMany && split_window(parts_[depth])) {
+    for (const PairTable::Bound& part : parts_[depth]) sweep(part, depth + 1);
+    return;
+  }
   start_cutting();
   for (const ViewLines& group : views_) {
     for (int f = group.begin; f < group.end && !defect_; ++f) cut_line(f, strict);
   }
-  add_ray_edges();
-  if (!edges_.empty()) link(out);
-  out.tie |= tie_;
-  out.unbounded |= unbounded_;
-  out.defects += defect_;
+  first_line_ += static_cast<int>(lines_.size());
+}
+
+/// Leaves out of the window the ranges of w in which some view has no line and is outside. Views that the subject fills
+/// to the border have their inside in several ranges, and only together leave little. False when that is hardly worth
+/// making the lines again.
+bool FaceSweep::split_window(std::vector<PairTable::Bound>& parts) {
+  parts.assign(1, {keep_low_, keep_high_});
+  const auto leave_out = [&](double low, double high) {
+    low *= 1 + kSlack;
+    high *= 1 - kSlack;
+    if (!(low < high)) return;
+    for (std::size_t p = parts.size(); p-- > 0;) {
+      PairTable::Bound& part = parts[p];
+      if (high <= part.low || low >= part.high) continue;
+      const PairTable::Bound above{high, part.high};
+      part.high = low;
+      const bool has_below = part.low < part.high, has_above = above.low < above.high;
+      if (has_below && has_above) {
+        parts.push_back(above);
+      } else if (has_above) {
+        part = above;
+      } else if (!has_below) {
+        part = parts.back();
+        parts.pop_back();
+      }
+    }
+  };
+  for (const ViewLines& group : views_) {
+    downwards_.clear();
+    for (int f = group.begin; f < group.end; ++f) {
+      const Line& line = lines_[f];
+      downwards_.push_back({line.high, line.low, line.left.ray != kSide ? 0 : (line.upper ? 1 : -1)});
+    }
+    std::sort(downwards_.begin(), downwards_.end(),
+              [](const Extent& x, const Extent& y) { return x.high > y.high; });
+    double level = keep_high_;  // down to which the lines so far reach
+    int state = group.state;
+    for (const Extent& extent : downwards_) {
+      if (extent.high < level && state <= 0) leave_out(extent.high, level);
+      level = std::min(level, extent.low);
+      state += extent.change;
+    }
+    if (state <= 0) leave_out(keep_low_, level);
+  }
+  std::size_t left = 0;
+  for (const Line& line : lines_) {
+    for (const PairTable::Bound& part : parts) left += line.high >= part.low && line.low <= part.high;
+  }
+  return 4 * left < 3 * lines_.size();
 }
 
 void FaceSweep::add_ray_edges() {

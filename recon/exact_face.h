@@ -143,7 +143,8 @@ class FaceSweep {
   void find_windows(int begin, int end);
   PairTable::Bound bound_of(int j, double low, double high);
   PairTable::Bound voted_window();
-  void run_face(FaceOutput& out);
+  void sweep(const PairTable::Bound& window, std::size_t depth);
+  bool split_window(std::vector<PairTable::Bound>& parts);
   double w_of(const PairTable::FaceHit& hit, const Eigen::Vector3d& ray, double along_baseline) const {
     return hit.w / (hit.w * along_baseline + depth_.dot(ray));
   }
@@ -158,6 +159,7 @@ class FaceSweep {
   void meet(int f, int g, const End& entry, int& state);
   void fill_buckets();
   int bucket_of(double s) const;
+  static bool is_long(const Line& line);
   bool cut_in_buckets(int f, const End& entry, bool strict, int& inside);
   void add_crossing(int f, int g, const End& entry, bool falls);
   bool tally_view(int f, const End& entry, const ViewLines& other, bool strict, int& inside);
@@ -186,6 +188,13 @@ class FaceSweep {
   Eigen::Vector3d depth_;  ///< w of a point X of the face is 1 / (depth_ . (X - C_i))
   std::array<PairTable::Bound, kMostFaces> windows_;
   double keep_low_ = 0, keep_high_ = 0;  ///< lines that do not reach into this range of w are left out
+  std::array<std::vector<PairTable::Bound>, 2> parts_;  ///< of windows that were split, and of their parts
+  struct Extent {
+    double high, low;
+    int change;  ///< of the view's state at s = 0, downwards
+  };
+  std::vector<Extent> downwards_;
+  int first_line_ = 0;                   ///< number of lines in the windows before this one
   int inside_ = 0;                       ///< weight of the views that are inside all over that range
   bool tie_ = false, defect_ = false, unbounded_ = false;
   std::vector<Line> lines_;
@@ -199,7 +208,8 @@ class FaceSweep {
   int bucket_count_ = 0;
   std::vector<Reach> reach_;
   std::vector<int> bucket_start_, bucket_lines_;  ///< bucket b holds bucket_lines_[bucket_start_[b]] …
-  std::vector<int> above_;                        ///< lines with an end above the window
+  std::vector<int> long_;                         ///< lines that are in no bucket
+  std::vector<int> above_;                        ///< short lines with an end above the window
   std::vector<std::pair<int, bool>> states_;      ///< per view: where the line is entered; whether it crosses
   std::vector<int> order_;        ///< in which views are asked: first those that cut most
   VoteWindow vote_window_;

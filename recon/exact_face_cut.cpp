@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kWide = 48;          // more lines are sorted into buckets before they are related
 constexpr double kMargin = 1e-9;   // of s, by which lines reach into the neighbouring bucket
+constexpr double kLong = 1.0 / 16;  // of s: such a line is related to all others
 constexpr int kMostBuckets = 4096;
 
 double w_at(double wa, double wb, double s) { return wa + (wb - wa) * s; }
@@ -129,7 +130,16 @@ bool FaceSweep::cut_by_view(int f, const End& entry, const ViewLines& other, boo
 /// Long faces, such as those behind the border of a picture, meet thousands of lines, most of them short.
 void FaceSweep::fill_buckets() {
   const int count = static_cast<int>(lines_.size());
-  bucket_count_ = std::min(count, kMostBuckets);
+  // As many buckets as short lines fit side by side: then a line reaches two of them on average.
+  double length = 0;
+  int shorts = 0;
+  for (const Line& line : lines_) {
+    if (is_long(line)) continue;
+    length += line.right.s - line.left.s;
+    ++shorts;
+  }
+  bucket_count_ = std::clamp(static_cast<int>(shorts / std::max(length, 1e-3)), 1, kMostBuckets);
+  long_.clear();
   reach_.resize(lines_.size());
   bucket_start_.assign(static_cast<std::size_t>(bucket_count_) + 2, 0);
   above_.clear();
@@ -137,6 +147,10 @@ void FaceSweep::fill_buckets() {
     for (int f = views_[k].begin; f < views_[k].end; ++f) {
       const Line& line = lines_[f];
       reach_[f] = {bucket_of(line.left.s - kMargin), bucket_of(line.right.s + kMargin), static_cast<int>(k)};
+      if (is_long(line)) {
+        long_.push_back(f);
+        continue;
+      }
       if (line.left_above || line.right_above) above_.push_back(f);
       for (int bucket = reach_[f].first; bucket <= reach_[f].last; ++bucket) ++bucket_start_[bucket + 2];
     }
@@ -144,10 +158,13 @@ void FaceSweep::fill_buckets() {
   for (int bucket = 0; bucket <= bucket_count_; ++bucket) bucket_start_[bucket + 1] += bucket_start_[bucket];
   bucket_lines_.resize(static_cast<std::size_t>(bucket_start_[bucket_count_ + 1]));
   for (int f = 0; f < count; ++f) {
+    if (is_long(lines_[f])) continue;
     for (int bucket = reach_[f].first; bucket <= reach_[f].last; ++bucket)
       bucket_lines_[bucket_start_[bucket + 1]++] = f;
   }
 }
+
+bool FaceSweep::is_long(const Line& line) { return !(line.right.s - line.left.s < kLong); }
 
 int FaceSweep::bucket_of(double s) const {
   // Written so that what is not a number goes to the first bucket.
@@ -158,16 +175,22 @@ int FaceSweep::bucket_of(double s) const {
 bool FaceSweep::cut_in_buckets(int f, const End& entry, bool strict, int& inside) {
   states_.resize(views_.size());
   for (std::size_t k = 0; k < views_.size(); ++k) states_[k] = {views_[k].state, false};
+  const auto ask = [&](int g) {
+    const std::size_t before_count = crossings_.size();
+    meet(f, g, entry, states_[reach_[g].view].first);
+    states_[reach_[g].view].second |= crossings_.size() != before_count;
+  };
   const int own = reach_[f].view, first = bucket_of(entry.s - kMargin), last = reach_[f].last;
   for (int bucket = first; bucket <= last; ++bucket) {
     for (int at = bucket_start_[bucket]; at < bucket_start_[bucket + 1]; ++at) {
       const int g = bucket_lines_[at];
       // Each line once, where the two first share a bucket.
       if (reach_[g].view == own || std::max(reach_[g].first, first) != bucket) continue;
-      const std::size_t before_count = crossings_.size();
-      meet(f, g, entry, states_[reach_[g].view].first);
-      states_[reach_[g].view].second |= crossings_.size() != before_count;
+      ask(g);
     }
+  }
+  for (const int g : long_) {
+    if (reach_[g].view != own) ask(g);
   }
   for (const int g : above_) {
     if (reach_[g].last >= first || reach_[g].view == own) continue;
@@ -236,7 +259,8 @@ void FaceSweep::emit_run(int f, int from, int to, bool inner) {
     }
     const Crossing& c = crossings_[crossing];
     const bool inside_cutter = (c.change > 0) == after;
-    const std::uint64_t low = std::min(f, c.line), high = std::max(f, c.line);
+    const std::uint64_t low = static_cast<std::uint64_t>(first_line_ + std::min(f, c.line)),
+                        high = static_cast<std::uint64_t>(first_line_ + std::max(f, c.line));
     const std::uint64_t low_inside = f < c.line ? inner : inside_cutter,
                         high_inside = f < c.line ? inside_cutter : inner;
     const std::uint64_t key = std::uint64_t{1} << 63 | low << 33 | high << 2 | low_inside << 1 | high_inside;
