@@ -14,6 +14,7 @@ Result<ForeignRig> parse_colmap(std::string_view cameras, std::string_view image
                                 std::string_view images_name);
 Result<ForeignRig> parse_easymocap(std::string_view intri, std::string_view extri, std::string_view intri_name,
                                    std::string_view extri_name);
+Result<ForeignRig> parse_kalibr(std::string_view yaml, std::string_view name);
 Result<ForeignRig> parse_qualisys(std::string_view xml, std::string_view name);
 
 /// What every reader ends with: there is a camera, and no two have one serial.

@@ -149,7 +149,7 @@ Scene make_scene(const Observations& o) {
   std::vector<double> steps;
   for (auto a = frame_times.begin(); a != frame_times.end(); ++a)
     if (const auto b = std::next(a); b != frame_times.end() && b->first > a->first)
-      steps.push_back((b->second - a->second) / (b->first - a->first));
+      if (const double step = (b->second - a->second) / (b->first - a->first); step > 0) steps.push_back(step);  // stills have no times
   scene.period = std::max(0.0, median(steps));
   return scene;
 }
