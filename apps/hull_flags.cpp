@@ -9,6 +9,24 @@
 
 namespace floatstage {
 
+std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, HullCare& care) {
+  return {
+      verb.add_flag("--collapse-slivers", care.collapse_slivers,
+                    "Care: collapse needles and caps where no vertex has to move by more than --care-pixels in any view"),
+      verb.add_option("--smooth", care.smooth,
+                      "Care: rounds of smoothing, every vertex within --care-pixels in every view")
+          ->capture_default_str(),
+      verb.add_option("--triangles", care.triangles,
+                      "Care: collapse the least important edges until so few triangles are left; 0: none")
+          ->capture_default_str(),
+      verb.add_option("--care-pixels", care.largest_move,
+                      "Care: how far from where it was any vertex may be seen, pixels")
+          ->capture_default_str(),
+      verb.add_option("--care-loss", care.largest_loss,
+                      "Care: of any silhouette's IoU, the most that smoothing may cost")
+          ->capture_default_str()};
+}
+
 void add_hull_flags(CLI::App& verb, HullFlags& flags) {
   HullOptions& options = flags.options;
   const auto add = [&](const char* name, auto& value, const char* help) {
@@ -32,6 +50,8 @@ void add_hull_flags(CLI::App& verb, HullFlags& flags) {
   add("--volume", flags.volume,
       "World box of the stage, metres: x0 y0 z0 x1 y1 z1 (default: from the silhouettes)")
       ->expected(6);
+  const std::vector<const CLI::Option*> care = add_care_flags(verb, options.care);
+  flags.words.insert(flags.words.end(), care.begin(), care.end());
 }
 
 bool HullFlags::given() const {
@@ -86,6 +106,11 @@ nlohmann::json describe(const HullOptions& options) {
     const Eigen::Vector3d a = options.volume->min(), b = options.volume->max();
     j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
   }
+  if (options.care.wanted()) {
+    const HullCare& care = options.care;
+    j["care"] = {{"collapse_slivers", care.collapse_slivers}, {"smooth", care.smooth}, {"triangles", care.triangles},
+                 {"pixels", care.largest_move},               {"loss", care.largest_loss}};
+  }
   return j;
 }
 
@@ -99,6 +124,15 @@ std::optional<HullOptions> parse_hull_options(const nlohmann::json& description)
     flags.options.contour_tolerance = j.value("contour_tolerance", flags.options.contour_tolerance);
     if (j.contains("votes")) flags.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
     if (j.contains("volume")) flags.volume = j["volume"].get<std::vector<double>>();
+    if (j.contains("care")) {
+      HullCare& care = flags.options.care;
+      const nlohmann::json& c = j["care"];
+      care.collapse_slivers = c.value("collapse_slivers", care.collapse_slivers);
+      care.smooth = c.value("smooth", care.smooth);
+      care.triangles = c.value("triangles", care.triangles);
+      care.largest_move = c.value("pixels", care.largest_move);
+      care.largest_loss = c.value("loss", care.largest_loss);
+    }
     if (!flags.volume.empty() && flags.volume.size() != 6) return std::nullopt;
     Result<HullOptions> options = hull_options(flags);
     if (!options) return std::nullopt;

@@ -25,6 +25,9 @@ struct HullFlags {
 
 void add_hull_flags(CLI::App& verb, HullFlags& flags);
 
+/// The words for HullCare alone, for verbs with words of their own for the rest.
+std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, HullCare& care);
+
 /// InvalidArgument for a method or votes that are none.
 Result<HullOptions> hull_options(const HullFlags& flags);
 

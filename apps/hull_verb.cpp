@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -68,6 +69,35 @@ nlohmann::json phases(const HullTimings& t) {
           {"voting", 1e3 * t.voting}};
 }
 
+/// Numbers of one kind by camera.
+nlohmann::json by_camera(const Rig& rig, const std::vector<double>& numbers) {
+  nlohmann::json j = nlohmann::json::object();
+  for (std::size_t c = 0; c < numbers.size(); ++c) j[rig.cameras[c].serial] = numbers[c];
+  return j;
+}
+
+nlohmann::json care_json(const Rig& rig, const HullReport& hull) {
+  if (!hull.care) return nullptr;
+  const HullCareReport& care = *hull.care;
+  return {{"triangles", {care.triangles_before, care.triangles_after}},
+          {"slivers", {care.slivers_before, care.slivers_after}},
+          {"smoothed_within", care.smoothed_within},
+          {"vertex_move", by_camera(rig, care.vertex_move)},
+          {"silhouette_shift", by_camera(rig, care.silhouette_shift)},
+          {"iou_loss", by_camera(rig, care.iou_loss)},
+          {"ms", 1e3 * hull.timings.care}};
+}
+
+void print_care(const HullCareReport& care) {
+  std::printf(
+      "care: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes shifted up to "
+      "%.1f px, IoU fell by up to %.4f\n",
+      care.triangles_before, care.slivers_before, care.triangles_after, care.slivers_after,
+      *std::max_element(care.vertex_move.begin(), care.vertex_move.end()),
+      *std::max_element(care.silhouette_shift.begin(), care.silhouette_shift.end()),
+      *std::max_element(care.iou_loss.begin(), care.iou_loss.end()));
+}
+
 Result<void> save_mesh(const Mesh& mesh, const std::filesystem::path& file) {
   if (file.extension() == ".glb") return save_glb(mesh, file);
   if (file.extension() == ".ply") return save_ply(mesh, file);
@@ -88,6 +118,7 @@ Result<void> run(const Options& given) {
   HullWorkspace workspace;
   std::vector<double> ms, with_contours;
   HullTimings timings;
+  const HullCare care = std::exchange(options->care, {});
   options->quality = false;
   for (int k = 0; k < given.repeat; ++k) {
     const auto begin = std::chrono::steady_clock::now();
@@ -99,6 +130,7 @@ Result<void> run(const Options& given) {
     timings = hull->timings;
   }
   options->quality = true;
+  options->care = care;
   const Result<HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
   if (!hull) return forward(hull);
   const MeshCheck check = check_mesh(hull->mesh);
@@ -121,6 +153,7 @@ Result<void> run(const Options& given) {
       hull->mesh.positions.size(), hull->mesh.triangle_count(), hull->volume, mean_iou,
       check.watertight && check.manifold ? "closed and manifold" : "NOT CLOSED", percentile(ms, 0.5),
       percentile(ms, 0.95), percentile(with_contours, 0.5));
+  if (hull->care) print_care(*hull->care);
   if (!given.out.empty()) {
     if (Result<void> ok = save_mesh(hull->mesh, given.out); !ok) return ok;
   }
@@ -140,7 +173,8 @@ Result<void> run(const Options& given) {
                     {"mean_iou", mean_iou},
                     {"escalations", hull->escalations},
                     {"voted_down", voted_down},
-                    {"remarks", hull->remarks}},
+                    {"remarks", hull->remarks},
+                    {"care", care_json(input->rig, *hull)}},
                    given.json_file);
 }
 

@@ -5,29 +5,14 @@
 #include <optional>
 #include <utility>
 
-#include <OpenMesh/Core/Geometry/VectorT.hh>
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-
 #include "core/check.h"
 #include "recon/crossings.h"
+#include "recon/half_edges.h"
 
 namespace floatstage {
 namespace {
 
 using Eigen::Vector3d;
-
-struct Traits : OpenMesh::DefaultTraits {
-  using Point = OpenMesh::Vec3d;
-  using Normal = OpenMesh::Vec3d;
-};
-using HalfEdges = OpenMesh::TriMesh_ArrayKernelT<Traits>;
-
-Vector3d place(const HalfEdges& mesh, OpenMesh::VertexHandle v) {
-  const OpenMesh::Vec3d& p = mesh.point(v);
-  return {p[0], p[1], p[2]};
-}
-
-OpenMesh::Vec3d to_openmesh(const Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
 constexpr double kShortEdge = 0.2;  // voxels
 
@@ -80,10 +65,7 @@ bool keeps_shape(const HalfEdges& mesh, OpenMesh::HalfedgeHandle h, double least
 }
 
 void collapse_short_edges(HalfEdges& mesh, double shortest) {
-  mesh.request_vertex_status();
-  mesh.request_edge_status();
-  mesh.request_halfedge_status();
-  mesh.request_face_status();
+  request_deletion(mesh);
   for (std::size_t i = 0; i < mesh.n_edges(); ++i) {
     const OpenMesh::EdgeHandle edge(static_cast<int>(i));
     if (mesh.status(edge).deleted()) continue;

@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "recon/bounding_volume.h"
 #include "recon/exact_method.h"
+#include "recon/hull_care.h"
 #include "recon/mesh_care.h"
 #include "recon/mesh_mask.h"
 #include "recon/octree_carve.h"
@@ -113,6 +114,14 @@ Result<void> check(const HullOptions& o) {
     return bad(text("a contour tolerance of ", o.contour_tolerance, " px is not between 0 and 16"));
   if (o.votes < 0 || (o.voting == HullVoting::MofN && o.votes < 2))
     return bad(text(o.votes, " votes are too few: at least two cameras have to agree"));
+  if (o.care.smooth < 0 || o.care.smooth > 1000)
+    return bad(text("care by ", o.care.smooth, " rounds of smoothing is not between 0 and 1000"));
+  if (!(o.care.largest_move >= 0 && o.care.largest_move <= 64))
+    return bad(text("a largest move of ", o.care.largest_move, " px is not between 0 and 64"));
+  if (!(o.care.largest_loss >= 0 && o.care.largest_loss <= 1))
+    return bad(text("a largest loss of ", o.care.largest_loss, " is no share between 0 and 1"));
+  if (o.care.triangles != 0 && o.care.triangles < 4)
+    return bad(text("a budget of ", o.care.triangles, " triangles closes no surface: give at least 4, or 0 for none"));
   if (o.volume && !(o.volume->min().allFinite() && o.volume->max().allFinite() &&
                     (o.volume->min().array() < o.volume->max().array()).all()))
     return bad("the volume to search is not a box with finite corners and positive sides");
@@ -146,6 +155,8 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   }
   if (report.mesh.empty())
     report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
+
+  if (options.care.wanted() && !report.mesh.empty()) care_for_hull(rig, mattes, options, report);
 
   const auto quality = std::chrono::steady_clock::now();
   report.silhouette_iou.assign(mattes.size(), std::numeric_limits<double>::quiet_NaN());

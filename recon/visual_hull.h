@@ -29,6 +29,20 @@ enum class HullVoting {
            ///< report
 };
 
+/// What is done to a finished hull on request, in this order. It leaves the silhouettes' polyhedron, by amounts that
+/// HullCareReport states; the mesh stays closed, manifold and oriented, with its shells and handles.
+struct HullCare {
+  /// Needles and caps (kSliver in recon/slivers.h) go, where no vertex of the hull has to move by more than
+  /// largest_move for it.
+  bool collapse_slivers = false;
+  int triangles = 0;            ///< budget: the least important edges are collapsed until so few are left; 0: none
+  int smooth = 0;               ///< rounds of smoothing that does not shrink it or round ridges off, within largest_move
+  double largest_move = 0.5;    ///< px: how far from where it was any vertex may be seen, in any view
+  double largest_loss = 0.002;  ///< of any view's silhouette IoU, by smoothing; it is held back until this holds
+  bool wanted() const { return collapse_slivers || smooth > 0 || triangles > 0; }
+  bool operator==(const HullCare&) const = default;
+};
+
 struct HullOptions {
   HullMethod method = HullMethod::Exact;
   /// World box to search, metres; the hull is cut off at its sides. Absent: the box of the intersection of
@@ -40,6 +54,7 @@ struct HullOptions {
   int votes = 0;           ///< MofN: m; views without a matte do not vote
   int resolution = 256;    ///< octree: voxels along the longest side of the box, 8 … 1024
   double smoothing = 0.5;  ///< octree: largest move of a vertex by smoothing, in voxels; 0: none
+  HullCare care;
   int threads = 0;         ///< 0: one per core; the result is the same at any number
   bool quality = true;     ///< compute silhouette_iou; takes longer than the exact hull itself
 };
@@ -54,14 +69,25 @@ struct HullFaceSource {
   bool operator==(const HullFaceSource&) const = default;
 };
 
-/// Seconds. The hull alone is their sum but `contours` and `quality`.
+/// Seconds. The hull alone is their sum but `contours`, `care` and `quality`.
 struct HullTimings {
   double contours = 0;  ///< mattes to polygons
   double tables = 0;    ///< every pair of cameras
   double rays = 0, faces = 0, weld = 0, triangles = 0;
   double voting = 0;   ///< Auto: looking for a bad matte
+  double care = 0;     ///< HullOptions::care
   double quality = 0;  ///< silhouettes of the mesh against the mattes
   double hull() const { return tables + rays + faces + weld + triangles + voting; }
+};
+
+/// What HullCare did. Lists are per camera; those of cameras without a matte hold 0.
+struct HullCareReport {
+  std::size_t triangles_before = 0, triangles_after = 0;
+  std::size_t slivers_before = 0, slivers_after = 0;
+  double smoothed_within = 0;  ///< px: largest_move, or less where the silhouettes would have suffered; 0: not smoothed
+  std::vector<double> vertex_move;       ///< px, the largest of what is left and of slivers that went
+  std::vector<double> silhouette_shift;  ///< px: Hausdorff distance of the silhouettes before and after, to the pixel
+  std::vector<double> iou_loss;          ///< of the silhouette against the matte
 };
 
 struct HullReport {
@@ -80,6 +106,7 @@ struct HullReport {
   int escalations = 0;  ///< times that the frame was computed again, with jitter or with exact integers
   std::vector<int> voted_down;  ///< cameras that Auto left out
   HullTimings timings;
+  std::optional<HullCareReport> care;  ///< with options.care; `sources` are then those of the triangles that were kept
 };
 
 /// Memory that visual_hull() keeps from frame to frame. Not for two calls at once; results do not depend on

@@ -5,6 +5,7 @@
 #include "apps/evaluate/evaluate.h"
 #include "apps/evaluate/evaluate_mattes.h"
 #include "apps/evaluate/picture_sheet.h"
+#include "apps/hull_flags.h"
 #include "apps/json_report.h"
 #include "apps/progress.h"
 #include "apps/renderer_options.h"
@@ -204,6 +205,7 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
   verb->add_option("--truth", options->truth, "With --mattes: folder of true mattes, <serial>/<frame>.png (default: the take's truth/mattes)");
   // The reference by default: it is soft, so scores do not hang on how the outlines were made polygons.
   verb->add_option("--hull", options->hull_method, "Hull method: octree or exact")->capture_default_str()->check(CLI::IsMember({"octree", "exact"}));
+  add_care_flags(*verb, options->hull.care);
   verb->add_option("--resolution", options->hull.resolution, "Octree: voxels along the hull's longest side")->capture_default_str();
   verb->add_option("--json", options->json_file, "Write the scores as JSON");
   verb->add_option("--csv", options->csv_file, "Write the scores as CSV");

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "core/file.h"
 #include "tests/support/matchers.h"
@@ -86,6 +87,37 @@ TEST(CommandLine, DemoRefusesAFolderThatHoldsSomebodysFiles) {
   const Ended ended = floatstage("demo --out " + folder.path().string());
   EXPECT_EQ(ended.code, 5);
   EXPECT_THAT(folder.names(), testing::ElementsAre("thesis.doc"));
+}
+
+TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
+  TempFolder folder;
+  const std::string take = (folder / "take").string();
+  ASSERT_EQ(floatstage("synthesize --frames 1 --cameras 6 --size 160x120 --samples 4 --out " + take).code, 0);
+  ASSERT_EQ(floatstage("process --key chroma " + take).code, 0);
+  const std::string json_file = (folder / "H.json").string();
+  for (const char* mesh : {"hull.ply", "hull.glb"}) {
+    const Ended ended = floatstage("hull " + take + " --threads 1 --repeat 3 --collapse-slivers --smooth 2 --triangles 900 --json " +
+                                   json_file + " --out " + (folder / mesh).string());
+    ASSERT_EQ(ended.code, 0) << ended.output;
+    EXPECT_THAT(ended.output, HasSubstr("care: "));
+  }
+  const nlohmann::json report = nlohmann::json::parse(*read_file(json_file));
+  EXPECT_GT(report.at("ms").at("p50").get<double>(), 0);
+  EXPECT_GE(report.at("ms").at("p95"), report.at("ms").at("p50"));
+  EXPECT_EQ(report.at("triangles"), 900);
+  EXPECT_GT(report.at("vertices").get<int>(), 400);
+  EXPECT_GT(report.at("faces").get<int>(), 100);
+  EXPECT_GT(report.at("volume").get<double>(), 0.01);
+  EXPECT_EQ(report.at("watertight"), true);
+  EXPECT_EQ(report.at("manifold"), true);
+  EXPECT_EQ(report.at("iou").size(), 6u);
+  EXPECT_GT(report.at("mean_iou").get<double>(), 0.9);
+  EXPECT_EQ(report.at("escalations"), 0);
+  const nlohmann::json& care = report.at("care");
+  EXPECT_GT(care.at("triangles").at(0), care.at("triangles").at(1));
+  for (const char* list : {"vertex_move", "silhouette_shift", "iou_loss"}) EXPECT_EQ(care.at(list).size(), 6u) << list;
+  EXPECT_EQ(read_file(folder / "hull.glb")->substr(0, 4), "glTF");
+  EXPECT_EQ(read_file(folder / "hull.ply")->substr(0, 3), "ply");
 }
 
 }  // namespace

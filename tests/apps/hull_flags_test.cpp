@@ -23,13 +23,14 @@ struct Parsed {
 TEST(HullFlags, KnowWhetherAnythingWasSaid) {
   EXPECT_FALSE(Parsed("").flags.given());
   EXPECT_TRUE(Parsed("--votes auto").flags.given()) << "also when it is the default that was said";
+  EXPECT_TRUE(Parsed("--collapse-slivers").flags.given());
   EXPECT_TRUE(Parsed("--volume 0 0 0 1 1 1").flags.given());
 }
 
 TEST(HullFlags, ComeBackFromTheirDescription) {
   for (const char* words :
        {"", "--votes strict", "--votes 5 --contour-tolerance 0.25", "--method octree --resolution 96 --smoothing 0.25",
-        "--volume -1 -2 -3 1.5 2 3"}) {
+        "--volume -1 -2 -3 1.5 2 3", "--collapse-slivers --smooth 3 --triangles 5000 --care-pixels 1 --care-loss 0.01"}) {
     const Result<HullOptions> options = hull_options(Parsed(words).flags);
     ASSERT_THAT(options, IsOk()) << words;
     const std::optional<HullOptions> back = parse_hull_options(describe(*options));
@@ -38,6 +39,7 @@ TEST(HullFlags, ComeBackFromTheirDescription) {
     EXPECT_EQ(back->method, options->method) << words;
     EXPECT_EQ(back->voting, options->voting) << words;
     EXPECT_EQ(back->votes, options->votes) << words;
+    EXPECT_EQ(back->care, options->care) << words;
     EXPECT_EQ(back->volume.has_value(), options->volume.has_value()) << words;
   }
 }

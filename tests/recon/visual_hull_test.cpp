@@ -153,6 +153,7 @@ TEST_P(VisualHull, IsNotCarvedByACameraWithoutAMatte) {
   const HullReport with_empty = hull_of(rig, mattes, at_resolution(48)),
                    reference = hull_of(without, fewer, at_resolution(48));
   ASSERT_FALSE(reference.mesh.empty());
+  EXPECT_THAT(with_empty.mesh, is_sound(GetParam()));
   EXPECT_NEAR(with_empty.volume, reference.volume, 1e-3 * reference.volume);
   EXPECT_EQ(check_mesh(with_empty.mesh).genus, check_mesh(reference.mesh).genus);
   EXPECT_TRUE(std::isnan(with_empty.silhouette_iou[2]));
@@ -193,6 +194,22 @@ TEST_P(VisualHull, IsNotCarvedByWhatLiesOutsideAnImage) {
   EXPECT_GE(cut.volume, whole * 0.999);
   mattes[1] = {};
   EXPECT_LT(cut.volume, hull_of(rig, mattes, options).volume) << "what it does see still carves";
+}
+
+TEST_P(VisualHull, StaysWholeWhileThePerformerWalksOutOfOneImage) {
+  Rig rig = shapes::ring_rig({.cameras = 6});
+  const auto shape = shapes::both(shapes::sphere({0, 0, 0.25}, 0.2), shapes::box({0, 0, -0.1}, {0.3, 0.4, 0.5}));
+  for (const HullOptions& options : {within({Vector3d(-1, -1, -1), Vector3d(1, 1, 1)}, 48), at_resolution(48)}) {
+    rig.cameras[4].model.cx = 80;
+    const double whole = hull_of(rig, shapes::render_mattes(rig, shape), options).volume;
+    for (const double cx : {40.0, 20.0, 0.0, -20.0, -40.0, -400.0}) {
+      rig.cameras[4].model.cx = cx;
+      const HullReport hull = hull_of(rig, shapes::render_mattes(rig, shape), options);
+      EXPECT_THAT(hull.mesh, is_sound(GetParam())) << "cx " << cx;
+      EXPECT_GE(hull.volume, 0.998 * whole) << "cx " << cx << ": what is out of the image is not carved";
+      EXPECT_EQ(hull.voxel > 0, GetParam() == HullMethod::Octree) << "cx " << cx;
+    }
+  }
 }
 
 TEST_P(VisualHull, IsClosedByTheSearchedVolume) {
