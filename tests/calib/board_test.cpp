@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "calib/target_sheet.h"
-#include "tests/support/board_picture.h"
+#include "tests/calib/detections.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
@@ -22,12 +22,6 @@ const char* const kLines[] = {
     "wand positions=0mm,150mm,450mm ball=25mm",
     "wand positions=0mm,500mm tag=80mm dictionary=apriltag_36h11 first=2",
 };
-
-TargetDesign target(const std::string& line) {
-  const Result<TargetDesign> read = parse_target(line);
-  EXPECT_THAT(read, IsOk()) << line;
-  return *read;
-}
 
 TEST(TargetLine, IsWrittenAsItWasRead) {
   for (const char* line : kLines) EXPECT_EQ(to_text(target(line)), line);

@@ -165,7 +165,8 @@ Image board_picture(const TargetDesign& target, const CameraModel& model, const 
       g = 0;
       for (int j = 0; j < n; ++j) {
         for (int i = 0; i < n; ++i) {
-          const double a = (i + 0.5) / n, b = (j + 0.5) / n;
+          // A turned lattice: no two samples share a column or a row, so that straight edges fall between n² of them.
+          const double a = (i + (j + 0.5) / n) / n, b = (j + (n - i - 0.5) / n) / n;
           const Vector3d ray = (1 - b) * ((1 - a) * rays[at(x, y)] + a * rays[at(x + 1, y)]) +
                                b * ((1 - a) * rays[at(x, y + 1)] + a * rays[at(x + 1, y + 1)]);
           g += ray.z() > 0 ? scene.grey(ray) : options.background;
