@@ -15,6 +15,7 @@ namespace floatstage {
 /// Where everything lies in a take (a recording): one place that knows the names.
 ///
 ///   take.json  rig.json  <serial>.mkv  <serial>.frames.csv      the recording, never changed again
+///   quality.json                                                 the recorder's verdict
 ///   mattes/<serial>/<frame>.png  meshes/<frame>.ply  renders/    derived by `process`, may be deleted and remade
 ///   mattes/keying.json  meshes/hull.json                         with which options they were made
 ///   mattes/edits.json                                            what a person said about them (core/matte_edits.h); never removed
@@ -27,6 +28,7 @@ class TakeLayout {
   const std::filesystem::path& folder() const { return folder_; }
   std::filesystem::path manifest() const { return folder_ / "take.json"; }
   std::filesystem::path rig() const { return folder_ / "rig.json"; }
+  std::filesystem::path quality() const { return folder_ / "quality.json"; }
   std::filesystem::path frames_csv(std::string_view serial) const { return folder_ / (std::string(serial) + ".frames.csv"); }
   std::filesystem::path mattes() const { return folder_ / "mattes"; }
   std::filesystem::path matte(std::string_view serial, int frame) const;

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/bounded_queue.h"
+#include "core/frame.h"
+#include "core/result.h"
+#include "core/rig.h"
+
+namespace floatstage {
+
+/// What a recording must keep to, from the studio's configuration.
+struct RecordingLimits {
+  std::uint64_t skips = 0;       ///< frames of any camera that never came
+  std::uint64_t duplicates = 0;  ///< frames of any camera for an instant that it had already
+  double spread_ms = 1;          ///< of the exposures of one instant
+  double rate_deviation = 0.01;  ///< |measured / nominal - 1| of any camera
+};
+
+struct RecorderOptions {
+  TakeWriterOptions take;  ///< take.frame_rate > 0: rows are numbered by it
+  std::size_t queue_frames =
+      64;  ///< of a camera, between its thread and the disk; a full queue blocks (Block)
+  RecordingLimits limits;
+};
+
+/// One camera of a recording, so far.
+struct CameraQuality {
+  std::string serial;
+  std::uint64_t recorded = 0;  ///< pictures
+  std::uint64_t skips = 0;     ///< rows without one
+  std::uint64_t duplicates = 0;
+  std::uint64_t corrupt = 0;
+  double frame_rate = 0;       ///< measured over its exposures; 0 with fewer than two
+  std::size_t queue_peak = 0;  ///< most pictures that waited for the disk
+};
+
+struct RecordingQuality {
+  std::vector<CameraQuality> cameras;  ///< in the rig's order
+  double spread_p50_ms = 0, spread_max_ms = 0;
+  std::vector<std::string> complaints;  ///< one sentence for each limit that was passed; empty: PASS
+  bool pass() const { return complaints.empty(); }
+};
+
+/// {"verdict", "cameras": [{"serial", "recorded", "skips", …}], "spread_ms": {"p50", "max"}, "complaints"}:
+/// what quality.json holds.
+std::string to_json(const RecordingQuality& quality);
+
+/// A frame with pixels of its own: what keeps it does not keep the camera's buffer.
+Frame detached(const Frame& frame);
+
+/// Writes what several cameras deliver into a take, and judges it while it grows.
+///
+/// Rows are instants: the first frame pushed begins row 0, and every other camera's first frame finds its row
+/// by its exposure time at the nominal rate; from there each camera's own sequence counts, so a lost frame is
+/// a row that says so and cameras that were started one after the other still agree. Frames of earlier
+/// instants are left out.
+///
+/// push() may be called from one thread a camera. The picture is copied into a queue of its camera, so a slow
+/// disk costs memory up to `queue_frames` and then makes push() wait; it never starves the camera of its
+/// buffers.
+class Recorder {
+ public:
+  /// Errors: those of TakeWriter::create(), and InvalidArgument without a frame rate.
+  static Result<std::unique_ptr<Recorder>> start(const std::filesystem::path& folder, const Rig& rig,
+                                                 const RecorderOptions& options);
+  virtual ~Recorder() = default;
+  /// Takes a frame; frame.info.camera is its place in the rig. An error is that camera's alone and final: the
+  /// disk (Io), or a frame that does not fit the rig (InvalidArgument).
+  virtual Result<void> push(const Frame& frame) = 0;
+  /// From any thread, while it grows.
+  virtual RecordingQuality quality() const = 0;
+  /// Waits until everything is on disk, closes the take and writes its quality.json. The first error of any
+  /// camera when there was one; what was written stays.
+  virtual Result<RecordingQuality> finish() = 0;
+};
+
+}  // namespace floatstage

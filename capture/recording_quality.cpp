@@ -1,0 +1,103 @@
+#include "capture/recording_quality.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "core/text.h"
+
+namespace floatstage {
+
+QualityMeter::QualityMeter(std::vector<std::string> serials, double frame_rate, RecordingLimits limits)
+    : frame_rate_(frame_rate), limits_(limits) {
+  for (std::string& serial : serials) {
+    cameras_.emplace_back();
+    cameras_.back().quality.serial = std::move(serial);
+  }
+}
+
+void QualityMeter::recorded(int camera, std::uint64_t row, const FrameInfo& info) {
+  Camera& c = cameras_[static_cast<std::size_t>(camera)];
+  const Timestamp time = info.exposure_start;
+  if (!c.first) {
+    c.first = time;
+    c.first_row = row;
+    c.quality.skips += row;  // rows before its first picture
+  } else {
+    c.quality.skips += row - c.last_row - 1;
+  }
+  c.last = time;
+  c.last_row = row;
+  ++c.quality.recorded;
+  if (info.status == FrameStatus::Corrupt) ++c.quality.corrupt;
+  if (instants_.size() <= row) instants_.resize(row + 1);
+  std::optional<Instant>& instant = instants_[row];
+  if (!instant) instant = Instant{time, time};
+  instant->earliest = std::min(instant->earliest, time);
+  instant->latest = std::max(instant->latest, time);
+}
+
+RecordingQuality QualityMeter::judge() const {
+  RecordingQuality quality;
+  for (const Camera& c : cameras_) {
+    quality.cameras.push_back(c.quality);
+    if (c.first && c.last_row > c.first_row)
+      quality.cameras.back().frame_rate =
+          static_cast<double>(c.last_row - c.first_row) / seconds(*c.last - *c.first);
+  }
+  std::vector<double> spreads;
+  for (const std::optional<Instant>& instant : instants_)
+    if (instant) spreads.push_back(seconds(instant->latest - instant->earliest) * 1e3);
+  if (!spreads.empty()) {
+    const auto middle = spreads.begin() + static_cast<std::ptrdiff_t>((spreads.size() - 1) / 2);
+    std::nth_element(spreads.begin(), middle, spreads.end());
+    quality.spread_p50_ms = *middle;
+    quality.spread_max_ms = *std::max_element(spreads.begin(), spreads.end());
+  }
+  complain(quality);
+  return quality;
+}
+
+void QualityMeter::complain(RecordingQuality& quality) const {
+  const auto note = [&](const auto&... parts) { quality.complaints.push_back(text(parts...)); };
+  for (const CameraQuality& c : quality.cameras) {
+    if (c.recorded == 0) {
+      note("camera '", c.serial, "': no picture was recorded; check its cable and its trigger");
+      continue;
+    }
+    if (c.skips > limits_.skips)
+      note("camera '", c.serial, "': ", c.skips, " frames are missing, at most ", limits_.skips,
+           " are allowed; check its link");
+    if (c.duplicates > limits_.duplicates)
+      note("camera '", c.serial, "': ", c.duplicates, " frames came twice, at most ", limits_.duplicates,
+           " are allowed");
+    const double deviation = c.frame_rate > 0 ? c.frame_rate / frame_rate_ - 1 : 0;
+    if (std::abs(deviation) > limits_.rate_deviation)
+      note("camera '", c.serial, "': ", c.frame_rate, " frames a second instead of ", frame_rate_,
+           "; check its exposure time and its trigger");
+  }
+  if (quality.spread_max_ms > limits_.spread_ms)
+    note("the exposures of one instant lie up to ", quality.spread_max_ms, " ms apart, at most ",
+         limits_.spread_ms, " ms are allowed; trigger the cameras together");
+}
+
+std::string to_json(const RecordingQuality& quality) {
+  nlohmann::ordered_json json;
+  json["verdict"] = quality.pass() ? "PASS" : "FAIL";
+  json["cameras"] = nlohmann::ordered_json::array();
+  for (const CameraQuality& c : quality.cameras) {
+    json["cameras"].push_back({{"serial", c.serial},
+                               {"recorded", c.recorded},
+                               {"skips", c.skips},
+                               {"duplicates", c.duplicates},
+                               {"corrupt", c.corrupt},
+                               {"frame_rate", c.frame_rate},
+                               {"queue_peak", c.queue_peak}});
+  }
+  json["spread_ms"] = {{"p50", quality.spread_p50_ms}, {"max", quality.spread_max_ms}};
+  json["complaints"] = quality.complaints;
+  return json.dump(2) + "\n";
+}
+
+}  // namespace floatstage

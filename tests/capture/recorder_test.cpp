@@ -1,0 +1,201 @@
+#include "capture/recorder.h"
+
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/text.h"
+#include "tests/capture/pictures.h"
+#include "tests/support/child_process.h"
+#include "tests/support/matchers.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::int64_t kPeriod = 40'000'000;  // 25 frames a second
+
+RecorderOptions options_at(double rate = 25, TakeCodec codec = TakeCodec::Raw) {
+  RecorderOptions options;
+  options.take.codec = codec;
+  options.take.frame_rate = rate;
+  return options;
+}
+
+Frame shot(int camera, std::uint64_t sequence, std::int64_t ns) {
+  Frame frame = patterned_frame(PixelFormat::Rgb8, 32, 24, camera, sequence);
+  frame.info.exposure_start = {ns};
+  return frame;
+}
+
+class ARecorder : public testing::Test {
+ protected:
+  std::unique_ptr<Recorder> started(int cameras, RecorderOptions options = options_at()) {
+    Result<std::unique_ptr<Recorder>> recorder = Recorder::start(take_, small_rig(cameras, 32, 24), options);
+    EXPECT_THAT(recorder, IsOk());
+    return recorder ? std::move(*recorder) : nullptr;
+  }
+  /// "oo.o": the rows of a camera, a dot for a gap.
+  std::string rows(int camera) {
+    const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(take_);
+    EXPECT_THAT(take, IsOk());
+    std::string row;
+    for (const FrameRow& r : (*take)->rows(camera)) row += r.media_index ? 'o' : '.';
+    return row;
+  }
+
+  TempFolder folder_;
+  std::filesystem::path take_ = folder_ / "take";
+};
+
+TEST_F(ARecorder, WritesEveryPictureAndPasses) {
+  const auto recorder = started(2);
+  for (std::uint64_t i = 0; i < 10; ++i)
+    for (int camera = 0; camera < 2; ++camera)
+      ASSERT_THAT(recorder->push(shot(camera, i, static_cast<std::int64_t>(i) * kPeriod + camera * 100'000)),
+                  IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  ASSERT_THAT(quality, IsOk());
+  EXPECT_TRUE(quality->pass());
+  EXPECT_EQ(rows(0), "oooooooooo");
+  EXPECT_EQ(quality->cameras[1].recorded, 10u);
+  EXPECT_NEAR(quality->cameras[1].frame_rate, 25, 1e-9);
+  EXPECT_NEAR(quality->spread_max_ms, 0.1, 1e-9);
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(take_);
+  EXPECT_TRUE(same_pixels(*(*take)->frame(1, 7), shot(1, 7, 0)));
+}
+
+TEST_F(ARecorder, LeavesARowForEveryLostFrame) {
+  const auto recorder = started(1);
+  for (const std::uint64_t i : {0, 1, 4, 5})
+    ASSERT_THAT(recorder->push(shot(0, i, static_cast<std::int64_t>(i) * kPeriod)), IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  EXPECT_EQ(rows(0), "oo..oo");
+  EXPECT_EQ(quality->cameras[0].skips, 2u);
+  EXPECT_THAT(quality->complaints, ElementsAre(HasSubstr("camera 'cam0': 2 frames are missing")));
+}
+
+TEST_F(ARecorder, PutsCamerasThatCountDifferentlyIntoTheSameRows) {
+  // Camera 1 has streamed for a while and its first picture here is of the third instant.
+  const auto recorder = started(2);
+  for (std::uint64_t i = 0; i < 6; ++i)
+    ASSERT_THAT(recorder->push(shot(0, i, static_cast<std::int64_t>(i) * kPeriod)), IsOk());
+  for (std::uint64_t i = 2; i < 6; ++i)
+    ASSERT_THAT(recorder->push(shot(1, 7000 + i, static_cast<std::int64_t>(i) * kPeriod + 300'000)), IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  EXPECT_EQ(rows(1), "..oooo");
+  EXPECT_EQ(quality->cameras[1].skips, 2u);
+  EXPECT_NEAR(quality->spread_max_ms, 0.3, 1e-9);
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(take_);
+  const Result<FrameSet> set = (*take)->frame_set(4);
+  ASSERT_THAT(set, IsOk());
+  EXPECT_EQ(set->frames[0].info.exposure_start.ns + 300'000, set->frames[1].info.exposure_start.ns);
+}
+
+TEST_F(ARecorder, LeavesOutWhatWasSeenBeforeTheFirstRow) {
+  const auto recorder = started(2);
+  ASSERT_THAT(recorder->push(shot(0, 50, 10 * kPeriod)), IsOk());
+  for (std::uint64_t i = 8; i < 12; ++i)
+    ASSERT_THAT(recorder->push(shot(1, i, static_cast<std::int64_t>(i) * kPeriod)), IsOk());
+  ASSERT_THAT(recorder->finish(), IsOk());
+  EXPECT_EQ(rows(1), "oo");
+}
+
+TEST_F(ARecorder, CountsAFrameThatComesTwiceAndWritesItOnce) {
+  const auto recorder = started(1);
+  for (const std::uint64_t i : {0, 1, 1, 2})
+    ASSERT_THAT(recorder->push(shot(0, i, static_cast<std::int64_t>(i) * kPeriod)), IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  EXPECT_EQ(rows(0), "ooo");
+  EXPECT_THAT(quality->complaints, ElementsAre(HasSubstr("1 frames came twice")));
+}
+
+TEST_F(ARecorder, FailsATakeWhoseCamerasDisagreeOrRunSlow) {
+  const auto recorder = started(2);
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    const auto at = static_cast<std::int64_t>(i) * kPeriod * 11 / 10;
+    ASSERT_THAT(recorder->push(shot(0, i, at)), IsOk());
+    ASSERT_THAT(recorder->push(shot(1, i, at + 5'000'000)), IsOk());
+  }
+  const Result<RecordingQuality> quality = recorder->finish();
+  EXPECT_THAT(quality->complaints,
+              ElementsAre(HasSubstr("camera 'cam0': 22.7"), HasSubstr("camera 'cam1': 22.7"),
+                          HasSubstr("up to 5 ms apart")));
+}
+
+TEST_F(ARecorder, SaysWhichCameraNeverCame) {
+  const auto recorder = started(2);
+  ASSERT_THAT(recorder->push(shot(0, 0, 0)), IsOk());
+  EXPECT_THAT(recorder->finish()->complaints,
+              ElementsAre(HasSubstr("camera 'cam1': no picture was recorded")));
+}
+
+TEST_F(ARecorder, WritesItsVerdictBesideTheTake) {
+  const auto recorder = started(1);
+  for (std::uint64_t i = 0; i < 3; ++i)
+    ASSERT_THAT(recorder->push(shot(0, i, static_cast<std::int64_t>(i) * kPeriod)), IsOk());
+  ASSERT_THAT(recorder->finish(), IsOk());
+  const nlohmann::json json = nlohmann::json::parse(*read_file(take_ / "quality.json"));
+  EXPECT_EQ(json["verdict"], "PASS");
+  EXPECT_EQ(json["cameras"][0]["recorded"], 3);
+  EXPECT_EQ(json["cameras"][0]["skips"], 0);
+  EXPECT_THAT(json["complaints"], IsEmpty());
+}
+
+TEST_F(ARecorder, TakesEachCameraFromAThreadOfItsOwn) {
+  const auto recorder = started(4, options_at(25, TakeCodec::Ffv1));
+  std::vector<std::thread> cameras;
+  for (int camera = 0; camera < 4; ++camera) {
+    cameras.emplace_back([&, camera] {
+      for (std::uint64_t i = 0; i < 30; ++i)
+        EXPECT_THAT(recorder->push(shot(camera, i, static_cast<std::int64_t>(i) * kPeriod)), IsOk());
+    });
+  }
+  EXPECT_LE(recorder->quality().cameras[0].recorded, 30u);
+  for (std::thread& camera : cameras) camera.join();
+  ASSERT_THAT(recorder->finish(), IsOk());
+  for (int camera = 0; camera < 4; ++camera) EXPECT_EQ(rows(camera), std::string(30, 'o'));
+}
+
+TEST_F(ARecorder, KeepsWhatWasWrittenWhenTheDiskIsFull) {
+  ChildProcess child([&](const std::function<void()>&) {
+    let_files_grow_to(20'000);
+    const auto recorder = started(2);
+    Result<void> pushed;
+    for (std::uint64_t i = 0; i < 200 && pushed; ++i)
+      pushed = recorder->push(shot(0, i, static_cast<std::int64_t>(i) * kPeriod));
+    const Result<RecordingQuality> finished = recorder->finish();
+    return !finished && finished.error().code == ErrorCode::Io ? 0 : 1;
+  });
+  EXPECT_EQ(child.wait(), 0);
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(take_);
+  ASSERT_THAT(take, IsOk());
+  EXPECT_GT((*take)->rows(0).size(), 2u);
+}
+
+TEST_F(ARecorder, RefusesToBeginWithoutARateOrOverATake) {
+  EXPECT_THAT(Recorder::start(take_, small_rig(1, 32, 24), options_at(0)),
+              FailsWith(ErrorCode::InvalidArgument, "frame rate"));
+  ASSERT_THAT(started(1)->finish(), IsOk());
+  EXPECT_THAT(Recorder::start(take_, small_rig(1, 32, 24), options_at()),
+              FailsWith(ErrorCode::AlreadyExists, ""));
+}
+
+TEST(Detached, FramesKeepTheirPixelsWhenTheBufferIsReused) {
+  const Frame frame = shot(0, 3, 0);
+  const Frame own = detached(frame);
+  EXPECT_NE(own.pixels, frame.pixels);
+  EXPECT_TRUE(same_pixels(own, frame));
+  EXPECT_EQ(own.info, frame.info);
+  EXPECT_TRUE(detached(lost_frame(0, 1)).empty());
+}
+
+}  // namespace
+}  // namespace floatstage
