@@ -240,8 +240,9 @@ TEST(VacancyBunnyReal, ExactHullOfSixAxisViewsFillsEveryMaskAndHasTheOctreesVolu
   EXPECT_NEAR(full.volume / hull_of(set, 200).volume, 1, 0.003);
 }
 
-// Below the bunny's flat base the six views leave a pyramid 36 units high that no silhouette carves. A stage whose
-// box ends a few units beyond the subject cuts it off: that is where a ratio of 1.175 comes from.
+// Below the bunny's flat base the six views leave a pyramid 36 units high that no silhouette carves. The capture
+// volume does: one that ends a few units around the subject gives the ratio that is published for this set, which
+// names no volume.
 TEST(VacancyBunnyReal, ExactHullOnAStageThatEndsBelowTheBaseHasTheKnownVolume) {
   FLOATSTAGE_NEEDS_DATA(real_data("vacancy-bunny"));
   const MatteSet set = load_vacancy_bunny(real_data("vacancy-bunny/data"));
