@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/text.h"
+#include "matting/dense.h"
 
 namespace floatstage {
 namespace {
@@ -84,6 +85,7 @@ Result<std::vector<double>> solve_band(const LaplacianStencil& stencil, const st
   }
   starts[n] = count;
 
+  const OneThread one_thread;
   c.factor = cholmod_analyze(c.matrix, &c.common);
   if (!c.factor) return c.refused(n);
   bool factored = false;
