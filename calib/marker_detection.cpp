@@ -97,7 +97,11 @@ SeenMarkers find_markers(const cv::Mat& grey, const std::string& dictionary, int
   if (grey.cols * scale < 32 || grey.rows * scale < 32) return found;
   cv::Mat searched = grey;
   if (scale < 1) cv::resize(grey, searched, {}, scale, scale, cv::INTER_AREA);
-  if (how.apart > 0) cv::dilate(searched, searched, cv::Mat::ones(2 * how.apart + 1, 2 * how.apart + 1, CV_8U));
+  if (how.apart > 0) {
+    cv::Mat lighter;  // `searched` may be the caller's picture
+    cv::dilate(searched, lighter, cv::Mat::ones(2 * how.apart + 1, 2 * how.apart + 1, CV_8U));
+    searched = lighter;
+  }
   auto parameters = cv::aruco::DetectorParameters::create();
   parameters->markerBorderBits = border;
   parameters->minMarkerPerimeterRate = 0.02;

@@ -58,6 +58,15 @@ TEST_P(EveryBoard, IsFoundWhereItIsWithoutBias) {
   EXPECT_LE(all.largest, 0.5);
 }
 
+TEST_P(EveryBoard, IsFoundAgainInAPictureThatSearchingLeavesAsItWas) {
+  const TargetDesign design = target(GetParam());
+  const Image picture = board_picture(design, kCamera, before_camera(design, 0.9, {20, 15, 5}), {.blur = 0.7, .noise = 2});
+  const Image before = picture;
+  const Detection first = detect(design, picture);
+  EXPECT_EQ(picture, before);
+  EXPECT_EQ(detect(design, picture), first);
+}
+
 TEST(Detect, PutsTheFirstPixelsCentreAtOneHalf) {
   // A crossing drawn by hand: edges between pixels 39|40 and 29|30 meet at the corner (40, 30).
   const TargetDesign design = target("chessboard columns=4 rows=3 square=10mm");
