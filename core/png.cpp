@@ -5,6 +5,7 @@
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -21,7 +22,8 @@ void append_bytes(png_structp png, png_bytep data, png_size_t size) {
   static_cast<WriteState*>(png_get_io_ptr(png))->out->append(reinterpret_cast<const char*>(data), size);
 }
 
-bool encode(const Image& image, int level, std::string& out) {
+// `rows`: the samples, of 8 or 16 bits (big-endian).
+bool encode(const Image& image, const std::uint8_t* rows, int bits, int level, std::string& out) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, [](png_structp, png_const_charp) {});
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   WriteState state{&out};
@@ -31,11 +33,12 @@ bool encode(const Image& image, int level, std::string& out) {
   }
   png_set_write_fn(png, &state, append_bytes, nullptr);
   const int type = image.channels == 1 ? PNG_COLOR_TYPE_GRAY : image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA;
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8, type,
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits, type,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(png, level);
   png_write_info(png, info);
-  for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
+  const std::size_t row = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels * bits / 8);
+  for (int y = 0; y < image.height; ++y) png_write_row(png, rows + static_cast<std::size_t>(y) * row);
   png_write_end(png, nullptr);
   png_destroy_write_struct(&png, &info);
   return true;
@@ -69,12 +72,26 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
   return image;
 }
 
-Result<void> save_png(const Image& image, const std::filesystem::path& file, int level) {
+namespace {
+
+Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const std::filesystem::path& file, int level) {
   FLOATSTAGE_CHECK(!image.empty() && (image.channels == 1 || image.channels == 3 || image.channels == 4),
                    text("a PNG of ", image.width, "x", image.height, "x", image.channels));
   std::string bytes;
-  if (!encode(image, level, bytes)) return fail(ErrorCode::Io, text("cannot encode ", file.string(), " as PNG"));
+  if (!encode(image, rows, bits, level, bytes)) return fail(ErrorCode::Io, text("cannot encode ", file.string(), " as PNG"));
   return write_file(file, bytes);
+}
+
+}  // namespace
+
+Result<void> save_png(const Image& image, const std::filesystem::path& file, int level) {
+  return save(image, image.pixels.data(), 8, file, level);
+}
+
+Result<void> save_png16(const Image& image, const std::filesystem::path& file, int level) {
+  std::vector<std::uint8_t> wide(2 * image.pixels.size());
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) wide[2 * i] = wide[2 * i + 1] = image.pixels[i];  // v * 257
+  return save(image, wide.data(), 16, file, level);
 }
 
 }  // namespace floatstage

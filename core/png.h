@@ -18,4 +18,7 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
 /// Writes 1, 3 or 4 channels, to a temporary name first. `level` is zlib's: 1 fast … 9 small.
 Result<void> save_png(const Image& image, const std::filesystem::path& file, int level = 3);
 
+/// The same picture with 16 bits a channel (v * 257, big-endian in the file as PNG wants it): for programs that expect them.
+Result<void> save_png16(const Image& image, const std::filesystem::path& file, int level = 3);
+
 }  // namespace floatstage

@@ -37,12 +37,19 @@ class ModeFinder {
 
   Mode of(const std::vector<Pixel>& samples) {
     if (samples.empty()) return {};
-    // The sample with most company. Ties go to the earlier one, so that the result does not depend on anything else.
-    std::size_t best = 0, most = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const std::size_t company = static_cast<std::size_t>(
-          std::count_if(samples.begin(), samples.end(), [&](const Pixel& s) { return agree(s, samples[i], steps_); }));
-      if (company > most) most = company, best = i;
+    // Nearly everywhere one colour has the majority, and then the median shows it. Else the sample with most company; ties
+    // go to the earlier one, so that the result does not depend on anything else.
+    Pixel best{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      values_.clear();
+      for (const Pixel& s : samples) values_.push_back(s[c]);
+      best[c] = median(values_);
+    }
+    std::size_t most = company_of(best, samples);
+    if (2 * most <= samples.size()) {
+      most = 0;
+      for (const Pixel& s : samples)
+        if (const std::size_t company = company_of(s, samples); company > most) most = company, best = s;
     }
     Mode mode;
     mode.share = static_cast<double>(most) / static_cast<double>(samples.size());
@@ -50,7 +57,7 @@ class ModeFinder {
     for (std::size_t c = 0; c < 3; ++c) {
       values_.clear();
       for (const Pixel& s : samples)
-        if (agree(s, samples[best], steps_)) values_.push_back(s[c]);
+        if (agree(s, best, steps_)) values_.push_back(s[c]);
       mode.color[c] = median(values_);
       for (const std::uint8_t v : values_) spread.push_back(static_cast<std::uint8_t>(std::abs(v - mode.color[c])));
     }
@@ -61,6 +68,10 @@ class ModeFinder {
   }
 
  private:
+  std::size_t company_of(const Pixel& color, const std::vector<Pixel>& samples) const {
+    return static_cast<std::size_t>(std::count_if(samples.begin(), samples.end(), [&](const Pixel& s) { return agree(s, color, steps_); }));
+  }
+
   int steps_;
   std::vector<std::uint8_t> values_;
 };

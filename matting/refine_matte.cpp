@@ -7,6 +7,12 @@
 
 namespace floatstage {
 
+RefineOptions key_refinement() {
+  RefineOptions options;
+  options.hold = 5e-2;
+  return options;
+}
+
 Result<Image> refine_matte(const Image& picture, const Image& matte, const RefineOptions& options, const Image& keep) {
   if (matte.empty() || matte.channels != 1)
     return fail(ErrorCode::InvalidArgument, text("a matte to refine has one channel, not ", matte.channels));

@@ -1,7 +1,10 @@
 #include <iostream>
 
 #include "core/png.h"
+#include "matting/closed_form.h"
 #include "matting/closed_form_video.h"
+#include "matting/consistency.h"
+#include "matting/keyer.h"
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"
@@ -53,6 +56,21 @@ TEST_P(Lemur, IsCarriedOverTheBeachFromTheFirstFrame) {
   std::cout << "lemur, beach, seed " << GetParam() << ": " << s << "\n";
   EXPECT_LE(s.mse, 8.8e-3);
   EXPECT_GE(s.iou, 0.93);
+}
+
+// What `auto` chooses by: the truth agrees with it.
+TEST_P(Lemur, IsMattedBestByWhatExplainsThePictureBest) {
+  for (const bool green : {true, false}) {
+    const MatteClip c = clip(green ? green_cloth(360, 240, GetParam()) : cluttered_place(360, 240, GetParam()));
+    const auto keyer = green ? make_keyer("chroma", {c.frames[0]}) : make_keyer("plate", {c.plate});
+    const Plate plate = *learn_plate({c.plate});
+    for (std::size_t f = 0; f < c.frames.size(); f += 4) {
+      const Image key = to_image(*(*keyer)->key(make_frame({}, c.frames[f])));
+      const Image refined = *refine_matte(c.frames[f], key, key_refinement());
+      const std::vector<double> r = composite_residuals(c.frames[f], {key, refined}, green ? nullptr : &plate);
+      EXPECT_EQ(r[1] < r[0], matte_mse(refined, c.truth[f]) < matte_mse(key, c.truth[f])) << green << " frame " << f;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Lemur, testing::Values(1, 2, 3));

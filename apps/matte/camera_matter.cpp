@@ -1,0 +1,115 @@
+#include "apps/matte/camera_matter.h"
+
+#include <algorithm>
+
+#include "core/text.h"
+#include "matting/choose_islands.h"
+#include "matting/closed_form.h"
+#include "matting/consistency.h"
+
+namespace floatstage {
+namespace {
+
+constexpr int kAutoFrames = 4;      // photographs on which auto compares
+constexpr double kReach = 0.04;     // of the picture's longer side: how far parts move from frame to frame
+
+// Writes what is known over a matte.
+void overrule(const Image& known, Image& matte) {
+  for (std::size_t p = 0; p < known.pixels.size(); ++p)
+    if (known.pixels[p] != 128) matte.pixels[p] = known.pixels[p];
+}
+
+bool nothing_known(const Image& map) {
+  return std::all_of(map.pixels.begin(), map.pixels.end(), [](int v) { return v == 128; });
+}
+
+}  // namespace
+
+CameraMatter::CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method)
+    : take_(&take), camera_(camera), key_(std::move(key)), edits_(std::move(edits)), method_(std::move(method)) {}
+
+bool CameraMatter::follows() const {
+  return std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(), [](const MatteKeyframe& k) { return !k.strokes.empty(); });
+}
+
+CameraMatter::Order CameraMatter::order() const {
+  Order order;
+  const int count = take_->frame_count();
+  if (!follows()) {
+    for (int f = 0; f < count; ++f) order.frames.push_back(f), order.anchors.push_back(-1);
+    return order;
+  }
+  // From the first keyframe to the end, later keyframes anew; then from the first back to the beginning.
+  const int first = std::clamp(edits_.keyframes.front().frame, 0, std::max(0, count - 1));
+  for (int f = first; f < count; ++f) order.frames.push_back(f), order.anchors.push_back(f == first ? -1 : f - 1);
+  for (int f = first - 1; f >= 0; --f) order.frames.push_back(f), order.anchors.push_back(f + 1);
+  return order;
+}
+
+Image CameraMatter::said(int frame, int width, int height, bool strokes, bool masks) const {
+  Image map(width, height, 1, 128);
+  for (const MatteKeyframe& k : edits_.keyframes)
+    if (strokes && k.frame == frame) paint_strokes(k.strokes, 1, map);
+  if (masks) paint_masks(edits_.masks, frame, 1, map);
+  return map;
+}
+
+Result<Image> CameraMatter::finished(const std::string& method, const Image& rgb, const Image& key, int frame) const {
+  const Image known = said(frame, rgb.width, rgb.height, true, true);
+  Image matte = key;
+  if (method == "closed-form") {
+    RefineOptions options = key_refinement();
+    options.band.margin = std::max(3, std::max(rgb.width, rgb.height) / 200);
+    Result<Image> refined = refine_matte(rgb, key, options, known);
+    if (!refined) return refined;
+    matte = std::move(*refined);
+  }
+  overrule(known, matte);
+  return matte;
+}
+
+Result<Image> CameraMatter::matte(int frame, const Image& previous) const {
+  Result<Frame> photograph = take_->frame(camera_, frame);
+  if (!photograph) return forward(photograph);
+  if (photograph->empty()) return Image();
+  Result<Image> rgb = to_rgb(*photograph);
+  if (!rgb) return forward(rgb);
+  Result<Image> key = key_.key(*photograph, frame);
+  if (!key) return forward(key);
+  if (key->empty()) return Image();
+  overrule(said(frame, rgb->width, rgb->height, false, true), *key);
+  if (follows()) {
+    Image strokes = said(frame, rgb->width, rgb->height, true, false);
+    if (nothing_known(strokes)) strokes = {};
+    const bool fits = previous.width == key->width && previous.height == key->height;
+    *key = choose_islands(*key, fits ? previous : Image(), strokes, static_cast<int>(kReach * std::max(key->width, key->height)));
+  }
+  return finished(method_, *rgb, *key, frame);
+}
+
+Result<std::string> CameraMatter::chosen_method() const {
+  const std::vector<std::string> methods = {"key", "closed-form"};
+  std::vector<double> sums(methods.size());
+  const int count = take_->frame_count();
+  for (int i = 0; i < std::min(kAutoFrames, count); ++i) {
+    const int frame = static_cast<int>((2L * i + 1) * count / (2L * std::min(kAutoFrames, count)));
+    Result<Frame> photograph = take_->frame(camera_, frame);
+    if (!photograph) return forward(photograph);
+    if (photograph->empty()) continue;
+    Result<Image> rgb = to_rgb(*photograph), key = key_.key(*photograph, frame);
+    if (!rgb) return forward(rgb);
+    if (!key) return forward(key);
+    if (key->empty()) continue;
+    std::vector<Image> candidates;
+    for (const std::string& method : methods) {
+      Result<Image> matte = finished(method, *rgb, *key, frame);
+      if (!matte) return forward(matte);
+      candidates.push_back(std::move(*matte));
+    }
+    const std::vector<double> residuals = composite_residuals(*rgb, candidates, key_.known_plate());
+    for (std::size_t m = 0; m < sums.size(); ++m) sums[m] += residuals[m];
+  }
+  return methods[static_cast<std::size_t>(std::min_element(sums.begin(), sums.end()) - sums.begin())];
+}
+
+}  // namespace floatstage

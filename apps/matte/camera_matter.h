@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/matte/camera_key.h"
+#include "capture/take.h"
+#include "core/matte_edits.h"
+#include "core/result.h"
+
+namespace floatstage {
+
+/// One camera's photographs to mattes, by one method. Thread safe: all state is in what is passed in.
+class CameraMatter {
+ public:
+  CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method);
+
+  /// Chooses among the methods by composite_residuals() on a few photographs; what `auto` is.
+  Result<std::string> chosen_method() const;
+
+  /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made before, or empty.
+  Result<Image> matte(int frame, const Image& previous) const;
+
+  /// Whether matte() needs the neighbour's: a person has chosen among parts, and the choice is followed.
+  bool follows() const;
+  /// The frames in the order in which they must be made; `anchors[i]` is the neighbour of the i-th, -1 for none.
+  struct Order {
+    std::vector<int> frames, anchors;
+  };
+  Order order() const;
+
+  const CameraKey& key() const { return key_; }
+  const std::string& method() const { return method_; }
+  void set_method(std::string method) { method_ = std::move(method); }
+
+ private:
+  Result<Image> finished(const std::string& method, const Image& rgb, const Image& key, int frame) const;
+  Image said(int frame, int width, int height, bool strokes, bool masks) const;
+
+  TakeReader* take_;
+  int camera_;
+  CameraKey key_;
+  CameraEdits edits_;
+  std::string method_;
+};
+
+}  // namespace floatstage

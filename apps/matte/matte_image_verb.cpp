@@ -1,0 +1,83 @@
+#include <cstdio>
+#include <memory>
+
+#include "apps/matte/matte_image.h"
+#include "apps/verbs.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "matting/foreground.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string method = "auto";
+  fs::path image, trimap, scribbles, out, foreground;
+};
+
+Image rgb_of(const Image& picture) {
+  if (picture.channels == 3) return picture;
+  Image out(picture.width, picture.height, 3);
+  const std::size_t channels = static_cast<std::size_t>(picture.channels);
+  for (std::size_t p = 0; p < out.pixels.size() / 3; ++p)
+    for (std::size_t c = 0; c < 3; ++c) out.pixels[3 * p + c] = picture.pixels[p * channels + (channels == 1 ? 0 : c)];
+  return out;
+}
+
+// One channel; of a picture with transparency, where it is transparent nothing is known.
+Image grey_of(const Image& picture) {
+  if (picture.channels == 1) return picture;
+  Image out(picture.width, picture.height, 1);
+  const std::size_t channels = static_cast<std::size_t>(picture.channels);
+  for (std::size_t p = 0; p < out.pixels.size(); ++p) {
+    const std::uint8_t* s = picture.pixels.data() + p * channels;
+    out.pixels[p] = channels == 4 && s[3] < 128 ? 128 : s[1];
+  }
+  return out;
+}
+
+Result<void> run(const Options& given) {
+  Result<Image> picture = load_png(given.image);
+  if (!picture) return forward(picture);
+  MatteImageOptions options{.method = given.method, .picture = rgb_of(*picture), .trimap = {}, .scribbled = {}};
+  if (!given.trimap.empty()) {
+    Result<Image> trimap = load_png(given.trimap);
+    if (!trimap) return forward(trimap);
+    options.trimap = grey_of(*trimap);
+  }
+  if (!given.scribbles.empty()) {
+    Result<Image> scribbles = load_png(given.scribbles);
+    if (!scribbles) return forward(scribbles);
+    options.scribbled = rgb_of(*scribbles);
+  }
+  Result<Image> matte = matte_image(options);
+  if (!matte) return fail(matte.error().code, text(given.image.string(), ": ", matte.error().message));
+  if (Result<void> ok = save_png(*matte, given.out); !ok) return ok;
+  if (given.foreground.empty()) return {};
+  Result<Layers> layers = estimate_foreground(options.picture, *matte);
+  if (!layers) return forward(layers);
+  Image rgba(matte->width, matte->height, 4);
+  for (std::size_t p = 0; p < matte->pixels.size(); ++p) {
+    std::copy_n(layers->foreground.pixels.data() + 3 * p, 3, rgba.pixels.data() + 4 * p);
+    rgba.pixels[4 * p + 3] = matte->pixels[p];
+  }
+  return save_png(rgba, given.foreground);
+}
+
+}  // namespace
+
+void add_matte_image(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("matte-image", "The matte of one picture, from scribbles, a trimap, or its cloth");
+  verb->add_option("image", options->image, "A PNG")->required();
+  verb->add_option("--scribbles", options->scribbles, "The same picture with subject painted white and background black (PNG)");
+  verb->add_option("--trimap", options->trimap, "Black background, white subject, grey unknown (PNG)");
+  verb->add_option("--method", options->method, "auto, chroma or closed-form")->capture_default_str()->check(CLI::IsMember({"auto", "chroma", "closed-form"}));
+  verb->add_option("--out", options->out, "Write the matte (PNG, one channel)")->required();
+  verb->add_option("--foreground", options->foreground, "Write the subject's own colours with straight alpha (PNG)");
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage

@@ -1,0 +1,60 @@
+#include "apps/matte/matte_image.h"
+
+#include <cmath>
+
+#include "apps/evaluate/matte_metrics.h"
+#include "tests/matting/pictures.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage {
+namespace {
+
+MatteImageOptions options_for(std::string method) { return {.method = std::move(method), .picture = photograph(Scene{}), .trimap = {}, .scribbled = {}}; }
+
+double error(const Result<Image>& matte) {
+  EXPECT_THAT(matte, IsOk());
+  return matte ? matte_mad(*matte, to_image(truth(Scene{}))) : 1;
+}
+
+TEST(MatteImage, KeysClothWithoutBeingToldAnything) {
+  EXPECT_LT(error(matte_image(options_for("chroma"))), 0.01);
+  EXPECT_LE(error(matte_image(options_for("auto"))), 0.01);
+}
+
+TEST(MatteImage, FollowsScribblesAndATrimap) {
+  MatteImageOptions options = options_for("closed-form");
+  options.scribbled = options.picture;
+  for (int x = 60; x < 100; ++x)
+    for (int c = 0; c < 3; ++c) options.scribbled.at(x, 60)[c] = 255, options.scribbled.at(x, 5)[c] = 0, options.scribbled.at(x, 115)[c] = 0;
+  EXPECT_LT(error(matte_image(options)), 0.05);
+  options = options_for("auto");
+  options.trimap = Image(160, 120, 1, 128);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const double d = std::hypot(x - 80.0, y - 60.0);
+      if (d < 24 || d > 38) *options.trimap.at(x, y) = d < 24 ? 255 : 0;
+    }
+  EXPECT_LT(error(matte_image(options)), 0.01);
+}
+
+TEST(MatteImage, SaysWhatItNeeds) {
+  EXPECT_THAT(matte_image(options_for("closed-form")), FailsWith(ErrorCode::InvalidArgument, "--trimap"));
+  EXPECT_THAT(matte_image(options_for("magic")), FailsWith(ErrorCode::InvalidArgument, "closed-form"));
+  MatteImageOptions options = options_for("auto");
+  options.trimap = Image(10, 10, 1);
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::InvalidArgument, "10x10"));
+  options = options_for("auto");
+  options.picture = Image(40, 30, 3, 77);
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::NotFound, "--scribbles"));
+}
+
+TEST(MatteImage, LeavesATrimapThatIsAllSubjectOrAllBackgroundAlone) {
+  for (const std::uint8_t value : {0, 255}) {
+    MatteImageOptions options = options_for("auto");
+    options.trimap = Image(160, 120, 1, value);
+    EXPECT_THAT(matte_image(options), IsOkAnd(options.trimap));
+  }
+}
+
+}  // namespace
+}  // namespace floatstage
