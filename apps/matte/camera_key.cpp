@@ -12,6 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Before clutter, clothes and skin look like the plate or its shadow in places: shadows are asked to be lighter than on
+// cloth, and the holes that remain inside a person are filled up to a fiftieth of him.
+constexpr PlateKeyOptions kBeforeClutter{.darkest_shadow = 0.72, .brightest_reflex = 1.12};
+CleanupOptions clean_up_for(const Image& picture) {
+  return {.close_radius = std::max(1, std::max(picture.width, picture.height) / 320), .smallest_island = 0.02, .smallest_hole = 0.02};
+}
 constexpr double kStillShare = 0.55;  // of the pixels must show one thing most of the time, or the camera moved
 constexpr int kAgree = 128;           // Plate::confidence from which a pixel does
 constexpr double kMostSubject = 0.6;  // of a picture that was taken before cloth
@@ -68,6 +74,12 @@ Result<bool> mostly_backdrop(TakeReader& take, int camera, const CameraKey& key)
 
 }  // namespace
 
+CameraKey CameraKey::none() {
+  CameraKey key;
+  key.spec_ = "none";
+  return key;
+}
+
 Result<CameraKey> CameraKey::guided(const TakeReader& take, int camera, const fs::path& guide) {
   CameraKey key;
   key.kind_ = Kind::Guide;
@@ -106,7 +118,7 @@ Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs
         return fail(ErrorCode::Unsupported, text("camera '", serial, "': no plate was shot, and its ", seen->size(),
                                                  " photographs show no backdrop that stands still; shoot a plate or give mattes with --guide"));
       // What the first plate takes for subject is left out of the second.
-      Result<std::unique_ptr<Keyer>> first = make_plate_keyer(*plate);
+      Result<std::unique_ptr<Keyer>> first = make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color));
       if (!first) return forward(first);
       std::vector<Image> subjects;
       for (const Image& photograph : *seen) {
@@ -118,7 +130,7 @@ Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs
     }
   }
   if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
-  Result<std::unique_ptr<Keyer>> keyer = make_plate_keyer(*plate);
+  Result<std::unique_ptr<Keyer>> keyer = make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color));
   if (!keyer) return forward(keyer);
   CameraKey key;
   key.kind_ = Kind::Plate;
@@ -140,6 +152,7 @@ Result<CameraKey> CameraKey::best(TakeReader& take, int camera, const fs::path& 
 }
 
 Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
+  if (kind_ == Kind::None) return Image();
   if (keyer_) {
     Result<Matte> matte = keyer_->key(photograph);
     if (!matte) return forward(matte);

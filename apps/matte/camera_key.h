@@ -17,8 +17,10 @@ namespace floatstage {
 /// plate.
 class CameraKey {
  public:
-  enum class Kind { Guide, Chroma, Plate };
+  enum class Kind { None, Guide, Chroma, Plate };
 
+  /// Says nothing about any photograph: for methods that can do with what a person says.
+  static CameraKey none();
   /// Another program's mattes as PNG: <guide>/<serial>/<frame>.png. NotFound when the camera has none.
   static Result<CameraKey> guided(const TakeReader& take, int camera, const std::filesystem::path& guide);
   /// NotFound when neither plate nor photographs show green or blue cloth at their borders.
@@ -31,7 +33,7 @@ class CameraKey {
   static Result<CameraKey> best(TakeReader& take, int camera, const std::filesystem::path& guide);
 
   Kind kind() const { return kind_; }
-  /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide".
+  /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide", "none".
   const std::string& spec() const { return spec_; }
   /// Null without one.
   const Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
@@ -40,7 +42,7 @@ class CameraKey {
   Result<Image> key(const Frame& photograph, int frame) const;
 
  private:
-  Kind kind_ = Kind::Chroma;
+  Kind kind_ = Kind::None;
   std::string spec_, serial_;
   std::filesystem::path guide_;
   std::shared_ptr<const Keyer> keyer_;

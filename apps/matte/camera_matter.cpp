@@ -59,7 +59,7 @@ Result<Image> CameraMatter::finished(const std::string& method, const Image& rgb
   Image matte = key;
   if (method == "closed-form") {
     RefineOptions options = key_refinement();
-    options.band.margin = std::max(3, std::max(rgb.width, rgb.height) / 200);
+    options.band.margin = std::max(3, std::max(rgb.width, rgb.height) / 400);
     Result<Image> refined = refine_matte(rgb, key, options, known);
     if (!refined) return refined;
     matte = std::move(*refined);
@@ -86,6 +86,15 @@ Result<Image> CameraMatter::matte(int frame, const Image& previous) const {
   }
   return finished(method_, *rgb, *key, frame);
 }
+
+MatteOpinion CameraMatter::strokes_of(const MatteKeyframe& keyframe, int width, int height) const {
+  const Image map = said(keyframe.frame, width, height, true, false);
+  MatteOpinion opinion{map, Image(width, height, 1)};
+  for (std::size_t p = 0; p < map.pixels.size(); ++p) opinion.weight.pixels[p] = map.pixels[p] == 128 ? 0 : 255;
+  return opinion;
+}
+
+void CameraMatter::mask(int frame, Image& matte) const { overrule(said(frame, matte.width, matte.height, true, true), matte); }
 
 Result<std::string> CameraMatter::chosen_method() const {
   const std::vector<std::string> methods = {"key", "closed-form"};

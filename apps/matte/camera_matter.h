@@ -7,6 +7,7 @@
 #include "capture/take.h"
 #include "core/matte_edits.h"
 #include "core/result.h"
+#include "matting/spectral_matting.h"
 
 namespace floatstage {
 
@@ -29,6 +30,13 @@ class CameraMatter {
   };
   Order order() const;
 
+  /// What a keyframe's strokes say, for the spectral engine.
+  MatteOpinion strokes_of(const MatteKeyframe& keyframe, int width, int height) const;
+  /// Writes the frame's masks and strokes over a matte.
+  void mask(int frame, Image& matte) const;
+
+  int camera() const { return camera_; }
+  const CameraEdits& edits() const { return edits_; }
   const CameraKey& key() const { return key_; }
   const std::string& method() const { return method_; }
   void set_method(std::string method) { method_ = std::move(method); }

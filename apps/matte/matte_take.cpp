@@ -9,6 +9,7 @@
 #include "apps/keying.h"
 #include "apps/matte/camera_matter.h"
 #include "apps/matte/matting_record.h"
+#include "apps/matte/spectral_take.h"
 #include "apps/progress.h"
 #include "capture/take.h"
 #include "core/file.h"
@@ -29,6 +30,7 @@ struct Job {
   CameraRecord record;
   CameraMattes report;
   std::vector<std::pair<int, std::string>> failures;
+  std::string old_key;
   bool clear = false;  // what is there was made otherwise
 };
 
@@ -66,7 +68,10 @@ class Run {
 Result<CameraKey> key_for(TakeReader& take, int camera, const MatteTakeOptions& options) {
   if (options.method == "chroma") return CameraKey::chroma(take, camera);
   if (options.method == "plate") return CameraKey::plate(take, camera);
-  return CameraKey::best(take, camera, options.guide);
+  Result<CameraKey> key = CameraKey::best(take, camera, options.guide);
+  const bool optional = options.method == "spectral" && options.guide.empty();
+  if (!key && optional && (key.error().code == ErrorCode::NotFound || key.error().code == ErrorCode::Unsupported)) return CameraKey::none();
+  return key;
 }
 
 Result<std::vector<Job>> jobs_of(const TakeReader& take, const MatteTakeOptions& options) {
@@ -99,7 +104,7 @@ Result<void> settle(const TakeReader& take, Job& job, const std::map<std::string
   const bool there = fs::exists(folder) && !fs::is_empty(folder, none);
   const auto old = before.find(job.serial);
   const bool same = old != before.end() && old->second.method == job.record.method && old->second.guide == job.record.guide && old->second.edits == job.record.edits;
-  if (same) job.record = old->second;
+  if (same) job.record = old->second, job.old_key = old->second.key;
   job.clear = there && !same;
   if (job.clear && !redo)
     return fail(ErrorCode::AlreadyExists, text(folder.string(), " was made otherwise (", old == before.end() ? "not by `matte`" : text("method ", old->second.method, ", or other edits or guide"),
@@ -115,10 +120,16 @@ Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const Ma
   job.report.clicks = effort.clicks + effort.scribbles;
   Result<CameraKey> key = key_for(take, job.camera, options);
   if (!key) return forward(key);
+  if (!job.old_key.empty() && job.old_key != key->spec()) {  // a plate was shot since, or this program keys otherwise now
+    if (!options.redo)
+      return fail(ErrorCode::AlreadyExists, text("the mattes of camera '", job.serial, "' were made from the key ", job.old_key, ", which is now ", key->spec(), "; add --redo to make them again"));
+    job.clear = true;
+    job.record.chosen.clear();
+  }
   job.report.key = job.record.key = key->spec();
   job.matter.emplace(take, job.camera, std::move(*key), mine, options.method);
   if (job.record.chosen.empty()) {
-    job.record.chosen = options.method == "closed-form" ? "closed-form" : "key";
+    job.record.chosen = options.method == "closed-form" || options.method == "spectral" ? options.method : "key";
     if (options.method == "auto") {
       Result<std::string> chosen = job.matter->chosen_method();
       if (!chosen) return forward(chosen);
@@ -145,6 +156,29 @@ Image make(const TakeReader& take, Run& run, Job& job, int frame, const Image& p
   if (Result<void> ok = save_png(*matte, file); !ok) return run.failed(job, frame, ok.error()), Image();
   run.count(job.report.made);
   return std::move(*matte);
+}
+
+// Spectral matting works through a camera as a whole and uses all threads for it.
+void make_spectral(TakeReader& take, Run& run, Job& job, int threads) {
+  bool all_there = true;
+  for (int f = 0; f < take.frame_count(); ++f) all_there = all_there && fs::exists(take.layout().matte(job.serial, f));
+  if (all_there) {
+    job.report.kept = take.frame_count();
+    return;
+  }
+  const fs::path cache = take.layout().mattes() / "spectral" / job.serial;
+  Progress progress(text("mattes of ", job.serial), static_cast<std::size_t>(take.frame_count()));
+  const Result<void> ok = spectral_mattes(take, *job.matter, cache, threads, [&](int frame, Image matte) -> Result<void> {
+    progress.advance();
+    const fs::path file = take.layout().matte(job.serial, frame);
+    if (fs::exists(file)) return run.count(job.report.kept), Result<void>();
+    if (matte.empty()) return run.count(job.report.gaps), Result<void>();
+    if (Result<void> saved = save_png(matte, file); !saved) return saved;
+    run.count(job.report.made);
+    return {};
+  });
+  if (!ok && ok.error().code == ErrorCode::Io) return run.stop(ok.error());
+  if (!ok && ok.error().code != ErrorCode::Cancelled) run.failed(job, 0, ok.error());
 }
 
 // A camera whose parts are followed is one item, in its order; of the others every frame is one.
@@ -232,6 +266,7 @@ const std::vector<MatteMethod>& matte_methods() {
       {"chroma", "green or blue cloth"},
       {"plate", "against plates/, or the backdrop found behind the performance"},
       {"closed-form", "closed-form matting in the band around the key"},
+      {"spectral", "spectral video matting from the key, from clicks, or from its own first guess"},
   };
   return methods;
 }
@@ -274,7 +309,12 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   }
   if (Result<void> ok = save_matting(all, take.layout()); !ok) return forward(ok);
   if (Result<void> ok = save_keying_of(take, *jobs, options.method); !ok) return forward(ok);
-  make_items(take, run, *jobs, options.threads);
+  if (options.method == "spectral") {
+    for (Job& job : *jobs)
+      if (!run.stopped()) make_spectral(take, run, job, options.threads);
+  } else {
+    make_items(take, run, *jobs, options.threads);
+  }
   if (Result<void> ok = run.result(); !ok) return forward(ok);
 
   MatteReport report;
