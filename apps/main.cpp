@@ -32,7 +32,8 @@ int run(int argc, char** argv) {
   app.add_flag("-v,--verbose", verbose, "Debug messages too");
 
   Chosen chosen;
-  for (auto add : {add_demo, add_check, add_calibrate, add_synthesize, add_import, add_matte, add_matte_image, add_hull, add_process, add_render, add_evaluate, add_play})
+  for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_matte, add_matte_image,
+                   add_hull, add_process, add_render, add_evaluate, add_play})
     add(app, chosen);
 
   if (names_unknown_verb(app, argc, argv)) return kExitUsage;

@@ -15,6 +15,7 @@ struct Chosen {
 // One function a verb: adds its subcommand with options and help. The table in main.cpp lists them.
 void add_demo(CLI::App& app, Chosen& chosen);
 void add_calibrate(CLI::App& app, Chosen& chosen);
+void add_capture(CLI::App& app, Chosen& chosen);
 void add_check(CLI::App& app, Chosen& chosen);
 void add_synthesize(CLI::App& app, Chosen& chosen);
 void add_import(CLI::App& app, Chosen& chosen);

@@ -26,6 +26,7 @@ struct SourceStats {
   std::uint64_t corrupt = 0;    ///< delivered with status Corrupt
   std::uint64_t starved =
       0;  ///< the device had no free buffer because the frames held elsewhere kept them all
+  std::uint64_t failed = 0;  ///< of the lost: pictures that arrived in part and were thrown away
 };
 
 /// The capture seam, complete. One thread calls start/next/stop; stats() may be called from any thread.

@@ -17,17 +17,17 @@
 namespace floatstage {
 namespace {
 
-// A camera's numbering: which row its own sequence number stands for.
+// A camera's numbering since it was started: which row its own sequence number stands for.
 struct Rows {
   std::int64_t row_of_first = 0;
   std::uint64_t first = 0;
-  std::optional<std::uint64_t> last_row;
 };
 
 struct Lane {
   explicit Lane(std::size_t queue_frames) : queue(queue_frames, QueuePolicy::Block) {}
 
-  std::optional<Rows> rows;  // its camera's thread alone
+  std::optional<Rows> rows;              // its camera's thread alone
+  std::optional<std::int64_t> last_row;  // as well
   BoundedQueue<Frame> queue;
   std::thread writer;
   std::mutex mutex;
@@ -41,6 +41,7 @@ class TakeRecorder final : public Recorder {
   ~TakeRecorder() override { join(); }
 
   Result<void> push(const Frame& frame) override;
+  void restarted(int camera) override;
   RecordingQuality quality() const override;
   Result<RecordingQuality> finish() override;
 
@@ -118,22 +119,27 @@ Frame TakeRecorder::lost(int camera, std::int64_t row) const {
 std::optional<std::int64_t> TakeRecorder::row_of(Lane& lane, const FrameInfo& info) {
   if (!lane.rows) {
     const Timestamp origin = origin_or(info.exposure_start);
-    const double instants = static_cast<double>((info.exposure_start - origin).count) / period_ns_;
-    const std::int64_t row = std::llround(instants);
+    std::int64_t row = std::llround(static_cast<double>((info.exposure_start - origin).count) / period_ns_);
     if (row < 0) return std::nullopt;
-    lane.rows = Rows{row, info.sequence, std::nullopt};
-    for (std::int64_t missed = 0; missed < row; ++missed) lane.queue.push(lost(info.camera, missed));
+    if (lane.last_row) {
+      row = std::max(row, *lane.last_row + 1);
+    } else {
+      for (std::int64_t missed = 0; missed < row; ++missed) lane.queue.push(lost(info.camera, missed));
+    }
+    lane.rows = Rows{row, info.sequence};
   }
-  Rows& rows = *lane.rows;
-  const std::int64_t row = rows.row_of_first + static_cast<std::int64_t>(info.sequence - rows.first);
-  if (rows.last_row && row <= static_cast<std::int64_t>(*rows.last_row)) {
+  const std::int64_t row =
+      lane.rows->row_of_first + static_cast<std::int64_t>(info.sequence - lane.rows->first);
+  if (lane.last_row && row <= *lane.last_row) {
     std::lock_guard lock(mutex_);
     meter_.duplicate(info.camera);
     return std::nullopt;
   }
-  rows.last_row = static_cast<std::uint64_t>(row);
+  lane.last_row = row;
   return row;
 }
+
+void TakeRecorder::restarted(int camera) { lanes_[static_cast<std::size_t>(camera)]->rows.reset(); }
 
 Result<void> TakeRecorder::push(const Frame& frame) {
   FLOATSTAGE_CHECK(frame.info.camera >= 0 && static_cast<std::size_t>(frame.info.camera) < lanes_.size(),

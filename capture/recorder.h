@@ -73,6 +73,9 @@ class Recorder {
   /// Takes a frame; frame.info.camera is its place in the rig. An error is that camera's alone and final: the
   /// disk (Io), or a frame that does not fit the rig (InvalidArgument).
   virtual Result<void> push(const Frame& frame) = 0;
+  /// The camera was stopped and started: its numbers begin anew, and its next frame finds its row by its
+  /// time. From the thread that pushes its frames.
+  virtual void restarted(int camera) = 0;
   /// From any thread, while it grows.
   virtual RecordingQuality quality() const = 0;
   /// Waits until everything is on disk, closes the take and writes its quality.json. The first error of any

@@ -10,7 +10,7 @@ namespace floatstage {
 class SourceMeter {
  public:
   void reset() {
-    for (auto* counter : {&delivered_, &lost_, &corrupt_, &starved_}) counter->store(0);
+    for (auto* counter : {&delivered_, &lost_, &corrupt_, &starved_, &failed_}) counter->store(0);
   }
   void count_lost(std::uint64_t frames) { lost_ += frames; }
   void count_delivered(const Frame& frame) {
@@ -18,10 +18,11 @@ class SourceMeter {
     ++delivered_;
   }
   void count_starved() { ++starved_; }
-  SourceStats read() const { return {delivered_.load(), lost_.load(), corrupt_.load(), starved_.load()}; }
+  void count_failed() { ++failed_; }
+  SourceStats read() const { return {delivered_.load(), lost_.load(), corrupt_.load(), starved_.load(), failed_.load()}; }
 
  private:
-  std::atomic<std::uint64_t> delivered_{0}, lost_{0}, corrupt_{0}, starved_{0};
+  std::atomic<std::uint64_t> delivered_{0}, lost_{0}, corrupt_{0}, starved_{0}, failed_{0};
 };
 
 }  // namespace floatstage

@@ -253,6 +253,7 @@ Result<std::optional<Frame>> AravisSource::take(ArvBuffer* buffer) {
   if (*sequence >= frames_ || !whole) {
     if (*sequence < frames_) {
       meter_.count_lost(1);
+      meter_.count_failed();
       log::debug(
           text("camera '", settings_.serial, "': picture ", *sequence, " is lost: ", words_for(status)));
     }

@@ -27,7 +27,7 @@ class AravisSource : public testing::Test {
   static std::vector<FrameInfo> play(FrameSource& source) {
     std::vector<FrameInfo> frames;
     for (;;) {
-      Result<Frame> frame = source.next(milliseconds(5000));
+      Result<Frame> frame = source.next(milliseconds(20'000));
       if (!frame) {
         EXPECT_THAT(frame, FailsWith(ErrorCode::EndOfStream, ""));
         return frames;
@@ -65,7 +65,7 @@ TEST_F(AravisSource, DeliversTheColoursOfTheFormat) {
     const Result<StreamInfo> info = source->start();
     ASSERT_THAT(info, IsOk());
     EXPECT_EQ(info->layout, packed_layout(format, 64, 48));
-    EXPECT_THAT(source->next(milliseconds(5000)), IsOkAnd(testing::ResultOf(to_rgb, IsOk())));
+    EXPECT_THAT(source->next(milliseconds(20'000)), IsOkAnd(testing::ResultOf(to_rgb, IsOk())));
     source->stop();
   }
 }
@@ -90,14 +90,14 @@ TEST_F(AravisSource, LendsItsBuffersAndStarvesWhenTheyAreKept) {
   ASSERT_THAT(source->start(), IsOk());
   std::vector<Frame> kept;
   for (int i = 0; i < 3; ++i) {
-    Result<Frame> frame = source->next(milliseconds(5000));
+    Result<Frame> frame = source->next(milliseconds(20'000));
     ASSERT_THAT(frame, IsOk());
     kept.push_back(std::move(*frame));
   }
   EXPECT_THAT(source->next(milliseconds(200)), FailsWith(ErrorCode::Timeout, "camera 'FAKE1'"));
   EXPECT_GT(source->stats().starved, 0u);
   kept.clear();
-  EXPECT_THAT(source->next(milliseconds(5000)), IsOk());
+  EXPECT_THAT(source->next(milliseconds(20'000)), IsOk());
   EXPECT_GT(source->stats().lost, 0u) << "what was sent meanwhile is a gap";
 }
 
@@ -105,7 +105,7 @@ TEST_F(AravisSource, SaysWhenTheCameraIsGoneAndComesBackWithIt) {
   auto camera = std::make_unique<FakeGigeCamera>(1, "FAKE1");
   const auto source = opened(camera->uri("format=gray8&width=64&height=48&rate=50"));
   ASSERT_THAT(source->start(), IsOk());
-  ASSERT_THAT(source->next(milliseconds(5000)), IsOk());
+  ASSERT_THAT(source->next(milliseconds(20'000)), IsOk());
   camera->kill();
   for (int tries = 0; tries < 60; ++tries) {
     const Result<Frame> frame = source->next(milliseconds(1000));
@@ -118,7 +118,7 @@ TEST_F(AravisSource, SaysWhenTheCameraIsGoneAndComesBackWithIt) {
   EXPECT_THAT(source->start(), FailsWith(ErrorCode::NotFound, "camera 'FAKE1'"));
   camera = std::make_unique<FakeGigeCamera>(1, "FAKE1");
   EXPECT_THAT(source->start(), IsOk());
-  EXPECT_THAT(source->next(milliseconds(5000)), IsOk());
+  EXPECT_THAT(source->next(milliseconds(20'000)), IsOk());
 }
 
 TEST_F(AravisSource, FindsACameraByItsSerialAlone) {

@@ -108,6 +108,19 @@ TEST_F(ARecorder, LeavesOutWhatWasSeenBeforeTheFirstRow) {
   EXPECT_EQ(rows(1), "oo");
 }
 
+TEST_F(ARecorder, FindsTheRowsOfACameraThatWasStartedAgainByItsTimes) {
+  const auto recorder = started(1);
+  for (std::uint64_t i = 0; i < 3; ++i)
+    ASSERT_THAT(recorder->push(shot(0, i, static_cast<std::int64_t>(i) * kPeriod)), IsOk());
+  recorder->restarted(0);
+  for (std::uint64_t i = 0; i < 2; ++i)
+    ASSERT_THAT(recorder->push(shot(0, i, static_cast<std::int64_t>(i + 6) * kPeriod + 1000)), IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  EXPECT_EQ(rows(0), "ooo...oo");
+  EXPECT_EQ(quality->cameras[0].skips, 3u);
+  EXPECT_EQ(quality->cameras[0].duplicates, 0u);
+}
+
 TEST_F(ARecorder, CountsAFrameThatComesTwiceAndWritesItOnce) {
   const auto recorder = started(1);
   for (const std::uint64_t i : {0, 1, 1, 2})

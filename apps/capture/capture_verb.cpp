@@ -1,0 +1,83 @@
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/capture/capture_session.h"
+#include "apps/interrupt.h"
+#include "apps/json_report.h"
+#include "apps/verbs.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+struct Options {
+  std::filesystem::path config, json;
+  CaptureOptions capture;
+};
+
+nlohmann::ordered_json to_report(const CaptureReport& report) {
+  nlohmann::ordered_json json;
+  json["cameras"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < report.cameras.size(); ++i) {
+    const CapturedCamera& c = report.cameras[i];
+    nlohmann::ordered_json camera = {{"serial", c.serial},         {"delivered", c.stats.delivered},
+                                     {"failed", c.stats.failed},   {"lost", c.stats.lost},
+                                     {"corrupt", c.stats.corrupt}, {"starved", c.stats.starved},
+                                     {"fps", c.frame_rate},        {"reconnects", c.reconnects}};
+    if (report.recording) {
+      camera["recorded"] = report.recording->cameras[i].recorded;
+      camera["gaps"] = report.recording->cameras[i].skips;
+    }
+    json["cameras"].push_back(std::move(camera));
+  }
+  if (report.recording) {
+    json["spread_ms"] = {{"p50", report.recording->spread_p50_ms}, {"max", report.recording->spread_max_ms}};
+    json["verdict"] = report.recording->pass() ? "PASS" : "FAIL";
+    json["complaints"] = report.recording->complaints;
+    json["take"] = report.take.string();
+  }
+  return json;
+}
+
+void show(const CaptureReport& report) {
+  std::string line;
+  for (const CapturedCamera& c : report.cameras) {
+    char part[96];
+    std::snprintf(part, sizeof part, "%s%s %.1f fps, %llu lost", line.empty() ? "" : " | ", c.serial.c_str(),
+                  c.frame_rate, static_cast<unsigned long long>(c.stats.lost));
+    line += part;
+  }
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
+
+Result<void> run(const Options& options) {
+  const Result<CaptureConfig> config = load_capture_config(options.config);
+  if (!config) return forward(config);
+  const Result<CaptureReport> report = run_capture(*config, options.capture, interrupted, show);
+  if (!report) return forward(report);
+  if (!options.json.empty())
+    if (Result<void> saved = save_json(to_report(*report), options.json); !saved) return saved;
+  if (!report->recording) return {};
+  std::printf("%s: %s\n", report->take.c_str(), report->recording->pass() ? "PASS" : "FAIL");
+  for (const std::string& complaint : report->recording->complaints) std::printf("  %s\n", complaint.c_str());
+  return {};
+}
+
+}  // namespace
+
+void add_capture(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("capture", "Streams a studio's cameras and records a take");
+  verb->add_option("--config", options->config, "The studio: cameras, recording and limits (TOML)")
+      ->required();
+  verb->add_flag("--record", options->capture.record, "Record a take");
+  verb->add_option("--out", options->capture.take,
+                   "The new take's folder; default: named by the time, where the config says");
+  verb->add_option("--seconds", options->capture.seconds, "How long; default: until Ctrl-C")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--json", options->json, "Write a report for machines");
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage

@@ -1,0 +1,149 @@
+#include "apps/capture/capture_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "capture/take.h"
+#include "core/text.h"
+#include "tests/capture/fake_gige_camera.h"
+#include "tests/support/matchers.h"
+#include "tests/support/own_network.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kSynthetic = "synthetic:cameras=2&width=32&height=24&samples=1&rate=25&frames=";
+
+CaptureConfig config_of(std::vector<CaptureConfig::Camera> cameras, double rate) {
+  CaptureConfig config;
+  config.frame_rate = rate;
+  config.recorder.take.frame_rate = rate;
+  config.recorder.take.codec = TakeCodec::Raw;
+  config.cameras = std::move(cameras);
+  return config;
+}
+
+bool never() { return false; }
+void silent(const CaptureReport&) {}
+
+std::size_t gaps(const TakeReader& take, int camera) {
+  std::size_t count = 0;
+  for (const FrameRow& row : take.rows(camera)) count += row.media_index ? 0 : 1;
+  return count;
+}
+
+TEST(CaptureSession, RecordsEverySourceToItsEnd) {
+  const TempFolder folder;
+  const CaptureConfig config = config_of(
+      {{"a", text(kSynthetic, "10&camera=0")}, {"b", text(kSynthetic, "10&camera=1&dropped=0.3&seed=4")}},
+      25);
+  CaptureOptions options;
+  options.record = true;
+  options.take = folder / "take";
+  const Result<CaptureReport> report = run_capture(config, options, never, silent);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->cameras[0].stats.delivered, 10u);
+  ASSERT_TRUE(report->recording.has_value());
+  EXPECT_EQ(report->recording->cameras[0].recorded, 10u);
+  EXPECT_EQ(report->recording->cameras[1].recorded, report->cameras[1].stats.delivered);
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
+  ASSERT_THAT(take, IsOk());
+  EXPECT_TRUE((*take)->manifest().complete);
+  EXPECT_EQ((*take)->rig().cameras[1].serial, "b");
+  EXPECT_EQ(gaps(**take, 1), report->recording->cameras[1].skips);
+}
+
+TEST(CaptureSession, StopsWhenAsked) {
+  const CaptureConfig config = config_of({{"a", text(kSynthetic, "0")}}, 25);
+  int asked = 0;
+  const Result<CaptureReport> report = run_capture(
+      config, {}, [&] { return ++asked > 2; }, silent);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_FALSE(report->recording.has_value());
+  EXPECT_GT(report->cameras[0].stats.delivered, 0u);
+}
+
+TEST(CaptureSession, RefusesACameraThatDoesNotStart) {
+  EXPECT_THAT(run_capture(config_of({{"a", "v4l2:/dev/video77"}}, 25), {}, never, silent),
+              FailsWith(ErrorCode::NotFound, "/dev/video77"));
+  EXPECT_THAT(run_capture(config_of({{"a", "radio:3"}}, 25), {}, never, silent),
+              FailsWith(ErrorCode::InvalidArgument, "radio:3"));
+}
+
+TEST(CaptureSession, CountsAsManyGapsAsTheCameraFailedToSend) {
+  ASSERT_TRUE(enter_own_network());
+  const TempFolder folder;
+  std::vector<std::unique_ptr<FakeGigeCamera>> devices;
+  std::vector<CaptureConfig::Camera> cameras;
+  for (int n = 1; n <= 3; ++n) {
+    ASSERT_TRUE(n == 1 || add_loopback_address(n));
+    const std::string serial = "FAKE" + std::to_string(n);
+    // 1 of 1000 packets is never sent, and a picture has 228.
+    devices.push_back(std::make_unique<FakeGigeCamera>(n, serial, n == 3 ? 1 : 0));
+    cameras.push_back(
+        {serial, devices.back()->uri("format=gray8&width=640&height=480&rate=15&resend=off&frames=60")});
+  }
+  CaptureOptions options;
+  options.record = true;
+  options.take = folder / "take";
+  const Result<CaptureReport> report = run_capture(config_of(cameras, 15), options, never, silent);
+  ASSERT_THAT(report, IsOk());
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
+  ASSERT_THAT(take, IsOk());
+  for (std::size_t i = 0; i < 3; ++i) {
+    const SourceStats& stats = report->cameras[i].stats;
+    EXPECT_EQ(stats.delivered + stats.lost, 60u);
+    EXPECT_EQ(report->recording->cameras[i].recorded, stats.delivered);
+  }
+  EXPECT_GT(report->cameras[2].stats.failed, 0u);
+  EXPECT_THAT(report->recording->complaints, testing::Contains(HasSubstr("camera 'FAKE3'")));
+}
+
+TEST(CaptureSession, GoesOnWithTheOthersAndTakesACameraBack) {
+  ASSERT_TRUE(enter_own_network());
+  ASSERT_TRUE(add_loopback_address(2));
+  const TempFolder folder;
+  FakeGigeCamera steady(1, "STEADY");
+  auto shaky = std::make_unique<FakeGigeCamera>(2, "SHAKY");
+  const char* options_of_both = "format=gray8&width=64&height=48&rate=20&packet-socket=off";
+  const CaptureConfig config =
+      config_of({{"STEADY", steady.uri(options_of_both)}, {"SHAKY", shaky->uri(options_of_both)}}, 20);
+  CaptureOptions options;
+  options.record = true;
+  options.take = folder / "take";
+  options.seconds = 60;
+  // Pulled after the first second's report, plugged in when its loss was seen, stopped when it is back.
+  enum { Streaming, Pulled, Back } state = Streaming;
+  bool done = false;
+  const Result<CaptureReport> report = run_capture(
+      config, options, [&] { return done; },
+      [&](const CaptureReport& seen) {
+        if (state == Streaming && seen.cameras[1].stats.delivered > 5) {
+          shaky->kill();
+          state = Pulled;
+        } else if (state == Pulled && !seen.cameras[1].trouble.empty()) {
+          shaky = std::make_unique<FakeGigeCamera>(2, "SHAKY");
+          state = Back;
+        } else if (state == Back) {
+          done = seen.cameras[1].reconnects == 1 && seen.cameras[1].trouble.empty();
+        }
+      });
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->cameras[1].reconnects, 1u);
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
+  ASSERT_THAT(take, IsOk());
+  EXPECT_GT(gaps(**take, 1), 5u) << "what it did not see is rows that say so";
+  // Both cameras agree on what an instant is, before and after.
+  const auto& steady_rows = (*take)->rows(0);
+  const auto& shaky_rows = (*take)->rows(1);
+  ASSERT_GT(shaky_rows.size(), 20u);
+  const std::size_t last = std::min(steady_rows.size(), shaky_rows.size()) - 1;
+  EXPECT_NEAR(seconds(steady_rows[last].info.exposure_start - shaky_rows[last].info.exposure_start), 0, 0.05);
+}
+
+}  // namespace
+}  // namespace floatstage
