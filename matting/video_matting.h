@@ -35,7 +35,7 @@ struct VideoMattingOptions {
   double likelihood_strength = 1;    ///< of MattingClip::likelihood
   double keyframe_strength = 4;      ///< of what was said in a keyframe; a click counts as much as a whole matte
   double persistence = 0.02;         ///< of each component's last choice
-  double misfit = 0.15;              ///< relative squared difference to the guidance from which components do not fit
+  double misfit = 0.05;              ///< relative squared difference to the guidance from which components do not fit
   double temporal_filter = 0.3;      ///< share of the previous matte, carried by flow where it fits; 0 … 0.9, 0: none
   int threads = 0;                   ///< for prepare(): 0 is one a core; each holds about 0.4 GB
 
