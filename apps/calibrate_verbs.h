@@ -4,7 +4,8 @@
 
 namespace floatstage {
 
-// Subcommands of `calibrate`, each in a file of its own.
+// `calibrate SESSION` and its subcommands, each in a file of its own.
+void add_calibrate_session(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen);
 
 }  // namespace floatstage

@@ -182,8 +182,9 @@ Gauge read_gauge(const nlohmann::json& value, const std::string& where, JsonProb
   return gauge;
 }
 
-Result<void> add_known(Observations& o, const nlohmann::json& known, std::string_view name) {
-  const Result<Rig> rig = parse_rig(known.dump(), text(name, ": known"));
+// `known` is null where nothing is.
+Result<void> add_known(Observations& o, const nlohmann::json* known, std::string_view name) {
+  const Result<Rig> rig = known ? parse_rig(known->dump(), text(name, ": known")) : Result<Rig>(Rig{});
   if (!rig) return forward(rig);
   for (CalibrationCamera& c : o.cameras) {
     if (c.intrinsics == Prior::Unknown && c.pose == Prior::Unknown) continue;
@@ -204,9 +205,11 @@ std::string to_json(const Observations& o) {
   for (const Target& t : o.targets) targets.push_back(target_json(t));
   for (const TargetView& v : o.views) views.push_back(view_json(v));
   // Compact: a capture has hundreds of thousands of points.
-  const Json document = {{"floatstage_observations", kVersion}, {"cameras", std::move(cameras)},
-                         {"known", Json::parse(to_json(known_rig(o)))}, {"targets", std::move(targets)},
-                         {"gauge", gauge_json(o.gauge)}, {"views", std::move(views)}};
+  Json document = {{"floatstage_observations", kVersion}, {"cameras", std::move(cameras)}};
+  if (const Rig known = known_rig(o); !known.cameras.empty()) document["known"] = Json::parse(to_json(known));
+  document["targets"] = std::move(targets);
+  document["gauge"] = gauge_json(o.gauge);
+  document["views"] = std::move(views);
   return document.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -226,10 +229,10 @@ Result<Observations> parse_observations(std::string_view bytes, std::string_view
   if (const nlohmann::json* views = fields.list("views"))
     for (const nlohmann::json& v : *views) o.views.push_back(read_view(v, text(name, ": view ", o.views.size()), problem));
   if (const nlohmann::json* gauge = fields.child("gauge")) o.gauge = read_gauge(*gauge, text(name, ": gauge"), problem);
-  const nlohmann::json* known = fields.child("known");
+  const nlohmann::json* known = fields.child("known", false);
   fields.refuse_others();
   if (problem.first) return fail(ErrorCode::BadData, *problem.first);
-  if (Result<void> ok = add_known(o, *known, name); !ok) return forward(ok);
+  if (Result<void> ok = add_known(o, known, name); !ok) return forward(ok);
   if (Result<void> ok = check(o); !ok) return fail(ok.error().code, text(name, ": ", ok.error().message));
   return o;
 }

@@ -11,6 +11,7 @@
 namespace floatstage::solver {
 namespace {
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Pose = std::array<double, 7>;  // quaternion x y z w, translation
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -64,25 +65,69 @@ class PoseManifold final : public ceres::Manifold {
   }
 };
 
+// A pose, and its spin and velocity behind it.
+class MovingPoseManifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return 13; }
+  int TangentSize() const override { return 12; }
+  bool Plus(const double* x, const double* delta, double* out) const override {
+    for (int i = 0; i < 6; ++i) out[7 + i] = x[7 + i] + delta[6 + i];
+    return pose_.Plus(x, delta, out);
+  }
+  bool PlusJacobian(const double* x, double* jacobian) const override {
+    Eigen::Matrix<double, 7, 6, Eigen::RowMajor> pose;
+    pose_.PlusJacobian(x, pose.data());
+    Eigen::Map<Eigen::Matrix<double, 13, 12, Eigen::RowMajor>> j(jacobian);
+    j.setZero();
+    j.topLeftCorner<7, 6>() = pose;
+    j.bottomRightCorner<6, 6>().setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* delta) const override {
+    for (int i = 0; i < 6; ++i) delta[6 + i] = y[7 + i] - x[7 + i];
+    return pose_.Minus(y, x, delta);
+  }
+  bool MinusJacobian(const double* x, double* jacobian) const override {
+    Eigen::Matrix<double, 6, 7, Eigen::RowMajor> pose;
+    pose_.MinusJacobian(x, pose.data());
+    Eigen::Map<Eigen::Matrix<double, 12, 13, Eigen::RowMajor>> j(jacobian);
+    j.setZero();
+    j.topLeftCorner<6, 7>() = pose;
+    j.bottomRightCorner<6, 6>().setIdentity();
+    return true;
+  }
+
+ private:
+  PoseManifold pose_;
+};
+
 // Derivatives by the 7 numbers of a pose, such that PlusJacobian takes them back to the 6 of its tangent.
-void spread(const Eigen::Ref<const Eigen::MatrixXd>& tangent, const Pose& pose, double* out) {
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7, Eigen::RowMajor>> j(out, tangent.rows(), 7);
-  j.leftCols<4>() = 2 * tangent.leftCols<3>() * PoseManifold::quaternion_by_rotation(pose.data()).transpose();
-  j.rightCols<3>() = tangent.rightCols<3>();
+// What comes behind the pose stays as it is.
+void spread(const Eigen::Ref<const Eigen::MatrixXd>& tangent, const double* pose, double* out) {
+  Eigen::Map<RowMajor> j(out, tangent.rows(), tangent.cols() + 1);
+  j.leftCols<4>() = 2 * tangent.leftCols<3>() * PoseManifold::quaternion_by_rotation(pose).transpose();
+  j.rightCols(tangent.cols() - 3) = tangent.rightCols(tangent.cols() - 3);
 }
 
 // Ceres' own copy of the parameters, and the linearised views that its cost functions read.
 struct Workspace {
   Scene& scene;
   const BundleOptions& options;
-  std::vector<Pose> cameras, boards;
+  std::vector<Pose> cameras;
+  std::vector<std::array<double, 13>> boards;  // the last six only where motion is solved for
   std::vector<std::vector<double>> markers;
   std::vector<int> views;  // the usable ones
   std::vector<LinearView> linear;
 
   Workspace(Scene& s, const BundleOptions& o) : scene(s), options(o) {
     for (const SceneCamera& c : s.cameras) cameras.push_back(to_array(c.cam_from_world));
-    for (const SceneBoard& b : s.boards) boards.push_back(to_array(b.world_from_target));
+    for (const SceneBoard& b : s.boards) {
+      const Pose pose = to_array(b.world_from_target);
+      boards.emplace_back();
+      std::copy(pose.begin(), pose.end(), boards.back().begin());
+      Eigen::Map<Eigen::Vector3d>(boards.back().data() + 7, 3) = b.spin;
+      Eigen::Map<Eigen::Vector3d>(boards.back().data() + 10, 3) = b.velocity;
+    }
     for (const SceneMarkers& m : s.markers) {
       markers.emplace_back();
       for (const Eigen::Vector3d& p : m.positions) markers.back().insert(markers.back().end(), {p.x(), p.y(), p.z()});
@@ -99,7 +144,13 @@ struct Workspace {
     for (std::size_t i = 0; i < cameras.size(); ++i)
       if (scene.cameras[i].placed) scene.cameras[i].cam_from_world = from_array(cameras[i]);
     for (std::size_t i = 0; i < boards.size(); ++i)
-      if (scene.boards[i].placed) scene.boards[i].world_from_target = from_array(boards[i]);
+      if (SceneBoard& b = scene.boards[i]; b.placed) {
+        const double* const p = boards[i].data();
+        b.world_from_target = from_array({p[0], p[1], p[2], p[3], p[4], p[5], p[6]});
+        if (!b.free_motion) continue;
+        b.spin = Eigen::Vector3d(p[7], p[8], p[9]);
+        b.velocity = Eigen::Vector3d(p[10], p[11], p[12]);
+      }
     for (std::size_t i = 0; i < markers.size(); ++i)
       for (std::size_t k = 0; k < scene.markers[i].positions.size(); ++k)
         scene.markers[i].positions[k] = Eigen::Map<const Eigen::Vector3d>(markers[i].data() + 3 * k);
@@ -130,7 +181,8 @@ class ViewCost final : public ceres::CostFunction {
     const SceneView& v = view();
     const int markers = v.board >= 0 ? 0 : static_cast<int>(w.markers[static_cast<std::size_t>(v.markers)].size());
     set_num_residuals(v.board >= 0 ? kBoardRows : 2 * static_cast<int>(v.points.size()));
-    *mutable_parameter_block_sizes() = {kIntrinsics, 7, v.board >= 0 ? 7 : markers, 1};
+    const bool moves = v.board >= 0 && w.scene.boards[static_cast<std::size_t>(v.board)].free_motion;
+    *mutable_parameter_block_sizes() = {kIntrinsics, 7, v.board >= 0 ? (moves ? 13 : 7) : markers, 1};
   }
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
     const LinearView& linear = w_.linear[index_];
@@ -140,10 +192,10 @@ class ViewCost final : public ceres::CostFunction {
     const SceneView& v = view();
     const Eigen::Index height = linear.residual.size();
     if (jacobians[0]) Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kIntrinsics, Eigen::RowMajor>>(jacobians[0], height, kIntrinsics) = linear.by_intrinsics;
-    if (jacobians[1]) spread(linear.by_camera, w_.cameras[static_cast<std::size_t>(v.camera)], jacobians[1]);
+    if (jacobians[1]) spread(linear.by_camera, w_.cameras[static_cast<std::size_t>(v.camera)].data(), jacobians[1]);
     if (jacobians[2]) {
       if (v.board >= 0)
-        spread(linear.by_object, w_.boards[static_cast<std::size_t>(v.board)], jacobians[2]);
+        spread(linear.by_object, w_.boards[static_cast<std::size_t>(v.board)].data(), jacobians[2]);
       else
         Eigen::Map<RowMajor>(jacobians[2], height, linear.by_object.cols()) = linear.by_object;
     }
@@ -171,6 +223,26 @@ class IntrinsicsPrior final : public ceres::SizedCostFunction<kIntrinsics, kIntr
 
  private:
   const Intrinsics start_, sigma_;
+};
+
+// What neighbouring frames say of a board's motion.
+class MotionPrior final : public ceres::SizedCostFunction<6, 13> {
+ public:
+  explicit MotionPrior(const SceneBoard& b) : weights_(motion_weights(b)) { likely_ << b.likely_spin, b.likely_velocity; }
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    Eigen::Map<Vector6> r(residuals, 6);
+    r = (Eigen::Map<const Vector6>(parameters[0] + 7) - likely_).cwiseProduct(weights_);
+    if (jacobians && jacobians[0]) {
+      Eigen::Map<RowMajor> j(jacobians[0], 6, 13);
+      j.setZero();
+      j.rightCols<6>() = weights_.asDiagonal();
+    }
+    return true;
+  }
+
+ private:
+  const Vector6 weights_;
+  Vector6 likely_;
 };
 
 constexpr double kDoubtfulLength = 10;  // sigmas
@@ -219,6 +291,12 @@ void add_cameras(ceres::Problem& problem, Workspace& w, const std::vector<bool>&
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 6, 1> motion_weights(const SceneBoard& b) {
+  Vector6 weights;
+  weights << Eigen::Vector3d::Constant(1 / (b.motion_doubt * kSpinDoubt)), Eigen::Vector3d::Constant(1 / (b.motion_doubt * kVelocityDoubt));
+  return weights;
+}
 
 Intrinsics prior_sigmas(const SceneCamera& c) {
   Intrinsics sigma = Intrinsics::Ones();
@@ -271,7 +349,12 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (std::size_t i = 0; i < boards.size(); ++i) {
     if (!boards[i]) continue;
-    problem.SetManifold(w.boards[i].data(), new PoseManifold);
+    if (scene.boards[i].free_motion) {
+      problem.SetManifold(w.boards[i].data(), new MovingPoseManifold);
+      problem.AddResidualBlock(new MotionPrior(scene.boards[i]), nullptr, w.boards[i].data());
+    } else {
+      problem.SetManifold(w.boards[i].data(), new PoseManifold);
+    }
     ordering->AddElementToGroup(w.boards[i].data(), 0);
   }
   for (std::size_t i = 0; i < markers.size(); ++i) {

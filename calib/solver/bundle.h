@@ -36,6 +36,9 @@ inline constexpr int kCameraParameters = kIntrinsics + 6 + 1;
 using CameraMask = Eigen::Matrix<bool, kCameraParameters, 1>;
 CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& options);
 
+/// One over the sigmas of what is likely of a board's spin and velocity.
+Eigen::Matrix<double, 6, 1> motion_weights(const SceneBoard& board);
+
 /// Sigmas of the weak priors that keep a poor capture solvable: far wider than any useful capture's own knowledge.
 Intrinsics prior_sigmas(const SceneCamera& camera);
 

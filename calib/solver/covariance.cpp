@@ -52,7 +52,8 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
   MatrixXd information = MatrixXd::Zero(size, size);
   for (const auto& [object, views] : by_object(scene)) {
     const SceneMarkers* markers = object.first ? nullptr : &scene.markers[static_cast<std::size_t>(object.second)];
-    const Index width = markers ? 3 * static_cast<Index>(markers->positions.size()) : 6;
+    const SceneBoard* board = markers ? nullptr : &scene.boards[static_cast<std::size_t>(object.second)];
+    const Index width = markers ? 3 * static_cast<Index>(markers->positions.size()) : board->free_motion ? 12 : 6;
     MatrixXd own = MatrixXd::Zero(width, width);
     std::vector<std::pair<Index, MatrixXd>> shared;  // camera's first row, its block with the object
     for (const SceneView* v : views) {
@@ -70,6 +71,7 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
       marker_residual(*markers, scene.targets[static_cast<std::size_t>(markers->target)], &by_positions);
       own += by_positions.transpose() * by_positions;
     }
+    if (board && board->free_motion) own.diagonal().tail<6>() += motion_weights(*board).cwiseAbs2();
     const Eigen::LDLT<MatrixXd> solved(own);
     std::vector<MatrixXd> eliminated;
     for (const auto& [at, block] : shared) eliminated.push_back(solved.solve(block.transpose()));
@@ -94,7 +96,7 @@ Redundancy redundancy(const Scene& scene, const BundleOptions& options) {
     for (const SceneView* v : views)
       r.rows += 2.0 * static_cast<double>(std::count_if(v->points.begin(), v->points.end(), [](const ScenePoint& p) { return p.kept; }));
     if (object.first) {
-      r.unknowns += 6;
+      r.unknowns += 6;  // a motion that is solved for is measured by its neighbours: one row an unknown
       continue;
     }
     const SceneMarkers& markers = scene.markers[static_cast<std::size_t>(object.second)];

@@ -17,6 +17,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Sight {
   const SceneCamera* camera;
+  Rigid3 cam_from_world;  ///< as it would be had the board not moved since its frame's time
   Vector2d pixel;
   double sigma;
 };
@@ -30,10 +31,10 @@ std::optional<Vector3d> meet(const std::vector<Sight>& sights) {
     const SceneCamera& c = *s.camera;
     const std::optional<Vector3d> ray = unproject(unpack(c.intrinsics, c.lens, c.width, c.height), s.pixel);
     if (!ray) continue;
-    const Vector3d d = (c.cam_from_world.rotation.conjugate() * *ray).normalized();
+    const Vector3d d = (s.cam_from_world.rotation.conjugate() * *ray).normalized();
     const Matrix3d across = Matrix3d::Identity() - d * d.transpose();
     normal += across;
-    right += across * c.cam_from_world.center();
+    right += across * s.cam_from_world.center();
   }
   constexpr double kLeastParallax = 0.03;  // about 20° between two rays: below it, depth is mostly noise
   if (!(Eigen::SelfAdjointEigenSolver<Matrix3d>(normal).eigenvalues()[0] > kLeastParallax)) return std::nullopt;
@@ -43,7 +44,7 @@ std::optional<Vector3d> meet(const std::vector<Sight>& sights) {
     right.setZero();
     Projected projected;
     for (const Sight& s : sights) {
-      const Rigid3& pose = s.camera->cam_from_world;
+      const Rigid3& pose = s.cam_from_world;
       if (!project(s.camera->intrinsics, s.camera->lens, pose * x, projected)) return std::nullopt;
       const double weight = 1 / (s.sigma * s.camera->noise);
       const Eigen::Matrix<double, 2, 3> j = weight * projected.by_point * pose.rotation.toRotationMatrix();
@@ -91,12 +92,15 @@ std::vector<LengthQuality> measure_lengths(const Scene& scene) {
   for (const SceneView& v : scene.views) {
     if (!usable(scene, v)) continue;
     const SceneMarkers* markers = v.board >= 0 ? nullptr : &scene.markers[at(v.markers)];
+    const SceneCamera& camera = scene.cameras[at(v.camera)];
+    Rigid3 pose = camera.cam_from_world;
+    if (!markers) pose = camera_from_target(scene, v) * scene.boards[at(v.board)].world_from_target.inverse();
     const int target = markers ? markers->target : scene.boards[at(v.board)].target;
     for (const ScenePoint& p : v.points) {
       if (!p.kept) continue;
       const int index = markers ? markers->indices[at(p.index)] : p.index;
       seen[target][{markers ? 1 : 0, markers ? v.markers : v.board}][scene.targets[at(target)].points[at(index)].id].push_back(
-          {&scene.cameras[at(v.camera)], p.pixel, p.sigma});
+          {&camera, pose, p.pixel, p.sigma});
     }
   }
   std::vector<LengthQuality> out;

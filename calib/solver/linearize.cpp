@@ -44,6 +44,14 @@ Compressed compress(Eigen::Matrix<double, Eigen::Dynamic, kBoardRows>& rows) {
   return out;
 }
 
+// How the rotation of a rotation vector changes with it, as a rotation vector from the left.
+Matrix3d left_jacobian(const Vector3d& v) {
+  const double angle = v.norm();
+  const Matrix3d x = cross_matrix(v);
+  if (angle < 1e-6) return Matrix3d::Identity() + 0.5 * x;
+  return Matrix3d::Identity() + (1 - std::cos(angle)) / (angle * angle) * x + (angle - std::sin(angle)) / (angle * angle * angle) * x * x;
+}
+
 void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool with_derivatives, LinearView& out) {
   const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
   const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
@@ -97,11 +105,18 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
   if (board.has_motion) {
     motion << board.spin, board.velocity + board.acceleration * dt;
     motion = of_board * motion;
+    if (board.free_motion) {
+      Matrix6 of_motion = dt * of_board;
+      of_motion.leftCols<3>() *= left_jacobian(board.spin * dt);
+      out.by_object.resize(kBoardRows, 12);
+      out.by_object.rightCols<6>() = by_twist * of_motion;
+    }
     // What turns the board at its own time is carried along by the turn since.
     of_board.leftCols<3>() *= rotation_from_vector(board.spin * dt).toRotationMatrix();
   }
   out.by_camera = by_twist * of_camera;
-  out.by_object = by_twist * of_board;
+  if (!board.free_motion) out.by_object.resize(kBoardRows, 6);
+  out.by_object.leftCols<6>() = by_twist * of_board;
   out.by_offset = by_twist * motion;
 }
 

@@ -22,7 +22,7 @@ struct LinearView {
   Eigen::VectorXd residual;
   Eigen::Matrix<double, Eigen::Dynamic, kIntrinsics> by_intrinsics;
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_camera;
-  Eigen::MatrixXd by_object;  ///< 6 columns for a board, 3 a marker
+  Eigen::MatrixXd by_object;  ///< 6 columns for a board, 12 when its spin and velocity are solved for too, 3 a marker
   Eigen::VectorXd by_offset;  ///< per second
 };
 

@@ -149,6 +149,10 @@ std::vector<double> predict_held_out(Scene& scene, const Observations& o, const 
     poses[i] = view_pose(c.intrinsics, c.lens, c.width, c.height, correspondences(held, v));
   }
   place_boards(held, poses);
+  if (options.time_offsets) {
+    estimate_motion(held);
+    free_motion(held);
+  }
   select_inliers(held, 1e12);  // what is behind a camera
   solve(held, {.loss = {2}, .intrinsics = Freedom::None, .cameras_move = false, .iterations = 20, .threads = options.threads});
   for (int round = 0; round < 2; ++round) {

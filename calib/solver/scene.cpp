@@ -38,7 +38,10 @@ template <class Object>
 std::map<int, std::vector<Object*>> tracks(std::vector<Object>& objects) {
   std::map<int, std::vector<Object*>> by_target;
   for (Object& o : objects) {
-    o.has_motion = false;
+    if constexpr (requires { o.free_motion; })
+      o.has_motion = o.free_motion;
+    else
+      o.has_motion = false;
     if (o.placed && o.frame != kAlways) by_target[o.target].push_back(&o);
   }
   for (auto& [target, track] : by_target)
@@ -202,11 +205,15 @@ void estimate_motion(Scene& scene) {
       SceneBoard& here = *track[i];
       const double back = here.time - before.time, on = after.time - here.time;
       if (!(back > 0 && on > 0 && back <= longest && on <= longest)) continue;
-      std::tie(here.velocity, here.acceleration) = parabola(before.world_from_target.translation, here.world_from_target.translation,
+      std::tie(here.likely_velocity, here.acceleration) = parabola(before.world_from_target.translation, here.world_from_target.translation,
                                                             after.world_from_target.translation, back, on);
       const Eigen::Quaterniond turn = after.world_from_target.rotation * before.world_from_target.rotation.conjugate();
-      here.spin = vector_from_rotation(turn) / (back + on);
+      here.likely_spin = vector_from_rotation(turn) / (back + on);
       here.has_motion = true;
+      here.motion_doubt = 1;
+      if (here.free_motion) continue;
+      here.spin = here.likely_spin;
+      here.velocity = here.likely_velocity;
     }
   for (auto& [target, track] : tracks(scene.markers))
     for (std::size_t i = 1; i + 1 < track.size(); ++i) {
@@ -220,6 +227,15 @@ void estimate_motion(Scene& scene) {
       for (std::size_t k = 0; k < here.positions.size(); ++k)
         here.velocities[k] = parabola(before.positions[k], here.positions[k], after.positions[k], back, on).first;
     }
+}
+
+void free_motion(Scene& scene) {
+  for (SceneBoard& b : scene.boards) {
+    if (b.free_motion || b.frame == kAlways) continue;
+    constexpr double kUnknown = 5;  // no neighbours: any motion of a hand
+    if (!b.has_motion) b.motion_doubt = kUnknown;
+    b.free_motion = b.has_motion = true;
+  }
 }
 
 }  // namespace floatstage::solver

@@ -32,6 +32,11 @@ struct SceneBoard {
   Rigid3 world_from_target;
   bool placed = false, held_out = false;
   bool has_motion = false;
+  /// Spin and velocity are solved for: cameras that expose at different instants see them. Then the neighbouring frames only
+  /// say what they are likely to be.
+  bool free_motion = false;
+  Eigen::Vector3d likely_spin = Eigen::Vector3d::Zero(), likely_velocity = Eigen::Vector3d::Zero();
+  double motion_doubt = 1;  ///< how wide that is, in units of kSpinDoubt and kVelocityDoubt
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();          ///< rad/s, in the world
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s of the target's origin
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< m/s²
@@ -89,6 +94,12 @@ std::vector<Eigen::Vector2d> errors_of(const Scene& scene, const SceneView& view
 
 /// Fills in how boards and markers move, from where they are in neighbouring frames.
 void estimate_motion(Scene& scene);
+
+/// From now on the motion of boards that are not static is solved for.
+void free_motion(Scene& scene);
+
+/// How far a hand's motion strays from what its neighbouring frames say (rad/s, m/s).
+inline constexpr double kSpinDoubt = 0.7, kVelocityDoubt = 0.25;
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& axis_times_angle);

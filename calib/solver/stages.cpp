@@ -1,9 +1,11 @@
 #include "calib/solver/stages.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "calib/solver/covariance.h"
+#include "calib/solver/linearize.h"
 #include "core/parallel.h"
 
 namespace floatstage::solver {
@@ -32,15 +34,49 @@ bool drop_k3(Scene& scene) {
   return any;
 }
 
+// Of each camera's rows the share that the solution left free: without it the camera that boards follow most would seem the
+// best, be trusted more, and draw the boards to itself altogether (Förstner's estimate of variance components).
+std::vector<double> free_shares(const Scene& scene, const BundleOptions& options) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  std::vector<double> rows(scene.cameras.size()), taken(scene.cameras.size());
+  std::vector<Matrix6> boards(scene.boards.size(), Matrix6::Zero()), own(scene.views.size(), Matrix6::Zero());
+  parallel_for(scene.views.size(), options.threads, [&](std::size_t i) {
+    LinearView linear;
+    const SceneView& v = scene.views[i];
+    if (v.board < 0 || !usable(scene, v)) return;
+    linearize(scene, v, options.loss, true, linear);
+    if (linear.valid) own[i] = linear.by_object.leftCols<6>().transpose() * linear.by_object.leftCols<6>();
+  });
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    if (scene.views[i].board >= 0) boards[at(scene.views[i].board)] += own[i];
+  for (std::size_t i = 0; i < scene.views.size(); ++i) {
+    const SceneView& v = scene.views[i];
+    if (!usable(scene, v)) continue;
+    rows[at(v.camera)] += 2.0 * static_cast<double>(std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; }));
+    if (v.board >= 0) taken[at(v.camera)] += (own[i] * boards[at(v.board)].ldlt().solve(Matrix6::Identity())).trace();
+  }
+  // Markers are a small part of any capture; they take theirs evenly.
+  const double all = redundancy(scene, options).share();
+  std::vector<double> shares;
+  for (std::size_t c = 0; c < rows.size(); ++c) {
+    taken[c] += static_cast<double>(free_parameters(scene, static_cast<int>(c), options).count());
+    shares.push_back(scene.markers.empty() ? (rows[c] > taken[c] ? 1 - taken[c] / rows[c] : 0) : all);
+  }
+  return shares;
+}
+
 constexpr int kRounds = 4;  // of leaving out and taking back; the set hardly changes after two
 
 void settle(Scene& scene, BundleOptions& bundle, const CalibrationOptions& options) {
   for (int round = 0; round < kRounds; ++round) {
-    if (bundle.offsets) estimate_motion(scene);
+    if (bundle.offsets) {
+      estimate_motion(scene);
+      if (round > 0) free_motion(scene);
+    }
     solve(scene, bundle);
     measure_noise(scene, bundle);
     const bool other_lens = drop_k3(scene);
-    if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens && !(bundle.offsets && round < 2)) break;
+    if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens && !(bundle.offsets && round < 3)) break;
     bundle.iterations = 15;
   }
   solve(scene, bundle);
@@ -71,8 +107,8 @@ void measure_noise(Scene& scene, const BundleOptions& options) {
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (std::isfinite(errors[i].norm())) squares[at(v.camera)].push_back(errors[i].squaredNorm() / (v.points[i].sigma * v.points[i].sigma));
   }
-  // What was solved for has taken up its share of the errors.
-  const double share = std::max(0.1, redundancy(scene, options).share());
+  // What was solved for has taken up its share of the errors: of each board as much as a camera knew of it.
+  const std::vector<double> shares = free_shares(scene, options);
   for (std::size_t c = 0; c < squares.size(); ++c) {
     std::vector<double>& s = squares[c];
     if (s.empty()) continue;
@@ -87,9 +123,19 @@ void measure_noise(Scene& scene, const BundleOptions& options) {
         sum += q;
         ++count;
       }
-    const double variance = count > 0 ? sum / (2.0 * count * share) : 1;
+    const double variance = count > 0 ? sum / (2.0 * count * std::max(0.1, shares[c])) : 1;
     scene.cameras[c].noise = std::clamp(std::sqrt(variance), 0.02, 1000.0);
   }
+  // No camera is trusted more than is usual in its rig: where cameras contradict one another (they are not synchronous, say),
+  // one of them would otherwise win the boards for itself. One that is worse is trusted less.
+  std::vector<double> all;
+  for (std::size_t c = 0; c < squares.size(); ++c)
+    if (!squares[c].empty()) all.push_back(scene.cameras[c].noise);
+  if (all.empty()) return;
+  std::sort(all.begin(), all.end());
+  const double usual = all[all.size() / 2];
+  constexpr double kWorst = 30;  // a camera that is a frame late
+  for (SceneCamera& c : scene.cameras) c.noise = std::clamp(c.noise, usual, kWorst * usual);
 }
 
 BundleOptions solve_in_stages(Scene& scene, const CalibrationOptions& options) {

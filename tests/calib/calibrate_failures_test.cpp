@@ -88,7 +88,7 @@ TEST(NamedFailures, NameASquareSizeThatAWandContradicts) {
   capture_more(seen, rig, wand({0, 0.3, 0.7}, 2e-4), path, options);
   EXPECT_THAT(failures_of(seen), IsEmpty());
   seen.targets[0] = two_sided_board(7, 5, 0.084, 0.005);  // it was printed smaller than is believed
-  EXPECT_THAT(failures_of(seen), Contains(named(CalibrationFailure::WrongSquareSize, "", "80.0")));
+  EXPECT_THAT(failures_of(seen), Contains(named(CalibrationFailure::WrongSquareSize, "", "5.0 % larger")));
 }
 
 TEST(NamedFailures, NameASquareSizeThatFixedPosesContradict) {

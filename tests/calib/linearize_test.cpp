@@ -91,13 +91,15 @@ double half_squares(const Scene& scene, const SceneView& view, Loss loss) {
 struct Case {
   bool markers;
   double cauchy;
+  bool free_motion = false;
 };
 class EveryView : public testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(Views, EveryView, testing::Values(Case{false, 0}, Case{false, 2}, Case{true, 0}, Case{true, 2}));
+INSTANTIATE_TEST_SUITE_P(Views, EveryView, testing::Values(Case{false, 0}, Case{false, 2}, Case{true, 0}, Case{true, 2}, Case{false, 2, true}));
 
 TEST_P(EveryView, HasTheGradientOfItsSumOfSquares) {
   Scene scene = scene_of(GetParam().markers);
   const Loss loss{GetParam().cauchy};
+  if (GetParam().free_motion) free_motion(scene);
   int moving = 0;
   for (const SceneView& view : scene.views) {
     const bool moves = view.board >= 0 ? scene.boards[static_cast<std::size_t>(view.board)].has_motion
@@ -141,6 +143,9 @@ TEST_P(EveryView, HasTheGradientOfItsSumOfSquares) {
       for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(by_object[k], turn(board.world_from_target, k), scale);
         EXPECT_NEAR(by_object[3 + k], slope(board.world_from_target.translation[k], 1e-6), scale);
+        if (!GetParam().free_motion) continue;
+        EXPECT_NEAR(by_object[6 + k], slope(board.spin[k], 1e-5), scale);
+        EXPECT_NEAR(by_object[9 + k], slope(board.velocity[k], 1e-5), scale);
       }
     } else {
       SceneMarkers& m = scene.markers[static_cast<std::size_t>(view.markers)];

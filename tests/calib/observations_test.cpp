@@ -67,6 +67,14 @@ TEST(Observations, SurviveARoundTripBitByBit) {
   EXPECT_EQ(to_json(*back), to_json(sample()));
 }
 
+TEST(Observations, OfCamerasOfWhichNothingIsKnownSurviveToo) {
+  Observations o = sample();
+  for (CalibrationCamera& c : o.cameras) c.intrinsics = c.pose = Prior::Unknown;
+  const Result<Observations> back = parse_observations(to_json(o), "o.json");
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(back->views, o.views);
+}
+
 TEST(Observations, KeepEveryKindOfGauge) {
   Observations o = sample();
   o.gauge = HandSet{1, {Eigen::Quaterniond(0, 1, 0, 0), {1, 2, 3}}};

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calib/board.h"
+#include "calib/calibrate.h"
+#include "core/result.h"
+
+namespace floatstage {
+
+/// What a calibration must reach to pass.
+struct CalibrationBars {
+  double rms_px = 0.5;                ///< of every camera
+  double p95_px = 1.5;                ///< 95th percentile of every camera, outliers too
+  double holdout_ratio = 1.3;         ///< error in held-out frames over the RMS, every camera
+  double scale_rms_mm = 2;            ///< of known lengths, measured by the cameras alone
+  double scale_bias_mm = 0.5;         ///< their mean error
+  double focal_sigma_percent = 0.5;   ///< of every camera that was solved for
+  double rotation_sigma_degrees = 0.1;
+};
+
+struct SessionCamera {
+  std::string serial;
+  LensKind lens = LensKind::BrownConrady;
+  /// Pictures of the same instants in every camera: one video, or a folder or list of stills in their order.
+  std::filesystem::path video;
+  std::vector<std::filesystem::path> images;
+  /// Pictures of the target that this camera took alone, for its intrinsics.
+  std::vector<std::filesystem::path> alone;
+};
+
+/// What is known beforehand, from a file of any supported format.
+struct SessionKnown {
+  std::string format = "rig";  ///< rig (rig.json), middlebury, colmap, opencv, qualisys, kalibr
+  std::filesystem::path file;
+  Prior intrinsics = Prior::Unknown, poses = Prior::Unknown;  ///< Unknown: only compared with
+};
+
+/// The world: a frame in which the target lies on the floor, or the known pose of one camera.
+struct SessionFloor {
+  int frame = 0;
+  double height = 0;  ///< metres of the printed face above the floor
+};
+
+/// A calibration session as people write it: which pictures are of which camera, what they show, what is known. Paths are
+/// relative to the session's file.
+struct Session {
+  std::optional<TargetDesign> target;
+  double wand_sigma = 1e-4;            ///< metres, of a wand's lengths
+  std::filesystem::path observations;  ///< instead of cameras and target: what was detected before
+  std::vector<SessionCamera> cameras;
+  double frame_rate = 0;               ///< of the videos; 0: as they say
+  int first_frame = 0, every = 1;      ///< which pictures are looked at
+  std::optional<int> end_frame;        ///< not included
+  std::optional<SessionKnown> known;
+  std::optional<SessionFloor> floor;
+  CalibrationOptions options;
+  CalibrationBars bars;
+};
+
+/// Reads TOML strictly: an unknown key is an error. BadData names the file, the line and what is wrong. docs/calibrating.md has the keys.
+Result<Session> parse_session(std::string_view toml, std::string_view name_for_errors);
+/// The same from a file, its paths made relative to where the program runs.
+Result<Session> load_session(const std::filesystem::path& file);
+
+}  // namespace floatstage

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/calibrate/session.h"
+#include "calib/calibrate.h"
+
+namespace floatstage {
+
+/// One number of a calibration against its bar.
+struct BarCheck {
+  std::string what;    ///< "rms_px"
+  std::string camera;  ///< serial; empty for the whole rig
+  double value = 0, bar = 0;
+  bool pass = false;
+};
+
+struct Verdict {
+  bool pass = false;  ///< every bar is reached and nothing is wrong with the capture
+  std::vector<BarCheck> checks;
+};
+
+Verdict judge(const Calibration& calibration, const CalibrationBars& bars);
+
+/// One sentence: PASS, or FAIL and the first reasons.
+std::string describe(const Calibration& calibration, const Verdict& verdict);
+
+}  // namespace floatstage
