@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -40,7 +42,9 @@ nlohmann::ordered_json to_report(const CaptureReport& report) {
   return json;
 }
 
+// One line that is written over, and nothing where nobody watches.
 void show(const CaptureReport& report) {
+  if (isatty(STDERR_FILENO) == 0) return;
   std::string line;
   for (const CapturedCamera& c : report.cameras) {
     char part[96];
@@ -48,7 +52,7 @@ void show(const CaptureReport& report) {
                   c.frame_rate, static_cast<unsigned long long>(c.stats.lost));
     line += part;
   }
-  std::fprintf(stderr, "%s\n", line.c_str());
+  std::fprintf(stderr, "\r\033[K%s", line.c_str());
 }
 
 Result<void> run(const Options& options) {
