@@ -15,9 +15,11 @@ namespace fs = std::filesystem;
 // Before clutter, clothes and skin look like the plate or its shadow in places: shadows are asked to be lighter than on
 // cloth, and the holes that remain inside a person are filled up to a fiftieth of him.
 constexpr PlateKeyOptions kBeforeClutter{.darkest_shadow = 0.72, .brightest_reflex = 1.12};
-CleanupOptions clean_up_for(const Image& picture) {
-  return {.close_radius = std::max(1, std::max(picture.width, picture.height) / 320), .smallest_island = 0.02, .smallest_hole = 0.02};
+// Behind a performance, the plate holds the middle of somebody who hardly moved it: a ring is keyed, which is filled.
+CleanupOptions clean_up_for(const Image& picture, bool shot) {
+  return {.close_radius = std::max(1, std::max(picture.width, picture.height) / 320), .smallest_island = 0.02, .smallest_hole = shot ? 0.02 : 0.4};
 }
+constexpr int kLessons = 3;  // how often a plate is learnt again without what the last one keys
 constexpr double kStillShare = 0.55;  // of the pixels must show one thing most of the time, or the camera moved
 constexpr int kAgree = 128;           // Plate::confidence from which a pixel does
 constexpr double kMostSubject = 0.6;  // of a picture that was taken before cloth
@@ -117,20 +119,22 @@ Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs
       if (seen->size() < 3 || static_cast<double>(still) < kStillShare * static_cast<double>(plate->confidence.pixels.size()))
         return fail(ErrorCode::Unsupported, text("camera '", serial, "': no plate was shot, and its ", seen->size(),
                                                  " photographs show no backdrop that stands still; shoot a plate or give mattes with --guide"));
-      // What the first plate takes for subject is left out of the second.
-      Result<std::unique_ptr<Keyer>> first = make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color));
-      if (!first) return forward(first);
-      std::vector<Image> subjects;
-      for (const Image& photograph : *seen) {
-        Result<Matte> matte = (*first)->key(make_frame({}, photograph));
-        if (!matte) return forward(matte);
-        subjects.push_back(to_image(*matte));
+      // What a plate takes for subject is left out of the next.
+      for (int lesson = 0; lesson < kLessons && plate; ++lesson) {
+        Result<std::unique_ptr<Keyer>> last = make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, false));
+        if (!last) return forward(last);
+        std::vector<Image> subjects;
+        for (const Image& photograph : *seen) {
+          Result<Matte> matte = (*last)->key(make_frame({}, photograph));
+          if (!matte) return forward(matte);
+          subjects.push_back(to_image(*matte));
+        }
+        plate = learn_plate(*seen, {}, subjects);
       }
-      plate = learn_plate(*seen, {}, subjects);
     }
   }
   if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
-  Result<std::unique_ptr<Keyer>> keyer = make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color));
+  Result<std::unique_ptr<Keyer>> keyer = make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, !plates->empty()));
   if (!keyer) return forward(keyer);
   CameraKey key;
   key.kind_ = Kind::Plate;
