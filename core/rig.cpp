@@ -43,6 +43,8 @@ Result<void> check(const Rig& rig) {
       return bad("cam_from_world is not finite");
     if (std::abs(t.rotation.norm() - 1) > 1e-6) return bad("the rotation of cam_from_world is not of unit length");
     if (!c.color.matrix.allFinite()) return bad("the colour matrix is not finite");
+    for (const double e : {c.color.decode.x(), c.color.decode.y(), c.color.decode.z(), c.color.encode})
+      if (!(e >= 0.1 && e <= 10)) return bad("a colour curve's exponent is not between 0.1 and 10");
   }
   return {};
 }

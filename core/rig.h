@@ -6,14 +6,9 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/color.h"
 
 namespace floatstage {
-
-/// Makes a camera's colours agree with the rig's: rgb' = matrix * rgb, in the picture's own (gamma) space, 0..1.
-struct ColorTransform {
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
-  bool is_identity() const { return matrix == Eigen::Matrix3d::Identity(); }
-};
 
 struct RigCamera {
   std::string serial;  ///< unique in its rig; also its file name in a take: letters, digits, '.', '_' and '-'

@@ -1,5 +1,6 @@
 #include "core/rig_io.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/file.h"
@@ -11,7 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;       // what is read at most
+constexpr int kWithoutCurve = 1;  // what is written where no camera has a colour curve: older programs read it
 
 Json lens_to_json(const Lens& lens) {
   if (const auto* b = std::get_if<BrownConrady>(&lens))
@@ -47,7 +49,7 @@ Json camera_to_json(const RigCamera& c) {
   const Eigen::Vector3d& t = c.cam_from_world.translation;
   Json color = Json::array();
   for (int r = 0; r < 3; ++r) color.push_back({c.color.matrix(r, 0), c.color.matrix(r, 1), c.color.matrix(r, 2)});
-  return {{"serial", c.serial},
+  Json camera = {{"serial", c.serial},
           {"width", c.model.width},
           {"height", c.model.height},
           {"fx", c.model.fx},
@@ -58,6 +60,9 @@ Json camera_to_json(const RigCamera& c) {
           {"lens", lens_to_json(c.model.lens)},
           {"cam_from_world", {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"translation", {t.x(), t.y(), t.z()}}}},
           {"color_matrix", std::move(color)}};
+  const Eigen::Vector3d& d = c.color.decode;
+  if (c.color.has_curve()) camera["color_curve"] = {{"decode", {d.x(), d.y(), d.z()}}, {"encode", c.color.encode}};
+  return camera;
 }
 
 RigCamera read_camera(const nlohmann::json& value, std::size_t index, std::string_view name, JsonProblem& problem) {
@@ -78,6 +83,13 @@ RigCamera read_camera(const nlohmann::json& value, std::size_t index, std::strin
     const std::vector<double> m = fields.numbers("color_matrix", 9);
     c.color.matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.data());
   }
+  if (const nlohmann::json* curve = fields.child("color_curve", false)) {
+    JsonFields curve_fields(*curve, fields.where() + ": color_curve", problem);
+    const std::vector<double> d = curve_fields.numbers("decode", 3);
+    c.color.decode = {d[0], d[1], d[2]};
+    c.color.encode = curve_fields.number("encode");
+    curve_fields.refuse_others();
+  }
   fields.refuse_others();
   return c;
 }
@@ -90,8 +102,8 @@ Result<Rig> parse_rig(std::string_view bytes, std::string_view name) {
   JsonProblem problem;
   JsonFields fields(*document, std::string(name), problem);
   const int version = fields.integer("floatstage_rig");
-  if (!problem.first && version != kVersion)
-    return fail(ErrorCode::Unsupported, text(name, ": rig format ", version, " is not known here; this program reads format ", kVersion));
+  if (!problem.first && (version < 1 || version > kVersion))
+    return fail(ErrorCode::Unsupported, text(name, ": rig format ", version, " is not known here; this program reads formats 1 to ", kVersion));
   Rig rig;
   if (const nlohmann::json* cameras = fields.list("cameras"))
     for (const nlohmann::json& camera : *cameras) rig.cameras.push_back(read_camera(camera, rig.cameras.size(), name, problem));
@@ -104,7 +116,8 @@ Result<Rig> parse_rig(std::string_view bytes, std::string_view name) {
 std::string to_json(const Rig& rig) {
   Json cameras = Json::array();
   for (const RigCamera& c : rig.cameras) cameras.push_back(camera_to_json(c));
-  return print_json({{"floatstage_rig", kVersion}, {"cameras", std::move(cameras)}});
+  const bool curves = std::any_of(rig.cameras.begin(), rig.cameras.end(), [](const RigCamera& c) { return c.color.has_curve(); });
+  return print_json({{"floatstage_rig", curves ? kVersion : kWithoutCurve}, {"cameras", std::move(cameras)}});
 }
 
 Result<Rig> load_rig(const std::filesystem::path& file) {

@@ -27,8 +27,6 @@ Result<void> check_mesh(const Mesh& mesh) {
   return {};
 }
 
-std::uint8_t to_byte(double v) { return static_cast<std::uint8_t>(std::clamp(std::lround(v), 0L, 255L)); }
-
 /// The photograph as RGBA with its matte in alpha (opaque without one), colours brought to the rig's.
 Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matte* matte) {
   Result<Image> rgb = to_rgb(frame);
@@ -42,6 +40,7 @@ Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matt
     return fail(ErrorCode::BadData, text("camera '", camera.serial, "': the matte is ", matte->width, "x",
                                          matte->height, " but the picture is ", in.width, "x", in.height));
   const bool recolor = !camera.color.is_identity();
+  const ColorTable table(camera.color);
   Image out(in.width, in.height, 4);
   for (int y = 0; y < in.height; ++y) {
     const std::uint8_t* from = in.at(0, y);
@@ -49,8 +48,7 @@ Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matt
     std::uint8_t* to = out.at(0, y);
     for (int x = 0; x < in.width; ++x, from += 3, to += 4) {
       if (recolor) {
-        const Eigen::Vector3d c = camera.color.matrix * Eigen::Vector3d(from[0], from[1], from[2]);
-        for (int i = 0; i < 3; ++i) to[i] = to_byte(c[i]);
+        table.apply(from, to);
       } else {
         std::copy_n(from, 3, to);
       }

@@ -112,7 +112,7 @@ TEST(RigJson, NeedsARotationOfUnitLength) {
 }
 
 TEST(RigJson, OfALaterFormatIsUnsupportedRatherThanDamaged) {
-  EXPECT_THAT(parse_rig(R"({"floatstage_rig": 2, "cameras": []})", "rig.json"), FailsWith(ErrorCode::Unsupported, "rig format 2"));
+  EXPECT_THAT(parse_rig(R"({"floatstage_rig": 3, "cameras": []})", "rig.json"), FailsWith(ErrorCode::Unsupported, "rig format 3"));
 }
 
 TEST(RigJson, WithoutCamerasIsRefused) {
@@ -145,6 +145,21 @@ TEST(RigFile, IsKeptWhenTheNewRigIsNotANumber) {
   rig.cameras[1].model.cx = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(save_rig(rig, folder / "rig.json"), FailsWith(ErrorCode::BadData, "camera 'cam1'"));
   EXPECT_THAT(read_file(folder / "rig.json"), IsOkAnd(testing::Eq("old")));
+}
+
+TEST(RigJson, NamesAVersionOfItsOwnForColourCurves) {
+  Rig rig;
+  rig.cameras.push_back({.serial = "a", .model = {.width = 4, .height = 3, .fx = 5, .fy = 5, .cx = 2, .cy = 1, .lens = {}}, .cam_from_world = {}, .color = {}});
+  EXPECT_THAT(to_json(rig), testing::HasSubstr("\"floatstage_rig\": 1"));
+  rig.cameras[0].color.decode = {1.8, 2.2, 1.0 / 3};
+  rig.cameras[0].color.encode = 2.4;
+  EXPECT_THAT(to_json(rig), testing::HasSubstr("\"floatstage_rig\": 2"));
+  const Result<Rig> back = parse_rig(to_json(rig), "rig.json");
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(back->cameras[0].color.decode, rig.cameras[0].color.decode);
+  EXPECT_EQ(back->cameras[0].color.encode, 2.4);
+  rig.cameras[0].color.encode = 0;
+  EXPECT_THAT(check(rig), FailsWith(ErrorCode::BadData, "exponent"));
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/result.h"
+#include "core/rig.h"
+
+namespace floatstage {
+
+/// A picture and the camera that took it; the camera's intrinsics are known.
+struct MarkerlessPicture {
+  std::string serial;
+  std::filesystem::path file;
+  CameraModel model;
+};
+
+struct MarkerlessOptions {
+  std::string program = "colmap";  ///< COLMAP 3.8's command line program
+  double timeout = 900;            ///< seconds, for each of its steps
+  int threads = 0;                 ///< 0: one a core
+  /// Bars below which the result is refused: its reprojection error would look fine all the same.
+  double least_track = 4;    ///< pictures that show a point, on average
+  int least_points = 60;     ///< points that a picture shows
+};
+
+struct MarkerlessResult {
+  Rig rig;            ///< in the order of the pictures; the unit is arbitrary, see scale_to()
+  int points = 0;
+  double mean_track = 0;      ///< pictures a point
+  double rms_px = 0;          ///< COLMAP's mean reprojection error: says little
+};
+
+/// Poses of cameras that saw one scene, without a target: COLMAP as a subprocess, features on the processor (it needs no
+/// display that way). `workspace` is a new or empty folder; database, models and `colmap.log` stay there. Errors: NotFound when
+/// COLMAP is not installed or a picture is missing; AlreadyExists for a workspace that holds something; Timeout; BadData when
+/// it finds no model, leaves cameras out or ties them too loosely, naming them and what helps; Io.
+Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures, const std::filesystem::path& workspace,
+                                              const MarkerlessOptions& options = {});
+
+/// The rig enlarged about its origin so that two cameras are that far apart. NotFound for a serial that is not there,
+/// InvalidArgument for a distance that is not positive or two cameras in one place.
+Result<Rig> scale_to(Rig rig, const std::string& serial_a, const std::string& serial_b, double metres);
+
+/// What points3D.txt of a COLMAP text model says: points, mean track length, mean error, and how many points each image has.
+struct ColmapPoints {
+  int points = 0;
+  double mean_track = 0, mean_error = 0;
+  std::vector<std::pair<int, int>> of_image;  ///< image id, points
+};
+Result<ColmapPoints> parse_colmap_points(std::string_view text, std::string_view name_for_errors);
+
+}  // namespace floatstage

@@ -1,0 +1,15 @@
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+#include "calib/markerless.h"
+#include "core/check.h"
+
+// Whatever parses has points that two images show, and finite means.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace floatstage;
+  const Result<ColmapPoints> points = parse_colmap_points({reinterpret_cast<const char*>(data), size}, "fuzz");
+  if (!points) return 0;
+  FLOATSTAGE_CHECK(points->points > 0 && points->mean_track >= 1 && std::isfinite(points->mean_error), "means of nothing");
+  return 0;
+}
