@@ -108,7 +108,8 @@ Result<void> extract(const Colmap& colmap, const std::vector<MarkerlessPicture>&
                                      {"--database_path", colmap.path("database.db"), "--image_path", colmap.path("images"), "--image_list_path",
                                       colmap.path("list.txt"), "--ImageReader.camera_model", camera.first, "--ImageReader.camera_params",
                                       camera.second, "--ImageReader.single_camera_per_image", "1", "--SiftExtraction.use_gpu", "0",
-                                      "--SiftExtraction.num_threads", colmap.threads()},
+                                      "--SiftExtraction.num_threads", colmap.threads(),
+                                      "--SiftExtraction.peak_threshold", "0.003"},
                                      "are the pictures whole?");
         !ok)
       return ok;
@@ -192,13 +193,13 @@ Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPictur
   const Colmap colmap(options, workspace);
   if (const Result<void> ok = extract(colmap, pictures, workspace); !ok) return forward(ok);
   if (const Result<void> ok = colmap.run("exhaustive_matcher", {"--database_path", colmap.path("database.db"), "--SiftMatching.use_gpu", "0",
-                                                               "--SiftMatching.num_threads", colmap.threads()}, kWeak);
+                                                               "--SiftMatching.num_threads", colmap.threads(), "--SiftMatching.guided_matching", "1"}, kWeak);
       !ok)
     return forward(ok);
   // One thread, and intrinsics as they were given: the same pictures give the same rig.
   if (const Result<void> ok = colmap.run("mapper", {"--database_path", colmap.path("database.db"), "--image_path", colmap.path("images"), "--output_path",
                                                    colmap.path("sparse"), "--Mapper.ba_refine_focal_length", "0", "--Mapper.ba_refine_principal_point",
-                                                   "0", "--Mapper.ba_refine_extra_params", "0", "--Mapper.num_threads", "1"}, kWeak);
+                                                   "0", "--Mapper.ba_refine_extra_params", "0", "--Mapper.num_threads", "1", "--Mapper.filter_max_reproj_error", "2"}, kWeak);
       !ok)
     return forward(ok);
   ColmapPoints points;
