@@ -23,7 +23,7 @@ struct SpectralOptions {
   int krylov_block = 16;  ///< right-hand sides a step of the cold solver; 4 … 64
   int krylov_steps = 12;  ///< steps at most; block * steps must exceed `eigenvectors` by 10 at least
   double tolerance = 1e-5;  ///< residual at which the cold solver stops early; mattes gain nothing below; 0 … 1
-  int warm_steps = 2;     ///< inverse iterations from the previous frame's vectors; one is enough where little moves; 1 … 4
+  int warm_steps = 3;     ///< inverse iterations from the previous frame's vectors; one is enough where little moves; 1 … 4
   double sparsity = 0.9;  ///< gamma of |alpha|^gamma + |1 - alpha|^gamma; (0, 1)
   int newton_steps = 20;  ///< 1 … 100
   int newton_stride = 2;  ///< every n-th pixel in x and y enters the sparsity term; 1 is the reference; 1 … 8
