@@ -116,18 +116,18 @@ Result<void> run(const Options& given) {
   // The repeats measure what a live chain pays for a frame; how good the mesh is, is found out once,
   // afterwards.
   HullWorkspace workspace;
-  std::vector<double> ms, with_contours;
+  std::vector<double> ms, without_contours;
   HullTimings timings;
+  HullReport repeated;
   const HullCare care = std::exchange(options->care, {});
   options->quality = false;
   for (int k = 0; k < given.repeat; ++k) {
     const auto begin = std::chrono::steady_clock::now();
-    const Result<HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
+    if (Result<void> ok = visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok) return ok;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (!hull) return forward(hull);
-    with_contours.push_back(1e3 * seconds);
-    ms.push_back(1e3 * (seconds - hull->timings.contours));
-    timings = hull->timings;
+    ms.push_back(1e3 * seconds);
+    without_contours.push_back(1e3 * (seconds - repeated.timings.contours));
+    timings = repeated.timings;
   }
   options->quality = true;
   options->care = care;
@@ -149,10 +149,10 @@ Result<void> run(const Options& given) {
   const double mean_iou = counted > 0 ? sum / counted : 0;
   for (const std::string& remark : hull->remarks) std::fprintf(stderr, "floatstage: %s\n", remark.c_str());
   std::printf(
-      "%zu vertices, %zu triangles, %.6g m³; mean IoU %.4f; %s; %.2f ms (p95 %.2f), with contours %.2f ms\n",
+      "%zu vertices, %zu triangles, %.6g m³; mean IoU %.4f; %s; %.2f ms (p95 %.2f), %.2f ms without contours\n",
       hull->mesh.positions.size(), hull->mesh.triangle_count(), hull->volume, mean_iou,
       check.watertight && check.manifold ? "closed and manifold" : "NOT CLOSED", percentile(ms, 0.5),
-      percentile(ms, 0.95), percentile(with_contours, 0.5));
+      percentile(ms, 0.95), percentile(without_contours, 0.5));
   if (hull->care) print_care(*hull->care);
   if (!given.out.empty()) {
     if (Result<void> ok = save_mesh(hull->mesh, given.out); !ok) return ok;
@@ -160,8 +160,13 @@ Result<void> run(const Options& given) {
   if (given.json_file.empty()) return {};
   return save_json({{"options", describe(*options)},
                     {"ms", spread_of(ms)},
-                    {"ms_with_contours", spread_of(with_contours)},
+                    {"ms_without_contours", spread_of(without_contours)},
                     {"phases_ms", phases(timings)},
+                    {"work",
+                     {{"points", hull->work.points},
+                      {"hits", hull->work.hits},
+                      {"lines", hull->work.lines},
+                      {"relations", hull->work.relations}}},
                     {"faces", hull->faces},
                     {"vertices", hull->mesh.positions.size()},
                     {"triangles", hull->mesh.triangle_count()},

@@ -152,7 +152,31 @@ struct FrameHull {
   std::vector<double> iou;
 };
 
-Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& options) {
+/// What hulls keep from frame to frame, one set for each worker.
+class HullDesks {
+ public:
+  struct Desk {
+    HullWorkspace workspace;
+    HullReport report;
+  };
+  std::unique_ptr<Desk> take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return std::make_unique<Desk>();
+    std::unique_ptr<Desk> desk = std::move(free_.back());
+    free_.pop_back();
+    return desk;
+  }
+  void give_back(std::unique_ptr<Desk> desk) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(desk));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Desk>> free_;
+};
+
+Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& options, HullDesks::Desk& desk) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
   const fs::path file = take.layout().mesh(frame);
@@ -161,13 +185,13 @@ Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& opti
     if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
     return result;
   }
-  Result<HullReport> hull = visual_hull(take.rig(), *mattes, options);
-  if (!hull) return forward(hull);
-  if (Result<void> ok = save_ply(hull->mesh, file); !ok) return forward(ok);
-  result.empty = hull->mesh.empty();
-  result.volume = hull->volume;
-  result.seconds = hull->seconds;
-  result.iou = std::move(hull->silhouette_iou);
+  HullReport& hull = desk.report;
+  if (Result<void> ok = visual_hull(take.rig(), *mattes, options, desk.workspace, hull); !ok) return forward(ok);
+  if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
+  result.empty = hull.mesh.empty();
+  result.volume = hull.volume;
+  result.seconds = hull.seconds;
+  result.iou = hull.silhouette_iou;
   return result;
 }
 
@@ -195,16 +219,22 @@ Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options)
   each.threads = frames > 1 ? 1 : options.threads;  // over frames when there are several, else inside the one
   Collector collector;
   std::vector<FrameHull> hulls(frames);
+  HullDesks desks;
   Progress progress("meshes", frames);
   parallel_for(frames, options.threads, [&](std::size_t frame) {
     if (collector.stopped()) return;
     if (fs::exists(take.layout().mesh(static_cast<int>(frame)))) {
       collector.kept();
-    } else if (Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), each); hull) {
-      hulls[frame] = std::move(*hull);
-      collector.made();
     } else {
-      collector.failed({hull.error().code, text("frame ", frame, ": ", hull.error().message)}, static_cast<int>(frame));
+      std::unique_ptr<HullDesks::Desk> desk = desks.take();
+      Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), each, *desk);
+      desks.give_back(std::move(desk));
+      if (hull) {
+        hulls[frame] = std::move(*hull);
+        collector.made();
+      } else {
+        collector.failed({hull.error().code, text("frame ", frame, ": ", hull.error().message)}, static_cast<int>(frame));
+      }
     }
     progress.advance();
   });

@@ -11,7 +11,7 @@ namespace floatstage {
 
 int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
-void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& body) {
+void parallel_for(std::size_t count, int threads, IndexBody body) {
   const std::size_t wanted = static_cast<std::size_t>(threads > 0 ? threads : default_threads());
   const std::size_t workers = std::min(wanted, count);
   if (workers <= 1) {

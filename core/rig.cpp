@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "core/text.h"
 
@@ -31,12 +30,13 @@ int camera_index(const Rig& rig, std::string_view serial) {
 
 Result<void> check(const Rig& rig) {
   if (rig.cameras.empty()) return fail(ErrorCode::BadData, "the rig has no camera");
-  std::set<std::string> seen;
   for (const RigCamera& c : rig.cameras) {
     auto bad = [&](const std::string& what) { return fail(ErrorCode::BadData, text("camera '", c.serial, "': ", what)); };
     if (!is_usable_serial(c.serial))
       return bad("a serial must be letters, digits, '.', '_' and '-', and not begin with '.'");
-    if (!seen.insert(c.serial).second) return bad("two cameras have this serial");
+    const auto same = [&](const RigCamera& other) { return other.serial == c.serial; };
+    if (std::find_if(rig.cameras.begin(), rig.cameras.end(), same) != rig.cameras.begin() + (&c - rig.cameras.data()))
+      return bad("two cameras have this serial");
     if (Result<void> ok = check(c.model); !ok) return bad(ok.error().message);
     const Rigid3& t = c.cam_from_world;
     if (!t.rotation.coeffs().allFinite() || !t.translation.allFinite())

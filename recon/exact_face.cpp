@@ -17,14 +17,17 @@ void FaceOutput::clear() {
   corners.clear();
   polygon_start.assign(1, 0);
   faces.clear();
+  lines = relations = 0;
   defects = 0;
-  unbounded = tie = false;
+  unbounded = tie = too_many = false;
 }
 
 void FaceSweep::run(int view, int begin, int end, FaceOutput& out) {
   i_ = view;
+  made_ = related_ = 0;
+  most_related_ = in_->most_relations - out.relations;
   find_windows(begin, end);
-  for (int edge = begin; edge < end; ++edge) {
+  for (int edge = begin; edge < end && related_ <= most_related_; ++edge) {
     const PairTable::Bound& window = windows_[edge - begin];
     if (!(window.low < window.high)) continue;
     take(edge);
@@ -39,6 +42,9 @@ void FaceSweep::run(int view, int begin, int end, FaceOutput& out) {
     out.unbounded |= unbounded_;
     out.defects += defect_;
   }
+  out.lines += made_;
+  out.relations += related_;
+  out.too_many |= related_ > most_related_;
 }
 
 void FaceSweep::take(int edge) {
@@ -130,13 +136,14 @@ void FaceSweep::sweep(const PairTable::Bound& window, std::size_t depth) {
   for (int j = 0; j < static_cast<int>(in_->views.size()); ++j) {
     if (j != i_ && !add_view(j) && strict) return;  // outside all over the window
   }
+  made_ += static_cast<std::int64_t>(lines_.size());
   if (strict && in_->cull && depth < parts_.size() && lines_.size() > kMany && split_window(parts_[depth])) {
     for (const PairTable::Bound& part : parts_[depth]) sweep(part, depth + 1);
     return;
   }
   start_cutting();
   for (const ViewLines& group : views_) {
-    for (int f = group.begin; f < group.end && !defect_; ++f) cut_line(f, strict);
+    for (int f = group.begin; f < group.end && !defect_ && related_ <= most_related_; ++f) cut_line(f, strict);
   }
   first_line_ += static_cast<int>(lines_.size());
 }

@@ -60,6 +60,8 @@ struct FaceOutput {
   std::vector<std::uint32_t> triangles;       ///< once triangulated: vertex numbers of the hull
   std::vector<std::int32_t> triangle_face;    ///< per triangle: index into the hull's faces
   std::vector<std::uint64_t> risky;           ///< diagonals whose ends have another face in common
+  std::int64_t lines = 0, relations = 0;  ///< the work: lines made, pairs of lines looked at
+  bool too_many = false;   ///< given up: more relations than ArrangementInput::most_relations
   int defects = 0;         ///< faces whose boundary does not close: doubles were not enough
   bool unbounded = false;  ///< a face reaches infinity
   bool tie = false;        ///< an exact comparison was zero
@@ -74,6 +76,7 @@ struct ArrangementInput {
   const RayIntervals* rays;
   const GridViews* grid;  ///< null: doubles decide
   Votes votes;
+  std::int64_t most_relations = 0;  ///< in one run of faces
   bool cull = true;  ///< leave out lines that cannot matter; without, the same result is found slowly
   std::vector<std::int32_t> first_face;  ///< per view: number of its first contour edge among all
 };
@@ -85,7 +88,7 @@ struct ArrangementInput {
 /// two rays, are the boundary of the face's polygons.
 class FaceSweep {
  public:
-  explicit FaceSweep(const ArrangementInput& input) : in_(&input) {}
+  void start(const ArrangementInput& input) { in_ = &input; }
   /// The faces behind edges begin … end - 1 of a view, at most kMostFaces.
   void run(int view, int begin, int end, FaceOutput& out);
   static constexpr int kMostFaces = 64;
@@ -182,7 +185,7 @@ class FaceSweep {
   bool exactly_crosses_before(int f, const Crossing& g, const Crossing& h);
   std::pair<Int128, Int128> exact_sides(const End& end, int view) const;
 
-  const ArrangementInput* in_;
+  const ArrangementInput* in_ = nullptr;
   int i_ = 0, edge_ = 0, a_ = 0, b_ = 0;
   Eigen::Vector3d da_, db_, step_;
   Eigen::Vector3d depth_;  ///< w of a point X of the face is 1 / (depth_ . (X - C_i))
@@ -215,6 +218,7 @@ class FaceSweep {
   VoteWindow vote_window_;
   std::vector<Crossing> crossings_;
   std::vector<Edge> edges_;
+  std::int64_t made_ = 0, related_ = 0, most_related_ = 0;
   std::vector<std::uint8_t> used_;
 };
 

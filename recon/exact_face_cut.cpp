@@ -176,6 +176,7 @@ bool FaceSweep::cut_in_buckets(int f, const End& entry, bool strict, int& inside
   states_.resize(views_.size());
   for (std::size_t k = 0; k < views_.size(); ++k) states_[k] = {views_[k].state, false};
   const auto ask = [&](int g) {
+    ++related_;
     const std::size_t before_count = crossings_.size();
     meet(f, g, entry, states_[reach_[g].view].first);
     states_[reach_[g].view].second |= crossings_.size() != before_count;
@@ -215,6 +216,7 @@ void FaceSweep::cut_line(int f, bool strict) {
   if (is_wide_) {
     if (!cut_in_buckets(f, entry, strict, inside)) return;
   } else {
+    related_ += static_cast<std::int64_t>(lines_.size());
     const bool fast = in_->cull && !in_->grid;
     if (fast) relate(f, entry.s);
     for (std::size_t k = 0; k < order_.size(); ++k) {

@@ -34,6 +34,13 @@ struct ExactTimings {
   double total() const { return pairs + rays + faces + weld + triangles; }
 };
 
+/// What a frame cost, in things that do not depend on the machine.
+struct ExactWork {
+  std::int64_t hits = 0;       ///< rays through contour edges of other views
+  std::int64_t lines = 0;      ///< made in all faces
+  std::int64_t relations = 0;  ///< pairs of lines looked at
+};
+
 struct ExactOutcome {
   ExactLevel level = ExactLevel::Doubles;
   int attempts = 0;  ///< sweeps over the whole frame; 1 when plain doubles were enough
@@ -42,13 +49,15 @@ struct ExactOutcome {
   bool closed = false;
   int defects = 0;       ///< faces whose boundary did not close, in the last attempt
   bool tie = false;      ///< an exact predicate was zero, in the last attempt
+  bool too_complex = false;  ///< more outline edges, hits (PairTables::most_hits) or pairs of lines than a frame may cost: no hull
+  ExactWork work;        ///< of the last attempt
   ExactTimings timings;  ///< of the last attempt
 };
 
 /// The exact polyhedral visual hull of polygonal silhouettes (Franco and Boyer 2003 state the problem): one
 /// planar sweep for each contour edge, vertices that carry names instead of tolerances, and a check that
-/// every edge has its reverse. docs/algorithms/visual-hull.md explains it. Keeps its memory: the second frame
-/// of like size allocates nothing large.
+/// every edge has its reverse. docs/algorithms/visual-hull.md explains it. Keeps its memory: on one thread the second
+/// frame of a size allocates nothing, unless it has to escalate.
 class ExactHull {
  public:
   /// At least two views; every view has at least one polygon. The views are moved when escalation needs it.
@@ -64,6 +73,7 @@ class ExactHull {
   GridViews grid_;
   ArrangementInput input_;
   std::vector<FaceOutput> parts_;
+  std::vector<FaceSweep> sweeps_;
   std::vector<ConeView> moved_;
   MeshWelder welder_;
   HullPolygons polygons_;

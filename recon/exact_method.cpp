@@ -66,13 +66,29 @@ void drop_unseen_shells(const Rig& rig, std::span<const Matte> mattes, HullRepor
   report.volume = signed_volume(mesh);
 }
 
+void remark_on_noise(const Rig& rig, std::span<const Matte> mattes, double tolerance, const SilhouetteCones& cones,
+                     HullReport& report) {
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    const OutlineDetail& detail = cones.details[c];
+    if (mattes[c].empty() || (!detail.coarser && detail.smallest <= 0)) continue;
+    if (cones.outlines[c].empty()) {
+      report.remarks.push_back(text("camera '", rig.cameras[c].serial,
+                                    "': its matte is nothing but specks and was left out; look at it"));
+    } else {
+      report.remarks.push_back(text("camera '", rig.cameras[c].serial, "': its matte is noisy: its outline was taken within ",
+                                    std::max(tolerance, detail.tolerance), " px, without islands and holes below ",
+                                    detail.smallest, " px²; look at it"));
+    }
+  }
+}
+
 void take_over(const HullPolygons& polygons, const SilhouetteCones& cones, HullReport& report) {
   report.volume = polygons.volume;
   report.faces = static_cast<int>(polygons.polygon_start.size()) - 1;
   report.mesh.positions.resize(polygons.positions.size());
   std::transform(polygons.positions.begin(), polygons.positions.end(), report.mesh.positions.begin(),
                  [](const Eigen::Vector3d& p) { return p.cast<float>(); });
-  report.mesh.triangles = polygons.triangles;
+  report.mesh.triangles.assign(polygons.triangles.begin(), polygons.triangles.end());
   report.sources.resize(polygons.triangle_face.size());
   std::transform(polygons.triangle_face.begin(), polygons.triangle_face.end(), report.sources.begin(),
                  [&](int face) {
@@ -91,28 +107,43 @@ Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   settings.tolerance = options.contour_tolerance;
   settings.volume = options.volume;
   settings.threads = options.threads;
-  workspace.builder.build(rig, mattes, settings, cones);
-  const bool cut =
-      std::any_of(cones.views.begin(), cones.views.end(), [](const ConeView& v) { return v.beyond_counts; });
-  if (!options.volume && (cut || cones.views.size() < 2)) {
-    // Some silhouettes are open: what the others bound is where the hull is sought.
-    const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, mattes);
-    if (!box) return unbounded();
-    if (box->isEmpty()) return true;
-    const Eigen::Vector3d margin = 0.01 * box->sizes();
-    add_volume({box->min() - margin, box->max() + margin}, cones);
-  }
-  report.timings.contours = seconds_since(begin);
-
   ExactOptions engine_options;
   engine_options.threads = options.threads;
-  engine_options.pixel = cones.pixel;
   engine_options.votes = options.voting == HullVoting::MofN ? options.votes : 0;
   const auto compute = [&] {
     workspace.views = cones.views;
+    engine_options.pixel = cones.pixel;
     return workspace.engine.compute(workspace.views, engine_options);
   };
-  ExactOutcome outcome = compute();
+  ExactOutcome outcome;
+  bool cut = false;
+  // Mattes of noise have outlines that cross each other millions of times: those are made coarser until the frame's
+  // time is bounded.
+  constexpr int kRounds = 6;
+  for (int round = 0;; ++round) {
+    const auto again = std::chrono::steady_clock::now();
+    workspace.builder.build(rig, mattes, settings, cones);
+    cut = std::any_of(cones.views.begin(), cones.views.end(), [](const ConeView& v) { return v.beyond_counts; });
+    if (!options.volume && (cut || cones.views.size() < 2)) {
+      // Some silhouettes are open: what the others bound is where the hull is sought.
+      const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, mattes);
+      if (!box) return unbounded();
+      if (box->isEmpty()) return true;
+      const Eigen::Vector3d margin = 0.01 * box->sizes();
+      add_volume({box->min() - margin, box->max() + margin}, cones);
+    }
+    report.timings.contours = seconds_since(round == 0 ? begin : again);
+    outcome = compute();
+    if (!outcome.too_complex) break;
+    if (round == kRounds) {
+      return fail(ErrorCode::BadData,
+                  "the outlines of the mattes cross each other too often, even without small islands and holes: they "
+                  "are noise; look at the mattes and at the keyer's settings");
+    }
+    settings.tolerance = std::max(settings.tolerance, std::clamp(2 * settings.tolerance, 0.5, 4.0));
+    settings.smallest = std::max(16.0, 16 * settings.smallest);
+  }
+  remark_on_noise(rig, mattes, options.contour_tolerance, cones, report);
   if (outcome.unbounded) return unbounded();
   if (!outcome.closed) return false;
   if (options.voting == HullVoting::Auto) {
@@ -138,6 +169,8 @@ Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   }
   take_over(workspace.engine.polygons(), cones, report);
   report.escalations = outcome.attempts - 1;
+  report.work = {0, outcome.work.hits, outcome.work.lines, outcome.work.relations};
+  for (const Silhouette& outline : cones.outlines) report.work.points += static_cast<std::int64_t>(outline.points.size());
   report.timings.tables = outcome.timings.pairs;
   report.timings.rays = outcome.timings.rays;
   report.timings.faces = outcome.timings.faces;

@@ -35,12 +35,13 @@ constexpr double kUnsure = 1e-12;  // relative: far above the rounding of a trip
 
 }  // namespace
 
-void PairTables::build(std::span<const ConeView> views, const GridViews* grid, int threads) {
+bool PairTables::build(std::span<const ConeView> views, const GridViews* grid, int threads) {
   views_ = views.size();
   pairs_.resize(views_ * views_);
   axes_.resize(views_ * views_);
   const std::size_t count = views_ * (views_ - 1) / 2;
   ties_.assign(count, 0);
+  too_many_.assign(views_ * views_, 0);
   normals_.resize(views_);
   for (std::size_t v = 0; v < views_; ++v) {
     const ConeView& view = views[v];
@@ -55,12 +56,14 @@ void PairTables::build(std::span<const ConeView> views, const GridViews* grid, i
     build_axis(views, grid, i, i + 1 + static_cast<int>(rest), tie);
     ties_[k] = tie;
   });
+  if (std::any_of(too_many_.begin(), too_many_.end(), [](std::uint8_t t) { return t != 0; })) return false;
   tie_ = std::any_of(ties_.begin(), ties_.end(), [](std::uint8_t t) { return t != 0; });
   hit_count_ = 0;
   for (PairTable& pair : pairs_) {
     pair.first_id = hit_count_;
     hit_count_ += static_cast<std::int32_t>(pair.hits.size());
   }
+  return true;
 }
 
 void PairTables::build_axis(std::span<const ConeView> views, const GridViews* grid, int i, int j, bool& tie) {
@@ -132,7 +135,11 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
     least = std::min(least, key);
     most = std::max(most, key);
   }
-  const int bins = std::max(16, edges);
+  // As many bins as edges; fewer where so many edges lie over each other that each would fill hundreds of bins.
+  double length = 0;
+  for (int f = 0; f < edges; ++f) length += std::abs(end_key[f] - end_key[to.next[f]]);
+  const double layers = most > least ? length / (most - least) : 1;
+  const int bins = std::max(16, static_cast<int>(edges * std::min(1.0, 64 / std::max(layers, 1.0))));
   const double scale = most > least ? bins / (most - least) : 0;
   const auto bin_of = [&](double key, double margin) {
     return std::clamp(static_cast<int>((key - least) * scale + margin), 0, bins - 1);
@@ -186,6 +193,7 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
   pair.ray_start.resize(static_cast<std::size_t>(count) + 1);
   pair.face_start.assign(static_cast<std::size_t>(edges) + 1, 0);
   axis.found.resize(ends.size());
+  const std::size_t limit = most_hits(views_, rays.size());
   int net = 0;  // upper minus lower: the same in every half-plane
   for (int a = 0; a < count; ++a) {
     pair.ray_start[a] = static_cast<std::int32_t>(pair.hits.size());
@@ -200,6 +208,10 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
     if (a == 0) {
       for (int k = 0; k < found; ++k) net += pair.upper[axis.found[k]] ? 1 : -1;
       pair.top = net == 0 ? to.beyond_counts : net < 0;
+    }
+    if (pair.hits.size() + static_cast<std::size_t>(found) > limit) {
+      too_many_[static_cast<std::size_t>(i) * views_ + j] = 1;
+      return;
     }
     PairTable::Bound bound{pair.top + net > 0 ? -kInfinity : kInfinity, pair.top ? kInfinity : -kInfinity};
     for (int k = 0; k < found; ++k) {

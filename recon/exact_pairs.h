@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -62,8 +63,14 @@ struct AxisTable {
 class PairTables {
  public:
   /// Builds all V(V-1) tables. `grid` not null: every sign is exact, and `tie()` tells whether a predicate
-  /// was zero.
-  void build(std::span<const ConeView> views, const GridViews* grid, int threads);
+  /// was zero. False, and no tables, when the outlines cross so often that a pair has more hits than most_hits().
+  bool build(std::span<const ConeView> views, const GridViews* grid, int threads);
+
+  /// Hits of one ordered pair of views: an equal share of four million, but always eight for each ray. People have two
+  /// or three. Bounds the memory (32 bytes a hit) and the time of a frame.
+  static std::size_t most_hits(std::size_t views, std::size_t rays) {
+    return std::max<std::size_t>(4'000'000 / (views * (views - 1)), 8 * rays);
+  }
 
   const PairTable& of(int i, int j) const { return pairs_[static_cast<std::size_t>(i) * views_ + j]; }
   const AxisTable& axis(int i, int j) const {
@@ -82,7 +89,7 @@ class PairTables {
   std::vector<std::vector<Eigen::Vector3d>> normals_;  ///< per view and edge
   std::vector<PairTable> pairs_;
   std::vector<AxisTable> axes_;
-  std::vector<std::uint8_t> ties_;
+  std::vector<std::uint8_t> ties_, too_many_;
   std::int32_t hit_count_ = 0;
   bool tie_ = false;
 };

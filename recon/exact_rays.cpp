@@ -103,16 +103,15 @@ int gather(const PairTables& pairs, int i, int ray, int views, const PairTable::
 
 }  // namespace
 
-Votes Votes::of(std::span<const ConeView> views, int votes) {
+void Votes::set(std::span<const ConeView> views, int votes) {
   const auto is_mandatory = [](const ConeView& view) { return view.mandatory; };
   const int mandatory = static_cast<int>(std::count_if(views.begin(), views.end(), is_mandatory));
   const int others = static_cast<int>(views.size()) - mandatory;
-  Votes out;
-  out.ordinary = votes > 0 ? std::min(votes, others) : others;
-  out.strict = out.ordinary == others;
-  out.needed = out.ordinary + mandatory * (others + 1);
-  for (const ConeView& view : views) out.weight.push_back(view.mandatory ? others + 1 : 1);
-  return out;
+  ordinary = votes > 0 ? std::min(votes, others) : others;
+  strict = ordinary == others;
+  needed = ordinary + mandatory * (others + 1);
+  weight.clear();
+  for (const ConeView& view : views) weight.push_back(view.mandatory ? others + 1 : 1);
 }
 
 void VoteWindow::clear(const Bound& all) {

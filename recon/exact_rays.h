@@ -15,7 +15,7 @@ struct Votes {
   int ordinary = 0;         ///< how many of the views that can be outvoted have to agree
   std::vector<int> weight;  ///< per view
 
-  static Votes of(std::span<const ConeView> views, int votes);
+  void set(std::span<const ConeView> views, int votes);
   /// Whether a view's boundary is the hull's where the other views that contain it weigh `others`.
   bool decides(int view, int others) const { return others < needed && others + weight[view] >= needed; }
 };

@@ -23,17 +23,6 @@ void ConeView::clear() {
   beyond_counts = mandatory = false;
 }
 
-void ConeView::add_loop(std::span<const Eigen::Vector3d> loop_rays) {
-  const int first = static_cast<int>(rays.size()), count = static_cast<int>(loop_rays.size());
-  const int id = loop.empty() ? 0 : loop.back() + 1;
-  for (int k = 0; k < count; ++k) {
-    rays.push_back(loop_rays[k]);
-    next.push_back(first + (k + 1) % count);
-    prev.push_back(first + (k + count - 1) % count);
-    loop.push_back(id);
-  }
-}
-
 void perturb(std::span<ConeView> views, const Perturbation& perturbation) {
   if (perturbation.seed == 0) return;
   for (std::size_t v = 0; v < views.size(); ++v) {

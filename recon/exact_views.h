@@ -24,7 +24,21 @@ struct ConeView {
 
   void clear();
   /// Appends a closed polygon, interior on the side of ray(k) x ray(next).
-  void add_loop(std::span<const Eigen::Vector3d> loop_rays);
+  void add_loop(std::span<const Eigen::Vector3d> loop_rays) {
+    add_loop(loop_rays.size(), [&](std::size_t k) { return loop_rays[k]; });
+  }
+  /// The same of `count` rays that ray_of(k) gives.
+  template <class RayOf>
+  void add_loop(std::size_t count, const RayOf& ray_of) {
+    const int first = static_cast<int>(rays.size()), size = static_cast<int>(count);
+    const int id = loop.empty() ? 0 : loop.back() + 1;
+    for (int k = 0; k < size; ++k) {
+      rays.push_back(ray_of(static_cast<std::size_t>(k)));
+      next.push_back(first + (k + 1 < size ? k + 1 : 0));
+      prev.push_back(first + (k > 0 ? k - 1 : size - 1));
+      loop.push_back(id);
+    }
+  }
 };
 
 /// The same numbers on an integer grid, with which every predicate is exact.

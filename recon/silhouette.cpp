@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #if defined(__SSE2__)
@@ -123,9 +124,9 @@ bool any_subject(const std::vector<std::uint64_t>& bits) {
 
 }  // namespace
 
-Silhouette trace_outline(const Matte& matte, bool unknown_beyond, SilhouetteScratch& scratch) {
-  Silhouette out;
-  if (matte.empty() || matte.width <= 0 || matte.height <= 0) return out;
+void trace_outline(const Matte& matte, bool unknown_beyond, SilhouetteScratch& scratch, Silhouette& out) {
+  out.clear();
+  if (matte.empty() || matte.width <= 0 || matte.height <= 0) return;
   BitPicture bits(matte, scratch.bits);
   out.beyond_counts =
       unknown_beyond || !any_subject(scratch.bits) || touches_border(bits, matte.width, matte.height);
@@ -178,7 +179,24 @@ Silhouette trace_outline(const Matte& matte, bool unknown_beyond, SilhouetteScra
     }
   }
   out.starts.push_back(static_cast<int>(out.points.size()));
-  return out;
+}
+
+void drop_specks(double smallest, Silhouette& outline) {
+  std::size_t kept = 0, polygons = 0;
+  for (int k = 0; k < outline.polygons(); ++k) {
+    const int begin = outline.starts[k], end = outline.starts[k + 1];
+    double twice = 0;
+    for (int i = begin; i < end; ++i) {
+      const Eigen::Vector2d &p = outline.points[i], &q = outline.points[i + 1 < end ? i + 1 : begin];
+      twice += p.x() * q.y() - p.y() * q.x();
+    }
+    if (std::abs(twice) < 2 * smallest) continue;
+    outline.starts[polygons++] = static_cast<int>(kept);
+    for (int i = begin; i < end; ++i) outline.points[kept++] = outline.points[i];
+  }
+  outline.points.resize(kept);
+  outline.starts.resize(polygons + 1);
+  outline.starts[polygons] = static_cast<int>(kept);
 }
 
 double enclosed_area(const Silhouette& outline) {

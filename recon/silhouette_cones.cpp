@@ -24,13 +24,11 @@ void append_rays(const RigCamera& camera, const Silhouette& outline, ConeView& v
   view.beyond_counts = outline.beyond_counts;
   const Eigen::Matrix3d world_from_pixel =
       camera.cam_from_world.rotation.conjugate().toRotationMatrix() * pinhole(camera.model).k().inverse();
-  std::vector<Eigen::Vector3d> rays;
   for (int k = 0; k < outline.polygons(); ++k) {
-    rays.clear();
-    for (int p = outline.starts[k]; p < outline.starts[k + 1]; ++p) {
-      rays.push_back(world_from_pixel * outline.points[p].homogeneous());
-    }
-    view.add_loop(rays);
+    const int begin = outline.starts[k], end = outline.starts[k + 1];
+    view.add_loop(static_cast<std::size_t>(end - begin), [&](std::size_t p) -> Eigen::Vector3d {
+      return world_from_pixel * outline.points[static_cast<std::size_t>(begin) + p].homogeneous();
+    });
   }
 }
 
@@ -49,17 +47,17 @@ void ConeBuilder::build(const Rig& rig, std::span<const Matte> mattes, const Con
   scratch_.resize(count);
   tables_.resize(count);
   out.outlines.resize(count);
+  out.details.resize(count);
   parallel_for(count, options.threads, [&](std::size_t c) {
     CameraTable& table = tables_[c];
     if (!(table.model == rig.cameras[c].model)) table = {rig.cameras[c].model, lens_bend(rig.cameras[c].model)};
     SilhouetteOptions settings;
     settings.tolerance = options.tolerance;
     settings.unknown_beyond = options.volume && !sees_all(rig.cameras[c], *options.volume);
-    out.outlines[c] = undistorted_outline(mattes[c], table.model, table.bend, settings, scratch_[c]);
-    while (static_cast<int>(out.outlines[c].points.size()) > options.max_points && settings.tolerance < 64) {
-      settings.tolerance = std::max(0.25, 2 * settings.tolerance);
-      out.outlines[c] = undistorted_outline(mattes[c], table.model, table.bend, settings, scratch_[c]);
-    }
+    settings.smallest = options.smallest;
+    settings.most_points = options.most_points;
+    out.details[c] =
+        undistorted_outline(mattes[c], table.model, table.bend, settings, scratch_[c], out.outlines[c]);
   });
   std::size_t used = 0;
   out.camera.clear();

@@ -14,7 +14,8 @@ struct ConeOptions {
   double tolerance = 0.5;  ///< px, of the contours
   std::optional<Eigen::AlignedBox3d>
       volume;               ///< the hull is sought here; cameras that do not see all of it know less
-  int max_points = 200000;  ///< contour points of one view; noisier mattes are simplified further
+  double smallest = 0;      ///< px²: islands and holes of less area are left out
+  int most_points = 20000;  ///< contour points of one view; noisier mattes are made coarser
   int threads = 1;
 };
 
@@ -22,6 +23,7 @@ struct ConeOptions {
 /// know nothing and have no cone.
 struct SilhouetteCones {
   std::vector<Silhouette> outlines;  ///< per camera of the rig: undistorted px; empty where it knows nothing
+  std::vector<OutlineDetail> details;  ///< per camera of the rig
   std::vector<ConeView> views;       ///< then the volume's, when there is one
   std::vector<int> camera;           ///< per view: index into the rig; -1 for the volume
   double pixel = 1e-3;               ///< smallest 1 / focal length

@@ -15,8 +15,9 @@ using Eigen::Vector2d;
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// How far each chord has to move to its left (px) so that it cuts off as much of its chain as it adds.
-std::vector<double> offsets(const Silhouette& full, const Silhouette& simple, std::span<const int> origin) {
-  std::vector<double> out(simple.points.size(), 0);
+void find_offsets(const Silhouette& full, const Silhouette& simple, std::span<const int> origin,
+                  std::vector<double>& out) {
+  out.assign(simple.points.size(), 0);
   for (int k = 0; k < simple.polygons(); ++k) {
     const int begin = full.starts[k], end = full.starts[k + 1];
     for (int e = simple.starts[k]; e < simple.starts[k + 1]; ++e) {
@@ -34,17 +35,20 @@ std::vector<double> offsets(const Silhouette& full, const Silhouette& simple, st
       out[e] = length > 0 ? twice / (2 * length) : 0;
     }
   }
-  return out;
 }
 
 }  // namespace
 
-Silhouette fit_outline(const Silhouette& full, const Silhouette& simple, std::span<const int> origin,
-                       double most) {
-  const std::vector<double> offset = offsets(full, simple, origin);
-  const EdgeGrid before(simple);
-  std::vector<Vector2d> moved(simple.points.size());
-  std::vector<int> previous(simple.points.size());
+void fit_outline(const Silhouette& full, const Silhouette& simple, std::span<const int> origin, double most,
+                 SilhouetteScratch& scratch, Silhouette& out) {
+  std::vector<double>& offset = scratch.offsets;
+  find_offsets(full, simple, origin, offset);
+  const EdgeGrid& before = scratch.grid;
+  scratch.grid.fill(simple);
+  std::vector<Vector2d>& moved = scratch.moved;
+  moved.resize(simple.points.size());
+  std::vector<int>& previous = scratch.previous;
+  previous.resize(simple.points.size());
   for (int e = 0; e < static_cast<int>(previous.size()); ++e) previous[before.next(e)] = e;
   const auto outward = [&](int e) {
     const Vector2d d = (simple.points[before.next(e)] - simple.points[e]).normalized();
@@ -65,17 +69,20 @@ Silhouette fit_outline(const Silhouette& full, const Silhouette& simple, std::sp
     moved[e] = move.allFinite() ? Vector2d(simple.points[e] + move) : simple.points[e];
   }
   // Corners whose move would let two chains touch, or jump over a corner of another chain, go back.
-  Silhouette out = simple;
-  std::vector<char> back(moved.size(), 0);
+  out = simple;
+  std::vector<char>& back = scratch.back;
+  back.assign(moved.size(), 0);
   for (bool again = true; again;) {
     for (std::size_t e = 0; e < moved.size(); ++e) out.points[e] = back[e] ? simple.points[e] : moved[e];
-    const EdgeGrid grid(out);
+    EdgeGrid& grid = scratch.moved_grid;
+    grid.fill(out);
     again = false;
     const auto retreat = [&](int e) {
       again |= !back[e];
       back[e] = 1;
     };
-    for (const int e : grid.touching_edges(kOutlineGap)) {
+    grid.touching_edges(kOutlineGap, scratch.conflicts);
+    for (const int e : scratch.conflicts) {
       retreat(e);
       retreat(grid.next(e));
     }
@@ -103,7 +110,6 @@ Silhouette fit_outline(const Silhouette& full, const Silhouette& simple, std::sp
       retreat(f);
     }
   }
-  return out;
 }
 
 }  // namespace floatstage

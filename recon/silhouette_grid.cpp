@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recon/silhouette.h"
+
 namespace floatstage {
 namespace {
 
@@ -43,7 +45,7 @@ std::pair<int, int> EdgeGrid::cell_of(const Vector2d& point) const {
 
 template <class Visit>
 void EdgeGrid::each_cell(int edge, const Visit& visit) const {
-  const Vector2d &p = outline_.points[edge], &q = outline_.points[next_[edge]];
+  const Vector2d &p = points_[edge], &q = points_[next_[edge]];
   const auto [x0, y0] = cell_of(p.cwiseMin(q));
   const auto [x1, y1] = cell_of(p.cwiseMax(q));
   const Vector2d direction = q - p;
@@ -60,7 +62,9 @@ void EdgeGrid::each_cell(int edge, const Visit& visit) const {
   }
 }
 
-EdgeGrid::EdgeGrid(const Silhouette& outline) : outline_(outline), next_(outline.points.size()) {
+void EdgeGrid::fill(const Silhouette& outline) {
+  points_ = outline.points.data();
+  next_.resize(outline.points.size());
   Eigen::AlignedBox2d box;
   double length = 0;
   for (int k = 0; k < outline.polygons(); ++k) {
@@ -84,19 +88,19 @@ EdgeGrid::EdgeGrid(const Silhouette& outline) : outline_(outline), next_(outline
   for (int e = 0; e < edges; ++e) each_cell(e, [&](std::size_t cell) { ++start_[cell + 1]; });
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
   edges_.resize(start_.back());
-  std::vector<int> fill(start_.begin(), start_.end() - 1);
-  for (int e = 0; e < edges; ++e) each_cell(e, [&](std::size_t cell) { edges_[fill[cell]++] = e; });
+  fill_.assign(start_.begin(), start_.end() - 1);
+  for (int e = 0; e < edges; ++e) each_cell(e, [&](std::size_t cell) { edges_[fill_[cell]++] = e; });
 }
 
-std::vector<int> EdgeGrid::touching_edges(double gap) const {
-  std::vector<int> out;
+void EdgeGrid::touching_edges(double gap, std::vector<int>& out) const {
+  out.clear();
   for (std::size_t cell = 0; cell + 1 < start_.size(); ++cell) {
     for (int i = start_[cell]; i < start_[cell + 1]; ++i) {
       for (int k = i + 1; k < start_[cell + 1]; ++k) {
         const int e = edges_[i], f = edges_[k];
         if (next_[e] == f || next_[f] == e) continue;
-        if (touch(outline_.points[e], outline_.points[next_[e]], outline_.points[f],
-                  outline_.points[next_[f]], gap)) {
+        if (touch(points_[e], points_[next_[e]], points_[f],
+                  points_[next_[f]], gap)) {
           out.push_back(e);
           out.push_back(f);
         }
@@ -105,7 +109,6 @@ std::vector<int> EdgeGrid::touching_edges(double gap) const {
   }
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
-  return out;
 }
 
 }  // namespace floatstage

@@ -5,18 +5,19 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "recon/silhouette.h"
-
 namespace floatstage {
 
+struct Silhouette;
+
 /// The edges of an outline in square cells, to find those that touch in time linear in their length. Edge e
-/// goes from point e to next(e).
+/// goes from point e to next(e). Keeps its memory from one outline to the next.
 class EdgeGrid {
  public:
-  explicit EdgeGrid(const Silhouette& outline);
+  /// Sorts in an outline, which must outlive what is asked about it.
+  void fill(const Silhouette& outline);
 
   /// Edges that come nearer than `gap` px to (or, with 0, touch) an edge that is not their neighbour. Sorted.
-  std::vector<int> touching_edges(double gap) const;
+  void touching_edges(double gap, std::vector<int>& out) const;
 
   int next(int edge) const { return next_[edge]; }
 
@@ -30,7 +31,7 @@ class EdgeGrid {
         const std::size_t cell = static_cast<std::size_t>(y) * columns_ + x;
         for (int i = start_[cell]; i < start_[cell + 1]; ++i) {
           const int point = edges_[i];
-          if (box.contains(outline_.points[point]) && hit(point)) return true;
+          if (box.contains(points_[point]) && hit(point)) return true;
         }
       }
     }
@@ -42,11 +43,12 @@ class EdgeGrid {
   template <class Visit>
   void each_cell(int edge, const Visit& visit) const;
 
-  const Silhouette& outline_;
+  const Eigen::Vector2d* points_ = nullptr;
   std::vector<int> next_;
-  Eigen::Vector2d origin_;
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double cell_ = 1;  // px
   int columns_ = 1, rows_ = 1;
+  std::vector<int> fill_;
   std::vector<int> start_, edges_;  // cell c holds edges_[start_[c]] … edges_[start_[c + 1] - 1]
 };
 

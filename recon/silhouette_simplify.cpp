@@ -14,23 +14,30 @@ using Eigen::Vector2d;
 /// Which points of an outline are kept, and which chords have to be cut again.
 class Simplifier {
  public:
-  Simplifier(const Silhouette& outline, double tolerance, double longest)
-      : outline_(outline), tolerance2_(tolerance * tolerance), longest2_(longest * longest) {
+  Simplifier(const Silhouette& outline, double tolerance, double longest, SilhouetteScratch& scratch)
+      : outline_(outline),
+        tolerance2_(tolerance * tolerance),
+        longest2_(longest * longest),
+        scratch_(scratch),
+        keep_(scratch.keep),
+        origin_(scratch.origin),
+        stack_(scratch.stack) {
     keep_.assign(outline.points.size(), 0);
+    stack_.clear();
   }
 
-  Silhouette run() {
+  void run(Silhouette& out) {
     for (int k = 0; k < outline_.polygons(); ++k) anchor(outline_.starts[k], outline_.starts[k + 1]);
     // Every round cuts the chords that are in conflict; with every point kept there is none, so this ends.
-    while (true) {
-      Silhouette result = kept();
-      const std::vector<int> conflicts = chords_in_conflict(result);
-      bool cut = false;
-      for (const int chord : conflicts) cut |= cut_chord(origin_[chord], chord_end(result, chord));
-      if (!cut)
-        return fit_outline(outline_, result, std::span(origin_).first(result.points.size()),
-                           std::sqrt(tolerance2_));
+    Silhouette& result = scratch_.kept;
+    for (bool cut = true; cut;) {
+      find_kept(result);
+      find_conflicts(result);
+      cut = false;
+      for (const int chord : scratch_.conflicts) cut |= cut_chord(origin_[chord], chord_end(result, chord));
     }
+    fit_outline(outline_, result, std::span<const int>(origin_).first(result.points.size()), std::sqrt(tolerance2_),
+                scratch_, out);
   }
 
  private:
@@ -94,8 +101,8 @@ class Simplifier {
     }
   }
 
-  Silhouette kept() {
-    Silhouette out;
+  void find_kept(Silhouette& out) {
+    out.clear();
     out.beyond_counts = outline_.beyond_counts;
     origin_.clear();
     for (int k = 0; k < outline_.polygons(); ++k) {
@@ -108,7 +115,6 @@ class Simplifier {
     }
     out.starts.push_back(static_cast<int>(out.points.size()));
     origin_.push_back(static_cast<int>(outline_.points.size()));
-    return out;
   }
 
   /// The full-resolution index at which the chord that starts at kept point `chord` ends (one lap later for
@@ -119,14 +125,15 @@ class Simplifier {
     return chord + 1 < *next ? origin_[chord + 1] : outline_.starts[polygon + 1];
   }
 
-  std::vector<int> chords_in_conflict(const Silhouette& result) const {
-    EdgeGrid grid(result);
-    std::vector<int> conflicts = grid.touching_edges(kOutlineGap);
+  void find_conflicts(const Silhouette& result) {
+    EdgeGrid& grid = scratch_.grid;
+    grid.fill(result);
+    std::vector<int>& conflicts = scratch_.conflicts;
+    grid.touching_edges(kOutlineGap, conflicts);
     for (int chord = 0; chord < static_cast<int>(result.points.size()); ++chord) {
       const int from = origin_[chord], to = chord_end(result, chord);
       if (to - from > 1 && swallows_a_point(grid, result, chord, from, to)) conflicts.push_back(chord);
     }
-    return conflicts;
   }
 
   /// Whether a kept point of some other chain lies between the chord and the chain that it replaces.
@@ -161,9 +168,10 @@ class Simplifier {
 
   const Silhouette& outline_;
   double tolerance2_, longest2_;
-  std::vector<char> keep_;
-  std::vector<int> origin_;
-  std::vector<std::pair<int, int>> stack_;
+  SilhouetteScratch& scratch_;
+  std::vector<char>& keep_;
+  std::vector<int>& origin_;
+  std::vector<std::pair<int, int>>& stack_;
 };
 
 /// The longest chord whose image under the lens stays within `sag` px of a straight line; 0 when all do.
@@ -171,48 +179,55 @@ double longest_chord(double bend, double sag) {
   return bend > 1e-12 ? std::max(2.0, std::sqrt(8 * sag / bend)) : 0;
 }
 
-/// The outline with every point i replaced by point_of(i), or left out where that is absent. Polygons of fewer than
-/// three points go.
+/// Replaces every point i by point_of(i), or leaves it out where that is absent. Polygons of fewer than three points
+/// go.
 template <class PointOf>
-Silhouette rebuilt(const Silhouette& outline, const PointOf& point_of) {
-  Silhouette out;
-  out.beyond_counts = outline.beyond_counts;
+void rebuild(const PointOf& point_of, Silhouette& outline) {
+  std::size_t kept = 0, polygons = 0;
   for (int k = 0; k < outline.polygons(); ++k) {
-    const std::size_t first = out.points.size();
-    for (int i = outline.starts[k]; i < outline.starts[k + 1]; ++i) {
-      if (const std::optional<Eigen::Vector2d> point = point_of(i)) out.points.push_back(*point);
+    const std::size_t first = kept;
+    const int begin = outline.starts[k], end = outline.starts[k + 1];
+    for (int i = begin; i < end; ++i) {
+      if (const std::optional<Eigen::Vector2d> point = point_of(i)) outline.points[kept++] = *point;
     }
-    if (out.points.size() - first < 3) {
-      out.points.resize(first);
+    if (kept - first < 3) {
+      kept = first;
     } else {
-      out.starts.push_back(static_cast<int>(first));
+      outline.starts[polygons++] = static_cast<int>(first);
     }
   }
-  out.starts.push_back(static_cast<int>(out.points.size()));
-  return out;
+  outline.points.resize(kept);
+  outline.starts.resize(polygons + 1);
+  outline.starts[polygons] = static_cast<int>(kept);
 }
 
 void remove_lens(const CameraModel& model, Silhouette& outline) {
   const CameraModel ideal = pinhole(model);
-  outline = rebuilt(outline, [&](int i) -> std::optional<Eigen::Vector2d> {
+  const auto straight = [&](int i) -> std::optional<Eigen::Vector2d> {
     const auto ray = unproject(model, outline.points[i]);
     const auto pixel = ray ? project(ideal, *ray) : std::nullopt;
     return pixel && pixel->allFinite() ? pixel : std::nullopt;
-  });
+  };
+  rebuild(straight, outline);
+}
+
+bool is_simple(const Silhouette& outline, SilhouetteScratch& scratch) {
+  if (outline.empty()) return true;
+  scratch.grid.fill(outline);
+  scratch.grid.touching_edges(0, scratch.conflicts);
+  return scratch.conflicts.empty();
 }
 
 /// Last resort where a lens cannot be undone over a part of the picture: the points whose edges cross are
 /// left out until none do. Ends, because every round leaves some out.
-void drop_conflicts(Silhouette& outline) {
-  while (!outline.empty()) {
-    const EdgeGrid grid(outline);
-    const std::vector<int> edges = grid.touching_edges(0);
-    if (edges.empty()) return;
-    std::vector<char> drop(outline.points.size(), 0);
-    for (const int e : edges) drop[e] = drop[grid.next(e)] = 1;
-    outline = rebuilt(outline, [&](int i) -> std::optional<Eigen::Vector2d> {
-      return drop[i] ? std::nullopt : std::optional<Eigen::Vector2d>(outline.points[i]);
-    });
+void drop_conflicts(SilhouetteScratch& scratch, Silhouette& outline) {
+  while (!is_simple(outline, scratch)) {
+    scratch.back.assign(outline.points.size(), 0);
+    for (const int e : scratch.conflicts) scratch.back[e] = scratch.back[scratch.grid.next(e)] = 1;
+    const auto kept = [&](int i) {
+      return scratch.back[i] ? std::nullopt : std::optional<Eigen::Vector2d>(outline.points[i]);
+    };
+    rebuild(kept, outline);
   }
 }
 
@@ -240,29 +255,59 @@ double lens_bend(const CameraModel& model) {
   return bend;
 }
 
+void simplify_outline(const Silhouette& outline, double tolerance, double longest, SilhouetteScratch& scratch,
+                      Silhouette& out) {
+  if (outline.empty() || tolerance <= 0) {
+    out = outline;
+  } else {
+    Simplifier(outline, tolerance, longest, scratch).run(out);
+  }
+}
+
 Silhouette simplify_outline(const Silhouette& outline, double tolerance, double longest) {
-  if (outline.empty() || tolerance <= 0) return outline;
-  return Simplifier(outline, tolerance, longest).run();
+  SilhouetteScratch scratch;
+  Silhouette out;
+  simplify_outline(outline, tolerance, longest, scratch, out);
+  return out;
 }
 
 bool is_simple(const Silhouette& outline) {
-  return outline.empty() || EdgeGrid(outline).touching_edges(0).empty();
+  SilhouetteScratch scratch;
+  return is_simple(outline, scratch);
 }
 
-Silhouette undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
-                               const SilhouetteOptions& options, SilhouetteScratch& scratch) {
-  const Silhouette full = trace_outline(matte, options.unknown_beyond, scratch);
+OutlineDetail undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
+                                  const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out) {
+  constexpr double kCoarsest = 4;  // px: beyond, only more specks are left out
+  constexpr std::size_t kTraced = 4;
+  OutlineDetail detail{options.tolerance, options.smallest, false};
+  Silhouette& full = scratch.traced;
+  trace_outline(matte, options.unknown_beyond, scratch, full);
+  const auto drop_more = [&] {
+    detail.coarser = true;
+    detail.smallest = std::max(16.0, 4 * detail.smallest);
+    drop_specks(detail.smallest, full);
+  };
+  const std::size_t most = static_cast<std::size_t>(options.most_points);
+  if (options.smallest > 0) drop_specks(options.smallest, full);
+  while (full.points.size() > kTraced * most) drop_more();
   const bool lens = !std::holds_alternative<std::monostate>(model.lens);
-  double tolerance = options.tolerance;
+  double tolerance = detail.tolerance;
   // The lens may fold neighbouring chains over each other where it bends strongly: then keep more points.
   for (int round = 0;; ++round, tolerance /= 4) {
-    Silhouette out = simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance));
-    if (!lens) return out;
+    simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance), scratch, out);
+    while (out.points.size() > most) {
+      drop_more();
+      tolerance = detail.tolerance = std::max(detail.tolerance, std::min(kCoarsest, std::max(0.25, 2 * detail.tolerance)));
+      simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance), scratch, out);
+      round = 0;
+    }
+    if (!lens) return detail;
     remove_lens(model, out);
-    if (is_simple(out)) return out;
+    if (is_simple(out, scratch)) return detail;
     if (round == 4) {
-      drop_conflicts(out);
-      return out;
+      drop_conflicts(scratch, out);
+      return detail;
     }
   }
 }

@@ -128,21 +128,39 @@ Result<void> check(const HullOptions& o) {
   return {};
 }
 
+void HullReport::clear() {
+  HullReport fresh;
+  fresh.mesh = std::move(mesh);
+  fresh.mesh.positions.clear();
+  fresh.mesh.triangles.clear();
+  fresh.silhouette_iou = std::move(silhouette_iou);
+  fresh.sources = std::move(sources);
+  fresh.sources.clear();
+  *this = std::move(fresh);
+}
+
 Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                                HullWorkspace* workspace) {
+  std::optional<HullWorkspace> own;
+  HullReport report;
+  if (Result<void> ok = visual_hull(rig, mattes, options, workspace ? *workspace : own.emplace(), report); !ok)
+    return forward(ok);
+  return report;
+}
+
+Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                         HullWorkspace& workspace, HullReport& report) {
   const auto begin = std::chrono::steady_clock::now();
+  report.clear();
   if (Result<void> ok = check(options); !ok) return forward(ok);
   if (Result<void> ok = check_inputs(rig, mattes); !ok) return forward(ok);
   Result<std::vector<std::string>> remarks = remark_on_subjects(rig, mattes);
   if (!remarks) return forward(remarks);
 
-  HullReport report;
   report.remarks = std::move(*remarks);
   bool octree = options.method == HullMethod::Octree;
   if (!octree) {
-    std::optional<HullWorkspace> own;
-    if (workspace == nullptr) workspace = &own.emplace();
-    const Result<bool> closed = exact_visual_hull(rig, mattes, options, workspace->impl(), report);
+    const Result<bool> closed = exact_visual_hull(rig, mattes, options, workspace.impl(), report);
     if (!closed) return forward(closed);
     if (!*closed) {
       report.remarks.push_back(
@@ -169,7 +187,7 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   const auto end = std::chrono::steady_clock::now();
   report.timings.quality = std::chrono::duration<double>(end - quality).count();
   report.seconds = std::chrono::duration<double>(end - begin).count();
-  return report;
+  return {};
 }
 
 }  // namespace floatstage

@@ -80,6 +80,14 @@ struct HullTimings {
   double hull() const { return tables + rays + faces + weld + triangles + voting; }
 };
 
+/// What an exact hull cost, in things that do not depend on the machine.
+struct HullWork {
+  std::int64_t points = 0;     ///< of all outlines
+  std::int64_t hits = 0;       ///< half-lines through outline points that meet an outline's edge in another picture
+  std::int64_t lines = 0;      ///< edges of other outlines that were looked at within faces
+  std::int64_t relations = 0;  ///< pairs of those that were compared
+};
+
 /// What HullCare did. Lists are per camera; those of cameras without a matte hold 0.
 struct HullCareReport {
   std::size_t triangles_before = 0, triangles_after = 0;
@@ -106,6 +114,8 @@ struct HullReport {
   int escalations = 0;  ///< times that the frame was computed again, with jitter or with exact integers
   std::vector<int> voted_down;  ///< cameras that Auto left out
   HullTimings timings;
+  HullWork work;
+  void clear();         ///< empties it, but keeps the mesh's memory
   std::optional<HullCareReport> care;  ///< with options.care; `sources` are then those of the triangles that were kept
 };
 
@@ -136,7 +146,17 @@ class HullWorkspace {
 /// Errors: InvalidArgument for unequal counts or sizes and for options out of range; BadData for a rig that
 /// does not pass check(), when no camera shows any subject ("empty silhouette"), and when the silhouettes
 /// bound nothing (all foreground) and no volume was given.
+///
+/// Mattes of noise are made coarser until the frame's time is bounded, which a remark says: no outline keeps more than
+/// 20,000 points, and no pair of cameras more than 4,000,000 / V(V-1) (at least 8 a point) meetings of one's points with
+/// the other's edges. What is too much even without islands below some hundred thousand px² is an error, BadData.
 Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                                HullWorkspace* workspace = nullptr);
+
+/// The same for the frames of a sequence: what depends on the calibration only is found once, and memory, that of the
+/// report too, is used again. With one thread, the exact method, Strict or MofN votes, no volume, subjects inside the
+/// pictures, and neither quality nor care, the second frame of a size allocates nothing. On an error the report is empty.
+Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                         HullWorkspace& workspace, HullReport& report);
 
 }  // namespace floatstage

@@ -29,7 +29,7 @@ double seconds_of(const MatteSet& set, const HullOptions& options, HullWorkspace
   return hull ? hull->seconds : std::numeric_limits<double>::quiet_NaN();
 }
 
-void measure(benchmark::State& state, const MatteSet& set, double tolerance, int threads) {
+void measure(benchmark::State& state, const MatteSet& set, double tolerance, int threads, bool with_octree = true) {
   HullOptions options;
   options.contour_tolerance = tolerance;
   options.threads = threads;
@@ -38,15 +38,14 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
   HullTimings sum;
   HullReport last;
   for (auto _ : state) {
-    Result<HullReport> hull = visual_hull(set.rig, set.mattes, options, &workspace);
-    if (!hull) return state.SkipWithError(hull.error().message.c_str());
-    sum.contours += hull->timings.contours;
-    sum.tables += hull->timings.tables;
-    sum.rays += hull->timings.rays;
-    sum.faces += hull->timings.faces;
-    sum.weld += hull->timings.weld;
-    sum.triangles += hull->timings.triangles;
-    last = std::move(*hull);
+    const Result<void> ok = visual_hull(set.rig, set.mattes, options, workspace, last);
+    if (!ok) return state.SkipWithError(ok.error().message.c_str());
+    sum.contours += last.timings.contours;
+    sum.tables += last.timings.tables;
+    sum.rays += last.timings.rays;
+    sum.faces += last.timings.faces;
+    sum.weld += last.timings.weld;
+    sum.triangles += last.timings.triangles;
   }
   const auto mean_ms = [](double seconds) {
     return benchmark::Counter(1e3 * seconds, benchmark::Counter::kAvgIterations);
@@ -59,6 +58,12 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
   state.counters["triangles_ms"] = mean_ms(sum.triangles);
   state.counters["faces"] = last.faces;
   state.counters["vertices"] = static_cast<double>(last.mesh.positions.size());
+  const double views = static_cast<double>(set.rig.cameras.size());
+  state.counters["points"] = static_cast<double>(last.work.points);
+  // Constant where the cost is linear in outline points times views.
+  state.counters["ns_per_point_and_view"] = benchmark::Counter(
+      1e9 * sum.hull() / (views * static_cast<double>(last.work.points)), benchmark::Counter::kAvgIterations);
+  if (!with_octree) return;
   // Ratio to the octree, both the best of a few in this run.
   double exact = std::numeric_limits<double>::infinity(), octree = exact;
   HullOptions slow;
@@ -89,8 +94,19 @@ BENCHMARK(GreenDome)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-void Torus(benchmark::State& state) { measure(state, torus(static_cast<int>(state.range(0))), 0.5, 1); }
-BENCHMARK(Torus)->ArgName("cameras")->Arg(8)->Arg(24)->Arg(48)->Unit(benchmark::kMillisecond)->UseRealTime();
+/// How the cost grows with the number of views.
+void Torus(benchmark::State& state) {
+  const int cameras = static_cast<int>(state.range(0));
+  measure(state, torus(cameras), 0.5, 1, cameras <= 8);
+}
+BENCHMARK(Torus)
+    ->ArgName("cameras")
+    ->Arg(8)
+    ->Arg(24)
+    ->Arg(40)
+    ->Arg(60)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 /// Toy-size sets: polygons of a sphere, no pixels.
 void SphereCones(benchmark::State& state) {

@@ -66,6 +66,33 @@ TEST(HostileMattes, OfNoiseGiveClosedHulls) {
   }
 }
 
+TEST(HostileMattes, OfNoiseInEveryPixelOfEveryCameraCostABoundedAmountOfWork) {
+  const Rig rig = shapes::ring_rig({.cameras = 8, .width = 1024, .height = 768, .focal = 900}, 0.6);
+  for (const double density : {0.5, 0.62, 0.97}) {
+    std::vector<Matte> mattes;
+    Random random(3);
+    for (int c = 0; c < 8; ++c) {
+      Image image(1024, 768, 1);
+      for (std::uint8_t& alpha : image.pixels) alpha = random.uniform() < density ? 255 : 0;
+      mattes.push_back(make_matte({}, image));
+    }
+    HullOptions options = within_two_metres();
+    options.quality = false;
+    const Result<HullReport> hull = visual_hull(rig, mattes, options);
+    if (!hull) {
+      EXPECT_EQ(hull.error().code, ErrorCode::BadData);
+      EXPECT_THAT(hull.error().message, testing::HasSubstr("noise"));
+      continue;
+    }
+    EXPECT_EQ(hull->voxel, 0) << "the octree had to help";
+    EXPECT_LE(hull->work.points, 8 * 20000);
+    EXPECT_LE(hull->work.hits, 8'000'000);
+    EXPECT_LE(hull->work.lines, 60'000'000);
+    EXPECT_LE(hull->work.relations, 400'000'000);
+    EXPECT_THAT(hull->remarks, testing::Contains(testing::HasSubstr("its matte is"))) << density;
+  }
+}
+
 TEST(HostileMattes, WithPinchesHolesAtTheOutlineAndBorderCutsGiveClosedHulls) {
   const auto disc = [](double x, double y, double r) {
     return std::hypot(x - kWidth / 2.0, y - kHeight / 2.0) < r;

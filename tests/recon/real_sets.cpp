@@ -76,10 +76,8 @@ Image largest_component(const Image& mask) {
   return out;
 }
 
-}  // namespace
-
-MatteSet load_temple_ring(const std::filesystem::path& folder, int grey) {
-  const ForeignRig foreign = need(read_middlebury(folder / "templeR_par.txt"));
+MatteSet load_temple(const std::filesystem::path& folder, const std::string& calibration, int grey) {
+  const ForeignRig foreign = need(read_middlebury(folder / calibration));
   MatteSet set;
   for (std::size_t i = 0; i < foreign.rig.cameras.size(); ++i) {
     if (!std::filesystem::exists(folder / foreign.image_names[i])) continue;
@@ -92,6 +90,16 @@ MatteSet load_temple_ring(const std::filesystem::path& folder, int grey) {
     set.mattes.push_back(make_matte({}, largest_component(mask)));
   }
   return set;
+}
+
+}  // namespace
+
+MatteSet load_temple_ring(const std::filesystem::path& folder, int grey) {
+  return load_temple(folder, "templeR_par.txt", grey);
+}
+
+MatteSet load_temple_sparse_ring(const std::filesystem::path& folder) {
+  return load_temple(folder, "templeSR_par.txt", 12);
 }
 
 MatteSet load_green_dome(const std::filesystem::path& folder) {

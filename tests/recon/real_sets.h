@@ -18,6 +18,7 @@ struct MatteSet {
 /// Loads of the shared data sets; they throw std::runtime_error with the reason, which a test reports as its
 /// failure. 19 views: brighter than `grey`, closed, largest component.
 MatteSet load_temple_ring(const std::filesystem::path& folder, int grey = 12);
+MatteSet load_temple_sparse_ring(const std::filesystem::path& folder);  ///< 16 views, the same way
 MatteSet load_green_dome(
     const std::filesystem::path& folder);  ///< 20 cameras with the mattes given beside the images
 MatteSet load_vacancy_bunny(const std::filesystem::path& folder);

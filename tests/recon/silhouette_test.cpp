@@ -31,7 +31,9 @@ Matte square(int left, int top, int side) {
 
 Silhouette traced(const Matte& matte, bool unknown_beyond = false) {
   SilhouetteScratch scratch;
-  return trace_outline(matte, unknown_beyond, scratch);
+  Silhouette out;
+  trace_outline(matte, unknown_beyond, scratch, out);
+  return out;
 }
 
 Matte noise(std::uint64_t seed, int width, int height, double density) {
@@ -183,7 +185,8 @@ TEST(Silhouette, LosesTheLensFromItsPointsAndStaysSimple) {
     return 255 * hits / 64;
   });
   SilhouetteScratch scratch;
-  const Silhouette outline = undistorted_outline(matte, model, lens_bend(model), {.tolerance = 0.25}, scratch);
+  Silhouette outline;
+  undistorted_outline(matte, model, lens_bend(model), {.tolerance = 0.25}, scratch, outline);
   ASSERT_EQ(outline.polygons(), 1);
   EXPECT_TRUE(is_simple(outline));
   const double top = model.cy + 150 * 0.3, bottom = model.cy + 150 * 0.4;
