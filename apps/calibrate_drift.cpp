@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/calibrate_verbs.h"
+#include "apps/json_report.h"
+#include "apps/progress.h"
+#include "calib/drift.h"
+#include "capture/take.h"
+#include "core/file.h"
+#include "core/png.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+constexpr std::size_t kFewestPatches = 12;
+
+struct Options {
+  std::filesystem::path take, reference, make;
+  double every = 2, alarm = 0.1;
+};
+
+// The empty stage where a plate was shot, else the first picture.
+Result<Image> still(TakeReader& take, int camera) {
+  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
+  if (const auto plate = take.layout().plate(serial); std::filesystem::exists(plate)) return load_png(plate);
+  for (int i = 0; i < take.frame_count(); ++i) {
+    const Result<Frame> frame = take.frame(camera, i);
+    if (!frame) return forward(frame);
+    if (!frame->empty()) return to_rgb(*frame);
+  }
+  return fail(ErrorCode::NotFound, text("camera '", serial, "' has no picture in ", take.layout().folder().string()));
+}
+
+Result<void> make_reference(TakeReader& take, const std::filesystem::path& file) {
+  std::vector<Image> images;
+  for (int c = 0; c < static_cast<int>(take.rig().cameras.size()); ++c) {
+    Result<Image> image = still(take, c);
+    if (!image) return forward(image);
+    images.push_back(*std::move(image));
+  }
+  const Result<DriftReference> reference = make_drift_reference(take.rig(), images);
+  if (!reference) return forward(reference);
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    const std::size_t patches = reference->patches[c].size();
+    if (patches < kFewestPatches)
+      return fail(ErrorCode::BadData, text("camera '", reference->serials[c], "' sees only ", patches, " textured spots of the background and ",
+                                           kFewestPatches, " are needed; put stickers or printed markers where every camera sees some"));
+    std::printf("%s: %zu patches\n", reference->serials[c].c_str(), patches);
+  }
+  return save_drift_reference(*reference, file);
+}
+
+// Beside what the recorder found out.
+Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json drift) {
+  nlohmann::json quality = nlohmann::json::object();
+  if (std::filesystem::exists(file)) {
+    const Result<std::string> bytes = read_file(file);
+    if (!bytes) return forward(bytes);
+    quality = nlohmann::json::parse(*bytes, nullptr, false);
+    if (!quality.is_object()) return fail(ErrorCode::BadData, text(file.string(), ": is no JSON object; move it away"));
+  }
+  quality["drift"] = std::move(drift);
+  return save_json(quality, file);
+}
+
+Result<void> watch(TakeReader& take, const Options& given) {
+  Result<DriftReference> reference = load_drift_reference(given.reference);
+  if (!reference) return forward(reference);
+  Result<DriftWatch> drift = DriftWatch::create(take.rig(), *std::move(reference), {.alarm_degrees = given.alarm});
+  if (!drift) return forward(drift);
+  nlohmann::json alarms = nlohmann::json::array(), cameras = nlohmann::json::array();
+  const std::size_t count = take.rig().cameras.size();
+  Progress progress("watching for drift", count * static_cast<std::size_t>(take.frame_count()));
+  for (int c = 0; c < static_cast<int>(count); ++c) {
+    const std::vector<FrameRow>& rows = take.rows(c);
+    double largest = 0, next = 0;
+    int checks = 0, known = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      progress.advance();
+      const double time = seconds(rows[i].info.exposure_start - rows[0].info.exposure_start);
+      if (time < next || !rows[i].media_index) continue;
+      const Result<Frame> frame = take.frame(c, static_cast<int>(i));
+      if (!frame) return forward(frame);
+      if (frame->empty()) continue;
+      const Result<Image> image = to_rgb(*frame);
+      if (!image) return forward(image);
+      next = time + given.every;
+      ++checks;
+      if (const std::optional<DriftAlarm> alarm = drift->check(c, time, *image)) {
+        std::printf("%.1f s: %s\n", time, alarm->sentence.c_str());
+        alarms.push_back({{"camera", alarm->serial}, {"seconds", time}, {"degrees", alarm->degrees}, {"residual_px", alarm->residual_px},
+                          {"sentence", alarm->sentence}});
+      }
+      const CameraTurn& turn = drift->turns()[static_cast<std::size_t>(c)];
+      known += turn.known;
+      if (turn.known) largest = std::max(largest, turn.degrees);
+    }
+    const std::string& serial = take.rig().cameras[static_cast<std::size_t>(c)].serial;
+    if (2 * known < checks)
+      std::printf("%s: its background was seen in only %d of %d checks: whether it turned is not known\n", serial.c_str(), known, checks);
+    cameras.push_back({{"serial", serial}, {"checks", checks}, {"known", known},
+                       {"largest_degrees", largest}});
+  }
+  if (alarms.empty()) std::printf("no camera was seen to turn by more than %g degrees\n", given.alarm);
+  return add_to_quality(take.layout().quality(), {{"alarms", alarms}, {"cameras", cameras}});
+}
+
+Result<void> run(const Options& given) {
+  if (given.reference.empty() == given.make.empty())
+    return fail(ErrorCode::InvalidArgument, "give either --reference FILE to compare with, or --make-reference FILE to write one");
+  if (!(given.every > 0)) return fail(ErrorCode::InvalidArgument, "--every must be positive");
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  if (!take) return forward(take);
+  return given.make.empty() ? watch(**take, given) : make_reference(**take, given.make);
+}
+
+}  // namespace
+
+void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = calibrate.add_subcommand("drift", "Has a camera turned since the calibration? Written to the take's quality.json");
+  verb->add_option("take", options->take, "The take's folder")->required();
+  verb->add_option("--reference", options->reference, "Patches of the background to compare with");
+  verb->add_option("--make-reference", options->make, "Write them, from the take's plates or first pictures");
+  verb->add_option("--every", options->every, "Seconds from one check to the next")->capture_default_str();
+  verb->add_option("--alarm", options->alarm, "Degrees that raise an alarm")->capture_default_str();
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage
