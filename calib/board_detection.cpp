@@ -118,7 +118,10 @@ std::vector<FoundPoint> refined(const cv::Mat& grey, const ChessboardGrid& grid,
   const float radius = std::clamp(0.4f * nearest, 3.0f, 12.0f);
   std::vector<FoundPoint> exact;
   for (const FoundPoint& p : points) {
-    const std::optional<cv::Point2f> at = refine_saddle(grey, p.at, radius);
+    std::optional<cv::Point2f> at = refine_saddle(grey, p.at, radius);
+    // A start from a reduced picture may lie too far off for a window this narrow, or the squares bend in one this wide.
+    for (const float scale : {0.6f, 1.6f})
+      if (!at) at = refine_saddle(grey, p.at, std::max(3.0f, scale * radius));
     if (!at) return {};
     exact.push_back({p.id, *at});
   }
