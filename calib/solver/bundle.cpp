@@ -367,9 +367,11 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (!cameras[i]) continue;
+    // Ceres orders the blocks of a group by their addresses, so blocks of different arrays are in different groups: the
+    // sums must not depend on where the heap put an array.
     ordering->AddElementToGroup(scene.cameras[i].intrinsics.data(), 1);
-    ordering->AddElementToGroup(w.cameras[i].data(), 1);
     ordering->AddElementToGroup(&scene.cameras[i].offset, 1);
+    ordering->AddElementToGroup(w.cameras[i].data(), 2);
   }
 
   ceres::Solver::Options solver;
