@@ -30,7 +30,7 @@ struct RecorderOptions {
 };
 
 /// One camera of a recording, so far.
-struct CameraQuality {
+struct RecordedCamera {
   std::string serial;
   std::uint64_t recorded = 0;  ///< pictures
   std::uint64_t skips = 0;     ///< rows without one
@@ -41,7 +41,7 @@ struct CameraQuality {
 };
 
 struct RecordingQuality {
-  std::vector<CameraQuality> cameras;  ///< in the rig's order
+  std::vector<RecordedCamera> cameras;  ///< in the rig's order
   double spread_p50_ms = 0, spread_max_ms = 0;
   std::vector<std::string> complaints;  ///< one sentence for each limit that was passed; empty: PASS
   bool pass() const { return complaints.empty(); }

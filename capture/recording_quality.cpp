@@ -61,7 +61,7 @@ RecordingQuality QualityMeter::judge() const {
 
 void QualityMeter::complain(RecordingQuality& quality) const {
   const auto note = [&](const auto&... parts) { quality.complaints.push_back(text(parts...)); };
-  for (const CameraQuality& c : quality.cameras) {
+  for (const RecordedCamera& c : quality.cameras) {
     if (c.recorded == 0) {
       note("camera '", c.serial, "': no picture was recorded; check its cable and its trigger");
       continue;
@@ -86,7 +86,7 @@ std::string to_json(const RecordingQuality& quality) {
   nlohmann::ordered_json json;
   json["verdict"] = quality.pass() ? "PASS" : "FAIL";
   json["cameras"] = nlohmann::ordered_json::array();
-  for (const CameraQuality& c : quality.cameras) {
+  for (const RecordedCamera& c : quality.cameras) {
     json["cameras"].push_back({{"serial", c.serial},
                                {"recorded", c.recorded},
                                {"skips", c.skips},

@@ -23,7 +23,7 @@ class QualityMeter {
 
  private:
   struct Camera {
-    CameraQuality quality;
+    RecordedCamera quality;
     std::optional<Timestamp> first, last;
     std::uint64_t first_row = 0, last_row = 0;
   };
