@@ -13,7 +13,7 @@
 namespace floatstage {
 namespace {
 
-constexpr int kVersion = 1;  // grows whenever detect() finds something else in the same picture
+constexpr int kVersion = 2;  // grows whenever detect() finds something else in the same picture
 
 // 128 bits of a hash that nobody has a reason to attack: eight bytes at a time, mixed.
 std::string hash_of(std::string_view bytes) {

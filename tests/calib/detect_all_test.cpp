@@ -51,7 +51,7 @@ TEST_F(DetectAll, SearchesAgainWhereTheCacheIsDamaged) {
   const std::vector<Detection> first = detect_all(design_, pictures_, options);
   const std::vector<std::string> names = folder.names();
   ASSERT_EQ(names.size(), 6u);
-  folder.write(names[0], "floatstage-detection 1\nnone\n\n0 nan 3 0.2\nend\n");
+  folder.write(names[0], "floatstage-detection 2\nnone\n\n0 nan 3 0.2\nend\n");
   folder.write(names[1], "");
   EXPECT_EQ(detect_all(design_, pictures_, options), first);
   EXPECT_EQ(loads_, 8);
