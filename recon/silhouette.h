@@ -9,29 +9,10 @@
 
 #include "core/camera.h"
 #include "core/matte.h"
+#include "core/silhouette.h"
 #include "recon/silhouette_grid.h"
 
 namespace floatstage {
-
-/// The outline of the subject in one picture: simple, disjoint polygons in pixels (corner convention), the
-/// subject to the right of every edge as one walks it on the screen (y down), so that outer polygons have
-/// positive shoelace area and holes negative. Private to recon/.
-struct Silhouette {
-  std::vector<Eigen::Vector2d> points;  ///< all polygons one after the other, px
-  std::vector<int>
-      starts;  ///< polygon k is points[starts[k]] … points[starts[k + 1] - 1]; one more than polygons
-  /// What lies outside the picture is not known, so it counts as inside: set when the subject is cut by the
-  /// border of the picture or is not in it at all. The polygons then bound the *background* that was seen.
-  bool beyond_counts = false;
-
-  int polygons() const { return starts.empty() ? 0 : static_cast<int>(starts.size()) - 1; }
-  bool empty() const { return points.empty(); }
-  void clear() {
-    points.clear();
-    starts.clear();
-    beyond_counts = false;
-  }
-};
 
 struct SilhouetteOptions {
   double tolerance = 0.5;       ///< px: how far the polygon may leave the iso-line; 0 keeps every point
