@@ -95,17 +95,33 @@ Result<std::vector<PictureStream>> open_streams(const Plan& plan, const FrameRan
   return streams;
 }
 
-// The pictures know their size; where the calibration states one too, it is for those pixels or it is useless.
-Result<Rig> sized_rig(const Rig& rig, const std::vector<PictureStream>& streams) {
+// A camera whose pictures were scaled, each axis by itself. Corners stay corners, so no half pixels appear.
+CameraModel scaled(CameraModel m, int width, int height) {
+  const double x = static_cast<double>(width) / m.width, y = static_cast<double>(height) / m.height;
+  m.fx *= x, m.skew *= x, m.cx *= x;
+  m.fy *= y, m.cy *= y;
+  m.width = width, m.height = height;
+  return m;
+}
+
+// The pictures know their size; where the calibration states another one, only the user knows why.
+Result<Rig> sized_rig(const Rig& rig, const std::vector<PictureStream>& streams, OtherSize other, std::vector<std::string>& notes) {
   Rig sized = rig;
   for (std::size_t i = 0; i < streams.size(); ++i) {
     CameraModel& m = sized.cameras[i].model;
-    if (m.width != 0 && (m.width != streams[i].width() || m.height != streams[i].height()))
-      return fail(ErrorCode::BadData, text("camera '", sized.cameras[i].serial, "': its pictures are ", streams[i].width(), "x", streams[i].height(),
-                                           ", but it was calibrated for ", m.width, "x", m.height,
-                                           "; give the pictures that it was calibrated with, or leave it out with --cameras"));
-    m.width = streams[i].width();
-    m.height = streams[i].height();
+    const int width = streams[i].width(), height = streams[i].height();
+    if (m.width != 0 && (m.width != width || m.height != height)) {
+      const std::string sizes = text("camera '", sized.cameras[i].serial, "': its pictures are ", width, "x", height, ", but it was calibrated for ", m.width, "x", m.height);
+      if (other == OtherSize::Refuse)
+        return fail(ErrorCode::BadData, text(sizes, "; give the pictures that it was calibrated with, say with --other-size whether they were scaled or cropped, "
+                                                    "or leave it out with --cameras"));
+      if (other == OtherSize::Cropped && (width > m.width || height > m.height))
+        return fail(ErrorCode::BadData, text(sizes, ", which is less: they cannot have been cropped; try --other-size scaled"));
+      if (other == OtherSize::Scaled) m = scaled(m, width, height);
+      notes.push_back(text(sizes, other == OtherSize::Scaled ? ": its calibration was scaled with them" : ": taken for cropped at the right and the bottom"));
+    }
+    m.width = width;
+    m.height = height;
   }
   if (Result<void> ok = check(sized); !ok) return forward(ok);
   return sized;
@@ -247,11 +263,10 @@ Result<ImportReport> import_take(const ImportOptions& options) {
   }
   Result<std::vector<PictureStream>> streams = open_streams(*plan, options.frames, options.threads);
   if (!streams) return forward(streams);
-  const Result<Rig> rig = sized_rig(plan->foreign.rig, *streams);
-  if (!rig) return forward(rig);
-
   ImportReport report;
   report.notes = plan->notes;
+  const Result<Rig> rig = sized_rig(plan->foreign.rig, *streams, options.other_size, report.notes);
+  if (!rig) return forward(rig);
   report.mattes = mattes.has_value();
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
   const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);

@@ -12,12 +12,20 @@
 
 namespace floatstage {
 
+/// What to make of pictures whose size is not the one that their camera was calibrated for.
+enum class OtherSize {
+  Refuse,   ///< nobody can tell a smaller picture from a part of one
+  Scaled,   ///< the whole picture was scaled, each axis by itself
+  Cropped,  ///< columns at the right and rows at the bottom were cut off, as codecs do with their padding
+};
+
 struct ImportOptions {
   CalibrationInput calibration;           ///< which format, and where
   std::filesystem::path pictures;         ///< folder of images, of folders of images, or of videos; empty: beside the calibration
   std::filesystem::path mattes;           ///< the same for mattes that exist already; empty: none
   std::filesystem::path out;              ///< the new take's folder
   std::vector<std::string> cameras;       ///< serials to take; empty: all
+  OtherSize other_size = OtherSize::Refuse;
   FrameRange frames;                      ///< of every video and folder, before they become frame 0, 1, …
   std::optional<double> frame_rate;       ///< frames a second; absent: the videos' own, 25 for folders of images
   TakeCodec codec = TakeCodec::Ffv1;
@@ -35,7 +43,7 @@ struct ImportReport {
 
 /// Makes a take of others' pictures and calibration. Cameras without pictures and pictures without a camera are left out
 /// with a note. A still picture a camera makes a take of one instant. The rig gets the pictures' sizes; a calibration that
-/// states another size is BadData. Nothing is left behind when it fails: the take is made under a temporary name beside
+/// states another size is BadData unless `other_size` says what happened, and then a note. Nothing is left behind when it fails: the take is made under a temporary name beside
 /// `out`, which must not exist (or be an empty folder), and renamed.
 Result<ImportReport> import_take(const ImportOptions& options);
 

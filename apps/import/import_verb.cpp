@@ -15,7 +15,7 @@ namespace {
 
 struct Options {
   ImportOptions import;
-  std::string codec = "ffv1", frames, cameras;
+  std::string codec = "ffv1", other_size = "refuse", frames, cameras;
   double frame_rate = 0;  // 0: not given
   std::filesystem::path json;
 };
@@ -28,6 +28,7 @@ nlohmann::json to_json(const ImportReport& report, const std::filesystem::path& 
 Result<void> run(const Options& given) {
   ImportOptions options = given.import;
   options.codec = given.codec == "ffv1" ? TakeCodec::Ffv1 : given.codec == "raw" ? TakeCodec::Raw : TakeCodec::H264;
+  options.other_size = given.other_size == "scaled" ? OtherSize::Scaled : given.other_size == "cropped" ? OtherSize::Cropped : OtherSize::Refuse;
   options.cameras = split_list(given.cameras);
   if (given.frame_rate > 0) options.frame_rate = given.frame_rate;
   if (!given.frames.empty()) {
@@ -67,6 +68,8 @@ void add_format(CLI::App& verb, const Format& format, Chosen& chosen) {
   app->add_option("--images,--videos", import.pictures,
                   "Folder with a picture, a video or a folder of pictures for each camera (default: beside the calibration)");
   app->add_option("--mattes", import.mattes, "Folder with mattes (PNG) named like the pictures: the take needs no keying");
+  app->add_option("--other-size", options->other_size, "Pictures of another size than calibrated: refuse them, or they were scaled (each axis by itself) or cropped (at the right and the bottom)")
+      ->capture_default_str()->check(CLI::IsMember({"refuse", "scaled", "cropped"}));
   app->add_option("--cameras", options->cameras, "Only these serials: a,b,c");
   app->add_option("--frames", options->frames, "Only frames A:B of videos and folders (B not included)");
   app->add_option("--fps", options->frame_rate, "Frames a second (default: as the videos say)")->check(CLI::PositiveNumber);

@@ -239,6 +239,37 @@ TEST_F(Import, PicturesOfAnotherSizeThanTheCalibrationsAreRefused) {
   expect_refused(ErrorCode::BadData, "camera 'b': its pictures are 30x24, but it was calibrated for 32x24");
 }
 
+TEST_F(Import, ScaledPicturesScaleTheirCamerasCalibrationAxisByAxis) {
+  opencv_folders({1, 1});
+  ASSERT_THAT(save_png(test_picture(1, 0, 30, 24), folder_ / "in" / "images" / "b" / "000000.png"), IsOk());
+  options_.other_size = OtherSize::Scaled;
+  const auto take = imported();
+  ASSERT_TRUE(take);
+  EXPECT_THAT(report_->notes, Contains(HasSubstr("camera 'b': its pictures are 30x24")));
+  const CameraModel before = test_rig(2).cameras[1].model, after = take->rig().cameras[1].model;
+  EXPECT_EQ(after.width, 30);
+  EXPECT_NEAR(after.fx, before.fx * 30 / 32, 1e-9);
+  EXPECT_NEAR(after.cx, before.cx * 30 / 32, 1e-9);
+  EXPECT_NEAR(after.fy, before.fy, 1e-9);
+  EXPECT_NEAR(after.cy, before.cy, 1e-9);
+  EXPECT_EQ(take->rig().cameras[0].model.width, 32) << "the other camera is as it was";
+}
+
+TEST_F(Import, CroppedPicturesKeepTheirPrincipalPointAndCannotBeLarger) {
+  opencv_folders({1, 1});
+  ASSERT_THAT(save_png(test_picture(1, 0, 30, 24), folder_ / "in" / "images" / "b" / "000000.png"), IsOk());
+  options_.other_size = OtherSize::Cropped;
+  {
+    const auto take = imported();
+    ASSERT_TRUE(take);
+    EXPECT_NEAR(take->rig().cameras[1].model.cx, test_rig(2).cameras[1].model.cx, 1e-9);
+    EXPECT_EQ(take->rig().cameras[1].model.width, 30);
+  }
+  ASSERT_THAT(save_png(test_picture(1, 0, 34, 24), folder_ / "in" / "images" / "b" / "000000.png"), IsOk());
+  options_.out = folder_ / "other";
+  expect_refused(ErrorCode::BadData, "cannot have been cropped");
+}
+
 TEST_F(Import, PicturesOfOneCameraMustKeepTheirSize) {
   opencv_folders({2});
   ASSERT_THAT(save_png(test_picture(0, 1, 30, 24), folder_ / "in" / "images" / "a" / "000001.png"), IsOk());
