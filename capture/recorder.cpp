@@ -4,9 +4,11 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <thread>
 
+#include "capture/epoch_grid.h"
 #include "capture/recording_quality.h"
 #include "core/check.h"
 #include "core/file.h"
@@ -17,19 +19,32 @@
 namespace floatstage {
 namespace {
 
-// A camera's numbering since it was started: which row its own sequence number stands for.
-struct Rows {
-  std::int64_t row_of_first = 0;
-  std::uint64_t first = 0;
+// A picture on its way to its file. The frame's sequence is its row already.
+struct Shot {
+  Frame frame;
+  std::optional<std::uint64_t> counted;  // by how many pictures the camera's own count went on
+  std::uint64_t failed = 0;              // of the source's pictures, since the camera's first one here
 };
 
 struct Lane {
   explicit Lane(std::size_t queue_frames) : queue(queue_frames, QueuePolicy::Block) {}
 
-  std::optional<Rows> rows;              // its camera's thread alone
-  std::optional<std::int64_t> last_row;  // as well
-  BoundedQueue<Frame> queue;
+  // Its camera's thread alone.
+  struct Seen {
+    std::int64_t row = 0;
+    std::uint64_t sequence = 0;  // the camera's own
+  };
+  std::optional<Seen> seen;                    // since it was started
+  std::optional<std::uint64_t> last_sequence;  // of what was recorded since it was started
+  std::optional<std::uint64_t> failed_before;
+
+  BoundedQueue<Shot> queue;
   std::thread writer;
+  std::uint64_t rows_before_first = 0;  // the writer's: gap rows to write before the first picture
+  // Under the recorder's mutex.
+  std::optional<std::int64_t> last_row;     // that it has a picture of
+  std::optional<std::int64_t> kept_row;     // the last of them that is part of the take in any case
+  std::map<std::int64_t, Shot> at_the_end;  // pictures of rows that may lie after the take's last one
   std::mutex mutex;
   std::optional<Error> failure;  // under mutex
 };
@@ -40,26 +55,35 @@ class TakeRecorder final : public Recorder {
                const RecorderOptions& options);
   ~TakeRecorder() override { join(); }
 
-  Result<void> push(const Frame& frame) override;
+  Result<void> push(const Frame& frame, std::uint64_t failed) override;
   void restarted(int camera) override;
   RecordingQuality quality() const override;
+  Result<void> save_quality() const override;
+  void end_at(Timestamp time) override;
+  bool ended() const override;
   Result<RecordingQuality> finish() override;
 
  private:
-  Timestamp origin_or(Timestamp first);
+  enum class Place { Left, Queued, Held };  // left out, to be written now, or to be seen at the end
+  Place place(Lane& lane, const FrameInfo& info, std::int64_t& row);
   Frame lost(int camera, std::int64_t row) const;
-  std::optional<std::int64_t> row_of(Lane& lane, const FrameInfo& info);
+  void hold(Lane& lane, Shot shot);
+  void release_held();
+  void fill_up();
+  void write(Lane& lane, const Shot& shot);
   void write_all(Lane& lane);
   std::optional<Error> failure_of(Lane& lane) const;
   void join();
 
   const std::unique_ptr<TakeWriter> writer_;
   const std::filesystem::path folder_;
-  const double period_ns_;
+  const double frame_rate_;
   std::vector<std::unique_ptr<Lane>> lanes_;
-  mutable std::mutex mutex_;
-  std::optional<Timestamp> origin_;  // of row 0; written once, under mutex_
-  mutable QualityMeter meter_;       // under mutex_
+  mutable std::mutex mutex_;              // over what follows
+  std::optional<EpochGrid> grid_;         // from the first frame on
+  std::optional<std::int64_t> end_from_;  // the last row is this one or a later one
+  std::optional<std::int64_t> last_row_;  // of the take
+  mutable QualityMeter meter_;
 };
 
 std::vector<std::string> serials_of(const Rig& rig) {
@@ -72,26 +96,36 @@ TakeRecorder::TakeRecorder(std::unique_ptr<TakeWriter> writer, std::filesystem::
                            const RecorderOptions& options)
     : writer_(std::move(writer)),
       folder_(std::move(folder)),
-      period_ns_(1e9 / options.take.frame_rate),
+      frame_rate_(options.take.frame_rate),
       meter_(serials_of(rig), options.take.frame_rate, options.limits) {
+  if (options.origin) grid_.emplace(frame_rate_, *options.origin);
   for (std::size_t i = 0; i < rig.cameras.size(); ++i)
     lanes_.push_back(std::make_unique<Lane>(options.queue_frames));
   for (const auto& lane : lanes_) lane->writer = std::thread([this, &lane] { write_all(*lane); });
 }
 
-void TakeRecorder::write_all(Lane& lane) {
-  while (const std::optional<Frame> frame = lane.queue.pop()) {
-    if (failure_of(lane)) continue;  // the queue is drained so that nobody waits for a disk that is full
-    Result<void> written = writer_->write(*frame);
-    if (written) {
-      std::lock_guard lock(mutex_);
-      if (!frame->empty()) meter_.recorded(frame->info.camera, frame->info.sequence, frame->info);
-      continue;
-    }
+void TakeRecorder::write(Lane& lane, const Shot& shot) {
+  if (failure_of(lane)) return;  // the queue is drained so that nobody waits for a disk that is full
+  const Frame& frame = shot.frame;
+  Result<void> written;
+  for (; written && lane.rows_before_first < frame.info.sequence; ++lane.rows_before_first)
+    written = writer_->write(lost(frame.info.camera, static_cast<std::int64_t>(lane.rows_before_first)));
+  lane.rows_before_first = UINT64_MAX;
+  if (written) written = writer_->write(frame);
+  if (!written) {
     log::error(written.error().message);
     std::lock_guard lock(lane.mutex);
     lane.failure = written.error();
+    return;
   }
+  if (frame.empty()) return;
+  std::lock_guard lock(mutex_);
+  meter_.recorded(frame.info.camera, frame.info.sequence, frame.info, shot.counted);
+  meter_.failed(frame.info.camera, shot.failed);
+}
+
+void TakeRecorder::write_all(Lane& lane) {
+  while (const std::optional<Shot> shot = lane.queue.pop()) write(lane, *shot);
 }
 
 std::optional<Error> TakeRecorder::failure_of(Lane& lane) const {
@@ -99,60 +133,114 @@ std::optional<Error> TakeRecorder::failure_of(Lane& lane) const {
   return lane.failure;
 }
 
-// Row 0 is the instant of the first frame of all.
-Timestamp TakeRecorder::origin_or(Timestamp first) {
-  std::lock_guard lock(mutex_);
-  if (!origin_) origin_ = first;
-  return *origin_;
-}
-
 Frame TakeRecorder::lost(int camera, std::int64_t row) const {
+  std::lock_guard lock(mutex_);
   Frame gap;
   gap.info.camera = camera;
   gap.info.sequence = static_cast<std::uint64_t>(row);
-  gap.info.exposure_start = *origin_ + Nanoseconds{std::llround(static_cast<double>(row) * period_ns_)};
+  gap.info.exposure_start = grid_->instant(row);
   gap.info.status = FrameStatus::Lost;
   return gap;
 }
 
-// The instant's row; nothing for an instant before the first row, or one that the camera has filled already.
-std::optional<std::int64_t> TakeRecorder::row_of(Lane& lane, const FrameInfo& info) {
-  if (!lane.rows) {
-    const Timestamp origin = origin_or(info.exposure_start);
-    std::int64_t row = std::llround(static_cast<double>((info.exposure_start - origin).count) / period_ns_);
-    if (row < 0) return std::nullopt;
-    if (lane.last_row) {
-      row = std::max(row, *lane.last_row + 1);
-    } else {
-      for (std::int64_t missed = 0; missed < row; ++missed) lane.queue.push(lost(info.camera, missed));
-    }
-    lane.rows = Rows{row, info.sequence};
-  }
-  const std::int64_t row =
-      lane.rows->row_of_first + static_cast<std::int64_t>(info.sequence - lane.rows->first);
+TakeRecorder::Place TakeRecorder::place(Lane& lane, const FrameInfo& info, std::int64_t& row) {
+  std::optional<std::int64_t> expected;
+  if (lane.seen) expected = lane.seen->row + static_cast<std::int64_t>(info.sequence - lane.seen->sequence);
+  std::lock_guard lock(mutex_);
+  if (!grid_) grid_.emplace(frame_rate_, info.exposure_start);
+  row = grid_->row_of(info.exposure_start, expected);
+  lane.seen = Lane::Seen{row, info.sequence};
+  if (row < 0 || (last_row_ && row > *last_row_)) return Place::Left;
   if (lane.last_row && row <= *lane.last_row) {
-    std::lock_guard lock(mutex_);
     meter_.duplicate(info.camera);
-    return std::nullopt;
+    return Place::Left;
   }
   lane.last_row = row;
-  return row;
+  if (end_from_ && row >= *end_from_) return Place::Held;
+  lane.kept_row = row;
+  return Place::Queued;
 }
 
-void TakeRecorder::restarted(int camera) { lanes_[static_cast<std::size_t>(camera)]->rows.reset(); }
+void TakeRecorder::restarted(int camera) {
+  Lane& lane = *lanes_[static_cast<std::size_t>(camera)];
+  lane.seen.reset();
+  lane.last_sequence.reset();
+}
 
-Result<void> TakeRecorder::push(const Frame& frame) {
+Result<void> TakeRecorder::push(const Frame& frame, std::uint64_t failed) {
   FLOATSTAGE_CHECK(frame.info.camera >= 0 && static_cast<std::size_t>(frame.info.camera) < lanes_.size(),
                    "a frame of no camera of the rig");
   Lane& lane = *lanes_[static_cast<std::size_t>(frame.info.camera)];
-  if (std::optional<Error> failed = failure_of(lane)) return Unexpected{*failed};
-  if (frame.empty()) return {};  // the next picture's sequence tells
-  const std::optional<std::int64_t> row = row_of(lane, frame.info);
-  if (!row) return {};
-  Frame own = detached(frame);
-  own.info.sequence = static_cast<std::uint64_t>(*row);
-  lane.queue.push(std::move(own));
+  if (std::optional<Error> failure = failure_of(lane)) return Unexpected{*failure};
+  if (frame.empty()) return {};  // the next picture's time tells
+  std::int64_t row = 0;
+  const Place where = place(lane, frame.info, row);
+  if (where == Place::Left) return {};
+  std::optional<std::uint64_t> counted;
+  if (lane.last_sequence) counted = frame.info.sequence - *lane.last_sequence;
+  lane.last_sequence = frame.info.sequence;
+  if (!lane.failed_before) lane.failed_before = failed;
+  Shot shot{detached(frame), counted, failed - *lane.failed_before};
+  shot.frame.info.sequence = static_cast<std::uint64_t>(row);
+  if (where == Place::Held)
+    hold(lane, std::move(shot));
+  else
+    lane.queue.push(std::move(shot));
   return {};
+}
+
+void TakeRecorder::end_at(Timestamp time) {
+  std::lock_guard lock(mutex_);
+  if (end_from_ || !grid_) return;
+  end_from_ = std::max<std::int64_t>(0, grid_->nearest(time));
+  // What is on its way to the disk cannot be called back.
+  for (const auto& lane : lanes_)
+    if (lane->last_row) end_from_ = std::max(*end_from_, *lane->last_row + 1);
+}
+
+bool TakeRecorder::ended() const {
+  std::lock_guard lock(mutex_);
+  return last_row_.has_value();
+}
+
+// The last row is the first one of which every camera has a picture.
+void TakeRecorder::hold(Lane& lane, Shot shot) {
+  std::lock_guard lock(mutex_);
+  const auto row = static_cast<std::int64_t>(shot.frame.info.sequence);
+  lane.at_the_end.emplace(row, std::move(shot));
+  const bool complete = std::all_of(lanes_.begin(), lanes_.end(),
+                                    [&](const auto& other) { return other->at_the_end.contains(row); });
+  if (complete && (!last_row_ || row < *last_row_)) last_row_ = row;
+}
+
+// Where no row is complete, a camera is gone: the take ends with the last row that all others saw.
+void TakeRecorder::release_held() {
+  const bool complete = last_row_.has_value();
+  for (const auto& lane : lanes_)
+    if (!complete && !lane->at_the_end.empty()) {
+      const std::int64_t newest = lane->at_the_end.rbegin()->first;
+      last_row_ = std::min(last_row_.value_or(newest), newest);
+    }
+  for (const auto& lane : lanes_) {
+    for (const auto& [row, shot] : lane->at_the_end) {
+      if (row > *last_row_) break;
+      write(*lane, shot);
+      lane->kept_row = row;
+    }
+    if (lane->kept_row) last_row_ = std::max(last_row_.value_or(0), *lane->kept_row);
+  }
+}
+
+// All cameras get equally many rows.
+void TakeRecorder::fill_up() {
+  for (std::size_t i = 0; i < lanes_.size() && last_row_; ++i) {
+    Lane& lane = *lanes_[i];
+    const auto camera = static_cast<int>(i);
+    const std::int64_t first = lane.kept_row.value_or(-1) + 1;
+    for (std::int64_t row = first; row <= *last_row_; ++row)
+      write(lane, {lost(camera, row), std::nullopt, 0});
+    meter_.missing_at_end(camera, static_cast<std::uint64_t>(*last_row_ + 1 - first));
+  }
 }
 
 RecordingQuality TakeRecorder::quality() const {
@@ -160,6 +248,10 @@ RecordingQuality TakeRecorder::quality() const {
   for (std::size_t i = 0; i < lanes_.size(); ++i)
     meter_.queue_peak(static_cast<int>(i), lanes_[i]->queue.counters().peak);
   return meter_.judge();
+}
+
+Result<void> TakeRecorder::save_quality() const {
+  return write_file(TakeLayout(folder_).quality(), to_json(quality()));
 }
 
 void TakeRecorder::join() {
@@ -170,6 +262,8 @@ void TakeRecorder::join() {
 
 Result<RecordingQuality> TakeRecorder::finish() {
   join();
+  release_held();
+  fill_up();
   Result<void> finished = writer_->finish();
   const RecordingQuality judged = quality();
   const Result<void> noted = write_file(TakeLayout(folder_).quality(), to_json(judged));

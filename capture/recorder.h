@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,9 @@ struct RecordingLimits {
 };
 
 struct RecorderOptions {
-  TakeWriterOptions take;  ///< take.frame_rate > 0: rows are numbered by it
+  TakeWriterOptions take;  ///< take.frame_rate > 0: the cameras' nominal common rate
+  /// The instant of row 0; absent: that of the first frame pushed.
+  std::optional<Timestamp> origin;
   std::size_t queue_frames =
       64;  ///< of a camera, between its thread and the disk; a full queue blocks (Block)
   RecordingLimits limits;
@@ -33,8 +36,13 @@ struct RecorderOptions {
 struct RecordedCamera {
   std::string serial;
   std::uint64_t recorded = 0;  ///< pictures
-  std::uint64_t skips = 0;     ///< rows without one
-  std::uint64_t duplicates = 0;
+  std::uint64_t skips = 0;     ///< rows without one: the gaps of its side file
+  /// Of the skips: the camera counts none there, so it never exposed (a trigger that it missed, an unplugged
+  /// cable). The others were lost on their way.
+  std::uint64_t unexposed = 0;
+  /// What the source counted as failed from the camera's first picture here to its last.
+  std::uint64_t failed = 0;
+  std::uint64_t duplicates = 0;  ///< left out, because their row had a picture
   std::uint64_t corrupt = 0;
   double frame_rate = 0;       ///< measured over its exposures; 0 with fewer than two
   std::size_t queue_peak = 0;  ///< most pictures that waited for the disk
@@ -56,10 +64,9 @@ Frame detached(const Frame& frame);
 
 /// Writes what several cameras deliver into a take, and judges it while it grows.
 ///
-/// Rows are instants: the first frame pushed begins row 0, and every other camera's first frame finds its row
-/// by its exposure time at the nominal rate; from there each camera's own sequence counts, so a lost frame is
-/// a row that says so and cameras that were started one after the other still agree. Frames of earlier
-/// instants are left out.
+/// Rows are instants of one grid over all cameras, which follows their exposures (EpochGrid): a frame finds
+/// its row by its time, and by its camera's count where both agree. What no picture came for is a row that
+/// says so, and all cameras have equally many rows. Frames of instants before row 0 are left out.
 ///
 /// push() may be called from one thread a camera. The picture is copied into a queue of its camera, so a slow
 /// disk costs memory up to `queue_frames` and then makes push() wait; it never starves the camera of its
@@ -72,12 +79,22 @@ class Recorder {
   virtual ~Recorder() = default;
   /// Takes a frame; frame.info.camera is its place in the rig. An error is that camera's alone and final: the
   /// disk (Io), or a frame that does not fit the rig (InvalidArgument).
-  virtual Result<void> push(const Frame& frame) = 0;
+  /// `failed` is the source's count of failed pictures at that moment, summed over its connections.
+  virtual Result<void> push(const Frame& frame, std::uint64_t failed = 0) = 0;
   /// The camera was stopped and started: its numbers begin anew, and its next frame finds its row by its
   /// time. From the thread that pushes its frames.
   virtual void restarted(int camera) = 0;
   /// From any thread, while it grows.
   virtual RecordingQuality quality() const = 0;
+  /// Writes the verdict so far into quality.json. Io.
+  virtual Result<void> save_quality() const = 0;
+  /// The take shall end at the first instant from `time` on that every camera has a picture of, so that no
+  /// camera ends in gaps because another one was faster. Frames go on being pushed meanwhile. From any
+  /// thread.
+  virtual void end_at(Timestamp time) = 0;
+  /// That instant was found: nothing more is needed. Where it is not to be expected (a camera is gone), don't
+  /// wait for it long.
+  virtual bool ended() const = 0;
   /// Waits until everything is on disk, closes the take and writes its quality.json. The first error of any
   /// camera when there was one; what was written stays.
   virtual Result<RecordingQuality> finish() = 0;

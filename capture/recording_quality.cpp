@@ -17,15 +17,19 @@ QualityMeter::QualityMeter(std::vector<std::string> serials, double frame_rate, 
   }
 }
 
-void QualityMeter::recorded(int camera, std::uint64_t row, const FrameInfo& info) {
+void QualityMeter::recorded(int camera, std::uint64_t row, const FrameInfo& info,
+                            std::optional<std::uint64_t> counted) {
   Camera& c = cameras_[static_cast<std::size_t>(camera)];
   const Timestamp time = info.exposure_start;
   if (!c.first) {
     c.first = time;
-    c.first_row = row;
     c.quality.skips += row;  // rows before its first picture
+    c.quality.unexposed += row;
   } else {
-    c.quality.skips += row - c.last_row - 1;
+    const std::uint64_t rows = row - c.last_row;
+    c.quality.skips += rows - 1;
+    c.quality.unexposed += rows - std::min(rows, counted.value_or(1));
+    c.counted += counted.value_or(rows);
   }
   c.last = time;
   c.last_row = row;
@@ -42,9 +46,8 @@ RecordingQuality QualityMeter::judge() const {
   RecordingQuality quality;
   for (const Camera& c : cameras_) {
     quality.cameras.push_back(c.quality);
-    if (c.first && c.last_row > c.first_row)
-      quality.cameras.back().frame_rate =
-          static_cast<double>(c.last_row - c.first_row) / seconds(*c.last - *c.first);
+    if (c.first && c.last > c.first)
+      quality.cameras.back().frame_rate = static_cast<double>(c.counted) / seconds(*c.last - *c.first);
   }
   std::vector<double> spreads;
   for (const std::optional<Instant>& instant : instants_)
@@ -90,6 +93,8 @@ std::string to_json(const RecordingQuality& quality) {
     json["cameras"].push_back({{"serial", c.serial},
                                {"recorded", c.recorded},
                                {"skips", c.skips},
+                               {"unexposed", c.unexposed},
+                               {"failed", c.failed},
                                {"duplicates", c.duplicates},
                                {"corrupt", c.corrupt},
                                {"frame_rate", c.frame_rate},

@@ -12,8 +12,16 @@ class QualityMeter {
  public:
   QualityMeter(std::vector<std::string> serials, double frame_rate, RecordingLimits limits);
 
-  /// A picture went into `row`.
-  void recorded(int camera, std::uint64_t row, const FrameInfo& info);
+  /// A picture went into `row`. `counted`: by how many pictures the camera's own count went on since its last
+  /// one here; absent where it began anew.
+  void recorded(int camera, std::uint64_t row, const FrameInfo& info, std::optional<std::uint64_t> counted);
+  /// `rows` rows after its last picture have none.
+  void missing_at_end(int camera, std::uint64_t rows) {
+    cameras_[static_cast<std::size_t>(camera)].quality.skips += rows;
+  }
+  void failed(int camera, std::uint64_t pictures) {
+    cameras_[static_cast<std::size_t>(camera)].quality.failed = pictures;
+  }
   void duplicate(int camera) { ++cameras_[static_cast<std::size_t>(camera)].quality.duplicates; }
   void queue_peak(int camera, std::size_t frames) {
     cameras_[static_cast<std::size_t>(camera)].quality.queue_peak = frames;
@@ -25,7 +33,8 @@ class QualityMeter {
   struct Camera {
     RecordedCamera quality;
     std::optional<Timestamp> first, last;
-    std::uint64_t first_row = 0, last_row = 0;
+    std::uint64_t last_row = 0;
+    std::uint64_t counted = 0;  // pictures by its own count, since the first
   };
   struct Instant {
     Timestamp earliest, latest;
