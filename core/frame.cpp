@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 
+#include "core/frame_pixels.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -17,16 +18,6 @@ std::optional<Enum> named(const std::array<const char*, N>& names, std::string_v
   for (std::size_t i = 0; i < N; ++i)
     if (name == names[i]) return static_cast<Enum>(i);
   return std::nullopt;
-}
-
-std::uint8_t clamp_byte(int v) { return static_cast<std::uint8_t>(std::clamp(v, 0, 255)); }
-
-// BT.601, limited range, 8 fractional bits.
-void yuv_to_rgb(int y, int u, int v, std::uint8_t* rgb) {
-  const int c = 298 * (y - 16), d = u - 128, e = v - 128;
-  rgb[0] = clamp_byte((c + 409 * e + 128) >> 8);
-  rgb[1] = clamp_byte((c - 100 * d - 208 * e + 128) >> 8);
-  rgb[2] = clamp_byte((c + 516 * d + 128) >> 8);
 }
 
 // Bytes of one row that belong to the picture; chroma pairs are whole also where the width is odd.
@@ -96,7 +87,7 @@ Frame make_frame(FrameInfo info, const Image& image) {
   return {info, packed_layout(format, image.width, image.height), std::move(bytes)};
 }
 
-Result<Image> to_rgb(const Frame& frame) {
+Result<void> check_readable(const Frame& frame) {
   const ImageLayout& l = frame.layout;
   if (frame.empty()) return fail(ErrorCode::NotFound, text("camera ", frame.info.camera, " has no picture at this instant"));
   if (l.format == PixelFormat::Mjpeg)
@@ -104,6 +95,12 @@ Result<Image> to_rgb(const Frame& frame) {
   if (!holds_its_picture(l))
     return fail(ErrorCode::BadData, text("camera ", frame.info.camera, ": a frame of ", l.size_bytes, " bytes in rows of ", l.stride, " is shorter than its ",
                                          l.width, "x", l.height, " ", name_of(l.format), " layout"));
+  return {};
+}
+
+Result<Image> to_rgb(const Frame& frame) {
+  if (Result<void> ok = check_readable(frame); !ok) return forward(ok);
+  const ImageLayout& l = frame.layout;
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(frame.pixels.get());
   Image rgb(l.width, l.height, 3);
   if (l.format == PixelFormat::BayerRggb8) {

@@ -96,6 +96,7 @@ class ChromaKeyer : public Keyer {
       out += {digits[byte >> 4], digits[byte & 15]};
     return out;
   }
+  CleanupOptions cleanup() const override { return cleanup_; }
 
  private:
   // Saturation is chroma over luma: cloth in shadow keeps it. The angle to the cloth enters as the ratio of

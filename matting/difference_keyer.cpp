@@ -61,6 +61,7 @@ class DifferenceKeyer : public Keyer {
 
   Result<Image> suppress_spill(const Frame& frame) const override { return to_rgb(frame); }
   std::string spec() const override { return text("difference:", threshold_); }
+  CleanupOptions cleanup() const override { return cleanup_; }
 
  private:
   // Distance in RGB from p to the piece of the line through black and the plate's colour b on which its

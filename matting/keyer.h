@@ -40,6 +40,8 @@ class Keyer {
   virtual Result<Image> suppress_spill(const Frame& frame) const = 0;
   /// One line that makes the same keyer again through make_keyer() with the same samples and clean-up.
   virtual std::string spec() const = 0;
+  /// What it does to a raw key: its default, or what it was made with.
+  virtual CleanupOptions cleanup() const = 0;
 };
 
 /// Makes a keyer from its spec:

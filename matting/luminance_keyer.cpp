@@ -78,6 +78,7 @@ class LuminanceKeyer : public Keyer {
 
   Result<Image> suppress_spill(const Frame& frame) const override { return to_rgb(frame); }
   std::string spec() const override { return text("luminance:", threshold_); }
+  CleanupOptions cleanup() const override { return cleanup_; }
 
  private:
   int threshold_;

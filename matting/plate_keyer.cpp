@@ -62,6 +62,7 @@ class PlateKeyer : public Keyer {
 
   Result<Image> suppress_spill(const Frame& frame) const override { return to_rgb(frame); }
   std::string spec() const override { return text("plate:", options_.sigmas); }
+  CleanupOptions cleanup() const override { return cleanup_; }
 
  private:
   Plate plate_;
