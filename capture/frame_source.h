@@ -29,6 +29,11 @@ struct SourceStats {
   std::uint64_t failed = 0;  ///< of the lost: pictures that arrived in part and were thrown away
 };
 
+/// How a device says it is. What it does not say is absent.
+struct DeviceHealth {
+  std::optional<double> temperature_c;
+};
+
 /// The capture seam, complete. One thread calls start/next/stop; stats() may be called from any thread.
 class FrameSource {
  public:
@@ -43,6 +48,8 @@ class FrameSource {
   /// Frames held elsewhere stay valid. Stopping a stopped source does nothing.
   virtual void stop() = 0;
   virtual SourceStats stats() const = 0;
+  /// Asks the device, which takes it a moment: from the thread that calls next(), while started.
+  virtual DeviceHealth health() { return {}; }
 };
 
 /// Opens a source by URI: "take:<folder>#<serial>", "synthetic:camera=3&cameras=8&seed=1&…".

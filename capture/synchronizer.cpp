@@ -221,6 +221,18 @@ SyncStats Synchronizer::stats() const {
   return stats;
 }
 
+SyncStats Synchronizer::take_stats() {
+  const SyncStats taken = stats();
+  totals_ = {};
+  spreads_ms_.clear();
+  for (Lane& lane : lanes_) {
+    lane.counts = {};
+    lane.offsets_ns = 0;
+    lane.measured = 0;
+  }
+  return taken;
+}
+
 std::vector<std::string> sync_complaints(const SyncStats& stats, const std::vector<std::string>& serials,
                                          const SyncLimits& limits) {
   FLOATSTAGE_CHECK(serials.size() == stats.cameras.size(), "one serial for each camera");

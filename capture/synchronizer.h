@@ -72,6 +72,9 @@ class Synchronizer {
 
   SyncStats stats() const;
 
+  /// stats(), which then count from zero: the loop goes on. For windows of a stream without end.
+  SyncStats take_stats();
+
  private:
   Synchronizer(int cameras, const SyncOptions& options);
 

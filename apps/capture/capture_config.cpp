@@ -76,6 +76,7 @@ class Section {
 void read_studio(Section section, CaptureConfig& config, const fs::path& base) {
   config.frame_rate = section.number("frame_rate", 0, 0.1, 10'000);
   if (const std::string rig = section.text_of("rig", ""); !rig.empty()) config.rig = base / rig;
+  config.name = section.text_of("name", config.name);
   section.finish();
   if (!section.at("frame_rate")) section.note(nullptr, "frame_rate is missing");
 }
@@ -96,7 +97,23 @@ void read_recording(Section section, CaptureConfig& config, const fs::path& base
   if (!is_usable_serial(take.label))
     section.note(section.at("label"), "label must be of letters, digits, '.', '_' and '-'");
   config.recorder.queue_frames = section.whole("queue_frames", config.recorder.queue_frames, 1, 100'000);
+  config.preroll_seconds = section.number("preroll_seconds", 0, 0, 60);
+  config.keep_free_bytes =
+      section.whole("keep_free_mb", config.keep_free_bytes / 1'000'000, 0, 1'000'000'000) * 1'000'000;
+  const std::string disagreement = section.text_of("disagreement", "warn");
+  config.refuse_disagreement = disagreement == "refuse";
+  if (disagreement != "refuse" && disagreement != "warn")
+    section.note(section.at("disagreement"), "disagreement must be warn or refuse");
   section.finish();
+}
+
+void read_web(Section section, CaptureConfig& config, const fs::path& base) {
+  CaptureConfig::Web web;
+  web.port = static_cast<int>(section.whole("port", static_cast<std::uint64_t>(web.port), 0, 65535));
+  web.address = section.text_of("address", web.address);
+  if (const std::string file = section.text_of("token_file", ""); !file.empty()) web.token_file = base / file;
+  section.finish();
+  config.web = std::move(web);
 }
 
 void read_limits(Section section, RecordingLimits& limits) {
@@ -138,6 +155,7 @@ Result<CaptureConfig> parse_capture_config(std::string_view bytes, std::string_v
   read_studio({root["studio"].as_table(), "[studio]", problem}, config, base);
   read_recording({root["recording"].as_table(), "[recording]", problem}, config, base);
   read_limits({root["limits"].as_table(), "[limits]", problem}, config.recorder.limits);
+  if (root.contains("web")) read_web({root["web"].as_table(), "[web]", problem}, config, base);
   config.recorder.take.frame_rate = config.frame_rate;
   if (const toml::array* cameras = root["camera"].as_array()) {
     for (const toml::node& camera : *cameras) {
@@ -147,10 +165,11 @@ Result<CaptureConfig> parse_capture_config(std::string_view bytes, std::string_v
   }
   for (const auto& [key, node] : root) {
     const std::string title(key.str());
-    const bool known = title == "studio" || title == "recording" || title == "limits";
+    const bool known = title == "studio" || title == "recording" || title == "limits" || title == "web";
     if (title == "camera" ? !node.is_array() : !known || !node.is_table())
-      return bad(text("line ", node.source().begin.line, ": '", title,
-                      "' is not understood; there are [studio], [recording], [limits] and [[camera]]"));
+      return bad(
+          text("line ", node.source().begin.line, ": '", title,
+               "' is not understood; there are [studio], [recording], [limits], [web] and [[camera]]"));
   }
   if (problem) return bad(*problem);
   if (config.cameras.empty()) return bad("it names no [[camera]]");

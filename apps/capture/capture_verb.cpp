@@ -1,8 +1,7 @@
-#include <unistd.h>
-
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "apps/capture/capture_session.h"
 #include "apps/interrupt.h"
@@ -27,9 +26,14 @@ nlohmann::ordered_json to_report(const CaptureReport& report) {
                                      {"failed", c.stats.failed},   {"lost", c.stats.lost},
                                      {"corrupt", c.stats.corrupt}, {"starved", c.stats.starved},
                                      {"fps", c.frame_rate},        {"reconnects", c.reconnects}};
-    if (report.recording) {
-      camera["recorded"] = report.recording->cameras[i].recorded;
-      camera["gaps"] = report.recording->cameras[i].skips;
+    if (report.recording) {  // what concerns the take, from its first instant to its last
+      const RecordedCamera& r = report.recording->cameras[i];
+      camera["delivered"] = r.recorded;
+      camera["failed"] = r.failed;
+      camera["gaps"] = r.skips;
+      camera["unexposed"] = r.unexposed;
+      camera["duplicates"] = r.duplicates;
+      camera["fps"] = r.frame_rate;
     }
     json["cameras"].push_back(std::move(camera));
   }

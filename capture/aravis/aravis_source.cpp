@@ -85,6 +85,7 @@ class AravisSource final : public FrameSource {
   Result<Frame> next(Nanoseconds timeout) override;
   void stop() override;
   SourceStats stats() const override { return meter_.read(); }
+  DeviceHealth health() override;
 
  private:
   auto failed(ErrorCode code, const std::string& what) const {
@@ -211,6 +212,15 @@ void AravisSource::count_underruns() {
   guint64 completed = 0, failures = 0, underruns = 0;
   arv_stream_get_statistics(receiver_->stream.get(), &completed, &failures, &underruns);
   for (; underruns_ < underruns; ++underruns_) meter_.count_starved();
+}
+
+DeviceHealth AravisSource::health() {
+  DeviceHealth health;
+  if (!camera_ || !arv_camera_is_feature_available(camera_.get(), "DeviceTemperature", nullptr)) return health;
+  GlibError error;
+  const double celsius = arv_camera_get_float(camera_.get(), "DeviceTemperature", error.out());
+  if (!error) health.temperature_c = celsius;
+  return health;
 }
 
 Frame AravisSource::frame_of(ArvBuffer* buffer, std::uint64_t sequence) {

@@ -1,9 +1,13 @@
 #include "capture/synthetic/synthetic_source.h"
 
+#include <chrono>
 #include <climits>
+#include <cmath>
+#include <thread>
 
 #include "capture/source_meter.h"
 #include "capture/source_uri.h"
+#include "capture/studio_clock.h"
 #include "core/synthetic/synthetic_studio.h"
 #include "core/text.h"
 
@@ -14,7 +18,9 @@ struct Options {
   SyntheticRigOptions rig;
   StudioOptions studio;
   int camera = 0;
-  int frames = 0;  // 0: endless
+  int frames = 0;     // 0: endless
+  bool live = false;  // at its rate, on the studio's clock
+  Nanoseconds late;   // of a live one: its clock is behind the others'
 };
 
 class SyntheticSource final : public FrameSource {
@@ -27,9 +33,13 @@ class SyntheticSource final : public FrameSource {
   SourceStats stats() const override { return meter_.read(); }
 
  private:
+  Result<void> wait_for_trigger(Nanoseconds timeout);
+
   const Options options_;
   std::unique_ptr<SyntheticStudio> studio_;  // while started
   int next_ = 0;
+  std::int64_t tick_ = 0;  // of a live camera: the next trigger, in periods of the studio's clock; 0: unknown
+  Timestamp exposed_;
   SourceMeter meter_;
 };
 
@@ -41,6 +51,7 @@ Result<StreamInfo> SyntheticSource::start() {
   if (!studio) return forward(studio);
   studio_ = std::make_unique<SyntheticStudio>(std::move(*studio));
   next_ = 0;
+  tick_ = 0;
   meter_.reset();
   StreamInfo info;
   info.name = studio_->published_rig().cameras[static_cast<std::size_t>(options_.camera)].serial;
@@ -50,13 +61,34 @@ Result<StreamInfo> SyntheticSource::start() {
   return info;
 }
 
-Result<Frame> SyntheticSource::next(Nanoseconds) {
+// Live cameras are triggered together, at multiples of the period. One that nobody read for a while has lost
+// what it could not hold.
+Result<void> SyntheticSource::wait_for_trigger(Nanoseconds timeout) {
+  const double period = 1e9 / options_.studio.frame_rate;
+  const auto instant = [&](std::int64_t tick) {
+    return Timestamp{std::llround(static_cast<double>(tick) * period)};
+  };
+  const Timestamp now = studio_now();
+  if (tick_ == 0) tick_ = static_cast<std::int64_t>(static_cast<double>(now.ns) / period) + 1;
+  for (constexpr std::int64_t kHeld = 8; instant(tick_ + kHeld) < now; ++tick_, ++next_) meter_.count_lost(1);
+  const Nanoseconds left = instant(tick_) + options_.late - now;
+  std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(left, timeout).count));
+  if (left > timeout)
+    return fail(ErrorCode::Timeout, text("synthetic camera ", options_.camera, ": not its time yet"));
+  exposed_ = instant(tick_++) + options_.late;
+  return {};
+}
+
+Result<Frame> SyntheticSource::next(Nanoseconds timeout) {
   if (!studio_)
     return fail(ErrorCode::InvalidArgument,
                 text("synthetic camera ", options_.camera, " is not started; start it first"));
   const int end = options_.frames > 0 ? options_.frames : INT_MAX;
   while (next_ < end) {
+    if (options_.live)
+      if (Result<void> due = wait_for_trigger(timeout); !due) return forward(due);
     Frame frame = studio_->shoot(options_.camera, next_++).frame;
+    if (options_.live) frame.info.exposure_start = exposed_;
     if (frame.empty()) {
       meter_.count_lost(1);
       continue;
@@ -85,8 +117,14 @@ Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, 
   o.studio.defects.noise = given.number("noise", 0, 0, 255);
   o.studio.defects.dropped_frames = given.number("dropped", 0, 0, kMostDropped);
   o.studio.defects.time_jitter = given.number("jitter", 0, 0, 1);
+  o.late = milliseconds(given.integer("late-ms", 0, 0, 1'000'000));
+  const std::string live = given.word("live", "off");
+  o.live = live == "on";
   const std::string shape = given.word("shape", "ring");
   if (Result<void> ok = given.finish(kSyntheticUsage); !ok) return forward(ok);
+  if (live != "on" && live != "off")
+    return fail(ErrorCode::InvalidArgument,
+                text("source '", uri, "': live=", live, " is neither on nor off"));
   if (shape != "ring" && shape != "dome")
     return fail(ErrorCode::InvalidArgument,
                 text("source '", uri, "': shape=", shape, " is neither ring nor dome"));

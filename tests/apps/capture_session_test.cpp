@@ -74,7 +74,7 @@ TEST(CaptureSession, RefusesACameraThatDoesNotStart) {
               FailsWith(ErrorCode::InvalidArgument, "radio:3"));
 }
 
-TEST(CaptureSession, CountsAsManyGapsAsTheCameraFailedToSend) {
+TEST(CaptureSession, LeavesExactlyAsManyGapsAsPicturesFailed) {
   ASSERT_TRUE(enter_own_network());
   const TempFolder folder;
   std::vector<std::unique_ptr<FakeGigeCamera>> devices;
@@ -83,24 +83,32 @@ TEST(CaptureSession, CountsAsManyGapsAsTheCameraFailedToSend) {
     ASSERT_TRUE(n == 1 || add_loopback_address(n));
     const std::string serial = "FAKE" + std::to_string(n);
     // 1 of 1000 packets is never sent, and a picture has 228.
-    devices.push_back(std::make_unique<FakeGigeCamera>(n, serial, n == 3 ? 1 : 0));
-    cameras.push_back(
-        {serial, devices.back()->uri("format=gray8&width=640&height=480&rate=15&resend=off&frames=60")});
+    devices.push_back(std::make_unique<FakeGigeCamera>(n, serial, n == 1 ? 0 : 1));
+    cameras.push_back({serial, devices.back()->uri("format=gray8&width=640&height=480&rate=15&resend=off")});
   }
   CaptureOptions options;
   options.record = true;
   options.take = folder / "take";
-  const Result<CaptureReport> report = run_capture(config_of(cameras, 15), options, never, silent);
+  bool done = false;
+  const Result<CaptureReport> report = run_capture(
+      config_of(cameras, 15), options, [&] { return done; },
+      [&](const CaptureReport& seen) { done = seen.recording->cameras[2].recorded > 60; });
   ASSERT_THAT(report, IsOk());
   const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
   ASSERT_THAT(take, IsOk());
-  for (std::size_t i = 0; i < 3; ++i) {
-    const SourceStats& stats = report->cameras[i].stats;
-    EXPECT_EQ(stats.delivered + stats.lost, 60u);
-    EXPECT_EQ(report->recording->cameras[i].recorded, stats.delivered);
+  std::uint64_t failed = 0;
+  for (int i = 0; i < 3; ++i) {
+    const RecordedCamera& camera = report->recording->cameras[static_cast<std::size_t>(i)];
+    // A fake camera that the machine does not let run skips an exposure, which is no failure of the link.
+    EXPECT_EQ(gaps(**take, i), camera.failed + camera.unexposed) << camera.serial;
+    EXPECT_EQ((*take)->rows(i).size(), (*take)->rows(0).size()) << camera.serial;
+    EXPECT_EQ(camera.recorded + camera.skips, (*take)->rows(0).size()) << camera.serial;
+    EXPECT_EQ(camera.duplicates, 0u) << camera.serial;
+    EXPECT_TRUE((*take)->rows(i).front().media_index && (*take)->rows(i).back().media_index) << camera.serial;
+    failed += camera.failed;
   }
-  EXPECT_GT(report->cameras[2].stats.failed, 0u);
-  EXPECT_THAT(report->recording->complaints, testing::Contains(HasSubstr("camera 'FAKE3'")));
+  EXPECT_GT(failed, 0u);
+  EXPECT_EQ(report->recording->cameras[0].failed, 0u);
 }
 
 TEST(CaptureSession, GoesOnWithTheOthersAndTakesACameraBack) {
