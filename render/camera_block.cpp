@@ -86,6 +86,7 @@ CameraBlock camera_block(const RigCamera& camera, int layer) {
              m.lens);
   block.lens_more = {k3, f(m.skew), f(largest_radius2(m.lens)), f(static_cast<double>(m.lens.index()))};
   block.image = {f(m.width), f(m.height), f(layer), 0};
+  block.tile = {0, 0, f(m.width), f(m.height)};
   return block;
 }
 

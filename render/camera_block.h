@@ -17,8 +17,9 @@ struct CameraBlock {
   std::array<float, 4> lens_more;  ///< Brown-Conrady k3, skew, largest r² the lens is good for, lens type
   std::array<float, 4> image;      ///< width, height, layer, 0
   std::array<float, 4> depth;      ///< depth map pixel = xy * (x/z, y/z) + zw
+  std::array<float, 4> tile;       ///< the part of the picture in its layer: x, y, width, height
 };
-static_assert(sizeof(CameraBlock) == 160);
+static_assert(sizeof(CameraBlock) == 176);
 
 /// The square of the largest normalised radius up to which the lens is monotonic: farther points fold back
 /// into the picture and must not be looked up.
@@ -28,7 +29,7 @@ double largest_radius2(const Lens& lens);
 /// by a guard of `guard_px` photograph pixels. Never empty.
 Eigen::AlignedBox2d pinhole_bounds(const RigCamera& camera, const Eigen::AlignedBox3f& box, double guard_px);
 
-/// Everything but `depth`, which the depth maps fill in.
+/// Everything but `depth`, which the depth maps fill in; the tile is the whole picture.
 CameraBlock camera_block(const RigCamera& camera, int layer);
 
 }  // namespace floatstage

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 namespace floatstage {
 namespace {
 
 constexpr int kStandIns = 3;
+constexpr std::size_t kRankingSamples = 96;
 
 /// 1 in the middle of the picture, falling smoothly outside it: what the view shows decides.
 double importance(const View& view, const Eigen::Vector3d& world) {
@@ -28,7 +30,8 @@ double fade(double angle, double threshold) {
 }  // namespace
 
 CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
-                            const std::vector<Eigen::Vector3f>& samples, const View& view, int count) {
+                            const std::vector<Eigen::Vector3f>& samples, const View& view, int count,
+                            const std::vector<bool>& pictured) {
   const Eigen::Vector3d eye = view.view_from_world.center();
   std::vector<double> angle(cameras.size(), 0.0);
   double total = 0;
@@ -55,21 +58,38 @@ CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
   };
   std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
 
+  // The ranks of the cameras with a picture.
+  std::vector<std::size_t> usable;
+  for (std::size_t rank = 0; rank < order.size(); ++rank)
+    if (pictured.empty() || pictured[static_cast<std::size_t>(order[rank])]) usable.push_back(rank);
+
   CameraChoice choice;
-  choice.chosen = std::min<std::size_t>(static_cast<std::size_t>(count), order.size());
+  choice.chosen = std::min<std::size_t>(static_cast<std::size_t>(count), usable.size());
   const std::size_t listed =
-      std::min({order.size(), choice.chosen + kStandIns, static_cast<std::size_t>(kMostListed)});
-  choice.listed.assign(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(listed));
-  auto angle_of_rank = [&](std::size_t rank) { return angle[static_cast<std::size_t>(order[rank])]; };
+      std::min({usable.size(), choice.chosen + kStandIns, static_cast<std::size_t>(kMostListed)});
+  // A fade ends at the camera that follows the last of its list, with a picture or without.
+  auto end_of_fade = [&](std::size_t members) -> std::optional<double> {
+    const std::size_t rank = members == 0 ? 0 : usable[members - 1] + 1;
+    if (rank >= order.size()) return std::nullopt;
+    return angle[static_cast<std::size_t>(order[rank])];
+  };
+  const std::optional<double> chosen_end = end_of_fade(choice.chosen), listed_end = end_of_fade(listed);
   for (std::size_t i = 0; i < listed; ++i) {
-    const double a = angle_of_rank(i);
-    const bool all_chosen = choice.chosen == order.size(), all_listed = listed == order.size();
-    choice.fade.push_back(static_cast<float>(i >= choice.chosen ? 0
-                                             : all_chosen       ? 1
-                                                                : fade(a, angle_of_rank(choice.chosen))));
-    choice.stand_in_fade.push_back(static_cast<float>(all_listed ? 1 : fade(a, angle_of_rank(listed))));
+    const int camera = order[usable[i]];
+    const double a = angle[static_cast<std::size_t>(camera)];
+    choice.listed.push_back(camera);
+    choice.fade.push_back(static_cast<float>(i >= choice.chosen ? 0 : chosen_end ? fade(a, *chosen_end) : 1));
+    choice.stand_in_fade.push_back(static_cast<float>(listed_end ? fade(a, *listed_end) : 1));
   }
   return choice;
+}
+
+std::vector<Eigen::Vector3f> ranking_samples(const Mesh& mesh) {
+  std::vector<Eigen::Vector3f> samples;
+  const std::size_t stride = std::max<std::size_t>(1, mesh.triangle_count() / kRankingSamples);
+  for (std::size_t t = 0; t < mesh.triangle_count(); t += stride)
+    samples.push_back(mesh.positions[mesh.triangles[3 * t]]);
+  return samples;
 }
 
 }  // namespace floatstage

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "core/mesh.h"
 #include "core/rig.h"
 #include "core/view.h"
 
@@ -25,7 +26,14 @@ inline constexpr int kMostListed = 8;
 /// to the camera (the angular penalty of Buehler et al. 2001). A camera's fade falls to zero as the next
 /// camera outside the set comes as near: along a path, cameras come and go with weight zero. Ties go by the
 /// camera's place in the world, never by its place in the rig.
+///
+/// `pictured` (empty: all) says which cameras have a picture: only those are listed, but the others still say where a
+/// fade ends, so that a view drawn from just the cameras it needs equals one drawn from all.
 CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
-                            const std::vector<Eigen::Vector3f>& samples, const View& view, int count);
+                            const std::vector<Eigen::Vector3f>& samples, const View& view, int count,
+                            const std::vector<bool>& pictured = {});
+
+/// Some corners of a mesh, spread over it: what cameras are ranked by.
+std::vector<Eigen::Vector3f> ranking_samples(const Mesh& mesh);
 
 }  // namespace floatstage

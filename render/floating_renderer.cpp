@@ -5,6 +5,7 @@
 
 #include "render/inspection.h"
 #include "render/pairwise_flows.h"
+#include "render/projected_images.h"
 #include "render/projection.h"
 
 namespace floatstage {
@@ -62,40 +63,31 @@ class FloatingRenderer : public ViewRenderer {
         {projection_.surface(), projection_.weights(0), projection_.weights(1), projection_.visibility()});
   }
 
-  ProjectedImages read_images() const {
+  /// The images for the flow: grey, and at 1/shrink of their size.
+  ProjectedImages read_images(int shrink) const {
     const Window& w = projection_.window();
     const auto layers = static_cast<std::size_t>(count());
     const std::size_t size = static_cast<std::size_t>(w.width) * static_cast<std::size_t>(w.height);
     std::vector<std::uint8_t> rgba(size * 4 * layers);
     glGetTextureSubImage(images_.id(), 0, 0, 0, 0, w.width, w.height, count(), GL_RGBA, GL_UNSIGNED_BYTE,
                          static_cast<GLsizei>(rgba.size()), rgba.data());
-    const std::vector<std::vector<std::uint8_t>> planes(layers, std::vector<std::uint8_t>(size));
-    ProjectedImages out{w.width, w.height, planes, planes};
-    for (std::size_t layer = 0; layer < layers; ++layer) {
-      const std::uint8_t* from = rgba.data() + layer * size * 4;
-      for (std::size_t i = 0; i < size; ++i, from += 4) {
-        out.gray[layer][i] =
-            static_cast<std::uint8_t>((77 * from[0] + 150 * from[1] + 29 * from[2] + 128) >> 8);
-        out.state[layer][i] = from[3] > 192 ? ProjectedImages::kOwn
-                              : from[3] > 0 ? ProjectedImages::kFilled
-                                            : ProjectedImages::kNoProxy;
-      }
-    }
-    return out;
+    return projected_images(rgba, w.width, w.height, count(), shrink);
   }
 
   Result<void> estimate_flows(const RendererOptions& options) {
     const Window& w = projection_.window();
     const CameraChoice& choice = projection_.choice();
-    flows_.reserve(GL_RG32F, GL_LINEAR, w.width, w.height, std::max(count() * (count() - 1), 1));
+    const int shrink = options.flow.shrink, width = (w.width + shrink - 1) / shrink,
+              height = (w.height + shrink - 1) / shrink;
+    flows_.reserve(GL_RG32F, GL_LINEAR, width, height, std::max(count() * (count() - 1), 1));
     if (count() < 2) return {};
     std::vector<bool> pulls(choice.chosen);
     for (std::size_t i = 0; i < choice.chosen; ++i) pulls[i] = choice.fade[i] >= kLeastFade;
     if (std::find(pulls.begin(), pulls.end(), true) == pulls.end()) pulls.assign(choice.chosen, true);
-    if (Result<void> ok = pairwise_.estimate(read_images(), pulls, options.flow, options.threads); !ok)
+    if (Result<void> ok = pairwise_.estimate(read_images(shrink), pulls, options.flow, options.threads); !ok)
       return ok;
     for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
-      glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), w.width, w.height, 1, GL_RG,
+      glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RG,
                           GL_FLOAT, pairwise_.fields()[pair].uv.data());
     return {};
   }

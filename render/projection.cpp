@@ -169,7 +169,7 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
   const double tolerance = options.depth_tolerance > 0
                                ? options.depth_tolerance
                                : kToleranceShare * static_cast<double>(s.box.diagonal().norm());
-  block.settings = {f(m.skew), f(options.soft_radius), f(tolerance), 0};
+  block.settings = {f(m.skew), f(options.soft_radius), f(tolerance), f(options.flow.shrink)};
   block.background = {options.background[0], options.background[1], options.background[2], 0};
   block.counts = {static_cast<int>(choice_.listed.size()), static_cast<int>(choice_.chosen),
                   one_camera ? 1 : 0, static_cast<int>(options.output)};
@@ -186,7 +186,7 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
 void Projection::run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
                      bool one_camera) {
   const SceneTextures::Impl& s = scene.impl();
-  choice_ = choose_cameras(s.cameras, s.samples, view, options.cameras);
+  choice_ = s.choose(view, options.cameras);
   window_ = window_of(view, s.positions, margin);
   if (window_.empty()) return;
   glDisable(GL_BLEND);

@@ -12,6 +12,7 @@
 namespace floatstage {
 namespace {
 
+constexpr int kMostFlowShrink = 8;
 constexpr double kLargestRadius = 64;  // px; distances are stored in bytes
 
 // The table of renderers: one line each.
@@ -44,6 +45,8 @@ Result<void> check(const RendererOptions& o) {
     return bad("the soft visibility radius ", o.soft_radius, " px is not between 0 and ", kLargestRadius);
   if (!(o.depth_tolerance >= 0) || !std::isfinite(o.depth_tolerance))
     return bad("the depth tolerance ", o.depth_tolerance, " m is negative or not a number");
+  if (o.flow.shrink < 1 || o.flow.shrink > kMostFlowShrink)
+    return bad("a flow at 1/", o.flow.shrink, " of the view's size; 1 to ", kMostFlowShrink, " are possible");
   if (o.threads < 0) return bad(o.threads, " threads; 0 means one per core");
   for (float c : o.background)
     if (!(c >= 0) || !(c <= 1)) return bad("the background colour ", c, " is not between 0 and 1");
@@ -63,6 +66,12 @@ std::vector<RendererInfo> renderers() {
   std::vector<RendererInfo> list;
   for (const Entry& entry : kRenderers) list.push_back({entry.name, entry.help});
   return list;
+}
+
+std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count) {
+  CameraChoice choice = choose_cameras(rig.cameras, ranking_samples(mesh), view, count);
+  choice.listed.resize(choice.chosen);
+  return choice.listed;
 }
 
 Image download(const RenderedView& view) {

@@ -62,6 +62,10 @@ struct RendererInfo {
 };
 std::vector<RendererInfo> renderers();
 
+/// The photographs that a view of this scene is drawn from, strongest first: `count` indices into rig.cameras. What a
+/// viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
+std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count);
+
 /// Reads a rendered view back: RGBA, rows top first.
 Image download(const RenderedView& view);
 

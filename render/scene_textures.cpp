@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.h"
 #include "core/text.h"
@@ -9,8 +10,6 @@
 
 namespace floatstage {
 namespace {
-
-constexpr std::size_t kRankingSamples = 96;
 
 Result<void> check_mesh(const Mesh& mesh) {
   if (mesh.triangles.size() % 3 != 0)
@@ -27,6 +26,26 @@ Result<void> check_mesh(const Mesh& mesh) {
   return {};
 }
 
+/// RGB pixels and their opacity as RGBA, colours brought to the rig's.
+void with_matte(const RigCamera& camera, const Image& rgb, const std::uint8_t* alpha, std::vector<std::uint8_t>& out) {
+  const std::size_t pixels = rgb.pixels.size() / 3;
+  out.resize(4 * pixels);
+  const std::uint8_t* from = rgb.pixels.data();
+  std::uint8_t* to = out.data();
+  if (camera.color.is_identity()) {
+    for (std::size_t i = 0; i < pixels; ++i, from += 3, to += 4) {
+      std::copy_n(from, 3, to);
+      to[3] = alpha[i];
+    }
+    return;
+  }
+  const ColorTable table(camera.color);
+  for (std::size_t i = 0; i < pixels; ++i, from += 3, to += 4) {
+    table.apply(from, to);
+    to[3] = alpha[i];
+  }
+}
+
 /// The photograph as RGBA with its matte in alpha (opaque without one), colours brought to the rig's.
 Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matte* matte) {
   Result<Image> rgb = to_rgb(frame);
@@ -39,22 +58,12 @@ Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matt
   if (matte != nullptr && (matte->width != in.width || matte->height != in.height))
     return fail(ErrorCode::BadData, text("camera '", camera.serial, "': the matte is ", matte->width, "x",
                                          matte->height, " but the picture is ", in.width, "x", in.height));
-  const bool recolor = !camera.color.is_identity();
-  const ColorTable table(camera.color);
+  // Without a matte everything is subject; one in rows with padding is copied together.
+  std::vector<std::uint8_t> alpha(static_cast<std::size_t>(in.width) * static_cast<std::size_t>(in.height), 255);
+  for (int y = 0; matte != nullptr && y < in.height; ++y)
+    std::copy_n(matte->row(y), in.width, alpha.begin() + static_cast<std::ptrdiff_t>(y) * in.width);
   Image out(in.width, in.height, 4);
-  for (int y = 0; y < in.height; ++y) {
-    const std::uint8_t* from = in.at(0, y);
-    const std::uint8_t* alpha = matte != nullptr ? matte->row(y) : nullptr;
-    std::uint8_t* to = out.at(0, y);
-    for (int x = 0; x < in.width; ++x, from += 3, to += 4) {
-      if (recolor) {
-        table.apply(from, to);
-      } else {
-        std::copy_n(from, 3, to);
-      }
-      to[3] = alpha != nullptr ? alpha[x] : 255;
-    }
-  }
+  with_matte(camera, in, alpha.data(), out.pixels);
   return out;
 }
 
@@ -78,6 +87,39 @@ Result<std::vector<int>> cameras_in_use(const Rig& rig, const SceneFrame& scene,
     return fail(ErrorCode::InvalidArgument,
                 "no camera with a picture is left to draw from; keep at least one");
   return used;
+}
+
+Result<void> check_tiles(const Rig& rig, std::span<const PictureTile> tiles) {
+  if (tiles.empty())
+    return fail(ErrorCode::InvalidArgument,
+                "no camera with a picture is left to draw from; keep at least one");
+  std::vector<bool> seen(rig.cameras.size());
+  for (const PictureTile& tile : tiles) {
+    if (tile.camera < 0 || tile.camera >= static_cast<int>(seen.size()) || seen[static_cast<std::size_t>(tile.camera)])
+      return fail(ErrorCode::InvalidArgument, text("a tile of camera ", tile.camera, ", which is not in the rig of ",
+                                                   seen.size(), " cameras or has one already"));
+    seen[static_cast<std::size_t>(tile.camera)] = true;
+    const RigCamera& camera = rig.cameras[static_cast<std::size_t>(tile.camera)];
+    const Image *picture = tile.picture, *matte = tile.matte;
+    const bool whole = picture != nullptr && matte != nullptr && !picture->empty() && picture->channels == 3 &&
+                       matte->channels == 1 && picture->width == matte->width && picture->height == matte->height;
+    if (!whole || tile.x < 0 || tile.y < 0 || tile.x + picture->width > camera.model.width ||
+        tile.y + picture->height > camera.model.height)
+      return fail(ErrorCode::InvalidArgument,
+                  text("camera '", camera.serial, "': its tile is no part of a ", camera.model.width, "x",
+                       camera.model.height, " photograph with a matte of the same size"));
+  }
+  return {};
+}
+
+Result<void> check_fit(int width, int height, std::size_t pictures) {
+  GLint largest = 0, most_layers = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
+  if (std::max(width, height) <= largest && static_cast<int>(pictures) <= most_layers) return {};
+  return fail(ErrorCode::Unsupported,
+              text(pictures, " pictures of up to ", width, "x", height,
+                   " do not fit this GPU's textures (", largest, " px, ", most_layers, " layers)"));
 }
 
 }  // namespace
@@ -107,13 +149,7 @@ Result<void> SceneTextures::upload(const Rig& rig, const SceneFrame& scene, cons
     width = std::max(width, picture->width);
     height = std::max(height, picture->height);
   }
-  GLint largest = 0, most_layers = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
-  if (std::max(width, height) > largest || static_cast<int>(pictures.size()) > most_layers)
-    return fail(ErrorCode::Unsupported,
-                text(pictures.size(), " pictures of up to ", width, "x", height,
-                     " do not fit this GPU's textures (", largest, " px, ", most_layers, " layers)"));
+  if (Result<void> ok = check_fit(width, height, pictures.size()); !ok) return ok;
 
   Impl& s = *impl_;
   s.cameras.clear();
@@ -129,27 +165,78 @@ Result<void> SceneTextures::upload(const Rig& rig, const SceneFrame& scene, cons
                         GL_UNSIGNED_BYTE, picture.pixels.data());
   }
 
-  s.positions = scene.mesh.positions;
-  s.indices = static_cast<GLsizei>(scene.mesh.triangles.size());
-  s.box = scene.mesh.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero()) : bounding_box(scene.mesh);
-  s.samples.clear();
-  const std::size_t stride = std::max<std::size_t>(1, scene.mesh.triangle_count() / kRankingSamples);
-  for (std::size_t t = 0; t < scene.mesh.triangle_count(); t += stride)
-    s.samples.push_back(s.positions[scene.mesh.triangles[3 * t]]);
-  gl::upload(s.vertex_buffer, s.vertex_capacity, s.positions.data(),
-             s.positions.size() * sizeof(Eigen::Vector3f));
-  gl::upload(s.index_buffer, s.index_capacity, scene.mesh.triangles.data(),
-             scene.mesh.triangles.size() * sizeof(std::uint32_t));
-  if (!s.mesh) s.mesh = gl::VertexArray::create();
-  glVertexArrayVertexBuffer(s.mesh.id(), 0, s.vertex_buffer.id(), 0, sizeof(Eigen::Vector3f));
-  glVertexArrayElementBuffer(s.mesh.id(), s.index_buffer.id());
-  glEnableVertexArrayAttrib(s.mesh.id(), 0);
-  glVertexArrayAttribFormat(s.mesh.id(), 0, 3, GL_FLOAT, GL_FALSE, 0);
-  glVertexArrayAttribBinding(s.mesh.id(), 0, 0);
-
-  s.depth_maps.plan(s.cameras, s.box, blocks);
-  gl::upload(s.camera_buffer, s.camera_capacity, blocks.data(), blocks.size() * sizeof(CameraBlock));
+  s.ranked = s.cameras;
+  s.slot.resize(s.ranked.size());
+  std::iota(s.slot.begin(), s.slot.end(), 0);
+  s.put_mesh(scene.mesh);
+  s.put_cameras(blocks);
   return {};
+}
+
+Result<void> SceneTextures::upload(const Rig& rig, const Mesh& mesh, std::span<const PictureTile> tiles) {
+  if (Result<void> ok = check(rig); !ok) return ok;
+  if (Result<void> ok = check_mesh(mesh); !ok) return ok;
+  if (Result<void> ok = check_tiles(rig, tiles); !ok) return ok;
+  int width = 0, height = 0;
+  for (const PictureTile& tile : tiles) {
+    width = std::max(width, tile.picture->width);
+    height = std::max(height, tile.picture->height);
+  }
+  if (Result<void> ok = check_fit(width, height, tiles.size()); !ok) return ok;
+
+  Impl& s = *impl_;
+  s.cameras.clear();
+  s.rig_index.clear();
+  s.ranked = rig.cameras;
+  s.slot.assign(rig.cameras.size(), -1);
+  std::vector<CameraBlock> blocks;
+  // Tiles change their size with every step of the subject: storage only grows.
+  s.photographs.reserve(GL_RGBA8, GL_LINEAR, width, height, static_cast<int>(tiles.size()));
+  for (const PictureTile& tile : tiles) {
+    const int layer = static_cast<int>(s.cameras.size());
+    const auto camera = static_cast<std::size_t>(tile.camera);
+    s.slot[camera] = layer;
+    s.rig_index.push_back(tile.camera);
+    s.cameras.push_back(rig.cameras[camera]);
+    blocks.push_back(camera_block(s.cameras.back(), layer));
+    const Image& picture = *tile.picture;
+    blocks.back().tile = {static_cast<float>(tile.x), static_cast<float>(tile.y), static_cast<float>(picture.width),
+                          static_cast<float>(picture.height)};
+    with_matte(s.cameras.back(), picture, tile.matte->pixels.data(), s.staging);
+    glTextureSubImage3D(s.photographs.id(), 0, 0, 0, layer, picture.width, picture.height, 1, GL_RGBA,
+                        GL_UNSIGNED_BYTE, s.staging.data());
+  }
+  s.put_mesh(mesh);
+  s.put_cameras(blocks);
+  return {};
+}
+
+CameraChoice SceneTextures::Impl::choose(const View& view, int count) const {
+  std::vector<bool> pictured(ranked.size());
+  for (std::size_t i = 0; i < ranked.size(); ++i) pictured[i] = slot[i] >= 0;
+  CameraChoice choice = choose_cameras(ranked, samples, view, count, pictured);
+  for (int& camera : choice.listed) camera = slot[static_cast<std::size_t>(camera)];
+  return choice;
+}
+
+void SceneTextures::Impl::put_mesh(const Mesh& source) {
+  positions = source.positions;
+  indices = static_cast<GLsizei>(source.triangles.size());
+  box = source.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero()) : bounding_box(source);
+  samples = ranking_samples(source);
+  gl::upload(vertex_buffer, vertex_capacity, positions.data(), positions.size() * sizeof(Eigen::Vector3f));
+  gl::upload(index_buffer, index_capacity, source.triangles.data(), source.triangles.size() * sizeof(std::uint32_t));
+  if (!mesh) mesh = gl::VertexArray::create();
+  glVertexArrayVertexBuffer(mesh.id(), 0, vertex_buffer.id(), 0, sizeof(Eigen::Vector3f));
+  glVertexArrayElementBuffer(mesh.id(), index_buffer.id());
+  glEnableVertexArrayAttrib(mesh.id(), 0);
+  glVertexArrayAttribFormat(mesh.id(), 0, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(mesh.id(), 0, 0);
+}
+
+void SceneTextures::Impl::put_cameras(std::vector<CameraBlock>& blocks) {
+  depth_maps.plan(cameras, box, blocks);
+  gl::upload(camera_buffer, camera_capacity, blocks.data(), blocks.size() * sizeof(CameraBlock));
 }
 
 }  // namespace floatstage

@@ -7,6 +7,7 @@ struct Camera {
   vec4 lens_more;   // Brown-Conrady k3, skew, largest r² the lens is good for, lens type
   vec4 image;       // width, height, layer, unused
   vec4 depth;       // depth map pixel = xy * (x/z, y/z) + zw
+  vec4 tile;        // the part of the picture in its layer: x, y, width, height
 };
 layout(std430, binding = 0) readonly buffer Cameras { Camera cameras[]; };
 
@@ -42,24 +43,24 @@ bool photo_pixel(int index, vec3 p, out vec2 pixel) {
 
 // Colour and opacity (the matte) of a photograph at a pixel, bilinear.
 vec4 photo(int index, vec2 pixel) {
-  vec4 image = cameras[index].image;
-  pixel = clamp(pixel, vec2(0.5), image.xy - 0.5);
-  return textureLod(photographs, vec3(pixel / vec2(textureSize(photographs, 0).xy), image.z), 0.0);
+  vec4 tile = cameras[index].tile;
+  pixel = clamp(pixel - tile.xy, vec2(0.5), tile.zw - 0.5);
+  return textureLod(photographs, vec3(pixel / vec2(textureSize(photographs, 0).xy), cameras[index].image.z), 0.0);
 }
 
 // The colour alone, by a Catmull-Rom spline in nine bilinear reads: what is blended keeps its sharpness.
 vec3 photo_color(int index, vec2 pixel) {
-  vec4 image = cameras[index].image;
-  pixel = clamp(pixel, vec2(0.5), image.xy - 0.5);
+  vec4 tile = cameras[index].tile;
+  pixel = clamp(pixel - tile.xy, vec2(0.5), tile.zw - 0.5);
   vec2 texel = 1.0 / vec2(textureSize(photographs, 0).xy);
   vec2 low = floor(pixel - 0.5) + 0.5, f = pixel - low;
   vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f)), w1 = 1.0 + f * f * (1.5 * f - 2.5);
   vec2 w2 = f * (0.5 + f * (2.0 - 1.5 * f)), w3 = f * f * (0.5 * f - 0.5);
   vec2 w12 = w1 + w2;
-  vec2 border = image.xy - 0.5;
+  vec2 border = tile.zw - 0.5;
   vec2 x0 = max(low - 1.0, vec2(0.5)) * texel, x12 = min(low + w2 / w12, border) * texel;
   vec2 x3 = min(low + 2.0, border) * texel;
-  float layer = image.z;
+  float layer = cameras[index].image.z;
   vec3 sum = (textureLod(photographs, vec3(x0.x, x0.y, layer), 0.0).rgb * w0.x +
               textureLod(photographs, vec3(x12.x, x0.y, layer), 0.0).rgb * w12.x +
               textureLod(photographs, vec3(x3.x, x0.y, layer), 0.0).rgb * w3.x) * w0.y +

@@ -18,14 +18,14 @@ float pull[kMaxListed];  // how much each camera's idea of a position counts: an
 
 // W_i at p: where the combined warp moves what I_i shows at p.
 vec2 combined_warp(int i, vec2 p) {
-  vec2 size = vec2(textureSize(flows, 0).xy), sum = vec2(0.0);
+  vec2 size = view.settings.w * vec2(textureSize(flows, 0).xy), sum = vec2(0.0);
   int n = view.counts.y;
   for (int j = 0; j < n; ++j) {
     if (j == i || pull[j] < kFaint) continue;
     int layer = i * (n - 1) + (j < i ? j : j - 1);
     sum += pull[j] * textureLod(flows, vec3(p / size, layer), 0.0).xy;
   }
-  return sum;
+  return view.settings.w * sum;
 }
 
 // I_i at p: straight from the photograph where I_i has its own colour on a connected surface (one resampling instead
