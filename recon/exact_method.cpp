@@ -22,7 +22,7 @@ Unexpected unbounded() {
 }
 
 /// Shells of which no camera sees anything are not hull: nothing bears witness for them.
-void drop_unseen_shells(const Rig& rig, std::span<const Matte> mattes, HullReport& report) {
+void drop_unseen_shells(const Rig& rig, const HullInput& input, HullReport& report) {
   Mesh& mesh = report.mesh;
   std::vector<std::uint32_t> root(mesh.positions.size());
   for (std::uint32_t v = 0; v < root.size(); ++v) root[v] = v;
@@ -38,7 +38,7 @@ void drop_unseen_shells(const Rig& rig, std::span<const Matte> mattes, HullRepor
   std::vector<std::uint8_t> seen(root.size(), 0);
   for (std::uint32_t v = 0; v < root.size(); ++v) {
     for (std::size_t c = 0; c < rig.cameras.size() && !seen[find(v)]; ++c) {
-      if (mattes[c].empty()) continue;
+      if (!input.knows(c)) continue;
       const CameraModel& model = rig.cameras[c].model;
       const auto pixel = project(model, rig.cameras[c].cam_from_world * mesh.positions[v].cast<double>());
       seen[find(v)] = pixel && pixel->x() > kMargin && pixel->y() > kMargin &&
@@ -66,11 +66,11 @@ void drop_unseen_shells(const Rig& rig, std::span<const Matte> mattes, HullRepor
   report.volume = signed_volume(mesh);
 }
 
-void remark_on_noise(const Rig& rig, std::span<const Matte> mattes, double tolerance, const SilhouetteCones& cones,
+void remark_on_noise(const Rig& rig, const HullInput& input, double tolerance, const SilhouetteCones& cones,
                      HullReport& report) {
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const OutlineDetail& detail = cones.details[c];
-    if (mattes[c].empty() || (!detail.coarser && detail.smallest <= 0)) continue;
+    if (!input.knows(c) || (!detail.coarser && detail.smallest <= 0)) continue;
     if (cones.outlines[c].empty()) {
       report.remarks.push_back(text("camera '", rig.cameras[c].serial,
                                     "': its matte is nothing but specks and was left out; look at it"));
@@ -99,12 +99,13 @@ void take_over(const HullPolygons& polygons, const SilhouetteCones& cones, HullR
 
 }  // namespace
 
-Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptions& options,
                                HullWorkspace::Impl& workspace, HullReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   SilhouetteCones& cones = workspace.cones;
   ConeOptions settings;
-  settings.tolerance = options.contour_tolerance;
+  const double tolerance = input.outlined() ? 0 : options.contour_tolerance;
+  settings.tolerance = tolerance;
   settings.volume = options.volume;
   settings.threads = options.threads;
   ExactOptions engine_options;
@@ -122,11 +123,11 @@ Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   constexpr int kRounds = 6;
   for (int round = 0;; ++round) {
     const auto again = std::chrono::steady_clock::now();
-    workspace.builder.build(rig, mattes, settings, cones);
+    workspace.builder.build(rig, input, settings, cones);
     cut = std::any_of(cones.views.begin(), cones.views.end(), [](const ConeView& v) { return v.beyond_counts; });
     if (!options.volume && (cut || cones.views.size() < 2)) {
       // Some silhouettes are open: what the others bound is where the hull is sought.
-      const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, mattes);
+      const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, input.mattes());
       if (!box) return unbounded();
       if (box->isEmpty()) return true;
       const Eigen::Vector3d margin = 0.01 * box->sizes();
@@ -143,13 +144,13 @@ Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, co
     settings.tolerance = std::max(settings.tolerance, std::clamp(2 * settings.tolerance, 0.5, 4.0));
     settings.smallest = std::max(16.0, 16 * settings.smallest);
   }
-  remark_on_noise(rig, mattes, options.contour_tolerance, cones, report);
+  remark_on_noise(rig, input, tolerance, cones, report);
   if (outcome.unbounded) return unbounded();
   if (!outcome.closed) return false;
   if (options.voting == HullVoting::Auto) {
     const auto voting = std::chrono::steady_clock::now();
     take_over(workspace.engine.polygons(), cones, report);
-    report.voted_down = find_bad_views(rig, mattes, report.mesh, options.threads, workspace);
+    report.voted_down = find_bad_views(rig, input, report.mesh, options.threads, workspace);
     report.timings.voting = seconds_since(voting);
     if (!report.voted_down.empty()) {
       for (const int camera : report.voted_down) {
@@ -176,7 +177,7 @@ Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   report.timings.faces = outcome.timings.faces;
   report.timings.weld = outcome.timings.weld;
   report.timings.triangles = outcome.timings.triangles;
-  if (cut) drop_unseen_shells(rig, mattes, report);
+  if (cut) drop_unseen_shells(rig, input, report);
   const Eigen::AlignedBox3f bounds = bounding_box(report.mesh);
   report.searched = options.volume
                         ? *options.volume

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "recon/exact_hull.h"
+#include "recon/hull_input.h"
 #include "recon/silhouette_cones.h"
 #include "recon/visual_hull.h"
 
@@ -17,7 +18,7 @@ struct HullWorkspace::Impl {
 
 /// The exact method of visual_hull(), for inputs that were checked. Fills everything of `report` but
 /// silhouette_iou. False when the engine could not close the surface: the caller has another method.
-Result<bool> exact_visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptions& options,
                                HullWorkspace::Impl& workspace, HullReport& report);
 
 }  // namespace floatstage

@@ -63,8 +63,9 @@ std::vector<double> missed_shares(const Rig& rig, std::span<const Matte> mattes,
   return missed;
 }
 
-std::vector<int> find_bad_views(const Rig& rig, std::span<const Matte> mattes, const Mesh& strict,
-                                int threads, HullWorkspace::Impl& workspace) {
+std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& strict, int threads,
+                                HullWorkspace::Impl& workspace) {
+  const std::span<const Matte> mattes = input.mattes();
   std::vector<int> bad;
   std::vector<double> missed = missed_shares(rig, mattes, strict, threads);
   const auto in_doubt = [&] {
@@ -78,7 +79,7 @@ std::vector<int> find_bad_views(const Rig& rig, std::span<const Matte> mattes, c
   ConeOptions settings;
   settings.tolerance = kTolerance;
   settings.threads = threads;
-  workspace.builder.build(rig, mattes, settings, cones);
+  workspace.builder.build(rig, input, settings, cones);
   for (std::size_t v = 0; v < workspace.cones.views.size(); ++v) {
     if (workspace.cones.camera[v] >= 0) continue;  // the sides of the volume
     cones.views.push_back(workspace.cones.views[v]);

@@ -16,7 +16,7 @@ std::vector<double> missed_shares(const Rig& rig, std::span<const Matte> mattes,
 /// for all: then many others see subject where the strict hull has none, and leaving the guilty one out heals
 /// them. Looks only when the strict hull misses more than 2 % of at least half of the mattes, and names a
 /// camera only when the excess over 2 % falls to a fifth without it. At most a quarter of the cameras.
-std::vector<int> find_bad_views(const Rig& rig, std::span<const Matte> mattes, const Mesh& strict,
-                                int threads, HullWorkspace::Impl& workspace);
+std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& strict, int threads,
+                                HullWorkspace::Impl& workspace);
 
 }  // namespace floatstage

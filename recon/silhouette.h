@@ -10,23 +10,10 @@
 #include "core/camera.h"
 #include "core/matte.h"
 #include "core/silhouette.h"
+#include "recon/outline.h"
 #include "recon/silhouette_grid.h"
 
 namespace floatstage {
-
-struct SilhouetteOptions {
-  double tolerance = 0.5;       ///< px: how far the polygon may leave the iso-line; 0 keeps every point
-  bool unknown_beyond = false;  ///< outside the picture is unknown even where the subject is not cut
-  double smallest = 0;          ///< px²: islands and holes of less area are left out
-  int most_points = 20000;      ///< a noisier matte is made coarser until its outline has no more
-};
-
-/// How coarse an outline had to be made: what was asked for, or more.
-struct OutlineDetail {
-  double tolerance = 0;  ///< px
-  double smallest = 0;   ///< px²
-  bool coarser = false;  ///< than asked for
-};
 
 /// How much a lens bends straight lines: the largest second difference over the picture, px per px². 0 without a
 /// lens. Depends on the calibration only: found once, used for every frame.
@@ -35,7 +22,7 @@ double lens_bend(const CameraModel& model);
 /// Memory for one outline at a time, kept from frame to frame.
 struct SilhouetteScratch {
   std::vector<std::uint64_t> bits, visited;
-  Silhouette traced, kept;
+  Silhouette traced, kept, bent;
   EdgeGrid grid, moved_grid;
   std::vector<char> keep, back;
   std::vector<int> origin, previous, conflicts;
@@ -76,6 +63,11 @@ bool is_simple(const Silhouette& outline);
 /// simplicity checked again. Points that the lens cannot undo are dropped. `bend` is lens_bend(model). A matte of noise
 /// is made coarser, up to an empty outline, until options.most_points are enough; that bounds the time of a frame.
 OutlineDetail undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
+                                  const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out);
+
+/// The same for an outline that was made elsewhere (outline_of()), possibly not quite simple any more. With a tolerance
+/// of 0 it keeps its points.
+OutlineDetail undistorted_outline(const Silhouette& outline, const CameraModel& model, double bend,
                                   const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out);
 
 /// Shoelace area of all polygons, px²; holes count negative.

@@ -41,8 +41,7 @@ void add_volume(const Eigen::AlignedBox3d& box, SilhouetteCones& cones) {
   }
 }
 
-void ConeBuilder::build(const Rig& rig, std::span<const Matte> mattes, const ConeOptions& options,
-                        SilhouetteCones& out) {
+void ConeBuilder::build(const Rig& rig, const HullInput& input, const ConeOptions& options, SilhouetteCones& out) {
   const std::size_t count = rig.cameras.size();
   scratch_.resize(count);
   tables_.resize(count);
@@ -56,8 +55,10 @@ void ConeBuilder::build(const Rig& rig, std::span<const Matte> mattes, const Con
     settings.unknown_beyond = options.volume && !sees_all(rig.cameras[c], *options.volume);
     settings.smallest = options.smallest;
     settings.most_points = options.most_points;
+    const Silhouette* given = input.outline(c);
     out.details[c] =
-        undistorted_outline(mattes[c], table.model, table.bend, settings, scratch_[c], out.outlines[c]);
+        given ? undistorted_outline(*given, table.model, table.bend, settings, scratch_[c], out.outlines[c])
+              : undistorted_outline(input.matte(c), table.model, table.bend, settings, scratch_[c], out.outlines[c]);
   });
   std::size_t used = 0;
   out.camera.clear();

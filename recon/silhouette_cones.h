@@ -1,17 +1,16 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "core/rig.h"
 #include "recon/exact_views.h"
+#include "recon/hull_input.h"
 #include "recon/silhouette.h"
 
 namespace floatstage {
 
 struct ConeOptions {
-  double tolerance = 0.5;  ///< px, of the contours
+  double tolerance = 0.5;  ///< px, of the contours; 0 leaves outlines that were given as they are
   std::optional<Eigen::AlignedBox3d>
       volume;               ///< the hull is sought here; cameras that do not see all of it know less
   double smallest = 0;      ///< px²: islands and holes of less area are left out
@@ -31,7 +30,7 @@ struct SilhouetteCones {
 
 class ConeBuilder {
  public:
-  void build(const Rig& rig, std::span<const Matte> mattes, const ConeOptions& options, SilhouetteCones& out);
+  void build(const Rig& rig, const HullInput& input, const ConeOptions& options, SilhouetteCones& out);
 
  private:
   /// What depends on the calibration only; made again when a camera's model changes.

@@ -174,86 +174,7 @@ class Simplifier {
   std::vector<std::pair<int, int>>& stack_;
 };
 
-/// The longest chord whose image under the lens stays within `sag` px of a straight line; 0 when all do.
-double longest_chord(double bend, double sag) {
-  return bend > 1e-12 ? std::max(2.0, std::sqrt(8 * sag / bend)) : 0;
-}
-
-/// Replaces every point i by point_of(i), or leaves it out where that is absent. Polygons of fewer than three points
-/// go.
-template <class PointOf>
-void rebuild(const PointOf& point_of, Silhouette& outline) {
-  std::size_t kept = 0, polygons = 0;
-  for (int k = 0; k < outline.polygons(); ++k) {
-    const std::size_t first = kept;
-    const int begin = outline.starts[k], end = outline.starts[k + 1];
-    for (int i = begin; i < end; ++i) {
-      if (const std::optional<Eigen::Vector2d> point = point_of(i)) outline.points[kept++] = *point;
-    }
-    if (kept - first < 3) {
-      kept = first;
-    } else {
-      outline.starts[polygons++] = static_cast<int>(first);
-    }
-  }
-  outline.points.resize(kept);
-  outline.starts.resize(polygons + 1);
-  outline.starts[polygons] = static_cast<int>(kept);
-}
-
-void remove_lens(const CameraModel& model, Silhouette& outline) {
-  const CameraModel ideal = pinhole(model);
-  const auto straight = [&](int i) -> std::optional<Eigen::Vector2d> {
-    const auto ray = unproject(model, outline.points[i]);
-    const auto pixel = ray ? project(ideal, *ray) : std::nullopt;
-    return pixel && pixel->allFinite() ? pixel : std::nullopt;
-  };
-  rebuild(straight, outline);
-}
-
-bool is_simple(const Silhouette& outline, SilhouetteScratch& scratch) {
-  if (outline.empty()) return true;
-  scratch.grid.fill(outline);
-  scratch.grid.touching_edges(0, scratch.conflicts);
-  return scratch.conflicts.empty();
-}
-
-/// Last resort where a lens cannot be undone over a part of the picture: the points whose edges cross are
-/// left out until none do. Ends, because every round leaves some out.
-void drop_conflicts(SilhouetteScratch& scratch, Silhouette& outline) {
-  while (!is_simple(outline, scratch)) {
-    scratch.back.assign(outline.points.size(), 0);
-    for (const int e : scratch.conflicts) scratch.back[e] = scratch.back[scratch.grid.next(e)] = 1;
-    const auto kept = [&](int i) {
-      return scratch.back[i] ? std::nullopt : std::optional<Eigen::Vector2d>(outline.points[i]);
-    };
-    rebuild(kept, outline);
-  }
-}
-
 }  // namespace
-
-double lens_bend(const CameraModel& model) {
-  if (std::holds_alternative<std::monostate>(model.lens)) return 0;
-  constexpr int kCells = 8;
-  const double h = std::max(model.width, model.height) / 32.0;
-  const CameraModel ideal = pinhole(model);
-  double bend = 0;  // px per px²
-  const auto straight = [&](const Vector2d& p) -> std::optional<Vector2d> {
-    const auto ray = unproject(model, p);
-    return ray ? project(ideal, *ray) : std::nullopt;
-  };
-  for (int y = 0; y <= kCells; ++y) {
-    for (int x = 0; x <= kCells; ++x) {
-      const Vector2d p(model.width * x / double(kCells), model.height * y / double(kCells));
-      for (const Vector2d& step : {Vector2d(h, 0), Vector2d(0, h), Vector2d(h, h)}) {
-        const auto a = straight(p - step), b = straight(p), c = straight(p + step);
-        if (a && b && c) bend = std::max(bend, (*a - 2 * *b + *c).norm() / step.squaredNorm());
-      }
-    }
-  }
-  return bend;
-}
 
 void simplify_outline(const Silhouette& outline, double tolerance, double longest, SilhouetteScratch& scratch,
                       Silhouette& out) {
@@ -269,47 +190,6 @@ Silhouette simplify_outline(const Silhouette& outline, double tolerance, double 
   Silhouette out;
   simplify_outline(outline, tolerance, longest, scratch, out);
   return out;
-}
-
-bool is_simple(const Silhouette& outline) {
-  SilhouetteScratch scratch;
-  return is_simple(outline, scratch);
-}
-
-OutlineDetail undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
-                                  const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out) {
-  constexpr double kCoarsest = 4;  // px: beyond, only more specks are left out
-  constexpr std::size_t kTraced = 4;
-  OutlineDetail detail{options.tolerance, options.smallest, false};
-  Silhouette& full = scratch.traced;
-  trace_outline(matte, options.unknown_beyond, scratch, full);
-  const auto drop_more = [&] {
-    detail.coarser = true;
-    detail.smallest = std::max(16.0, 4 * detail.smallest);
-    drop_specks(detail.smallest, full);
-  };
-  const std::size_t most = static_cast<std::size_t>(options.most_points);
-  if (options.smallest > 0) drop_specks(options.smallest, full);
-  while (full.points.size() > kTraced * most) drop_more();
-  const bool lens = !std::holds_alternative<std::monostate>(model.lens);
-  double tolerance = detail.tolerance;
-  // The lens may fold neighbouring chains over each other where it bends strongly: then keep more points.
-  for (int round = 0;; ++round, tolerance /= 4) {
-    simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance), scratch, out);
-    while (out.points.size() > most) {
-      drop_more();
-      tolerance = detail.tolerance = std::max(detail.tolerance, std::min(kCoarsest, std::max(0.25, 2 * detail.tolerance)));
-      simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance), scratch, out);
-      round = 0;
-    }
-    if (!lens) return detail;
-    remove_lens(model, out);
-    if (is_simple(out, scratch)) return detail;
-    if (round == 4) {
-      drop_conflicts(scratch, out);
-      return detail;
-    }
-  }
 }
 
 }  // namespace floatstage

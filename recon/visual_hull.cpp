@@ -9,6 +9,7 @@
 #include "recon/bounding_volume.h"
 #include "recon/exact_method.h"
 #include "recon/hull_care.h"
+#include "recon/hull_input.h"
 #include "recon/mesh_care.h"
 #include "recon/mesh_mask.h"
 #include "recon/octree_carve.h"
@@ -17,30 +18,13 @@
 namespace floatstage {
 namespace {
 
-Result<void> check_inputs(const Rig& rig, std::span<const Matte> mattes) {
-  if (Result<void> ok = check(rig); !ok) return ok;
-  if (mattes.size() != rig.cameras.size())
-    return fail(ErrorCode::InvalidArgument, text(mattes.size(), " mattes for ", rig.cameras.size(),
-                                                 " cameras; give one each, empty where there is none"));
-  for (std::size_t i = 0; i < mattes.size(); ++i) {
-    const CameraModel& model = rig.cameras[i].model;
-    const Matte& matte = mattes[i];
-    if (matte.empty() || (matte.width == model.width && matte.height == model.height)) continue;
-    return fail(ErrorCode::InvalidArgument,
-                text("camera '", rig.cameras[i].serial, "': its matte is ", matte.width, "x", matte.height,
-                     ", its images are ", model.width, "x", model.height,
-                     "; key the images the rig was calibrated for"));
-  }
-  return {};
-}
-
 // Which cameras show no subject, in words; an error when none shows any.
-Result<std::vector<std::string>> remark_on_subjects(const Rig& rig, std::span<const Matte> mattes) {
+Result<std::vector<std::string>> remark_on_subjects(const Rig& rig, const HullInput& input) {
   std::vector<std::string> remarks;
   bool any = false;
-  for (std::size_t i = 0; i < mattes.size(); ++i) {
-    if (mattes[i].empty()) continue;
-    if (!has_subject(mattes[i]))
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    if (!input.knows(i)) continue;
+    if (!input.shows_subject(i))
       remarks.push_back(
           text("camera '", rig.cameras[i].serial, "' sees only background and carves all that it sees"));
     else
@@ -97,6 +81,61 @@ Result<void> octree_visual_hull(const Rig& rig, std::span<const Matte> mattes, c
   return {};
 }
 
+/// visual_hull() of either input.
+Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options, HullWorkspace& workspace,
+                     HullReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  report.clear();
+  if (Result<void> ok = check(options); !ok) return forward(ok);
+  if (Result<void> ok = check(rig); !ok) return forward(ok);
+  if (Result<void> ok = input.check(); !ok) return forward(ok);
+  Result<std::vector<std::string>> remarks = remark_on_subjects(rig, input);
+  if (!remarks) return forward(remarks);
+
+  report.remarks = std::move(*remarks);
+  bool octree = options.method == HullMethod::Octree;
+  if (!octree) {
+    const Result<bool> closed = exact_visual_hull(rig, input, options, workspace.impl(), report);
+    if (!closed) return forward(closed);
+    if (!*closed) {
+      report.remarks.push_back(
+          "the exact hull did not close: the octree made this one; please report the frame");
+      octree = true;
+    }
+  }
+  if (octree) {
+    if (Result<void> ok = octree_visual_hull(rig, input.mattes(), options, report); !ok) return forward(ok);
+  }
+  if (report.mesh.empty())
+    report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
+
+  if (options.care.wanted() && !report.mesh.empty()) care_for_hull(rig, input.mattes(), options, report);
+
+  const auto quality = std::chrono::steady_clock::now();
+  report.silhouette_iou.assign(rig.cameras.size(), std::numeric_limits<double>::quiet_NaN());
+  if (options.quality) {
+    const std::span<const Matte> mattes = input.mattes();
+    parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
+      if (!mattes[i].empty())
+        report.silhouette_iou[i] = iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
+    });
+  }
+  const auto end = std::chrono::steady_clock::now();
+  report.timings.quality = std::chrono::duration<double>(end - quality).count();
+  report.seconds = std::chrono::duration<double>(end - begin).count();
+  return {};
+}
+
+template <class Given>
+Result<HullReport> fresh_hull(const Rig& rig, std::span<const Given> given, const HullOptions& options,
+                              HullWorkspace* workspace) {
+  std::optional<HullWorkspace> own;
+  HullReport report;
+  if (Result<void> ok = visual_hull(rig, given, options, workspace ? *workspace : own.emplace(), report); !ok)
+    return forward(ok);
+  return report;
+}
+
 }  // namespace
 
 HullWorkspace::HullWorkspace() : impl_(std::make_unique<Impl>()) {}
@@ -141,53 +180,22 @@ void HullReport::clear() {
 
 Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                                HullWorkspace* workspace) {
-  std::optional<HullWorkspace> own;
-  HullReport report;
-  if (Result<void> ok = visual_hull(rig, mattes, options, workspace ? *workspace : own.emplace(), report); !ok)
-    return forward(ok);
-  return report;
+  return fresh_hull(rig, mattes, options, workspace);
+}
+
+Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
+                               HullWorkspace* workspace) {
+  return fresh_hull(rig, outlines, options, workspace);
 }
 
 Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                          HullWorkspace& workspace, HullReport& report) {
-  const auto begin = std::chrono::steady_clock::now();
-  report.clear();
-  if (Result<void> ok = check(options); !ok) return forward(ok);
-  if (Result<void> ok = check_inputs(rig, mattes); !ok) return forward(ok);
-  Result<std::vector<std::string>> remarks = remark_on_subjects(rig, mattes);
-  if (!remarks) return forward(remarks);
+  return hull_of(rig, HullInput(rig, mattes, options.threads), options, workspace, report);
+}
 
-  report.remarks = std::move(*remarks);
-  bool octree = options.method == HullMethod::Octree;
-  if (!octree) {
-    const Result<bool> closed = exact_visual_hull(rig, mattes, options, workspace.impl(), report);
-    if (!closed) return forward(closed);
-    if (!*closed) {
-      report.remarks.push_back(
-          "the exact hull did not close: the octree made this one; please report the frame");
-      octree = true;
-    }
-  }
-  if (octree) {
-    if (Result<void> ok = octree_visual_hull(rig, mattes, options, report); !ok) return forward(ok);
-  }
-  if (report.mesh.empty())
-    report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
-
-  if (options.care.wanted() && !report.mesh.empty()) care_for_hull(rig, mattes, options, report);
-
-  const auto quality = std::chrono::steady_clock::now();
-  report.silhouette_iou.assign(mattes.size(), std::numeric_limits<double>::quiet_NaN());
-  if (options.quality) {
-    parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
-      if (!mattes[i].empty())
-        report.silhouette_iou[i] = iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
-    });
-  }
-  const auto end = std::chrono::steady_clock::now();
-  report.timings.quality = std::chrono::duration<double>(end - quality).count();
-  report.seconds = std::chrono::duration<double>(end - begin).count();
-  return {};
+Result<void> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
+                         HullWorkspace& workspace, HullReport& report) {
+  return hull_of(rig, HullInput(rig, outlines, options.threads), options, workspace, report);
 }
 
 }  // namespace floatstage

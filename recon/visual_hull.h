@@ -12,6 +12,7 @@
 #include "core/mesh.h"
 #include "core/result.h"
 #include "core/rig.h"
+#include "core/silhouette.h"
 
 namespace floatstage {
 
@@ -157,6 +158,18 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, co
 /// report too, is used again. With one thread, the exact method, Strict or MofN votes, no volume, subjects inside the
 /// pictures, and neither quality nor care, the second frame of a size allocates nothing. On an error the report is empty.
 Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                         HullWorkspace& workspace, HullReport& report);
+
+/// The same from outlines (outline_of() in recon/outline.h), for where mattes stay with the cameras. outlines[i] belongs
+/// to rig.cameras[i], in its own, distorted pixels; one that knows nothing does not carve. They are taken as they are:
+/// options.contour_tolerance is for mattes. The hull is that of the mattes, bit for bit, as long as the outlines were
+/// found with its tolerance; with a volume that leaves a picture, to the outline's tolerance. Whatever compares
+/// silhouettes (Auto votes, quality, care, the octree) compares with the filled outlines, which hold no half opacity.
+/// Errors: those above; and BadData, with the camera's name, for an outline that is malformed or has its subject on the
+/// wrong side. One that crosses itself a little, as rounding on its way here may do, is mended.
+Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
+                               HullWorkspace* workspace = nullptr);
+Result<void> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
                          HullWorkspace& workspace, HullReport& report);
 
 }  // namespace floatstage

@@ -208,7 +208,7 @@ TEST(SilhouetteCones, HaveRaysThroughTheContourPoints) {
   ConeBuilder builder;
   SilhouetteCones cones;
   const std::vector<Matte> mattes = {square(10, 5, 8), Matte{}};
-  builder.build(rig, mattes, {}, cones);
+  builder.build(rig, HullInput(rig, std::span<const Matte>(mattes), 1), {}, cones);
   ASSERT_EQ(cones.views.size(), 1u) << "a camera without a matte has no cone";
   EXPECT_EQ(cones.camera[0], 0);
   EXPECT_NEAR((cones.views[0].center - Eigen::Vector3d(2, 1, 1)).norm(), 0, 1e-12);

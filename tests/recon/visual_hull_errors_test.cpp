@@ -50,7 +50,7 @@ TEST_P(VisualHullErrors, RefusesARigThatIsNotFinite) {
 }
 
 TEST_P(VisualHullErrors, RefusesARigWithoutCameras) {
-  EXPECT_THAT(visual_hull({}, {}, options), FailsWith(ErrorCode::BadData, "no camera"));
+  EXPECT_THAT(visual_hull({}, std::span<const Matte>{}, options), FailsWith(ErrorCode::BadData, "no camera"));
 }
 
 TEST_P(VisualHullErrors, SaysSoWhenNoCameraShowsASubject) {

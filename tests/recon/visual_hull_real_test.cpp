@@ -277,7 +277,7 @@ void expect_closed_when_disturbed(const MatteSet& set, double tolerance, int rou
   SilhouetteCones cones;
   ConeOptions options;
   options.tolerance = tolerance;
-  builder.build(set.rig, set.mattes, options, cones);
+  builder.build(set.rig, HullInput(set.rig, std::span<const Matte>(set.mattes), 1), options, cones);
   const std::optional<Eigen::AlignedBox3d> box = bounding_volume(set.rig, set.mattes);
   ASSERT_TRUE(box);
   add_volume(*box, cones);
