@@ -75,7 +75,13 @@ MatteMask read_mask(const json& value, const std::string& where, JsonProblem& pr
   JsonFields fields(value, where, problem);
   MatteMask mask;
   mask.label = read_label(fields, problem);
-  mask.polygon = read_points(fields, "polygon", 3, problem);
+  if (fields.has("brush")) {
+    mask.polygon = read_points(fields, "brush", 1, problem);
+    mask.radius = fields.number("radius");
+    if (!(mask.radius > 0 && mask.radius <= kFarthest)) problem.note(where, "the radius must be positive");
+  } else {
+    mask.polygon = read_points(fields, "polygon", 3, problem);
+  }
   if (fields.has("first")) mask.first = read_frame(fields, "first", problem);
   if (fields.has("last")) mask.last = read_frame(fields, "last", problem);
   if (mask.last && *mask.last < mask.first) problem.note(where, "the mask ends before it begins");
@@ -165,7 +171,10 @@ std::string to_json(const MatteEdits& edits) {
       out["keyframes"].push_back({{"frame", k.frame}, {"strokes", strokes}});
     }
     for (const MatteMask& m : camera.masks) {
-      ordered_json mask = {{"label", name_of(m.label)}, {"polygon", points_json(m.polygon)}, {"first", m.first}};
+      ordered_json mask = {{"label", name_of(m.label)}};
+      if (m.radius > 0) mask["radius"] = m.radius;
+      mask[m.radius > 0 ? "brush" : "polygon"] = points_json(m.polygon);
+      mask["first"] = m.first;
       if (m.last) mask["last"] = *m.last;
       out["masks"].push_back(std::move(mask));
     }
@@ -200,9 +209,15 @@ void paint_strokes(const std::vector<MatteStroke>& strokes, double scale, Image&
   }
 }
 
+bool holds_in(const MatteMask& mask, int frame) { return frame >= mask.first && (!mask.last || frame <= *mask.last); }
+
 void paint_masks(const std::vector<MatteMask>& masks, int frame, double scale, Image& map) {
   for (const MatteMask& mask : masks) {
-    if (frame < mask.first || (mask.last && frame > *mask.last)) continue;
+    if (!holds_in(mask, frame)) continue;
+    if (mask.radius > 0) {
+      paint_strokes({{mask.label, mask.radius, mask.polygon}}, scale, map);
+      continue;
+    }
     const std::uint8_t value = mask.label == MatteLabel::Foreground ? 255 : 0;
     for (int y = 0; y < map.height; ++y) {
       // Where the row's centre line crosses the outline; between the first and second crossing is inside, and so on.

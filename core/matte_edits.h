@@ -32,13 +32,14 @@ struct MatteKeyframe {
   bool operator==(const MatteKeyframe&) const = default;
 };
 
-/// A polygon that is background in every frame (a garbage mask: lamp stands, the edge of the cloth) or foreground in
+/// An area that is background in every frame (a garbage mask: lamp stands, the edge of the cloth) or foreground in
 /// every frame (a hold-out: a green prop). Stands still; nothing is carried along.
 struct MatteMask {
   MatteLabel label = MatteLabel::Background;
   std::vector<Eigen::Vector2d> polygon;  ///< px, at least three corners; even-odd where it crosses itself
   int first = 0;                         ///< first frame
   std::optional<int> last;               ///< last frame, included; absent: to the end
+  double radius = 0;                     ///< px; positive: `polygon` is the path of a brush instead, one point at least
   bool operator==(const MatteMask&) const = default;
 };
 
@@ -74,6 +75,7 @@ Result<void> save_matte_edits(const MatteEdits& edits, const std::filesystem::pa
 /// that its points lie in.
 void paint_strokes(const std::vector<MatteStroke>& strokes, double scale, Image& map);
 /// Likewise the masks that hold in `frame`.
+bool holds_in(const MatteMask& mask, int frame);
 void paint_masks(const std::vector<MatteMask>& masks, int frame, double scale, Image& map);
 
 }  // namespace floatstage

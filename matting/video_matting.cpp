@@ -59,6 +59,8 @@ Extent extent_of(const MatteOpinion& opinion) {
   return e;
 }
 
+Unexpected stopped() { return fail(ErrorCode::Cancelled, "stopped while mattes were carried along"); }
+
 }  // namespace
 
 Result<void> VideoMattingOptions::check() const {
@@ -101,6 +103,7 @@ struct VideoMatting::Impl {
   std::optional<ComponentStore> store;
   std::map<int, MatteOpinion> keyframes;
   std::vector<FrameState> states;
+  std::function<bool(int)> watch;  // of the propagate() that runs
 
   Result<Image> photograph(int frame) const;
   Result<Image> small(int frame) const;
@@ -180,6 +183,7 @@ Result<void> VideoMatting::Impl::walk(int first, int last, int direction, std::m
   auto closed_form = ClosedFormVideo::create();
   if (!closed_form) return forward(closed_form);
   for (int frame = first + direction; frame != last + direction; frame += direction) {
+    if (watch && !watch(frame)) return stopped();
     auto picture = small(frame);
     if (!picture) return forward(picture);
     auto guidance = carry(frame - direction, steps.at(frame - direction), *before, frame, *picture);
@@ -206,6 +210,7 @@ Result<void> VideoMatting::Impl::blend(int first, int last, std::map<int, Step>&
   auto before = small(first), picture = small(first + 1);
   if (!before) return forward(before);
   for (int frame = first + 1; frame < last; ++frame) {
+    if (watch && !watch(frame)) return stopped();
     if (!picture) return forward(picture);
     auto after = small(frame + 1);
     if (!after) return forward(after);
@@ -334,8 +339,9 @@ void VideoMatting::remove_keyframe(int frame) {
     for (auto& state : impl_->states) state = {};
 }
 
-Result<std::vector<int>> VideoMatting::propagate() {
+Result<std::vector<int>> VideoMatting::propagate(const std::function<bool(int)>& done, int from, int to) {
   Impl& s = *impl_;
+  s.watch = done;
   // Spans between neighbouring keyframes and the ends of what is usable; those with stale frames are made.
   std::vector<int> ends{0};
   for (const auto& [frame, opinion] : s.keyframes)
@@ -349,6 +355,7 @@ Result<std::vector<int>> VideoMatting::propagate() {
   if (ends.size() == 1) ends.push_back(ends.front());
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     const int first = ends[i], last = ends[i + 1];
+    if (last < from || first > to) continue;
     const bool stale = std::any_of(s.states.begin() + first, s.states.begin() + last + 1,
                                    [](const auto& state) { return state.matte.empty(); });
     if (!stale) continue;
@@ -367,7 +374,8 @@ Result<std::vector<int>> VideoMatting::propagate() {
       const Impl::Step& step = steps.at(frame);
       auto& state = s.states[static_cast<std::size_t>(frame)];
       state = {step.matte, {step.energy, 0, s.keyframes.contains(frame), step.fits}};
-      if (frame > 0) {
+      // A keyframe that begins this span is not filtered; the span before it may not be made yet.
+      if (frame > 0 && !s.states[static_cast<std::size_t>(frame - 1)].matte.empty()) {
         const MatteOpinion previous = guidance_from(s.states[static_cast<std::size_t>(frame - 1)].matte, before_picture,
                                                     *picture, s.options.flow);
         if (s.options.temporal_filter > 0 && !state.report.keyframe)
@@ -379,6 +387,20 @@ Result<std::vector<int>> VideoMatting::propagate() {
     }
   }
   return std::vector<int>(made.begin(), made.end());
+}
+
+Result<double> matte_flicker(const Image& photograph_before, const Image& matte_before, const Image& photograph,
+                             const Image& matte) {
+  constexpr double kPixels = 30000;
+  const auto fits = [&](const Image& i) { return i.width == photograph.width && i.height == photograph.height && !i.empty(); };
+  if (!fits(photograph_before) || !fits(matte_before) || !fits(matte) || matte.channels != 1 || matte_before.channels != 1)
+    return fail(ErrorCode::InvalidArgument, "the flicker of a matte needs photographs and mattes of one size");
+  const double scale = std::min(1.0, std::sqrt(kPixels / (static_cast<double>(matte.width) * matte.height)));
+  const int width = std::max(3, static_cast<int>(std::lround(matte.width * scale)));
+  const int height = std::max(3, static_cast<int>(std::lround(matte.height * scale)));
+  const MatteOpinion carried = guidance_from(scaled(matte_before, width, height), scaled(photograph_before, width, height),
+                                             scaled(photograph, width, height), CarryingFlow::Dis);
+  return flicker_between(scaled(matte, width, height), carried.opacity);
 }
 
 Result<Image> VideoMatting::working_matte(int frame) const {

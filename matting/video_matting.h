@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -95,7 +96,10 @@ class VideoMatting {
   /// Makes the stale mattes and returns their frames in order. Without keyframes and likelihood the first frame starts
   /// from guess_selection(). Errors: InvalidArgument when the first keyframe marks no subject and nothing else does;
   /// those of components() and the clip's callbacks. Frames made before an error stay.
-  Result<std::vector<int>> propagate();
+  /// Only spans between keyframes that reach into frames `first` to `last` are made. `done(frame)` is called on the way, for
+  /// some frames several times, and stops the work by returning false (Cancelled; spans that were finished stay).
+  Result<std::vector<int>> propagate(const std::function<bool(int frame)>& done = nullptr, int first = 0,
+                                     int last = std::numeric_limits<int>::max());
 
   /// A frame's matte in working size, or carried up to the photograph's size by the local affine colour model. Both
   /// NotFound when propagate() has not made it yet.
@@ -109,6 +113,11 @@ class VideoMatting {
   explicit VideoMatting(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// How much a matte jumps where the picture does not: mean |matte - previous matte carried along by flow|, 0..1, at about
+/// 200x150. The photographs have 1 or 3 channels, the mattes one; all are of one size (InvalidArgument else).
+Result<double> matte_flicker(const Image& photograph_before, const Image& matte_before, const Image& photograph,
+                             const Image& matte);
 
 /// Carries a small matte up to its photograph's size: opacity as an affine function of colour in small windows
 /// (He, Sun, "Fast Guided Filter", 2015; the model of the matting Laplacian). `photograph` has 1 or 3 channels and

@@ -155,6 +155,15 @@ Result<CameraKey> CameraKey::best(TakeReader& take, int camera, const fs::path& 
   return by_plate || !by_chroma ? std::move(by_plate) : std::move(by_chroma);
 }
 
+Result<CameraKey> CameraKey::for_method(TakeReader& take, int camera, const std::string& method, const fs::path& guide) {
+  if (method == "chroma") return chroma(take, camera);
+  if (method == "plate") return plate(take, camera);
+  Result<CameraKey> key = best(take, camera, guide);
+  const bool optional = method == "spectral" && guide.empty();
+  if (!key && optional && (key.error().code == ErrorCode::NotFound || key.error().code == ErrorCode::Unsupported)) return none();
+  return key;
+}
+
 Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
   if (kind_ == Kind::None) return Image();
   if (keyer_) {

@@ -32,6 +32,9 @@ class CameraKey {
   /// The guide when it is given; else chroma where cloth is most of the backdrop; else the plate; else chroma after all.
   static Result<CameraKey> best(TakeReader& take, int camera, const std::filesystem::path& guide);
 
+  /// The key that a method of `matte` starts from; none where spectral matting has to do without.
+  static Result<CameraKey> for_method(TakeReader& take, int camera, const std::string& method, const std::filesystem::path& guide);
+
   Kind kind() const { return kind_; }
   /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide", "none".
   const std::string& spec() const { return spec_; }

@@ -32,18 +32,28 @@ bool CameraMatter::follows() const {
   return std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(), [](const MatteKeyframe& k) { return !k.strokes.empty(); });
 }
 
-CameraMatter::Order CameraMatter::order() const {
-  Order order;
+void CameraMatter::follow(const std::function<bool()>& go_on, const std::function<Link(int frame, const Link& previous)>& visit) const {
   const int count = take_->frame_count();
-  if (!follows()) {
-    for (int f = 0; f < count; ++f) order.frames.push_back(f), order.anchors.push_back(-1);
-    return order;
-  }
-  // From the first keyframe to the end, later keyframes anew; then from the first back to the beginning.
-  const int first = std::clamp(edits_.keyframes.front().frame, 0, std::max(0, count - 1));
-  for (int f = first; f < count; ++f) order.frames.push_back(f), order.anchors.push_back(f == first ? -1 : f - 1);
-  for (int f = first - 1; f >= 0; --f) order.frames.push_back(f), order.anchors.push_back(f + 1);
-  return order;
+  // Later keyframes choose anew among the parts, but what nobody touches there goes on as it was.
+  const int first = std::clamp(follows() ? first_keyframe() : 0, 0, std::max(0, count - 1));
+  Link previous, at_first;
+  const auto step = [&](int frame) {
+    Link made = visit(frame, previous);
+    if (frame == first) at_first = made;
+    if (!made.matte.empty())
+      previous = std::move(made);
+    else
+      previous.changed = previous.changed || made.changed;
+  };
+  for (int f = first; f < count && go_on(); ++f) step(f);
+  previous = std::move(at_first);
+  for (int f = first - 1; f >= 0 && go_on(); --f) step(f);
+}
+
+int CameraMatter::first_keyframe() const {
+  for (const MatteKeyframe& k : edits_.keyframes)
+    if (!k.strokes.empty()) return k.frame;
+  return 0;
 }
 
 Image CameraMatter::said(int frame, int width, int height, bool strokes, bool masks) const {
@@ -54,8 +64,7 @@ Image CameraMatter::said(int frame, int width, int height, bool strokes, bool ma
   return map;
 }
 
-Result<Image> CameraMatter::finished(const std::string& method, const Image& rgb, const Image& key, int frame) const {
-  const Image known = said(frame, rgb.width, rgb.height, true, true);
+Result<Image> CameraMatter::finished(const std::string& method, const Image& rgb, const Image& key, const Image& known) const {
   Image matte = key;
   if (method == "closed-form") {
     RefineOptions options = key_refinement();
@@ -84,7 +93,7 @@ Result<Image> CameraMatter::matte(int frame, const Image& previous) const {
     const bool fits = previous.width == key->width && previous.height == key->height;
     *key = choose_islands(*key, fits ? previous : Image(), strokes, static_cast<int>(kReach * std::max(key->width, key->height)));
   }
-  return finished(method_, *rgb, *key, frame);
+  return finished(method_, *rgb, *key, said(frame, rgb->width, rgb->height, true, true));
 }
 
 MatteOpinion CameraMatter::strokes_of(const MatteKeyframe& keyframe, int width, int height) const {
@@ -111,7 +120,7 @@ Result<std::string> CameraMatter::chosen_method() const {
     if (key->empty()) continue;
     std::vector<Image> candidates;
     for (const std::string& method : methods) {
-      Result<Image> matte = finished(method, *rgb, *key, frame);
+      Result<Image> matte = finished(method, *rgb, *key, Image(rgb->width, rgb->height, 1, 128));
       if (!matte) return forward(matte);
       candidates.push_back(std::move(*matte));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ class CameraMatter {
  public:
   CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method);
 
-  /// Chooses among the methods by composite_residuals() on a few photographs; what `auto` is.
+  /// Chooses among the methods by composite_residuals() on a few photographs; what `auto` is. Edits have no say in it: a
+  /// stroke must not change the method of frames that it does not concern.
   Result<std::string> chosen_method() const;
 
   /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made before, or empty.
@@ -24,11 +26,14 @@ class CameraMatter {
 
   /// Whether matte() needs the neighbour's: a person has chosen among parts, and the choice is followed.
   bool follows() const;
-  /// The frames in the order in which they must be made; `anchors[i]` is the neighbour of the i-th, -1 for none.
-  struct Order {
-    std::vector<int> frames, anchors;
+  /// A matte on the way, and whether it differs from the one that was there before (for those who make only some again).
+  struct Link {
+    Image matte;
+    bool changed = false;
   };
-  Order order() const;
+  /// Goes from the first keyframe to the end and then from it back to the beginning. `visit(frame, previous)` gets what it
+  /// returned for the neighbour; a frame without a matte (a gap) is bridged. Stops when `go_on()` is false.
+  void follow(const std::function<bool()>& go_on, const std::function<Link(int frame, const Link& previous)>& visit) const;
 
   /// What a keyframe's strokes say, for the spectral engine.
   MatteOpinion strokes_of(const MatteKeyframe& keyframe, int width, int height) const;
@@ -42,7 +47,8 @@ class CameraMatter {
   void set_method(std::string method) { method_ = std::move(method); }
 
  private:
-  Result<Image> finished(const std::string& method, const Image& rgb, const Image& key, int frame) const;
+  Result<Image> finished(const std::string& method, const Image& rgb, const Image& key, const Image& known) const;
+  int first_keyframe() const;
   Image said(int frame, int width, int height, bool strokes, bool masks) const;
 
   TakeReader* take_;

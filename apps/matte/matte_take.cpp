@@ -65,15 +65,6 @@ class Run {
   std::optional<Error> fatal_;
 };
 
-Result<CameraKey> key_for(TakeReader& take, int camera, const MatteTakeOptions& options) {
-  if (options.method == "chroma") return CameraKey::chroma(take, camera);
-  if (options.method == "plate") return CameraKey::plate(take, camera);
-  Result<CameraKey> key = CameraKey::best(take, camera, options.guide);
-  const bool optional = options.method == "spectral" && options.guide.empty();
-  if (!key && optional && (key.error().code == ErrorCode::NotFound || key.error().code == ErrorCode::Unsupported)) return CameraKey::none();
-  return key;
-}
-
 Result<std::vector<Job>> jobs_of(const TakeReader& take, const MatteTakeOptions& options) {
   const std::vector<MatteMethod>& methods = matte_methods();
   std::string names;
@@ -112,19 +103,32 @@ Result<void> settle(const TakeReader& take, Job& job, const std::map<std::string
   return {};
 }
 
+// What an editor had not made again when it was interrupted is made like what is missing.
+Result<void> remove_stale(const TakeReader& take, Job& job) {
+  for (const int frame : job.record.stale) {
+    const fs::path file = take.layout().matte(job.serial, frame);
+    std::error_code error;
+    fs::remove(file, error);
+    if (error) return fail(ErrorCode::Io, text("cannot remove ", file.string(), ": ", error.message()));
+  }
+  job.record.stale.clear();
+  return {};
+}
+
 Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const MatteEdits& edits, Job& job) {
   const auto found = edits.cameras.find(job.serial);
   const CameraEdits mine = found == edits.cameras.end() ? CameraEdits() : found->second;
   const MatteEffort effort = effort_of(mine);
   job.report.keyframes = effort.keyframes;
   job.report.clicks = effort.clicks + effort.scribbles;
-  Result<CameraKey> key = key_for(take, job.camera, options);
+  Result<CameraKey> key = CameraKey::for_method(take, job.camera, options.method, options.guide);
   if (!key) return forward(key);
   if (!job.old_key.empty() && job.old_key != key->spec()) {  // a plate was shot since, or this program keys otherwise now
     if (!options.redo)
       return fail(ErrorCode::AlreadyExists, text("the mattes of camera '", job.serial, "' were made from the key ", job.old_key, ", which is now ", key->spec(), "; add --redo to make them again"));
     job.clear = true;
     job.record.chosen.clear();
+    job.record.stale.clear();
   }
   job.report.key = job.record.key = key->spec();
   job.matter.emplace(take, job.camera, std::move(*key), mine, options.method);
@@ -166,17 +170,29 @@ void make_spectral(TakeReader& take, Run& run, Job& job, int threads) {
     job.report.kept = take.frame_count();
     return;
   }
-  const fs::path cache = take.layout().mattes() / "spectral" / job.serial;
   Progress progress(text("mattes of ", job.serial), static_cast<std::size_t>(take.frame_count()));
-  const Result<void> ok = spectral_mattes(take, *job.matter, cache, threads, [&](int frame, Image matte) -> Result<void> {
-    progress.advance();
-    const fs::path file = take.layout().matte(job.serial, frame);
-    if (fs::exists(file)) return run.count(job.report.kept), Result<void>();
-    if (matte.empty()) return run.count(job.report.gaps), Result<void>();
-    if (Result<void> saved = save_png(matte, file); !saved) return saved;
-    run.count(job.report.made);
+  const auto make_all = [&]() -> Result<void> {
+    Result<SpectralTake> spectral = SpectralTake::create(take, job.camera, job.matter->key(), spectral_cache(take.layout(), job.serial), threads);
+    if (!spectral) return forward(spectral);
+    if (Result<void> ok = spectral->say(*job.matter); !ok) return ok;
+    const auto go_on = [](int) { return !interrupted(); };
+    if (Result<void> ok = spectral->prepare(go_on); !ok) return ok;
+    if (Result<void> ok = spectral->propagate(go_on, 0, take.frame_count() - 1); !ok) return ok;
+    for (int frame = 0; frame < take.frame_count() && !interrupted(); ++frame) {
+      progress.advance();
+      const fs::path file = take.layout().matte(job.serial, frame);
+      if (fs::exists(file)) {
+        run.count(job.report.kept);
+        continue;
+      }
+      Result<Image> matte = spectral->matte(*job.matter, frame);
+      if (!matte) return forward(matte);
+      if (Result<void> ok = matte->empty() ? Result<void>() : save_png(*matte, file); !ok) return ok;
+      run.count(matte->empty() ? job.report.gaps : job.report.made);
+    }
     return {};
-  });
+  };
+  const Result<void> ok = make_all();
   if (!ok && ok.error().code == ErrorCode::Io) return run.stop(ok.error());
   if (!ok && ok.error().code != ErrorCode::Cancelled) run.failed(job, 0, ok.error());
 }
@@ -201,15 +217,10 @@ void make_items(const TakeReader& take, Run& run, std::vector<Job>& jobs, int th
       if (!run.stopped()) make(take, run, job, items[i].frame, {});
       return progress.advance();
     }
-    const CameraMatter::Order order = job.matter->order();
-    Image previous, at_first;
-    for (std::size_t k = 0; k < order.frames.size() && !run.stopped(); ++k) {
-      if (k > 0 && order.frames[k] < order.frames[k - 1]) previous = std::exchange(at_first, {});  // back from the first keyframe
-      Image matte = make(take, run, job, order.frames[k], previous);
-      if (k == 0) at_first = matte;
-      if (!matte.empty()) previous = std::move(matte);  // a gap is bridged
+    job.matter->follow([&] { return !run.stopped(); }, [&](int frame, const CameraMatter::Link& previous) {
       progress.advance();
-    }
+      return CameraMatter::Link{make(take, run, job, frame, previous.matte)};
+    });
   });
 }
 
@@ -301,9 +312,9 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   });
   if (Result<void> ok = run.result(); !ok) return forward(ok);
   // Only now that every camera has a key may old mattes go.
-  for (const Job& job : *jobs) {
+  for (Job& job : *jobs) {
     const fs::path folder = take.layout().mattes() / job.serial;
-    if (Result<void> ok = job.clear ? clear_for_redo(folder) : Result<void>(); !ok) return forward(ok);
+    if (Result<void> ok = job.clear ? clear_for_redo(folder) : remove_stale(take, job); !ok) return forward(ok);
     if (Result<void> ok = make_folder(folder); !ok) return forward(ok);
     all[job.serial] = job.record;
   }

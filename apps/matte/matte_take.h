@@ -13,8 +13,8 @@ namespace floatstage {
 struct MatteTakeOptions {
   std::filesystem::path take;
   std::string method = "auto";       ///< one of matte_methods()
-  std::filesystem::path guide;       ///< others' mattes to start from: <serial>/<frame>.png; empty: none
-  std::vector<std::string> cameras;  ///< serials; empty: all
+  std::filesystem::path guide = {};  ///< others' mattes to start from: <serial>/<frame>.png; empty: none
+  std::vector<std::string> cameras = {};  ///< serials; empty: all
   int threads = 0;                   ///< 0: one per core
   bool redo = false;                 ///< make the cameras again that were made otherwise (method, guide, edits)
   int hull_frames = 8;               ///< instants, spread over the take, at which silhouettes are checked; 0: none

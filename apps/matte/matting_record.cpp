@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -38,14 +39,22 @@ Result<std::map<std::string, CameraRecord>> load_matting(const TakeLayout& layou
       if (!camera.contains(f.name) || !camera[f.name].is_string()) return bad();
       record[serial].*f.field = camera[f.name].get<std::string>();
     }
+    if (!camera.contains("stale")) continue;
+    if (!camera["stale"].is_array()) return bad();
+    for (const json& frame : camera["stale"]) {
+      if (!frame.is_number_integer() || frame.get<std::int64_t>() < 0 || frame.get<std::int64_t>() > std::numeric_limits<int>::max()) return bad();
+      record[serial].stale.insert(frame.get<int>());
+    }
   }
   return record;
 }
 
 Result<void> save_matting(const std::map<std::string, CameraRecord>& record, const TakeLayout& layout) {
   json j = json::object();
-  for (const auto& [serial, camera] : record)
+  for (const auto& [serial, camera] : record) {
     for (const auto& f : kFields) j[serial][f.name] = camera.*f.field;
+    if (!camera.stale.empty()) j[serial]["stale"] = camera.stale;
+  }
   return write_file(file_of(layout), j.dump(2) + "\n");
 }
 

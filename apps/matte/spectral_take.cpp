@@ -1,63 +1,86 @@
 #include "apps/matte/spectral_take.h"
 
-#include "apps/interrupt.h"
+#include <algorithm>
+
 #include "core/text.h"
-#include "matting/video_matting.h"
 
 namespace floatstage {
 namespace {
 
 // A gap shows what was seen last, or first: the engine wants a picture for every frame.
-Result<Frame> nearest_photograph(TakeReader& take, int camera, int frame) {
+Result<Image> nearest_photograph(TakeReader& take, int camera, int frame) {
   for (int away = 0; away < take.frame_count(); ++away)
     for (const int f : {frame - away, frame + away}) {
       if (f < 0 || f >= take.frame_count()) continue;
       Result<Frame> photograph = take.frame(camera, f);
-      if (!photograph || !photograph->empty()) return photograph;
+      if (!photograph) return forward(photograph);
+      if (!photograph->empty()) return to_rgb(*photograph);
     }
   return fail(ErrorCode::NotFound, "the camera has no photograph at all");
 }
 
 }  // namespace
 
-Result<void> spectral_mattes(TakeReader& take, const CameraMatter& matter, const std::filesystem::path& cache, int threads,
-                             const std::function<Result<void>(int frame, Image matte)>& done) {
-  const int camera = matter.camera();
+Result<SpectralTake> SpectralTake::create(TakeReader& take, int camera, const CameraKey& key, const std::filesystem::path& cache, int threads) {
   MattingClip clip;
   clip.frames = take.frame_count();
-  clip.photograph = [&](int frame) -> Result<Image> {
-    Result<Frame> photograph = nearest_photograph(take, camera, frame);
-    if (!photograph) return forward(photograph);
-    return to_rgb(*photograph);
-  };
-  if (matter.key().kind() != CameraKey::Kind::None)
-    clip.likelihood = [&](int frame) -> Result<MatteOpinion> {
+  clip.photograph = [&take, camera](int frame) { return nearest_photograph(take, camera, frame); };
+  if (key.kind() != CameraKey::Kind::None)
+    clip.likelihood = [&take, camera, key](int frame) -> Result<MatteOpinion> {
       Result<Frame> photograph = take.frame(camera, frame);
       if (!photograph) return forward(photograph);
       if (photograph->empty()) return MatteOpinion();
-      Result<Image> key = matter.key().key(*photograph, frame);
-      if (!key) return forward(key);
-      return MatteOpinion{std::move(*key), {}};
+      Result<Image> opacity = key.key(*photograph, frame);
+      if (!opacity) return forward(opacity);
+      return MatteOpinion{std::move(*opacity), {}};
     };
   VideoMattingOptions options;
   options.threads = threads;
   Result<VideoMatting> video = VideoMatting::create(std::move(clip), cache, options);
   if (!video) return forward(video);
-  for (const MatteKeyframe& keyframe : matter.edits().keyframes)
-    if (!keyframe.strokes.empty())
-      if (Result<void> ok = video->set_keyframe(keyframe.frame, matter.strokes_of(keyframe, video->width(), video->height())); !ok) return ok;
-  if (Result<void> ok = video->prepare([](int) { return !interrupted(); }); !ok) return ok;
-  Result<std::vector<int>> made = video->propagate();
-  if (!made) return forward(made);
-  for (int frame = 0; frame < video->frames() && !interrupted(); ++frame) {
-    Result<Frame> photograph = take.frame(camera, frame);
-    if (!photograph) return forward(photograph);
-    Result<Image> matte = photograph->empty() ? Image() : video->matte(frame);
-    if (!matte) return forward(matte);
-    if (!matte->empty()) matter.mask(frame, *matte);
-    if (Result<void> ok = done(frame, std::move(*matte)); !ok) return ok;
+  return SpectralTake(take, camera, std::move(*video));
+}
+
+Result<void> SpectralTake::say(const CameraMatter& matter) {
+  std::vector<MatteKeyframe> wanted;
+  for (const MatteKeyframe& k : matter.edits().keyframes)
+    if (!k.strokes.empty()) wanted.push_back(k);
+  const auto has = [](const std::vector<MatteKeyframe>& all, const auto& fits) { return std::any_of(all.begin(), all.end(), fits); };
+  for (const MatteKeyframe& old : said_)
+    if (!has(wanted, [&](const MatteKeyframe& k) { return k.frame == old.frame; })) video_.remove_keyframe(old.frame);
+  std::vector<MatteKeyframe> before = std::exchange(said_, {});
+  for (const MatteKeyframe& k : wanted) {
+    if (!has(before, [&](const MatteKeyframe& old) { return old == k; }))
+      if (Result<void> ok = video_.set_keyframe(k.frame, matter.strokes_of(k, video_.width(), video_.height())); !ok) return ok;
+    said_.push_back(k);
   }
-  return interrupted() ? Result<void>(cancelled()) : Result<void>();
+  return {};
+}
+
+Result<void> SpectralTake::propagate(const std::function<bool(int)>& done, int first, int last) {
+  const Result<std::vector<int>> made = video_.propagate(done, first, last);
+  return made ? Result<void>() : Result<void>(forward(made));
+}
+
+Result<Image> SpectralTake::matte(const CameraMatter& matter, int frame) const {
+  Result<Frame> photograph = take_->frame(camera_, frame);
+  if (!photograph) return forward(photograph);
+  if (photograph->empty()) return Image();
+  Result<Image> matte = video_.matte(frame);
+  if (matte) matter.mask(frame, *matte);
+  return matte;
+}
+
+Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame, const std::filesystem::path& cache) {
+  MattingClip clip;
+  clip.frames = 1;
+  clip.photograph = [&](int) { return nearest_photograph(take, camera, frame); };
+  VideoMattingOptions options;
+  options.threads = 1;
+  Result<VideoMatting> video = VideoMatting::create(std::move(clip), cache, options);
+  if (!video) return forward(video);
+  if (Result<void> ok = video->prepare(); !ok) return forward(ok);
+  return video->components(0);
 }
 
 }  // namespace floatstage

@@ -16,6 +16,7 @@ MatteEdits some_edits() {
   camera.keyframes.push_back({17, {}});
   camera.masks.push_back({MatteLabel::Background, {{0, 0}, {10, 0}, {10, 8}}, 2, 9});
   camera.masks.push_back({MatteLabel::Foreground, {{1, 1}, {2, 1}, {2, 2}, {1, 2}}, 0, std::nullopt});
+  camera.masks.push_back({MatteLabel::Background, {{7.25, 3}}, 4, 4, 6.5});
   return {{{"cam01", camera}, {"cam02", {}}}};
 }
 
@@ -39,7 +40,7 @@ TEST(MatteEdits, CountAPersonsWork) {
   EXPECT_EQ(effort.keyframes, 2);
   EXPECT_EQ(effort.clicks, 1);
   EXPECT_EQ(effort.scribbles, 1);
-  EXPECT_EQ(effort.masks, 2);
+  EXPECT_EQ(effort.masks, 3);
 }
 
 struct Fault {
@@ -56,6 +57,10 @@ TEST(MatteEdits, NameTheCameraAndTheFault) {
       {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1]]}]}}})", "at least 3"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1], [1, 1e9]]}]}}})", "far outside"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1], [0, 1]], "first": 5, "last": 4}]}}})", "before it begins"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": []}]}}})", "at least 1"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]]}]}}})", "radius"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]], "radius": -1}]}}})", "radius"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]], "radius": 1, "polygon": []}]}}})", "polygon"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"keyfarmes": []}}})", "keyfarmes"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "radius": 0, "points": [[1, 2]]}]}]}}})", "radius"}};
   for (const Fault& fault : faults) {
@@ -100,6 +105,17 @@ TEST(PaintMasks, CutsAPolygonOffAtThePicturesEdge) {
   Image map(10, 10, 1, 128);
   paint_masks({{MatteLabel::Foreground, {{-100, -100}, {100, -100}, {100, 100}, {-100, 100}}, 0, {}}}, 0, 1, map);
   EXPECT_EQ(count(map, 255), 100);
+}
+
+TEST(PaintMasks, PaintABrushAsItWasDrawn) {
+  MatteMask mask{MatteLabel::Background, {{10, 15}, {30, 15}}, 3, 5, 2};
+  Image map(40, 30, 1, 128), stroke(40, 30, 1, 128);
+  paint_masks({mask}, 2, 1, map);
+  EXPECT_EQ(count(map, 0), 0) << "before it begins";
+  paint_masks({mask}, 4, 1, map);
+  paint_strokes({{MatteLabel::Background, 2, {{10, 15}, {30, 15}}}}, 1, stroke);
+  EXPECT_GT(count(map, 0), 80);
+  EXPECT_EQ(map, stroke);
 }
 
 }  // namespace

@@ -112,6 +112,40 @@ TEST_F(VideoMattingOfADisc, MakesOnlyWhatIsStaleBetweenKeyframes) {
   EXPECT_THAT(video.propagate(), IsOkAnd(testing::Eq(range(4, 9))));
 }
 
+TEST_F(VideoMattingOfADisc, MakesASpanAloneAsItMakesItWithTheOthers) {
+  VideoMatting whole = prepared(), part = prepared();
+  for (VideoMatting* video : {&whole, &part})
+    for (int frame : {2, 6, 10}) ASSERT_THAT(video->set_keyframe(frame, {frame_of(frame).alpha, {}}), IsOk());
+  ASSERT_THAT(whole.propagate(), IsOk());
+  EXPECT_THAT(part.propagate(nullptr, 7, 9), IsOkAnd(testing::Eq(range(6, 10))));
+  for (int frame = 6; frame <= 10; ++frame) EXPECT_EQ(matte_at(part, frame), matte_at(whole, frame)) << frame;
+  EXPECT_THAT(part.working_matte(3), FailsWith(ErrorCode::NotFound, "frame 3"));
+  ASSERT_THAT(part.propagate(), IsOk());
+  for (int frame = 0; frame < kFrames; ++frame) EXPECT_EQ(matte_at(part, frame), matte_at(whole, frame)) << frame;
+}
+
+TEST_F(VideoMattingOfADisc, StopsOnTheWayAndGoesOn) {
+  VideoMatting video = prepared();
+  ASSERT_THAT(video.set_keyframe(0, {frame_of(0).alpha, {}}), IsOk());
+  int calls = 0;
+  EXPECT_THAT(video.propagate([&](int) { return ++calls < 4; }), FailsWith(ErrorCode::Cancelled, "stopped"));
+  EXPECT_EQ(calls, 4);
+  EXPECT_THAT(video.propagate(), IsOkAnd(testing::SizeIs(kFrames)));
+}
+
+TEST(MatteFlicker, SeesAMatteJumpButNotTheSubjectMove) {
+  const DiscPicture a = disc_picture(kWidth, kHeight, 0), b = disc_picture(kWidth, kHeight, 3);
+  const Result<double> moved = matte_flicker(a.rgb, a.alpha, b.rgb, b.alpha), still = matte_flicker(a.rgb, a.alpha, a.rgb, a.alpha);
+  const Result<double> gone = matte_flicker(a.rgb, a.alpha, b.rgb, Image(kWidth, kHeight, 1));
+  ASSERT_THAT(moved, IsOk());
+  ASSERT_THAT(still, IsOk());
+  ASSERT_THAT(gone, IsOk());
+  EXPECT_LT(*still, 1e-3);
+  EXPECT_LT(*moved, 0.02);
+  EXPECT_GT(*gone, 5 * *moved);
+  EXPECT_THAT(matte_flicker(a.rgb, a.alpha, b.rgb, Image(3, 3, 1)), FailsWith(ErrorCode::InvalidArgument, "one size"));
+}
+
 TEST_F(VideoMattingOfADisc, DoesNotDependOnTheOrderOfEdits) {
   VideoMatting together = prepared(), one_by_one = prepared();
   for (int frame : {3, 11}) ASSERT_THAT(together.set_keyframe(frame, {frame_of(frame).alpha, {}}), IsOk());
