@@ -14,8 +14,8 @@
 #include "capture/source_meter.h"
 #include "capture/source_uri.h"
 #include "capture/studio_clock.h"
-#include "capture/v4l2/jpeg.h"
 #include "capture/v4l2/v4l2_device.h"
+#include "core/jpeg.h"
 #include "core/text.h"
 
 namespace floatstage {

@@ -1,4 +1,4 @@
-#include "capture/v4l2/jpeg.h"
+#include "core/jpeg.h"
 
 #include <memory>
 
@@ -13,6 +13,10 @@ namespace {
 
 struct Destroy {
   void operator()(void* handle) const { tjDestroy(handle); }
+};
+
+struct Free {
+  void operator()(unsigned char* bytes) const { tjFree(bytes); }
 };
 
 }  // namespace
@@ -35,6 +39,19 @@ Result<Image> decode_jpeg(std::span<const std::byte> jpeg, int width, int height
                     TJFLAG_STOPONWARNING) != 0)
     return fail(ErrorCode::BadData, text("a damaged JPEG (", tjGetErrorStr2(handle.get()), ")"));
   return image;
+}
+
+std::string encode_jpeg(const Image& rgb, int quality) {
+  FLOATSTAGE_CHECK(rgb.channels == 3 && !rgb.empty(), "a JPEG is made of an RGB picture");
+  const std::unique_ptr<void, Destroy> handle(tjInitCompress());
+  FLOATSTAGE_CHECK(handle, "libturbojpeg has no memory");
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  const int failed = tjCompress2(handle.get(), rgb.pixels.data(), rgb.width, 0, rgb.height, TJPF_RGB, &bytes,
+                                 &size, TJSAMP_444, quality, 0);
+  const std::unique_ptr<unsigned char, Free> owned(bytes);
+  FLOATSTAGE_CHECK(failed == 0, text("libturbojpeg: ", tjGetErrorStr2(handle.get())));
+  return {reinterpret_cast<const char*>(bytes), size};
 }
 
 }  // namespace floatstage
