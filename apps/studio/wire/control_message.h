@@ -7,15 +7,10 @@
 
 #include "apps/studio/studio_control.h"
 #include "apps/studio/wire/message.h"
+#include "apps/studio/wire/status_json.h"
 #include "core/result.h"
 
 namespace floatstage::wire {
-
-/// The JSON of a node's status: of the network, and of the node's page.
-std::string to_json(const NodeStatus& status);
-Result<NodeStatus> parse_node_status(std::string_view json);
-std::string to_json(const std::vector<NodeTake>& takes);
-Result<std::vector<NodeTake>> parse_node_takes(std::string_view json);
 
 /// What a node tells everybody, once a second.
 Result<std::string> encode_status(const NodeStatus& status);
