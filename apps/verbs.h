@@ -22,6 +22,7 @@ void add_import(CLI::App& app, Chosen& chosen);
 void add_matte(CLI::App& app, Chosen& chosen);
 void add_matte_image(CLI::App& app, Chosen& chosen);
 void add_hull(CLI::App& app, Chosen& chosen);
+void add_keys(CLI::App& app, Chosen& chosen);
 void add_process(CLI::App& app, Chosen& chosen);
 void add_render(CLI::App& app, Chosen& chosen);
 void add_evaluate(CLI::App& app, Chosen& chosen);

@@ -49,6 +49,19 @@ TEST(CommandLine, EndsWithTheUsageCodeAfterATypo) {
   EXPECT_EQ(floatstage("process").code, 2) << "the take is missing";
 }
 
+TEST(CommandLine, MakesAStudiosKeysOnce) {
+  const TempFolder folder;
+  const std::string file = (folder / "studio.keys").string();
+  EXPECT_EQ(floatstage("keys --out " + file).code, 0);
+  const Result<std::string> keys = read_file(file);
+  ASSERT_THAT(keys, IsOk());
+  EXPECT_THAT(*keys, AllOf(HasSubstr("public = "), HasSubstr("secret = ")));
+  const Ended again = floatstage("keys --out " + file);
+  EXPECT_NE(again.code, 0);
+  EXPECT_THAT(again.output, HasSubstr("never written over"));
+  EXPECT_EQ(*read_file(file), *keys);
+}
+
 TEST(CommandLine, NamesTheMissingTakeAndEndsWithItsCode) {
   for (const char* verb : {"process", "evaluate", "render --orbit --out /tmp/never-written.mp4"}) {
     const Ended ended = floatstage(std::string(verb) + " /no/such/take");

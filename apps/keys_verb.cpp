@@ -1,0 +1,27 @@
+#include <cstdio>
+#include <filesystem>
+
+#include "apps/studio/wire/keys.h"
+#include "apps/verbs.h"
+
+namespace floatstage {
+namespace {
+
+Result<void> run(const std::filesystem::path& file) {
+  const Result<wire::StudioKeys> keys = wire::make_keys();
+  if (!keys) return forward(keys);
+  if (Result<void> saved = wire::save_keys(*keys, file); !saved) return saved;
+  std::printf("%s: copy it to the studio's machines, and to no other\n", file.c_str());
+  return {};
+}
+
+}  // namespace
+
+void add_keys(CLI::App& app, Chosen& chosen) {
+  auto file = std::make_shared<std::filesystem::path>();
+  CLI::App* verb = app.add_subcommand("keys", "Makes the keys with which a studio's machines know one another");
+  verb->add_option("--out", *file, "A new file; only its owner can read it")->required();
+  verb->callback([file, &chosen] { chosen.run = [file] { return run(*file); }; });
+}
+
+}  // namespace floatstage
