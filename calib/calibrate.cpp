@@ -9,6 +9,7 @@
 #include "calib/solver/covariance.h"
 #include "calib/solver/failures.h"
 #include "calib/solver/gauge.h"
+#include "calib/solver/holdout.h"
 #include "calib/solver/quality.h"
 #include "calib/solver/stages.h"
 #include "calib/solver/start.h"
@@ -35,13 +36,6 @@ Result<void> find_intrinsics(Scene& scene, int threads) {
   for (const Result<void>& r : results)
     if (!r) return r;
   return {};
-}
-
-void place_scene(Scene& scene, bool held_out, bool placed) {
-  for (solver::SceneBoard& b : scene.boards)
-    if (b.held_out == held_out) b.placed = placed;
-  for (solver::SceneMarkers& m : scene.markers)
-    if (m.held_out == held_out) m.placed = placed;
 }
 
 // How far cameras are from where they are said to have been.
@@ -99,20 +93,14 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
   for (const solver::CameraPair& p : *pairs) out.links.push_back({p.a, p.b, p.frames, p.points, p.in_tree});
 
   solver::select_inliers(scene, 1e12);  // what lies behind a camera at the start takes no part
-  solver::BundleOptions used;
-  std::vector<double> holdout(scene.cameras.size(), 0.0);
-  const bool holds_out = solver::choose_held_out(scene, options.holdout_every);
-  if (holds_out) place_scene(scene, true, false);
-  used = solver::solve_in_stages(scene, options);
-  if (holds_out) {
-    holdout = solver::predict_held_out(scene, observations, options);
-    used = solver::solve_again(scene, options);
-  }
+  const solver::BundleOptions used = solver::solve_in_stages(scene, options);
+  const std::vector<double> holdout = solver::holdout_errors(scene, observations, options);
   out.failures = solver::late_cameras(scene, options);
 
   Eigen::MatrixXd covariance = solver::camera_covariance(scene, used);
   if (Result<void> ok = solver::set_gauge(scene, observations, covariance, out.remarks); !ok) return forward(ok);
   out.reference = scene.reference;
+  out.jitter_ms = 1e3 * scene.jitter_sigma;
   out.errors = solver::point_errors(scene, observations);
   out.cameras = solver::camera_qualities(scene, out.errors, covariance);
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
@@ -120,7 +108,7 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
     CameraModel model = solver::unpack(from.intrinsics, from.lens, from.width, from.height);
     if (from.intrinsics_fixed) model = observations.cameras[c].model;
     out.rig.cameras.push_back({from.serial, model, from.cam_from_world, {}});
-    out.cameras[c].holdout_px = holdout[c];
+    if (!holdout.empty()) out.cameras[c].holdout_px = holdout[c];
   }
   out.lengths = solver::measure_lengths(scene);
   out.scale = solver::merged(out.lengths);

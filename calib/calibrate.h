@@ -13,7 +13,7 @@ namespace floatstage {
 
 struct CalibrationOptions {
   bool time_offsets = false;   ///< solve for when each camera exposes, from how targets move; needs times and consecutive frames
-  int holdout_every = 5;       ///< each fifth frame is kept from a first solution and predicted by it; 0: none
+  int holdout_every = 5;       ///< each fifth frame is kept from a solution and predicted by it, in small captures all in turn; 0: none
   double outlier_sigmas = 4.5; ///< a point further off than this many of its camera's sigmas is left out
   int threads = 0;             ///< 0: one a core; the result is the same
   /// Bars: what the named failures are measured against.
@@ -47,7 +47,7 @@ struct CameraQuality {
   int views = 0, points = 0, outliers = 0;
   double rms_px = 0;       ///< of the pixel errors' lengths, inliers
   double p95_px = 0;       ///< 95th percentile of the lengths, outliers too
-  double holdout_px = 0;   ///< RMS in frames that had no part in the solution; 0 when none were held out
+  double holdout_px = 0;   ///< RMS in frames that had no part in the solution that predicts them; 0 when none were held out
   double depth_ratio = 0;  ///< 0: saw no board
   double tilt_degrees = 0;
   double covered = 0;      ///< share of the picture's 8×6 cells in which a point was seen
@@ -95,6 +95,7 @@ struct Calibration {
   std::vector<CameraQuality> cameras;
   std::vector<LengthQuality> lengths;  ///< a row a target that was measured
   LengthQuality scale;                 ///< all of them
+  double jitter_ms = 0;                ///< how far pictures stray from their instants (sigma); 0 unless time offsets are solved for
   std::vector<CameraLink> links;
   std::vector<NamedFailure> failures;
   std::vector<std::string> remarks;

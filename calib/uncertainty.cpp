@@ -27,6 +27,7 @@ bool derivative(const RigCamera& camera, const Eigen::Vector3d& in_world, Row& o
 
 ProjectionUncertainty::ProjectionUncertainty(const Calibration& calibration, const std::vector<Eigen::Vector3d>& volume)
     : rig_(calibration.rig), covariance_(calibration.covariance) {
+  if (calibration.reference < 0) return;  // the world is given: its motion would be seen
   const Index size = covariance_.rows();
   // What a motion of the whole world (rotation vector, translation) does to the cameras' parameters.
   MatrixXd motion = MatrixXd::Zero(size, 6);

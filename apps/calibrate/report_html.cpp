@@ -82,6 +82,8 @@ std::string report_html(const Calibration& c, const Verdict& v, const ReportCont
     out += "<h2>Cameras</h2>" + camera_table(c);
     out += text("<p>± are standard deviations of the solution; of poses, ",
                 c.reference >= 0 ? "relative to camera " + escaped(c.rig.cameras[static_cast<std::size_t>(c.reference)].serial) : std::string("in the given world"), ".</p>");
+    if (c.jitter_ms > 0)
+      out += text("<p>Pictures stray by ", rounded(c.jitter_ms, 1), " ms (one standard deviation) from their cameras' instants.</p>");
     out += "<h2>Known lengths, measured by the cameras alone</h2>" + length_table(c);
     out += "<h2>Cameras from above</h2>" + figure(graph_picture(c), "Lines join cameras that saw the target together; the start went along the dark ones.");
     const ProjectionUncertainty uncertainty(c, target_volume(c));

@@ -61,6 +61,7 @@ nlohmann::json report_json(const Calibration& c, const Verdict& v, const ReportC
   return {{"pass", v.pass},     {"cameras", cameras},   {"scale", scale},
           {"lengths", lengths}, {"failures", failures}, {"bars", bars},
           {"links", links},     {"remarks", remarks},   {"detection", context.detection},
+          {"jitter_ms", c.jitter_ms},
           {"reference", c.reference >= 0 ? Json(c.rig.cameras[static_cast<std::size_t>(c.reference)].serial) : Json(nullptr)},
           {"detection_seconds", context.detection_seconds}, {"seconds", c.seconds}};
 }

@@ -171,6 +171,7 @@ void read_bars(Table t, CalibrationBars& b) {
   t.number("scale_bias_mm", b.scale_bias_mm, 0, kLarge);
   t.number("focal_sigma_percent", b.focal_sigma_percent, 0, kLarge);
   t.number("rotation_sigma_degrees", b.rotation_sigma_degrees, 0, kLarge);
+  t.number("projection_sigma_px", b.projection_sigma_px, 0, kLarge);
   t.refuse_others();
 }
 

@@ -20,7 +20,8 @@ struct CalibrationBars {
   double scale_rms_mm = 2;            ///< of known lengths, measured by the cameras alone
   double scale_bias_mm = 0.5;         ///< their mean error
   double focal_sigma_percent = 0.5;   ///< of every camera that was solved for
-  double rotation_sigma_degrees = 0.1;
+  double rotation_sigma_degrees = 0.1;  ///< of every camera against the reference camera
+  double projection_sigma_px = 0.5;     ///< of where every camera sees the volume of the targets; the choice of a reference changes nothing
 };
 
 struct SessionCamera {

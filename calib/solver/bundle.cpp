@@ -294,7 +294,7 @@ void add_cameras(ceres::Problem& problem, Workspace& w, const std::vector<bool>&
 
 Eigen::Matrix<double, 6, 1> motion_weights(const SceneBoard& b) {
   Vector6 weights;
-  weights << Eigen::Vector3d::Constant(1 / (b.motion_doubt * kSpinDoubt)), Eigen::Vector3d::Constant(1 / (b.motion_doubt * kVelocityDoubt));
+  weights << Eigen::Vector3d::Constant(1 / b.spin_doubt), Eigen::Vector3d::Constant(1 / b.velocity_doubt);
   return weights;
 }
 

@@ -52,17 +52,39 @@ Matrix3d left_jacobian(const Vector3d& v) {
   return Matrix3d::Identity() + (1 - std::cos(angle)) / (angle * angle) * x + (angle - std::sin(angle)) / (angle * angle * angle) * x * x;
 }
 
+// Instead of a number more to solve for, its direction counts less: of rows r + j (τ - τ₀) with τ ~ N(0, σ²) what is left
+// without τ has the covariance I + σ² j jᵀ, by whose root rows are divided.
+void eliminate_jitter(const SceneView& v, double sigma, LinearView& out) {
+  const double square = out.by_offset.squaredNorm(), known = 1 + sigma * sigma * square;
+  out.jitter = 0;
+  out.jitter_sigma = sigma;
+  if (!(square > 0)) return;
+  out.residual -= out.by_offset * v.jitter;
+  out.jitter = -sigma * sigma * out.by_offset.dot(out.residual) / known;
+  out.jitter_sigma = sigma / std::sqrt(known);
+  const Eigen::VectorXd along = out.by_offset / std::sqrt(square);
+  const double less = 1 - 1 / std::sqrt(known);
+  const auto divide = [&](auto& rows) { rows -= (less * along) * (along.transpose() * rows).eval(); };
+  divide(out.residual);
+  divide(out.by_intrinsics);
+  divide(out.by_camera);
+  divide(out.by_object);
+  divide(out.by_offset);
+}
+
 void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool with_derivatives, LinearView& out) {
   const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
   const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
   const Target& target = scene.targets[static_cast<std::size_t>(board.target)];
-  const double dt = v.lag + camera.offset;
+  const double dt = v.lag + v.jitter + camera.offset;
   const Rigid3 world_from_target = board.at(dt);
   const Rigid3 from_target = camera.cam_from_world * world_from_target;
   const Matrix3d turn = from_target.rotation.toRotationMatrix();
 
   const auto kept = std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
   Eigen::Matrix<double, Eigen::Dynamic, kBoardRows> rows(2 * kept, kBoardRows);
+  const bool jitters = board.has_motion && scene.jitter_sigma > 0;
+  const bool needs_rows = with_derivatives || jitters;
   Eigen::Index row = 0;
   double cost = 0;
   Projected projected;
@@ -74,7 +96,7 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
     const Vector2d residual = (projected.pixel - p.pixel) * weight;
     const Robust r = robust(loss, residual.squaredNorm());
     cost += (r.scale * residual).squaredNorm();
-    if (!with_derivatives) continue;
+    if (!needs_rows) continue;
     auto block = rows.middleRows<2>(row);
     block.leftCols<kIntrinsics>() = weight * projected.by_intrinsics;
     block.middleCols<3>(kIntrinsics) = -weight * projected.by_point * cross_matrix(in_camera);
@@ -84,7 +106,7 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
     row += 2;
   }
   out.valid = true;
-  if (!with_derivatives) {  // only the sum of squares is asked for
+  if (!needs_rows) {  // only the sum of squares is asked for
     out.residual = Eigen::VectorXd::Zero(kBoardRows);
     out.residual[0] = std::sqrt(cost);
     return;
@@ -118,6 +140,7 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
   if (!board.free_motion) out.by_object.resize(kBoardRows, 6);
   out.by_object.leftCols<6>() = by_twist * of_board;
   out.by_offset = by_twist * motion;
+  if (jitters) eliminate_jitter(v, scene.jitter_sigma, out);
 }
 
 void linearize_markers(const Scene& scene, const SceneView& v, Loss loss, LinearView& out) {

@@ -24,6 +24,8 @@ struct LinearView {
   Eigen::Matrix<double, Eigen::Dynamic, 6> by_camera;
   Eigen::MatrixXd by_object;  ///< 6 columns for a board, 12 when its spin and velocity are solved for too, 3 a marker
   Eigen::VectorXd by_offset;  ///< per second
+  /// What the view says of its own jitter (s), which is eliminated from all of the above.
+  double jitter = 0, jitter_sigma = 0;
 };
 
 /// The kept points of a usable view. A board's view depends on its 2n pixel coordinates only through 15 numbers, so its

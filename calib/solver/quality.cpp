@@ -7,7 +7,6 @@
 #include <set>
 
 #include "calib/solver/start.h"
-#include "calib/solver/stages.h"
 
 namespace floatstage::solver {
 namespace {
@@ -115,61 +114,6 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
     out.push_back(std::move(q));
   }
   return out;
-}
-
-bool choose_held_out(Scene& scene, int every) {
-  std::set<int> frames;
-  for (const SceneBoard& b : scene.boards)
-    if (!scene.targets[at(b.target)].is_static && b.placed) frames.insert(b.frame);
-  for (const SceneMarkers& m : scene.markers)
-    if (scene.targets[at(m.target)].kind == TargetKind::Wand && m.placed) frames.insert(m.frame);
-  constexpr std::size_t kFewestFrames = 15;
-  if (every < 2 || frames.size() < kFewestFrames) return false;
-  std::set<int> chosen;
-  int position = 0;
-  for (const int frame : frames)
-    if (position++ % every == every / 2) chosen.insert(frame);
-  for (SceneBoard& b : scene.boards) b.held_out = b.placed && !scene.targets[at(b.target)].is_static && chosen.contains(b.frame);
-  for (SceneMarkers& m : scene.markers)
-    m.held_out = m.placed && scene.targets[at(m.target)].kind == TargetKind::Wand && chosen.contains(m.frame);
-  return true;
-}
-
-std::vector<double> predict_held_out(Scene& scene, const Observations& o, const CalibrationOptions& options) {
-  // A scene with nothing but what was held out, and cameras that stay where they are.
-  Scene held = scene;
-  for (SceneBoard& b : held.boards) b.placed = false;
-  for (SceneMarkers& m : held.markers) m.placed = m.held_out;
-  ViewPoses poses(held.views.size());
-  for (std::size_t i = 0; i < held.views.size(); ++i) {
-    SceneView& v = held.views[i];
-    for (ScenePoint& p : v.points) p.kept = true;
-    if (v.board < 0 || !held.boards[at(v.board)].held_out) continue;
-    const SceneCamera& c = held.cameras[at(v.camera)];
-    poses[i] = view_pose(c.intrinsics, c.lens, c.width, c.height, correspondences(held, v));
-  }
-  place_boards(held, poses);
-  if (options.time_offsets) {
-    estimate_motion(held);
-    free_motion(held);
-  }
-  select_inliers(held, 1e12);  // what is behind a camera
-  solve(held, {.loss = {2}, .intrinsics = Freedom::None, .cameras_move = false, .iterations = 20, .threads = options.threads});
-  for (int round = 0; round < 2; ++round) {
-    select_inliers(held, options.outlier_sigmas);
-    solve(held, {.intrinsics = Freedom::None, .cameras_move = false, .iterations = 20, .threads = options.threads});
-  }
-  const std::vector<PointError> errors = point_errors(held, o);
-  std::vector<double> rms;
-  for (std::size_t c = 0; c < held.cameras.size(); ++c) rms.push_back(rms_of(errors, static_cast<int>(c)));
-
-  for (std::size_t i = 0; i < scene.boards.size(); ++i)
-    if (scene.boards[i].held_out) scene.boards[i] = held.boards[i];
-  for (std::size_t i = 0; i < scene.markers.size(); ++i)
-    if (scene.markers[i].held_out) scene.markers[i] = held.markers[i];
-  for (std::size_t i = 0; i < scene.views.size(); ++i)
-    if (usable(held, held.views[i])) scene.views[i] = held.views[i];
-  return rms;
 }
 
 }  // namespace floatstage::solver

@@ -17,13 +17,6 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
 /// RMS of the kept points' errors of one camera, in px.
 double rms_of(const std::vector<PointError>& errors, int camera);
 
-/// Marks every k-th frame of what moves as held out; false when that would leave too little.
-bool choose_held_out(Scene& scene, int every);
-
-/// Predicts the held-out frames with the cameras as they are: places their boards and markers, selects their inliers, and
-/// returns the RMS error of each camera there. They are placed afterwards.
-std::vector<double> predict_held_out(Scene& scene, const Observations& observations, const CalibrationOptions& options);
-
 /// The known lengths as the cameras alone measure them.
 std::vector<LengthQuality> measure_lengths(const Scene& scene);
 LengthQuality merged(const std::vector<LengthQuality>& lengths);

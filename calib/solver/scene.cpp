@@ -38,10 +38,12 @@ template <class Object>
 std::map<int, std::vector<Object*>> tracks(std::vector<Object>& objects) {
   std::map<int, std::vector<Object*>> by_target;
   for (Object& o : objects) {
-    if constexpr (requires { o.free_motion; })
+    if constexpr (requires { o.free_motion; }) {
       o.has_motion = o.free_motion;
-    else
+      o.has_neighbours = false;
+    } else {
       o.has_motion = false;
+    }
     if (o.placed && o.frame != kAlways) by_target[o.target].push_back(&o);
   }
   for (auto& [target, track] : by_target)
@@ -166,7 +168,7 @@ bool usable(const Scene& scene, const SceneView& v) {
 Rigid3 camera_from_target(const Scene& scene, const SceneView& v) {
   const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
   const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
-  return camera.cam_from_world * board.at(v.lag + camera.offset);
+  return camera.cam_from_world * board.at(v.lag + v.jitter + camera.offset);
 }
 
 std::vector<Eigen::Vector2d> errors_of(const Scene& scene, const SceneView& v) {
@@ -209,8 +211,9 @@ void estimate_motion(Scene& scene) {
                                                             after.world_from_target.translation, back, on);
       const Eigen::Quaterniond turn = after.world_from_target.rotation * before.world_from_target.rotation.conjugate();
       here.likely_spin = vector_from_rotation(turn) / (back + on);
-      here.has_motion = true;
-      here.motion_doubt = 1;
+      here.has_motion = here.has_neighbours = true;
+      here.spin_doubt = scene.spin_doubt;
+      here.velocity_doubt = scene.velocity_doubt;
       if (here.free_motion) continue;
       here.spin = here.likely_spin;
       here.velocity = here.likely_velocity;
@@ -233,7 +236,10 @@ void free_motion(Scene& scene) {
   for (SceneBoard& b : scene.boards) {
     if (b.free_motion || b.frame == kAlways) continue;
     constexpr double kUnknown = 5;  // no neighbours: any motion of a hand
-    if (!b.has_motion) b.motion_doubt = kUnknown;
+    if (!b.has_neighbours) {
+      b.spin_doubt = kUnknown * kSpinDoubt;
+      b.velocity_doubt = kUnknown * kVelocityDoubt;
+    }
     b.free_motion = b.has_motion = true;
   }
 }

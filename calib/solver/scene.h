@@ -36,7 +36,8 @@ struct SceneBoard {
   /// say what they are likely to be.
   bool free_motion = false;
   Eigen::Vector3d likely_spin = Eigen::Vector3d::Zero(), likely_velocity = Eigen::Vector3d::Zero();
-  double motion_doubt = 1;  ///< how wide that is, in units of kSpinDoubt and kVelocityDoubt
+  double spin_doubt = 1, velocity_doubt = 1;  ///< sigmas of that (rad/s, m/s)
+  bool has_neighbours = false;                ///< near enough to say what is likely
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();          ///< rad/s, in the world
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s of the target's origin
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< m/s²
@@ -67,8 +68,12 @@ struct SceneView {
   int board = -1, markers = -1;  ///< one of them
   int source = 0;                ///< index into Observations::views
   double lag = 0;                ///< seconds after the time of its board or markers
+  double jitter = 0;             ///< seconds beyond its lag and its camera's offset, as far as is known; of board views
   std::vector<ScenePoint> points;
 };
+
+/// The most that a hand's motion strays from what its neighbouring frames say (rad/s, m/s).
+inline constexpr double kSpinDoubt = 0.7, kVelocityDoubt = 0.25;
 
 struct Scene {
   std::vector<SceneCamera> cameras;
@@ -78,6 +83,9 @@ struct Scene {
   std::vector<SceneView> views;
   int reference = -1;  ///< the camera that stands still while the others are solved for; -1: fixed things hold the world
   double period = 0;   ///< seconds from frame to frame; 0: unknown
+  /// Seconds that a picture strays from its camera's instant; each board view's own jitter is eliminated. 0: none does.
+  double jitter_sigma = 0;
+  double spin_doubt = kSpinDoubt, velocity_doubt = kVelocityDoubt;  ///< how far motion strays from what neighbours say
 };
 
 /// Boards and markers made out of the views; nothing placed but what is known.
@@ -97,9 +105,6 @@ void estimate_motion(Scene& scene);
 
 /// From now on the motion of boards that are not static is solved for.
 void free_motion(Scene& scene);
-
-/// How far a hand's motion strays from what its neighbouring frames say (rad/s, m/s).
-inline constexpr double kSpinDoubt = 0.7, kVelocityDoubt = 0.25;
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& axis_times_angle);

@@ -6,6 +6,7 @@
 
 #include "calib/solver/covariance.h"
 #include "calib/solver/linearize.h"
+#include "calib/solver/timing.h"
 #include "core/parallel.h"
 
 namespace floatstage::solver {
@@ -37,23 +38,29 @@ bool drop_k3(Scene& scene) {
 // Of each camera's rows the share that the solution left free: without it the camera that boards follow most would seem the
 // best, be trusted more, and draw the boards to itself altogether (Förstner's estimate of variance components).
 std::vector<double> free_shares(const Scene& scene, const BundleOptions& options) {
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  std::vector<double> rows(scene.cameras.size()), taken(scene.cameras.size());
-  std::vector<Matrix6> boards(scene.boards.size(), Matrix6::Zero()), own(scene.views.size(), Matrix6::Zero());
+  std::vector<double> rows(scene.cameras.size()), taken(scene.cameras.size()), timed(scene.views.size());
+  std::vector<Eigen::MatrixXd> boards(scene.boards.size()), own(scene.views.size());
+  for (std::size_t b = 0; b < boards.size(); ++b) {
+    const Eigen::Index width = scene.boards[b].free_motion ? 12 : 6;
+    boards[b].setZero(width, width);
+    if (width == 12) boards[b].diagonal().tail<6>() = motion_weights(scene.boards[b]).cwiseAbs2();
+  }
   parallel_for(scene.views.size(), options.threads, [&](std::size_t i) {
     LinearView linear;
     const SceneView& v = scene.views[i];
     if (v.board < 0 || !usable(scene, v)) return;
     linearize(scene, v, options.loss, true, linear);
-    if (linear.valid) own[i] = linear.by_object.leftCols<6>().transpose() * linear.by_object.leftCols<6>();
+    if (!linear.valid) return;
+    own[i] = linear.by_object.transpose() * linear.by_object;
+    if (linear.jitter_sigma > 0) timed[i] = 1 - std::pow(linear.jitter_sigma / scene.jitter_sigma, 2);
   });
   for (std::size_t i = 0; i < scene.views.size(); ++i)
-    if (scene.views[i].board >= 0) boards[at(scene.views[i].board)] += own[i];
+    if (own[i].size() > 0) boards[at(scene.views[i].board)] += own[i];
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
     const SceneView& v = scene.views[i];
     if (!usable(scene, v)) continue;
     rows[at(v.camera)] += 2.0 * static_cast<double>(std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; }));
-    if (v.board >= 0) taken[at(v.camera)] += (own[i] * boards[at(v.board)].ldlt().solve(Matrix6::Identity())).trace();
+    if (own[i].size() > 0) taken[at(v.camera)] += timed[i] + boards[at(v.board)].ldlt().solve(own[i]).trace();
   }
   // Markers are a small part of any capture; they take theirs evenly.
   const double all = redundancy(scene, options).share();
@@ -65,18 +72,24 @@ std::vector<double> free_shares(const Scene& scene, const BundleOptions& options
   return shares;
 }
 
+constexpr int kTimedRounds = 12;     // how boards move follows where they are
+constexpr double kFirstJitter = 0.05;  // periods
 constexpr int kRounds = 4;  // of leaving out and taking back; the set hardly changes after two
 
 void settle(Scene& scene, BundleOptions& bundle, const CalibrationOptions& options) {
-  for (int round = 0; round < kRounds; ++round) {
+  const int rounds = bundle.offsets ? kTimedRounds : kRounds;
+  for (int round = 0; round < rounds; ++round) {
     if (bundle.offsets) {
+      if (round > 0) regroup(scene);
       estimate_motion(scene);
       if (round > 0) free_motion(scene);
+      if (round > 0 && scene.jitter_sigma == 0) scene.jitter_sigma = kFirstJitter * scene.period;
     }
     solve(scene, bundle);
     measure_noise(scene, bundle);
+    if (bundle.offsets && round > 0) measure_timing(scene);
     const bool other_lens = drop_k3(scene);
-    if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens && !(bundle.offsets && round < 3)) break;
+    if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens && !(bundle.offsets && round < kTimedRounds / 2)) break;
     bundle.iterations = 15;
   }
   solve(scene, bundle);

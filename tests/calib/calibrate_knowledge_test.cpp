@@ -167,6 +167,41 @@ TEST(Calibrate, FindsWhenACameraExposes) {
   EXPECT_LT(compare(solved->rig, truth, options).grid_mm, 0.3);
 }
 
+// Webcams: each picture has an instant of its own, and one camera shows the frame before.
+TEST(Calibrate, BearsPicturesTakenTooEarlyAndTooLate) {
+  Rig truth = facing_rig();
+  truth.cameras.resize(4);  // on one side: all see the board together
+  CaptureOptions options{.frames = 150, .frame_seconds = 1.0 / 6, .late_camera = 1, .late_frames = 0.8, .jitter_seconds = 0.01};
+  const Observations seen = capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(options, 0.15), options);
+  const Result<Calibration> solved = calibrate(seen, {.time_offsets = true});
+  ASSERT_THAT(solved, IsOk());
+  const double others = solved->cameras[0].time_offset_ms;
+  EXPECT_NEAR(solved->cameras[1].time_offset_ms - others, -0.8 * 1000 / 6, 6);
+  EXPECT_NEAR(solved->cameras[2].time_offset_ms - others, 0, 6);
+  EXPECT_NEAR(solved->jitter_ms, 10, 5);  // too small rather than too large: boards follow what all cameras of a frame have in common
+  for (const CameraQuality& q : solved->cameras) {
+    EXPECT_LT(q.rms_px, 0.2) << q.serial;
+    EXPECT_LT(q.holdout_px, 1.3 * q.rms_px) << q.serial;
+    EXPECT_LT(q.outliers, 0.1 * (q.points + q.outliers)) << q.serial;
+  }
+  EXPECT_LT(compare(solved->rig, truth, options).grid_mm, 1);
+}
+
+// Noise in the pictures goes into the fit and into what the fit predicts alike; one lens term too many does not.
+TEST(Calibrate, PredictsEveryFrameOfASmallCapture) {
+  const CaptureOptions options{.frames = 30, .frame_seconds = 0.2};
+  const Observations seen = capture(ring_rig(4), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
+  const Result<Calibration> with = calibrate(seen), without = calibrate(seen, {.holdout_every = 0});
+  ASSERT_THAT(with, IsOk());
+  ASSERT_THAT(without, IsOk());
+  for (const CameraQuality& q : with->cameras) {
+    EXPECT_GT(q.holdout_px, 0.9 * q.rms_px);  // not of a few lucky frames
+    EXPECT_LT(q.holdout_px, 1.3 * q.rms_px);
+  }
+  EXPECT_EQ(to_json(with->rig), to_json(without->rig));
+  EXPECT_EQ(without->cameras[0].holdout_px, 0);
+}
+
 TEST(Calibrate, GivesTheSameBytesAtAnyNumberOfThreads) {
   const CaptureOptions options{.frames = 30, .frame_seconds = 0.2};
   const Observations seen = capture(ring_rig(4), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);

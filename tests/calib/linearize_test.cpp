@@ -1,6 +1,7 @@
 // Derivatives written by hand, against differences.
 
 #include "calib/solver/linearize.h"
+#include "calib/solver/timing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -155,6 +156,49 @@ TEST_P(EveryView, HasTheGradientOfItsSumOfSquares) {
     EXPECT_NEAR(linear.by_offset.dot(linear.residual), slope(camera.offset, 1e-6), scale);
   }
   EXPECT_GT(moving, 2);
+}
+
+// What is eliminated must be what would have been solved for: the least over all instants of the picture.
+TEST(Jitter, IsEliminatedAtItsLikeliestValue) {
+  Scene scene = scene_of(false);
+  constexpr double kSigma = 2e-4;
+  int moving = 0;
+  for (SceneView& view : scene.views) {
+    if (!scene.boards[static_cast<std::size_t>(view.board)].has_motion) continue;
+    ++moving;
+    scene.jitter_sigma = kSigma;
+    LinearView eliminated;
+    for (int i = 0; i < 20; ++i) {  // linear around itself, it is exact
+      linearize(scene, view, {}, true, eliminated);
+      view.jitter = eliminated.jitter;
+    }
+    scene.jitter_sigma = 0;
+    const auto cost = [&](double jitter) {
+      view.jitter = jitter;
+      const double squares = half_squares(scene, view, {});
+      view.jitter = 0;
+      return squares + 0.5 * jitter * jitter / (kSigma * kSigma);
+    };
+    const double least = cost(eliminated.jitter);
+    EXPECT_NEAR(0.5 * eliminated.residual.squaredNorm(), least, 1e-3 * least);
+    EXPECT_LT(least, cost(eliminated.jitter + 0.2 * eliminated.jitter_sigma));
+    EXPECT_LT(least, cost(eliminated.jitter - 0.2 * eliminated.jitter_sigma));
+    EXPECT_LT(eliminated.jitter_sigma, kSigma);
+  }
+  EXPECT_GT(moving, 2);
+}
+
+TEST(Regroup, PutsALateViewToTheFrameThatItShows) {
+  Scene scene = scene_of(false);
+  scene.cameras[1].offset = -0.9 * scene.period;
+  const std::vector<SceneView> before = scene.views;
+  ASSERT_GT(regroup(scene), 0);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const SceneBoard &old = scene.boards[static_cast<std::size_t>(before[i].board)], &now = scene.boards[static_cast<std::size_t>(scene.views[i].board)];
+    EXPECT_EQ(now.frame, before[i].camera == 1 && old.frame > 0 ? old.frame - 1 : old.frame);
+    EXPECT_NEAR(now.time + scene.views[i].lag, old.time + before[i].lag, 1e-12);  // it was taken when it was taken
+  }
+  EXPECT_EQ(regroup(scene), 0);
 }
 
 TEST(MarkerResidual, HasTheDerivativeOfLengthsAndSurveyedPlaces) {

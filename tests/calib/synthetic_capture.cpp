@@ -128,7 +128,8 @@ void capture_more(Observations& seen, const Rig& truth, const Target& target, co
   for (int f = 0; f < options.frames; ++f)
     for (std::size_t c = 0; c < truth.cameras.size(); ++c) {
       const double shown = static_cast<int>(c) == options.late_camera ? f - options.late_frames : f;
-      Rigid3 pose = path(shown * options.frame_seconds);
+      const double jitter = options.jitter_seconds > 0 ? options.jitter_seconds * random.normal() : 0;
+      Rigid3 pose = path(shown * options.frame_seconds + jitter);
       pose.translation -= pose.rotation * middle;
       TargetView view{static_cast<int>(c), index, first + f, {static_cast<std::int64_t>((first + f) * options.frame_seconds * 1e9)}, {}};
       for (const TargetPoint& p : target.points) {

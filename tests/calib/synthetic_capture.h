@@ -38,6 +38,7 @@ struct CaptureOptions {
   double frame_seconds = 1.0 / 30;
   int late_camera = -1;
   double late_frames = 1;  ///< that camera's pictures show what the others saw so many frames before
+  double jitter_seconds = 0;  ///< sigma of each picture's own instant
 };
 
 /// Where a target is at a time (s); smooth, so that neighbouring frames are near each other.
