@@ -1,5 +1,8 @@
 #include "matting/picture_scale.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <opencv2/imgproc.hpp>
 
 namespace floatstage {
@@ -12,6 +15,25 @@ Image scaled(const Image& picture, int width, int height) {
   cv::Mat to(height, width, CV_8UC(picture.channels), out.pixels.data());
   const bool shrinks = width <= picture.width && height <= picture.height;
   cv::resize(from, to, to.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
+  return out;
+}
+
+MatteOpinion scaled(const MatteOpinion& opinion, int width, int height) {
+  MatteOpinion out;
+  if (opinion.empty()) return out;
+  out.opacity = scaled(opinion.opacity, width, height);
+  if (opinion.weight.empty()) return out;
+  // A stroke thinner than a working pixel must not fade: its opacity is the mean over its own pixels only.
+  const Image weight = scaled(opinion.weight, width, height);
+  Image marked = opinion.opacity;
+  for (std::size_t p = 0; p < marked.pixels.size(); ++p)
+    marked.pixels[p] = static_cast<std::uint8_t>(marked.pixels[p] * opinion.weight.pixels[p] / 255);
+  const Image weighted = scaled(marked, width, height);
+  for (std::size_t p = 0; p < weight.pixels.size(); ++p)
+    if (weight.pixels[p] > 0)
+      out.opacity.pixels[p] = static_cast<std::uint8_t>(
+          std::min(255L, std::lround(255.0 * weighted.pixels[p] / weight.pixels[p])));
+  out.weight = weight;
   return out;
 }
 

@@ -16,25 +16,6 @@
 namespace floatstage {
 namespace {
 
-MatteOpinion scaled(const MatteOpinion& opinion, int width, int height) {
-  MatteOpinion out;
-  if (opinion.empty()) return out;
-  out.opacity = scaled(opinion.opacity, width, height);
-  if (opinion.weight.empty()) return out;
-  // A stroke thinner than a working pixel must not fade: its opacity is the mean over its own pixels only.
-  const Image weight = scaled(opinion.weight, width, height);
-  Image marked = opinion.opacity;
-  for (std::size_t p = 0; p < marked.pixels.size(); ++p)
-    marked.pixels[p] = static_cast<std::uint8_t>(marked.pixels[p] * opinion.weight.pixels[p] / 255);
-  const Image weighted = scaled(marked, width, height);
-  for (std::size_t p = 0; p < weight.pixels.size(); ++p)
-    if (weight.pixels[p] > 0)
-      out.opacity.pixels[p] = static_cast<std::uint8_t>(
-          std::min(255L, std::lround(255.0 * weighted.pixels[p] / weight.pixels[p])));
-  out.weight = weight;
-  return out;
-}
-
 Image mean_of(const Image& a, const Image& b, double share_of_b) {
   Image out = a;
   for (std::size_t p = 0; p < out.pixels.size(); ++p)
@@ -91,6 +72,7 @@ struct VideoMatting::Impl {
     double energy = 0;
     bool fits = true;
     Image likelihood = {};  // what a key said, where components do not fit
+    bool settled = false;   // that is the matte
   };
   struct FrameState {
     Image matte;  // working size; empty: stale
@@ -161,10 +143,17 @@ Result<VideoMatting::Impl::Step> VideoMatting::Impl::step(int frame, const Image
   }
   if (!selection) return fail(selection.error().code, text("frame ", frame, ": ", selection.error().message));
   Step made{matte_of(*components, selection->chosen), std::move(selection->chosen), selection->energy};
-  if (!evidence.keyframe.empty() && extent_of(evidence.keyframe).whole())
+  const bool given = !evidence.keyframe.empty() && extent_of(evidence.keyframe).whole();
+  if (given)
     made.matte = evidence.keyframe.opacity;
   else
     made.fits = misfit_of(made.matte, evidence.carried) <= options.misfit;
+  if (options.likelihood_is_matte && !evidence.likelihood.empty() && !given) {
+    MatteOpinion whole = evidence.likelihood;
+    if (whole.weight.empty()) whole.weight = Image(whole.opacity.width, whole.opacity.height, 1, 255);
+    made.settled = misfit_of(made.matte, {{std::move(whole), {}, 1}}) > options.misfit;
+    if (made.settled) made.fits = false, made.matte = evidence.likelihood.opacity;
+  }
   if (!made.fits) made.likelihood = std::move(evidence.likelihood.opacity);
   return made;
 }
@@ -190,7 +179,7 @@ Result<void> VideoMatting::Impl::walk(int first, int last, int direction, std::m
     if (!guidance) return forward(guidance);
     auto made = step(frame, *picture, {std::move(*guidance)});
     if (!made) return forward(made);
-    if (!made->fits && picture->channels == 3) {
+    if (!made->fits && !made->settled && picture->channels == 3) {
       const Step& last_step = steps.at(frame - direction);
       if (last_step.fits)
         if (const auto r = closed_form->keyframe(*before, last_step.matte); !r) return r;
@@ -223,7 +212,7 @@ Result<void> VideoMatting::Impl::blend(int first, int last, std::map<int, Step>&
     a->share = 1 - share;
     auto made = step(frame, *picture, {std::move(*a), std::move(*b)});
     if (!made) return forward(made);
-    if (!made->fits) made->matte = mean_of(forwards.at(frame).matte, backwards.at(frame).matte, share);
+    if (!made->fits && !made->settled) made->matte = mean_of(forwards.at(frame).matte, backwards.at(frame).matte, share);
     forwards[frame] = std::move(*made);
     before = std::move(picture);
     picture = std::move(after);

@@ -34,6 +34,7 @@ struct VideoMattingOptions {
   CarryingFlow flow = CarryingFlow::Dis;
   double guidance_strength = 1;      ///< of the carried matte, eq. 7.5
   double likelihood_strength = 1;    ///< of MattingClip::likelihood
+  bool likelihood_is_matte = false;  ///< the likelihood is a whole matte, and is it where no components come near it
   double keyframe_strength = 4;      ///< of what was said in a keyframe; a click counts as much as a whole matte
   double persistence = 0.02;         ///< of each component's last choice
   double misfit = 0.05;              ///< relative squared difference to the guidance from which components do not fit

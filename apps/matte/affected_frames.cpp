@@ -36,6 +36,8 @@ void mark(std::vector<bool>& frames, int first, int last) {
 
 }  // namespace
 
+bool same_strokes(const CameraEdits& a, const CameraEdits& b) { return strokes_of(a) == strokes_of(b); }
+
 std::vector<bool> edited_frames(const CameraEdits& before, const CameraEdits& after, int frames) {
   const Strokes a = strokes_of(before), b = strokes_of(after);
   std::vector<bool> out(static_cast<std::size_t>(frames));

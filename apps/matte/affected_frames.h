@@ -6,6 +6,9 @@
 
 namespace floatstage {
 
+/// Whether both say the same by strokes, frame by frame, whatever their masks.
+bool same_strokes(const CameraEdits& a, const CameraEdits& b);
+
 /// For each frame, whether what a person says in that very frame differs: its strokes, or the masks that hold there.
 std::vector<bool> edited_frames(const CameraEdits& before, const CameraEdits& after, int frames);
 

@@ -1,11 +1,14 @@
 #include "apps/matte/camera_key.h"
 
 #include <algorithm>
+#include <map>
 
 #include "apps/import/matte_files.h"
 #include "apps/keying.h"
+#include "apps/matte/take_clip.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "matting/clip_cut.h"
 
 namespace floatstage {
 namespace {
@@ -43,7 +46,8 @@ Result<std::vector<Image>> photographs_of(TakeReader& take, int camera, int want
   return all;
 }
 
-Result<std::vector<Image>> plates_of(const TakeReader& take, const std::string& serial) {
+std::vector<fs::path> plate_files(const TakeReader& take, int camera) {
+  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   std::vector<fs::path> files;
   const fs::path one = take.layout().plate(serial), folder = one.parent_path() / serial;
   if (fs::exists(one)) files.push_back(one);
@@ -51,8 +55,19 @@ Result<std::vector<Image>> plates_of(const TakeReader& take, const std::string& 
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, none))
     if (entry.path().extension() == ".png") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool clicked(const CameraEdits& edits) {
+  for (const MatteKeyframe& k : edits.keyframes)
+    for (const MatteStroke& s : k.strokes)
+      if (s.label == MatteLabel::Foreground) return true;
+  return false;
+}
+
+Result<std::vector<Image>> plates_of(const TakeReader& take, int camera) {
   std::vector<Image> plates;
-  for (const fs::path& file : files) {
+  for (const fs::path& file : plate_files(take, camera)) {
     Result<Image> plate = load_png(file);
     if (!plate) return forward(plate);
     if (plate->channels != 3) return fail(ErrorCode::BadData, text(file.string(), " is not an RGB picture; a plate is a photograph of the empty stage"));
@@ -105,7 +120,7 @@ Result<CameraKey> CameraKey::chroma(TakeReader& take, int camera) {
 
 Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
-  Result<std::vector<Image>> plates = plates_of(take, serial);
+  Result<std::vector<Image>> plates = plates_of(take, camera);
   if (!plates) return forward(plates);
   Result<Plate> plate = Plate();
   if (!plates->empty()) {
@@ -144,28 +159,56 @@ Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs
   return key;
 }
 
-Result<CameraKey> CameraKey::best(TakeReader& take, int camera, const fs::path& guide) {
+Result<CameraKey> CameraKey::cut(TakeReader& take, int camera, const CameraEdits& edits, const std::function<bool()>& go_on) {
+  const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
+  std::map<int, MatteOpinion> strokes;
+  for (const MatteKeyframe& k : edits.keyframes)
+    if (!k.strokes.empty()) strokes[k.frame] = opinion_of(k, model.width, model.height);
+  Result<std::vector<Image>> mattes = cut_clip(clip_of(take, camera), strokes, {}, [&](int, int) { return go_on(); });
+  if (!mattes) return fail(mattes.error().code, text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial, "': ", mattes.error().message));
+  CameraKey key;
+  key.kind_ = Kind::Cut;
+  key.heeds_strokes_ = true;
+  key.spec_ = "cut";
+  key.cut_ = std::make_shared<const std::vector<Image>>(std::move(*mattes));
+  return key;
+}
+
+Result<CameraKey> CameraKey::best(TakeReader& take, int camera, const fs::path& guide, const CameraEdits& edits, const std::function<bool()>& go_on) {
   if (!guide.empty()) return guided(take, camera, guide);
   Result<CameraKey> by_chroma = chroma(take, camera);
   if (!by_chroma && by_chroma.error().code != ErrorCode::NotFound) return by_chroma;
   Result<bool> studio = by_chroma ? mostly_backdrop(take, camera, *by_chroma) : false;
   if (!studio) return forward(studio);
   if (*studio) return by_chroma;
-  Result<CameraKey> by_plate = plate(take, camera);
-  return by_plate || !by_chroma ? std::move(by_plate) : std::move(by_chroma);
+  const bool shot = !plate_files(take, camera).empty();
+  if (clicked(edits) && !shot) return cut(take, camera, edits, go_on);
+  Result<CameraKey> key = plate(take, camera);
+  if (!key && by_chroma) key = std::move(by_chroma);
+  if (key) key->heeds_strokes_ = !shot;
+  return key;
 }
 
-Result<CameraKey> CameraKey::for_method(TakeReader& take, int camera, const std::string& method, const fs::path& guide) {
+Result<CameraKey> CameraKey::for_method(TakeReader& take, int camera, const std::string& method, const fs::path& guide, const CameraEdits& edits,
+                                        const std::function<bool()>& go_on) {
   if (method == "chroma") return chroma(take, camera);
   if (method == "plate") return plate(take, camera);
-  Result<CameraKey> key = best(take, camera, guide);
+  Result<CameraKey> key = best(take, camera, guide, edits, go_on);
   const bool optional = method == "spectral" && guide.empty();
-  if (!key && optional && (key.error().code == ErrorCode::NotFound || key.error().code == ErrorCode::Unsupported)) return none();
+  if (!key && optional && (key.error().code == ErrorCode::NotFound || key.error().code == ErrorCode::Unsupported)) {
+    key = none();
+    key->heeds_strokes_ = true;
+  }
   return key;
 }
 
 Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
   if (kind_ == Kind::None) return Image();
+  if (kind_ == Kind::Cut) {
+    Result<Image> rgb = to_rgb(photograph);
+    if (!rgb) return rgb;
+    return carry_up(cut_->at(static_cast<std::size_t>(frame)), *rgb);
+  }
   if (keyer_) {
     Result<Matte> matte = keyer_->key(photograph);
     if (!matte) return forward(matte);

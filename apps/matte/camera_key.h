@@ -1,23 +1,26 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/take.h"
 #include "core/image.h"
+#include "core/matte_edits.h"
 #include "core/result.h"
 #include "matting/keyer.h"
 #include "matting/plate.h"
 
 namespace floatstage {
 
-/// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a chroma key, or a
-/// plate.
+/// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a chroma key, a
+/// plate, or what was cut out from a person's clicks.
 class CameraKey {
  public:
-  enum class Kind { None, Guide, Chroma, Plate };
+  enum class Kind { None, Guide, Chroma, Plate, Cut };
 
   /// Says nothing about any photograph: for methods that can do with what a person says.
   static CameraKey none();
@@ -29,15 +32,22 @@ class CameraKey {
   /// `photographs` of its pictures, and learnt again without what the first plate keys. Unsupported when the pictures agree
   /// nowhere (the camera moved).
   static Result<CameraKey> plate(TakeReader& take, int camera, int photographs = 48);
-  /// The guide when it is given; else chroma where cloth is most of the backdrop; else the plate; else chroma after all.
-  static Result<CameraKey> best(TakeReader& take, int camera, const std::filesystem::path& guide);
+  /// Followed from the clicks in `edits` through a cluttered place (matting/clip_cut.h). InvalidArgument without a click on
+  /// the subject; Cancelled when `go_on` says no.
+  static Result<CameraKey> cut(TakeReader& take, int camera, const CameraEdits& edits, const std::function<bool()>& go_on);
+  /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot; else what is cut
+  /// out where somebody clicked on the subject; else a plate found behind the performance; else chroma after all.
+  static Result<CameraKey> best(TakeReader& take, int camera, const std::filesystem::path& guide, const CameraEdits& edits, const std::function<bool()>& go_on);
 
   /// The key that a method of `matte` starts from; none where spectral matting has to do without.
-  static Result<CameraKey> for_method(TakeReader& take, int camera, const std::string& method, const std::filesystem::path& guide);
+  static Result<CameraKey> for_method(TakeReader& take, int camera, const std::string& method, const std::filesystem::path& guide, const CameraEdits& edits,
+                                      const std::function<bool()>& go_on);
 
   Kind kind() const { return kind_; }
-  /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide", "none".
+  /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide", "cut", "none".
   const std::string& spec() const { return spec_; }
+  /// Whether other strokes would make another key.
+  bool heeds_strokes() const { return heeds_strokes_; }
   /// Null without one.
   const Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
 
@@ -46,10 +56,12 @@ class CameraKey {
 
  private:
   Kind kind_ = Kind::None;
+  bool heeds_strokes_ = false;
   std::string spec_, serial_;
   std::filesystem::path guide_;
   std::shared_ptr<const Keyer> keyer_;
   std::shared_ptr<const Plate> plate_;
+  std::shared_ptr<const std::vector<Image>> cut_;  // small, by frame
 };
 
 }  // namespace floatstage

@@ -29,7 +29,7 @@ CameraMatter::CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEd
     : take_(&take), camera_(camera), key_(std::move(key)), edits_(std::move(edits)), method_(std::move(method)) {}
 
 bool CameraMatter::follows() const {
-  return std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(), [](const MatteKeyframe& k) { return !k.strokes.empty(); });
+  return key_.kind() != CameraKey::Kind::Cut && std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(), [](const MatteKeyframe& k) { return !k.strokes.empty(); });
 }
 
 void CameraMatter::follow(const std::function<bool()>& go_on, const std::function<Link(int frame, const Link& previous)>& visit) const {
@@ -94,13 +94,6 @@ Result<Image> CameraMatter::matte(int frame, const Image& previous) const {
     *key = choose_islands(*key, fits ? previous : Image(), strokes, static_cast<int>(kReach * std::max(key->width, key->height)));
   }
   return finished(method_, *rgb, *key, said(frame, rgb->width, rgb->height, true, true));
-}
-
-MatteOpinion CameraMatter::strokes_of(const MatteKeyframe& keyframe, int width, int height) const {
-  const Image map = said(keyframe.frame, width, height, true, false);
-  MatteOpinion opinion{map, Image(width, height, 1)};
-  for (std::size_t p = 0; p < map.pixels.size(); ++p) opinion.weight.pixels[p] = map.pixels[p] == 128 ? 0 : 255;
-  return opinion;
 }
 
 void CameraMatter::mask(int frame, Image& matte) const { overrule(said(frame, matte.width, matte.height, true, true), matte); }

@@ -8,7 +8,6 @@
 #include "capture/take.h"
 #include "core/matte_edits.h"
 #include "core/result.h"
-#include "matting/spectral_matting.h"
 
 namespace floatstage {
 
@@ -24,7 +23,8 @@ class CameraMatter {
   /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made before, or empty.
   Result<Image> matte(int frame, const Image& previous) const;
 
-  /// Whether matte() needs the neighbour's: a person has chosen among parts, and the choice is followed.
+  /// Whether matte() needs the neighbour's: a person has chosen among parts, and the choice is followed; not where the key has
+  /// followed it already.
   bool follows() const;
   /// A matte on the way, and whether it differs from the one that was there before (for those who make only some again).
   struct Link {
@@ -35,8 +35,6 @@ class CameraMatter {
   /// returned for the neighbour; a frame without a matte (a gap) is bridged. Stops when `go_on()` is false.
   void follow(const std::function<bool()>& go_on, const std::function<Link(int frame, const Link& previous)>& visit) const;
 
-  /// What a keyframe's strokes say, for the spectral engine.
-  MatteOpinion strokes_of(const MatteKeyframe& keyframe, int width, int height) const;
   /// Writes the frame's masks and strokes over a matte.
   void mask(int frame, Image& matte) const;
 

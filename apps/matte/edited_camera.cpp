@@ -70,6 +70,8 @@ Result<std::unique_ptr<EditedCamera>> EditedCamera::open(const EditedCameraOptio
 std::vector<bool> EditedCamera::changed_since(const CameraEdits& edits) const {
   const int count = take_->frame_count();
   if (!made_for_) return std::vector<bool>(static_cast<std::size_t>(count), true);
+  // What was cut out from strokes as a whole, other strokes cut out as a whole.
+  if (record_.key == "cut" && !same_strokes(*made_for_, edits)) return std::vector<bool>(static_cast<std::size_t>(count), true);
   std::vector<bool> out = record_.method == "spectral" ? frames_between_keyframes(*made_for_, edits, count) : frames_chosen_otherwise(*made_for_, edits, count);
   for (int f = 0; f < count; ++f)
     if (record_.stale.contains(f) || (recorded(*take_, camera_, f) && !fs::exists(file(f)))) out[static_cast<std::size_t>(f)] = true;
@@ -80,12 +82,16 @@ std::vector<bool> EditedCamera::stale(const CameraEdits& edits) const {
   return record_.method == "spectral" ? changed_since(edits) : downstream_of(changed_since(edits), edits);
 }
 
-Result<void> EditedCamera::make_key(const RemakeWatch& watch) {
+Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch& watch) {
+  if (key_ && key_->heeds_strokes() && !same_strokes(key_edits_, edits)) key_.reset(), spectral_.reset(), prepared_ = false;
   if (!key_) {
     watch.progress("key", 0, 1);
-    Result<CameraKey> key = CameraKey::for_method(*take_, camera_, record_.method, record_.guide);
+    Result<CameraKey> key = CameraKey::for_method(*take_, camera_, record_.method, record_.guide, edits, [&] { return !watch.stopped(); });
     if (!key) return forward(key);
     key_.emplace(std::move(*key));
+    key_edits_ = edits;
+    const bool other = key_->kind() == CameraKey::Kind::Cut && made_for_ && !same_strokes(*made_for_, edits);
+    if (other) made_for_.reset(), record_.chosen.clear();
     if (record_.key != key_->spec()) made_for_.reset(), record_.chosen.clear();  // a plate was shot since, or there were no mattes
     record_.key = key_->spec();
   }
@@ -130,7 +136,7 @@ Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const Re
   const fs::path folder = take_->layout().mattes() / options_.serial;
   if (!by_matte_ && !options_.replace && fs::exists(folder) && !fs::is_empty(folder, none))
     return fail(ErrorCode::AlreadyExists, text(folder.string(), " was not made by `matte`, so it is not changed; say --redo to let the editor make it again"));
-  if (Result<void> ok = make_key(watch); !ok) return forward(ok);
+  if (Result<void> ok = make_key(edits, watch); !ok) return forward(ok);
   if (watch.stopped()) return stopped();
   const std::vector<bool> forced = changed_since(edits), wanted = stale(edits);
   if (Result<void> ok = begin(edits, wanted); !ok) return forward(ok);

@@ -63,7 +63,7 @@ class EditedCamera {
 
  private:
   EditedCamera(std::unique_ptr<TakeReader> take, int camera, EditedCameraOptions options);
-  Result<void> make_key(const RemakeWatch& watch);
+  Result<void> make_key(const CameraEdits& edits, const RemakeWatch& watch);
   Result<void> begin(const CameraEdits& edits, const std::vector<bool>& stale);
   Result<std::vector<int>> follow(const CameraMatter& matter, std::vector<bool> forced, const RemakeWatch& watch);
   Result<std::vector<int>> spectral(const CameraMatter& matter, const std::vector<bool>& stale, const RemakeWatch& watch);
@@ -80,6 +80,7 @@ class EditedCamera {
   bool by_matte_ = false;              // record_ is what matting.json says
   std::optional<CameraEdits> made_for_;  // of the mattes that are not in record_.stale
   std::optional<CameraKey> key_;
+  CameraEdits key_edits_;  // that it was made for
   std::optional<SpectralTake> spectral_;
   bool prepared_ = false;
   std::vector<std::string> failures_;

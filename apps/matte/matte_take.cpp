@@ -121,7 +121,7 @@ Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const Ma
   const MatteEffort effort = effort_of(mine);
   job.report.keyframes = effort.keyframes;
   job.report.clicks = effort.clicks + effort.scribbles;
-  Result<CameraKey> key = CameraKey::for_method(take, job.camera, options.method, options.guide);
+  Result<CameraKey> key = CameraKey::for_method(take, job.camera, options.method, options.guide, mine, [] { return !interrupted(); });
   if (!key) return forward(key);
   if (!job.old_key.empty() && job.old_key != key->spec()) {  // a plate was shot since, or this program keys otherwise now
     if (!options.redo)

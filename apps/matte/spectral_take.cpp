@@ -2,29 +2,12 @@
 
 #include <algorithm>
 
-#include "core/text.h"
+#include "apps/matte/take_clip.h"
 
 namespace floatstage {
-namespace {
-
-// A gap shows what was seen last, or first: the engine wants a picture for every frame.
-Result<Image> nearest_photograph(TakeReader& take, int camera, int frame) {
-  for (int away = 0; away < take.frame_count(); ++away)
-    for (const int f : {frame - away, frame + away}) {
-      if (f < 0 || f >= take.frame_count()) continue;
-      Result<Frame> photograph = take.frame(camera, f);
-      if (!photograph) return forward(photograph);
-      if (!photograph->empty()) return to_rgb(*photograph);
-    }
-  return fail(ErrorCode::NotFound, "the camera has no photograph at all");
-}
-
-}  // namespace
 
 Result<SpectralTake> SpectralTake::create(TakeReader& take, int camera, const CameraKey& key, const std::filesystem::path& cache, int threads) {
-  MattingClip clip;
-  clip.frames = take.frame_count();
-  clip.photograph = [&take, camera](int frame) { return nearest_photograph(take, camera, frame); };
+  MattingClip clip = clip_of(take, camera);
   if (key.kind() != CameraKey::Kind::None)
     clip.likelihood = [&take, camera, key](int frame) -> Result<MatteOpinion> {
       Result<Frame> photograph = take.frame(camera, frame);
@@ -36,6 +19,7 @@ Result<SpectralTake> SpectralTake::create(TakeReader& take, int camera, const Ca
     };
   VideoMattingOptions options;
   options.threads = threads;
+  options.likelihood_is_matte = key.kind() == CameraKey::Kind::Cut;
   Result<VideoMatting> video = VideoMatting::create(std::move(clip), cache, options);
   if (!video) return forward(video);
   return SpectralTake(take, camera, std::move(*video));
@@ -51,7 +35,7 @@ Result<void> SpectralTake::say(const CameraMatter& matter) {
   std::vector<MatteKeyframe> before = std::exchange(said_, {});
   for (const MatteKeyframe& k : wanted) {
     if (!has(before, [&](const MatteKeyframe& old) { return old == k; }))
-      if (Result<void> ok = video_.set_keyframe(k.frame, matter.strokes_of(k, video_.width(), video_.height())); !ok) return ok;
+      if (Result<void> ok = video_.set_keyframe(k.frame, opinion_of(k, video_.width(), video_.height())); !ok) return ok;
     said_.push_back(k);
   }
   return {};
@@ -72,9 +56,10 @@ Result<Image> SpectralTake::matte(const CameraMatter& matter, int frame) const {
 }
 
 Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame, const std::filesystem::path& cache) {
+  const MattingClip all = clip_of(take, camera);
   MattingClip clip;
   clip.frames = 1;
-  clip.photograph = [&](int) { return nearest_photograph(take, camera, frame); };
+  clip.photograph = [&](int) { return all.photograph(frame); };
   VideoMattingOptions options;
   options.threads = 1;
   Result<VideoMatting> video = VideoMatting::create(std::move(clip), cache, options);

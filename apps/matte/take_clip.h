@@ -1,0 +1,15 @@
+#pragma once
+
+#include "capture/take.h"
+#include "core/matte_edits.h"
+#include "matting/video_matting.h"
+
+namespace floatstage {
+
+/// A take's photographs of one camera as a clip: in a gap, the nearest photograph. `take` must outlive it.
+MattingClip clip_of(TakeReader& take, int camera);
+
+/// What a keyframe's strokes say, painted at a size in pixels of the photographs.
+MatteOpinion opinion_of(const MatteKeyframe& keyframe, int width, int height);
+
+}  // namespace floatstage

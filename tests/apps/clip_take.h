@@ -1,0 +1,35 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "capture/take.h"
+#include "core/png.h"
+#include "core/take_layout.h"
+#include "tests/support/matchers.h"
+#include "tests/support/matte_clips.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage {
+
+/// A clip with exact truth as a take of one camera, "cam0"; the truth lies in truth/mattes.
+inline std::filesystem::path clip_take(const TempFolder& folder, const MatteClip& clip, const std::string& name = "clip") {
+  const Image& first = clip.frames.front();
+  Rig rig;
+  rig.cameras.push_back({.serial = "cam0", .model = {.width = first.width, .height = first.height, .fx = 300, .fy = 300, .cx = first.width / 2.0, .cy = first.height / 2.0, .skew = 0, .lens = {}},
+                         .cam_from_world = {}, .color = {}});
+  const std::filesystem::path take = folder / name;
+  auto writer = TakeWriter::create(take, rig, {});
+  EXPECT_THAT(writer, IsOk());
+  for (std::size_t f = 0; f < clip.frames.size(); ++f) {
+    FrameInfo info;
+    info.camera = 0, info.sequence = f, info.exposure_start = {static_cast<std::int64_t>(f) * 40'000'000};
+    EXPECT_THAT((*writer)->write(make_frame(info, clip.frames[f])), IsOk());
+    const std::filesystem::path truth = TakeLayout(take / "truth").matte("cam0", static_cast<int>(f));
+    std::filesystem::create_directories(truth.parent_path());
+    EXPECT_THAT(save_png(clip.truth[f], truth), IsOk());
+  }
+  EXPECT_THAT((*writer)->finish(), IsOk());
+  return take;
+}
+
+}  // namespace floatstage
