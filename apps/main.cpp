@@ -33,7 +33,7 @@ int run(int argc, char** argv) {
 
   Chosen chosen;
   for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_matte, add_matte_image,
-                   add_hull, add_keys, add_process, add_render, add_evaluate, add_play})
+                   add_hull, add_keys, add_process, add_render, add_evaluate, add_live, add_play})
     add(app, chosen);
 
   if (names_unknown_verb(app, argc, argv)) return kExitUsage;

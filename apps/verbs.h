@@ -26,6 +26,7 @@ void add_keys(CLI::App& app, Chosen& chosen);
 void add_process(CLI::App& app, Chosen& chosen);
 void add_render(CLI::App& app, Chosen& chosen);
 void add_evaluate(CLI::App& app, Chosen& chosen);
+void add_live(CLI::App& app, Chosen& chosen);
 void add_play(CLI::App& app, Chosen& chosen);
 
 }  // namespace floatstage

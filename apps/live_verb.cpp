@@ -1,0 +1,158 @@
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "apps/camera_path.h"
+#include "apps/film.h"
+#include "apps/interrupt.h"
+#include "apps/json_report.h"
+#include "apps/renderer_options.h"
+#include "apps/studio/live_run.h"
+#include "apps/studio/take_player.h"
+#include "apps/text_options.h"
+#include "apps/verbs.h"
+#include "core/file.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "render/gl_context.h"
+
+namespace floatstage {
+namespace {
+
+struct Options {
+  std::filesystem::path source, json, snapshots, path_file;
+  std::string size = "640x480", background = "000000";
+  bool headless = false;
+  double rate = 0, orbit = 20;
+  int cameras = 3;
+  TakePlayerOptions player;
+  LiveChainOptions chain;
+  LiveRunOptions run;
+};
+
+nlohmann::ordered_json to_json(const Series& s) {
+  return {{"mean", s.mean()}, {"p50", s.percentile(0.5)}, {"p99", s.percentile(0.99)}, {"max", s.largest()}};
+}
+
+nlohmann::ordered_json to_report(const LiveReport& r, const LiveSource& source, const std::string& gl) {
+  nlohmann::ordered_json json;
+  json["source"] = source.description();
+  json["gl"] = gl;
+  json["seconds"] = r.seconds;
+  json["fps"] = r.shown.mean(r.seconds);
+  json["fps_slowest_second"] = r.shown.slowest(r.seconds, 1);
+  json["fps_slowest_5_seconds"] = r.shown.slowest(r.seconds, 5);
+  json["view_fps"] = r.pictures.mean(r.seconds);
+  json["latency_ms"] = to_json(r.latency);
+  for (const auto& [name, series] : r.stages) json["stages_ms"][name] = to_json(series);
+  const LiveChain::Counters& c = r.counters;
+  std::uint64_t late = 0, missing = 0;
+  for (const CameraSync& camera : c.sets.sync.cameras) late += camera.late, missing += camera.missing;
+  json["sets"] = {{"ready", c.sets.sets}, {"complete", c.sets.sync.complete}, {"incomplete", c.sets.sync.incomplete}};
+  json["scenes"] = c.scenes;
+  json["dropped"] = {{"sets_overtaken", c.sets.overtaken},
+                     {"scenes_unseen", c.unseen},
+                     {"sets_failed", c.failed},
+                     {"sets_troubled", c.troubled},
+                     {"frames_late", late},
+                     {"frames_missing", missing}};
+  for (const QualityChange& q : r.qualities)
+    json["qualities"].push_back({{"seconds", q.seconds}, {"quality", q.quality}, {"fps", q.fps}});
+  return json;
+}
+
+void print(const LiveReport& r) {
+  std::printf("%.1f scenes a second over %.0f s (slowest second %.0f), latency p50 %.0f ms, p99 %.0f ms\n",
+              r.shown.mean(r.seconds), r.seconds, r.shown.slowest(r.seconds, 1), r.latency.percentile(0.5),
+              r.latency.percentile(0.99));
+  for (const auto& [name, series] : r.stages)
+    std::printf("  %-12s mean %6.1f ms, p99 %6.1f ms\n", name.c_str(), series.mean(), series.percentile(0.99));
+  std::printf("  %llu instants came, %llu were shown, %llu overtaken by newer ones\n",
+              static_cast<unsigned long long>(r.counters.sets.sets), static_cast<unsigned long long>(r.counters.scenes),
+              static_cast<unsigned long long>(r.counters.sets.overtaken));
+}
+
+// A picture a second, named by its time and instant.
+class Snapshots {
+ public:
+  Snapshots(std::filesystem::path folder, const std::array<float, 3>& background)
+      : folder_(std::move(folder)), background_(background) {}
+  Result<void> take(const LivePicture& p) {
+    if (folder_.empty() || p.seconds < next_) return {};
+    next_ = p.seconds + 1;
+    char name[64];
+    std::snprintf(name, sizeof name, "%06.2fs-instant%06llu.png", p.seconds,
+                  static_cast<unsigned long long>(p.scene->scene.epoch));
+    return save_png(over(p.picture, background_), folder_ / name);
+  }
+
+ private:
+  const std::filesystem::path folder_;
+  const std::array<float, 3> background_;
+  double next_ = 0;
+};
+
+Result<void> run(const Options& given) {
+  Options o = given;
+  Result<std::pair<int, int>> size = parse_size(o.size);
+  if (!size) return forward(size);
+  std::tie(o.run.width, o.run.height) = *size;
+  RendererFlags flags;
+  flags.background = o.background;
+  flags.options.cameras = o.cameras;
+  Result<RendererOptions> renderer = renderer_options(flags);
+  if (!renderer) return forward(renderer);
+  o.run.renderer = *renderer;
+  o.player.rate = o.rate;
+  o.player.loop = o.run.seconds > 0;
+  Result<std::unique_ptr<TakePlayer>> source = TakePlayer::open(o.source, o.player);
+  if (!source) return forward(source);
+  const Rig& rig = (*source)->rig();
+  Result<CameraPath> path = o.path_file.empty() ? orbit_path(rig, {}, o.orbit) : load_path(o.path_file);
+  if (!path) return forward(path);
+  const double duration = path->duration();
+  const ViewAt view_at = [&, seconds = o.run.seconds](double time) {
+    return view_of(sample(*path, duration > 0 ? std::fmod(time, duration) : 0), o.run.width, o.run.height, {});
+  };
+  if (!o.snapshots.empty())
+    if (Result<void> ok = make_folder(o.snapshots); !ok) return ok;
+  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  if (!gl) return forward(gl);
+  Snapshots snapshots(o.snapshots, o.run.renderer.background);
+  const Result<LiveReport> report = run_live(**source, o.chain, o.run, view_at, interrupted,
+                                             [&](const LivePicture& p) { return snapshots.take(p); });
+  if (!report) return forward(report);
+  print(*report);
+  if (o.json.empty()) return {};
+  return save_json(to_report(*report, **source, (*gl)->description()), o.json);
+}
+
+}  // namespace
+
+void add_live(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  Options& o = *options;
+  CLI::App* verb = app.add_subcommand("live", "Cameras, or a take in their place, as a scene that one walks around now");
+  verb->add_option("--source", o.source, "A take, played as if its cameras delivered it now")->required();
+  verb->add_flag("--headless", o.headless, "Without a window: the view walks around the stage");
+  verb->add_option("--seconds", o.run.seconds, "How long, the take beginning anew when it is over; default: once through")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--rate", o.rate, "Instants a second; default: as recorded")->check(CLI::PositiveNumber);
+  verb->add_option("--out-size", o.size, "Size of the view")->capture_default_str();
+  verb->add_option("--key", o.chain.key, "How the subject is keyed, see `floatstage process --help`")->capture_default_str();
+  verb->add_option("--cameras", o.cameras, "Photographs blended per view")->capture_default_str();
+  std::string levels = "Quality to begin with:";
+  for (std::size_t i = 0; i < live_qualities().size(); ++i) levels += text("\n  ", i, " ", describe(live_qualities()[i]));
+  verb->add_option("--quality", o.run.quality, levels)->capture_default_str();
+  verb->add_option("--target-fps", o.run.target_fps, "Change the quality to show so many instants a second; 0: never")
+      ->capture_default_str()->check(CLI::NonNegativeNumber);
+  verb->add_option("--orbit", o.orbit, "Headless: seconds of a walk around the stage")->capture_default_str()->check(CLI::PositiveNumber);
+  verb->add_option("--path", o.path_file, "Headless: follow this camera path instead, again and again");
+  verb->add_option("--background", o.background, "Colour behind the performer, rrggbb")->capture_default_str();
+  verb->add_option("--snapshots", o.snapshots, "Write a picture a second into this folder");
+  verb->add_option("--json", o.json, "Write a report for machines");
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <chrono>
+
+#include "core/time.h"
+
+namespace floatstage {
+
+/// Now, on the recorder's monotonic clock, which cameras' exposures are stamped with too. Only what runs threads reads
+/// it; everything below gets time as a parameter.
+inline Timestamp now() {
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()};
+}
+
+inline double milliseconds_of(Nanoseconds d) { return static_cast<double>(d.count) * 1e-6; }
+
+}  // namespace floatstage

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/studio/live_quality.h"
+#include "apps/studio/live_scene.h"
+#include "core/rig.h"
+#include "render/renderer.h"
+
+namespace floatstage {
+
+/// Draws live scenes. GL thread only.
+class LiveView {
+ public:
+  explicit LiveView(Rig rig) : rig_(std::move(rig)) {}
+
+  /// Brings a scene's surface and textures to the GPU. One without a subject, or without any texture, leaves nothing to
+  /// draw: that is no error.
+  Result<void> show(const std::shared_ptr<const LiveScene>& scene);
+  /// The scene from a view; nothing when there is nothing to draw. `options` but for method and flow, which are the
+  /// quality's.
+  Result<std::optional<RenderedView>> render(const View& view, const LiveQuality& quality, RendererOptions options);
+
+  const LiveScene* scene() const { return scene_.get(); }
+  const SceneTextures& textures() const { return textures_; }
+  bool has_subject() const { return drawable_; }
+  const Rig& rig() const { return rig_; }
+
+ private:
+  const Rig rig_;
+  std::shared_ptr<const LiveScene> scene_;
+  SceneTextures textures_;
+  std::map<std::string, std::unique_ptr<ViewRenderer>> renderers_;
+  bool drawable_ = false;
+};
+
+}  // namespace floatstage
