@@ -1,7 +1,10 @@
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <memory>
 
 #include "apps/matte/matte_image.h"
+#include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -15,6 +18,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string method = "auto";
   fs::path image, trimap, scribbles, out, foreground;
+  std::vector<std::string> subject, background;
 };
 
 Image rgb_of(const Image& picture) {
@@ -38,6 +42,20 @@ Image grey_of(const Image& picture) {
   return out;
 }
 
+// "120,80": a click, as wide as a two-hundredth of the picture.
+Result<MatteStroke> click_at(const std::string& place, MatteLabel label, const Image& picture) {
+  const std::vector<std::string> parts = split_list(place);
+  double at[2] = {};
+  bool fits = parts.size() == 2;
+  for (std::size_t i = 0; fits && i < 2; ++i) {
+    const auto [end, error] = std::from_chars(parts[i].data(), parts[i].data() + parts[i].size(), at[i]);
+    fits = error == std::errc() && end == parts[i].data() + parts[i].size();
+  }
+  if (!fits || !(at[0] >= 0 && at[0] < picture.width && at[1] >= 0 && at[1] < picture.height))
+    return fail(ErrorCode::InvalidArgument, text("'", place, "' is no place in the picture of ", picture.width, "x", picture.height, "; write a click as x,y in pixels"));
+  return MatteStroke{label, std::max(2.0, std::max(picture.width, picture.height) / 200.0), {{at[0], at[1]}}};
+}
+
 Result<void> run(const Options& given) {
   Result<Image> picture = load_png(given.image);
   if (!picture) return forward(picture);
@@ -52,6 +70,12 @@ Result<void> run(const Options& given) {
     if (!scribbles) return forward(scribbles);
     options.scribbled = rgb_of(*scribbles);
   }
+  for (const auto& [places, label] : {std::pair{&given.subject, MatteLabel::Foreground}, {&given.background, MatteLabel::Background}})
+    for (const std::string& place : *places) {
+      Result<MatteStroke> click = click_at(place, label, options.picture);
+      if (!click) return forward(click);
+      options.clicks.push_back(std::move(*click));
+    }
   Result<Image> matte = matte_image(options);
   if (!matte) return fail(matte.error().code, text(given.image.string(), ": ", matte.error().message));
   if (Result<void> ok = save_png(*matte, given.out); !ok) return ok;
@@ -70,11 +94,13 @@ Result<void> run(const Options& given) {
 
 void add_matte_image(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("matte-image", "The matte of one picture, from scribbles, a trimap, or its cloth");
+  CLI::App* verb = app.add_subcommand("matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth");
   verb->add_option("image", options->image, "A PNG")->required();
   verb->add_option("--scribbles", options->scribbles, "The same picture with subject painted white and background black (PNG)");
   verb->add_option("--trimap", options->trimap, "Black background, white subject, grey unknown (PNG)");
-  verb->add_option("--method", options->method, "auto, chroma or closed-form")->capture_default_str()->check(CLI::IsMember({"auto", "chroma", "closed-form"}));
+  verb->add_option("--method", options->method, "auto, chroma, closed-form or spectral")->capture_default_str()->check(CLI::IsMember({"auto", "chroma", "closed-form", "spectral"}));
+  verb->add_option("--subject", options->subject, "A click on the subject: x,y in pixels; may be given again");
+  verb->add_option("--background", options->background, "A click on the background: x,y");
   verb->add_option("--out", options->out, "Write the matte (PNG, one channel)")->required();
   verb->add_option("--foreground", options->foreground, "Write the subject's own colours with straight alpha (PNG)");
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });

@@ -4,6 +4,7 @@
 
 #include "apps/evaluate/matte_metrics.h"
 #include "tests/matting/pictures.h"
+#include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
 
 namespace floatstage {
@@ -35,6 +36,33 @@ TEST(MatteImage, FollowsScribblesAndATrimap) {
       if (d < 24 || d > 38) *options.trimap.at(x, y) = d < 24 ? 255 : 0;
     }
   EXPECT_LT(error(matte_image(options)), 0.01);
+}
+
+TEST(MatteImage, ChoosesSpectralComponentsByClicksScribblesOrItsOwnGuess) {
+  const DiscPicture disc = disc_picture(120, 90);
+  MatteImageOptions options{.method = "spectral", .picture = disc.rgb, .trimap = {}, .scribbled = {}};
+  const auto off = [&] {
+    const Result<Image> matte = matte_image(options);
+    EXPECT_THAT(matte, IsOk());
+    return matte ? matte_mad(*matte, disc.alpha) : 1;
+  };
+  EXPECT_LT(off(), 0.05) << "its own guess";
+  options.clicks = {{MatteLabel::Foreground, 2, {{54, 45}}}};
+  EXPECT_LT(off(), 0.05);
+  const Image by_click = *matte_image(options);
+  options.method = "auto";
+  EXPECT_THAT(matte_image(options), IsOkAnd(by_click)) << "clicks alone";
+  options.method = "spectral";
+  options.clicks = {{MatteLabel::Background, 2, {{5, 5}}}};
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::InvalidArgument, "only background"));
+  options.clicks.clear();
+  options.scribbled = options.picture;
+  for (int x = 45; x < 62; ++x)
+    for (int c = 0; c < 3; ++c) options.scribbled.at(x, 45)[c] = 255, options.scribbled.at(x, 4)[c] = 0;
+  EXPECT_LT(off(), 0.05);
+  options.picture = Image(120, 90, 3, 80);
+  options.scribbled = {};
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::BadData, ""));
 }
 
 TEST(MatteImage, SaysWhatItNeeds) {
