@@ -109,13 +109,17 @@ void spread(const Eigen::Ref<const Eigen::MatrixXd>& tangent, const double* pose
   j.rightCols(tangent.cols() - 3) = tangent.rightCols(tangent.cols() - 3);
 }
 
+constexpr std::size_t kBoardSize = 13;  // a pose, spin and velocity
+
 // Ceres' own copy of the parameters, and the linearised views that its cost functions read.
 struct Workspace {
   Scene& scene;
   const BundleOptions& options;
   std::vector<Pose> cameras;
-  std::vector<std::array<double, 13>> boards;  // the last six only where motion is solved for
-  std::vector<std::vector<double>> markers;
+  // Boards (13 numbers each, the last six only where motion is solved for) and behind them markers. Ceres orders the blocks of a
+  // group by their addresses: in one array these do not depend on the heap, and so neither do the sums.
+  std::vector<double> objects;
+  std::vector<std::size_t> marker_begin;
   std::vector<int> views;  // the usable ones
   std::vector<LinearView> linear;
 
@@ -123,14 +127,12 @@ struct Workspace {
     for (const SceneCamera& c : s.cameras) cameras.push_back(to_array(c.cam_from_world));
     for (const SceneBoard& b : s.boards) {
       const Pose pose = to_array(b.world_from_target);
-      boards.emplace_back();
-      std::copy(pose.begin(), pose.end(), boards.back().begin());
-      Eigen::Map<Eigen::Vector3d>(boards.back().data() + 7, 3) = b.spin;
-      Eigen::Map<Eigen::Vector3d>(boards.back().data() + 10, 3) = b.velocity;
+      objects.insert(objects.end(), pose.begin(), pose.end());
+      for (const Eigen::Vector3d& v : {b.spin, b.velocity}) objects.insert(objects.end(), v.begin(), v.end());
     }
     for (const SceneMarkers& m : s.markers) {
-      markers.emplace_back();
-      for (const Eigen::Vector3d& p : m.positions) markers.back().insert(markers.back().end(), {p.x(), p.y(), p.z()});
+      marker_begin.push_back(objects.size());
+      for (const Eigen::Vector3d& p : m.positions) objects.insert(objects.end(), p.begin(), p.end());
     }
     for (std::size_t i = 0; i < s.views.size(); ++i) {
       const SceneView& v = s.views[i];
@@ -140,20 +142,26 @@ struct Workspace {
     linear.resize(views.size());
   }
 
+  double* board(std::size_t i) { return objects.data() + kBoardSize * i; }
+  double* markers(std::size_t i) { return objects.data() + marker_begin[i]; }
+  double* object_of(const SceneView& v) {
+    return v.board >= 0 ? board(static_cast<std::size_t>(v.board)) : markers(static_cast<std::size_t>(v.markers));
+  }
+
   void to_scene() {
     for (std::size_t i = 0; i < cameras.size(); ++i)
       if (scene.cameras[i].placed) scene.cameras[i].cam_from_world = from_array(cameras[i]);
-    for (std::size_t i = 0; i < boards.size(); ++i)
+    for (std::size_t i = 0; i < scene.boards.size(); ++i)
       if (SceneBoard& b = scene.boards[i]; b.placed) {
-        const double* const p = boards[i].data();
+        const double* const p = board(i);
         b.world_from_target = from_array({p[0], p[1], p[2], p[3], p[4], p[5], p[6]});
         if (!b.free_motion) continue;
         b.spin = Eigen::Vector3d(p[7], p[8], p[9]);
         b.velocity = Eigen::Vector3d(p[10], p[11], p[12]);
       }
-    for (std::size_t i = 0; i < markers.size(); ++i)
+    for (std::size_t i = 0; i < scene.markers.size(); ++i)
       for (std::size_t k = 0; k < scene.markers[i].positions.size(); ++k)
-        scene.markers[i].positions[k] = Eigen::Map<const Eigen::Vector3d>(markers[i].data() + 3 * k);
+        scene.markers[i].positions[k] = Eigen::Map<const Eigen::Vector3d>(markers(i) + 3 * k);
   }
 };
 
@@ -177,9 +185,9 @@ class ProjectViews final : public ceres::EvaluationCallback {
 
 class ViewCost final : public ceres::CostFunction {
  public:
-  ViewCost(const Workspace& w, std::size_t index) : w_(w), index_(index) {
+  ViewCost(Workspace& w, std::size_t index) : w_(w), index_(index) {
     const SceneView& v = view();
-    const int markers = v.board >= 0 ? 0 : static_cast<int>(w.markers[static_cast<std::size_t>(v.markers)].size());
+    const int markers = v.board >= 0 ? 0 : 3 * static_cast<int>(w.scene.markers[static_cast<std::size_t>(v.markers)].positions.size());
     set_num_residuals(v.board >= 0 ? kBoardRows : 2 * static_cast<int>(v.points.size()));
     const bool moves = v.board >= 0 && w.scene.boards[static_cast<std::size_t>(v.board)].free_motion;
     *mutable_parameter_block_sizes() = {kIntrinsics, 7, v.board >= 0 ? (moves ? 13 : 7) : markers, 1};
@@ -195,7 +203,7 @@ class ViewCost final : public ceres::CostFunction {
     if (jacobians[1]) spread(linear.by_camera, w_.cameras[static_cast<std::size_t>(v.camera)].data(), jacobians[1]);
     if (jacobians[2]) {
       if (v.board >= 0)
-        spread(linear.by_object, w_.boards[static_cast<std::size_t>(v.board)].data(), jacobians[2]);
+        spread(linear.by_object, w_.object_of(v), jacobians[2]);
       else
         Eigen::Map<RowMajor>(jacobians[2], height, linear.by_object.cols()) = linear.by_object;
     }
@@ -205,7 +213,7 @@ class ViewCost final : public ceres::CostFunction {
 
  private:
   const SceneView& view() const { return w_.scene.views[static_cast<std::size_t>(w_.views[index_])]; }
-  const Workspace& w_;
+  Workspace& w_;
   std::size_t index_;
 };
 
@@ -338,8 +346,7 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
     const SceneView& v = scene.views[static_cast<std::size_t>(w.views[i])];
     const auto camera = static_cast<std::size_t>(v.camera);
     const auto object = static_cast<std::size_t>(v.board >= 0 ? v.board : v.markers);
-    double* place = v.board >= 0 ? w.boards[object].data() : w.markers[object].data();
-    problem.AddResidualBlock(new ViewCost(w, i), nullptr, scene.cameras[camera].intrinsics.data(), w.cameras[camera].data(), place,
+    problem.AddResidualBlock(new ViewCost(w, i), nullptr, scene.cameras[camera].intrinsics.data(), w.cameras[camera].data(), w.object_of(v),
                              &scene.cameras[camera].offset);
     cameras[camera] = true;
     (v.board >= 0 ? boards : markers)[object] = true;
@@ -350,20 +357,20 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
   for (std::size_t i = 0; i < boards.size(); ++i) {
     if (!boards[i]) continue;
     if (scene.boards[i].free_motion) {
-      problem.SetManifold(w.boards[i].data(), new MovingPoseManifold);
-      problem.AddResidualBlock(new MotionPrior(scene.boards[i]), nullptr, w.boards[i].data());
+      problem.SetManifold(w.board(i), new MovingPoseManifold);
+      problem.AddResidualBlock(new MotionPrior(scene.boards[i]), nullptr, w.board(i));
     } else {
-      problem.SetManifold(w.boards[i].data(), new PoseManifold);
+      problem.SetManifold(w.board(i), new PoseManifold);
     }
-    ordering->AddElementToGroup(w.boards[i].data(), 0);
+    ordering->AddElementToGroup(w.board(i), 0);
   }
   for (std::size_t i = 0; i < markers.size(); ++i) {
     if (!markers[i]) continue;
     const Target& target = scene.targets[static_cast<std::size_t>(scene.markers[i].target)];
-    ordering->AddElementToGroup(w.markers[i].data(), 0);
+    ordering->AddElementToGroup(w.markers(i), 0);
     if (marker_residual(scene.markers[i], target, nullptr).size() > 0)
       // Lengths that contradict the boards must not drag markers off their rays: then nobody could say which is wrong.
-      problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target), new ceres::CauchyLoss(kDoubtfulLength), w.markers[i].data());
+      problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target), new ceres::CauchyLoss(kDoubtfulLength), w.markers(i));
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (!cameras[i]) continue;
