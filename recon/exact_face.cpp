@@ -32,6 +32,10 @@ void FaceSweep::run(int view, int begin, int end, FaceOutput& out) {
     if (!(window.low < window.high)) continue;
     take(edge);
     take_depths();
+    if (!depth_.allFinite()) {  // an edge without length: only moving its ends helps
+      ++out.defects;
+      continue;
+    }
     edges_.clear();
     first_line_ = 0;
     tie_ = defect_ = unbounded_ = false;

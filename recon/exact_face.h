@@ -60,6 +60,7 @@ struct FaceOutput {
   std::vector<std::uint32_t> triangles;       ///< once triangulated: vertex numbers of the hull
   std::vector<std::int32_t> triangle_face;    ///< per triangle: index into the hull's faces
   std::vector<std::uint64_t> risky;           ///< diagonals whose ends have another face in common
+  bool doubled = false;                       ///< a diagonal is another face's edge
   std::int64_t lines = 0, relations = 0;  ///< the work: lines made, pairs of lines looked at
   bool too_many = false;   ///< given up: more relations than ArrangementInput::most_relations
   int defects = 0;         ///< faces whose boundary does not close: doubles were not enough

@@ -176,6 +176,7 @@ void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullP
   part.triangles.clear();
   part.triangle_face.clear();
   part.risky.clear();
+  part.doubled = false;
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
     const std::int32_t number = start.face + static_cast<std::int32_t>(f);
     const int first = part.faces[f].first_polygon;
@@ -203,18 +204,36 @@ void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullP
     const bool ears_only = last == first + 1;
     const std::size_t triangles = part.triangles.size() - (ears_only ? 3 : 0);
     const auto first_risky = static_cast<std::ptrdiff_t>(part.risky.size());
+    // Whether two corners are neighbours on one of the face's own polygons.
+    const auto adjacent = [&](std::int32_t a, std::int32_t b) {
+      const auto next = std::upper_bound(scratch.ends.begin(), scratch.ends.end(), a);
+      const std::int32_t ring_begin = next == scratch.ends.begin() ? 0 : *(next - 1), ring_end = *next;
+      if (b < ring_begin || b >= ring_end) return false;
+      return std::abs(a - b) == 1 || std::abs(a - b) == ring_end - ring_begin - 1;
+    };
+    scratch.within.clear();
     for (std::size_t t = first_triangle; t < triangles; t += 3) {
       for (std::size_t k = ears_only ? 2 : 0; k < 3; ++k) {
         const std::int32_t u = static_cast<std::int32_t>(part.triangles[t + k]),
                            v = static_cast<std::int32_t>(part.triangles[t + (k + 1) % 3]);
+        if (!ears_only) {
+          const std::int32_t *ends = &scratch.local[t - first_triangle], a = ends[k], b = ends[(k + 1) % 3];
+          if (adjacent(a, b)) continue;
+          scratch.within.push_back({a, b});
+        }
         if (!share_another_face(u, v, number)) continue;
         const std::int32_t* edges = &out_edges_[static_cast<std::size_t>(u) * kSlots];
-        if (std::find(edges, edges + degree_[u], v) != edges + degree_[u]) continue;
+        const std::int32_t* back = &out_edges_[static_cast<std::size_t>(v) * kSlots];
+        part.doubled |= std::find(edges, edges + degree_[u], v) != edges + degree_[u] ||
+                        std::find(back, back + degree_[v], u) != back + degree_[v];
         const std::uint64_t low = static_cast<std::uint64_t>(std::min(u, v)),
                             high = static_cast<std::uint64_t>(std::max(u, v));
         part.risky.push_back(low << 32 | high);
       }
     }
+    // Bridges pass points twice, so rounding can join two of them twice within one face.
+    std::sort(scratch.within.begin(), scratch.within.end());
+    part.doubled |= std::adjacent_find(scratch.within.begin(), scratch.within.end()) != scratch.within.end();
     std::sort(part.risky.begin() + first_risky, part.risky.end());
     part.risky.erase(std::unique(part.risky.begin() + first_risky, part.risky.end()), part.risky.end());
   }
@@ -235,13 +254,15 @@ bool MeshWelder::triangulate(std::span<FaceOutput> parts, int threads, HullPolyg
       triangulate_part(parts[p], part_start_[p], out, scratch_[k]);
   });
   risky_.clear();
+  bool doubled = false;
   for (const FaceOutput& part : parts) {
+    doubled |= part.doubled;
     out.triangles.insert(out.triangles.end(), part.triangles.begin(), part.triangles.end());
     out.triangle_face.insert(out.triangle_face.end(), part.triangle_face.begin(), part.triangle_face.end());
     risky_.insert(risky_.end(), part.risky.begin(), part.risky.end());
   }
   std::sort(risky_.begin(), risky_.end());
-  return std::adjacent_find(risky_.begin(), risky_.end()) == risky_.end();
+  return !doubled && std::adjacent_find(risky_.begin(), risky_.end()) == risky_.end();
 }
 
 }  // namespace floatstage

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,8 +38,8 @@ class MeshWelder {
  public:
   /// Numbers the vertices and fills `out` but for the triangles; `parts` in ascending order of faces.
   void weld(const ArrangementInput& input, std::span<const FaceOutput> parts, HullPolygons& out);
-  /// Cuts all polygons into triangles. False when two faces were cut along one diagonal, which only rounding
-  /// can do: that edge would have four triangles.
+  /// Cuts all polygons into triangles. False when a diagonal was cut along twice, or is another face's edge, which only
+  /// rounding can do: it would have four triangles.
   bool triangulate(std::span<FaceOutput> parts, int threads, HullPolygons& out);
 
  private:
@@ -48,6 +49,7 @@ class MeshWelder {
   struct Scratch {
     std::vector<Eigen::Vector2d> points;
     std::vector<std::int32_t> ends, local;
+    std::vector<std::pair<std::int32_t, std::int32_t>> within;
     PolygonCutter cutter;
   };
   struct PartStart {

@@ -124,6 +124,12 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
   for (int round = 0;; ++round) {
     const auto again = std::chrono::steady_clock::now();
     workspace.builder.build(rig, input, settings, cones);
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+      if (!cones.details[c].torn) continue;
+      return fail(ErrorCode::BadData, text("camera '", rig.cameras[c].serial,
+                                           "': without its lens, its outline crosses itself too badly to be mended; "
+                                           "check its calibration and where the outline comes from"));
+    }
     cut = std::any_of(cones.views.begin(), cones.views.end(), [](const ConeView& v) { return v.beyond_counts; });
     if (!options.volume && (cut || cones.views.size() < 2)) {
       // Some silhouettes are open: what the others bound is where the hull is sought.

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
-
 #include "core/parallel.h"
 #include "core/text.h"
 #include "recon/bounding_volume.h"
@@ -15,22 +13,6 @@ namespace floatstage {
 namespace {
 
 constexpr std::size_t kMostPoints = 20000;  // of one outline, as SilhouetteOptions::most_points
-
-/// How often an outline's other polygons go around the first corner of polygon k.
-int surrounding(const Silhouette& outline, std::span<const Eigen::AlignedBox2d> boxes, int k) {
-  const Eigen::Vector2d corner = outline.points[outline.starts[k]];
-  int turns = 0;
-  for (int other = 0; other < outline.polygons(); ++other) {
-    if (other == k || !boxes[other].contains(corner)) continue;
-    const int begin = outline.starts[other], end = outline.starts[other + 1];
-    for (int i = begin; i < end; ++i) {
-      const Eigen::Vector2d &a = outline.points[i], &b = outline.points[i + 1 < end ? i + 1 : begin];
-      if ((a.y() <= corner.y()) == (b.y() <= corner.y())) continue;
-      if (a.x() + (corner.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) < corner.x()) turns += b.y() < a.y() ? 1 : -1;
-    }
-  }
-  return turns;
-}
 
 /// Empty, or what is wrong with an outline.
 std::string flaw(const Silhouette& outline, const CameraModel& model) {
@@ -48,20 +30,7 @@ std::string flaw(const Silhouette& outline, const CameraModel& model) {
     if (!(p.x() >= -reach && p.y() >= -reach && p.x() <= 2 * reach && p.y() <= 2 * reach))
       return "it has points far outside the picture";
   }
-  std::vector<Eigen::AlignedBox2d> boxes(static_cast<std::size_t>(outline.polygons()));
-  std::vector<double> areas(boxes.size(), 0);
-  for (int k = 0; k < outline.polygons(); ++k) {
-    for (int i = starts[k], end = starts[k + 1]; i < end; ++i) {
-      const Eigen::Vector2d &p = outline.points[i], &q = outline.points[i + 1 < end ? i + 1 : starts[k]];
-      boxes[k].extend(p);
-      areas[k] += p.x() * q.y() - p.y() * q.x();
-    }
-  }
-  for (int k = 0; k < outline.polygons(); ++k) {
-    const int around = surrounding(outline, boxes, k) + (outline.beyond_counts ? 1 : 0);
-    if (around != (areas[k] > 0 ? 0 : 1))
-      return "its polygons do not tell subject from background: subject has to be right of every edge";
-  }
+  if (!tells_sides(outline)) return "its polygons do not tell subject from background: subject has to be right of every edge";
   return {};
 }
 

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
 
 #include "recon/silhouette.h"
 #include "recon/silhouette_grid.h"
@@ -39,6 +43,18 @@ void rebuild(const PointOf& point_of, Silhouette& outline) {
   outline.starts[polygons] = static_cast<int>(kept);
 }
 
+/// Of points that fell together, as rounding on the way here may do, one is enough.
+void drop_repeated(Silhouette& outline) {
+  const Silhouette given = outline;
+  int k = 0;
+  const auto apart = [&](int i) -> std::optional<Vector2d> {
+    while (i >= given.starts[k + 1]) ++k;
+    const Vector2d& before = given.points[i > given.starts[k] ? i - 1 : given.starts[k + 1] - 1];
+    return (given.points[i] - before).squaredNorm() > 1e-12 ? std::optional(given.points[i]) : std::nullopt;
+  };
+  rebuild(apart, outline);
+}
+
 void remove_lens(const CameraModel& model, Silhouette& outline) {
   const CameraModel ideal = pinhole(model);
   const auto straight = [&](int i) -> std::optional<Eigen::Vector2d> {
@@ -67,6 +83,22 @@ void drop_conflicts(SilhouetteScratch& scratch, Silhouette& outline) {
     };
     rebuild(kept, outline);
   }
+}
+
+/// How often an outline's other polygons go around the first corner of polygon k.
+int surrounding(const Silhouette& outline, std::span<const Eigen::AlignedBox2d> boxes, int k) {
+  const Eigen::Vector2d corner = outline.points[outline.starts[k]];
+  int turns = 0;
+  for (int other = 0; other < outline.polygons(); ++other) {
+    if (other == k || !boxes[other].contains(corner)) continue;
+    const int begin = outline.starts[other], end = outline.starts[other + 1];
+    for (int i = begin; i < end; ++i) {
+      const Eigen::Vector2d &a = outline.points[i], &b = outline.points[i + 1 < end ? i + 1 : begin];
+      if ((a.y() <= corner.y()) == (b.y() <= corner.y())) continue;
+      if (a.x() + (corner.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) < corner.x()) turns += b.y() < a.y() ? 1 : -1;
+    }
+  }
+  return turns;
 }
 
 /// Adds the background that was seen around an outline that is not cut: what lies outside the picture is then unknown.
@@ -121,6 +153,7 @@ OutlineDetail simplify_for_lens(const CameraModel& model, double bend, const Sil
     if (is_simple(straight, scratch)) return detail;
     if (round == 4 || tolerance <= 0) {
       drop_conflicts(scratch, straight);
+      detail.torn = !tells_sides(straight);
       return detail;
     }
   }
@@ -166,6 +199,24 @@ bool is_simple(const Silhouette& outline) {
   return is_simple(outline, scratch);
 }
 
+bool tells_sides(const Silhouette& outline) {
+  std::vector<Eigen::AlignedBox2d> boxes(static_cast<std::size_t>(outline.polygons()));
+  std::vector<double> areas(boxes.size(), 0);
+  for (int k = 0; k < outline.polygons(); ++k) {
+    const int begin = outline.starts[k], end = outline.starts[k + 1];
+    for (int i = begin; i < end; ++i) {
+      const Vector2d &p = outline.points[i], &q = outline.points[i + 1 < end ? i + 1 : begin];
+      boxes[k].extend(p);
+      areas[k] += p.x() * q.y() - p.y() * q.x();
+    }
+  }
+  for (int k = 0; k < outline.polygons(); ++k) {
+    const int around = surrounding(outline, boxes, k) + (outline.beyond_counts ? 1 : 0);
+    if (around != (areas[k] > 0 ? 0 : 1)) return false;
+  }
+  return true;
+}
+
 OutlineDetail undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
                                   const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out) {
   trace_outline(matte, options.unknown_beyond, scratch, scratch.traced);
@@ -175,6 +226,7 @@ OutlineDetail undistorted_outline(const Matte& matte, const CameraModel& model, 
 OutlineDetail undistorted_outline(const Silhouette& outline, const CameraModel& model, double bend,
                                   const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out) {
   scratch.traced = outline;
+  if (!outline.empty()) drop_repeated(scratch.traced);
   if (options.unknown_beyond) make_beyond_unknown(model, bend, scratch.traced);
   return simplify_for_lens(model, bend, options, true, scratch, scratch.bent, out);
 }

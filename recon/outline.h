@@ -20,6 +20,7 @@ struct OutlineDetail {
   double tolerance = 0;  ///< px
   double smallest = 0;   ///< px²
   bool coarser = false;  ///< than asked for
+  bool torn = false;     ///< without the lens it crossed itself so badly that its polygons lost their meaning
 };
 
 /// Memory for one outline at a time, and what depends on its camera's calibration only. Kept from frame to frame, it

@@ -59,6 +59,10 @@ inline constexpr double kOutlineGap = 0.01;
 /// True when no two edges that are not neighbours touch.
 bool is_simple(const Silhouette& outline);
 
+/// True when subject is right of all edges: outer polygons and holes, and beyond_counts, fit into each other. For
+/// outlines that are simple.
+bool tells_sides(const Silhouette& outline);
+
 /// All of the above, then the lens removed from the points: the outline as the ideal pinhole camera would see it, with
 /// simplicity checked again. Points that the lens cannot undo are dropped. `bend` is lens_bend(model). A matte of noise
 /// is made coarser, up to an empty outline, until options.most_points are enough; that bounds the time of a frame.

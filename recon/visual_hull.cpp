@@ -98,6 +98,11 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
     const Result<bool> closed = exact_visual_hull(rig, input, options, workspace.impl(), report);
     if (!closed) return forward(closed);
     if (!*closed) {
+      if (input.outlined()) {  // they come live, and an octree takes seconds
+        report.clear();
+        return fail(ErrorCode::BadData,
+                    "the exact hull of these outlines did not close: leave the frame out, and look at what sends them");
+      }
       report.remarks.push_back(
           "the exact hull did not close: the octree made this one; please report the frame");
       octree = true;

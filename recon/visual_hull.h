@@ -166,7 +166,8 @@ Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const Hu
 /// found with its tolerance; with a volume that leaves a picture, to the outline's tolerance. Whatever compares
 /// silhouettes (Auto votes, quality, care, the octree) compares with the filled outlines, which hold no half opacity.
 /// Errors: those above; and BadData, with the camera's name, for an outline that is malformed or has its subject on the
-/// wrong side. One that crosses itself a little, as rounding on its way here may do, is mended.
+/// wrong side, and for outlines whose hull does not close, since the octree that helps mattes out takes seconds. One that
+/// crosses itself a little, as rounding on its way here may do, is mended.
 Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
                                HullWorkspace* workspace = nullptr);
 Result<void> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,

@@ -37,6 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   HullOptions options;
   options.threads = 1;
   options.contour_tolerance = byte(0) % 5 * 0.5;
+  options.resolution = 48;  // of the octree that helps out, so that a slow input is one of the exact hull
   if (byte(0) & 64)
     options.volume = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1));
   const Result<HullReport> hull = visual_hull(rig, mattes, options);

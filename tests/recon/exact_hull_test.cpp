@@ -191,6 +191,22 @@ TEST(ExactHull, SurvivesAThousandPerturbationsOfADegenerateRig) {
   }
 }
 
+TEST(ExactHull, MovesTheEndsOfEdgesWithoutLengthApart) {
+  const std::vector<ConeView> views = spheres(5, 0.6, 12);
+  const Computed clean = hull_of(views);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    std::vector<ConeView> repeated = views;
+    std::vector<Vector3d> rays = views[v].rays;
+    rays.insert(rays.begin() + 4, rays[4]);
+    repeated[v].clear();
+    repeated[v].center = views[v].center;
+    repeated[v].add_loop(rays);
+    const Computed hull = hull_of(repeated);
+    EXPECT_THAT(hull, IsSound());
+    EXPECT_NEAR(hull.polygons.volume / clean.polygons.volume, 1, 1e-5);
+  }
+}
+
 TEST(ExactHull, TakesCamerasThatSeeEachOther) {
   // Opposite cameras on the axis: each one's image of the other lies inside its silhouette.
   std::vector<ConeView> views;

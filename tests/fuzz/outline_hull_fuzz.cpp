@@ -1,0 +1,58 @@
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/check.h"
+#include "recon/mesh_check.h"
+#include "recon/visual_hull.h"
+
+// Any outlines from any directions, as a wire may bring them: a closed, manifold mesh or a sentence about the input.
+// Byte 0 says how many cameras and whether they have lenses and a volume; then six bytes place a camera, and the rest,
+// read in a circle, are its polygons: a count, then per polygon a count and points in quarters of a pixel.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace floatstage;
+  if (size < 2) return 0;
+  const auto byte = [&](std::size_t at) { return data[at % size]; };
+  const std::size_t cameras = 2 + byte(0) % 4;
+  Rig rig;
+  std::vector<Silhouette> outlines;
+  std::size_t at = 1;
+  for (std::size_t c = 0; c < cameras; ++c) {
+    const auto coordinate = [&] { return (byte(at++) - 127.5) / 40; };
+    const Eigen::Vector3d eye(coordinate(), coordinate(), coordinate());
+    const Eigen::Vector3d target = 0.1 * Eigen::Vector3d(coordinate(), coordinate(), coordinate());
+    if ((eye - target).norm() < 0.1) return 0;
+    RigCamera camera;
+    camera.serial = std::to_string(c);
+    camera.model = {.width = 48, .height = 36, .fx = 44, .fy = 44, .cx = 24, .cy = 18, .skew = 0, .lens = {}};
+    if (byte(0) & 32) camera.model.lens = BrownConrady{-0.1, 0.02, 0, 0, 0};
+    camera.cam_from_world = look_at(eye, target, Eigen::Vector3d(0.1, 0.3, 1));
+    if (!check(Rig{{camera}})) return 0;
+    rig.cameras.push_back(camera);
+    Silhouette outline;
+    const std::uint8_t head = byte(at++);
+    outline.beyond_counts = head & 128;
+    const int polygons = head % 4;
+    for (int k = 0; k < polygons; ++k) {
+      outline.starts.push_back(static_cast<int>(outline.points.size()));
+      const int points = byte(at++) % 24;
+      for (int p = 0; p < points; ++p, at += 2) outline.points.emplace_back(byte(at) / 4.0 - 8, byte(at + 1) / 4.0 - 8);
+    }
+    if (polygons > 0) outline.starts.push_back(static_cast<int>(outline.points.size()) + (head & 64 ? 1 : 0));
+    outlines.push_back(std::move(outline));
+  }
+  HullOptions options;
+  options.threads = 1;
+  options.voting = byte(0) & 16 ? HullVoting::Auto : HullVoting::Strict;
+  if (byte(0) & 64)
+    options.volume = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1));
+  const Result<HullReport> hull = visual_hull(rig, outlines, options);
+  if (!hull) {
+    FLOATSTAGE_CHECK(hull.error().code == ErrorCode::BadData, "an error that is not about the input");
+    return 0;
+  }
+  const MeshCheck mesh = check_mesh(hull->mesh);
+  FLOATSTAGE_CHECK(mesh.watertight && mesh.manifold && mesh.oriented, "an open hull: " + mesh.summary());
+  return 0;
+}
