@@ -1,6 +1,7 @@
 #include "calib/drift.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -68,11 +69,42 @@ Eigen::Matrix3d rotation(const Eigen::Vector3d& turn) {
   return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
 }
 
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
+
+// Parallax that `turn` leaves, and the direction that explains it: rays before and after lie in one plane with the move
+// (Longuet-Higgins 1981, the turn being known; what it took of a sideways shift runs along the same lines). People are
+// outliers: medians and falling weights.
+void measure_parallax(const std::vector<Match>& matches, const Eigen::Vector3d& turn, double pixel, CameraTurn& result) {
+  std::vector<Eigen::Vector3d> normals;
+  std::vector<double> shifts;
+  for (const Match& m : matches) {
+    normals.emplace_back((rotation(turn) * m.before).cross(m.now));
+    shifts.push_back(normals.back().norm() / pixel);
+  }
+  const auto quartile = shifts.begin() + static_cast<std::ptrdiff_t>(3 * shifts.size() / 4);
+  std::nth_element(shifts.begin(), quartile, shifts.end());
+  result.parallax_px = *quartile;
+  // Those that shift far more than most are people from the start.
+  std::vector<double> weights, across(matches.size());
+  for (const Eigen::Vector3d& n : normals) weights.push_back(n.norm() < 2 * pixel * result.parallax_px ? 1 : 0);
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  for (int step = 0; step < 10; ++step) {
+    Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < normals.size(); ++i) moment += weights[i] * normals[i] * normals[i].transpose();
+    direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment).eigenvectors().col(0);
+    for (std::size_t i = 0; i < normals.size(); ++i) across[i] = std::abs(normals[i].dot(direction));
+    const double scale = std::max(0.2 * pixel, 2 * median(across));
+    for (std::size_t i = 0; i < normals.size(); ++i) weights[i] = 1 / (1 + std::pow(across[i] / scale, 2));
+  }
+  result.epipolar_px = median(across) / pixel;
+}
+
+double hundredths(double v) { return std::round(100 * v) / 100; }
 
 }  // namespace
 
@@ -170,12 +202,13 @@ CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>&
   result.degrees = best.norm() / kDegree;
   result.sigma_degrees = std::sqrt(information.inverse().diagonal().maxCoeff() / 2) * rms / kDegree;
   result.known = agree >= kFewestMatches && 2 * agree >= result.matches;
+  measure_parallax(matches, best, pixel, result);
   return result;
 }
 
 DriftWatch::DriftWatch(const Rig& rig, DriftReference reference, const DriftOptions& options)
     : rig_(rig), reference_(std::move(reference)), options_(options), turns_(rig.cameras.size()),
-      in_a_row_(rig.cameras.size(), 0), alarmed_(rig.cameras.size(), false) {}
+      in_a_row_(rig.cameras.size(), 0), alarmed_(rig.cameras.size(), false), next_(rig.cameras.size()) {}
 
 Result<DriftWatch> DriftWatch::create(const Rig& rig, DriftReference reference, const DriftOptions& options) {
   bool same = reference.serials.size() == rig.cameras.size() && reference.patches.size() == rig.cameras.size();
@@ -190,8 +223,10 @@ std::optional<DriftAlarm> DriftWatch::check(int camera, double time, const Image
   CameraTurn& turn = turns_[c];
   turn = measure_turn(rig_.cameras[c].model, reference_.patches[c], image);
   if (!turn.known) return std::nullopt;  // hidden by people or dark: neither moved nor at rest
-  const bool away = turn.degrees > options_.alarm_degrees && turn.degrees > 4 * turn.sigma_degrees;
-  if (!away) {
+  const bool turned = turn.degrees > options_.alarm_degrees && turn.degrees > 4 * turn.sigma_degrees;
+  // Noise shifts patches every way, a move along one direction only.
+  const bool moved = turn.parallax_px > options_.alarm_parallax_px && turn.epipolar_px < 0.3 * turn.parallax_px;
+  if (!turned && !moved) {
     in_a_row_[c] = 0;
     alarmed_[c] = false;
     return std::nullopt;
@@ -199,10 +234,24 @@ std::optional<DriftAlarm> DriftWatch::check(int camera, double time, const Image
   if (++in_a_row_[c] < options_.consecutive || alarmed_[c]) return std::nullopt;
   alarmed_[c] = true;
   const std::string& serial = rig_.cameras[c].serial;
-  return DriftAlarm{serial, time, turn.degrees, turn.residual_px,
-                    text("camera '", serial, "' has turned by ", std::round(100 * turn.degrees) / 100, "° (pitch ",
-                         std::round(100 * turn.axis_degrees.x()) / 100, "°, yaw ", std::round(100 * turn.axis_degrees.y()) / 100,
-                         "°, roll ", std::round(100 * turn.axis_degrees.z()) / 100, "°) since the calibration; set it right or calibrate again")};
+  std::string sentence = text("camera '", serial, "' has ", moved ? "moved and " : "", "turned by ", hundredths(turn.degrees), "° (pitch ", hundredths(turn.axis_degrees.x()), "°, yaw ",
+                              hundredths(turn.axis_degrees.y()), "°, roll ", hundredths(turn.axis_degrees.z()), "°) since the calibration");
+  if (moved) sentence += text("; near things shifted by ", hundredths(turn.parallax_px), " px against far ones");
+  return DriftAlarm{serial, time, turn.degrees, turn.residual_px, moved, turn.parallax_px, sentence + "; set it right or calibrate again"};
+}
+
+Result<std::optional<DriftAlarm>> DriftWatch::push(const Frame& frame) {
+  const int camera = frame.info.camera;
+  if (camera < 0 || camera >= static_cast<int>(rig_.cameras.size()))
+    return fail(ErrorCode::InvalidArgument, text("the drift watch has ", rig_.cameras.size(), " cameras, and none of index ", camera));
+  std::optional<Timestamp>& next = next_[static_cast<std::size_t>(camera)];
+  const Timestamp now = frame.info.exposure_start;
+  if (frame.empty() || frame.info.status != FrameStatus::Ok || (next && now < *next)) return std::optional<DriftAlarm>();
+  const Result<Image> image = to_rgb(frame);
+  if (!image) return forward(image);
+  if (!first_) first_ = now;
+  next = now + Nanoseconds{std::llround(1e9 * options_.every)};
+  return check(camera, seconds(now - *first_), *image);
 }
 
 }  // namespace floatstage

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/frame.h"
 #include "core/image.h"
 #include "core/result.h"
 #include "core/rig.h"
@@ -49,11 +50,17 @@ struct CameraTurn {
   double moved_px = 0;      ///< median shift of the background
   double residual_px = 0;   ///< RMS that the turn leaves: large where the camera has moved, not only turned
   int matches = 0, patches = 0;
+  /// What no turn explains: a camera that has moved sees near things shift before far ones, all along the epipolar lines of one
+  /// direction. The upper quartile of those shifts, and the median of what is left across the lines.
+  /// (Which direction that is, a few pixels do not tell: along the view and across it look alike.)
+  double parallax_px = 0, epipolar_px = 0;
 };
 CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>& reference, const Image& image);
 
 struct DriftOptions {
   double alarm_degrees = 0.1;
+  double alarm_parallax_px = 0.8;
+  double every = 2;     ///< seconds between the checks of a camera that push() makes
   int consecutive = 2;  ///< checks in a row that must say so
 };
 
@@ -62,6 +69,8 @@ struct DriftAlarm {
   double time = 0;     ///< seconds, of the check that raised it
   double degrees = 0;
   double residual_px = 0;
+  bool moved = false;      ///< not only turned: parallax_px says so
+  double parallax_px = 0;
   std::string sentence;  ///< names the camera, the angle and what to do
 };
 
@@ -73,6 +82,9 @@ class DriftWatch {
   /// One camera's picture at a time (seconds). An alarm is given once, when it is raised; the camera's next only after it came
   /// back.
   std::optional<DriftAlarm> check(int camera, double time, const Image& image);
+  /// A live camera's frame (info.camera is its index): checked when `every` seconds have gone by since the last one that was, at the
+  /// time since the first. Errors of to_rgb(); Warmup, Corrupt and Lost frames are passed over.
+  Result<std::optional<DriftAlarm>> push(const Frame& frame);
   /// Of the latest check of each camera.
   const std::vector<CameraTurn>& turns() const { return turns_; }
 
@@ -84,6 +96,8 @@ class DriftWatch {
   std::vector<CameraTurn> turns_;
   std::vector<int> in_a_row_;
   std::vector<bool> alarmed_;
+  std::vector<std::optional<Timestamp>> next_;
+  std::optional<Timestamp> first_;
 };
 
 }  // namespace floatstage

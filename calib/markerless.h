@@ -1,8 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -27,9 +27,15 @@ struct MarkerlessOptions {
   int least_points = 60;     ///< points that a picture shows
 };
 
+/// A point of the scene and where it was seen.
+struct SceneFeature {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  std::vector<std::pair<int, Eigen::Vector2d>> seen;  ///< index of the picture, px (corner origin)
+};
+
 struct MarkerlessResult {
   Rig rig;            ///< in the order of the pictures; the unit is arbitrary, see scale_to()
-  int points = 0;
+  std::vector<SceneFeature> features;  ///< in the rig's world and unit
   double mean_track = 0;      ///< pictures a point
   double rms_px = 0;          ///< COLMAP's mean reprojection error: says little
 };
@@ -41,16 +47,13 @@ struct MarkerlessResult {
 Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures, const std::filesystem::path& workspace,
                                               const MarkerlessOptions& options = {});
 
+/// The same where poses are known already: points are found on them, and poses stay. NotFound when `known` lacks a camera; BadData
+/// also when a camera sees too few points where it is said to be: it has moved.
+Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPicture>& pictures, const Rig& known, const std::filesystem::path& workspace,
+                                                const MarkerlessOptions& options = {});
+
 /// The rig enlarged about its origin so that two cameras are that far apart. NotFound for a serial that is not there,
 /// InvalidArgument for a distance that is not positive or two cameras in one place.
 Result<Rig> scale_to(Rig rig, const std::string& serial_a, const std::string& serial_b, double metres);
-
-/// What points3D.txt of a COLMAP text model says: points, mean track length, mean error, and how many points each image has.
-struct ColmapPoints {
-  int points = 0;
-  double mean_track = 0, mean_error = 0;
-  std::vector<std::pair<int, int>> of_image;  ///< image id, points
-};
-Result<ColmapPoints> parse_colmap_points(std::string_view text, std::string_view name_for_errors);
 
 }  // namespace floatstage

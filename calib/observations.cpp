@@ -34,6 +34,7 @@ Result<void> check_camera(const CalibrationCamera& c) {
   }
   if (c.pose != Prior::Unknown && !is_rotation(c.cam_from_world))
     return bad(text("camera '", c.serial, "': its known pose is not a rotation and a translation"));
+  if (c.found && !is_rotation(*c.found)) return bad(text("camera '", c.serial, "': the place found for it is not a rotation and a translation"));
   return {};
 }
 
@@ -117,6 +118,10 @@ Result<void> check(const Observations& o) {
                       " of target ", v.target, " twice"));
     if (Result<void> ok = check_view(v, o, ids[static_cast<std::size_t>(v.target)]); !ok) return ok;
   }
+  for (const CameraDistance& d : o.distances)
+    if (d.a < 0 || d.b < 0 || d.a >= cameras || d.b >= cameras || d.a == d.b || !(d.metres > 0) || !std::isfinite(d.metres) || !(d.sigma > 0) ||
+        !std::isfinite(d.sigma))
+      return bad(text("the distance between cameras ", d.a, " and ", d.b, " is not between two of the ", cameras, " cameras, or it or its sigma is not positive"));
   if (const auto* floor = std::get_if<FloorBoard>(&o.gauge))
     if (floor->target < 0 || floor->target >= targets || !std::isfinite(floor->height) ||
         o.targets[static_cast<std::size_t>(floor->target)].kind != TargetKind::Board)

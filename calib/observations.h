@@ -93,6 +93,17 @@ struct CalibrationCamera {
   Prior intrinsics = Prior::Unknown, pose = Prior::Unknown;
   CameraModel model;      ///< where intrinsics is not Unknown; size and lens as above
   Rigid3 cam_from_world;  ///< where pose is not Unknown
+  /// A place found by other means (COLMAP), where the solver starts. It says nothing of the world, and nothing moved since.
+  std::optional<Rigid3> found = {};
+};
+
+/// Two cameras' centres and how far apart they are: measured, or as they were yesterday. One that contradicts the others counts
+/// little.
+struct CameraDistance {
+  int a = 0, b = 0;  ///< indices into cameras
+  double metres = 0;
+  double sigma = 1e-3;  ///< metres, > 0
+  bool operator==(const CameraDistance&) const = default;
 };
 
 /// The world is the frame of the fixed poses or of the surveyed markers; without them, the cameras' mean up is z, the
@@ -119,6 +130,7 @@ struct Observations {
   std::vector<CalibrationCamera> cameras;
   std::vector<Target> targets;
   std::vector<TargetView> views;
+  std::vector<CameraDistance> distances;
   Gauge gauge;
 };
 

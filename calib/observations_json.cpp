@@ -53,8 +53,10 @@ Rigid3 read_transform(JsonFields& parent, const char* key, JsonProblem& problem)
 
 // What is known of the cameras is a rig of its own, written and read as rig.json is.
 Json camera_json(const CalibrationCamera& c) {
-  return {{"serial", c.serial}, {"width", c.width}, {"height", c.height}, {"lens", name_in(kLenses, c.lens)},
-          {"intrinsics", name_in(kPriors, c.intrinsics)}, {"pose", name_in(kPriors, c.pose)}};
+  Json out = {{"serial", c.serial}, {"width", c.width}, {"height", c.height}, {"lens", name_in(kLenses, c.lens)},
+              {"intrinsics", name_in(kPriors, c.intrinsics)}, {"pose", name_in(kPriors, c.pose)}};
+  if (c.found) out["found"] = transform_json(*c.found);
+  return out;
 }
 
 Rig known_rig(const Observations& o) {
@@ -120,6 +122,7 @@ CalibrationCamera read_camera(const nlohmann::json& value, const std::string& wh
   c.lens = one_of<LensKind>(kLenses, fields, "lens", problem);
   c.intrinsics = one_of<Prior>(kPriors, fields, "intrinsics", problem);
   c.pose = one_of<Prior>(kPriors, fields, "pose", problem);
+  if (fields.has("found")) c.found = read_transform(fields, "found", problem);
   fields.refuse_others();
   return c;
 }
@@ -208,6 +211,7 @@ std::string to_json(const Observations& o) {
   Json document = {{"floatstage_observations", kVersion}, {"cameras", std::move(cameras)}};
   if (const Rig known = known_rig(o); !known.cameras.empty()) document["known"] = Json::parse(to_json(known));
   document["targets"] = std::move(targets);
+  for (const CameraDistance& d : o.distances) document["camera_distances"].push_back({d.a, d.b, d.metres, d.sigma});
   document["gauge"] = gauge_json(o.gauge);
   document["views"] = std::move(views);
   return document.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -228,6 +232,11 @@ Result<Observations> parse_observations(std::string_view bytes, std::string_view
     for (const nlohmann::json& t : *targets) o.targets.push_back(read_target(t, text(name, ": target ", o.targets.size()), problem));
   if (const nlohmann::json* views = fields.list("views"))
     for (const nlohmann::json& v : *views) o.views.push_back(read_view(v, text(name, ": view ", o.views.size()), problem));
+  if (fields.has("camera_distances"))
+    if (const nlohmann::json* distances = fields.list("camera_distances"))
+      for (const nlohmann::json& d : *distances)
+        if (const std::vector<double> r = row_of(d, 2, {4}, text(name, ": camera_distances"), problem); !r.empty())
+          o.distances.push_back({static_cast<int>(r[0]), static_cast<int>(r[1]), r[2], r[3]});
   if (const nlohmann::json* gauge = fields.child("gauge")) o.gauge = read_gauge(*gauge, text(name, ": gauge"), problem);
   const nlohmann::json* known = fields.child("known", false);
   fields.refuse_others();

@@ -253,7 +253,28 @@ class MotionPrior final : public ceres::SizedCostFunction<6, 13> {
   Vector6 likely_;
 };
 
-constexpr double kDoubtfulLength = 10;  // sigmas
+class DistanceCost final : public ceres::SizedCostFunction<1, 7, 7> {
+ public:
+  explicit DistanceCost(const SceneDistance& known) : known_(known) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const auto pose = [&](int i) {
+      Pose p;
+      std::copy(parameters[i], parameters[i] + 7, p.begin());
+      return from_array(p);
+    };
+    const LinearDistance linear = linearize_distance(known_, pose(0), pose(1));
+    residuals[0] = linear.residual;
+    for (int i = 0; jacobians && i < 2; ++i)
+      if (jacobians[i]) spread(linear.by_poses.segment<6>(6 * i), parameters[i], jacobians[i]);
+    return true;
+  }
+
+ private:
+  const SceneDistance known_;
+};
+
+constexpr double kDoubtfulDistance = 3;  // sigmas
+constexpr double kDoubtfulLength = 10;   // sigmas
 
 // What is known of markers: lengths between them, and where they are when they were surveyed.
 class MarkerKnowledge final : public ceres::CostFunction {
@@ -371,6 +392,11 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
     if (marker_residual(scene.markers[i], target, nullptr).size() > 0)
       // Lengths that contradict the boards must not drag markers off their rays: then nobody could say which is wrong.
       problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target), new ceres::CauchyLoss(kDoubtfulLength), w.markers(i));
+  }
+  for (const SceneDistance& d : scene.distances) {
+    const auto a = static_cast<std::size_t>(d.a), b = static_cast<std::size_t>(d.b);
+    if (options.cameras_move && cameras[a] && cameras[b])
+      problem.AddResidualBlock(new DistanceCost(d), new ceres::CauchyLoss(kDoubtfulDistance), w.cameras[a].data(), w.cameras[b].data());
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (!cameras[i]) continue;

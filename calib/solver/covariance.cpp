@@ -50,9 +50,17 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
       if (mask[k]) free.push_back(kCameraParameters * static_cast<Index>(c) + k);
   }
   MatrixXd information = MatrixXd::Zero(size, size);
+  for (const SceneDistance& d : scene.distances) {
+    const Eigen::Matrix<double, 1, 12> row =
+        linearize_distance(d, scene.cameras[static_cast<std::size_t>(d.a)].cam_from_world, scene.cameras[static_cast<std::size_t>(d.b)].cam_from_world).by_poses;
+    const Index at[] = {kCameraParameters * d.a + kIntrinsics, kCameraParameters * d.b + kIntrinsics};
+    for (int i = 0; i < 2; ++i)
+      for (int k = 0; k < 2; ++k) information.block<6, 6>(at[i], at[k]) += row.segment<6>(6 * i).transpose() * row.segment<6>(6 * k);
+  }
   for (const auto& [object, views] : by_object(scene)) {
     const SceneMarkers* markers = object.first ? nullptr : &scene.markers[static_cast<std::size_t>(object.second)];
     const SceneBoard* board = markers ? nullptr : &scene.boards[static_cast<std::size_t>(object.second)];
+    if (markers && views.size() < 2) continue;  // one ray says nothing of its camera, and cannot place its points
     const Index width = markers ? 3 * static_cast<Index>(markers->positions.size()) : board->free_motion ? 12 : 6;
     MatrixXd own = MatrixXd::Zero(width, width);
     std::vector<std::pair<Index, MatrixXd>> shared;  // camera's first row, its block with the object

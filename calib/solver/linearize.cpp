@@ -190,6 +190,22 @@ void linearize(const Scene& scene, const SceneView& view, Loss loss, bool with_d
     linearize_markers(scene, view, loss, out);
 }
 
+LinearDistance linearize_distance(const SceneDistance& known, const Rigid3& a, const Rigid3& b) {
+  const Vector3d between = a.center() - b.center();
+  const double length = std::max(between.norm(), 1e-9);
+  LinearDistance out;
+  out.residual = (length - known.metres) / known.sigma;
+  // A centre is -Rᵀt: it moves with the translation and with the rotation.
+  const auto by_pose = [&](const Rigid3& pose) {
+    const Matrix3d turn = pose.rotation.conjugate().toRotationMatrix();
+    Eigen::Matrix<double, 3, 6> center;
+    center << -turn * cross_matrix(pose.translation), -turn;
+    return Eigen::Matrix<double, 1, 6>(between.transpose() / (length * known.sigma) * center);
+  };
+  out.by_poses << by_pose(a), -by_pose(b);
+  return out;
+}
+
 Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& target, Eigen::MatrixXd* by_positions) {
   const auto place = [&](int id) {
     const auto found = std::find(markers.indices.begin(), markers.indices.end(), point_index(target, id));

@@ -32,6 +32,13 @@ struct LinearView {
 /// rows are replaced by the triangle of their QR decomposition: same sums of squares, same normal equations, 16 rows.
 void linearize(const Scene& scene, const SceneView& view, Loss loss, bool with_derivatives, LinearView& out);
 
+/// (distance - known) / sigma of two cameras' centres, and its derivative by a's and then b's pose (6 each, as above).
+struct LinearDistance {
+  double residual = 0;
+  Eigen::Matrix<double, 1, 12> by_poses = Eigen::Matrix<double, 1, 12>::Zero();
+};
+LinearDistance linearize_distance(const SceneDistance& known, const Rigid3& a_from_world, const Rigid3& b_from_world);
+
 /// What is known of markers beside their views, in units of its sigma: a row for each length between two of them, three
 /// for each surveyed position. `by_positions` (3 columns a marker) may be null.
 Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& target, Eigen::MatrixXd* by_positions);

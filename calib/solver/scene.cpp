@@ -21,8 +21,8 @@ SceneCamera make_camera(const CalibrationCamera& c) {
   s.pose_fixed = c.pose == Prior::Fixed;
   s.has_intrinsics = c.intrinsics != Prior::Unknown;
   if (s.has_intrinsics) s.start = s.intrinsics = pack(c.model);
-  s.placed = c.pose != Prior::Unknown;
-  if (s.placed) s.cam_from_world = c.cam_from_world;
+  s.placed = c.pose != Prior::Unknown || c.found;
+  if (s.placed) s.cam_from_world = c.found && c.pose != Prior::Fixed ? *c.found : c.cam_from_world;
   return s;
 }
 
@@ -93,6 +93,7 @@ Scene make_scene(const Observations& o) {
   Scene scene;
   scene.targets = o.targets;
   for (const CalibrationCamera& c : o.cameras) scene.cameras.push_back(make_camera(c));
+  for (const CameraDistance& d : o.distances) scene.distances.push_back({d.a, d.b, d.metres, d.sigma});
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
   for (const TargetView& v : o.views) first = std::min(first, v.time.ns);
 

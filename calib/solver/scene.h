@@ -75,8 +75,15 @@ struct SceneView {
 /// The most that a hand's motion strays from what its neighbouring frames say (rad/s, m/s).
 inline constexpr double kSpinDoubt = 0.7, kVelocityDoubt = 0.25;
 
+/// A known distance between two cameras.
+struct SceneDistance {
+  int a = 0, b = 0;
+  double metres = 0, sigma = 0;
+};
+
 struct Scene {
   std::vector<SceneCamera> cameras;
+  std::vector<SceneDistance> distances;
   std::vector<Target> targets;
   std::vector<SceneBoard> boards;
   std::vector<SceneMarkers> markers;

@@ -91,6 +91,7 @@ void add_wand(const Scene& scene, std::map<std::pair<int, int>, Shared>& shared)
       s.pair.b = b;
       s.pair.frames += overlap.frames;
       s.pair.points += overlap.points;
+      if (scene.cameras[at(a)].placed && scene.cameras[at(b)].placed) continue;
       if (!s.a_from_b.empty() || !scene.cameras[at(a)].has_intrinsics || !scene.cameras[at(b)].has_intrinsics) continue;
       if (const std::optional<Rigid3> pose = pose_from_wand(scene, a, b)) s.a_from_b.push_back(*pose);
     }

@@ -134,6 +134,66 @@ TEST(DriftWatch, GivesOneAlarmUntilTheCameraIsBack) {
   EXPECT_EQ(alarms, 2);
 }
 
+// The wall four metres off and two screens before it, half as far.
+Image deep_stage(const Eigen::Vector3d& eye, double yaw_degrees) {
+  const Eigen::Matrix3d world_from_camera = Eigen::AngleAxisd(-yaw_degrees * std::numbers::pi / 180, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  Image image(kCamera.width, kCamera.height, 1);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Eigen::Vector3d ray = world_from_camera * *unproject(kCamera, {x + 0.5, y + 0.5});
+      const Eigen::Vector3d near = eye + ray * ((2 - eye.z()) / ray.z()), far = eye + ray * ((4 - eye.z()) / ray.z());
+      const bool screen = std::abs(std::abs(near.x()) - 0.55) < 0.3;
+      *image.at(x, y) = static_cast<std::uint8_t>(std::lround(screen ? wall(near / 2 + Eigen::Vector3d(7, 3, 0)) : wall(far / 4)));
+    }
+  return image;
+}
+
+TEST(DriftWatch, TellsAMoveFromATurn) {
+  const Image before = deep_stage({0, 0, 0}, 0);
+  DriftWatch watch = watch_of(before);
+  Random random(6);
+  std::optional<DriftAlarm> alarm;
+  for (int i = 0; i < 3 && !alarm; ++i) alarm = watch.check(0, i, with_performer(deep_stage({0.03, 0, 0}, 0), i, random));
+  ASSERT_TRUE(alarm);
+  EXPECT_TRUE(alarm->moved);
+  EXPECT_GT(alarm->parallax_px, 1);
+  EXPECT_THAT(alarm->sentence, testing::HasSubstr("camera 'left' has moved"));
+  EXPECT_LT(watch.turns()[0].epipolar_px, 0.3 * watch.turns()[0].parallax_px);
+
+  DriftWatch other = watch_of(before);
+  alarm.reset();
+  for (int i = 0; i < 3 && !alarm; ++i) alarm = other.check(0, i, with_performer(deep_stage({0, 0, 0}, 0.3), i, random));
+  ASSERT_TRUE(alarm);
+  EXPECT_FALSE(alarm->moved) << alarm->parallax_px;
+  EXPECT_NEAR(alarm->degrees, 0.3, 0.05);
+  DriftWatch still = watch_of(before);
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(still.check(0, i, with_performer(before, i, random))) << i;
+}
+
+TEST(DriftWatch, TakesLiveFramesAndLooksAtThemNowAndThen) {
+  const Image before = empty_stage({0, 0, 0}), after = empty_stage({0, 0.2, 0});
+  DriftWatch watch = watch_of(before);
+  Random random(3);
+  std::optional<DriftAlarm> alarm;
+  constexpr double kKicked = 7.3;
+  for (int i = 0; i < 350 && !alarm; i += 5) {  // 25 frames a second, of which the network brought every fifth
+    const double time = 0.04 * i;
+    FrameInfo info;
+    info.camera = 0, info.sequence = static_cast<std::uint64_t>(i), info.exposure_start = Timestamp{5'000'000'000 + static_cast<std::int64_t>(1e9 * time)};
+    info.status = i == 100 ? FrameStatus::Corrupt : FrameStatus::Ok;
+    const Result<std::optional<DriftAlarm>> pushed = watch.push(make_frame(info, with_performer(time < kKicked ? before : after, time, random)));
+    ASSERT_THAT(pushed, IsOk());
+    alarm = *pushed;
+  }
+  ASSERT_TRUE(alarm);
+  EXPECT_EQ(alarm->serial, "left");
+  EXPECT_GE(alarm->time, kKicked + 2) << "two checks, two seconds apart";
+  EXPECT_LE(alarm->time, kKicked + 5);
+  FrameInfo stranger;
+  stranger.camera = 3;
+  EXPECT_THAT(watch.push(make_frame(stranger, before)), FailsWith(ErrorCode::InvalidArgument, "none of index 3"));
+}
+
 TEST(DriftReference, SurvivesItsFileAndEveryDamageToIt) {
   const TempFolder folder;
   const Result<DriftReference> reference = make_drift_reference(one_camera(), {empty_stage({0, 0, 0})}, 8);

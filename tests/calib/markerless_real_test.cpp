@@ -58,9 +58,25 @@ TEST(MarkerlessTemple, RingIsPlacedToThreeThousandthsOfItsRadius) {
   const TempFolder work;
   const Result<MarkerlessResult> result = calibrate_markerless(set.pictures, work / "colmap");
   ASSERT_THAT(result, IsOk());
-  std::printf("%d points, %.2f pictures a point, %.3f px\n", result->points, result->mean_track, result->rms_px);
+  std::printf("%zu points, %.2f pictures a point, %.3f px\n", result->features.size(), result->mean_track, result->rms_px);
   ASSERT_EQ(result->rig.cameras.size(), 19u);
   EXPECT_LE(worst_center(result->rig, set.truth), 0.003);
+}
+
+TEST(MarkerlessTemple, KnownPosesStayAndAMovedCameraIsNamed) {
+  const auto folder = real_data("middlebury-temple-ring");
+  FLOATSTAGE_NEEDS_DATA(folder);
+  Temple set = temple(folder, "templeR_par.txt");
+  set.pictures.resize(9);
+  const TempFolder work;
+  const Result<MarkerlessResult> result = triangulate_markerless(set.pictures, set.truth, work / "colmap");
+  ASSERT_THAT(result, IsOk());
+  EXPECT_EQ(result->rig.cameras[7].cam_from_world.translation, set.truth.cameras[7].cam_from_world.translation);
+  EXPECT_GE(result->features.size(), 1000u);
+  for (const SceneFeature& f : result->features) EXPECT_GE(f.seen.size(), 2u);
+  Rig moved = set.truth;
+  moved.cameras[7].cam_from_world = Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), {0, 0, 0}} * moved.cameras[7].cam_from_world;
+  EXPECT_THAT(triangulate_markerless(set.pictures, moved, work / "moved"), FailsWith(ErrorCode::BadData, "camera '" + moved.cameras[7].serial + "' shows only"));
 }
 
 TEST(MarkerlessTemple, SparseRingIsRefusedWithAReasonOrAsGood) {

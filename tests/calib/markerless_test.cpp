@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "calib/child_program.h"
+#include "calib/colmap_model.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -85,7 +86,9 @@ constexpr const char* kPoints = "# 3D point list\n1 0 0 1 9 9 9 0.5 1 0 2 0\n2 0
 TEST(ColmapPoints, AreCountedByPointAndImage) {
   const Result<ColmapPoints> points = parse_colmap_points(kPoints, "points3D.txt");
   ASSERT_THAT(points, IsOk());
-  EXPECT_EQ(points->points, 2);
+  ASSERT_EQ(points->points.size(), 2u);
+  EXPECT_EQ(points->points[1].position, Eigen::Vector3d(0, 1, 1));
+  EXPECT_THAT(points->points[1].track, testing::ElementsAre(std::pair(1, 1), std::pair(2, 4), std::pair(3, 7)));
   EXPECT_DOUBLE_EQ(points->mean_track, 2.5);
   EXPECT_DOUBLE_EQ(points->mean_error, 0.4);
   EXPECT_THAT(points->of_image, testing::ElementsAre(std::pair(1, 2), std::pair(2, 2), std::pair(3, 1)));
@@ -96,6 +99,19 @@ TEST(ColmapPoints, NameTheLineThatIsWrong) {
   EXPECT_THAT(parse_colmap_points("# x\n1 0 0 1 9 9 9 0.5 1 0 2\n", "points3D.txt"), FailsWith(ErrorCode::BadData, "line 2"));
   EXPECT_THAT(parse_colmap_points("1 0 0 1 9 9 9 nan 1 0 2 0\n", "points3D.txt"), FailsWith(ErrorCode::BadData, "error is no number"));
   EXPECT_THAT(parse_colmap_points("1 0 0 1 9 9 9 0.5 -1 0 2 0\n", "points3D.txt"), FailsWith(ErrorCode::BadData, "image id"));
+}
+
+TEST(ColmapKeypoints, AreReadByImage) {
+  const char* const kImages = "# list\n3 1 0 0 0 0 0 0 1 b.png\n1.5 2.5 -1 7 8 12\n5 1 0 0 0 0 0 0 1 a.png\n\n";
+  const Result<std::vector<ColmapImage>> images = parse_colmap_keypoints(kImages, "images.txt");
+  ASSERT_THAT(images, IsOk());
+  ASSERT_EQ(images->size(), 2u);
+  EXPECT_EQ(images->front().id, 3);
+  EXPECT_EQ(images->front().name, "b.png");
+  EXPECT_THAT(images->front().keypoints, testing::ElementsAre(Eigen::Vector2d(1.5, 2.5), Eigen::Vector2d(7, 8)));
+  EXPECT_TRUE(images->back().keypoints.empty());
+  EXPECT_THAT(parse_colmap_keypoints("3 1 0 0 0 0 0 0 1 b.png\n1.5 2.5\n", "images.txt"), FailsWith(ErrorCode::BadData, "line 2: keypoints are triples"));
+  EXPECT_THAT(parse_colmap_keypoints("3 1 0\n", "images.txt"), FailsWith(ErrorCode::BadData, "images.txt: line 1"));
 }
 
 TEST(ScaleTo, PutsTwoCamerasAtTheirDistance) {

@@ -44,6 +44,8 @@ Observations sample() {
   o.views = {{0, 0, 5, {123456789012345}, {{0, {10.25, 20.5}, 0.1}, {4, {1.0 / 3, 7}, 0.2}}},
              {1, 0, 5, {123456789012346}, {{1, {600, 400}, 0.1}}},
              {1, 1, 5, {0}, {{9, {100, 100}, 0.1}}}};
+  o.cameras[0].found = Rigid3{Eigen::Quaterniond(0.5, 0.5, 0.5, 0.5), {0.7, 0.1, 1.0 / 7}};
+  o.distances = {{0, 1, 4.0 / 3, 0.002}};
   o.gauge = FloorBoard{0, 5, 0.003};
   return o;
 }
@@ -58,6 +60,10 @@ TEST(Observations, SurviveARoundTripBitByBit) {
   const Result<Observations> back = parse_observations(to_json(sample()), "o.json");
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(back->targets, sample().targets);
+  EXPECT_EQ(back->distances, sample().distances);
+  ASSERT_TRUE(back->cameras[0].found);
+  EXPECT_EQ(back->cameras[0].found->translation, sample().cameras[0].found->translation);
+  EXPECT_FALSE(back->cameras[1].found);
   EXPECT_EQ(back->views, sample().views);
   ASSERT_EQ(back->cameras.size(), 2u);
   EXPECT_EQ(back->cameras[1].model, sample().cameras[1].model);

@@ -1,0 +1,126 @@
+#include "calib/colmap_steps.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "calib/child_program.h"
+#include "core/file.h"
+#include "core/parallel.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string number(double v) {
+  std::ostringstream out;
+  out.precision(17);
+  out << v;
+  return out.str();
+}
+
+// COLMAP's name and parameters for a camera; its pixel convention is ours.
+std::pair<std::string, std::string> colmap_camera(const CameraModel& m) {
+  std::string p = text(number(m.fx), ",", number(m.fy), ",", number(m.cx), ",", number(m.cy));
+  auto add = [&](std::initializer_list<double> more) {
+    for (const double v : more) p += "," + number(v);
+  };
+  if (const auto* b = std::get_if<BrownConrady>(&m.lens)) {
+    add({b->k1, b->k2, b->p1, b->p2, b->k3, 0, 0, 0});
+    return {"FULL_OPENCV", p};
+  }
+  if (const auto* k = std::get_if<KannalaBrandt>(&m.lens)) {
+    add({k->k1, k->k2, k->k3, k->k4});
+    return {"OPENCV_FISHEYE", p};
+  }
+  return {"PINHOLE", p};
+}
+
+// One call for each kind of camera: COLMAP takes one set of parameters a call, and sorts its list of names.
+std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> by_kind(const std::vector<MarkerlessPicture>& pictures) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> lists;
+  for (std::size_t i = 0; i < pictures.size(); ++i) lists[colmap_camera(pictures[i].model)].push_back(i);
+  for (auto& [kind, indices] : lists)
+    std::sort(indices.begin(), indices.end(), [&](std::size_t a, std::size_t b) { return image_name(pictures[a]) < image_name(pictures[b]); });
+  return lists;
+}
+
+}  // namespace
+
+std::string image_name(const MarkerlessPicture& p) { return p.serial + p.file.extension().string(); }
+
+std::vector<std::size_t> database_order(const std::vector<MarkerlessPicture>& pictures) {
+  std::vector<std::size_t> order;
+  for (const auto& [camera, indices] : by_kind(pictures)) order.insert(order.end(), indices.begin(), indices.end());
+  return order;
+}
+
+std::string Colmap::threads() const { return text(options_.threads > 0 ? options_.threads : default_threads()); }
+
+Result<void> Colmap::run(const std::string& step, std::vector<std::string> arguments, const std::string& advice) const {
+  std::vector<std::string> all = {options_.program, step};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  const Result<ProgramEnd> end = run_program(all, log_, options_.timeout);
+  if (!end && end.error().code == ErrorCode::NotFound)
+    return fail(ErrorCode::NotFound, text(end.error().message, "; markerless calibration needs COLMAP: install the package 'colmap'"));
+  if (!end) return forward(end);
+  if (end->signal != 0 || end->code != 0)
+    return fail(ErrorCode::BadData, text("COLMAP's ", step, end->signal != 0 ? text(" was ended by signal ", end->signal) : text(" ended with code ", end->code),
+                                         ": ", advice, " (", end_of_log(log_, 1), "; the log is ", log_.string(), ")"));
+  return {};
+}
+
+Result<void> Colmap::prepare(const std::vector<MarkerlessPicture>& pictures) const {
+  const fs::path& workspace = workspace_;
+  if (pictures.size() < 2) return fail(ErrorCode::InvalidArgument, "markerless calibration needs pictures of two cameras or more");
+  std::error_code error;
+  if (fs::exists(workspace, error) && !fs::is_empty(workspace, error))
+    return fail(ErrorCode::AlreadyExists, text(workspace.string(), ": holds something already; name a new folder"));
+  std::set<std::string> serials;
+  for (const MarkerlessPicture& p : pictures) {
+    if (!is_usable_serial(p.serial) || !serials.insert(p.serial).second)
+      return fail(ErrorCode::InvalidArgument, text("the serial '", p.serial, "' is there twice or cannot be a file name"));
+    if (const Result<void> sound = check(p.model); !sound)
+      return fail(ErrorCode::InvalidArgument, text("camera '", p.serial, "': ", sound.error().message));
+    if (p.model.skew != 0) return fail(ErrorCode::Unsupported, text("camera '", p.serial, "': COLMAP has no skew"));
+    if (!fs::is_regular_file(p.file, error)) return fail(ErrorCode::NotFound, text(p.file.string(), ": there is no such picture"));
+  }
+  for (const char* name : {"images", "sparse", "model", "known"})
+    if (Result<void> made = make_folder(workspace / name); !made) return made;
+  for (const MarkerlessPicture& p : pictures) {
+    fs::copy_file(p.file, workspace / "images" / (p.serial + p.file.extension().string()), error);
+    if (error) return fail(ErrorCode::Io, text(p.file.string(), ": cannot be copied to ", workspace.string(), ": ", error.message()));
+  }
+  return {};
+}
+
+Result<void> Colmap::match(const std::vector<MarkerlessPicture>& pictures) const {
+  for (const auto& [camera, indices] : by_kind(pictures)) {
+    std::string names;
+    for (const std::size_t i : indices) names += image_name(pictures[i]) + "\n";
+    if (Result<void> ok = write_file(workspace_ / "list.txt", names); !ok) return ok;
+    // One thread: images are numbered in the order in which they are done, and the mapper's result depends on their numbers.
+    // Both of COLMAP's use_gpu flags must be 0 where there is no display.
+    if (Result<void> ok = run("feature_extractor",
+                              {"--database_path", path("database.db"), "--image_path", path("images"), "--image_list_path", path("list.txt"),
+                               "--ImageReader.camera_model", camera.first, "--ImageReader.camera_params", camera.second,
+                               "--ImageReader.single_camera_per_image", "1", "--SiftExtraction.use_gpu", "0", "--SiftExtraction.num_threads", "1",
+                               "--SiftExtraction.peak_threshold", "0.003"},
+                              "are the pictures whole?");
+        !ok)
+      return ok;
+  }
+  return run("exhaustive_matcher", {"--database_path", path("database.db"), "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads", threads(),
+                                    "--SiftMatching.guided_matching", "1"},
+             kWeakScene);
+}
+
+Result<void> Colmap::to_text(const fs::path& model, const fs::path& written) const {
+  if (Result<void> made = make_folder(written); !made) return made;
+  return run("model_converter", {"--input_path", model.string(), "--output_path", written.string(), "--output_type", "TXT"}, "is the disk full?");
+}
+
+}  // namespace floatstage

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "calib/markerless.h"
+
+namespace floatstage {
+
+/// COLMAP's steps on a workspace: its program run with a time-out and a log. Private to calib.
+class Colmap {
+ public:
+  Colmap(const MarkerlessOptions& options, std::filesystem::path workspace)
+      : options_(options), log_(workspace / "colmap.log"), workspace_(std::move(workspace)) {}
+
+  /// Checks the pictures and copies them into the workspace, which must be new or empty.
+  Result<void> prepare(const std::vector<MarkerlessPicture>& pictures) const;
+  /// Features of all pictures, and matches between all pairs, into the workspace's database.
+  Result<void> match(const std::vector<MarkerlessPicture>& pictures) const;
+  /// One step of COLMAP; `advice` is what to do when it gives up.
+  Result<void> run(const std::string& step, std::vector<std::string> arguments, const std::string& advice) const;
+  /// Writes a binary model as text, beside it.
+  Result<void> to_text(const std::filesystem::path& model, const std::filesystem::path& written) const;
+
+  std::string path(const char* name) const { return (workspace_ / name).string(); }
+
+ private:
+  std::string threads() const;
+  const MarkerlessOptions& options_;
+  std::filesystem::path log_, workspace_;
+};
+
+/// The pictures (their indices) as COLMAP's database numbers them, from 1 on. A model that is handed to it must use these numbers.
+std::vector<std::size_t> database_order(const std::vector<MarkerlessPicture>& pictures);
+
+/// What a picture is called in COLMAP's database.
+std::string image_name(const MarkerlessPicture& picture);
+
+inline constexpr const char* kWeakScene =
+    "too little is seen by neighbouring cameras together; put something textured on the stage, bring cameras closer together, or add "
+    "pictures of a camera that is carried between them";
+
+}  // namespace floatstage

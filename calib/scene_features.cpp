@@ -1,0 +1,169 @@
+#include "calib/scene_features.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Where the rays of one point meet; absent when they are nearly parallel.
+std::optional<Vector3d> meet(const Rig& rig, const std::vector<std::pair<int, Eigen::Vector2d>>& seen) {
+  Matrix3d normal = Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  for (const auto& [camera, pixel] : seen) {
+    const RigCamera& c = rig.cameras[at(camera)];
+    const std::optional<Vector3d> ray = unproject(c.model, pixel);
+    if (!ray) continue;
+    const Vector3d d = (c.cam_from_world.rotation.conjugate() * *ray).normalized();
+    const Matrix3d across = Matrix3d::Identity() - d * d.transpose();
+    normal += across;
+    right += across * c.cam_from_world.center();
+  }
+  constexpr double kLeastParallax = 3e-3;  // about 5° between two rays
+  if (!(Eigen::SelfAdjointEigenSolver<Matrix3d>(normal).eigenvalues()[0] > kLeastParallax)) return std::nullopt;
+  return Vector3d(normal.ldlt().solve(right));
+}
+
+// Cameras that both rigs have: indices.
+std::vector<std::pair<std::size_t, std::size_t>> common(const Rig& rig, const Rig& known) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
+    if (const int k = camera_index(known, rig.cameras[i].serial); k >= 0) pairs.emplace_back(i, at(k));
+  return pairs;
+}
+
+Vector3d center(const Rig& rig, std::size_t i) { return rig.cameras[i].cam_from_world.center(); }
+
+}  // namespace
+
+void add_features(Observations& o, std::span<const SceneFeature> features, std::span<const int> camera_of_picture, std::size_t most, double sigma) {
+  std::vector<const SceneFeature*> chosen;
+  for (const SceneFeature& f : features)
+    if (f.seen.size() >= 2) chosen.push_back(&f);
+  std::stable_sort(chosen.begin(), chosen.end(), [](const auto* a, const auto* b) { return a->seen.size() > b->seen.size(); });
+  if (chosen.size() > most) chosen.resize(most);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    Target target;
+    target.name = text("feature ", i);
+    target.kind = TargetKind::Markers;
+    target.points = {{0, Vector3d::Zero(), Vector3d::Zero()}};
+    const int index = static_cast<int>(o.targets.size());
+    o.targets.push_back(std::move(target));
+    for (const auto& [picture, pixel] : chosen[i]->seen)
+      o.views.push_back({.camera = camera_of_picture[at(picture)], .target = index, .frame = 0, .time = {}, .points = {{0, pixel, sigma}}});
+  }
+}
+
+std::optional<double> metres_per_unit(const Observations& o, const Rig& rig) {
+  std::map<std::pair<int, int>, std::map<int, std::vector<std::pair<int, Eigen::Vector2d>>>> frames;  // target and frame → id → rays
+  for (const TargetView& v : o.views)
+    if (o.targets[at(v.target)].kind != TargetKind::Markers || !o.targets[at(v.target)].lengths.empty())
+      for (const SeenPoint& p : v.points) frames[{v.target, v.frame}][p.id].emplace_back(v.camera, p.pixel);
+  std::vector<double> ratios;
+  for (const auto& [key, points] : frames) {
+    const Target& target = o.targets[at(key.first)];
+    std::map<int, Vector3d> places;
+    for (const auto& [id, seen] : points)
+      if (seen.size() >= 2)
+        if (const std::optional<Vector3d> x = meet(rig, seen)) places[id] = *x;
+    const auto add = [&](int a, int b, double metres) {
+      const auto from = places.find(a), to = places.find(b);
+      if (from == places.end() || to == places.end() || !(metres > 0)) return;
+      if (const double length = (from->second - to->second).norm(); length > 0) ratios.push_back(metres / length);
+    };
+    for (const TargetLength& l : target.lengths) add(l.a, l.b, l.metres);
+    if (target.kind != TargetKind::Board || places.size() < 2) continue;
+    // Of a board the points farthest apart: what rays are off counts least there.
+    const int first = places.begin()->first, last = places.rbegin()->first;
+    add(first, last, (target.points[at(point_index(target, first))].position - target.points[at(point_index(target, last))].position).norm());
+  }
+  if (ratios.size() < 3) return std::nullopt;
+  return median(std::move(ratios));
+}
+
+std::optional<Rig> onto_known(const Rig& rig, const Rig& known) {
+  const auto pairs = common(rig, known);
+  if (pairs.size() < 3) return std::nullopt;
+  std::vector<double> ratios;
+  for (std::size_t a = 0; a < pairs.size(); ++a)
+    for (std::size_t b = a + 1; b < pairs.size(); ++b)
+      if (const double length = (center(rig, pairs[a].first) - center(rig, pairs[b].first)).norm(); length > 0)
+        ratios.push_back((center(known, pairs[a].second) - center(known, pairs[b].second)).norm() / length);
+  if (ratios.empty()) return std::nullopt;
+  const double scale = median(std::move(ratios));
+  // The turn that most cameras agree on.
+  std::vector<Eigen::Quaterniond> turns;
+  for (const auto& [i, k] : pairs) turns.push_back((known.cameras[k].cam_from_world.rotation.conjugate() * rig.cameras[i].cam_from_world.rotation).normalized());
+  double least = std::numeric_limits<double>::infinity();
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  for (const Eigen::Quaterniond& candidate : turns) {
+    std::vector<double> angles;
+    for (const Eigen::Quaterniond& other : turns) angles.push_back(candidate.angularDistance(other));
+    if (const double m = median(std::move(angles)); m < least) {
+      least = m;
+      turn = candidate;
+    }
+  }
+  Vector3d shift;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const auto& [i, k] : pairs) values.push_back((center(known, k) - turn * (scale * center(rig, i)))[axis]);
+    shift[axis] = median(std::move(values));
+  }
+  Rig out = rig;
+  const Rigid3 old_from_new = Rigid3{turn, shift}.inverse();
+  for (RigCamera& c : out.cameras) {
+    c.cam_from_world.translation *= scale;
+    c.cam_from_world = c.cam_from_world * old_from_new;
+    c.cam_from_world.rotation.normalize();
+  }
+  return out;
+}
+
+std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known) {
+  const auto pairs = common(rig, known);
+  if (pairs.size() < 3) return std::nullopt;
+  const auto n = static_cast<Eigen::Index>(pairs.size());
+  Eigen::Matrix3Xd from(3, n), to(3, n);
+  Rig shared;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& [a, b] = pairs[static_cast<std::size_t>(i)];
+    from.col(i) = center(rig, a);
+    to.col(i) = center(known, b);
+    shared.cameras.push_back(known.cameras[b]);
+  }
+  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to);
+  const Eigen::Matrix3Xd off = ((similarity.topLeftCorner<3, 3>() * from).colwise() + Vector3d(similarity.topRightCorner<3, 1>())) - to;
+  const double radius = (to.colwise() - focus_point(shared)).colwise().norm().mean();
+  RigAgreement out;
+  out.cameras = static_cast<int>(n);
+  out.scale = std::cbrt(std::abs(similarity.topLeftCorner<3, 3>().determinant()));
+  const Eigen::Quaterniond turn(Matrix3d(similarity.topLeftCorner<3, 3>() / out.scale));
+  out.rms_percent = 100 * std::sqrt(off.squaredNorm() / static_cast<double>(n)) / radius;
+  Eigen::Index worst = 0;
+  out.worst_percent = 100 * off.colwise().norm().maxCoeff(&worst) / radius;
+  out.worst = rig.cameras[pairs[static_cast<std::size_t>(worst)].first].serial;
+  for (const auto& [a, b] : pairs) {
+    const Eigen::Quaterniond now = rig.cameras[a].cam_from_world.rotation * turn.conjugate();
+    out.worst_turn_degrees = std::max(out.worst_turn_degrees, now.angularDistance(known.cameras[b].cam_from_world.rotation) * 180 / std::numbers::pi);
+  }
+  return out;
+}
+
+}  // namespace floatstage
