@@ -76,7 +76,7 @@ Result<void> watch(TakeReader& take, const Options& given) {
   Progress progress("watching for drift", count * static_cast<std::size_t>(take.frame_count()));
   for (int c = 0; c < static_cast<int>(count); ++c) {
     const std::vector<FrameRow>& rows = take.rows(c);
-    double largest = 0, next = 0;
+    double largest = 0, parallax = 0, next = 0;
     int checks = 0, known = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       progress.advance();
@@ -92,17 +92,17 @@ Result<void> watch(TakeReader& take, const Options& given) {
       if (const std::optional<DriftAlarm> alarm = drift->check(c, time, *image)) {
         std::printf("%.1f s: %s\n", time, alarm->sentence.c_str());
         alarms.push_back({{"camera", alarm->serial}, {"seconds", time}, {"degrees", alarm->degrees}, {"residual_px", alarm->residual_px},
-                          {"sentence", alarm->sentence}});
+                          {"moved", alarm->moved}, {"parallax_px", alarm->parallax_px}, {"sentence", alarm->sentence}});
       }
       const CameraTurn& turn = drift->turns()[static_cast<std::size_t>(c)];
       known += turn.known;
-      if (turn.known) largest = std::max(largest, turn.degrees);
+      if (turn.known) largest = std::max(largest, turn.degrees), parallax = std::max(parallax, turn.parallax_px);
     }
     const std::string& serial = take.rig().cameras[static_cast<std::size_t>(c)].serial;
     if (2 * known < checks)
       std::printf("%s: its background was seen in only %d of %d checks: whether it turned is not known\n", serial.c_str(), known, checks);
     cameras.push_back({{"serial", serial}, {"checks", checks}, {"known", known},
-                       {"largest_degrees", largest}});
+                       {"largest_degrees", largest}, {"largest_parallax_px", parallax}});
   }
   if (alarms.empty()) std::printf("no camera was seen to turn by more than %g degrees\n", given.alarm);
   return add_to_quality(take.layout().quality(), {{"alarms", alarms}, {"cameras", cameras}});

@@ -1,23 +1,48 @@
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <cstdlib>
+#include <iomanip>
 
 #include "apps/calibrate/collect.h"
+#include "apps/calibrate/conclude.h"
 #include "apps/calibrate/report.h"
+#include "apps/calibrate/scene.h"
 #include "apps/calibrate/session.h"
 #include "apps/calibrate_verbs.h"
-#include "apps/json_report.h"
 #include "calib/calibrate.h"
 #include "core/log.h"
-#include "core/rig_io.h"
 #include "core/text.h"
 
 namespace floatstage {
 namespace {
 
 struct Options {
-  std::filesystem::path session, out, report, json, cache, observations;
+  std::filesystem::path session, out, report, json, cache, observations, from, workspace;
   int threads = 0;
   bool keep_failed = false;
+};
+
+// Where COLMAP works: a given folder, or one that goes away unless something went wrong (its log says what).
+class Workspace {
+ public:
+  explicit Workspace(const std::filesystem::path& given) : folder_(given), keep_(!given.empty()) {
+    if (keep_) return;
+    std::string name = (std::filesystem::temp_directory_path() / "floatstage-scene-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) ready_ = fail(ErrorCode::Io, text(name, ": cannot be made; give --workspace"));
+    folder_ = name;
+  }
+  ~Workspace() {
+    std::error_code ignored;
+    if (!keep_ && ready_) std::filesystem::remove_all(folder_, ignored);
+  }
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+  const std::filesystem::path& folder() const { return folder_; }
+  const Result<void>& ready() const { return ready_; }
+  void keep() const { keep_ = true; }
+
+ private:
+  std::filesystem::path folder_;
+  mutable bool keep_;
+  Result<void> ready_;
 };
 
 Result<void> run(const Options& given) {
@@ -25,8 +50,21 @@ Result<void> run(const Options& given) {
   Result<Session> session = load_session(given.session);
   if (!session) return forward(session);
   session->options.threads = given.threads;
+  if (!given.from.empty()) {
+    // A target measures the lenses again; the scene alone does not.
+    const Prior intrinsics = session->known && session->known->intrinsics == Prior::Fixed ? Prior::Fixed : session->markerless ? Prior::Fixed : Prior::Start;
+    session->known = SessionKnown{.format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = Prior::Start};
+  }
   Result<Collected> collected = collect(*session, given.cache, given.threads);
   if (!collected) return forward(collected);
+  if (session->markerless) {
+    const Workspace workspace(given.workspace);
+    if (!workspace.ready()) return forward(workspace.ready());
+    if (Result<void> ok = add_scene(*session, workspace.folder(), given.threads, *collected); !ok) {
+      workspace.keep();
+      return fail(ok.error().code, text(given.session.string(), ": ", ok.error().message));
+    }
+  }
   for (const std::string& sentence : collected->detection) log::info(sentence);
   if (!given.observations.empty()) {
     if (Result<void> ok = save_observations(collected->observations, given.observations); !ok) return ok;
@@ -40,28 +78,17 @@ Result<void> run(const Options& given) {
     if (!known) return forward(known);
     for (std::string& sentence : compare_to_known(*session->known, *known, solved->rig)) context.remarks.push_back(std::move(sentence));
   }
-  const Verdict verdict = judge(*solved, session->bars);
-  for (const CameraQuality& q : solved->cameras)
-    std::printf("%s: %.3f px, P95 %.3f px, held out %.3f px, %d points of %d views, %d left out\n", q.serial.c_str(), q.rms_px, q.p95_px, q.holdout_px, q.points, q.views, q.outliers);
-  if (solved->scale.count > 0)
-    std::printf("%d known lengths: RMS %.3f mm, bias %.3f mm\n", solved->scale.count, solved->scale.rms_mm, solved->scale.bias_mm);
-  for (const std::string& remark : context.remarks) std::printf("%s\n", remark.c_str());
-  for (const std::string& remark : solved->remarks) std::printf("%s\n", remark.c_str());
-  std::printf("%s\n", describe(*solved, verdict).c_str());
-
-  if (!given.report.empty()) {
-    if (Result<void> ok = save_report(*solved, verdict, context, given.report); !ok) return ok;
+  std::vector<BarCheck> checks;
+  if (session->known) {
+    const Result<Rig> known = load_known(*session->known);
+    if (!known) return forward(known);
+    if (const std::optional<RigAgreement> a = compare_poses(*session->known, *known, solved->rig)) {
+      context.remarks.push_back(text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent, " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
+                                     "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale, "; rotations at worst ", a->worst_turn_degrees, "°"));
+      if (session->bars.known_center_percent) checks.push_back({"known_center_percent", a->worst, a->worst_percent, *session->bars.known_center_percent, false});
+    }
   }
-  if (!given.json.empty()) {
-    if (Result<void> ok = save_json(report_json(*solved, verdict, context), given.json); !ok) return ok;
-  }
-  const bool write = !given.out.empty() && !solved->rig.cameras.empty() && (verdict.pass || given.keep_failed);
-  if (write) {
-    if (Result<void> ok = save_rig(solved->rig, given.out); !ok) return ok;
-  }
-  if (!verdict.pass)
-    return fail(ErrorCode::BadData, text(given.session.string(), ": this calibration does not pass", write || given.out.empty() ? "" : text("; ", given.out.string(), " was not written")));
-  return {};
+  return conclude(*solved, session->bars, checks, context, {given.session.string(), given.out, given.report, given.json, given.keep_failed, collected->carried});
 }
 
 }  // namespace
@@ -74,6 +101,8 @@ void add_calibrate_session(CLI::App& calibrate, Chosen& chosen) {
   calibrate.add_option("--json", options->json, "Write the report as JSON to this file");
   calibrate.add_option("--cache", options->cache, "Folder that keeps what was detected, for the next time");
   calibrate.add_option("--observations", options->observations, "Write what was detected to this file");
+  calibrate.add_option("--from", options->from, "A rig.json of before: solved again from there, in its world, saying which camera has moved");
+  calibrate.add_option("--workspace", options->workspace, "New folder for what COLMAP writes, kept (markerless sessions)");
   calibrate.add_option("--threads", options->threads, "Threads; 0: one per core")->capture_default_str()->check(CLI::NonNegativeNumber);
   calibrate.add_flag("--keep-failed", options->keep_failed, "Write --out even when the calibration does not pass");
   calibrate.callback([options, &calibrate, &chosen] {

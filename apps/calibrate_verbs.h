@@ -6,7 +6,9 @@ namespace floatstage {
 
 // `calibrate SESSION` and its subcommands, each in a file of its own.
 void add_calibrate_session(CLI::App& calibrate, Chosen& chosen);
+void add_calibrate_color(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen);
+void add_calibrate_live(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen);
 
 }  // namespace floatstage

@@ -104,6 +104,8 @@ Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const F
   }
   Result<Eigen::AlignedBox3d> box = subject_box(take);
   if (!box) return forward(box);
+  const Result<Rig> rig = rig_with_colors(take);
+  if (!rig) return forward(rig);
 
   const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
   const double film_seconds = static_cast<double>(frames.size()) / options.frame_rate;
@@ -118,7 +120,7 @@ Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const F
     if (p == 0 || frames[p] != frames[p - 1]) {
       Result<SceneFrame> scene = scenes.at(p);
       if (!scene) return forward(scene);
-      if (Result<void> ok = textures.upload(take.rig(), *scene); !ok) return in_frame(ok.error());
+      if (Result<void> ok = textures.upload(*rig, *scene); !ok) return in_frame(ok.error());
     }
     const double film_time = static_cast<double>(p) / options.frame_rate;
     const PathKey key = sample(path, film_time / film_seconds * path.duration());

@@ -3,6 +3,7 @@
 #include "apps/keying.h"
 #include "core/mesh_io.h"
 #include "core/png.h"
+#include "core/rig_io.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -62,6 +63,21 @@ Result<SceneFrame> load_scene(TakeReader& take, int frame, bool suppress_spill) 
   if (suppress_spill)
     if (Result<void> ok = take_spill_off(take, scene.images); !ok) return forward(ok);
   return scene;
+}
+
+Result<Rig> rig_with_colors(const TakeReader& take) {
+  const std::filesystem::path file = take.layout().colors();
+  Rig rig = take.rig();
+  if (!std::filesystem::exists(file)) return rig;
+  const Result<Rig> colors = load_rig(file);
+  if (!colors) return forward(colors);
+  for (RigCamera& camera : rig.cameras) {
+    const int index = camera_index(*colors, camera.serial);
+    if (index < 0)
+      return fail(ErrorCode::BadData, text(file.string(), ": camera '", camera.serial, "' is not in it; run `floatstage calibrate color` on the take again, or remove it"));
+    camera.color = colors->cameras[static_cast<std::size_t>(index)].color;
+  }
+  return rig;
 }
 
 Result<Eigen::AlignedBox3d> subject_box(const TakeReader& take) {

@@ -17,6 +17,9 @@ Result<std::vector<Matte>> load_mattes(const TakeReader& take, int frame);
 /// off the photographs.
 Result<SceneFrame> load_scene(TakeReader& take, int frame, bool suppress_spill);
 
+/// The take's rig with the colours that `calibrate color` found for it, where it did. BadData when those are of other cameras.
+Result<Rig> rig_with_colors(const TakeReader& take);
+
 /// The box around the performer over all processed frames (every mesh that exists), metres.
 Result<Eigen::AlignedBox3d> subject_box(const TakeReader& take);
 

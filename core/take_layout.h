@@ -21,6 +21,7 @@ namespace floatstage {
 ///   mattes/edits.json                                            what a person said about them (core/matte_edits.h); never removed
 ///   truth/…                                                      ground truth of a synthetic take, same layout below
 ///   plates/<serial>.png                                          clean plates, when they were shot
+///   colors.json                                                  a rig.json whose colour transforms the renderer uses (`calibrate color`)
 class TakeLayout {
  public:
   explicit TakeLayout(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -39,6 +40,7 @@ class TakeLayout {
   std::filesystem::path hull_report() const { return meshes() / "hull.json"; }
   std::filesystem::path renders() const { return folder_ / "renders"; }
   std::filesystem::path plate(std::string_view serial) const { return folder_ / "plates" / (std::string(serial) + ".png"); }
+  std::filesystem::path colors() const { return folder_ / "colors.json"; }
   TakeLayout truth() const { return TakeLayout(folder_ / "truth"); }
 
  private:

@@ -29,26 +29,6 @@ bool is_picture(const std::filesystem::path& file) {
   return false;
 }
 
-// Files as they are, folders as the pictures in them.
-Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::filesystem::path>& given, const std::string& serial) {
-  std::vector<std::filesystem::path> out;
-  for (const std::filesystem::path& p : given) {
-    std::error_code error;
-    if (!std::filesystem::is_directory(p, error)) {
-      out.push_back(p);
-      continue;
-    }
-    std::vector<std::filesystem::path> inside;
-    for (const auto& entry : std::filesystem::directory_iterator(p, error))
-      if (is_picture(entry.path())) inside.push_back(entry.path());
-    if (error) return fail(ErrorCode::Io, text(p.string(), ": cannot be listed: ", error.message()));
-    if (inside.empty()) return fail(ErrorCode::NotFound, text("camera '", serial, "': there is no picture in ", p.string()));
-    std::sort(inside.begin(), inside.end(), [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
-    out.insert(out.end(), inside.begin(), inside.end());
-  }
-  return out;
-}
-
 // Pictures are decoded one after the other, some at a time, and looked at in parallel.
 Result<Looked> look(const TargetDesign& design, const CameraMedia& media, const FrameRange& range, int every, const DetectAllOptions& options) {
   const std::filesystem::path first = media.video.empty() ? media.stills.front() : media.video;
@@ -136,6 +116,16 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera, const
     add_views(out.observations, index, *looked, s.first_frame, s.every, s.frame_rate > 0 ? s.frame_rate : looked->frame_rate);
     all = looked->detections;
   }
+  if (media.empty() && camera.alone.empty()) {  // only of the scene: its size is asked for
+    const Result<std::vector<std::filesystem::path>> scene = pictures_of(camera.scene, camera.serial);
+    if (!scene) return forward(scene);
+    const Result<PictureStream> stream = PictureStream::open({{}, {scene->front()}}, {});
+    if (!stream) return fail(stream.error().code, text("camera '", camera.serial, "': ", stream.error().message));
+    c.width = stream->width();
+    c.height = stream->height();
+    out.observations.cameras.push_back(std::move(c));
+    return {};
+  }
   const Result<std::vector<std::filesystem::path>> alone = pictures_of(camera.alone, camera.serial);
   if (!alone) return forward(alone);
   if (!alone->empty()) {
@@ -155,6 +145,25 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera, const
 
 }  // namespace
 
+Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::filesystem::path>& given, const std::string& serial) {
+  std::vector<std::filesystem::path> out;
+  for (const std::filesystem::path& p : given) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(p, error)) {
+      out.push_back(p);
+      continue;
+    }
+    std::vector<std::filesystem::path> inside;
+    for (const auto& entry : std::filesystem::directory_iterator(p, error))
+      if (is_picture(entry.path())) inside.push_back(entry.path());
+    if (error) return fail(ErrorCode::Io, text(p.string(), ": cannot be listed: ", error.message()));
+    if (inside.empty()) return fail(ErrorCode::NotFound, text("camera '", serial, "': there is no picture in ", p.string()));
+    std::sort(inside.begin(), inside.end(), [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
+    out.insert(out.end(), inside.begin(), inside.end());
+  }
+  return out;
+}
+
 Result<Collected> collect(const Session& s, const std::filesystem::path& cache, int threads) {
   const auto begin = std::chrono::steady_clock::now();
   Collected out;
@@ -163,7 +172,7 @@ Result<Collected> collect(const Session& s, const std::filesystem::path& cache, 
     if (!read) return forward(read);
     out.observations = std::move(*read);
   } else {
-    out.observations.targets.push_back(make_target(*s.target, "target", s.wand_sigma));
+    if (s.target) out.observations.targets.push_back(make_target(*s.target, "target", s.wand_sigma));
     Progress progress("cameras", s.cameras.size());
     const DetectAllOptions options{.threads = threads, .cache = cache};
     int next_alone = kAlone;
@@ -171,6 +180,7 @@ Result<Collected> collect(const Session& s, const std::filesystem::path& cache, 
     std::string first_serial;
     for (const SessionCamera& camera : s.cameras) {
       std::size_t count = 0;
+      if (camera.carried) continue;
       if (Result<void> ok = collect_camera(s, camera, options, next_alone, out, count); !ok) return forward(ok);
       progress.advance();
       if (count == 0) continue;

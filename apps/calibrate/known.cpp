@@ -48,6 +48,11 @@ Result<void> apply_known(const SessionKnown& known, const Rig& rig, Observations
   return {};
 }
 
+std::optional<RigAgreement> compare_poses(const SessionKnown& known, const Rig& rig, const Rig& solved) {
+  if (known.poses != Prior::Unknown) return std::nullopt;
+  return agreement(solved, rig);
+}
+
 std::vector<std::string> compare_to_known(const SessionKnown& known, const Rig& rig, const Rig& solved) {
   std::vector<std::string> out;
   if (known.intrinsics != Prior::Unknown) return out;

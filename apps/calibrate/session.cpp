@@ -1,5 +1,6 @@
 #include "apps/calibrate/session.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <toml++/toml.h>
@@ -129,10 +130,14 @@ SessionCamera read_camera(Table t) {
   t.path("video", c.video);
   t.paths("images", c.images);
   t.paths("alone", c.alone);
+  t.paths("scene", c.scene);
+  t.boolean("carried", c.carried);
   if (!is_usable_serial(c.serial)) t.complain(text("'serial' names a camera by letters, digits, '.', '_' and '-', not '", c.serial, "'"));
   if (!c.video.empty() && !c.images.empty()) t.complain(text("camera '", c.serial, "' has a 'video' and 'images'; give one of them"));
-  if (c.video.empty() && c.images.empty() && c.alone.empty())
-    t.complain(text("camera '", c.serial, "' has no pictures; give 'video', 'images' or 'alone'"));
+  if (c.video.empty() && c.images.empty() && c.alone.empty() && c.scene.empty())
+    t.complain(text("camera '", c.serial, "' has no pictures; give 'video', 'images', 'alone' or 'scene'"));
+  if (c.carried && (c.scene.empty() || !c.video.empty() || !c.images.empty() || !c.alone.empty()))
+    t.complain(text("camera '", c.serial, "' is carried about: it has pictures of the 'scene' and no others"));
   t.refuse_others();
   return c;
 }
@@ -149,6 +154,28 @@ SessionKnown read_known(Table t) {
   if (k.file.empty()) t.complain("'file' is missing: where what is known is written");
   t.refuse_others();
   return k;
+}
+
+SessionMarkerless read_markerless(Table t) {
+  SessionMarkerless m;
+  std::vector<std::filesystem::path> between;
+  t.paths("between", between);
+  if (between.size() == 2) {
+    m.a = between[0].string();
+    m.b = between[1].string();
+  } else if (!between.empty()) {
+    t.complain("'between' names two cameras");
+  }
+  t.number("distance", m.distance, 1e-3, kLarge);
+  double sigma_mm = 1e3 * m.sigma;
+  t.number("sigma_mm", sigma_mm, 1e-3, 1e5);
+  m.sigma = 1e-3 * sigma_mm;
+  if (m.a.empty() != (m.distance == 0)) t.complain("'between' and 'distance' belong together: two cameras, and the metres between their centres");
+  t.number("timeout", m.timeout, 1, kLarge);
+  t.number("least_track", m.least_track, 2, 1000);
+  t.whole("least_points", m.least_points, 10, kMostFrames);
+  t.refuse_others();
+  return m;
 }
 
 void read_options(Table t, Session& s) {
@@ -172,6 +199,7 @@ void read_bars(Table t, CalibrationBars& b) {
   t.number("focal_sigma_percent", b.focal_sigma_percent, 0, kLarge);
   t.number("rotation_sigma_degrees", b.rotation_sigma_degrees, 0, kLarge);
   t.number("projection_sigma_px", b.projection_sigma_px, 0, kLarge);
+  if (t.node("known_center_percent")) t.number("known_center_percent", b.known_center_percent.emplace(0), 0, kLarge);
   t.refuse_others();
 }
 
@@ -187,7 +215,16 @@ void read_target(Table& t, Session& s) {
 }
 
 void check_whole(Table& t, const Session& s) {
-  if (s.observations.empty() && !s.target) t.complain("'target' is missing: what the pictures show, e.g. target = \"charuco columns=5 …\"");
+  const auto shows_target = [](const SessionCamera& c) { return !c.video.empty() || !c.images.empty() || !c.alone.empty(); };
+  const bool targets = !s.markerless || std::any_of(s.cameras.begin(), s.cameras.end(), shows_target);
+  for (const SessionCamera& c : s.cameras)
+    if (!c.scene.empty() && !s.markerless) t.complain(text("camera '", c.serial, "' has pictures of the 'scene'; they need a table [markerless]"));
+  if (s.markerless && std::count_if(s.cameras.begin(), s.cameras.end(), [](const SessionCamera& c) { return !c.scene.empty(); }) < 2)
+    t.complain("[markerless] needs two cameras or more with a picture of the 'scene'");
+  for (const std::string& serial : {s.markerless ? s.markerless->a : "", s.markerless ? s.markerless->b : ""})
+    if (!serial.empty() && std::none_of(s.cameras.begin(), s.cameras.end(), [&](const SessionCamera& c) { return c.serial == serial && !c.scene.empty() && !c.carried; }))
+      t.complain(text("'between' names camera '", serial, "', which has no picture of the 'scene'"));
+  if (s.observations.empty() && targets && !s.target) t.complain("'target' is missing: what the pictures show, e.g. target = \"charuco columns=5 …\"");
   if (s.observations.empty() && s.cameras.empty()) t.complain("there is no camera; begin each with [[cameras]]");
   if (!s.observations.empty() && (s.target || !s.cameras.empty()))
     t.complain("'observations' hold targets and cameras already; leave 'target' and [[cameras]] out");
@@ -232,6 +269,7 @@ Result<Session> parse_session(std::string_view toml_text, std::string_view name)
     s.floor->height = 1e-3 * height_mm;
     floor->refuse_others();
   }
+  if (std::optional<Table> markerless = t.child("markerless")) s.markerless = read_markerless(std::move(*markerless));
   if (std::optional<Table> options = t.child("options")) read_options(std::move(*options), s);
   if (std::optional<Table> bars = t.child("bars")) read_bars(std::move(*bars), s.bars);
   t.refuse_others();
@@ -252,6 +290,7 @@ Result<Session> load_session(const std::filesystem::path& file) {
     make_relative(c.video, folder);
     for (std::filesystem::path& p : c.images) make_relative(p, folder);
     for (std::filesystem::path& p : c.alone) make_relative(p, folder);
+    for (std::filesystem::path& p : c.scene) make_relative(p, folder);
   }
   return session;
 }

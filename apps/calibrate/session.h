@@ -22,6 +22,7 @@ struct CalibrationBars {
   double focal_sigma_percent = 0.5;   ///< of every camera that was solved for
   double rotation_sigma_degrees = 0.1;  ///< of every camera against the reference camera
   double projection_sigma_px = 0.5;     ///< of where every camera sees the volume of the targets; the choice of a reference changes nothing
+  std::optional<double> known_center_percent = {};  ///< of known places that are compared with, after a similarity; of the rig's radius
 };
 
 struct SessionCamera {
@@ -32,6 +33,9 @@ struct SessionCamera {
   std::vector<std::filesystem::path> images;
   /// Pictures of the target that this camera took alone, for its intrinsics.
   std::vector<std::filesystem::path> alone;
+  /// A picture of the scene without a target, for markerless calibration; several of a camera that was carried about.
+  std::vector<std::filesystem::path> scene;
+  bool carried = false;  ///< it is not of the rig: its pictures tie the others together
 };
 
 /// What is known beforehand, from a file of any supported format.
@@ -47,6 +51,16 @@ struct SessionFloor {
   double height = 0;  ///< metres of the printed face above the floor
 };
 
+/// Cameras placed by what they see of the scene, without a target.
+struct SessionMarkerless {
+  std::string a, b;        ///< two cameras whose distance is known; empty: a target or a known rig gives the scale
+  double distance = 0;     ///< metres between their centres
+  double sigma = 1e-3;     ///< metres
+  double timeout = 900;    ///< seconds, for each of COLMAP's steps
+  double least_track = 4;  ///< pictures that show a point, on average
+  int least_points = 60;   ///< points that a picture shows
+};
+
 /// A calibration session as people write it: which pictures are of which camera, what they show, what is known. Paths are
 /// relative to the session's file.
 struct Session {
@@ -59,6 +73,7 @@ struct Session {
   std::optional<int> end_frame;        ///< not included
   std::optional<SessionKnown> known;
   std::optional<SessionFloor> floor;
+  std::optional<SessionMarkerless> markerless;
   CalibrationOptions options;
   CalibrationBars bars;
 };

@@ -7,8 +7,11 @@
 #include "core/text.h"
 
 namespace floatstage {
-
 namespace {
+
+void sum_up(Verdict& v, const Calibration& c) {
+  v.pass = !v.checks.empty() && c.failures.empty() && std::all_of(v.checks.begin(), v.checks.end(), [](const BarCheck& b) { return b.pass; });
+}
 
 // The median over where a camera saw targets; absent when it saw none.
 std::optional<double> projection_sigma(const Calibration& c, const ProjectionUncertainty& uncertainty, std::size_t camera) {
@@ -49,8 +52,14 @@ Verdict judge(const Calibration& c, const CalibrationBars& bars) {
     check("scale_rms_mm", "", c.scale.rms_mm, bars.scale_rms_mm);
     check("scale_bias_mm", "", c.scale.bias_mm, bars.scale_bias_mm);
   }
-  v.pass = !v.checks.empty() && c.failures.empty() && std::all_of(v.checks.begin(), v.checks.end(), [](const BarCheck& b) { return b.pass; });
+  sum_up(v, c);
   return v;
+}
+
+void add_check(Verdict& v, const Calibration& c, BarCheck check) {
+  check.pass = std::abs(check.value) <= check.bar;
+  v.checks.push_back(std::move(check));
+  sum_up(v, c);
 }
 
 std::string describe(const Calibration& c, const Verdict& v) {

@@ -23,6 +23,9 @@ struct Verdict {
 
 Verdict judge(const Calibration& calibration, const CalibrationBars& bars);
 
+/// Adds a number to a verdict; it passes when it is at most its bar.
+void add_check(Verdict& verdict, const Calibration& calibration, BarCheck check);
+
 /// One sentence: PASS, or FAIL and the first reasons.
 std::string describe(const Calibration& calibration, const Verdict& verdict);
 

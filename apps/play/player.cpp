@@ -30,8 +30,8 @@ Result<int> method_index(const std::vector<std::string>& methods, const std::str
 
 class Player {
  public:
-  Player(const PlayOptions& options, TakeReader& take, const Eigen::AlignedBox3d& subject, PlayerState state)
-      : options_(options), take_(take), home_(state.camera.key()), cache_(take), canvas_(take.rig(), subject), state_(std::move(state)) {}
+  Player(const PlayOptions& options, TakeReader& take, const Rig& rig, const Eigen::AlignedBox3d& subject, PlayerState state)
+      : options_(options), take_(take), home_(state.camera.key()), cache_(take), canvas_(rig, subject), state_(std::move(state)) {}
 
   /// One frame of the user interface. Errors are shown, not returned: the window stays.
   void frame() {
@@ -175,6 +175,8 @@ Result<void> play_take(const PlayOptions& options) {
   if (!take) return forward(take);
   Result<Eigen::AlignedBox3d> subject = subject_box(**take);
   if (!subject) return forward(subject);
+  const Result<Rig> rig = rig_with_colors(**take);
+  if (!rig) return forward(rig);
   Result<PlayerState> state = initial_state(options, **take, *subject);
   if (!state) return forward(state);
   Result<std::unique_ptr<Window>> window = Window::open("Floatstage: " + options.take.string(), options.width, options.height);
@@ -182,7 +184,7 @@ Result<void> play_take(const PlayOptions& options) {
 
   constexpr double kIdle = 0.1;      // seconds to sleep while nothing moves
   constexpr int kSettleFrames = 3;   // the user interface needs a few frames before its layout stands
-  Player player(options, **take, *subject, std::move(*state));
+  Player player(options, **take, *rig, *subject, std::move(*state));
   int settled = 0;
   while (!(*window)->should_close() && !interrupted()) {
     (*window)->begin_frame(player.busy() || !options.screenshot.empty() ? 0 : kIdle);

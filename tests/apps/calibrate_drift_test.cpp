@@ -62,6 +62,7 @@ TEST(CalibrateDrift, WritesTheCameraAndTheAngleIntoQualityJson) {
   const nlohmann::json& alarm = quality["drift"]["alarms"][0];
   EXPECT_EQ(alarm["camera"], "right");
   EXPECT_NEAR(alarm["degrees"].get<double>(), 0.2, 0.04);
+  EXPECT_EQ(alarm["moved"], false);
   EXPECT_GE(alarm["seconds"].get<double>(), 20);
   EXPECT_LE(alarm["seconds"].get<double>(), 25);
 }

@@ -107,6 +107,47 @@ TEST(CalibrationSession, NeedsATargetAndACameraOrObservations) {
   EXPECT_THAT(parse("observations = \"o.json\"\n" + kWhole), FailsWith(ErrorCode::BadData, "leave 'target'"));
 }
 
+const std::string kScene = R"([markerless]
+between = ["a", "b"]
+distance = 1.5
+sigma_mm = 2
+least_points = 40
+[known]
+file = "lenses.json"
+intrinsics = "fixed"
+[[cameras]]
+serial = "a"
+scene = "a.png"
+[[cameras]]
+serial = "b"
+scene = "b.png"
+[[cameras]]
+serial = "handy"
+scene = "walk"
+carried = true
+)";
+
+TEST(CalibrationSession, OfASceneNeedsNoTarget) {
+  const Result<Session> s = parse(kScene);
+  ASSERT_THAT(s, IsOk());
+  EXPECT_EQ(s->markerless->a, "a");
+  EXPECT_EQ(s->markerless->distance, 1.5);
+  EXPECT_DOUBLE_EQ(s->markerless->sigma, 0.002);
+  EXPECT_EQ(s->markerless->least_points, 40);
+  EXPECT_THAT(s->cameras[0].scene, ElementsAre("a.png"));
+  EXPECT_TRUE(s->cameras[2].carried);
+  const auto changed = [](const std::string& from, const std::string& to) {
+    std::string toml = kScene;
+    return parse(toml.replace(toml.find(from), from.size(), to));
+  };
+  EXPECT_THAT(changed("distance = 1.5\n", ""), FailsWith(ErrorCode::BadData, "belong together"));
+  EXPECT_THAT(changed("[\"a\", \"b\"]", "[\"a\", \"x\"]"), FailsWith(ErrorCode::BadData, "'between' names camera 'x'"));
+  EXPECT_THAT(changed("[\"a\", \"b\"]", "[\"a\"]"), FailsWith(ErrorCode::BadData, "two cameras"));
+  EXPECT_THAT(changed("scene = \"a.png\"", "video = \"a.mp4\""), FailsWith(ErrorCode::BadData, "'a', which has no picture"));
+  EXPECT_THAT(changed("scene = \"walk\"", "video = \"a.mp4\""), FailsWith(ErrorCode::BadData, "carried about"));
+  EXPECT_THAT(changed(kScene.substr(0, kScene.find("[known]")), ""), FailsWith(ErrorCode::BadData, "need a table [markerless]"));
+}
+
 TEST(CalibrationSession, CutOffAnywhereNeverCrashes) {
   for (std::size_t length = 0; length < kWhole.size(); ++length) {
     const Result<Session> s = parse(kWhole.substr(0, length));

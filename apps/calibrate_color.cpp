@@ -1,0 +1,242 @@
+#include <algorithm>
+#include <cstdio>
+#include <iomanip>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "apps/calibrate/report_pictures.h"
+#include "apps/calibrate/surface_colors.h"
+#include "apps/calibrate_verbs.h"
+#include "apps/json_report.h"
+#include "apps/progress.h"
+#include "calib/color_balance.h"
+#include "capture/take.h"
+#include "core/file.h"
+#include "core/mesh_io.h"
+#include "core/rig_io.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+struct Options {
+  std::filesystem::path take, rig, out, report, json;
+  std::string reference;
+  bool chart = false;
+  int frames = 5;
+  double bar = 1.5;
+};
+
+struct ChartFound {
+  std::array<Eigen::Vector3d, 24> seen;
+  ColorFit fit;
+};
+
+// The first picture of a camera, of a few, that shows the whole chart.
+Result<ChartFound> look_for_chart(TakeReader& take, int camera, int looks) {
+  std::string reason = "it has no picture";
+  const int step = std::max(1, take.frame_count() / std::max(1, looks));
+  for (int i = 0; i < take.frame_count(); i += step) {
+    const Result<Frame> frame = take.frame(camera, i);
+    if (!frame) return forward(frame);
+    if (frame->empty()) continue;
+    const Result<Image> image = to_rgb(*frame);
+    if (!image) return forward(image);
+    const auto seen = find_color_chart(*image);
+    if (!seen) {
+      reason = seen.error().message;
+      continue;
+    }
+    std::vector<ColorPair> pairs;
+    for (std::size_t k = 0; k < 24; ++k) pairs.push_back({(*seen)[k], chart_colors()[k]});
+    const Result<ColorFit> fit = fit_color(pairs);
+    if (!fit) {
+      reason = fit.error().message;
+      continue;
+    }
+    return ChartFound{*seen, *fit};
+  }
+  return fail(ErrorCode::NotFound, reason);
+}
+
+// What the cameras see of the surfaces that `process` left.
+Result<std::vector<ColorSight>> overlap(TakeReader& take, const Rig& rig, int wanted) {
+  std::vector<int> frames;
+  for (int i = 0; i < take.frame_count(); ++i)
+    if (std::filesystem::exists(take.layout().mesh(i))) frames.push_back(i);
+  if (frames.empty())
+    return fail(ErrorCode::NotFound, text(take.layout().folder().string(), ": there are no meshes; run `floatstage process` on it first, or show a 24-patch chart to every camera and add --chart"));
+  std::vector<ColorSight> sights;
+  const std::size_t step = std::max<std::size_t>(1, frames.size() / static_cast<std::size_t>(std::max(1, wanted)));
+  Progress progress("colours", (frames.size() + step - 1) / step);
+  int first_point = 0;
+  constexpr int kMost = 6000;
+  for (std::size_t k = 0; k < frames.size(); k += step, first_point += 2 * kMost) {
+    const Result<Mesh> mesh = load_ply(take.layout().mesh(frames[k]));
+    if (!mesh) return forward(mesh);
+    const Result<FrameSet> set = take.frame_set(frames[k]);
+    if (!set) return forward(set);
+    std::vector<Image> images;
+    for (const Frame& frame : set->frames) {
+      images.emplace_back();
+      if (frame.empty()) continue;
+      Result<Image> image = to_rgb(frame);
+      if (!image) return forward(image);
+      images.back() = *std::move(image);
+    }
+    const std::vector<ColorSight> here = surface_colors(*mesh, rig, images, first_point, kMost);
+    sights.insert(sights.end(), here.begin(), here.end());
+    progress.advance();
+  }
+  return sights;
+}
+
+// The camera that shares its points with most others.
+int busiest(const std::vector<ColorSight>& sights, std::size_t cameras) {
+  std::vector<int> counts(cameras);
+  for (const ColorSight& s : sights) ++counts[static_cast<std::size_t>(s.camera)];
+  return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+std::string css(const Eigen::Vector3d& rgb) {
+  const auto byte = [](double v) { return std::lround(255 * std::clamp(v, 0.0, 1.0)); };
+  return text("rgb(", byte(rgb[0]), ",", byte(rgb[1]), ",", byte(rgb[2]), ")");
+}
+
+struct Row {
+  std::string serial;
+  ColorAgreement agreement;
+  bool reference = false;
+  std::vector<std::array<Eigen::Vector3d, 3>> swatches;  // seen, after, wanted
+};
+
+std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
+  std::string out = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Colour calibration</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:960px;"
+                    "margin:2em auto;padding:0 1em}table{border-collapse:collapse}td,th{padding:.2em .7em;text-align:right;border-bottom:1px solid #ddd}td:first-child,th:first-child{text-align:left}"
+                    ".s{display:inline-block;width:22px;height:14px}</style></head><body>";
+  out += text("<h1>Colour calibration: ", json["pass"].get<bool>() ? "PASS" : "FAIL", "</h1><p>CIEDE2000 between a camera and what the others see of the same surfaces (or the chart's nominal colours); the bar is ",
+              json["bar"].get<double>(), ". Below 1 nobody sees a difference; above 3 blends between cameras show.</p>");
+  out += "<table><tr><th>camera</th><th>colours</th><th>strays</th><th>before</th><th>after</th><th>P95</th></tr>";
+  for (const Row& r : rows)
+    out += text("<tr><td>", escaped(r.serial), r.reference ? " (the others look like it)" : "", "</td><td>", r.agreement.points, "</td><td>", r.agreement.strays, std::fixed, std::setprecision(2), "</td><td>", r.agreement.mean_before,
+                "</td><td>", r.agreement.mean_after, "</td><td>", r.agreement.p95_after, "</td></tr>");
+  out += "</table>";
+  for (const Row& r : rows) {
+    if (r.swatches.empty()) continue;
+    out += text("<h2>Camera ", escaped(r.serial), "</h2><p>as seen, corrected, wanted</p>");
+    for (int k = 0; k < 3; ++k) {
+      for (const auto& s : r.swatches) out += text("<span class=\"s\" style=\"background:", css(s[static_cast<std::size_t>(k)]), "\"></span>");
+      out += "<br>";
+    }
+  }
+  return out + "</body></html>\n";
+}
+
+// A few of a camera's points for the report, from dark to bright.
+std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<ColorSight>& sights, int camera, const ColorBalance& balance) {
+  std::map<int, std::pair<Eigen::Vector3d, int>> sums;
+  for (const ColorSight& s : sights)
+    if (s.camera != camera) {
+      auto& [sum, n] = sums.try_emplace(s.point, Eigen::Vector3d::Zero(), 0).first->second;
+      sum += apply(balance.transforms[static_cast<std::size_t>(s.camera)], s.seen);
+      ++n;
+    }
+  std::vector<std::array<Eigen::Vector3d, 3>> all;
+  for (const ColorSight& s : sights)
+    if (s.camera == camera)
+      if (const auto found = sums.find(s.point); found != sums.end())
+        all.push_back({s.seen, apply(balance.transforms[static_cast<std::size_t>(camera)], s.seen), found->second.first / found->second.second});
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a[2].sum() < b[2].sum(); });
+  constexpr std::size_t kShown = 36;
+  std::vector<std::array<Eigen::Vector3d, 3>> out;
+  for (std::size_t i = 0; i < std::min(kShown, all.size()); ++i) out.push_back(all[i * all.size() / std::min(kShown, all.size())]);
+  return out;
+}
+
+Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows) {
+  nlohmann::json cameras = nlohmann::json::array();
+  bool pass = true;
+  for (const Row& r : rows) {
+    const bool good = r.reference || (r.agreement.points > 0 && r.agreement.mean_after <= given.bar);
+    pass = pass && good;
+    cameras.push_back({{"serial", r.serial}, {"points", r.agreement.points}, {"strays", r.agreement.strays}, {"delta_e_before", r.agreement.mean_before},
+                       {"delta_e", r.agreement.mean_after}, {"delta_e_p95", r.agreement.p95_after}, {"reference", r.reference}, {"pass", good}});
+    std::printf("%s: dE00 %.2f before, %.2f after (P95 %.2f), %d colours, %d strays%s\n", r.serial.c_str(), r.agreement.mean_before, r.agreement.mean_after, r.agreement.p95_after,
+                r.agreement.points, r.agreement.strays, r.reference ? "; the others look like it" : "");
+  }
+  std::printf("%s\n", pass ? "PASS" : "FAIL");
+  const nlohmann::json json = {{"pass", pass}, {"bar", given.bar}, {"cameras", cameras}};
+  if (!given.json.empty())
+    if (Result<void> ok = save_json(json, given.json); !ok) return ok;
+  if (!given.report.empty()) {
+    if (Result<void> ok = make_folder(given.report); !ok) return ok;
+    if (Result<void> ok = write_file(given.report / "color.html", html(rows, json)); !ok) return ok;
+    if (Result<void> ok = save_json(json, given.report / "color.json"); !ok) return ok;
+  }
+  if (!pass) return fail(ErrorCode::BadData, text(given.take.string(), ": the cameras' colours do not agree to dE00 ", given.bar, "; ", given.out.string(), " was not written"));
+  return save_rig(rig, given.out);
+}
+
+Result<void> run_chart(const Options& given, TakeReader& take, Rig rig) {
+  std::vector<Row> rows;
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    const Result<ChartFound> found = look_for_chart(take, static_cast<int>(c), 4 * given.frames);
+    if (!found) return fail(found.error().code, text("camera '", rig.cameras[c].serial, "': ", found.error().message));
+    rig.cameras[c].color = found->fit.transform;
+    Row row{.serial = rig.cameras[c].serial, .agreement = {found->fit.used, 24 - found->fit.used, found->fit.mean_before, found->fit.mean_delta_e, found->fit.p95_delta_e}, .reference = false, .swatches = {}};
+    for (std::size_t k = 0; k < 24; ++k) row.swatches.push_back({found->seen[k], apply(found->fit.transform, found->seen[k]), chart_colors()[k]});
+    rows.push_back(std::move(row));
+  }
+  return finish(given, std::move(rig), rows);
+}
+
+Result<void> run(Options given) {
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  if (!take) return forward(take);
+  if (given.out.empty()) given.out = (*take)->layout().colors();
+  Rig rig = (*take)->rig();
+  if (!given.rig.empty()) {
+    Result<Rig> other = load_rig(given.rig);
+    if (!other) return forward(other);
+    bool same = other->cameras.size() == rig.cameras.size();
+    for (std::size_t c = 0; same && c < rig.cameras.size(); ++c) same = other->cameras[c].serial == rig.cameras[c].serial;
+    if (!same) return fail(ErrorCode::InvalidArgument, text(given.rig.string(), ": its cameras are not those of the take, in their order"));
+    rig = *std::move(other);
+  }
+  if (given.chart) return run_chart(given, **take, std::move(rig));
+  const Result<std::vector<ColorSight>> sights = overlap(**take, rig, given.frames);
+  if (!sights) return forward(sights);
+  const int reference = given.reference.empty() ? busiest(*sights, rig.cameras.size()) : camera_index(rig, given.reference);
+  if (reference < 0) return fail(ErrorCode::NotFound, text("the take has no camera '", given.reference, "'"));
+  std::vector<std::optional<ColorTransform>> known(rig.cameras.size());
+  known[static_cast<std::size_t>(reference)] = ColorTransform{};
+  std::vector<std::string> serials;
+  for (const RigCamera& c : rig.cameras) serials.push_back(c.serial);
+  const Result<ColorBalance> balance = balance_colors(*sights, known, serials);
+  if (!balance) return forward(balance);
+  std::vector<Row> rows;
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    rig.cameras[c].color = balance->transforms[c];
+    rows.push_back({serials[c], balance->cameras[c], static_cast<int>(c) == reference, swatches(*sights, static_cast<int>(c), *balance)});
+  }
+  return finish(given, std::move(rig), rows);
+}
+
+}  // namespace
+
+void add_calibrate_color(CLI::App& calibrate, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = calibrate.add_subcommand("color", "Cameras' colours made to agree, by a chart or by the surfaces that several of them see");
+  verb->add_option("take", options->take, "The take's folder; processed (meshes), or showing a 24-patch chart")->required();
+  verb->add_option("--out", options->out, "The rig.json to write, with a colour transform for every camera; default: the take's colors.json, which render and play use");
+  verb->add_option("--rig", options->rig, "Geometry from this rig.json and not from the take");
+  verb->add_flag("--chart", options->chart, "Every camera sees a 24-patch chart somewhere in the take: colours become its nominal ones");
+  verb->add_option("--reference", options->reference, "Without a chart: the camera that the others are to look like; default: the one that sees most");
+  verb->add_option("--frames", options->frames, "How many instants are looked at")->capture_default_str()->check(CLI::Range(1, 1000));
+  verb->add_option("--bar", options->bar, "CIEDE2000 that every camera must reach, on average")->capture_default_str();
+  verb->add_option("--report", options->report, "Folder for color.html and color.json");
+  verb->add_option("--json", options->json, "Write the report as JSON to this file");
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage
