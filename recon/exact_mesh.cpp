@@ -218,8 +218,8 @@ void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullP
                            v = static_cast<std::int32_t>(part.triangles[t + (k + 1) % 3]);
         if (!ears_only) {
           const std::int32_t *ends = &scratch.local[t - first_triangle], a = ends[k], b = ends[(k + 1) % 3];
-          if (adjacent(a, b)) continue;
           scratch.within.push_back({a, b});
+          if (adjacent(a, b)) continue;
         }
         if (!share_another_face(u, v, number)) continue;
         const std::int32_t* edges = &out_edges_[static_cast<std::size_t>(u) * kSlots];

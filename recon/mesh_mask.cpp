@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 void fill(const std::array<Vector2d, 3>& t, Image& mask) {
   const Vector2d lo = t[0].cwiseMin(t[1]).cwiseMin(t[2]), hi = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
   const double width = mask.width, height = mask.height;
+  if (!t[0].allFinite() || !t[1].allFinite() || !t[2].allFinite()) return;
   if (!(hi.x() >= 0.5 && hi.y() >= 0.5 && lo.x() <= width - 0.5 && lo.y() <= height - 0.5)) return;
   const int y0 = static_cast<int>(std::ceil(std::max(lo.y() - 0.5, 0.0)));
   const int y1 = static_cast<int>(std::floor(std::min(hi.y() - 0.5, height - 1)));
@@ -30,8 +31,9 @@ void fill(const std::array<Vector2d, 3>& t, Image& mask) {
       left = std::min({left, x, a.y() == b.y() ? b.x() : x});
       right = std::max({right, x, a.y() == b.y() ? b.x() : x});
     }
-    const int x0 = static_cast<int>(std::ceil(std::max(left - 0.5, 0.0)));
-    const int x1 = static_cast<int>(std::floor(std::min(right - 0.5, width - 1)));
+    // What is cut off just before the camera reaches further to the sides than integers do.
+    const int x0 = static_cast<int>(std::ceil(std::clamp(left - 0.5, 0.0, width)));
+    const int x1 = static_cast<int>(std::floor(std::clamp(right - 0.5, -1.0, width - 1)));
     if (x0 <= x1) std::fill(mask.at(x0, y), mask.at(x1, y) + 1, std::uint8_t{255});
   }
 }

@@ -43,16 +43,23 @@ void rebuild(const PointOf& point_of, Silhouette& outline) {
   outline.starts[polygons] = static_cast<int>(kept);
 }
 
-/// Of points that fell together, as rounding on the way here may do, one is enough.
+/// Points that fell together, as rounding on the way here may do, become one, and so do spikes without width.
 void drop_repeated(Silhouette& outline) {
-  const Silhouette given = outline;
-  int k = 0;
-  const auto apart = [&](int i) -> std::optional<Vector2d> {
-    while (i >= given.starts[k + 1]) ++k;
-    const Vector2d& before = given.points[i > given.starts[k] ? i - 1 : given.starts[k + 1] - 1];
-    return (given.points[i] - before).squaredNorm() > 1e-12 ? std::optional(given.points[i]) : std::nullopt;
-  };
-  rebuild(apart, outline);
+  Silhouette given;
+  do {
+    given = outline;
+    int k = 0;
+    const auto counts = [&](int i) -> std::optional<Vector2d> {
+      while (i >= given.starts[k + 1]) ++k;
+      const int begin = given.starts[k], end = given.starts[k + 1];
+      const Vector2d &before = given.points[i > begin ? i - 1 : end - 1], &at = given.points[i],
+                     &after = given.points[i + 1 < end ? i + 1 : begin];
+      const Vector2d in = at - before, out = after - at;
+      const bool turns_back = in.dot(out) < 0 && std::abs(in.x() * out.y() - in.y() * out.x()) <= 1e-9 * in.norm() * out.norm();
+      return in.squaredNorm() <= 1e-12 || turns_back ? std::nullopt : std::optional(at);
+    };
+    rebuild(counts, outline);
+  } while (outline.points.size() < given.points.size());
 }
 
 void remove_lens(const CameraModel& model, Silhouette& outline) {

@@ -177,6 +177,21 @@ TEST(OutlineHull, TakesPointsThatFellTogetherForOne) {
   EXPECT_NEAR(b->volume / a->volume, 1, 1e-9);
 }
 
+TEST(OutlineHull, LeavesOutSpikesWithoutWidth) {
+  const Scene scene = torus_and_box();
+  const std::vector<Silhouette> outlines = outlines_of(scene);
+  std::vector<Silhouette> spiky = outlines;
+  for (Silhouette& outline : spiky) {  // out and back from the first point, in two steps
+    const Vector2d from = outline.points[0], away = from + Vector2d(-7, 3), half = from + Vector2d(-3.5, 1.5);
+    outline.points.insert(outline.points.begin() + 1, {half, away, half, from});
+    for (int k = 1; k <= outline.polygons(); ++k) outline.starts[k] += 4;
+  }
+  const Result<HullReport> a = visual_hull(scene.rig, outlines, {}), b = visual_hull(scene.rig, spiky, {});
+  ASSERT_THAT(a, IsOk());
+  ASSERT_THAT(b, IsOk());
+  EXPECT_NEAR(b->volume / a->volume, 1, 1e-9);
+}
+
 TEST(OutlineHull, RefusesAnOutlineThatTurnsInsideOutWhereItIsMended) {
   const Scene scene = torus_and_box();
   std::vector<Silhouette> outlines = outlines_of(scene);
