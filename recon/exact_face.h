@@ -159,7 +159,7 @@ class FaceSweep {
   void start_cutting();
   End entry_of(const Line& line) const;
   void cut_line(int f, bool strict);
-  void relate(int f, double entry);
+  void relate(int f, double entry, const ViewLines& other);
   void meet(int f, int g, const End& entry, int& state);
   void fill_buckets();
   int bucket_of(double s) const;

@@ -8,7 +8,8 @@
 namespace floatstage {
 namespace {
 
-constexpr int kWide = 48;          // more lines are sorted into buckets before they are related
+constexpr std::size_t kProbes = 4;  // views that are asked one by one before the buckets are
+constexpr int kWide = 96;          // more lines are sorted into buckets before they are related
 constexpr double kMargin = 1e-9;   // of s, by which lines reach into the neighbouring bucket
 constexpr double kLong = 1.0 / 16;  // of s: such a line is related to all others
 constexpr int kMostBuckets = 4096;
@@ -28,7 +29,7 @@ void FaceSweep::start_cutting() {
   order_.resize(views_.size());
   for (std::size_t k = 0; k < order_.size(); ++k) order_[k] = static_cast<int>(k);
   is_wide_ = in_->cull && count > kWide;
-  if (is_wide_) return fill_buckets();
+  if (is_wide_) fill_buckets();
   columns_.resize(lines_.size());
   relation_.resize(lines_.size());
   for (int f = 0; f < count; ++f) {
@@ -47,12 +48,11 @@ FaceSweep::End FaceSweep::entry_of(const Line& line) const {
 }
 
 
-/// How line f lies to every other line, without a branch: what cut_by_view() finds one by one.
-void FaceSweep::relate(int f, double entry) {
+/// How line f lies to every line of a view, without a branch: what cut_by_view() finds one by one.
+void FaceSweep::relate(int f, double entry, const ViewLines& other) {
   const Line& line = lines_[f];
-  const std::size_t count = lines_.size();
   const double wa = line.wa, wb = line.wb, right = line.right.s, low = line.low, high = line.high;
-  for (std::size_t g = 0; g < count; ++g) {
+  for (int g = other.begin; g < other.end; ++g) {
     const double from = std::max(entry, columns_[g].left), to = std::min(right, columns_[g].right);
     const double at_a = wa - columns_[g].wa, change = wb - columns_[g].wb - at_a;
     const bool below_first = at_a + change * from < 0, below_last = at_a + change * to < 0;
@@ -68,6 +68,7 @@ void FaceSweep::relate(int f, double entry) {
 }
 
 bool FaceSweep::tally_view(int f, const End& entry, const ViewLines& other, bool strict, int& inside) {
+  relate(f, entry.s, other);
   const std::size_t before_count = crossings_.size();
   int state = other.state;
   for (int g = other.begin; g < other.end; ++g) {
@@ -203,6 +204,8 @@ bool FaceSweep::cut_in_buckets(int f, const End& entry, bool strict, int& inside
     if (states_[k].first > 0) {
       inside += in_->votes.weight[views_[k].view];
     } else if (strict && !states_[k].second) {
+      const auto at = std::find(order_.begin(), order_.end(), static_cast<int>(k));
+      std::iter_swap(at, order_.begin() + (at - order_.begin()) / 2);
       return false;
     }
   }
@@ -213,19 +216,21 @@ void FaceSweep::cut_line(int f, bool strict) {
   crossings_.clear();
   const End entry = entry_of(lines_[f]);
   int inside = inside_;
+  // Most lines are outside all along in one of the views that are asked first.
+  const bool fast = in_->cull && !in_->grid;
+  const std::size_t asked = is_wide_ ? std::min<std::size_t>(order_.size(), strict ? kProbes : 0) : order_.size();
+  for (std::size_t k = 0; k < asked; ++k) {
+    const ViewLines& other = views_[order_[k]];
+    if (other.view == lines_[f].view) continue;
+    related_ += other.end - other.begin;
+    if (fast ? tally_view(f, entry, other, strict, inside) : cut_by_view(f, entry, other, strict, inside)) continue;
+    std::swap(order_[k], order_[k / 2]);  // it will soon be asked early
+    return;
+  }
   if (is_wide_) {
+    crossings_.clear();
+    inside = inside_;
     if (!cut_in_buckets(f, entry, strict, inside)) return;
-  } else {
-    related_ += static_cast<std::int64_t>(lines_.size());
-    const bool fast = in_->cull && !in_->grid;
-    if (fast) relate(f, entry.s);
-    for (std::size_t k = 0; k < order_.size(); ++k) {
-      const ViewLines& other = views_[order_[k]];
-      if (other.view == lines_[f].view) continue;
-      if (fast ? tally_view(f, entry, other, strict, inside) : cut_by_view(f, entry, other, strict, inside)) continue;
-      std::swap(order_[k], order_[k / 2]);  // it will soon be asked early
-      return;
-    }
   }
   // The run is the hull's where exactly one side of the line is: the inner one, or the outer.
   const int own = in_->votes.weight[lines_[f].view];

@@ -20,7 +20,7 @@ namespace {
 MatteSet torus(int cameras) {
   MatteSet set;
   set.rig = shapes::ring_rig({.cameras = cameras, .distance = 3, .width = 640, .height = 480, .focal = 600});
-  set.mattes = shapes::render_mattes(set.rig, shapes::torus({0, 0, 0}, 0.6, 0.2));
+  set.mattes = shapes::render_mattes(set.rig, shapes::torus({0.03, 0.02, 0.01}, 0.6, 0.2));
   return set;
 }
 
