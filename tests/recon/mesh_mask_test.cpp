@@ -41,6 +41,22 @@ TEST(MeshMask, CutsOffWhatIsBehindTheCamera) {
       << "a floor at the camera's height";
 }
 
+TEST(MeshMask, TakesTrianglesThatReachFurtherToTheSideThanIntegersDo) {
+  // Found by fuzzing. Cut off just before the camera, it crosses the picture's upper rows billions of pixels away.
+  RigCamera camera;
+  camera.serial = "c";
+  camera.model = {.width = 64, .height = 48, .fx = 500, .fy = 500, .cx = 32, .cy = 24, .skew = 0, .lens = {}};
+  Mesh mesh;
+  mesh.positions = {{-0.1f, -0.5f, 1}, {0.1f, 0.5f, 1}, {1e7f, 0, -1}};
+  mesh.triangles = {0, 1, 2};
+  const Matte right = mesh_mask(camera, mesh);
+  for (Eigen::Vector3f& p : mesh.positions) p.x() = -p.x();
+  const Matte left = mesh_mask(camera, mesh);
+  for (int y = 0; y < 48; ++y) {
+    for (int x : {2, 60}) EXPECT_EQ(right.row(y)[x] + left.row(y)[x], 255) << x << ", " << y << ": one on each side";
+  }
+}
+
 TEST(MeshMask, OfNothingIsEmpty) {
   const RigCamera camera = shapes::ring_rig({.cameras = 1}).cameras[0];
   const Matte mask = mesh_mask(camera, {});
