@@ -12,6 +12,7 @@
 #include "apps/studio/live_scene.h"
 #include "apps/studio/live_source.h"
 #include "apps/studio/reconstruction.h"
+#include "apps/studio/scene_feed.h"
 
 namespace floatstage {
 
@@ -28,40 +29,35 @@ struct LiveChainOptions {
 /// Work is done on demand: the chain begins with the newest instant so that its scene is ready when the view has drawn
 /// the last one, and instants that come in between are left out and counted. Nothing waits in line, so pictures are as
 /// young as the machine allows, and no work is done for scenes that nobody would see.
-class LiveChain {
+class LiveChain final : public SceneFeed {
  public:
-  struct Counters {
-    SetBuilder::Counters sets;
-    std::uint64_t scenes = 0;    ///< made
-    std::uint64_t unseen = 0;    ///< of them: overtaken by a newer one before the view had time
-    std::uint64_t troubled = 0;  ///< instants in which a camera's picture could not be used
-    std::uint64_t failed = 0;    ///< instants without a scene
-    double busy_seconds = 0;
-  };
-
   /// The source outlives the chain. Errors: a keyer that cannot be made, the synchroniser's options.
   static Result<std::unique_ptr<LiveChain>> make(LiveSource& source, const LiveChainOptions& options);
-  ~LiveChain() { end(); }
+  ~LiveChain() override { end(); }
 
   void begin();
-  void end();
+  void end() override;
 
   /// The newest scene that was not handed out yet; waits for one until `deadline`. Null then, and when the source is
   /// over and everything was handed out.
-  std::shared_ptr<const LiveScene> newest(Timestamp deadline);
+  std::shared_ptr<const LiveScene> newest(Timestamp deadline) override;
   /// The source is over and every scene was handed out.
-  bool over() const;
+  bool over() const override;
   /// The view draws, so that the next scene may be ready when it is done. Any time may be left out.
-  void drawing(Timestamp begun);
-  void drawn(Timestamp ended);
+  void drawing(Timestamp begun) override;
+  void drawn(Timestamp ended) override;
   /// Whose textures the next scenes hold; until the first call: everybody's.
-  void want(const std::vector<int>& cameras);
-  void set_quality(const NodeQuality& quality);
+  void want(const std::vector<int>& cameras) override;
+  void set_quality(const NodeQuality& quality) override;
 
-  const Rig& rig() const { return source_.rig(); }
+  const Rig& rig() const override { return source_.rig(); }
+  std::string description() const override { return source_.description(); }
+  double frame_rate() const override { return source_.frame_rate(); }
+  void look_after() override { source_.look_after(); }
+  StudioControl* control() override { return source_.control(); }
   LiveSource& source() { return source_; }
-  Counters counters() const;
-  std::string remark() const;  ///< what is wrong with the scene at present; empty when nothing is
+  Counters counters() const override;
+  std::string remark() const override;  ///< what is wrong with the scene at present; empty when nothing is
 
  private:
   LiveChain(LiveSource& source, const LiveChainOptions& options, CameraRack rack, std::unique_ptr<SetBuilder> sets)

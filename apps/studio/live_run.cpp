@@ -19,8 +19,8 @@ constexpr const char* kNames[kStages] = {"wait",   "nodes",    "hull",    "hando
 
 class Run {
  public:
-  Run(LiveSource& source, LiveChain& chain, const LiveRunOptions& options)
-      : source_(source), chain_(chain), options_(options), view_(chain.rig()),
+  Run(SceneFeed& chain, const LiveRunOptions& options)
+      : chain_(chain), options_(options), view_(chain.rig()),
         control_(options.target_fps, options.quality) {
     for (const char* name : kNames) report_.stages.emplace_back(name, Series());
   }
@@ -38,14 +38,13 @@ class Run {
   double at(Timestamp time) const { return begun_ ? seconds(time - *begun_) : 0; }
   bool warm(Timestamp time) const { return begun_ && at(time) >= kWarmUp; }
 
-  LiveSource& source_;
-  LiveChain& chain_;
+  SceneFeed& chain_;
   const LiveRunOptions& options_;
   LiveView view_;
   QualityControl control_;
   LiveReport report_;
   std::optional<Timestamp> begun_;
-  LiveChain::Counters at_warm_;
+  SceneFeed::Counters at_warm_;
   bool was_warm_ = false;
   // The window that is judged next.
   Timestamp window_;
@@ -66,7 +65,7 @@ void Run::judge(Timestamp time) {
   if (passed < kWindow) return;
   if (warm(window_)) {
     const double fps = shown_in_window_ / passed;
-    if (control_.judge(time, fps, source_.frame_rate(), busy_in_window_ / passed)) use_quality(fps);
+    if (control_.judge(time, fps, chain_.frame_rate(), busy_in_window_ / passed)) use_quality(fps);
   }
   window_ = time;
   shown_in_window_ = 0;
@@ -125,7 +124,7 @@ Result<LiveReport> Run::draw(const ViewAt& view_at, const std::function<bool()>&
       was_warm_ = true;
       at_warm_ = chain_.counters();
     }
-    source_.look_after();
+    chain_.look_after();
     const std::shared_ptr<const LiveScene> fresh = chain_.newest(last + patience);
     last = now();
     if (!fresh && chain_.over()) break;
@@ -141,19 +140,25 @@ Result<LiveReport> Run::draw(const ViewAt& view_at, const std::function<bool()>&
 
 }  // namespace
 
-Result<LiveReport> run_live(LiveSource& source, const LiveChainOptions& chain_options, const LiveRunOptions& options,
-                            const ViewAt& view_at, const std::function<bool()>& stop,
+Result<LiveReport> run_live(SceneFeed& scenes, const LiveRunOptions& options, const ViewAt& view_at,
+                            const std::function<bool()>& stop,
                             const std::function<Result<void>(const LivePicture&)>& visit) {
   if (options.quality >= live_qualities().size())
     return fail(ErrorCode::InvalidArgument,
                 text("live quality ", options.quality, "; there are 0 to ", live_qualities().size() - 1));
   if (!(options.view_fps > 0)) return fail(ErrorCode::InvalidArgument, "the view needs a rate above 0 pictures a second");
   if (Result<void> ok = check(options.renderer); !ok) return forward(ok);
+  Run run(scenes, options);
+  return run.draw(view_at, stop, visit);
+}
+
+Result<LiveReport> run_live(LiveSource& source, const LiveChainOptions& chain_options, const LiveRunOptions& options,
+                            const ViewAt& view_at, const std::function<bool()>& stop,
+                            const std::function<Result<void>(const LivePicture&)>& visit) {
   Result<std::unique_ptr<LiveChain>> chain = LiveChain::make(source, chain_options);
   if (!chain) return forward(chain);
   (*chain)->begin();
-  Run run(source, **chain, options);
-  return run.draw(view_at, stop, visit);
+  return run_live(**chain, options, view_at, stop, visit);
 }
 
 }  // namespace floatstage

@@ -7,6 +7,7 @@
 #include "apps/studio/live_chain.h"
 #include "apps/studio/live_stats.h"
 #include "apps/studio/live_view.h"
+#include "apps/studio/scene_feed.h"
 
 namespace floatstage {
 
@@ -46,8 +47,13 @@ struct LiveReport {
 /// Where the virtual camera is, `seconds` after the first picture.
 using ViewAt = std::function<View(double seconds)>;
 
-/// Runs a live chain and draws its scenes without a window, on the calling thread, whose GL context is current. The
-/// first two seconds warm up and are not in the report. `visit` gets every picture; `stop` is asked between them.
+/// Draws scenes without a window, on the calling thread, whose GL context is current. The first two seconds warm up and are
+/// not in the report. `visit` gets every picture; `stop` is asked between them.
+Result<LiveReport> run_live(SceneFeed& scenes, const LiveRunOptions& options, const ViewAt& view_at,
+                            const std::function<bool()>& stop,
+                            const std::function<Result<void>(const LivePicture&)>& visit);
+
+/// The same with a chain of its own.
 Result<LiveReport> run_live(LiveSource& source, const LiveChainOptions& chain, const LiveRunOptions& options,
                             const ViewAt& view_at, const std::function<bool()>& stop,
                             const std::function<Result<void>(const LivePicture&)>& visit);
