@@ -6,13 +6,10 @@
 #include <cmath>
 #include <optional>
 
-#include "apps/interrupt.h"
 #include "apps/play/canvas.h"
 #include "apps/play/film_job.h"
 #include "apps/play/panels.h"
 #include "apps/play/scene_cache.h"
-#include "apps/play/window.h"
-#include "core/png.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -28,13 +25,12 @@ Result<int> method_index(const std::vector<std::string>& methods, const std::str
   return fail(ErrorCode::InvalidArgument, text("there is no method '", name, "'; there are:", known));
 }
 
-class Player {
+class WindowPlayer : public Player {
  public:
-  Player(const PlayOptions& options, TakeReader& take, const Rig& rig, const Eigen::AlignedBox3d& subject, PlayerState state)
+  WindowPlayer(const PlayOptions& options, TakeReader& take, const Rig& rig, const Eigen::AlignedBox3d& subject, PlayerState state)
       : options_(options), take_(take), home_(state.camera.key()), cache_(take), canvas_(rig, subject), state_(std::move(state)) {}
 
-  /// One frame of the user interface. Errors are shown, not returned: the window stays.
-  void frame() {
+  void frame() override {
     state_.time.advance(ImGui::GetIO().DeltaTime);
     if (state_.follow_path && state_.time.playing) advance_path(ImGui::GetIO().DeltaTime);
     take_shortcuts(state_);
@@ -43,9 +39,15 @@ class Player {
     finish_film();
   }
 
-  bool stands() const { return shown_ == state_.time.frame() && canvas_.has_picture(); }
-  bool busy() const { return state_.time.playing || shown_ != state_.time.frame() || film_; }
-  const std::string& status() const { return state_.status; }
+  bool stands() const override { return shown_ == state_.time.frame() && canvas_.has_picture(); }
+  bool busy() const override { return state_.time.playing || shown_ != state_.time.frame() || film_; }
+  int frame_number() const override { return state_.time.frame(); }
+  void go_to(int frame) override { state_.time.seek(frame); }
+  void tell(std::string status) override { state_.status = std::move(status); }
+  void forget_scenes() override {
+    cache_.clear();
+    shown_ = -1;
+  }
 
  private:
   void advance_path(double seconds) {
@@ -170,32 +172,22 @@ Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& 
 
 }  // namespace
 
-Result<void> play_take(const PlayOptions& options) {
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options.take);
-  if (!take) return forward(take);
-  Result<Eigen::AlignedBox3d> subject = subject_box(**take);
+Result<void> Player::check(const PlayOptions& options, const TakeReader& take) {
+  Result<Eigen::AlignedBox3d> subject = subject_box(take);
   if (!subject) return forward(subject);
-  const Result<Rig> rig = rig_with_colors(**take);
-  if (!rig) return forward(rig);
-  Result<PlayerState> state = initial_state(options, **take, *subject);
-  if (!state) return forward(state);
-  Result<std::unique_ptr<Window>> window = Window::open("Floatstage: " + options.take.string(), options.width, options.height);
-  if (!window) return forward(window);
+  if (const Result<Rig> rig = rig_with_colors(take); !rig) return forward(rig);
+  const Result<PlayerState> state = initial_state(options, take, *subject);
+  return state ? Result<void>() : Result<void>(forward(state));
+}
 
-  constexpr double kIdle = 0.1;      // seconds to sleep while nothing moves
-  constexpr int kSettleFrames = 3;   // the user interface needs a few frames before its layout stands
-  Player player(options, **take, *rig, *subject, std::move(*state));
-  int settled = 0;
-  while (!(*window)->should_close() && !interrupted()) {
-    (*window)->begin_frame(player.busy() || !options.screenshot.empty() ? 0 : kIdle);
-    player.frame();
-    settled = player.stands() ? settled + 1 : 0;
-    const bool last = !options.screenshot.empty() && settled >= kSettleFrames;
-    Image picture;
-    (*window)->end_frame(last ? &picture : nullptr);
-    if (last) return save_png(picture, options.screenshot);
-  }
-  return {};
+Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, TakeReader& take) {
+  Result<Eigen::AlignedBox3d> subject = subject_box(take);
+  if (!subject) return forward(subject);
+  const Result<Rig> rig = rig_with_colors(take);
+  if (!rig) return forward(rig);
+  Result<PlayerState> state = initial_state(options, take, *subject);
+  if (!state) return forward(state);
+  return std::unique_ptr<Player>(new WindowPlayer(options, take, *rig, *subject, std::move(*state)));
 }
 
 }  // namespace floatstage

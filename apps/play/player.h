@@ -1,26 +1,30 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
+#include <memory>
 
-#include "core/result.h"
-#include "render/renderer.h"
+#include "apps/play/play.h"
+#include "capture/take.h"
 
 namespace floatstage {
 
-struct PlayOptions {
-  std::filesystem::path take;
-  std::string method = "floating";
-  std::string compare;              ///< method of the right half; empty: no split
-  int frame = 0;
-  bool show_cameras = false, playing = false;
-  std::filesystem::path path_file;  ///< camera path to begin with; empty: none
-  int width = 1280, height = 800;   ///< window, px
-  std::filesystem::path screenshot;  ///< write the window to this PNG once the picture stands, then end
-  RendererOptions renderer;
-};
+/// The player in its window: scene, controls, time line. GL thread only.
+class Player {
+ public:
+  /// What of the options is wrong, before a window is there: InvalidArgument; NotFound when the take has no meshes.
+  static Result<void> check(const PlayOptions& options, const TakeReader& take);
+  /// In the window that is current. `options` and `take` outlive it. Errors: those of check().
+  static Result<std::unique_ptr<Player>> open(const PlayOptions& options, TakeReader& take);
+  virtual ~Player() = default;
 
-/// The interactive player on a processed take. Returns when the window is closed.
-Result<void> play_take(const PlayOptions& options);
+  /// One frame of the user interface. Errors are shown, not returned: the window stays.
+  virtual void frame() = 0;
+  virtual bool stands() const = 0;  ///< the picture of the present frame is there
+  virtual bool busy() const = 0;
+  virtual int frame_number() const = 0;
+  virtual void go_to(int frame) = 0;
+  virtual void tell(std::string status) = 0;
+  /// Mattes have changed.
+  virtual void forget_scenes() = 0;
+};
 
 }  // namespace floatstage

@@ -35,4 +35,10 @@ Result<std::shared_ptr<const SceneFrame>> SceneCache::get(int frame) {
   return std::shared_ptr<const SceneFrame>();
 }
 
+void SceneCache::clear() {
+  if (loading_.valid()) loading_.wait();
+  collect();
+  entries_.clear();
+}
+
 }  // namespace floatstage

@@ -17,6 +17,8 @@ class SceneCache {
   Result<std::shared_ptr<const SceneFrame>> get(int frame);
   /// Begins to load `frame` if nothing is being loaded.
   void prefetch(int frame);
+  /// What was loaded is loaded again when it is asked for.
+  void clear();
 
  private:
   struct Entry {

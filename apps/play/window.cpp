@@ -8,6 +8,7 @@
 #include <imgui.h>
 
 #include <cstring>
+#include <utility>
 
 #include "core/text.h"
 
@@ -20,7 +21,51 @@ std::string glfw_error() {
   return what ? what : "no reason given";
 }
 
+static_assert(GLFW_KEY_ESCAPE == kKeyEscape && GLFW_KEY_ENTER == kKeyEnter && GLFW_KEY_TAB == kKeyTab && GLFW_KEY_DELETE == kKeyDelete &&
+              GLFW_KEY_RIGHT == kKeyRight && GLFW_KEY_LEFT == kKeyLeft && GLFW_KEY_HOME == kKeyHome && GLFW_KEY_END == kKeyEnd && GLFW_KEY_F12 == kKeyF12);
+static_assert(GLFW_MOUSE_BUTTON_LEFT == 0 && GLFW_MOUSE_BUTTON_RIGHT == 1 && GLFW_MOUSE_BUTTON_MIDDLE == 2);
+
+InputEvent event_of(GLFWwindow* window, InputEvent::Kind kind, int mods) {
+  InputEvent e;
+  e.kind = kind;
+  glfwGetCursorPos(window, &e.x, &e.y);
+  e.control = mods & GLFW_MOD_CONTROL;
+  e.shift = mods & GLFW_MOD_SHIFT;
+  return e;
+}
+
+std::vector<InputEvent>& input_of(GLFWwindow* window) { return *static_cast<std::vector<InputEvent>*>(glfwGetWindowUserPointer(window)); }
+
 }  // namespace
+
+// Before ImGui listens: it calls on what was there before.
+void Window::listen() {
+  glfwSetWindowUserPointer(window_, &input_);
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+    InputEvent e;
+    e.x = x, e.y = y;
+    input_of(w).push_back(e);
+  });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
+    if (action == GLFW_PRESS && ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return;
+    InputEvent e = event_of(w, action == GLFW_PRESS ? InputEvent::Kind::Press : InputEvent::Kind::Release, mods);
+    e.button = button;
+    input_of(w).push_back(e);
+  });
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double notches) {
+    InputEvent e = event_of(w, InputEvent::Kind::Wheel, 0);
+    e.wheel = notches;
+    input_of(w).push_back(e);
+  });
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int mods) {
+    if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
+    InputEvent e = event_of(w, InputEvent::Kind::Key, mods);
+    e.key = key;
+    input_of(w).push_back(e);
+  });
+}
+
+std::vector<InputEvent> Window::take_input() { return std::exchange(input_, {}); }
 
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
   if (!glfwInit())
@@ -39,6 +84,7 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // the layout is ours; leave no file in the user's folder
   ImGui::StyleColorsDark();
+  window->listen();
   ImGui_ImplGlfw_InitForOpenGL(window->window_, true);
   ImGui_ImplOpenGL3_Init("#version 450");
   return window;
@@ -56,6 +102,8 @@ Window::~Window() {
 }
 
 bool Window::should_close() const { return glfwWindowShouldClose(window_); }
+
+void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 
 void Window::begin_frame(double patience) {
   if (patience > 0)

@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "apps/play/input_event.h"
 #include "core/image.h"
 #include "core/result.h"
 #include "render/gl_context.h"
@@ -21,16 +23,22 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   bool should_close() const;
+  void close();  ///< as if somebody had closed it
   /// Takes events and begins a frame of the user interface; waits up to `patience` seconds for an event first.
   void begin_frame(double patience);
+  /// What hands did since the last call, in order; keys only while no text is being typed, and presses only where no menu is
+  /// open. Panels below still get all of it.
+  std::vector<InputEvent> take_input();
   /// Draws the user interface and shows it. `picture`, when not null, receives the whole window: RGB, top row first.
   void end_frame(Image* picture = nullptr);
 
  private:
   Window() = default;
   Image grab(int width, int height) const;
+  void listen();
 
   GLFWwindow* window_ = nullptr;
+  std::vector<InputEvent> input_;
   std::unique_ptr<GlContext> gl_;
 };
 
