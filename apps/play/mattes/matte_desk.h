@@ -51,6 +51,8 @@ class MatteDesk {
   /// Mattes are being made again, or will be.
   bool remaking() const { return pending_ || job_ == Job::Remake; }
   std::optional<BackgroundTask::Progress> progress() const;
+  /// Until what runs beside has ended; update() takes its result. For those who have no window to draw meanwhile.
+  void wait() const { task_.wait(); }
 
  private:
   enum class Job { None, Remake, Components, Flicker };

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <functional>
-#include <thread>
 
 #include "apps/matte/matte_take.h"
 #include "core/file.h"
@@ -61,7 +60,7 @@ class AMatteDesk : public testing::Test {
   static void settle(MatteDesk& desk) {
     do {
       desk.update(0);
-      std::this_thread::yield();
+      desk.wait();
     } while (desk.busy());
     desk.update(0);
   }

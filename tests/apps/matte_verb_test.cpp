@@ -1,0 +1,110 @@
+#include <ImfRgbaFile.h>
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/matte_edits.h"
+#include "core/png.h"
+#include "core/take_layout.h"
+#include "core/text.h"
+#include "tests/apps/small_take.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+// The program itself, from the command line to the files.
+class MatteVerb : public testing::Test {
+ protected:
+  MatteVerb() : take_(small_take(folder_, 2)) {}
+
+  int run(const std::string& arguments) {
+    FILE* pipe = popen(text(FLOATSTAGE_PROGRAM, " ", arguments, " 2>&1").c_str(), "r");
+    output_.clear();
+    char buffer[4096];
+    for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output_.append(buffer, n);
+    return WEXITSTATUS(pclose(pipe));
+  }
+  std::string matte(const std::string& arguments) const {
+    return text("matte '", take_.string(), "' --cameras cam01 --hull-frames 0 ", arguments);
+  }
+  static Image picture(const fs::path& file) {
+    Result<Image> image = load_png(file);
+    EXPECT_THAT(image, IsOk());
+    return image ? std::move(*image) : Image();
+  }
+
+  TempFolder folder_;
+  fs::path take_;
+  std::string output_;
+};
+
+TEST_F(MatteVerb, StartsFromOthersMattes) {
+  // Others say that the subject is a box at the left; it is nowhere near the dancer, so where a matte has it, it came from them.
+  Image box(160, 120, 1);
+  for (int y = 40; y < 80; ++y) std::fill_n(box.at(20, y), 30, std::uint8_t{255});
+  for (const char* name : {"000000.png", "000001.png"}) {
+    fs::create_directories(folder_ / "guide" / "cam01");
+    ASSERT_THAT(save_png(box, folder_ / "guide" / "cam01" / name), IsOk());
+  }
+  ASSERT_EQ(run(matte("--method closed-form --guide '" + (folder_ / "guide").string() + "'")), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("closed-form by guide; 2 made"));
+  const Image made = picture(TakeLayout(take_).matte("cam01", 1));
+  EXPECT_EQ(*made.at(35, 60), 255);
+  EXPECT_EQ(*made.at(82, 60), 0) << "the dancer is not the others' subject";
+  EXPECT_NE(run(matte("--redo --guide '" + (folder_ / "nowhere").string() + "'")), 0);
+  EXPECT_THAT(output_, HasSubstr("nowhere"));
+}
+
+TEST_F(MatteVerb, ExportsTheSameStraightLayersInEveryFormat) {
+  for (const char* format : {"png8", "png16", "exr"})
+    ASSERT_EQ(run(matte(text("--method closed-form --export '", (folder_ / format).string(), "' --export-format ", format))), 0) << output_;
+  const fs::path png = fs::path("cam01") / "000001.png";
+  const Image narrow = picture(folder_ / "png8" / png), wide = picture(folder_ / "png16" / png), alpha = picture(TakeLayout(take_).matte("cam01", 1));
+  EXPECT_EQ(narrow, wide);
+  const Result<std::string> bytes = read_file(folder_ / "png16" / png);
+  ASSERT_THAT(bytes, IsOk());
+  EXPECT_EQ((*bytes)[24], 16) << "bits a channel";
+
+  Imf::RgbaInputFile exr((folder_ / "exr" / "cam01" / "000001.exr").c_str());
+  std::vector<Imf::Rgba> pixels(160 * 120);
+  exr.setFrameBuffer(pixels.data(), 1, 160);
+  exr.readPixels(0, 119);
+  int soft = 0;
+  for (int p = 0; p < 160 * 120; ++p) {
+    const Imf::Rgba& e = pixels[static_cast<std::size_t>(p)];
+    const std::uint8_t* s = narrow.pixels.data() + 4 * p;
+    EXPECT_NEAR(e.a, alpha.pixels[static_cast<std::size_t>(p)] / 255.0, 1e-3);
+    const double c = s[0] / 255.0, light = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    EXPECT_NEAR(e.r, light, 1e-3) << "linear light, not multiplied by opacity";
+    soft += s[3] > 30 && s[3] < 225;
+  }
+  EXPECT_GT(soft, 20) << "there are pixels in which straight and premultiplied differ";
+}
+
+TEST_F(MatteVerb, LetsEvaluatePrintWhatItCostAPerson) {
+  CameraEdits edits;
+  edits.keyframes.push_back({0, {{MatteLabel::Foreground, 1, {{80, 60}}}, {MatteLabel::Background, 2, {{5, 5}}}, {MatteLabel::Background, 2, {{5, 100}, {20, 100}}}}});
+  edits.keyframes.push_back({1, {{MatteLabel::Foreground, 1, {{80, 60}}}}});
+  edits.masks.push_back({MatteLabel::Background, {{2, 2}}, 0, {}, 2});
+  ASSERT_THAT(make_folder(TakeLayout(take_).mattes()), IsOk());
+  ASSERT_THAT(save_matte_edits({{{"cam01", edits}}}, TakeLayout(take_).edits()), IsOk());
+  ASSERT_EQ(run(matte("--method chroma")), 0) << output_;
+  const fs::path report = folder_ / "scores.json";
+  ASSERT_EQ(run(text("evaluate '", take_.string(), "' --mattes --json '", report.string(), "'")), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("effort"));
+  EXPECT_THAT(output_, HasSubstr(" 2/5 ")) << "keyframes, and clicks, scribbles and masks";
+  const Result<std::string> json = read_file(report);
+  ASSERT_THAT(json, IsOk());
+  EXPECT_THAT(*json, testing::ContainsRegex("\"clicks\": *3"));
+  EXPECT_THAT(*json, testing::ContainsRegex("\"keyframes\": *2"));
+}
+
+}  // namespace
+}  // namespace floatstage
