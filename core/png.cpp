@@ -65,6 +65,7 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
   if (header.width > kLargest || header.height > kLargest) return bad("larger than 32768 px");
   // Deflate packs at most 1032 to 1 and a pixel has at least one bit: a small file that claims more has no such data.
   if (header.width / 8 * std::uint64_t{header.height} > std::uint64_t{1032} * bytes.size()) return bad("far shorter than its picture");
+  header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // libpng takes 16 bits for linear light where the file does not say
   const bool color = header.format & PNG_FORMAT_FLAG_COLOR, alpha = header.format & PNG_FORMAT_FLAG_ALPHA;
   header.format = alpha ? PNG_FORMAT_RGBA : color ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
   Image image(static_cast<int>(header.width), static_cast<int>(header.height), alpha ? 4 : color ? 3 : 1);

@@ -65,6 +65,16 @@ TEST(Png, ReducesSixteenBits) {
   EXPECT_THAT(image->pixels, testing::ElementsAre(0, 0, 0, 255, 255, 255));
 }
 
+TEST(Png, ReadsItsOwnSixteenBitsBackAsTheyWere) {
+  TempFolder folder;
+  for (const int channels : {1, 3, 4}) {
+    Image ramp(64, 16, channels);
+    for (std::size_t i = 0; i < ramp.pixels.size(); ++i) ramp.pixels[i] = static_cast<std::uint8_t>(i * 7);
+    ASSERT_THAT(save_png16(ramp, folder / "ramp.png"), IsOk());
+    EXPECT_THAT(load_png(folder / "ramp.png"), IsOkAnd(ramp)) << channels << ": not taken for linear light, nor multiplied by opacity";
+  }
+}
+
 TEST(Png, WithADamagedByteIsRefused) {
   const Result<std::string> whole = read_file(seed("rgb.png"));
   ASSERT_THAT(whole, IsOk());
