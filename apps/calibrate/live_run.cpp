@@ -10,7 +10,8 @@
 namespace floatstage {
 
 struct LiveRun::Lane {
-  explicit Lane(bool recorded) : queue(recorded ? 8 : 2, recorded ? QueuePolicy::Block : QueuePolicy::DropOldest) {}
+  explicit Lane(bool is_recorded) : recorded(is_recorded), queue(recorded ? 8 : 2, recorded ? QueuePolicy::Block : QueuePolicy::DropOldest) {}
+  const bool recorded;  // every picture counts, however long it takes
   std::string serial;
   std::unique_ptr<FrameSource> source;
   BoundedQueue<Frame> queue;
@@ -110,6 +111,8 @@ void LiveRun::look() {
   SyncOptions sync;
   sync.frame_rate = config_.frame_rate;
   sync.tolerance = Nanoseconds{std::min<std::int64_t>(sync.tolerance.count, static_cast<std::int64_t>(0.4e9 / config_.frame_rate))};
+  // Recordings are read in step, so that none is late because the machine is busy; a gap in one still ends.
+  if (std::all_of(lanes_.begin(), lanes_.end(), [](const auto& lane) { return lane->recorded; })) sync.longest_wait = milliseconds(2000);
   Result<Synchronizer> synchronizer = Synchronizer::make(static_cast<int>(lanes_.size()), sync);
   if (!synchronizer) end_with(synchronizer.error());
   Timestamp newest;
@@ -121,8 +124,8 @@ void LiveRun::look() {
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (over[i]) continue;
       const bool ended = lanes_[i]->ended;  // asked before: what it pushed last is then in the queue
-      std::optional<Frame> frame = lanes_[i]->queue.pop_for(milliseconds(200));
-      over[i] = !frame && ended;
+      std::optional<Frame> frame = lanes_[i]->recorded ? lanes_[i]->queue.pop() : lanes_[i]->queue.pop_for(milliseconds(200));
+      over[i] = !frame && (ended || lanes_[i]->recorded);
       any = any || !over[i];
       if (!frame) continue;
       newest = std::max(newest, frame->info.exposure_start);

@@ -85,6 +85,20 @@ LiveOptions options() {
 
 void nothing_known(Observations&) {}
 
+// What the take shows when its sets are read one after the other.
+std::vector<TargetView> looked_at_one_by_one(int frames) {
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(waved_take());
+  std::vector<CalibrationCamera> cameras;
+  for (const RigCamera& c : (*take)->rig().cameras) cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
+  LiveCalibration live(options().target, cameras);
+  for (int i = 0; i < frames; ++i) {
+    const FrameSet set = *(*take)->frame_set(i);
+    LiveInstant instant = *live.look(set);
+    live.keep(set, instant);
+  }
+  return live.observations().views;
+}
+
 std::string read(const std::filesystem::path& file) { return *read_file(file); }
 
 Result<void> run(const std::string& arguments) {
@@ -112,6 +126,7 @@ TEST(LiveRun, SeesEveryInstantOfAReplayAndSolvesWhileItRuns) {
   EXPECT_THAT(describe_live(status), testing::HasSubstr("focal ± "));
   (*live)->stop();
   EXPECT_THAT((*live)->outcome(), IsOk());
+  EXPECT_EQ((*live)->observations().views, looked_at_one_by_one(kFrames)) << "however busy the machine is";
 }
 
 TEST(LiveCalibrationObject, AdviceChangesAsCoverageGrows) {
