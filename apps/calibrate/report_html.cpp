@@ -93,7 +93,7 @@ std::string report_html(const Calibration& c, const Verdict& v, const ReportCont
       out += figure(error_picture(c, camera), text("Errors, enlarged ", rounded(8 / std::max(c.cameras[i].rms_px, 1e-6) * c.rig.cameras[i].model.width / 320, 0),
                                                    "×. A pattern is a lens that the model does not fit; red was left out."));
       out += figure(coverage_picture(c, camera), "Where the target was seen. White corners are guessed by the lens model.");
-      out += figure(uncertainty_picture(c, uncertainty, camera), "How far off the calibration lets a pixel be at the targets' depth: white 0, dark 1 px.");
+      out += figure(uncertainty_picture(c, uncertainty, camera), "How far off the calibration lets a pixel be at the targets' depth.");
     }
   }
   out += "<h2>Detection</h2>" + items(context.detection);

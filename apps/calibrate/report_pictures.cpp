@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <sstream>
+#include <utility>
 #include <vector>
 
 #include "core/text.h"
@@ -31,6 +31,19 @@ std::string shade(double share) {
 
 std::string cell(double x, double y, double w, double h, const std::string& fill, const std::string& title) {
   return text("<rect x=\"", number(x), "\" y=\"", number(y), "\" width=\"", number(w), "\" height=\"", number(h), "\" fill=\"", fill, "\"><title>", title, "</title></rect>");
+}
+
+// What shades mean, in a row below a picture: a patch and its value each.
+constexpr double kLegend = 24;
+std::string legend(double top, const std::vector<std::pair<std::string, double>>& shades) {
+  const double step = kWidth / static_cast<double>(shades.size());
+  std::string out;
+  for (std::size_t i = 0; i < shades.size(); ++i) {
+    const double x = static_cast<double>(i) * step;
+    out += cell(x + 2, top + 7, 14, 12, shade(shades[i].second), shades[i].first) +
+           text("<text x=\"", number(x + 20), "\" y=\"", number(top + 17), "\" font-size=\"11\" fill=\"#333\">", shades[i].first, "</text>");
+  }
+  return out;
 }
 
 constexpr int kColumns = 16, kRows = 12;
@@ -88,11 +101,13 @@ std::string coverage_picture(const Calibration& c, int camera) {
   }
   const double most = std::max(1, *std::max_element(counts.begin(), counts.end()));
   const double height = m.height * scale_of(m), w = kWidth / kColumns, h = height / kRows;
-  std::string out = begin_svg(kWidth, height, "coverage");
+  std::string out = begin_svg(kWidth, height + kLegend, "coverage");
   for (int r = 0; r < kRows; ++r)
     for (int k = 0; k < kColumns; ++k)
       if (const int n = counts[at(r * kColumns + k)]; n > 0) out += cell(k * w, r * h, w, h, shade(std::sqrt(n / most)), text(n, " points"));
-  return out + "</svg>";
+  std::vector<std::pair<std::string, double>> shades;
+  for (const double share : {0.0, 0.1, 0.25, 0.5, 1.0}) shades.emplace_back(text(std::lround(share * most), share > 0 ? "" : " points"), std::sqrt(share));
+  return out + legend(height, shades) + "</svg>";
 }
 
 std::string uncertainty_picture(const Calibration& c, const ProjectionUncertainty& uncertainty, int camera) {
@@ -101,7 +116,7 @@ std::string uncertainty_picture(const Calibration& c, const ProjectionUncertaint
   for (const PointError& e : c.errors)
     if (e.camera == camera && e.kept) depths.push_back(e.depth);
   const double height = rc.model.height * scale_of(rc.model), w = kWidth / kColumns, h = height / kRows;
-  std::string out = begin_svg(kWidth, height, "projection uncertainty");
+  std::string out = begin_svg(kWidth, height + kLegend, "projection uncertainty");
   if (depths.empty()) return out + "</svg>";
   std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());
   const double depth = depths[depths.size() / 2];
@@ -113,7 +128,9 @@ std::string uncertainty_picture(const Calibration& c, const ProjectionUncertaint
       const double sigma = uncertainty.sigma_px(camera, rc.cam_from_world.inverse() * (*ray * depth));
       out += cell(k * w, r * h, w, h, shade(std::sqrt(sigma / kDarkest)), text(std::setprecision(2), sigma, " px"));
     }
-  return out + "</svg>";
+  std::vector<std::pair<std::string, double>> shades;
+  for (const double px : {0.0, 0.05, 0.1, 0.25, 0.5, kDarkest}) shades.emplace_back(text(px < kDarkest ? "" : "≥ ", px, " px"), std::sqrt(px / kDarkest));
+  return out + legend(height, shades) + "</svg>";
 }
 
 std::string graph_picture(const Calibration& c) {
