@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdlib>
 #include <iomanip>
 
@@ -5,6 +6,7 @@
 #include "apps/calibrate/conclude.h"
 #include "apps/calibrate/report.h"
 #include "apps/calibrate/scene.h"
+#include "apps/calibrate/scene_points.h"
 #include "apps/calibrate/session.h"
 #include "apps/calibrate_verbs.h"
 #include "calib/calibrate.h"
@@ -73,20 +75,26 @@ Result<void> run(const Options& given) {
   if (!solved) return fail(solved.error().code, text(given.session.string(), ": ", solved.error().message));
 
   ReportContext context{given.session.stem().string(), collected->detection, collected->remarks, collected->seconds};
-  if (session->known) {
-    const Result<Rig> known = load_known(*session->known);
-    if (!known) return forward(known);
-    for (std::string& sentence : compare_to_known(*session->known, *known, solved->rig)) context.remarks.push_back(std::move(sentence));
-  }
   std::vector<BarCheck> checks;
   if (session->known) {
     const Result<Rig> known = load_known(*session->known);
     if (!known) return forward(known);
+    for (std::string& sentence : compare_to_known(*session->known, *known, solved->rig)) context.remarks.push_back(std::move(sentence));
     if (const std::optional<RigAgreement> a = compare_poses(*session->known, *known, solved->rig)) {
       context.remarks.push_back(text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent, " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
                                      "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale, "; rotations at worst ", a->worst_turn_degrees, "°"));
       if (session->bars.known_center_percent) checks.push_back({"known_center_percent", a->worst, a->worst_percent, *session->bars.known_center_percent, false});
     }
+    if (!session->points.empty()) {
+      const Result<ScenePoints> measured = measure_points(session->points, *known);
+      if (!measured) return fail(measured.error().code, text(session->known->file.string(), ": ", measured.error().message));
+      context.remarks.push_back(describe(*measured, *known, "known"));
+    }
+  }
+  if (!session->points.empty() && !solved->rig.cameras.empty()) {
+    const Result<ScenePoints> measured = measure_points(session->points, solved->rig);
+    context.remarks.push_back(measured ? describe(*measured, solved->rig, "solved") : measured.error().message);
+    checks.push_back({"points_px", "", measured ? measured->rms_px : std::nan(""), session->bars.points_px, false});
   }
   return conclude(*solved, session->bars, checks, context, {given.session.string(), given.out, given.report, given.json, given.keep_failed, collected->carried});
 }

@@ -142,6 +142,27 @@ SessionCamera read_camera(Table t) {
   return c;
 }
 
+SessionPoint read_point(Table t) {
+  SessionPoint p;
+  t.string("name", p.name);
+  if (const toml::node* n = t.node("seen")) {
+    const toml::table* seen = n->as_table();
+    if (!seen) t.complain(*n, "'seen' is a table { camera = [x, y], … }");
+    for (const auto& [serial, place] : seen ? *seen : toml::table{}) {
+      const toml::array* xy = place.as_array();
+      const auto x = xy && xy->size() == 2 ? xy->get(0)->value<double>() : std::nullopt;
+      const auto y = xy && xy->size() == 2 ? xy->get(1)->value<double>() : std::nullopt;
+      if (x && y && std::abs(*x) <= kLarge && std::abs(*y) <= kLarge)
+        p.seen.push_back({std::string(serial.str()), {*x, *y}});
+      else
+        t.complain(place, text("camera '", serial.str(), "' sees a point at [x, y], in pixels"));
+    }
+  }
+  if (p.seen.size() < 2) t.complain(text("point '", p.name, "' is not seen by two cameras"));
+  t.refuse_others();
+  return p;
+}
+
 SessionKnown read_known(Table t) {
   SessionKnown k;
   t.path("file", k.file);
@@ -198,6 +219,7 @@ void read_bars(Table t, CalibrationBars& b) {
   t.number("scale_bias_mm", b.scale_bias_mm, 0, kLarge);
   t.number("focal_sigma_percent", b.focal_sigma_percent, 0, kLarge);
   t.number("rotation_sigma_degrees", b.rotation_sigma_degrees, 0, kLarge);
+  t.number("points_px", b.points_px, 0, kLarge);
   t.number("projection_sigma_px", b.projection_sigma_px, 0, kLarge);
   if (t.node("known_center_percent")) t.number("known_center_percent", b.known_center_percent.emplace(0), 0, kLarge);
   t.refuse_others();
@@ -260,6 +282,7 @@ Result<Session> parse_session(std::string_view toml_text, std::string_view name)
   t.number("wand_sigma_mm", wand_sigma_mm, 1e-6, 1000);
   s.wand_sigma = 1e-3 * wand_sigma_mm;
   for (Table& camera : t.children("cameras")) s.cameras.push_back(read_camera(std::move(camera)));
+  for (Table& point : t.children("points")) s.points.push_back(read_point(std::move(point)));
   if (std::optional<Table> known = t.child("known")) s.known = read_known(std::move(*known));
   if (std::optional<Table> floor = t.child("floor")) {
     s.floor.emplace();

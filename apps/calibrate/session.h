@@ -21,6 +21,7 @@ struct CalibrationBars {
   double scale_bias_mm = 0.5;         ///< their mean error
   double focal_sigma_percent = 0.5;   ///< of every camera that was solved for
   double rotation_sigma_degrees = 0.1;  ///< of every camera against the reference camera
+  double points_px = 5;                 ///< how near rays through the session's points come, where it has any
   double projection_sigma_px = 0.5;     ///< of where every camera sees the volume of the targets; the choice of a reference changes nothing
   std::optional<double> known_center_percent = {};  ///< of known places that are compared with, after a similarity; of the rig's radius
 };
@@ -43,6 +44,16 @@ struct SessionKnown {
   std::string format = "rig";  ///< rig (rig.json), middlebury, colmap, opencv, qualisys, kalibr
   std::filesystem::path file;
   Prior intrinsics = Prior::Unknown, poses = Prior::Unknown;  ///< Unknown: only compared with
+};
+
+/// A point of the scene as several cameras see it, found by hand: not solved with, but what the result is checked by.
+struct SessionPoint {
+  struct Seen {
+    std::string serial;
+    Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< (0, 0) is the picture's corner
+  };
+  std::string name;
+  std::vector<Seen> seen;  ///< by two cameras or more
 };
 
 /// The world: a frame in which the target lies on the floor, or the known pose of one camera.
@@ -74,6 +85,7 @@ struct Session {
   std::optional<SessionKnown> known;
   std::optional<SessionFloor> floor;
   std::optional<SessionMarkerless> markerless;
+  std::vector<SessionPoint> points;
   CalibrationOptions options;
   CalibrationBars bars;
 };

@@ -69,7 +69,10 @@ TEST(CalibrateReal, Pose2SimChessboardsAgreeWithItsOwnCalibration) {
     EXPECT_NEAR(c.model.fy / was.model.fy, 1, 0.01) << c.serial;
     EXPECT_EQ(c.cam_from_world.translation, was.cam_from_world.translation) << "imported as it is";
   }
-  EXPECT_THAT(read_file(folder / "report/calibration.html").value(), HasSubstr("from the known"));
+  const std::string page = read_file(folder / "report/calibration.html").value();
+  EXPECT_THAT(page, HasSubstr("from the known"));
+  EXPECT_THAT(page, HasSubstr("4 points of the scene meet within 10.7 px in the known rig"));
+  EXPECT_THAT(page, HasSubstr("points_px"));
 }
 
 }  // namespace

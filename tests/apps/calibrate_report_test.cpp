@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/collect.h"
 #include "apps/calibrate/report_pictures.h"
+#include "apps/calibrate/scene_points.h"
 #include "core/file.h"
 #include "core/rig_io.h"
+#include "core/text.h"
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -81,6 +84,41 @@ TEST(CalibrationReport, IsOnePageThatNeedsNothingElse) {
   std::size_t pictures = 0;
   for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at + 1)) ++pictures;
   EXPECT_EQ(pictures, 10u);
+}
+
+TEST(CalibrationReport, SaysWhatItsShadesMean) {
+  const std::string html = report_html(solved(), judge(solved(), kBars), {});
+  for (const char* words : {">0.25 px<", ">≥ 1 px<", ">0 points<"}) EXPECT_THAT(html, HasSubstr(words));
+}
+
+TEST(CalibrationVerdict, FailsByANumberOfTheSessionAbove) {
+  Verdict v = judge(solved(), kBars);
+  add_check(v, solved(), {"points_px", "", 4.9, 5, false});
+  EXPECT_TRUE(v.pass);
+  add_check(v, solved(), {"points_px", "", std::nan(""), 5, false});
+  EXPECT_FALSE(v.pass) << "rays that do not meet";
+}
+
+TEST(ScenePoints, MeetInTheRigThatSawThem) {
+  Rig rig = ring_rig(3);
+  std::vector<SessionPoint> points;
+  for (const Eigen::Vector3d& x : {Eigen::Vector3d(0.3, 0.2, 1), Eigen::Vector3d(-0.4, 0.1, 0.6)}) {
+    SessionPoint p{text("mark ", points.size()), {}};
+    for (const RigCamera& c : rig.cameras) p.seen.push_back({c.serial, *project(c.model, c.cam_from_world * x)});
+    points.push_back(p);
+  }
+  const Result<ScenePoints> exact = measure_points(points, rig);
+  ASSERT_THAT(exact, IsOk());
+  EXPECT_LT(exact->rms_px, 1e-6);
+  EXPECT_LT((exact->places[1] - Eigen::Vector3d(-0.4, 0.1, 0.6)).norm(), 1e-9);
+  rig.cameras[1].model.cx += 9;  // two thirds of it remain where the rays meet
+  const Result<ScenePoints> shifted = measure_points(points, rig);
+  ASSERT_THAT(shifted, IsOk());
+  EXPECT_GT(shifted->rms_px, 1);
+  EXPECT_LT(shifted->rms_px, 9);
+  EXPECT_THAT(describe(*shifted, rig, "known"), HasSubstr("2 points of the scene meet within"));
+  points[0].seen[0].serial = "nobody";
+  EXPECT_THAT(measure_points(points, rig), FailsWith(ErrorCode::NotFound, "'nobody'"));
 }
 
 TEST(CalibrationReport, OfACaptureThatCouldNotBeSolvedSaysWhy) {

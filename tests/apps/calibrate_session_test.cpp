@@ -71,6 +71,18 @@ TEST(CalibrationSession, HoldsAllThatIsKnown) {
   EXPECT_THAT(s->cameras[1].alone, ElementsAre("intrinsics"));
 }
 
+TEST(CalibrationSession, HoldsPointsToCheckBy) {
+  const std::string point = "[[points]]\nname = \"corner\"\nseen = { left = [1.5, 2], right = [3, 4] }\n";
+  const Result<Session> s = parse(kWhole + point);
+  ASSERT_THAT(s, IsOk());
+  ASSERT_EQ(s->points.size(), 1u);
+  EXPECT_EQ(s->points[0].seen[0].serial, "left");
+  EXPECT_EQ(s->points[0].seen[0].pixel, Eigen::Vector2d(1.5, 2));
+  EXPECT_THAT(parse(kWhole + "[[points]]\nname = \"corner\"\nseen = { left = [1, 2] }\n"), FailsWith(ErrorCode::BadData, "'corner' is not seen by two cameras"));
+  EXPECT_THAT(parse(kWhole + "[[points]]\nseen = { left = [1, 2, 3], right = [1, 2] }\n"), FailsWith(ErrorCode::BadData, "[x, y]"));
+  EXPECT_THAT(parse(kWhole + "[[points]]\nseen = { left = [nan, 2], right = [1, 2] }\n"), FailsWith(ErrorCode::BadData, "'left'"));
+}
+
 TEST(CalibrationSession, FindsItsFilesBesideItself) {
   const TempFolder folder;
   const Result<Session> s = load_session(folder.write("s.toml", kWhole));
