@@ -32,6 +32,8 @@ struct RendererOptions {
   double depth_tolerance = 0;  ///< metres the proxy may lie behind a camera's depth map and still be seen;
                                ///< 0: 1.25 % of its diagonal
   FlowOptions flow;            ///< floating only
+  bool sharp = true;           ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
+                               ///< and much faster without a GPU
   int threads = 0;  ///< CPU threads of the flow; 0: one per core. The picture does not depend on it
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;

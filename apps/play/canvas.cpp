@@ -15,7 +15,7 @@ ImTextureID texture_id(const RenderedView& view) { return reinterpret_cast<ImTex
 bool same(const PathKey& a, const PathKey& b) { return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y == b.fov_y; }
 
 bool same(const RendererOptions& a, const RendererOptions& b) {
-  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.depth_tolerance == b.depth_tolerance && a.flow == b.flow &&
+  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.depth_tolerance == b.depth_tolerance && a.flow == b.flow && a.sharp == b.sharp &&
          a.background == b.background && a.output == b.output;
 }
 

@@ -24,11 +24,12 @@ FlowOptions flow(const char* preset, int shrink, int refinement) {
 
 const std::vector<LiveQuality>& live_qualities() {
   static const std::vector<LiveQuality> ladder = {
-      {"best", {.shrink = 2, .tolerance = 0.5}, "floating", flow("medium", 1, 20)},
-      {"good", {.shrink = 2, .tolerance = 0.5}, "floating", flow("medium", 2, 5)},
-      {"fast", {.shrink = 2, .tolerance = 0.75}, "floating", flow("fast", 2, 2)},
-      {"faster", {.shrink = 4, .tolerance = 1}, "floating", flow("ultrafast", 3, 0)},
-      {"plain", {.shrink = 4, .tolerance = 1.5}, "linear", flow("ultrafast", 4, 0)},
+      {"best", {.shrink = 2, .tolerance = 0.5}, "floating", flow("medium", 1, 20), true},
+      {"good", {.shrink = 2, .tolerance = 0.5}, "floating", flow("medium", 2, 5), true},
+      {"fair", {.shrink = 3, .tolerance = 1}, "floating", flow("fast", 2, 2), true},
+      {"fast", {.shrink = 4, .tolerance = 1}, "floating", flow("ultrafast", 2, 0), false},
+      {"faster", {.shrink = 4, .tolerance = 1.5}, "floating", flow("ultrafast", 4, 0), false},
+      {"plain", {.shrink = 4, .tolerance = 1.5}, "linear", flow("ultrafast", 4, 0), false},
   };
   return ladder;
 }
@@ -37,6 +38,7 @@ std::string describe(const LiveQuality& q) {
   std::string line = text(q.name, ": keys at 1/", q.node.shrink, ", outlines within ", q.node.tolerance, " px, ", q.method);
   if (q.method == "floating")
     line += text(", ", q.flow.preset, " flow at 1/", q.flow.shrink, " with ", q.flow.refinement, " refinements");
+  if (!q.sharp) line += ", bilinear";
   return line;
 }
 

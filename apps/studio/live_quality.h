@@ -17,6 +17,7 @@ struct LiveQuality {
   NodeQuality node;
   std::string method = "floating";
   FlowOptions flow;
+  bool sharp = true;  ///< RendererOptions::sharp
 };
 
 /// From the best to the fastest. The first is what `render` does offline, but for the key's scale.

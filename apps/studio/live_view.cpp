@@ -27,6 +27,7 @@ Result<std::optional<RenderedView>> LiveView::render(const View& view, const Liv
     renderer = std::move(*made);
   }
   options.flow = quality.flow;
+  options.sharp = quality.sharp;
   Result<RenderedView> picture = renderer->render(textures_, view, options);
   if (!picture) return forward(picture);
   return std::optional<RenderedView>(*picture);

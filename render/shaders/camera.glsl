@@ -50,6 +50,7 @@ vec4 photo(int index, vec2 pixel) {
 
 // The colour alone, by a Catmull-Rom spline in nine bilinear reads: what is blended keeps its sharpness.
 vec3 photo_color(int index, vec2 pixel) {
+  if (view.background.w > 0.5) return photo(index, pixel).rgb;
   vec4 tile = cameras[index].tile;
   pixel = clamp(pixel - tile.xy, vec2(0.5), tile.zw - 0.5);
   vec2 texel = 1.0 / vec2(textureSize(photographs, 0).xy);

@@ -6,7 +6,7 @@ layout(std140, binding = 0) uniform ViewBlock {
   vec4 view_k;        // fx, fy, cx, cy of the whole view, px
   vec4 window;        // x, y of the drawn window in the view, its width and height, px
   vec4 settings;      // skew, soft radius px, depth tolerance m, px of the view a px of the flow
-  vec4 background;    // rgb
+  vec4 background;    // rgb, 1 to read photographs bilinearly
   ivec4 counts;       // listed cameras, chosen cameras (the first of the list), 1 for one camera a pixel, output
   ivec4 camera_list[2];
   vec4 camera_fade[8];  // x: as one of the chosen; y: as a stand-in
