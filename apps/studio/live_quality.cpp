@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kSlow = 0.97;         // of the target: below it a window is too slow
 constexpr int kSlowWindows = 2;        // in a row
-constexpr double kEasy = 0.6;          // of the time at work: below it there is room for a better quality
+constexpr double kRoom = 1.3;          // times the target: there is room for a better quality
+constexpr double kEasy = 0.6;          // of the time at work, when every instant is shown: there is room too
 constexpr double kLongestPatience = 120;
 
 FlowOptions flow(const char* preset, int shrink, int refinement) {
@@ -54,7 +55,8 @@ std::optional<std::size_t> QualityControl::judge(Timestamp time, double fps, dou
     return ++level_;
   }
   slow_ = 0;
-  if (busy >= kEasy || level_ == 0) {
+  const bool room = fps >= kRoom * wanted || (fps >= kSlow * offered && busy < kEasy);
+  if (!room || level_ == 0) {
     easy_since_.reset();
     return std::nullopt;
   }

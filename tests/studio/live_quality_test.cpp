@@ -64,17 +64,23 @@ TEST(QualityControl, EndsAtTheFastest) {
 
 TEST(QualityControl, GoesUpAfterAWhileOfEaseAndNeverWhileAtWork) {
   QualityControl control(12, 2);
-  EXPECT_EQ(windows_until_change(control, 0, 12, 0.9), 0) << "busy";
-  EXPECT_GT(windows_until_change(control, 1000, 12, 0.3), 5);
+  EXPECT_EQ(windows_until_change(control, 0, 13, 0.9), 0) << "fast enough, and no faster";
+  EXPECT_GT(windows_until_change(control, 1000, 20, 0.9), 5) << "much faster than wanted";
   EXPECT_EQ(control.level(), 1U);
+}
+
+TEST(QualityControl, GoesUpWhenEveryInstantIsShownWithoutEffort) {
+  QualityControl idle(25, 2), busy(25, 2);
+  EXPECT_GT(windows_until_change(idle, 0, 25, 0.3), 5);
+  EXPECT_EQ(windows_until_change(busy, 0, 25, 0.9), 0);
 }
 
 TEST(QualityControl, TriesABetterQualityLessOftenWhenItDidNotLast) {
   QualityControl control(12, 2);
-  const int first = windows_until_change(control, 0, 12, 0.3);
+  const int first = windows_until_change(control, 0, 20, 0.9);
   ASSERT_GT(first, 0);
   ASSERT_EQ(windows_until_change(control, first, 8, 1), 2);
-  const int second = windows_until_change(control, first + 2, 12, 0.3);
+  const int second = windows_until_change(control, first + 2, 20, 0.9);
   EXPECT_GT(second, first + first / 2);
 }
 
