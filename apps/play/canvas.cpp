@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "apps/studio/live_view.h"
+
 namespace floatstage {
 namespace {
 
@@ -25,13 +27,22 @@ Result<void> Canvas::show(const std::shared_ptr<const SceneFrame>& scene) {
   if (!scene || scene == scene_) return {};
   if (Result<void> ok = textures_.upload(rig_, *scene); !ok) return ok;
   scene_ = scene;
+  ++shown_;
+  drawable_ = true;
   frusta_.upload(scene->images);
   return {};
 }
 
+Result<void> Canvas::show(const LiveScene& scene) {
+  ++shown_;
+  Result<bool> uploaded = upload(scene, rig_, textures_);
+  drawable_ = uploaded && *uploaded;
+  return uploaded ? Result<void>() : forward(uploaded);
+}
+
 bool Canvas::stale(const PlayerState& state, const PathKey& key, int width, int height) const {
   return !made_ || made_->width != width || made_->height != height || made_->left != state.left ||
-         made_->right != (state.split ? state.right : -1) || made_->scene != scene_.get() || !same(made_->key, key) ||
+         made_->right != (state.split ? state.right : -1) || made_->scene != shown_ || !same(made_->key, key) ||
          !same(made_->renderer, state.renderer);
 }
 
@@ -50,8 +61,9 @@ Result<void> Canvas::render_side(Side& side, const std::string& method, const Vi
 Result<void> Canvas::render(const PlayerState& state, const PathKey& key, int width, int height) {
   const auto begin = std::chrono::steady_clock::now();
   // Recorded before rendering: a view that cannot be rendered is not tried again until something changes.
-  made_ = Made{width, height, state.left, state.split ? state.right : -1, scene_.get(), key, state.renderer};
+  made_ = Made{width, height, state.left, state.split ? state.right : -1, shown_, key, state.renderer};
   const View view = view_of(key, width, height, subject_);
+  view_ = view;
   if (Result<void> ok = render_side(left_, state.methods[static_cast<std::size_t>(state.left)], view, state.renderer); !ok) return ok;
   if (state.split)
     if (Result<void> ok = render_side(right_, state.methods[static_cast<std::size_t>(state.right)], view, state.renderer); !ok) return ok;
@@ -85,7 +97,7 @@ Result<void> Canvas::draw(PlayerState& state) {
   if (size.x < 8 || size.y < 8) return {};
   ImGui::InvisibleButton("canvas", size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
   if (!state.follow_path) take_mouse(state, size.x, size.y);
-  if (!scene_) return {};
+  if (!drawable_) return {};
 
   const PathKey key = state.follow_path && !state.path.empty() ? sample(state.path.path(), state.path_time) : state.camera.key();
   const int width = std::max(1, static_cast<int>(std::lround(size.x * state.render_scale)));

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
 #include "apps/play/camera_frusta.h"
 #include "apps/play/player_state.h"
+#include "apps/studio/live_scene.h"
 #include "core/rig.h"
 #include "render/scene_textures.h"
 
@@ -18,11 +20,15 @@ class Canvas {
 
   /// A new instant to show; null shows the last one on.
   Result<void> show(const std::shared_ptr<const SceneFrame>& scene);
+  /// The same of a live studio. One without a subject leaves the stage empty.
+  Result<void> show(const LiveScene& scene);
   /// Draws into the present ImGui window's whole content, and moves state.camera by mouse and keys.
   Result<void> draw(PlayerState& state);
 
   double render_milliseconds() const { return render_milliseconds_; }
   bool has_picture() const { return left_.view.texture != 0; }
+  /// Where the last picture was drawn from; absent before the first.
+  const std::optional<View>& view() const { return view_; }
 
  private:
   struct Side {
@@ -33,7 +39,7 @@ class Canvas {
   // What the last pictures were made of; any difference makes new ones.
   struct Made {
     int width = 0, height = 0, left = -1, right = -1;
-    const SceneFrame* scene = nullptr;
+    std::uint64_t scene = 0;
     PathKey key;
     RendererOptions renderer;
   };
@@ -46,6 +52,9 @@ class Canvas {
   const Rig rig_;
   const Eigen::AlignedBox3d subject_;
   std::shared_ptr<const SceneFrame> scene_;
+  std::uint64_t shown_ = 0;  // scenes so far
+  bool drawable_ = false;
+  std::optional<View> view_;
   SceneTextures textures_;
   Side left_, right_;
   std::optional<Made> made_;

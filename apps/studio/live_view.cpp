@@ -2,19 +2,23 @@
 
 namespace floatstage {
 
-Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
-  scene_ = scene;
-  drawable_ = false;
+Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textures) {
   std::vector<PictureTile> tiles;
-  for (const std::shared_ptr<const CameraView>& view : scene->views) {
+  for (const std::shared_ptr<const CameraView>& view : scene.views) {
     if (!view || !view->tile) continue;
-    const int camera = camera_index(rig_, view->serial);
+    const int camera = camera_index(rig, view->serial);
     if (camera >= 0) tiles.push_back({camera, view->tile->x, view->tile->y, &view->tile->picture, &view->tile->matte});
   }
-  if (tiles.empty() || scene->scene.mesh.empty()) return {};
-  if (Result<void> ok = textures_.upload(rig_, scene->scene.mesh, tiles); !ok) return ok;
-  drawable_ = true;
-  return {};
+  if (tiles.empty() || scene.scene.mesh.empty()) return false;
+  if (Result<void> ok = textures.upload(rig, scene.scene.mesh, tiles); !ok) return forward(ok);
+  return true;
+}
+
+Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
+  scene_ = scene;
+  const Result<bool> uploaded = upload(*scene, rig_, textures_);
+  drawable_ = uploaded && *uploaded;
+  return uploaded ? Result<void>() : forward(uploaded);
 }
 
 Result<std::optional<RenderedView>> LiveView::render(const View& view, const LiveQuality& quality,

@@ -12,13 +12,15 @@
 
 namespace floatstage {
 
+/// Brings a scene's surface and textures to the GPU. False when there is nothing to draw: no subject, or no texture of it.
+Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textures);
+
 /// Draws live scenes. GL thread only.
 class LiveView {
  public:
   explicit LiveView(Rig rig) : rig_(std::move(rig)) {}
 
-  /// Brings a scene's surface and textures to the GPU. One without a subject, or without any texture, leaves nothing to
-  /// draw: that is no error.
+  /// From now on this scene is drawn.
   Result<void> show(const std::shared_ptr<const LiveScene>& scene);
   /// The scene from a view; nothing when there is nothing to draw. `options` but for method and flow, which are the
   /// quality's.
