@@ -17,6 +17,7 @@ struct StreamInfo {
   ImageLayout layout;                       ///< of every frame with a picture
   double frame_rate = 0;                    ///< nominal; 0 when unknown
   std::optional<std::int64_t> frame_count;  ///< for recordings: expected frames, gaps included
+  bool ptp = false;                         ///< exposures are on the network's clock, not on the recorder's
 };
 
 /// Counters since start(). delivered + lost = expected.

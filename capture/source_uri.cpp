@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <climits>
 
 #include "core/text.h"
 
@@ -70,12 +71,35 @@ std::string UriOptions::word(const std::string& key, std::string otherwise) {
   return given ? *given : otherwise;
 }
 
+bool UriOptions::flag(const std::string& key, bool otherwise) {
+  const std::string* given = take(key);
+  if (given && *given != "on" && *given != "off") note(text(key, "=", *given, " is neither on nor off"));
+  return given ? *given == "on" : otherwise;
+}
+
+std::optional<PixelFormat> UriOptions::format() {
+  const std::string* given = take("format");
+  if (!given || given->empty()) return std::nullopt;
+  const std::optional<PixelFormat> format = pixel_format_named(*given);
+  if (!format) note(text("format=", *given, " is no pixel format"));
+  return format;
+}
+
 Result<void> UriOptions::finish(std::string_view usage) const {
   std::string problem = problem_;
   for (const auto& [key, value] : values_)
     if (!value.used && problem.empty()) problem = text("unknown option '", key, "'");
   if (problem.empty()) return {};
   return fail(ErrorCode::InvalidArgument, text("source '", uri_, "': ", problem, "; understood is ", usage));
+}
+
+DeviceUri::DeviceUri(const std::string& address, const std::string& uri)
+    : device(address.substr(0, address.find('?'))),
+      options(std::string_view(address).substr(std::min(address.size(), device.size() + 1)), uri) {}
+
+std::uint64_t DeviceUri::frames() {
+  const int frames = options.integer("frames", 0, 0, INT_MAX - 1);
+  return frames > 0 ? static_cast<std::uint64_t>(frames) : UINT64_MAX;
 }
 
 }  // namespace floatstage

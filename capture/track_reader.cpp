@@ -151,7 +151,9 @@ Result<void> MatroskaTrack::fetch(std::int64_t index) {
                               where.offset + done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return fail(ErrorCode::Io, text("cannot read ", name_, ": ", std::strerror(errno)));
-    if (n == 0) return damaged(index, "the file became shorter while it was open");
+    if (n == 0)
+      return fail(ErrorCode::Io,
+                  text(name_, ": it became shorter while it was open; is its disk still there?"));
     done += n;
   }
   packet_->pts = packet_->dts = index;

@@ -159,6 +159,13 @@ std::optional<Timestamp> CameraLane::newest() const {
   return recent_.empty() ? std::nullopt : std::optional(recent_.back());
 }
 
+std::optional<Timestamp> CameraLane::now() const {
+  std::lock_guard lock(mutex_);
+  if (!last_) return std::nullopt;
+  const auto since = std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - last_frame_);
+  return *last_ + Nanoseconds{since.count()};
+}
+
 std::chrono::steady_clock::time_point CameraLane::alive() const {
   std::lock_guard lock(mutex_);
   return over_ ? Clock::now() : alive_;

@@ -42,6 +42,8 @@ class CameraLane {
   /// Over the whole session, unlike the status'.
   double mean_frame_rate() const;
   std::optional<Timestamp> newest() const;
+  /// Now, on the clock of its pictures, earlier by what they take to arrive; nothing before the first one.
+  std::optional<Timestamp> now() const;
   /// When its thread last said that it lives. One that hangs in a driver does not.
   std::chrono::steady_clock::time_point alive() const;
 

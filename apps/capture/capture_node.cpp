@@ -7,7 +7,6 @@
 
 #include "apps/capture/take_list.h"
 #include "apps/capture/take_rig.h"
-#include "capture/studio_clock.h"
 #include "core/log.h"
 #include "core/rig.h"
 #include "core/text.h"
@@ -65,6 +64,12 @@ Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config) {
     node->routes_.push_back(std::make_unique<Route>());
     node->routes_.back()->pre_roll.emplace(kept, most);
     serials.push_back(camera.serial);
+    const CameraLane &first = *node->lanes_.front(), &here = *node->lanes_.back();
+    if (here.info().ptp != first.info().ptp)
+      return fail(
+          ErrorCode::InvalidArgument,
+          text("camera '", (here.info().ptp ? here : first).serial(), "' follows the network's clock and '",
+               (here.info().ptp ? first : here).serial(), "' does not; set ptp=on for all cameras or none"));
   }
   Result<std::unique_ptr<SyncWatch>> watch =
       SyncWatch::make(serials, c.frame_rate, {c.recorder.limits.spread_ms, c.recorder.limits.skips});
@@ -111,6 +116,12 @@ bool CaptureNode::alive() const {
 bool CaptureNode::plays_recordings() const {
   return std::any_of(lanes_.begin(), lanes_.end(),
                      [](const auto& lane) { return lane->info().frame_count.has_value(); });
+}
+
+Timestamp CaptureNode::now() const {
+  Timestamp now;
+  for (const auto& lane : lanes_) now = std::max(now, lane->now().value_or(Timestamp{}));
+  return now;
 }
 
 Timestamp CaptureNode::newest() const {
@@ -230,7 +241,7 @@ Result<void> CaptureNode::stop_recording() {
 }
 
 void CaptureNode::look_after() {
-  watch_->look(studio_now());
+  watch_->look(now());
   std::shared_ptr<Recorder> recorder;
   fs::path folder;
   {

@@ -82,6 +82,7 @@ class CaptureNode final : public StudioControl {
   void restarted(std::size_t camera);
   Result<std::filesystem::path> new_folder(const std::string& label) const;
   Timestamp newest() const;
+  Timestamp now() const;  // on the clock of the pictures
   std::optional<Timestamp> origin_of_take() const;
   void hand_over(const std::shared_ptr<Recorder>& recorder);
   void wait_for_the_end(const Recorder& recorder) const;

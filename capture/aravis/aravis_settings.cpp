@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "capture/aravis/gige_link.h"
+#include "core/log.h"
 
 namespace floatstage {
 namespace {
@@ -22,6 +25,8 @@ constexpr std::array kFormats = {
     FormatName{PixelFormat::Yuyv, ARV_PIXEL_FORMAT_YUV_422_YUYV_PACKED, "YUV422_8"},
 };
 
+bool is_ptp_lock(const std::string& status) { return status == "Slave" || status == "Master"; }
+
 class Writer {
  public:
   Writer(ArvCamera* camera, const AravisSettings& settings) : camera_(camera), settings_(settings) {}
@@ -34,6 +39,7 @@ class Writer {
   Result<void> set_clock();
   Result<void> set_link();
   Result<void> read_back();
+  std::string ptp_status() const;
 
   bool has(const char* feature) const { return arv_camera_is_feature_available(camera_, feature, nullptr); }
   auto refused(ErrorCode code, const std::string& what) const {
@@ -118,6 +124,17 @@ Result<void> Writer::set_trigger() {
   return {};
 }
 
+// The camera's words for how its clock follows the network's; the data set is latched first where that is how
+// it is read.
+std::string Writer::ptp_status() const {
+  if (has("PtpDataSetLatch")) arv_camera_execute_command(camera_, "PtpDataSetLatch", nullptr);
+  const char* status = nullptr;
+  for (const char* feature : {"PtpStatus", "GevIEEE1588Status"})
+    if (!status && has(feature)) status = arv_camera_get_string(camera_, feature, nullptr);
+  return status ? status : "";
+}
+
+// All cameras of a studio are on one clock or none is: one that does not lock is refused, never mixed in.
 Result<void> Writer::set_clock() {
   if (!settings_.ptp) return {};
   GlibError error;
@@ -128,21 +145,24 @@ Result<void> Writer::set_clock() {
                    "will be fitted to the studio's");
   arv_camera_set_boolean(camera_, feature, TRUE, error.out());
   if (error) return refused(ErrorCode::Unsupported, text("it refuses ", feature, " (", error.message(), ")"));
-  const char* status = nullptr;
-  if (has("PtpStatus")) {
-    if (has("PtpDataSetLatch")) arv_camera_execute_command(camera_, "PtpDataSetLatch", nullptr);
-    status = arv_camera_get_string(camera_, "PtpStatus", nullptr);
-  } else if (has("GevIEEE1588Status")) {
-    status = arv_camera_get_string(camera_, "GevIEEE1588Status", nullptr);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(settings_.ptp_wait_s);
+  std::string status = ptp_status();
+  while (!is_ptp_lock(status) && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    status = ptp_status();
   }
-  const std::string said = status ? status : "not reported";
-  stream_.ptp_locked = said == "Slave" || said == "Master";
+  if (!is_ptp_lock(status))
+    return refused(ErrorCode::Timeout,
+                   text("its clock does not follow the network's after ", settings_.ptp_wait_s,
+                        " s (PTP: ", status.empty() ? "not reported" : status,
+                        "); check that ptp4l runs and that the switch passes PTP, give it longer by "
+                        "ptp-wait=, or set ptp=off for all cameras"));
+  stream_.ptp_locked = true;
   std::string offset;
   if (has("PtpOffsetFromMaster"))
     offset =
         text(", ", arv_camera_get_integer(camera_, "PtpOffsetFromMaster", nullptr), " ns from its master");
-  if (!stream_.ptp_locked || !offset.empty())
-    stream_.warnings.push_back(text("camera '", settings_.serial, "': PTP is ", said, offset));
+  log::info(text("camera '", settings_.serial, "': PTP is ", status, offset));
   return {};
 }
 

@@ -29,6 +29,7 @@ struct AravisSettings {
   GigeTrigger trigger = GigeTrigger::FreeRun;
   std::string line = "Line1";  ///< for GigeTrigger::Line
   bool ptp = false;            ///< follow the network's clock (PtpEnable, GevIEEE1588)
+  double ptp_wait_s = 10;      ///< how long a camera may take to find that clock
   int packet_bytes = 0;        ///< 0: the largest that passes
   int cameras_on_link = 1;     ///< equal cameras that share the link
   double link_mbit = 1000;
@@ -49,7 +50,7 @@ struct AravisStream {
 
 /// Writes the settings into the camera and reads back what holds. Errors name the serial: Unsupported for a
 /// feature that the camera has not and was asked for, InvalidArgument for values it refuses and links that
-/// are too narrow.
+/// are too narrow, Timeout for a clock that does not lock to PTP.
 Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& settings);
 
 }  // namespace floatstage

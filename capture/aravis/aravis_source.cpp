@@ -76,9 +76,8 @@ std::size_t largest_socket_buffer() {
 
 class AravisSource final : public FrameSource {
  public:
-  AravisSource(AravisSettings settings, int frames)
-      : settings_(std::move(settings)),
-        frames_(frames > 0 ? static_cast<std::uint64_t>(frames) : UINT64_MAX) {}
+  AravisSource(AravisSettings settings, std::uint64_t frames)
+      : settings_(std::move(settings)), frames_(frames) {}
   ~AravisSource() override { stop(); }
 
   Result<StreamInfo> start() override;
@@ -196,6 +195,7 @@ Result<StreamInfo> AravisSource::start() {
   info.name = settings_.serial;
   info.layout = stream_.layout;
   info.frame_rate = stream_.frame_rate;
+  info.ptp = stream_.ptp_locked;
   if (frames_ != UINT64_MAX) info.frame_count = static_cast<std::int64_t>(frames_);
   return info;
 }
@@ -216,7 +216,8 @@ void AravisSource::count_underruns() {
 
 DeviceHealth AravisSource::health() {
   DeviceHealth health;
-  if (!camera_ || !arv_camera_is_feature_available(camera_.get(), "DeviceTemperature", nullptr)) return health;
+  if (!camera_ || !arv_camera_is_feature_available(camera_.get(), "DeviceTemperature", nullptr))
+    return health;
   GlibError error;
   const double celsius = arv_camera_get_float(camera_.get(), "DeviceTemperature", error.out());
   if (!error) health.temperature_c = celsius;
@@ -305,66 +306,37 @@ Result<Frame> AravisSource::next(Nanoseconds timeout) {
   }
 }
 
-// "on" or "off"; anything else is noted by the caller.
-std::optional<bool> switch_named(const std::string& word) {
-  if (word == "on") return true;
-  if (word == "off") return false;
-  return std::nullopt;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<FrameSource>> open_aravis(const std::string& address, const std::string& uri) {
-  const std::size_t question = address.find('?');
-  UriOptions given(
-      question == std::string::npos ? std::string_view() : std::string_view(address).substr(question + 1),
-      uri);
-  const auto wrong = [&](const std::string& what) {
-    return fail(ErrorCode::InvalidArgument,
-                text("source '", uri, "': ", what, "; understood is ", kAravisUsage));
-  };
+  DeviceUri given(address, uri);
+  UriOptions& options = given.options;
   AravisSettings s;
-  s.serial = address.substr(0, question);
-  if (s.serial.empty()) return wrong("the camera's serial is missing");
-  s.address = given.word("address", "");
-  s.x = given.integer("x", 0, 0, 65535);
-  s.y = given.integer("y", 0, 0, 65535);
-  s.width = given.integer("width", 0, 0, 65535);
-  s.height = given.integer("height", 0, 0, 65535);
-  if (const double rate = given.number("rate", 0, 0.001, 100'000); rate > 0) s.frame_rate = rate;
-  if (const double us = given.number("exposure-us", 0, 0.001, 1e9); us > 0) s.exposure_us = us;
-  if (const double gain = given.number("gain", -1, 0, 1e6); gain >= 0) s.gain = gain;
-  s.packet_bytes = given.integer("packet", 0, 0, 65535);
-  s.cameras_on_link = given.integer("cameras", 1, 1, 1000);
-  s.link_mbit = given.number("link-mbit", s.link_mbit, 1, 1e6);
-  s.buffers = given.integer("buffers", s.buffers, 2, 10'000);
-  const int frames = given.integer("frames", 0, 0, INT_MAX - 1);
-  const std::string format = given.word("format", "");
-  const std::string trigger = given.word("trigger", "free-run");
-  const std::optional<bool> ptp = switch_named(given.word("ptp", "off"));
-  const std::optional<bool> resend = switch_named(given.word("resend", "on"));
-  const std::string packet_socket = given.word("packet-socket", "auto");
-  if (Result<void> ok = given.finish(kAravisUsage); !ok) return forward(ok);
-
-  if (!format.empty()) {
-    s.format = pixel_format_named(format);
-    if (!s.format) return wrong(text("format=", format, " is no pixel format"));
-  }
-  if ((s.width > 0) != (s.height > 0)) return wrong("width and height go together");
+  s.serial = given.device;
+  given.read_pictures(s, 10'000);
+  s.address = options.word("address", "");
+  s.x = options.integer("x", 0, 0, 65535);
+  s.y = options.integer("y", 0, 0, 65535);
+  if (const double us = options.number("exposure-us", 0, 0.001, 1e9); us > 0) s.exposure_us = us;
+  if (const double gain = options.number("gain", -1, 0, 1e6); gain >= 0) s.gain = gain;
+  s.packet_bytes = options.integer("packet", 0, 0, 65535);
+  s.cameras_on_link = options.integer("cameras", 1, 1, 1000);
+  s.link_mbit = options.number("link-mbit", s.link_mbit, 1, 1e6);
+  const std::string trigger = options.word("trigger", "free-run");
   if (trigger == "software")
     s.trigger = GigeTrigger::Software;
   else if (trigger != "free-run")
     s.trigger = GigeTrigger::Line, s.line = trigger;
-  if (!ptp || !resend) return wrong("ptp and resend are on or off");
-  s.ptp = *ptp;
-  s.resend = *resend;
+  s.ptp = options.flag("ptp", s.ptp);
+  s.ptp_wait_s = options.number("ptp-wait", s.ptp_wait_s, 0, 600);
+  s.resend = options.flag("resend", s.resend);
+  const std::string packet_socket = options.word("packet-socket", "auto");
   // On loopback the packet socket delivers nothing.
-  if (packet_socket == "auto")
-    s.packet_socket = !s.address.starts_with("127.");
-  else if (const std::optional<bool> on = switch_named(packet_socket))
-    s.packet_socket = *on;
-  else
-    return wrong(text("packet-socket=", packet_socket, " is not auto, on or off"));
+  s.packet_socket = packet_socket == "on" || (packet_socket == "auto" && !s.address.starts_with("127."));
+  if (packet_socket != "auto" && packet_socket != "on" && packet_socket != "off")
+    options.note(text("packet-socket=", packet_socket, " is not auto, on or off"));
+  const std::uint64_t frames = given.frames();
+  if (Result<void> ok = options.finish(kAravisUsage); !ok) return forward(ok);
   return {std::make_unique<AravisSource>(std::move(s), frames)};
 }
 

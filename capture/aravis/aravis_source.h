@@ -10,7 +10,7 @@ namespace floatstage {
 inline constexpr const char* kAravisUsage =
     "gige:<serial>?address=&format=gray8|rgb8|bayer-rggb8|yuyv&x=0&y=0&width=0&height=0&rate=&exposure-us=&"
     "gain=&"
-    "trigger=free-run|software|<line>&ptp=off|on&packet=0&cameras=1&link-mbit=1000&resend=on|off&"
+    "trigger=free-run|software|<line>&ptp=off|on&ptp-wait=10&packet=0&cameras=1&link-mbit=1000&resend=on|off&"
     "packet-socket=auto|on|off&buffers=16&frames=0";
 
 /// A camera that speaks GigE Vision or USB3 Vision, through Aravis. Opening parses only; start() finds the

@@ -21,6 +21,7 @@ class ReplaySource final : public FrameSource {
   const int camera_;
   bool started_ = false;
   int next_ = 0;
+  std::string gone_;  // why the recording cannot be read any more
   SourceMeter meter_;
 };
 
@@ -31,6 +32,7 @@ Result<StreamInfo> ReplaySource::start() {
                 text("camera '", camera.serial, "' is being replayed already; stop it first"));
   started_ = true;
   next_ = 0;
+  gone_.clear();
   meter_.reset();
   return StreamInfo{camera.serial, packed_layout(camera.format, camera.width, camera.height),
                     take_->manifest().frame_rate, static_cast<std::int64_t>(take_->rows(camera_).size())};
@@ -41,9 +43,13 @@ Result<Frame> ReplaySource::next(Nanoseconds) {
   if (!started_)
     return fail(ErrorCode::InvalidArgument,
                 text("camera '", serial, "' is not being replayed; start it first"));
+  if (!gone_.empty()) return fail(ErrorCode::Disconnected, gone_);
   while (next_ < static_cast<int>(take_->rows(camera_).size())) {
     Result<Frame> frame = take_->frame(camera_, next_);
-    if (!frame) return frame;
+    if (!frame) {
+      gone_ = text("camera '", serial, "': its recording is gone (", frame.error().message, ")");
+      return fail(ErrorCode::Disconnected, gone_);
+    }
     ++next_;
     if (frame->empty()) {
       meter_.count_lost(1);

@@ -11,8 +11,9 @@ namespace floatstage {
 inline constexpr const char* kReplayUsage = "take:<folder>#<serial>";
 
 /// One camera of a take as a source. Plays as fast as it is asked, and never waits: time comes from the side
-/// file, so a replay is the same on every machine. A picture whose bytes are damaged counts as lost. Several
-/// sources may share a reader. `camera` must be one of the reader's.
+/// file, so a replay is the same on every machine. A picture whose bytes are damaged counts as lost; a file
+/// that cannot be read any more is Disconnected. Several sources may share a reader. `camera` must be one of
+/// the reader's.
 std::unique_ptr<FrameSource> replay(std::shared_ptr<TakeReader> take, int camera);
 
 /// `address` is "<folder>#<serial>"; without "#<serial>" the take must have one camera. Errors name `uri`.

@@ -4,6 +4,7 @@
 #include <climits>
 #include <cmath>
 #include <thread>
+#include <vector>
 
 #include "capture/source_meter.h"
 #include "capture/source_uri.h"
@@ -18,9 +19,11 @@ struct Options {
   SyntheticRigOptions rig;
   StudioOptions studio;
   int camera = 0;
-  int frames = 0;     // 0: endless
-  bool live = false;  // at its rate, on the studio's clock
-  Nanoseconds late;   // of a live one: its clock is behind the others'
+  int frames = 0;      // 0: endless
+  int gone_after = 0;  // that many of them it is unplugged; 0: never
+  bool live = false;   // at its rate, on the studio's clock
+  int loop = 0;        // of a live one: pictures that it shows again and again
+  Nanoseconds late;    // of a live one: its clock is behind the others'
 };
 
 class SyntheticSource final : public FrameSource {
@@ -34,12 +37,14 @@ class SyntheticSource final : public FrameSource {
 
  private:
   Result<void> wait_for_trigger(Nanoseconds timeout);
+  Frame picture(int number);
 
   const Options options_;
   std::unique_ptr<SyntheticStudio> studio_;  // while started
   int next_ = 0;
   std::int64_t tick_ = 0;  // of a live camera: the next trigger, in periods of the studio's clock; 0: unknown
   Timestamp exposed_;
+  std::vector<Frame> loop_;
   SourceMeter meter_;
 };
 
@@ -53,6 +58,8 @@ Result<StreamInfo> SyntheticSource::start() {
   next_ = 0;
   tick_ = 0;
   meter_.reset();
+  for (int i = static_cast<int>(loop_.size()); options_.live && i < options_.loop; ++i)
+    loop_.push_back(studio_->shoot(options_.camera, i).frame);
   StreamInfo info;
   info.name = studio_->published_rig().cameras[static_cast<std::size_t>(options_.camera)].serial;
   info.layout = packed_layout(PixelFormat::Rgb8, options_.rig.width, options_.rig.height);
@@ -79,15 +86,27 @@ Result<void> SyntheticSource::wait_for_trigger(Nanoseconds timeout) {
   return {};
 }
 
+// A live camera has rendered its pictures before it starts: whoever looks at its rate shall not see the
+// renderer's.
+Frame SyntheticSource::picture(int number) {
+  if (!options_.live) return studio_->shoot(options_.camera, number).frame;
+  Frame frame = loop_[static_cast<std::size_t>(number % options_.loop)];
+  frame.info.sequence = static_cast<std::uint64_t>(number);
+  return frame;
+}
+
 Result<Frame> SyntheticSource::next(Nanoseconds timeout) {
   if (!studio_)
     return fail(ErrorCode::InvalidArgument,
                 text("synthetic camera ", options_.camera, " is not started; start it first"));
   const int end = options_.frames > 0 ? options_.frames : INT_MAX;
   while (next_ < end) {
+    if (options_.gone_after > 0 && next_ >= options_.gone_after)
+      return fail(ErrorCode::Disconnected,
+                  text("synthetic camera ", options_.camera, " was unplugged; stop and start it"));
     if (options_.live)
       if (Result<void> due = wait_for_trigger(timeout); !due) return forward(due);
-    Frame frame = studio_->shoot(options_.camera, next_++).frame;
+    Frame frame = picture(next_++);
     if (options_.live) frame.info.exposure_start = exposed_;
     if (frame.empty()) {
       meter_.count_lost(1);
@@ -111,6 +130,7 @@ Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, 
   o.rig.width = given.integer("width", o.rig.width, 1, 16384);
   o.rig.height = given.integer("height", o.rig.height, 1, 16384);
   o.frames = given.integer("frames", 0, 0, INT_MAX - 1);
+  o.gone_after = given.integer("gone-after", 0, 0, INT_MAX - 1);
   o.studio.seed = given.whole("seed", o.studio.seed);
   o.studio.frame_rate = given.number("rate", o.studio.frame_rate, 0.001, 100'000);
   o.studio.samples = given.integer("samples", o.studio.samples, 1, 4096);
@@ -120,6 +140,7 @@ Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, 
   o.late = milliseconds(given.integer("late-ms", 0, 0, 1'000'000));
   const std::string live = given.word("live", "off");
   o.live = live == "on";
+  o.loop = given.integer("loop", 25, 1, 10'000);
   const std::string shape = given.word("shape", "ring");
   if (Result<void> ok = given.finish(kSyntheticUsage); !ok) return forward(ok);
   if (live != "on" && live != "off")

@@ -218,6 +218,22 @@ Result<V4l2Format> apply_settings(const V4l2Device& device, const V4l2Settings& 
   return answer;
 }
 
+const char* why_not_streaming(int error) {
+  switch (error) {
+    case ENOSPC:
+      return "no space left on device, which is the USB bus: its bandwidth is used up; use a smaller or a "
+             "compressed format, fewer pictures a second or another USB controller";
+    case EBUSY:
+      return "another program streams from it";
+    case ENODEV:
+      return "it was unplugged";
+    case EPIPE:
+      return "its pipeline is not set up";
+    default:
+      return std::strerror(error);
+  }
+}
+
 std::string control_word(std::string_view name) {
   std::string word;
   for (const char c : name) {

@@ -51,6 +51,9 @@ struct V4l2Format {
 /// for a format, size or control it has not, InvalidArgument for a value out of a control's range.
 Result<V4l2Format> apply_settings(const V4l2Device& device, const V4l2Settings& settings);
 
+/// Why a device does not stream, in words for its user: what an errno means there and what to do.
+const char* why_not_streaming(int error);
+
 /// A control's name in words of a command line: "Exposure Time, Absolute" becomes "exposure-time-absolute".
 std::string control_word(std::string_view name);
 

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cerrno>
 #include <charconv>
-#include <climits>
 #include <cmath>
 #include <cstring>
 
@@ -77,28 +76,9 @@ std::shared_ptr<const std::byte[]> lend(const std::shared_ptr<Stream>& stream, s
   return {mapping->data(), give_back};
 }
 
-const char* why_not_streaming(int error) {
-  switch (error) {
-    case ENOSPC:
-      return "the USB bus has no bandwidth left; use a smaller or a compressed format, fewer pictures a "
-             "second or "
-             "another USB controller";
-    case EBUSY:
-      return "another program streams from it";
-    case ENODEV:
-      return "it was unplugged";
-    case EPIPE:
-      return "its pipeline is not set up";
-    default:
-      return std::strerror(error);
-  }
-}
-
 class V4l2Source final : public FrameSource {
  public:
-  V4l2Source(V4l2Settings settings, int frames)
-      : settings_(std::move(settings)),
-        frames_(frames > 0 ? static_cast<std::uint64_t>(frames) : UINT64_MAX) {}
+  V4l2Source(V4l2Settings settings, std::uint64_t frames) : settings_(std::move(settings)), frames_(frames) {}
   ~V4l2Source() override { stop(); }
 
   Result<StreamInfo> start() override;
@@ -317,31 +297,14 @@ std::optional<std::vector<std::pair<std::string, int>>> controls_of(std::string_
 }  // namespace
 
 Result<std::unique_ptr<FrameSource>> open_v4l2(const std::string& address, const std::string& uri) {
-  const std::size_t question = address.find('?');
-  UriOptions given(
-      question == std::string::npos ? std::string_view() : std::string_view(address).substr(question + 1),
-      uri);
-  const auto wrong = [&](const std::string& what) {
-    return fail(ErrorCode::InvalidArgument,
-                text("source '", uri, "': ", what, "; understood is ", kV4l2Usage));
-  };
+  DeviceUri given(address, uri);
   V4l2Settings s;
-  s.path = address.substr(0, question);
-  if (s.path.empty()) return wrong("the device is missing");
-  s.width = given.integer("width", 0, 0, 65535);
-  s.height = given.integer("height", 0, 0, 65535);
-  if (const double rate = given.number("rate", 0, 0.001, 100'000); rate > 0) s.frame_rate = rate;
-  s.buffers = given.integer("buffers", s.buffers, 2, 32);
-  const int frames = given.integer("frames", 0, 0, INT_MAX - 1);
-  const std::string format = given.word("format", "");
-  const auto controls = controls_of(given.word("controls", ""));
-  if (Result<void> ok = given.finish(kV4l2Usage); !ok) return forward(ok);
-  if (!format.empty()) {
-    s.format = pixel_format_named(format);
-    if (!s.format) return wrong(text("format=", format, " is no pixel format"));
-  }
-  if ((s.width > 0) != (s.height > 0)) return wrong("width and height go together");
-  if (!controls) return wrong("controls are <name>:<whole number>, with commas between");
+  s.path = given.device;
+  given.read_pictures(s, 32);
+  const std::uint64_t frames = given.frames();
+  const auto controls = controls_of(given.options.word("controls", ""));
+  if (!controls) given.options.note("controls are <name>:<whole number>, with commas between");
+  if (Result<void> ok = given.options.finish(kV4l2Usage); !ok) return forward(ok);
   s.controls = *controls;
   return {std::make_unique<V4l2Source>(std::move(s), frames)};
 }

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <fstream>
 #include <stdexcept>
+#include <vector>
 
 #include <poll.h>
 #include <spawn.h>
@@ -28,12 +29,16 @@ bool listens(int number) {
 
 }  // namespace
 
-FakeGigeCamera::FakeGigeCamera(int number, const std::string& serial, int lost_per_thousand)
+FakeGigeCamera::FakeGigeCamera(int number, const std::string& serial, int lost_per_thousand,
+                               const std::filesystem::path& genicam)
     : address_("127.0.0." + std::to_string(number)), serial_(serial) {
   const std::string lost = std::to_string(lost_per_thousand);
-  const char* arguments[] = {FLOATSTAGE_FAKE_GIGE, "-i", address_.c_str(), "-s",
-                             serial_.c_str(),      "-r", lost.c_str(),     nullptr};
-  if (posix_spawn(&pid_, FLOATSTAGE_FAKE_GIGE, nullptr, nullptr, const_cast<char**>(arguments), environ) != 0)
+  std::vector<const char*> arguments = {FLOATSTAGE_FAKE_GIGE, "-i", address_.c_str(), "-s",
+                                        serial_.c_str(),      "-r", lost.c_str()};
+  if (!genicam.empty()) arguments.insert(arguments.end(), {"-g", genicam.c_str()});
+  arguments.push_back(nullptr);
+  if (posix_spawn(&pid_, FLOATSTAGE_FAKE_GIGE, nullptr, nullptr, const_cast<char**>(arguments.data()),
+                  environ) != 0)
     throw std::runtime_error("no fake camera");
   for (int tries = 0; !listens(number); ++tries) {
     if (tries > 1000) throw std::runtime_error("the fake camera does not listen");

@@ -15,12 +15,19 @@
 
 namespace floatstage {
 
+/// A source with its cable: one that does not end by itself.
+struct PluggedSource {
+  std::unique_ptr<FrameSource> source;
+  std::function<void()> unplug, plug;
+};
+
 struct SourceUnderTest {
   std::string name;
   /// Makes a source that ends by itself; the folder is for its files.
   std::function<std::unique_ptr<FrameSource>(const TempFolder& folder)> make;
   std::uint64_t delivered = 0, lost = 0;  ///< what it must count by its end
   bool live = false;                      ///< a device: a second start is a later moment, not the same one
+  std::function<PluggedSource(const TempFolder& folder)> make_plugged;
 };
 
 inline void PrintTo(const SourceUnderTest& source, std::ostream* out) { *out << source.name; }
@@ -174,6 +181,24 @@ TEST_P(FrameSourceConformance, LeavesFramesValidWhenItStopsAndGoes) {
   play();
   source_.reset();
   for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(bytes_of(frames[i]), copies[i]) << "frame " << i;
+}
+
+TEST_P(FrameSourceConformance, SaysThatItWasUnpluggedAndComesBackWhenItIsStartedAgain) {
+  const PluggedSource plugged = GetParam().make_plugged(folder_);
+  FrameSource& source = *plugged.source;
+  for (int times = 0; times < 2; ++times) {
+    ASSERT_THAT(source.start(), IsOk());
+    ASSERT_THAT(source.next(milliseconds(20'000)), IsOk());
+    plugged.unplug();
+    Result<Frame> last = source.next(milliseconds(1000));
+    for (int calls = 0; calls < 100 && (last || last.error().code == ErrorCode::Timeout); ++calls)
+      last = source.next(milliseconds(1000));
+    EXPECT_THAT(last, FailsWith(ErrorCode::Disconnected, "camera")) << "what was under way may still come";
+    EXPECT_THAT(source.next(milliseconds(1)), FailsWith(ErrorCode::Disconnected, ""))
+        << "until it is stopped";
+    source.stop();
+    plugged.plug();
+  }
 }
 
 TEST_P(FrameSourceConformance, IsCountedFromAnotherThread) {

@@ -32,9 +32,13 @@ ifreq interface_named(const std::string& name) {
 
 bool enter_own_network() {
   if (::unshare(CLONE_NEWNET) != 0 && ::unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
+  return set_loopback(true);
+}
+
+bool set_loopback(bool up) {
   ifreq loopback = interface_named("lo");
   if (!ask_interface(SIOCGIFFLAGS, loopback)) return false;
-  loopback.ifr_flags |= IFF_UP;
+  loopback.ifr_flags = static_cast<short>(up ? loopback.ifr_flags | IFF_UP : loopback.ifr_flags & ~IFF_UP);
   return ask_interface(SIOCSIFFLAGS, loopback);
 }
 

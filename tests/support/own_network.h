@@ -10,6 +10,9 @@ namespace floatstage {
 /// thread. False when the system does not allow it.
 bool enter_own_network();
 
+/// Takes the loopback of this process's own network down, as a cable that is pulled, and up again.
+bool set_loopback(bool up);
+
 /// Gives the loopback the address 127.0.0.`number`, 2…254 (127.0.0.1 is there already).
 bool add_loopback_address(int number);
 

@@ -1,0 +1,115 @@
+// Features that Aravis' fake camera has not got: it hands out a GenICam description that promises them, over
+// registers of its memory that nothing else uses.
+
+#include <chrono>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "capture/aravis/gige_link.h"
+#include "capture/aravis/gobject.h"
+#include "capture/frame_source.h"
+#include "core/text.h"
+#include "tests/capture/fake_gige_camera.h"
+#include "tests/support/matchers.h"
+#include "tests/support/own_network.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage {
+namespace {
+
+std::string integer_register(const std::string& name, int address) {
+  return text("<IntReg Name=\"", name, "\"><Address>", address,
+              "</Address><Length>4</Length><AccessMode>RW</AccessMode><pPort>Device</pPort>"
+              "<Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>");
+}
+
+// Disabled until `follows`, which is one of the registers, is 1.
+std::string ptp(const std::string& follows) {
+  return text(
+      "<Boolean "
+      "Name=\"PtpEnable\"><pValue>Enable</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>"
+      "<Command Name=\"PtpDataSetLatch\"><pValue>Latch</pValue><CommandValue>1</CommandValue></Command>"
+      "<Enumeration Name=\"PtpStatus\"><EnumEntry Name=\"Listening\"><Value>0</Value></EnumEntry>"
+      "<EnumEntry Name=\"Slave\"><Value>1</Value></EnumEntry><pValue>",
+      follows, "</pValue></Enumeration><Integer Name=\"PtpOffsetFromMaster\"><Value>-250</Value></Integer>",
+      integer_register("Enable", 0x8000), integer_register("Latch", 0x8004),
+      integer_register("Never", 0x8008));
+}
+
+class AGigeCameraWithMore : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { ASSERT_TRUE(enter_own_network()); }
+
+  /// A camera that has these features besides its own.
+  std::unique_ptr<FakeGigeCamera> camera_with(const std::string& features) {
+    std::string description;
+    {
+      const FakeGigeCamera plain(1, "PLAIN");
+      const GObjectPtr<ArvCamera> camera(arv_camera_new("127.0.0.1", nullptr));
+      std::size_t size = 0;
+      const char* xml = arv_device_get_genicam_xml(arv_camera_get_device(camera.get()), &size);
+      description.assign(xml, size);
+    }
+    description.insert(description.find("<Port Name=\"Device\""), features);
+    return std::make_unique<FakeGigeCamera>(1, "MORE", 0, folder_.write("camera.xml", description));
+  }
+  static std::unique_ptr<FrameSource> opened(const FakeGigeCamera& camera, const std::string& options) {
+    auto source = open_source(camera.uri("format=gray8&width=64&height=48&rate=20&" + options));
+    EXPECT_THAT(source, IsOk());
+    return std::move(*source);
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(AGigeCameraWithMore, IsOnTheNetworksClockWhereItsPtpLocks) {
+  const auto camera = camera_with(ptp("Latch"));  // so that its status is read after it was latched
+  const auto source = opened(*camera, "ptp=on");
+  const Result<StreamInfo> info = source->start();
+  ASSERT_THAT(info, IsOk());
+  EXPECT_TRUE(info->ptp);
+  const Result<Frame> frame = source->next(milliseconds(20'000));
+  ASSERT_THAT(frame, IsOk());
+  ASSERT_TRUE(frame->info.device_time.has_value());
+  EXPECT_EQ(frame->info.exposure_start.ns, frame->info.device_time->count)
+      << "as the camera says, not fitted";
+}
+
+TEST_F(AGigeCameraWithMore, IsSwitchedToPtpBeforeItsStatusIsAsked) {
+  const auto camera = camera_with(ptp("Enable"));
+  EXPECT_THAT(opened(*camera, "ptp=on&ptp-wait=0")->start(), IsOk());
+}
+
+TEST_F(AGigeCameraWithMore, IsRefusedWhereItsPtpDoesNotLock) {
+  const auto camera = camera_with(ptp("Never"));
+  EXPECT_THAT(opened(*camera, "ptp=on&ptp-wait=0.3")->start(),
+              FailsWith(ErrorCode::Timeout, "(PTP: Listening); check that ptp4l runs"));
+  const auto without = opened(*camera, "ptp=off");
+  const Result<StreamInfo> info = without->start();
+  ASSERT_THAT(info, IsOk());
+  EXPECT_FALSE(info->ptp);
+}
+
+TEST_F(AGigeCameraWithMore, TellsItsTemperature) {
+  const auto camera = camera_with("<Float Name=\"DeviceTemperature\"><Value>41.5</Value></Float>");
+  const auto source = opened(*camera, "frames=1");
+  EXPECT_FALSE(source->health().temperature_c.has_value()) << "not before it is started";
+  ASSERT_THAT(source->start(), IsOk());
+  EXPECT_EQ(source->health().temperature_c, 41.5);
+}
+
+TEST_F(AGigeCameraWithMore, LeavesRoomBetweenItsPacketsForTheOthersOfItsLink) {
+  const FakeGigeCamera camera(1, "ONE");
+  const auto source = opened(camera, "cameras=4&link-mbit=100&packet=1000");
+  ASSERT_THAT(source->start(), IsOk());
+  const Result<GigeSchedule> schedule = gige_schedule(
+      {.payload_bytes = 64 * 48, .frame_rate = 20, .cameras = 4, .link_mbit = 100, .packet_bytes = 1000});
+  ASSERT_THAT(schedule, IsOk());
+  const GObjectPtr<ArvCamera> reader(arv_camera_new(camera.address().c_str(), nullptr));
+  EXPECT_EQ(arv_camera_gv_get_packet_size(reader.get(), nullptr), 1000u);
+  EXPECT_EQ(arv_camera_gv_get_packet_delay(reader.get(), nullptr), schedule->packet_delay.count);
+}
+
+}  // namespace
+}  // namespace floatstage
