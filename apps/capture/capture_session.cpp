@@ -4,6 +4,10 @@
 #include <thread>
 
 #include "apps/capture/capture_node.h"
+#include "apps/capture/page_server.h"
+#include "apps/capture/service_notice.h"
+#include "core/log.h"
+#include "core/text.h"
 
 namespace floatstage {
 namespace {
@@ -42,6 +46,26 @@ void look_before_recording(CaptureNode& node, const std::function<bool()>& stop)
   }
 }
 
+// However a session ends: no camera offers pictures to a page that has gone.
+struct StopBeforePage {
+  CaptureNode& node;
+  ~StopBeforePage() { (void)node.finish(); }
+};
+
+// The node's page, where the config has one.
+Result<std::unique_ptr<PageServer>> serve_page(CaptureNode& node) {
+  const std::optional<CaptureConfig::Web>& web = node.config().web;
+  if (!web) return std::unique_ptr<PageServer>();
+  Result<std::string> token = page_token(web->token_file);
+  if (!token) return forward(token);
+  Result<std::unique_ptr<PageServer>> page =
+      PageServer::serve(node, node.config().cameras.size(), *web, *token);
+  if (!page) return page;
+  node.add_tap([server = page->get()](const Frame& frame) { server->offer(frame); });
+  log::info(text("the node's page: ", (*page)->url()));
+  return page;
+}
+
 }  // namespace
 
 Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOptions& options,
@@ -50,6 +74,10 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
   Result<std::unique_ptr<CaptureNode>> opened = CaptureNode::open(config);
   if (!opened) return forward(opened);
   CaptureNode& node = **opened;
+  ServiceNotice notice;
+  const Result<std::unique_ptr<PageServer>> page = serve_page(node);
+  if (!page) return forward(page);
+  const StopBeforePage stop_first{node};
   // Recordings are copied from their first picture on; of cameras that stream one knows more after a moment.
   const bool at_once = options.record && node.plays_recordings();
   const auto record = [&] { return node.record_into(options.take, ""); };
@@ -60,10 +88,12 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
     look_before_recording(node, stop);
     if (Result<std::string> begun = record(); !begun) return forward(begun);
   }
+  notice.ready(text(config.cameras.size(), " cameras"));
   const auto begun = Clock::now();
   auto told = begun;
   while (!node.over() && !stop()) {
     node.look_after();
+    if (node.alive()) notice.alive();
     if (options.seconds > 0 && since(begun) >= options.seconds) break;
     if (options.record && options.seconds > 0 && !node.recording()) break;  // it has failed
     if (since(told) >= 1) {
@@ -72,6 +102,7 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
     }
     std::this_thread::sleep_for(kTurn);
   }
+  notice.stopping();
   Result<void> finished = node.finish();
   if (!finished) return forward(finished);
   if (const std::string why = node.status().last_recording; options.record && !why.empty())

@@ -1,8 +1,7 @@
-#include "apps/capture/capture_session.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/capture/capture_session.h"
 #include "capture/take.h"
 #include "core/text.h"
 #include "tests/capture/fake_gige_camera.h"

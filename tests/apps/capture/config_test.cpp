@@ -1,7 +1,6 @@
-#include "apps/capture/capture_config.h"
-
 #include <gtest/gtest.h>
 
+#include "apps/capture/capture_config.h"
 #include "tests/support/matchers.h"
 
 namespace floatstage {
