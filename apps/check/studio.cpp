@@ -1,0 +1,60 @@
+#include "apps/check/studio.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/capture/capture_config.h"
+#include "capture/frame_source.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+using Verdict = Finding::Verdict;
+
+// Starts the camera, for what only it knows: the size of its pictures.
+Result<StreamInfo> ask_camera(const CaptureConfig::Camera& camera) {
+  Result<std::unique_ptr<FrameSource>> source = open_source(camera.source);
+  if (!source) return forward(source);
+  Result<StreamInfo> info = (*source)->start();
+  if (info) (*source)->stop();
+  return info;
+}
+
+}  // namespace
+
+Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file) {
+  const Result<CaptureConfig> config = load_capture_config(file);
+  if (!config) return forward(config);
+  std::vector<Finding> findings;
+  double bytes_per_second = 0;
+  std::size_t largest = 0;
+  for (const CaptureConfig::Camera& camera : config->cameras) {
+    const Result<StreamInfo> info = ask_camera(camera);
+    if (!info) {
+      findings.push_back({Verdict::Fail, text("camera ", camera.serial, ": ", info.error().message)});
+      continue;
+    }
+    const double rate = info->frame_rate > 0 ? info->frame_rate : config->frame_rate;
+    const bool agrees = std::abs(rate / config->frame_rate - 1) <= config->recorder.limits.rate_deviation;
+    const std::string what =
+        text("camera ", camera.serial, ": ", info->layout.width, "x", info->layout.height, " ",
+             name_of(info->layout.format), " at ", rate, " a second");
+    findings.push_back(
+        agrees ? Finding{Verdict::Pass, what}
+               : Finding{Verdict::Warn, text(what, " where the config says ", config->frame_rate,
+                                             "; correct its exposure, its trigger or the config")});
+    bytes_per_second += static_cast<double>(info->layout.size_bytes) * config->frame_rate;
+    largest = std::max(largest, info->layout.size_bytes);
+  }
+  findings.push_back(look_at_receive_buffers("/", largest));
+  if (config->web)
+    findings.push_back(look_at_port(config->web->address, config->web->port, "the node's page"));
+  std::filesystem::path folder = std::filesystem::absolute(config->folder);
+  while (!std::filesystem::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
+  // Uncompressed: what FFV1 makes of noise is not less by much.
+  findings.push_back(look_at_disk(folder, bytes_per_second, "the config's cameras"));
+  return findings;
+}
+
+}  // namespace floatstage
