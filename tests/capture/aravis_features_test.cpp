@@ -1,16 +1,11 @@
-// Features that Aravis' fake camera has not got: it hands out a GenICam description that promises them, over
-// registers of its memory that nothing else uses.
-
-#include <chrono>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "capture/aravis/gige_link.h"
 #include "capture/aravis/gobject.h"
 #include "capture/frame_source.h"
-#include "core/text.h"
 #include "tests/capture/fake_gige_camera.h"
+#include "tests/capture/gige_features.h"
 #include "tests/support/matchers.h"
 #include "tests/support/own_network.h"
 #include "tests/support/temp_folder.h"
@@ -18,41 +13,13 @@
 namespace floatstage {
 namespace {
 
-std::string integer_register(const std::string& name, int address) {
-  return text("<IntReg Name=\"", name, "\"><Address>", address,
-              "</Address><Length>4</Length><AccessMode>RW</AccessMode><pPort>Device</pPort>"
-              "<Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>");
-}
-
-// Disabled until `follows`, which is one of the registers, is 1.
-std::string ptp(const std::string& follows) {
-  return text(
-      "<Boolean "
-      "Name=\"PtpEnable\"><pValue>Enable</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>"
-      "<Command Name=\"PtpDataSetLatch\"><pValue>Latch</pValue><CommandValue>1</CommandValue></Command>"
-      "<Enumeration Name=\"PtpStatus\"><EnumEntry Name=\"Listening\"><Value>0</Value></EnumEntry>"
-      "<EnumEntry Name=\"Slave\"><Value>1</Value></EnumEntry><pValue>",
-      follows, "</pValue></Enumeration><Integer Name=\"PtpOffsetFromMaster\"><Value>-250</Value></Integer>",
-      integer_register("Enable", 0x8000), integer_register("Latch", 0x8004),
-      integer_register("Never", 0x8008));
-}
-
 class AGigeCameraWithMore : public testing::Test {
  protected:
   static void SetUpTestSuite() { ASSERT_TRUE(enter_own_network()); }
 
   /// A camera that has these features besides its own.
   std::unique_ptr<FakeGigeCamera> camera_with(const std::string& features) {
-    std::string description;
-    {
-      const FakeGigeCamera plain(1, "PLAIN");
-      const GObjectPtr<ArvCamera> camera(arv_camera_new("127.0.0.1", nullptr));
-      std::size_t size = 0;
-      const char* xml = arv_device_get_genicam_xml(arv_camera_get_device(camera.get()), &size);
-      description.assign(xml, size);
-    }
-    description.insert(description.find("<Port Name=\"Device\""), features);
-    return std::make_unique<FakeGigeCamera>(1, "MORE", 0, folder_.write("camera.xml", description));
+    return std::make_unique<FakeGigeCamera>(1, "MORE", 0, described_with(features, folder_));
   }
   static std::unique_ptr<FrameSource> opened(const FakeGigeCamera& camera, const std::string& options) {
     auto source = open_source(camera.uri("format=gray8&width=64&height=48&rate=20&" + options));
@@ -64,7 +31,7 @@ class AGigeCameraWithMore : public testing::Test {
 };
 
 TEST_F(AGigeCameraWithMore, IsOnTheNetworksClockWhereItsPtpLocks) {
-  const auto camera = camera_with(ptp("Latch"));  // so that its status is read after it was latched
+  const auto camera = camera_with(ptp_features("Latch"));  // so that its status is read after it was latched
   const auto source = opened(*camera, "ptp=on");
   const Result<StreamInfo> info = source->start();
   ASSERT_THAT(info, IsOk());
@@ -77,12 +44,12 @@ TEST_F(AGigeCameraWithMore, IsOnTheNetworksClockWhereItsPtpLocks) {
 }
 
 TEST_F(AGigeCameraWithMore, IsSwitchedToPtpBeforeItsStatusIsAsked) {
-  const auto camera = camera_with(ptp("Enable"));
+  const auto camera = camera_with(ptp_features("Enable"));
   EXPECT_THAT(opened(*camera, "ptp=on&ptp-wait=0")->start(), IsOk());
 }
 
 TEST_F(AGigeCameraWithMore, IsRefusedWhereItsPtpDoesNotLock) {
-  const auto camera = camera_with(ptp("Never"));
+  const auto camera = camera_with(ptp_features("Never"));
   EXPECT_THAT(opened(*camera, "ptp=on&ptp-wait=0.3")->start(),
               FailsWith(ErrorCode::Timeout, "(PTP: Listening); check that ptp4l runs"));
   const auto without = opened(*camera, "ptp=off");

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "tests/support/temp_folder.h"
+
+namespace floatstage {
+
+/// Features that Aravis' fake camera has not got: a GenICam description, for FakeGigeCamera, that promises
+/// them besides its own, over registers of its memory that nothing else uses. Starts a camera for a moment on
+/// 127.0.0.1 to ask for its own.
+std::filesystem::path described_with(const std::string& features, const TempFolder& folder);
+
+/// PTP whose status is Listening until a register is 1, and Slave from then on: "Enable" is what PtpEnable
+/// writes, "Latch" what PtpDataSetLatch writes, and "Never" nobody writes.
+std::string ptp_features(const std::string& follows);
+
+}  // namespace floatstage
