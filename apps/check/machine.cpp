@@ -180,17 +180,22 @@ Finding look_at_disk(const fs::path& folder, double needed, const std::string& f
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   fs::remove(file, error);
   if (!written) return {Verdict::Fail, "disk: " + written.error().message};
-  const double rate = static_cast<double>(kProbe) / seconds;
+  return judge_disk(folder, {static_cast<double>(kProbe) / seconds, space.available}, needed, for_whom);
+}
+
+Finding judge_disk(const fs::path& folder, const DiskMeasured& disk, double needed,
+                   const std::string& for_whom) {
   constexpr double kMargin = 1.5, kLittle = 10 * 60;
-  const std::string what = text("disk: ", folder.string(), " writes ", megabytes(rate), " a second, ",
-                                static_cast<int>(static_cast<double>(space.available) / 1e9), " GB free");
+  const auto available = static_cast<double>(disk.available_bytes);
+  const std::string what = text("disk: ", folder.string(), " writes ", megabytes(disk.bytes_per_second),
+                                " a second, ", static_cast<int>(available / 1e9), " GB free");
   const std::string need = text("; ", for_whom, " need ", megabytes(needed), " a second");
-  if (rate < needed)
+  if (disk.bytes_per_second < needed)
     return {Verdict::Fail, text(what, need, ": record to a faster disk, or fewer or smaller pictures")};
-  if (rate < kMargin * needed)
+  if (disk.bytes_per_second < kMargin * needed)
     return {Verdict::Warn,
             text(what, need, ": that is close; a faster disk leaves room for its bad moments")};
-  const double lasts = needed > 0 ? static_cast<double>(space.available) / needed : 1e9;
+  const double lasts = needed > 0 ? available / needed : 1e9;
   if (lasts < kLittle)
     return {Verdict::Warn,
             text(what, need, ": it is full after ", static_cast<int>(lasts / 60), " minutes, make room")};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -25,8 +26,15 @@ std::vector<Finding> look_at_clock(const std::filesystem::path& root);
 Finding look_at_sockets();
 /// Whether a TCP port can be served.
 Finding look_at_port(const std::string& address, int port, const std::string& whose);
-/// Writes 64 MiB into `folder` and flushes; `needed` in bytes a second (0: not known), `for_whom` says of
+/// A disk's measured speed against what is `needed` in bytes a second (0: not known); `for_whom` says of
 /// what.
+struct DiskMeasured {
+  double bytes_per_second = 0;
+  std::uint64_t available_bytes = 0;
+};
+Finding judge_disk(const std::filesystem::path& folder, const DiskMeasured& disk, double needed,
+                   const std::string& for_whom);
+/// Measures it: writes 64 MiB into `folder` and flushes.
 Finding look_at_disk(const std::filesystem::path& folder, double needed, const std::string& for_whom);
 
 }  // namespace floatstage

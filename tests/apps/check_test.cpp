@@ -1,6 +1,7 @@
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -30,6 +31,9 @@ class AMachine : public testing::Test {
 };
 
 TEST_F(AMachine, NeedsReceiveBuffersForFourPictures) {
+  const Finding unknown = look_at_receive_buffers(root_.path(), 640 * 480);
+  EXPECT_EQ(unknown.verdict, Verdict::Warn);
+  EXPECT_THAT(unknown.what, HasSubstr("cannot be read"));
   says("proc/sys/net/core/rmem_max", "33554432");
   EXPECT_EQ(look_at_receive_buffers(root_.path(), 640 * 480).verdict, Verdict::Pass);
   says("proc/sys/net/core/rmem_max", "212992");
@@ -80,6 +84,22 @@ TEST(Check, MeasuresTheDiskAgainstWhatIsNeeded) {
   EXPECT_EQ(look_at_disk(folder / "none", 1, "x").verdict, Verdict::Fail);
 }
 
+TEST(Check, JudgesADiskByItsSpeedAndItsRoom) {
+  const auto judged = [](double rate, std::uint64_t room, double needed) {
+    return judge_disk("/takes", {rate, room}, needed, "the cameras");
+  };
+  EXPECT_EQ(judged(200e6, 1'000'000'000'000, 100e6).verdict, Verdict::Pass);
+  EXPECT_EQ(judged(200e6, 1'000'000'000'000, 0).verdict, Verdict::Pass);
+  const Finding close = judged(120e6, 1'000'000'000'000, 100e6);
+  EXPECT_EQ(close.verdict, Verdict::Warn);
+  EXPECT_THAT(close.what, HasSubstr("/takes writes 120 MB a second, 1000 GB free; the cameras need 100 MB"));
+  EXPECT_THAT(close.what, HasSubstr("a faster disk leaves room"));
+  const Finding full = judged(200e6, 30'000'000'000, 100e6);
+  EXPECT_EQ(full.verdict, Verdict::Warn);
+  EXPECT_THAT(full.what, HasSubstr("full after 5 minutes, make room"));
+  EXPECT_EQ(judged(99e6, 1'000'000'000'000, 100e6).verdict, Verdict::Fail);
+}
+
 TEST(Check, SaysWhichPortIsTaken) {
   const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in here = {};
@@ -97,7 +117,25 @@ TEST(Check, SaysWhichPortIsTaken) {
   EXPECT_EQ(look_at_port("nowhere", 1, "the page").verdict, Verdict::Warn);
 }
 
-TEST(Check, FindsThatSocketsCanBeOpened) { EXPECT_NE(look_at_sockets().verdict, Verdict::Fail); }
+TEST(Check, CountsTheFilesThatAProgramMayOpen) {
+  rlimit before = {};
+  ::getrlimit(RLIMIT_NOFILE, &before);
+  rlimit limit = before;
+  limit.rlim_cur = 256;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &limit), 0);
+  const Finding few = look_at_sockets();
+  EXPECT_EQ(few.verdict, Verdict::Warn);
+  EXPECT_THAT(few.what, HasSubstr("may open 256 files; a studio of many cameras needs more: ulimit -n 4096"));
+  limit.rlim_cur = 3;  // standard input, output and errors
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &limit), 0);
+  const Finding none = look_at_sockets();
+  limit.rlim_cur = std::min<rlim_t>(4096, before.rlim_max);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &limit), 0);
+  EXPECT_EQ(none.verdict, Verdict::Fail);
+  EXPECT_THAT(none.what, HasSubstr("none can be opened"));
+  EXPECT_EQ(look_at_sockets().verdict, limit.rlim_cur >= 1024 ? Verdict::Pass : Verdict::Warn);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+}
 
 }  // namespace
 }  // namespace floatstage
