@@ -190,7 +190,7 @@ TEST(CaptureFaults, AClockThatIsTwentyMillisecondsOffIsNamedAndItsFramesKeepThei
 /// The daemon as a process of its own, as systemd would start it.
 class ADaemon : public testing::Test {
  protected:
-  void start(const std::string& more = "") {
+  void start(const std::string& take = "take") {
     const std::filesystem::path config = folder_.write("studio.toml", text(R"(
 [studio]
 frame_rate = 25
@@ -204,12 +204,13 @@ source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=
 [[camera]]
 serial = "B"
 source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=2&camera=1"
-)",
-                                                                           more));
+)"));
+    if (notices_ >= 0) ::close(notices_);
     notices_ = ::socket(AF_UNIX, SOCK_DGRAM, 0);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     const std::string path = folder_ / "notices";
+    std::filesystem::remove(path);
     path.copy(address.sun_path, sizeof address.sun_path - 1);
     ASSERT_EQ(::bind(notices_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
     daemon_ = ::fork();
@@ -217,7 +218,7 @@ source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=
       ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
       ::setenv("WATCHDOG_USEC", "300000", 1);
       ::execl(FLOATSTAGE_PROGRAM, FLOATSTAGE_PROGRAM, "capture", "--config", config.c_str(), "--record",
-              "--out", (folder_ / "take").c_str(), "--json", (folder_ / "report.json").c_str(), nullptr);
+              "--out", (folder_ / take).c_str(), "--json", (folder_ / "report.json").c_str(), nullptr);
       ::_exit(127);
     }
   }
@@ -239,9 +240,9 @@ source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=
         return true;
     }
   }
-  bool has_rows(std::size_t wanted) {
+  bool has_rows(std::size_t wanted, const std::string& take = "take") {
     for (int tries = 0; tries < 3000; ++tries, ::poll(nullptr, 0, 20)) {
-      const Result<std::string> rows = read_file(folder_ / "take" / "B.frames.csv");
+      const Result<std::string> rows = read_file(folder_ / take / "B.frames.csv");
       if (rows && static_cast<std::size_t>(std::count(rows->begin(), rows->end(), '\n')) > wanted)
         return true;
     }
@@ -276,7 +277,7 @@ TEST_F(ADaemon, LosesNothingOnSigterm) {
   EXPECT_THAT(*read_file(folder_ / "report.json"), HasSubstr("\"verdict\""));
 }
 
-TEST_F(ADaemon, ThatIsKilledLeavesATakeThatOpens) {
+TEST_F(ADaemon, ThatIsKilledLeavesATakeThatOpensAndIsStartedAgain) {
   start();
   ASSERT_TRUE(has_rows(30));
   ::kill(daemon_, SIGKILL);
@@ -288,6 +289,14 @@ TEST_F(ADaemon, ThatIsKilledLeavesATakeThatOpens) {
     ASSERT_GE((*take)->rows(camera).size(), 28u);
     EXPECT_THAT((*take)->frame(camera, static_cast<int>((*take)->rows(camera).size()) - 1), IsOk());
   }
+  // Started again, it records beside what it left.
+  start("again");
+  ASSERT_TRUE(has_rows(30, "again"));
+  ::kill(daemon_, SIGTERM);
+  EXPECT_TRUE(tells("STOPPING=1"));
+  EXPECT_EQ(WEXITSTATUS(wait()), 0);
+  EXPECT_TRUE((*TakeReader::open(folder_ / "again"))->manifest().complete);
+  EXPECT_FALSE((*TakeReader::open(folder_ / "take"))->manifest().complete);
 }
 
 }  // namespace

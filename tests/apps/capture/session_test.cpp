@@ -1,10 +1,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/capture/capture_node.h"
 #include "apps/capture/capture_session.h"
 #include "capture/take.h"
 #include "core/text.h"
 #include "tests/capture/fake_gige_camera.h"
+#include "tests/capture/gige_features.h"
 #include "tests/support/matchers.h"
 #include "tests/support/own_network.h"
 #include "tests/support/temp_folder.h"
@@ -71,6 +73,23 @@ TEST(CaptureSession, RefusesACameraThatDoesNotStart) {
               FailsWith(ErrorCode::NotFound, "/dev/video77"));
   EXPECT_THAT(run_capture(config_of({{"a", "radio:3"}}, 25), {}, never, silent),
               FailsWith(ErrorCode::InvalidArgument, "radio:3"));
+}
+
+TEST(CaptureSession, RefusesCamerasOfTwoClocks) {
+  ASSERT_TRUE(enter_own_network());
+  ASSERT_TRUE(add_loopback_address(2));
+  const TempFolder folder;
+  const auto description = described_with(ptp_features("Enable"), folder);
+  const FakeGigeCamera left(1, "LEFT", 0, description), right(2, "RIGHT", 0, description);
+  const auto both = [&](const char* of_left, const char* of_right) {
+    return CaptureNode::open(config_of({{"LEFT", left.uri(of_left)}, {"RIGHT", right.uri(of_right)}}, 20));
+  };
+  EXPECT_THAT(
+      both("ptp=on", "ptp=off"),
+      FailsWith(ErrorCode::InvalidArgument,
+                "camera 'LEFT' follows the network's clock and 'RIGHT' does not; set ptp=on for all"));
+  EXPECT_THAT(both("ptp=off", "ptp=on"), FailsWith(ErrorCode::InvalidArgument, "camera 'RIGHT' follows"));
+  EXPECT_THAT(both("ptp=on", "ptp=on"), IsOk());
 }
 
 TEST(CaptureSession, LeavesExactlyAsManyGapsAsPicturesFailed) {
