@@ -6,11 +6,14 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "matting/video_matting.h"
+
 namespace floatstage {
 namespace {
 
 constexpr int kSurelySubject = 250, kSurelyBackground = 5;
 constexpr double kMostError = 48;      // 8-bit steps: beyond, wrong is wrong
+constexpr double kLeastFlicker = 1e-5;  // below, all are calm
 constexpr int kConfident = 128;        // of Plate::confidence
 constexpr double kSigmas[] = {2, 6, 18, 54};  // px: how far colours are extended, first as near as possible
 
@@ -81,6 +84,37 @@ std::vector<double> composite_residuals(const Image& picture, const std::vector<
     residuals[i] = count ? sum / static_cast<double>(count) : 0;
   }
   return residuals;
+}
+
+void MethodComparison::add(const Image& picture, const std::vector<Image>& mattes, const Plate* plate) {
+  const std::vector<double> residuals = composite_residuals(picture, mattes, plate);
+  for (std::size_t i = 0; i < residual_.size(); ++i) residual_[i] += residuals.at(i);
+  ++frames_;
+}
+
+void MethodComparison::add_pair(const Image& before, const std::vector<Image>& mattes_before, const Image& picture, const std::vector<Image>& mattes) {
+  std::vector<double> flicker;
+  for (std::size_t i = 0; i < flicker_.size(); ++i) {
+    const Result<double> one = matte_flicker(before, mattes_before.at(i), picture, mattes.at(i));
+    if (!one) return;
+    flicker.push_back(*one);
+  }
+  for (std::size_t i = 0; i < flicker.size(); ++i) flicker_[i] += flicker[i];
+  ++pairs_;
+}
+
+std::vector<double> MethodComparison::scores() const {
+  std::vector<double> scores(residual_.size());
+  for (std::size_t i = 0; i < scores.size() && frames_ > 0; ++i) {
+    scores[i] = residual_[i] / frames_;
+    if (pairs_ > 0 && std::isfinite(scores[i])) scores[i] *= std::max(kLeastFlicker, flicker_[i] / pairs_);
+  }
+  return scores;
+}
+
+std::size_t MethodComparison::best() const {
+  const std::vector<double> all = scores();
+  return static_cast<std::size_t>(std::min_element(all.begin(), all.end()) - all.begin());
 }
 
 }  // namespace floatstage

@@ -18,4 +18,26 @@ namespace floatstage {
 /// `picture`: RGB; `candidates`: one channel each; `plate`: null or of the picture's size. Deterministic.
 std::vector<double> composite_residuals(const Image& picture, const std::vector<Image>& candidates, const Plate* plate = nullptr);
 
+/// What `auto` chooses by over some frames of a clip: how well candidates compose the picture, and how calm they are. Neither is
+/// enough: colours that are extended into the unknown prefer soft mattes, and nothing is calmer than an empty one. The least
+/// product of mean residual and mean flicker wins; residuals alone decide where no two neighbouring frames were compared.
+class MethodComparison {
+ public:
+  explicit MethodComparison(std::size_t candidates) : residual_(candidates), flicker_(candidates) {}
+
+  /// Mattes of one frame, one a candidate.
+  void add(const Image& picture, const std::vector<Image>& mattes, const Plate* plate = nullptr);
+  /// Of a frame and the one before; does not count as add(). Sizes that differ count nothing.
+  void add_pair(const Image& before, const std::vector<Image>& mattes_before, const Image& picture, const std::vector<Image>& mattes);
+
+  /// One a candidate; infinite for those that see nobody where others do. All 0 before anything was added.
+  std::vector<double> scores() const;
+  /// The candidate of least score, the first of equals.
+  std::size_t best() const;
+
+ private:
+  std::vector<double> residual_, flicker_;
+  int frames_ = 0, pairs_ = 0;
+};
+
 }  // namespace floatstage

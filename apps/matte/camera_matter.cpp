@@ -10,7 +10,7 @@
 namespace floatstage {
 namespace {
 
-constexpr int kAutoFrames = 4;      // photographs on which auto compares
+constexpr int kAutoSpots = 4;       // places in the take where auto compares, two photographs each
 constexpr double kReach = 0.04;     // of the picture's longer side: how far parts move from frame to frame
 
 // Writes what is known over a matte.
@@ -100,27 +100,38 @@ void CameraMatter::mask(int frame, Image& matte) const { overrule(said(frame, ma
 
 Result<std::string> CameraMatter::chosen_method() const {
   const std::vector<std::string> methods = {"key", "closed-form"};
-  std::vector<double> sums(methods.size());
-  const int count = take_->frame_count();
-  for (int i = 0; i < std::min(kAutoFrames, count); ++i) {
-    const int frame = static_cast<int>((2L * i + 1) * count / (2L * std::min(kAutoFrames, count)));
+  // What each method makes of a frame; nothing where there is no photograph or key.
+  const auto candidates_of = [&](int frame, Image& rgb) -> Result<std::vector<Image>> {
+    std::vector<Image> candidates;
     Result<Frame> photograph = take_->frame(camera_, frame);
     if (!photograph) return forward(photograph);
-    if (photograph->empty()) continue;
-    Result<Image> rgb = to_rgb(*photograph), key = key_.key(*photograph, frame);
-    if (!rgb) return forward(rgb);
+    if (photograph->empty()) return candidates;
+    Result<Image> picture = to_rgb(*photograph), key = key_.key(*photograph, frame);
+    if (!picture) return forward(picture);
     if (!key) return forward(key);
-    if (key->empty()) continue;
-    std::vector<Image> candidates;
+    if (key->empty()) return candidates;
     for (const std::string& method : methods) {
-      Result<Image> matte = finished(method, *rgb, *key, Image(rgb->width, rgb->height, 1, 128));
+      Result<Image> matte = finished(method, *picture, *key, Image(picture->width, picture->height, 1, 128));
       if (!matte) return forward(matte);
       candidates.push_back(std::move(*matte));
     }
-    const std::vector<double> residuals = composite_residuals(*rgb, candidates, key_.known_plate());
-    for (std::size_t m = 0; m < sums.size(); ++m) sums[m] += residuals[m];
+    rgb = std::move(*picture);
+    return candidates;
+  };
+  MethodComparison comparison(methods.size());
+  const int count = take_->frame_count(), spots = std::min(kAutoSpots, count);
+  for (int i = 0; i < spots; ++i) {
+    const int frame = static_cast<int>((2L * i + 1) * count / (2L * spots));
+    Image rgb, rgb_before;
+    Result<std::vector<Image>> now = candidates_of(frame, rgb);
+    if (!now) return forward(now);
+    if (now->empty()) continue;
+    comparison.add(rgb, *now, key_.known_plate());
+    Result<std::vector<Image>> before = frame > 0 ? candidates_of(frame - 1, rgb_before) : Result<std::vector<Image>>(std::vector<Image>());
+    if (!before) return forward(before);
+    if (!before->empty()) comparison.add_pair(rgb_before, *before, rgb, *now);
   }
-  return methods[static_cast<std::size_t>(std::min_element(sums.begin(), sums.end()) - sums.begin())];
+  return methods[comparison.best()];
 }
 
 }  // namespace floatstage

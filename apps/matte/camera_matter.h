@@ -16,7 +16,7 @@ class CameraMatter {
  public:
   CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method);
 
-  /// Chooses among the methods by composite_residuals() on a few photographs; what `auto` is. Edits have no say in it: a
+  /// Chooses among the methods by MethodComparison on a few photographs; what `auto` is. Edits have no say in it: a
   /// stroke must not change the method of frames that it does not concern.
   Result<std::string> chosen_method() const;
 

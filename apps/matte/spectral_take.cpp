@@ -19,7 +19,7 @@ Result<SpectralTake> SpectralTake::create(TakeReader& take, int camera, const Ca
     };
   VideoMattingOptions options;
   options.threads = threads;
-  options.likelihood_is_matte = key.kind() == CameraKey::Kind::Cut;
+  options.likelihood_is_matte = key.kind() != CameraKey::Kind::None;
   Result<VideoMatting> video = VideoMatting::create(std::move(clip), cache, options);
   if (!video) return forward(video);
   return SpectralTake(take, camera, std::move(*video));

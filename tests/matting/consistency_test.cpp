@@ -50,5 +50,27 @@ TEST(CompositeResiduals, RefuseAnEmptyCandidateBesideOneWithASubject) {
   EXPECT_EQ(composite_residuals(photograph(Scene{}), {Image(160, 120, 1)})[0], 0) << "nobody on stage";
 }
 
+TEST(MethodComparison, PrefersTheCalmerOfTwoThatComposeAlike) {
+  const Image picture(80, 60, 3, 100);
+  Image left(80, 60, 1), right(80, 60, 1);
+  for (int y = 20; y < 40; ++y) std::fill_n(left.at(20, y), 20, std::uint8_t{255}), std::fill_n(right.at(24, y), 20, std::uint8_t{255});
+  MethodComparison comparison(2);
+  EXPECT_EQ(comparison.best(), 0u) << "nothing was said yet";
+  comparison.add(picture, {left, left});
+  comparison.add_pair(picture, {right, left}, picture, {left, left});
+  EXPECT_EQ(comparison.best(), comparison.scores()[1] < comparison.scores()[0] ? 1u : 0u);
+  EXPECT_LE(comparison.scores()[1], comparison.scores()[0]);
+}
+
+TEST(MethodComparison, NeverPrefersNobodyHoweverCalm) {
+  const Image picture(80, 60, 3, 100), nobody(80, 60, 1);
+  Image somebody(80, 60, 1), moved(80, 60, 1);
+  for (int y = 20; y < 40; ++y) std::fill_n(somebody.at(20, y), 20, std::uint8_t{255}), std::fill_n(moved.at(30, y), 20, std::uint8_t{255});
+  MethodComparison comparison(2);
+  comparison.add(picture, {nobody, somebody});
+  comparison.add_pair(picture, {nobody, moved}, picture, {nobody, somebody});
+  EXPECT_EQ(comparison.best(), 1u);
+}
+
 }  // namespace
 }  // namespace floatstage
