@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "core/image.h"
@@ -32,8 +34,9 @@ class MethodComparison {
 
   /// One a candidate; infinite for those that see nobody where others do. All 0 before anything was added.
   std::vector<double> scores() const;
-  /// The candidate of least score, the first of equals.
-  std::size_t best() const;
+  /// The candidate of least score, the first of equals; but `usual`, the one that is known to be best as a rule, unless
+  /// another's score is less by more than a tenth: differences below that say nothing.
+  std::size_t best(std::optional<std::size_t> usual = std::nullopt) const;
 
  private:
   std::vector<double> residual_, flicker_;

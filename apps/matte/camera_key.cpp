@@ -194,8 +194,10 @@ Result<CameraKey> CameraKey::for_method(TakeReader& take, int camera, const std:
   if (method == "chroma") return chroma(take, camera);
   if (method == "plate") return plate(take, camera);
   Result<CameraKey> key = best(take, camera, guide, edits, go_on);
-  const bool optional = method == "spectral" && guide.empty();
-  if (!key && optional && (key.error().code == ErrorCode::NotFound || key.error().code == ErrorCode::Unsupported)) {
+  // Spectral matting needs no key, and is what is left to auto where there is none.
+  const bool optional = guide.empty() && !key && ((method == "spectral" && key.error().code == ErrorCode::NotFound) ||
+                                                  ((method == "spectral" || method == "auto") && key.error().code == ErrorCode::Unsupported));
+  if (optional) {
     key = none();
     key->heeds_strokes_ = true;
   }

@@ -99,7 +99,10 @@ Result<Image> CameraMatter::matte(int frame, const Image& previous) const {
 void CameraMatter::mask(int frame, Image& matte) const { overrule(said(frame, matte.width, matte.height, true, true), matte); }
 
 Result<std::string> CameraMatter::chosen_method() const {
+  if (method_ == "spectral" || (method_ == "auto" && key_.kind() == CameraKey::Kind::None)) return std::string("spectral");
+  if (method_ != "auto") return std::string(method_ == "closed-form" ? "closed-form" : "key");
   const std::vector<std::string> methods = {"key", "closed-form"};
+  constexpr std::size_t kUsual = 1;
   // What each method makes of a frame; nothing where there is no photograph or key.
   const auto candidates_of = [&](int frame, Image& rgb) -> Result<std::vector<Image>> {
     std::vector<Image> candidates;
@@ -131,7 +134,7 @@ Result<std::string> CameraMatter::chosen_method() const {
     if (!before) return forward(before);
     if (!before->empty()) comparison.add_pair(rgb_before, *before, rgb, *now);
   }
-  return methods[comparison.best()];
+  return methods[comparison.best(kUsual)];
 }
 
 }  // namespace floatstage

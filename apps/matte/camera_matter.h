@@ -16,8 +16,9 @@ class CameraMatter {
  public:
   CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method);
 
-  /// Chooses among the methods by MethodComparison on a few photographs; what `auto` is. Edits have no say in it: a
-  /// stroke must not change the method of frames that it does not concern.
+  /// "key", "closed-form" or "spectral", as the method asks for. `auto` chooses by MethodComparison on a few photographs, and
+  /// spectral where there is no key. Edits have no say in it: a stroke must not change the method of frames that it does not
+  /// concern.
   Result<std::string> chosen_method() const;
 
   /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made before, or empty.
@@ -42,6 +43,7 @@ class CameraMatter {
   const CameraEdits& edits() const { return edits_; }
   const CameraKey& key() const { return key_; }
   const std::string& method() const { return method_; }
+  bool spectral() const { return method_ == "spectral"; }  ///< made by SpectralTake, not by matte()
   void set_method(std::string method) { method_ = std::move(method); }
 
  private:

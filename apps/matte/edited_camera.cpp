@@ -72,14 +72,14 @@ std::vector<bool> EditedCamera::changed_since(const CameraEdits& edits) const {
   if (!made_for_) return std::vector<bool>(static_cast<std::size_t>(count), true);
   // What was cut out from strokes as a whole, other strokes cut out as a whole.
   if (record_.key == "cut" && !same_strokes(*made_for_, edits)) return std::vector<bool>(static_cast<std::size_t>(count), true);
-  std::vector<bool> out = record_.method == "spectral" ? frames_between_keyframes(*made_for_, edits, count) : frames_chosen_otherwise(*made_for_, edits, count);
+  std::vector<bool> out = record_.chosen == "spectral" ? frames_between_keyframes(*made_for_, edits, count) : frames_chosen_otherwise(*made_for_, edits, count);
   for (int f = 0; f < count; ++f)
     if (record_.stale.contains(f) || (recorded(*take_, camera_, f) && !fs::exists(file(f)))) out[static_cast<std::size_t>(f)] = true;
   return out;
 }
 
 std::vector<bool> EditedCamera::stale(const CameraEdits& edits) const {
-  return record_.method == "spectral" ? changed_since(edits) : downstream_of(changed_since(edits), edits);
+  return record_.chosen == "spectral" ? changed_since(edits) : downstream_of(changed_since(edits), edits);
 }
 
 Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch& watch) {
@@ -96,13 +96,9 @@ Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch&
     record_.key = key_->spec();
   }
   if (!record_.chosen.empty()) return {};
-  if (record_.method == "auto") {
-    Result<std::string> chosen = CameraMatter(*take_, camera_, *key_, {}, "auto").chosen_method();
-    if (!chosen) return forward(chosen);
-    record_.chosen = std::move(*chosen);
-  } else {
-    record_.chosen = record_.method == "closed-form" || record_.method == "spectral" ? record_.method : "key";
-  }
+  Result<std::string> chosen = CameraMatter(*take_, camera_, *key_, {}, record_.method).chosen_method();
+  if (!chosen) return forward(chosen);
+  record_.chosen = std::move(*chosen);
   return {};
 }
 
@@ -141,7 +137,7 @@ Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const Re
   const std::vector<bool> forced = changed_since(edits), wanted = stale(edits);
   if (Result<void> ok = begin(edits, wanted); !ok) return forward(ok);
   const CameraMatter matter(*take_, camera_, *key_, edits, record_.chosen);
-  Result<std::vector<int>> changed = record_.method == "spectral" ? spectral(matter, wanted, watch) : follow(matter, forced, watch);
+  Result<std::vector<int>> changed = record_.chosen == "spectral" ? spectral(matter, wanted, watch) : follow(matter, forced, watch);
   if (changed) record_.stale.clear();
   if (Result<void> ok = save_record(); !ok) return changed ? Result<std::vector<int>>(forward(ok)) : changed;
   return changed;

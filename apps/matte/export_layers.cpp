@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <fstream>
 #include <mutex>
 #include <optional>
 
@@ -27,6 +28,17 @@ Image joined(const Image& rgb, const Image& alpha) {
     out.pixels[4 * p + 3] = alpha.pixels[p];
   }
   return out;
+}
+
+// A layer that lies there already, made after its matte and in this format: what an interrupted export goes on from.
+bool up_to_date(const fs::path& layer, const fs::path& matte, const std::string& format) {
+  std::error_code none;
+  if (!fs::exists(layer, none) || fs::last_write_time(layer, none) < fs::last_write_time(matte, none)) return false;
+  if (format == "exr") return true;
+  constexpr std::streamoff kBitDepth = 24;  // in a PNG's header
+  std::ifstream png(layer, std::ios::binary);
+  png.seekg(kBitDepth);
+  return png.get() == (format == "png16" ? 16 : 8);
 }
 
 Result<void> save(const Image& rgba, const std::string& format, const fs::path& file) {
@@ -68,7 +80,7 @@ Result<int> export_layers(const ExportOptions& options) {
   if (!keying) return forward(keying);
   struct Item {
     int camera, frame;
-    fs::path file;
+    fs::path matte, file;
   };
   std::vector<Item> items;
   for (std::size_t c = 0; c < take.rig().cameras.size(); ++c) {
@@ -78,7 +90,7 @@ Result<int> export_layers(const ExportOptions& options) {
     for (int f = 0; f < take.frame_count(); ++f) {
       const fs::path matte = take.layout().matte(serial, f);
       if (fs::exists(matte))
-        items.push_back({static_cast<int>(c), f, options.out / serial / matte.filename().replace_extension(options.format == "exr" ? ".exr" : ".png")});
+        items.push_back({static_cast<int>(c), f, matte, options.out / serial / matte.filename().replace_extension(options.format == "exr" ? ".exr" : ".png")});
     }
   }
   if (items.empty()) return fail(ErrorCode::NotFound, text(take.layout().mattes().string(), " holds no mattes; run `floatstage matte` first"));
@@ -88,7 +100,7 @@ Result<int> export_layers(const ExportOptions& options) {
   Progress progress("layers", items.size());
   parallel_for(items.size(), options.threads, [&](std::size_t i) {
     if (stop || interrupted()) return;
-    if (!fs::exists(items[i].file))
+    if (!up_to_date(items[i].file, items[i].matte, options.format))
       if (Result<void> ok = export_one(take, items[i].camera, items[i].frame, *keying, options.format, items[i].file); !ok) {
         std::lock_guard lock(mutex);
         stop = true;

@@ -133,12 +133,9 @@ Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const Ma
   job.report.key = job.record.key = key->spec();
   job.matter.emplace(take, job.camera, std::move(*key), mine, options.method);
   if (job.record.chosen.empty()) {
-    job.record.chosen = options.method == "closed-form" || options.method == "spectral" ? options.method : "key";
-    if (options.method == "auto") {
-      Result<std::string> chosen = job.matter->chosen_method();
-      if (!chosen) return forward(chosen);
-      job.record.chosen = std::move(*chosen);
-    }
+    Result<std::string> chosen = job.matter->chosen_method();
+    if (!chosen) return forward(chosen);
+    job.record.chosen = std::move(*chosen);
   }
   job.matter->set_method(job.record.chosen);
   job.report.method = job.record.chosen;
@@ -205,12 +202,17 @@ struct Item {
 
 void make_items(const TakeReader& take, Run& run, std::vector<Job>& jobs, int threads) {
   std::vector<Item> items;
+  std::size_t mattes = 0;
   for (Job& job : jobs)
-    if (job.matter->follows()) items.push_back({&job, -1});
+    if (!job.matter->spectral()) {
+      mattes += static_cast<std::size_t>(take.frame_count());
+      if (job.matter->follows()) items.push_back({&job, -1});
+    }
+  if (mattes == 0) return;
   for (int f = 0; f < take.frame_count(); ++f)
     for (Job& job : jobs)
-      if (!job.matter->follows()) items.push_back({&job, f});
-  Progress progress("mattes", jobs.size() * static_cast<std::size_t>(take.frame_count()));
+      if (!job.matter->spectral() && !job.matter->follows()) items.push_back({&job, f});
+  Progress progress("mattes", mattes);
   parallel_for(items.size(), threads, [&](std::size_t i) {
     Job& job = *items[i].job;
     if (items[i].frame >= 0) {
@@ -273,7 +275,7 @@ Result<void> save_keying_of(const TakeReader& take, const std::vector<Job>& jobs
 
 const std::vector<MatteMethod>& matte_methods() {
   static const std::vector<MatteMethod> methods = {
-      {"auto", "what explains a few photographs best: the key alone or closed form around it"},
+      {"auto", "what explains a few photographs best: the key alone or closed form around it; spectral without a key"},
       {"chroma", "green or blue cloth"},
       {"plate", "against plates/, or the backdrop found behind the performance"},
       {"closed-form", "closed-form matting in the band around the key"},
@@ -320,12 +322,9 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   }
   if (Result<void> ok = save_matting(all, take.layout()); !ok) return forward(ok);
   if (Result<void> ok = save_keying_of(take, *jobs, options.method); !ok) return forward(ok);
-  if (options.method == "spectral") {
-    for (Job& job : *jobs)
-      if (!run.stopped()) make_spectral(take, run, job, options.threads);
-  } else {
-    make_items(take, run, *jobs, options.threads);
-  }
+  make_items(take, run, *jobs, options.threads);
+  for (Job& job : *jobs)
+    if (job.matter->spectral() && !run.stopped()) make_spectral(take, run, job, options.threads);
   if (Result<void> ok = run.result(); !ok) return forward(ok);
 
   MatteReport report;

@@ -7,6 +7,7 @@
 #include "apps/matte/matte_take.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
+#include "core/log.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -44,6 +45,8 @@ Result<void> run(const Options& given) {
     std::printf("%s: %s by %s; %d made, %d kept, %d gaps", c.serial.c_str(), c.method.c_str(), c.key.c_str(), c.made, c.kept, c.gaps);
     if (c.hull_agreement) std::printf("; agrees %.3f with the others' hull", *c.hull_agreement);
     std::printf("\n");
+    if (c.key == "none" && c.clicks == 0)
+      log::warning(text("camera '", c.serial, "' has no cloth, plate or backdrop that stands still, so the subject was guessed; look at it, and click on it (mattes/edits.json, or the editor in `play`)"));
     for (const std::string& f : c.failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
     failures += c.failures.size();
   }

@@ -1,26 +1,31 @@
-// `matte` on clips whose truth is exact: what a click does.
+// `matte` on clips whose truth is exact: what a click does, and what auto takes.
+
+#include <algorithm>
+#include <map>
 
 #include "apps/evaluate/matte_metrics.h"
 #include "apps/matte/matte_take.h"
 #include "core/file.h"
 #include "core/matte_edits.h"
 #include "tests/apps/clip_take.h"
+#include "tests/matting/small_scenes.h"
 
 namespace floatstage {
 namespace {
 
 namespace fs = std::filesystem;
 
-double mean_iou(const fs::path& take, int frames) {
+double mean(const fs::path& take, int frames, double (*score)(const Image& matte, const Image& truth)) {
   double sum = 0;
   for (int f = 0; f < frames; ++f) {
     const Result<Image> matte = load_png(TakeLayout(take).matte("cam0", f)), truth = load_png(TakeLayout(take / "truth").matte("cam0", f));
     EXPECT_THAT(matte, IsOk());
     EXPECT_THAT(truth, IsOk());
-    if (matte && truth) sum += matte_iou(*matte, *truth) / frames;
+    if (matte && truth) sum += score(*matte, *truth) / frames;
   }
   return sum;
 }
+double mean_iou(const fs::path& take, int frames) { return mean(take, frames, matte_iou); }
 
 void click(const fs::path& take, int frame, double x, double y, MatteLabel label = MatteLabel::Foreground) {
   MatteEdits edits;
@@ -72,6 +77,68 @@ TEST(MatteClick, OnTheBackgroundAloneIsNoSubject) {
   const Result<MatteReport> report = matte_take(options_for(take, "closed-form"));
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->cameras[0].key.substr(0, 5), "plate") << "found behind the performance, as without clicks";
+}
+
+// Seeds that nothing was tuned on.
+class Auto : public testing::TestWithParam<std::uint64_t> {
+ protected:
+  static constexpr int kFrames = 5;
+  MatteClip clip(const Image& backdrop) const { return make_clip(studio_cutout(GetParam(), 320, 320), backdrop, {.width = 210, .height = 140, .frames = kFrames, .seed = GetParam()}); }
+
+  // Mean squared errors by method; every method sees the same take.
+  static void expect_the_least_error(const fs::path& take, const std::string& key) {
+    std::map<std::string, double> mse;
+    for (const std::string& method : {key, std::string("closed-form"), std::string("spectral"), std::string("auto")}) {
+      MatteTakeOptions options = options_for(take, method);
+      options.redo = true;
+      ASSERT_THAT(matte_take(options), IsOk()) << method;
+      mse[method] = mean(take, kFrames, matte_mse);
+      std::cout << "  " << method << ": MSE " << mse[method] << "\n";
+    }
+    EXPECT_LE(mse["auto"], std::min({mse[key], mse["closed-form"], mse["spectral"]}));
+  }
+};
+
+TEST_P(Auto, IsNoWorseThanTheBestMethodOverGreenCloth) {
+  TempFolder folder;
+  expect_the_least_error(clip_take(folder, clip(green_cloth(210, 140, GetParam()))), "chroma");
+}
+
+TEST_P(Auto, IsNoWorseThanTheBestMethodBeforeAPlateThatWasShot) {
+  const MatteClip made = clip(cluttered_place(210, 140, GetParam()));
+  TempFolder folder;
+  const fs::path take = clip_take(folder, made), plate = TakeLayout(take).plate("cam0");
+  ASSERT_THAT(make_folder(plate.parent_path()), IsOk());
+  ASSERT_THAT(save_png(made.plate, plate), IsOk());
+  expect_the_least_error(take, "plate");
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Auto, testing::Values(41, 42, 44, 46));
+
+TEST(AutoWithoutAKey, IsSpectral) {
+  // Light that comes and goes on browns: no cloth, no plate, and nothing looks the same for long.
+  MatteClip clip;
+  for (const double light : {1.0, 0.5, 0.75, 0.3}) {
+    const DiscPicture disc = disc_picture(90, 60, 0, 0);
+    Image rgb(90, 60, 3);
+    for (std::size_t p = 0; p < rgb.pixels.size(); p += 3) {
+      const std::uint8_t* from = disc.rgb.pixels.data() + p;
+      const double browns[3] = {from[1] * light, from[2] * light / 2, from[0] * light / 2};
+      for (std::size_t c = 0; c < 3; ++c) rgb.pixels[p + c] = static_cast<std::uint8_t>(browns[c]);
+    }
+    clip.frames.push_back(std::move(rgb));
+    clip.truth.push_back(disc.alpha);
+  }
+  TempFolder folder;
+  const fs::path take = clip_take(folder, clip);
+  EXPECT_THAT(matte_take(options_for(take, "closed-form")), FailsWith(ErrorCode::Unsupported, "no backdrop that stands still"));
+  const Result<MatteReport> report = matte_take(options_for(take, "auto"));
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->cameras[0].method, "spectral");
+  EXPECT_EQ(report->cameras[0].key, "none");
+  EXPECT_EQ(report->cameras[0].made, 4);
+  EXPECT_GE(mean_iou(take, 4), 0.9);
+  EXPECT_EQ(matte_take(options_for(take, "auto"))->cameras[0].kept, 4) << "the choice is remembered";
 }
 
 }  // namespace

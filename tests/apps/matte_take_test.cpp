@@ -1,5 +1,6 @@
 #include "apps/matte/matte_take.h"
 
+#include <chrono>
 #include <filesystem>
 
 #include "apps/matte/export_layers.h"
@@ -294,6 +295,27 @@ TEST(ExportLayers, WritesSixteenBitsAndExr) {
   EXPECT_EQ(exr->substr(0, 4), std::string("\x76\x2f\x31\x01", 4)) << "EXR's magic number";
   options.format = "tiff";
   EXPECT_THAT(export_layers(options), FailsWith(ErrorCode::InvalidArgument, "png16"));
+}
+
+TEST(ExportLayers, KeepWhatIsDoneAndFollowNewMattesAndFormats) {
+  TempFolder folder;
+  const fs::path take = small_take(folder, 2);
+  ASSERT_THAT(matte_take(options_for(take, "chroma")), IsOk());
+  ExportOptions options{.take = take, .out = folder / "layers", .format = "png8", .cameras = {"cam01"}, .threads = 1};
+  const fs::path first = folder / "layers" / "cam01" / "000000.png", second = folder / "layers" / "cam01" / "000001.png";
+  ASSERT_THAT(export_layers(options), IsOkAnd(2));
+  ASSERT_THAT(save_png(Image(1, 1, 4), second), IsOk());  // stands for what was exported: newer than its matte
+  fs::remove(first);
+  ASSERT_THAT(export_layers(options), IsOkAnd(2));
+  EXPECT_THAT(load_png(first), IsOkAnd(testing::Field(&Image::width, 160))) << "was missing";
+  EXPECT_THAT(load_png(second), IsOkAnd(testing::Field(&Image::width, 1))) << "was there";
+  ASSERT_THAT(save_png(Image(160, 120, 1), TakeLayout(take).matte("cam01", 1)), IsOk());
+  fs::last_write_time(TakeLayout(take).matte("cam01", 1), fs::last_write_time(second) + std::chrono::seconds(1));
+  ASSERT_THAT(export_layers(options), IsOkAnd(2));
+  EXPECT_THAT(load_png(second), IsOkAnd(testing::Field(&Image::width, 160))) << "its matte is newer";
+  options.format = "png16";
+  ASSERT_THAT(export_layers(options), IsOkAnd(2));
+  EXPECT_EQ((*read_file(first))[24], 16) << "another format under the same name";
 }
 
 TEST(ExportLayers, AskForMattesFirst) {
