@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <sys/random.h>
 
+#include "apps/capture/thread_stack.h"
 #include "apps/studio/wire/status_json.h"
+#include "core/check.h"
 #include "core/file.h"
 #include "core/log.h"
 #include "core/text.h"
@@ -147,6 +149,7 @@ Result<void> PageServer::start(std::size_t cameras, int port) {
     log::debug(text("page: ", message));
     return 1;
   };
+  FLOATSTAGE_CHECK(small_stacks_are_raised(), "civetweb's threads have no room");
   mg_init_library(0);
   mg_init_data init = {};
   init.callbacks = &callbacks;

@@ -16,7 +16,7 @@
 namespace floatstage {
 namespace {
 
-constexpr std::size_t kPicturesInSocket = 4;
+constexpr std::size_t kPicturesInSocket = 16;  // half a second at 30: longer than busy machines stand still
 constexpr std::size_t kSmallestSocketBuffer = 1 << 20;
 
 // When the picture's first packet came. Aravis stamps it with the wall clock, which is read against the

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -42,6 +43,7 @@ Browser::Browser(int width, int height) {
   driver_ = ::fork();
   if (driver_ == 0) {
     ::setpgid(0, 0);
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // a test that is cut off leaves no browser behind
     ::dup2(ends[1], STDOUT_FILENO);
     ::close(ends[0]);
     ::execlp("chromedriver", "chromedriver", "--port=0", nullptr);

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <fstream>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -17,6 +18,7 @@
 #include "core/file.h"
 #include "tests/apps/capture/studios.h"
 #include "tests/capture/fake_gige_camera.h"
+#include "tests/support/http_client.h"
 #include "tests/support/matchers.h"
 #include "tests/support/own_network.h"
 #include "tests/support/temp_folder.h"
@@ -190,7 +192,8 @@ TEST(CaptureFaults, AClockThatIsTwentyMillisecondsOffIsNamedAndItsFramesKeepThei
 /// The daemon as a process of its own, as systemd would start it.
 class ADaemon : public testing::Test {
  protected:
-  void start(const std::string& take = "take") {
+  void start(const std::string& take = "take", const std::string& more = "") {
+    folder_.write("token", "token-of-a-file-123\n");
     const std::filesystem::path config = folder_.write("studio.toml", text(R"(
 [studio]
 frame_rate = 25
@@ -204,7 +207,8 @@ source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=
 [[camera]]
 serial = "B"
 source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=2&camera=1"
-)"));
+)",
+                                                                           more));
     if (notices_ >= 0) ::close(notices_);
     notices_ = ::socket(AF_UNIX, SOCK_DGRAM, 0);
     sockaddr_un address{};
@@ -217,6 +221,7 @@ source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=
     if (daemon_ == 0) {
       ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
       ::setenv("WATCHDOG_USEC", "300000", 1);
+      ::dup2(::open((folder_ / "said.txt").c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDERR_FILENO);
       ::execl(FLOATSTAGE_PROGRAM, FLOATSTAGE_PROGRAM, "capture", "--config", config.c_str(), "--record",
               "--out", (folder_ / take).c_str(), "--json", (folder_ / "report.json").c_str(), nullptr);
       ::_exit(127);
@@ -258,6 +263,24 @@ source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=
   pid_t daemon_ = -1;
   int notices_ = -1;
 };
+
+// As the whole program, whose libraries leave little of a small thread's stack.
+TEST_F(ADaemon, ServesItsPageAndMetrics) {
+  start("take", "[web]\nport = 0\ntoken_file = \"token\"\n");
+  ASSERT_TRUE(tells("READY=1"));
+  const std::string said = *read_file(folder_ / "said.txt");
+  const std::size_t at = said.find("http://127.0.0.1:");
+  ASSERT_NE(at, std::string::npos) << said;
+  const int port = std::atoi(said.c_str() + at + 17);
+  EXPECT_EQ(http_request(port, "GET", "/metrics").status, 401);
+  const HttpAnswer metrics =
+      http_request(port, "GET", "/metrics", {"Authorization: Bearer token-of-a-file-123"});
+  EXPECT_EQ(metrics.status, 200);
+  EXPECT_THAT(metrics.body, HasSubstr("floatstage_camera_frames_total{camera=\"B\",result=\"delivered\"}"));
+  ::kill(daemon_, SIGTERM);
+  EXPECT_TRUE(tells("STOPPING=1"));
+  EXPECT_EQ(WEXITSTATUS(wait()), 0);
+}
 
 TEST_F(ADaemon, LosesNothingOnSigterm) {
   start();
