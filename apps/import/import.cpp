@@ -54,7 +54,10 @@ Result<ForeignRig> chosen_cameras(const ForeignRig& all, const std::vector<std::
 Result<Plan> make_plan(const ImportOptions& options) {
   Result<LoadedCalibration> calibration = load_calibration(options.calibration);
   if (!calibration) return forward(calibration);
-  const fs::path folder = options.pictures.empty() ? calibration->pictures : options.pictures;
+  std::error_code error;
+  // Mattes alone make a take for hulls; their own pictures are then all that there is to see.
+  const bool mattes_alone = options.pictures.empty() && !options.mattes.empty() && !fs::exists(calibration->pictures, error);
+  const fs::path folder = mattes_alone ? options.mattes : options.pictures.empty() ? calibration->pictures : options.pictures;
   Result<MediaSearch> search = find_media(folder, calibration->foreign);
   if (!search) return forward(search);
   Result<ForeignRig> chosen = chosen_cameras(calibration->foreign, options.cameras);
@@ -62,6 +65,8 @@ Result<Plan> make_plan(const ImportOptions& options) {
 
   Plan plan;
   std::vector<std::string> without;
+  if (mattes_alone)
+    plan.notes.push_back(text("there are no pictures in ", calibration->pictures.string(), ": the mattes are shown in their place"));
   for (std::size_t i = 0; i < chosen->rig.cameras.size(); ++i) {
     const RigCamera& camera = chosen->rig.cameras[i];
     const CameraMedia& media = search->cameras[static_cast<std::size_t>(camera_index(calibration->foreign.rig, camera.serial))];

@@ -22,7 +22,8 @@ enum class OtherSize {
 struct ImportOptions {
   CalibrationInput calibration;           ///< which format, and where
   std::filesystem::path pictures;         ///< folder of images, of folders of images, or of videos; empty: beside the calibration
-  std::filesystem::path mattes;           ///< the same for mattes that exist already; empty: none
+  std::filesystem::path mattes;           ///< the same for mattes that exist already; empty: none. They are also the
+                                          ///< pictures where `pictures` is empty and none are beside the calibration
   std::filesystem::path out;              ///< the new take's folder
   std::vector<std::string> cameras;       ///< serials to take; empty: all
   OtherSize other_size = OtherSize::Refuse;

@@ -67,7 +67,7 @@ void add_format(CLI::App& verb, const Format& format, Chosen& chosen) {
   app->add_option("--out", import.out, "The new take's folder")->required();
   app->add_option("--images,--videos", import.pictures,
                   "Folder with a picture, a video or a folder of pictures for each camera (default: beside the calibration)");
-  app->add_option("--mattes", import.mattes, "Folder with mattes (PNG) named like the pictures: the take needs no keying");
+  app->add_option("--mattes", import.mattes, "Folder with mattes (PNG) named like the pictures: the take needs no keying. Enough without pictures");
   app->add_option("--other-size", options->other_size, "Pictures of another size than calibrated: refuse them, or they were scaled (each axis by itself) or cropped (at the right and the bottom)")
       ->capture_default_str()->check(CLI::IsMember({"refuse", "scaled", "cropped"}));
   app->add_option("--cameras", options->cameras, "Only these serials: a,b,c");

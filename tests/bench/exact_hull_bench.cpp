@@ -2,9 +2,12 @@
 // person where the shared data are there; a sphere and a torus everywhere.
 //   exact_hull_bench --benchmark_min_time=2
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <vector>
 
 #include <benchmark/benchmark.h>
 
@@ -37,9 +40,12 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
   HullWorkspace workspace;
   HullTimings sum;
   HullReport last;
+  std::vector<double> frames;  // ms
   for (auto _ : state) {
+    const auto begin = std::chrono::steady_clock::now();
     const Result<void> ok = visual_hull(set.rig, set.mattes, options, workspace, last);
     if (!ok) return state.SkipWithError(ok.error().message.c_str());
+    frames.push_back(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     sum.contours += last.timings.contours;
     sum.tables += last.timings.tables;
     sum.rays += last.timings.rays;
@@ -50,6 +56,9 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
   const auto mean_ms = [](double seconds) {
     return benchmark::Counter(1e3 * seconds, benchmark::Counter::kAvgIterations);
   };
+  std::sort(frames.begin(), frames.end());
+  state.counters["p50_ms"] = frames[(frames.size() - 1) / 2];
+  state.counters["p95_ms"] = frames[(frames.size() - 1) * 95 / 100];
   state.counters["contours_ms"] = mean_ms(sum.contours);
   state.counters["tables_ms"] = mean_ms(sum.tables);
   state.counters["rays_ms"] = mean_ms(sum.rays);

@@ -199,6 +199,25 @@ TEST_F(Import, MattesBesideTheImagesSpareTheKeying) {
   EXPECT_EQ((*keying)->key, "imported");
 }
 
+TEST_F(Import, MattesAloneMakeATakeAndStandForItsPictures) {
+  opencv_folders({1, 1});
+  fs::remove_all(folder_ / "in" / "images");
+  fs::create_directories(folder_ / "mattes");
+  Image matte(kImportWidth, kImportHeight, 1);
+  matte.at(3, 4)[0] = 200;
+  const Rig rig = test_rig(2);
+  for (const RigCamera& camera : rig.cameras)
+    ASSERT_THAT(save_png(matte, folder_ / "mattes" / (camera.serial + ".png")), IsOk());
+  expect_refused(ErrorCode::NotFound, "images");
+  options_.mattes = folder_ / "mattes";
+  const auto take = imported();
+  ASSERT_TRUE(take);
+  EXPECT_THAT(report_->notes, Contains(HasSubstr("the mattes are shown in their place")));
+  const Result<Image> read = load_png(take->layout().matte(rig.cameras[1].serial, 0));
+  ASSERT_THAT(read, IsOk());
+  EXPECT_TRUE(*read == matte);
+}
+
 TEST_F(Import, AMatteThatIsMissingOrOfAnotherSizeIsRefused) {
   middlebury_stills(2);
   fs::create_directories(folder_ / "mattes");
