@@ -153,9 +153,9 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
   remark_on_noise(rig, input, tolerance, cones, report);
   if (outcome.unbounded) return unbounded();
   if (!outcome.closed) return false;
-  if (options.voting == HullVoting::Auto) {
+  take_over(workspace.engine.polygons(), cones, report);
+  if (options.voting == HullVoting::Auto) {  // its trials use the same engine
     const auto voting = std::chrono::steady_clock::now();
-    take_over(workspace.engine.polygons(), cones, report);
     report.voted_down = find_bad_views(rig, input, report.mesh, options.threads, workspace);
     report.timings.voting = seconds_since(voting);
     if (!report.voted_down.empty()) {
@@ -172,9 +172,9 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
       outcome.attempts += again.attempts;
       outcome.timings = again.timings;
       --outcome.attempts;
+      take_over(workspace.engine.polygons(), cones, report);
     }
   }
-  take_over(workspace.engine.polygons(), cones, report);
   report.escalations = outcome.attempts - 1;
   report.work = {0, outcome.work.hits, outcome.work.lines, outcome.work.relations};
   for (const Silhouette& outline : cones.outlines) report.work.points += static_cast<std::int64_t>(outline.points.size());

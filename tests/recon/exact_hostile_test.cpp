@@ -1,6 +1,7 @@
 // Mattes and rigs that no studio should produce: the exact method must return a closed mesh or a clear
 // sentence, soon.
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -208,6 +209,29 @@ TEST(HullVoting, LeavesOutAndNamesTheOneMatteThatLacksAPart) {
   EXPECT_NEAR(voted->volume / clean->volume, 1, 0.04);
   options.voting = HullVoting::Strict;
   EXPECT_LT(visual_hull(rig, mattes, options)->volume, 0.8 * clean->volume);
+}
+
+// Found by fuzzing: the last hull that was tried without a camera was handed out.
+TEST(HullVoting, WithoutAGuiltyCameraGivesTheHullOfAll) {
+  const Rig rig = shapes::sphere_rig({.cameras = 8, .focal = 180});
+  const auto shape = shapes::sphere({0, 0, 0}, 0.4);
+  Rig shifted = rig;  // every matte disagrees with the others a little
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    shifted.cameras[c].model.cx += c % 2 ? 4 : -4;
+    shifted.cameras[c].model.cy += c % 4 < 2 ? 4 : -4;
+  }
+  const std::vector<Matte> mattes = shapes::render_mattes(shifted, shape);
+  HullOptions options;
+  const Result<HullReport> strict = visual_hull(rig, mattes, options);
+  options.voting = HullVoting::Auto;
+  const Result<HullReport> voted = visual_hull(rig, mattes, options);
+  ASSERT_THAT(strict, IsOk());
+  ASSERT_THAT(voted, IsOk());
+  EXPECT_LT(*std::min_element(strict->silhouette_iou.begin(), strict->silhouette_iou.end()), 0.97) << "no doubt";
+  EXPECT_THAT(voted->voted_down, testing::IsEmpty());
+  EXPECT_EQ(voted->mesh.positions, strict->mesh.positions);
+  EXPECT_EQ(voted->sources, strict->sources);
+  EXPECT_EQ(voted->volume, strict->volume);
 }
 
 TEST(HullWorkspace, DoesNotChangeResults) {
