@@ -171,6 +171,7 @@ Result<void> VideoMatting::Impl::walk(int first, int last, int direction, std::m
   if (!before) return forward(before);
   auto closed_form = ClosedFormVideo::create();
   if (!closed_form) return forward(closed_form);
+  bool carrying = false;  // closed form made the frame before
   for (int frame = first + direction; frame != last + direction; frame += direction) {
     if (watch && !watch(frame)) return stopped();
     auto picture = small(frame);
@@ -180,12 +181,14 @@ Result<void> VideoMatting::Impl::walk(int first, int last, int direction, std::m
     auto made = step(frame, *picture, {std::move(*guidance)});
     if (!made) return forward(made);
     if (!made->fits && !made->settled && picture->channels == 3) {
-      const Step& last_step = steps.at(frame - direction);
-      if (last_step.fits)
-        if (const auto r = closed_form->keyframe(*before, last_step.matte); !r) return r;
+      if (!carrying)
+        if (const auto r = closed_form->keyframe(*before, steps.at(frame - direction).matte); !r) return r;
       auto carried_on = closed_form->next(*picture, made->likelihood);
       if (!carried_on) return forward(carried_on);
       made->matte = std::move(*carried_on);
+      carrying = true;
+    } else {
+      carrying = false;
     }
     steps[frame] = std::move(*made);
     before = std::move(picture);

@@ -166,6 +166,17 @@ TEST_F(VideoMattingOfADisc, LetsAKeyerSpeakForTheSubject) {
     EXPECT_LT(mean_square(matte_at(video, frame), frame_of(frame).alpha), 5e-3) << frame;
 }
 
+TEST_F(VideoMattingOfADisc, GoesOnFromAKeyThatNoComponentsCameNear) {
+  MattingClip clip = clip_of(kFrames);
+  Image slanted(kWidth, kHeight, 1);  // a key that went wrong in the first frame: no component ends along its edge
+  for (int y = 0; y < kHeight; ++y) std::fill_n(slanted.at(0, y), kWidth * (y + 1) / kHeight, std::uint8_t{255});
+  clip.likelihood = [&](int frame) -> Result<MatteOpinion> { return MatteOpinion{frame == 0 ? slanted : frame_of(frame).alpha, {}}; };
+  VideoMatting video = prepared({.likelihood_is_matte = true}, std::move(clip));
+  ASSERT_THAT(video.propagate(), IsOk());
+  EXPECT_EQ(matte_at(video, 0), slanted);
+  EXPECT_FALSE(video.report(1).fits) << "components are the disc, the carried key is not: closed form begins at the key";
+}
+
 TEST_F(VideoMattingOfADisc, GuessesWhenNobodySaysAnything) {
   VideoMatting video = prepared();
   ASSERT_THAT(video.propagate(), IsOk());
