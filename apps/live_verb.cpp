@@ -7,7 +7,10 @@
 #include "apps/film.h"
 #include "apps/interrupt.h"
 #include "apps/json_report.h"
+#include "apps/live/live_window.h"
 #include "apps/renderer_options.h"
+#include "apps/studio/camera_source.h"
+#include "apps/studio/live_chain.h"
 #include "apps/studio/live_run.h"
 #include "apps/studio/take_player.h"
 #include "apps/text_options.h"
@@ -21,9 +24,9 @@ namespace floatstage {
 namespace {
 
 struct Options {
-  std::filesystem::path source, json, snapshots, path_file;
-  std::string size = "640x480", background = "000000";
-  bool headless = false;
+  std::filesystem::path source, config, plates, json, snapshots, path_file, screenshot;
+  std::string size, background = "000000";
+  bool headless = false, show_cameras = false;
   double rate = 0, orbit = 20;
   int cameras = 3;
   TakePlayerOptions player;
@@ -35,9 +38,9 @@ nlohmann::ordered_json to_json(const Series& s) {
   return {{"mean", s.mean()}, {"p50", s.percentile(0.5)}, {"p99", s.percentile(0.99)}, {"max", s.largest()}};
 }
 
-nlohmann::ordered_json to_report(const LiveReport& r, const LiveSource& source, const std::string& gl) {
+nlohmann::ordered_json to_report(const LiveReport& r, const std::string& source, const std::string& gl) {
   nlohmann::ordered_json json;
-  json["source"] = source.description();
+  json["source"] = source;
   json["gl"] = gl;
   json["seconds"] = r.seconds;
   json["fps"] = r.shown.mean(r.seconds);
@@ -93,9 +96,59 @@ class Snapshots {
   double next_ = 0;
 };
 
+// A take that plays, or the cameras of a studio's file.
+Result<std::unique_ptr<LiveSource>> open_live_source(const Options& o) {
+  if (o.source.empty() == o.config.empty())
+    return fail(ErrorCode::InvalidArgument, "say where pictures come from: either --source TAKE or --config STUDIO.toml");
+  if (!o.config.empty()) {
+    Result<CaptureConfig> config = load_capture_config(o.config);
+    if (!config) return forward(config);
+    Result<std::unique_ptr<CameraSource>> cameras = CameraSource::open(std::move(*config), o.plates);
+    if (!cameras) return forward(cameras);
+    return std::unique_ptr<LiveSource>(std::move(*cameras));
+  }
+  TakePlayerOptions player = o.player;
+  player.rate = o.rate;
+  player.loop = o.run.seconds > 0 || !o.headless;
+  Result<std::unique_ptr<TakePlayer>> take = TakePlayer::open(o.source, player);
+  if (!take) return forward(take);
+  return std::unique_ptr<LiveSource>(std::move(*take));
+}
+
+Result<void> view_headless(SceneFeed& feed, const Options& o) {
+  Result<CameraPath> path = o.path_file.empty() ? orbit_path(feed.rig(), {}, o.orbit) : load_path(o.path_file);
+  if (!path) return forward(path);
+  const double duration = path->duration();
+  const ViewAt view_at = [&](double time) {
+    return view_of(sample(*path, duration > 0 ? std::fmod(time, duration) : 0), o.run.width, o.run.height, {});
+  };
+  if (!o.snapshots.empty())
+    if (Result<void> ok = make_folder(o.snapshots); !ok) return ok;
+  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  if (!gl) return forward(gl);
+  Snapshots snapshots(o.snapshots, o.run.renderer.background);
+  const Result<LiveReport> report =
+      run_live(feed, o.run, view_at, interrupted, [&](const LivePicture& p) { return snapshots.take(p); });
+  if (!report) return forward(report);
+  print(*report);
+  if (o.json.empty()) return {};
+  return save_json(to_report(*report, feed.description(), (*gl)->description()), o.json);
+}
+
+Result<void> view_in_window(SceneFeed& feed, const Options& o) {
+  std::vector<StudioControl*> nodes;
+  if (StudioControl* control = feed.control()) nodes.push_back(control);
+  ControlDesk desk(std::move(nodes));
+  return run_live_window(feed, desk, {.run = o.run, .show_cameras = o.show_cameras, .path_file = o.path_file, .screenshot = o.screenshot});
+}
+
 Result<void> run(const Options& given) {
   Options o = given;
-  Result<std::pair<int, int>> size = parse_size(o.size);
+  if (!o.headless && !(o.json.empty() && o.snapshots.empty()))
+    return fail(ErrorCode::InvalidArgument, "--json and --snapshots are of a run without a window; add --headless");
+  if (o.headless && !o.screenshot.empty())
+    return fail(ErrorCode::InvalidArgument, "--screenshot is of the window; without one there is --snapshots");
+  Result<std::pair<int, int>> size = parse_size(!o.size.empty() ? o.size : o.headless ? "640x480" : "1280x800");
   if (!size) return forward(size);
   std::tie(o.run.width, o.run.height) = *size;
   RendererFlags flags;
@@ -104,28 +157,12 @@ Result<void> run(const Options& given) {
   Result<RendererOptions> renderer = renderer_options(flags);
   if (!renderer) return forward(renderer);
   o.run.renderer = *renderer;
-  o.player.rate = o.rate;
-  o.player.loop = o.run.seconds > 0;
-  Result<std::unique_ptr<TakePlayer>> source = TakePlayer::open(o.source, o.player);
+  Result<std::unique_ptr<LiveSource>> source = open_live_source(o);
   if (!source) return forward(source);
-  const Rig& rig = (*source)->rig();
-  Result<CameraPath> path = o.path_file.empty() ? orbit_path(rig, {}, o.orbit) : load_path(o.path_file);
-  if (!path) return forward(path);
-  const double duration = path->duration();
-  const ViewAt view_at = [&, seconds = o.run.seconds](double time) {
-    return view_of(sample(*path, duration > 0 ? std::fmod(time, duration) : 0), o.run.width, o.run.height, {});
-  };
-  if (!o.snapshots.empty())
-    if (Result<void> ok = make_folder(o.snapshots); !ok) return ok;
-  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
-  if (!gl) return forward(gl);
-  Snapshots snapshots(o.snapshots, o.run.renderer.background);
-  const Result<LiveReport> report = run_live(**source, o.chain, o.run, view_at, interrupted,
-                                             [&](const LivePicture& p) { return snapshots.take(p); });
-  if (!report) return forward(report);
-  print(*report);
-  if (o.json.empty()) return {};
-  return save_json(to_report(*report, **source, (*gl)->description()), o.json);
+  Result<std::unique_ptr<LiveChain>> chain = LiveChain::make(**source, o.chain);
+  if (!chain) return forward(chain);
+  (*chain)->begin();
+  return o.headless ? view_headless(**chain, o) : view_in_window(**chain, o);
 }
 
 }  // namespace
@@ -134,12 +171,14 @@ void add_live(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   Options& o = *options;
   CLI::App* verb = app.add_subcommand("live", "Cameras, or a take in their place, as a scene that one walks around now");
-  verb->add_option("--source", o.source, "A take, played as if its cameras delivered it now")->required();
+  verb->add_option("--source", o.source, "A take, played as if its cameras delivered it now");
+  verb->add_option("--config", o.config, "The studio's cameras (TOML, as for `capture`)");
+  verb->add_option("--plates", o.plates, "With --config: a folder of clean plates, <serial>.png, for keyers that need one");
   verb->add_flag("--headless", o.headless, "Without a window: the view walks around the stage");
-  verb->add_option("--seconds", o.run.seconds, "How long, the take beginning anew when it is over; default: once through")
+  verb->add_option("--seconds", o.run.seconds, "How long, the take beginning anew when it is over; default: once through, in a window until it is closed")
       ->check(CLI::PositiveNumber);
   verb->add_option("--rate", o.rate, "Instants a second; default: as recorded")->check(CLI::PositiveNumber);
-  verb->add_option("--out-size", o.size, "Size of the view")->capture_default_str();
+  verb->add_option("--out-size", o.size, "Size of the view (default: 640x480), or of the window (default: 1280x800)");
   verb->add_option("--key", o.chain.key, "How the subject is keyed, see `floatstage process --help`")->capture_default_str();
   verb->add_option("--cameras", o.cameras, "Photographs blended per view")->capture_default_str();
   std::string levels = "Quality to begin with:";
@@ -148,10 +187,12 @@ void add_live(CLI::App& app, Chosen& chosen) {
   verb->add_option("--target-fps", o.run.target_fps, "Change the quality to show so many instants a second; 0: never")
       ->capture_default_str()->check(CLI::NonNegativeNumber);
   verb->add_option("--orbit", o.orbit, "Headless: seconds of a walk around the stage")->capture_default_str()->check(CLI::PositiveNumber);
-  verb->add_option("--path", o.path_file, "Headless: follow this camera path instead, again and again");
+  verb->add_option("--path", o.path_file, "Follow this camera path instead, again and again");
   verb->add_option("--background", o.background, "Colour behind the performer, rrggbb")->capture_default_str();
-  verb->add_option("--snapshots", o.snapshots, "Write a picture a second into this folder");
-  verb->add_option("--json", o.json, "Write a report for machines");
+  verb->add_option("--snapshots", o.snapshots, "Headless: write a picture a second into this folder");
+  verb->add_flag("--show-cameras", o.show_cameras, "Window: draw the cameras");
+  verb->add_option("--screenshot", o.screenshot, "Window: write it to this PNG once a few scenes were shown, then end");
+  verb->add_option("--json", o.json, "Headless: write a report for machines");
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -84,6 +84,19 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
   return requests;
 }
 
+void obey_camera_requests(const PanelRequests& requests, const PathKey& home, PlayerState& state) {
+  if (requests.home) state.camera.set(home);
+  if (requests.save_path) {
+    const Result<void> ok = save_path(state.path.path(), state.path_file);
+    state.status = ok ? text("saved ", state.path_file) : ok.error().message;
+  }
+  if (requests.load_path) {
+    Result<CameraPath> path = load_path(state.path_file);
+    state.status = path ? text("loaded ", state.path_file) : path.error().message;
+    if (path) state.path.set(std::move(*path));
+  }
+}
+
 void draw_time_line(PlayerState& state) {
   TimeLine& time = state.time;
   if (ImGui::Button(time.playing ? "pause" : "play ")) time.playing = !time.playing;

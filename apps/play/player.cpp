@@ -8,6 +8,7 @@
 
 #include "apps/play/canvas.h"
 #include "apps/play/film_job.h"
+#include "apps/play/layout.h"
 #include "apps/play/panels.h"
 #include "apps/play/scene_cache.h"
 #include "core/text.h"
@@ -15,7 +16,7 @@
 namespace floatstage {
 namespace {
 
-constexpr float kPanelWidth = 270, kTimeLineHeight = 62;
+constexpr float kTimeLineHeight = 62;
 
 Result<int> method_index(const std::vector<std::string>& methods, const std::string& name) {
   const auto found = std::find(methods.begin(), methods.end(), name);
@@ -70,46 +71,14 @@ class WindowPlayer : public Player {
   }
 
   void lay_out() {
-    constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus;
-    const ImVec2 whole = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({kPanelWidth, whole.y - kTimeLineHeight});
-    ImGui::Begin("controls", nullptr, kFixed & ~ImGuiWindowFlags_NoScrollbar);
-    const PanelRequests requests = draw_controls(state_, canvas_.render_milliseconds(), film_ ? film_->pictures() : -1);
-    ImGui::End();
-    ImGui::SetNextWindowPos({0, whole.y - kTimeLineHeight});
-    ImGui::SetNextWindowSize({whole.x, kTimeLineHeight});
-    ImGui::Begin("time", nullptr, kFixed);
-    draw_time_line(state_);
-    ImGui::End();
-    ImGui::SetNextWindowPos({kPanelWidth, 0});
-    ImGui::SetNextWindowSize({whole.x - kPanelWidth, whole.y - kTimeLineHeight});
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, background());
-    ImGui::Begin("stage", nullptr, kFixed);
-    if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
-    ImGui::End();
-    ImGui::PopStyleColor();
-    ImGui::PopStyleVar();
-    obey(requests);
-  }
-
-  ImVec4 background() const {
-    const std::array<float, 3>& b = state_.renderer.background;
-    return {b[0], b[1], b[2], 1};
-  }
-
-  void obey(const PanelRequests& requests) {
-    if (requests.home) state_.camera.set(home_);
-    if (requests.save_path) {
-      const Result<void> ok = save_path(state_.path.path(), state_.path_file);
-      state_.status = ok ? text("saved ", state_.path_file) : ok.error().message;
-    }
-    if (requests.load_path) {
-      Result<CameraPath> path = load_path(state_.path_file);
-      state_.status = path ? text("loaded ", state_.path_file) : path.error().message;
-      if (path) state_.path.set(std::move(*path));
-    }
+    PanelRequests requests;
+    lay_out_window(kTimeLineHeight, state_.renderer.background,
+                   {.controls = [&] { requests = draw_controls(state_, canvas_.render_milliseconds(), film_ ? film_->pictures() : -1); },
+                    .strip = [&] { draw_time_line(state_); },
+                    .stage = [&] {
+                      if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+                    }});
+    obey_camera_requests(requests, home_, state_);
     if (requests.render_film) begin_film();
   }
 

@@ -38,7 +38,7 @@ class QualityControl {
   std::size_t level() const { return level_; }
 
  private:
-  const double target_;
+  double target_;
   std::size_t level_;
   int slow_ = 0;                 // windows in a row
   std::optional<Timestamp> easy_since_;

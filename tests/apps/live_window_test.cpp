@@ -1,0 +1,73 @@
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+
+#include "core/png.h"
+#include "tests/apps/small_take.h"
+
+namespace floatstage {
+namespace {
+
+using testing::HasSubstr;
+
+struct Ended {
+  int code = -1;
+  std::string output;
+};
+
+Ended run(const std::string& command) {
+  Ended ended;
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  char buffer[4096];
+  for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) ended.output.append(buffer, n);
+  ended.code = WEXITSTATUS(pclose(pipe));
+  return ended;
+}
+
+// The real window under a virtual display, closed by its own --screenshot.
+TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
+  const TempFolder folder;
+  const std::filesystem::path take = small_take(folder, 3), shot = folder / "shot.png";
+  // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from ours.
+  const Ended ended = run("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
+                          " live --source " + take.string() + " --seconds 60 --rate 8 --out-size 900x600 --screenshot " + shot.string());
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const Result<Image> picture = load_png(shot);
+  ASSERT_THAT(picture, IsOk());
+  ASSERT_EQ(picture->width, 900);
+  constexpr int kPanel = 270, kStatus = 28;
+  long covered = 0, all = 0, text_pixels = 0;
+  for (int y = 0; y < 600 - kStatus; ++y) {
+    for (int x = 0; x < 900; ++x) {
+      const std::uint8_t* p = picture->at(x, y);
+      if (x < kPanel) {
+        text_pixels += p[0] > 150;
+      } else {
+        covered += p[0] + p[1] + p[2] > 40;
+        ++all;
+      }
+    }
+  }
+  EXPECT_GT(static_cast<double>(covered) / static_cast<double>(all), 0.02) << "nobody is on the stage";
+  EXPECT_LT(static_cast<double>(covered) / static_cast<double>(all), 0.6);
+  EXPECT_GT(text_pixels, 400) << "the panels have no text";
+}
+
+TEST(LiveVerb, SaysWhatIsMissing) {
+  const Ended nothing = run(FLOATSTAGE_PROGRAM " live --headless");
+  EXPECT_EQ(nothing.code, 3);
+  EXPECT_THAT(nothing.output, HasSubstr("either --source TAKE or --config"));
+  const Ended unseen = run(FLOATSTAGE_PROGRAM " live --source /no/such/take --json L.json");
+  EXPECT_EQ(unseen.code, 3);
+  EXPECT_THAT(unseen.output, HasSubstr("add --headless"));
+  const Ended nobody = run(FLOATSTAGE_PROGRAM " live --headless --config /no/such/studio.toml");
+  EXPECT_EQ(nobody.code, 4);
+  EXPECT_THAT(nobody.output, HasSubstr("/no/such/studio.toml"));
+  const Ended lost = run(FLOATSTAGE_PROGRAM " live --headless --source /no/such/take");
+  EXPECT_EQ(lost.code, 4);
+  EXPECT_THAT(lost.output, HasSubstr("/no/such/take"));
+}
+
+}  // namespace
+}  // namespace floatstage
