@@ -29,6 +29,13 @@ Timestamp arrival_of(ArvBuffer* buffer) {
 
 struct Receiver {
   GObjectPtr<ArvStream> stream;
+
+  // Aravis writes a picture's number when its leader comes. A buffer that never saw one would keep the number
+  // of the picture before: 0 is no picture's.
+  void give(ArvBuffer* buffer) const {
+    arv_buffer_set_frame_id(buffer, 0);
+    arv_stream_push_buffer(stream.get(), buffer);
+  }
 };
 
 // Lends the buffer's bytes; the last frame that holds them gives the buffer back, if its stream still runs.
@@ -36,7 +43,7 @@ std::shared_ptr<const std::byte[]> lend(ArvBuffer* buffer, const std::shared_ptr
   const auto* bytes = static_cast<const std::byte*>(arv_buffer_get_data(buffer, nullptr));
   const auto give_back = [buffer, from = std::weak_ptr<Receiver>(receiver)](const std::byte*) {
     if (const std::shared_ptr<Receiver> alive = from.lock()) {
-      arv_stream_push_buffer(alive->stream.get(), buffer);
+      alive->give(buffer);
     } else {
       g_object_unref(buffer);
     }
@@ -250,11 +257,15 @@ Result<std::optional<Frame>> AravisSource::take(ArvBuffer* buffer) {
   const bool whole = status == ARV_BUFFER_STATUS_SUCCESS && bytes >= stream_.layout.size_bytes &&
                      arv_buffer_get_image_width(buffer) == stream_.layout.width &&
                      arv_buffer_get_image_height(buffer) == stream_.layout.height;
-  const std::optional<std::uint64_t> sequence = ids_.unwrap(id);
+  if (!whole && expected_ < frames_) {
+    meter_.count_failed();
+    log::debug(text("camera '", settings_.serial, "': picture ", id, " is lost: ", words_for(status)));
+  }
+  const std::optional<std::uint64_t> sequence = id == 0 ? std::nullopt : ids_.unwrap(id);
   if (!sequence) {
-    arv_stream_push_buffer(receiver_->stream.get(), buffer);
-    // Overtaken: it was counted as lost when the later picture came.
-    if (ids_.why_not(id) == BlockIdUnwrapper::Late::Overtaken) return std::optional<Frame>();
+    receiver_->give(buffer);
+    // Without a number, or overtaken: it is counted as lost when a later picture comes, or was.
+    if (id == 0 || ids_.why_not(id) == BlockIdUnwrapper::Late::Overtaken) return std::optional<Frame>();
     return failed(ErrorCode::Disconnected,
                   text("its picture numbers began again at ", id, ": it was restarted; stop and start it"));
   }
@@ -262,13 +273,8 @@ Result<std::optional<Frame>> AravisSource::take(ArvBuffer* buffer) {
   expected_ = *sequence + 1;
   meter_.count_lost(skipped);
   if (*sequence >= frames_ || !whole) {
-    if (*sequence < frames_) {
-      meter_.count_lost(1);
-      meter_.count_failed();
-      log::debug(
-          text("camera '", settings_.serial, "': picture ", *sequence, " is lost: ", words_for(status)));
-    }
-    arv_stream_push_buffer(receiver_->stream.get(), buffer);
+    if (*sequence < frames_) meter_.count_lost(1);
+    receiver_->give(buffer);
     return std::optional<Frame>();
   }
   Frame frame = frame_of(buffer, *sequence);
