@@ -39,8 +39,9 @@ editor=$EDITOR_PID
 exec 3<&"${EDITOR[0]}"
 said() { while read -r -t 120 -u 3 line; do echo "$line"; case "$line" in *"$1"*) return 0;; esac; done; echo "never said: $1"; kill $editor; exit 99; }
 x() { xdotool "$@"; }
+# Two moves that the X server has not handed out yet become one, so each is waited for.
 # The canvas is 630x528 at (270, 0); a photograph of 160x120 stands in it 3.9375 times as large, with bars above and below.
-at() { xdotool mousemove --window $window $(awk "BEGIN { printf \"%d %d\", 270 + $1 * 3.9375, 27.75 + $2 * 3.9375 }"); }
+at() { xdotool mousemove --sync --window $window $(awk "BEGIN { printf \"%d %d\", 270 + $1 * 3.9375, 27.75 + $2 * 3.9375 }"); }
 said 'matte editor is open'
 window=$(xdotool search --sync --onlyvisible --name Floatstage | head -1)
 x windowmove --sync $window 0 0 2>/dev/null
