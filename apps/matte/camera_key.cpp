@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
+#include <optional>
 
 #include "apps/import/matte_files.h"
 #include "apps/keying.h"
@@ -91,6 +93,19 @@ Result<bool> mostly_backdrop(TakeReader& take, int camera, const CameraKey& key)
 
 }  // namespace
 
+// Small mattes by frame, made by whoever asks first while the others wait.
+struct CameraKey::Cut {
+  std::function<Result<std::vector<Image>>()> make;
+  std::mutex mutex = {};
+  std::optional<Result<std::vector<Image>>> mattes = {};
+
+  const Result<std::vector<Image>>& get() {
+    std::lock_guard lock(mutex);
+    if (!mattes) mattes.emplace(make());
+    return *mattes;
+  }
+};
+
 CameraKey CameraKey::none() {
   CameraKey key;
   key.spec_ = "none";
@@ -164,13 +179,17 @@ Result<CameraKey> CameraKey::cut(TakeReader& take, int camera, const CameraEdits
   std::map<int, MatteOpinion> strokes;
   for (const MatteKeyframe& k : edits.keyframes)
     if (!k.strokes.empty()) strokes[k.frame] = opinion_of(k, model.width, model.height);
-  Result<std::vector<Image>> mattes = cut_clip(clip_of(take, camera), strokes, {}, [&](int, int) { return go_on(); });
-  if (!mattes) return fail(mattes.error().code, text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial, "': ", mattes.error().message));
+  const auto make = [&take, camera, strokes, go_on]() -> Result<std::vector<Image>> {
+    Result<std::vector<Image>> mattes = cut_clip(clip_of(take, camera), strokes, {}, [&](int, int) { return go_on(); });
+    if (!mattes) return fail(mattes.error().code, text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial, "': ", mattes.error().message));
+    return mattes;
+  };
   CameraKey key;
   key.kind_ = Kind::Cut;
   key.heeds_strokes_ = true;
   key.spec_ = "cut";
-  key.cut_ = std::make_shared<const std::vector<Image>>(std::move(*mattes));
+  key.cut_ = std::make_shared<Cut>();
+  key.cut_->make = make;
   return key;
 }
 
@@ -204,12 +223,20 @@ Result<CameraKey> CameraKey::for_method(TakeReader& take, int camera, const std:
   return key;
 }
 
+Result<void> CameraKey::ready() const {
+  if (kind_ != Kind::Cut) return {};
+  const Result<std::vector<Image>>& mattes = cut_->get();
+  return mattes ? Result<void>() : Result<void>(forward(mattes));
+}
+
 Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
   if (kind_ == Kind::None) return Image();
   if (kind_ == Kind::Cut) {
     Result<Image> rgb = to_rgb(photograph);
     if (!rgb) return rgb;
-    return carry_up(cut_->at(static_cast<std::size_t>(frame)), *rgb);
+    const Result<std::vector<Image>>& mattes = cut_->get();
+    if (!mattes) return forward(mattes);
+    return carry_up(mattes->at(static_cast<std::size_t>(frame)), *rgb);
   }
   if (keyer_) {
     Result<Matte> matte = keyer_->key(photograph);

@@ -32,8 +32,8 @@ class CameraKey {
   /// `photographs` of its pictures, and learnt again without what the first plate keys. Unsupported when the pictures agree
   /// nowhere (the camera moved).
   static Result<CameraKey> plate(TakeReader& take, int camera, int photographs = 48);
-  /// Followed from the clicks in `edits` through a cluttered place (matting/clip_cut.h). InvalidArgument without a click on
-  /// the subject; Cancelled when `go_on` says no.
+  /// Followed from the clicks in `edits` through a cluttered place (matting/clip_cut.h), as a whole, by ready() or the first
+  /// key(): where all mattes are there it is never needed. `go_on` may stop that (Cancelled) and must live as long.
   static Result<CameraKey> cut(TakeReader& take, int camera, const CameraEdits& edits, const std::function<bool()>& go_on);
   /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot; else what is cut
   /// out where somebody clicked on the subject; else a plate found behind the performance; else chroma after all.
@@ -51,6 +51,9 @@ class CameraKey {
   /// Null without one.
   const Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
 
+  /// Does now what the first key() would wait for. InvalidArgument when no click marks the subject; Cancelled.
+  Result<void> ready() const;
+
   /// One channel, of the photograph's size; what is missing in the guide is an empty picture.
   Result<Image> key(const Frame& photograph, int frame) const;
 
@@ -61,7 +64,8 @@ class CameraKey {
   std::filesystem::path guide_;
   std::shared_ptr<const Keyer> keyer_;
   std::shared_ptr<const Plate> plate_;
-  std::shared_ptr<const std::vector<Image>> cut_;  // small, by frame
+  struct Cut;
+  std::shared_ptr<Cut> cut_;
 };
 
 }  // namespace floatstage

@@ -88,6 +88,7 @@ Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch&
     watch.progress("key", 0, 1);
     Result<CameraKey> key = CameraKey::for_method(*take_, camera_, record_.method, record_.guide, edits, [&] { return !watch.stopped(); });
     if (!key) return forward(key);
+    if (Result<void> ok = key->ready(); !ok) return ok;
     key_.emplace(std::move(*key));
     key_edits_ = edits;
     const bool other = key_->kind() == CameraKey::Kind::Cut && made_for_ && !same_strokes(*made_for_, edits);

@@ -130,6 +130,8 @@ Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const Ma
     job.record.chosen.clear();
     job.record.stale.clear();
   }
+  if (job.record.chosen.empty() || job.clear)  // else mattes may all be there, and nobody asks
+    if (Result<void> ok = key->ready(); !ok) return ok;
   job.report.key = job.record.key = key->spec();
   job.matter.emplace(take, job.camera, std::move(*key), mine, options.method);
   if (job.record.chosen.empty()) {

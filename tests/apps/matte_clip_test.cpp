@@ -67,6 +67,13 @@ TEST(MatteClick, FindsTheDancerInAClutteredPlaceWithoutAPlate) {
     EXPECT_EQ(report->cameras[0].clicks, 1);
     EXPECT_GE(mean_iou(take, 16), 0.93) << method;
   }
+  const fs::path lost = TakeLayout(take).matte("cam0", 9);
+  const Result<Image> before = load_png(lost);
+  fs::remove(lost);
+  const Result<MatteReport> again = matte_take(options_for(take, "spectral"));
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->made, 1);
+  EXPECT_THAT(load_png(lost), IsOkAnd(*before)) << "the same bytes";
 }
 
 TEST(MatteClick, OnTheBackgroundAloneIsNoSubject) {
