@@ -8,8 +8,11 @@
 #include "apps/interrupt.h"
 #include "apps/json_report.h"
 #include "apps/live/live_window.h"
+#include "apps/live_recon.h"
+#include "apps/live_remote.h"
 #include "apps/renderer_options.h"
 #include "apps/studio/camera_source.h"
+#include "apps/studio/clock.h"
 #include "apps/studio/live_chain.h"
 #include "apps/studio/live_run.h"
 #include "apps/studio/take_player.h"
@@ -24,6 +27,8 @@ namespace floatstage {
 namespace {
 
 struct Options {
+  LiveReconOptions recon;
+  LiveRemoteOptions remote;
   std::filesystem::path source, config, plates, json, snapshots, path_file, screenshot;
   std::string size, background = "000000";
   bool headless = false, show_cameras = false;
@@ -99,7 +104,8 @@ class Snapshots {
 // A take that plays, or the cameras of a studio's file.
 Result<std::unique_ptr<LiveSource>> open_live_source(const Options& o) {
   if (o.source.empty() == o.config.empty())
-    return fail(ErrorCode::InvalidArgument, "say where pictures come from: either --source TAKE or --config STUDIO.toml");
+    return fail(ErrorCode::InvalidArgument,
+                "say where pictures come from: --source TAKE, --config STUDIO.toml, or --view ADDRESS of other machines");
   if (!o.config.empty()) {
     Result<CaptureConfig> config = load_capture_config(o.config);
     if (!config) return forward(config);
@@ -115,7 +121,8 @@ Result<std::unique_ptr<LiveSource>> open_live_source(const Options& o) {
   return std::unique_ptr<LiveSource>(std::move(*take));
 }
 
-Result<void> view_headless(SceneFeed& feed, const Options& o) {
+// `network` is null for scenes of this process.
+Result<void> view_headless(SceneFeed& feed, const RemoteScenes* network, const Options& o) {
   Result<CameraPath> path = o.path_file.empty() ? orbit_path(feed.rig(), {}, o.orbit) : load_path(o.path_file);
   if (!path) return forward(path);
   const double duration = path->duration();
@@ -127,22 +134,44 @@ Result<void> view_headless(SceneFeed& feed, const Options& o) {
   Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
   if (!gl) return forward(gl);
   Snapshots snapshots(o.snapshots, o.run.renderer.background);
+  const Timestamp begun = now();
   const Result<LiveReport> report =
       run_live(feed, o.run, view_at, interrupted, [&](const LivePicture& p) { return snapshots.take(p); });
   if (!report) return forward(report);
   print(*report);
   if (o.json.empty()) return {};
-  return save_json(to_report(*report, feed.description(), (*gl)->description()), o.json);
+  nlohmann::ordered_json json = to_report(*report, feed.description(), (*gl)->description());
+  if (network != nullptr) json["network"] = to_json(network->network(), seconds(now() - begun));
+  return save_json(json, o.json);
 }
 
-Result<void> view_in_window(SceneFeed& feed, const Options& o) {
-  std::vector<StudioControl*> nodes;
+Result<void> view_in_window(SceneFeed& feed, std::vector<StudioControl*> nodes, const Options& o) {
   if (StudioControl* control = feed.control()) nodes.push_back(control);
   ControlDesk desk(std::move(nodes));
   return run_live_window(feed, desk, {.run = o.run, .show_cameras = o.show_cameras, .path_file = o.path_file, .screenshot = o.screenshot});
 }
 
+Result<void> view_remote(const Options& o) {
+  const Result<LiveRemote> remote = open_live_remote(o.remote);
+  if (!remote) return forward(remote);
+  if (o.headless) return view_headless(*remote->scenes, remote->scenes.get(), o);
+  std::vector<StudioControl*> nodes;
+  for (const auto& node : remote->control) nodes.push_back(node.get());
+  return view_in_window(*remote->scenes, std::move(nodes), o);
+}
+
+Result<void> reconstruct(const Options& o) {
+  LiveReconOptions recon = o.recon;
+  recon.nodes = o.remote.nodes;
+  recon.rig = o.remote.rig;
+  recon.keys = o.remote.keys;
+  recon.json = o.json;
+  recon.seconds = o.run.seconds;
+  return run_live_recon(recon);
+}
+
 Result<void> run(const Options& given) {
+  if (!given.recon.address.empty()) return reconstruct(given);
   Options o = given;
   if (!o.headless && !(o.json.empty() && o.snapshots.empty()))
     return fail(ErrorCode::InvalidArgument, "--json and --snapshots are of a run without a window; add --headless");
@@ -157,12 +186,13 @@ Result<void> run(const Options& given) {
   Result<RendererOptions> renderer = renderer_options(flags);
   if (!renderer) return forward(renderer);
   o.run.renderer = *renderer;
+  if (!o.remote.recon.empty()) return view_remote(o);
   Result<std::unique_ptr<LiveSource>> source = open_live_source(o);
   if (!source) return forward(source);
   Result<std::unique_ptr<LiveChain>> chain = LiveChain::make(**source, o.chain);
   if (!chain) return forward(chain);
   (*chain)->begin();
-  return o.headless ? view_headless(**chain, o) : view_in_window(**chain, o);
+  return o.headless ? view_headless(**chain, nullptr, o) : view_in_window(**chain, {}, o);
 }
 
 }  // namespace
@@ -171,8 +201,19 @@ void add_live(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   Options& o = *options;
   CLI::App* verb = app.add_subcommand("live", "Cameras, or a take in their place, as a scene that one walks around now");
-  verb->add_option("--source", o.source, "A take, played as if its cameras delivered it now");
-  verb->add_option("--config", o.config, "The studio's cameras (TOML, as for `capture`)");
+  CLI::Option* source = verb->add_option("--source", o.source, "A take, played as if its cameras delivered it now");
+  CLI::Option* config = verb->add_option("--config", o.config, "The studio's cameras (TOML, as for `capture`)");
+  CLI::Option* recon = verb->add_option("--recon", o.recon.address,
+                                        "Reconstruct what --nodes see, and tell scenes at this address; no view");
+  CLI::Option* view = verb->add_option("--view", o.remote.recon, "View the scenes of the machine with --recon at this address");
+  CLI::Option* nodes = verb->add_option("--nodes", o.remote.nodes, "With --recon, --view: addresses of the capture nodes");
+  verb->add_option("--control", o.remote.control, "With --view: where the nodes answer requests, for health, record and stop");
+  CLI::Option* rig = verb->add_option("--rig", o.remote.rig, "With --recon, --view: the studio's rig.json");
+  verb->add_option("--keys", o.remote.keys, "With --recon, --view: the studio's keys, see `floatstage keys`");
+  verb->add_option("--longest-wait", o.recon.longest_wait_ms, "With --recon: ms that an instant waits for late cameras")
+      ->capture_default_str()->check(CLI::NonNegativeNumber);
+  recon->excludes(source)->excludes(config)->excludes(view)->needs(nodes)->needs(rig);
+  view->excludes(source)->excludes(config)->needs(nodes)->needs(rig);
   verb->add_option("--plates", o.plates, "With --config: a folder of clean plates, <serial>.png, for keyers that need one");
   verb->add_flag("--headless", o.headless, "Without a window: the view walks around the stage");
   verb->add_option("--seconds", o.run.seconds, "How long, the take beginning anew when it is over; default: once through, in a window until it is closed")
@@ -192,7 +233,7 @@ void add_live(CLI::App& app, Chosen& chosen) {
   verb->add_option("--snapshots", o.snapshots, "Headless: write a picture a second into this folder");
   verb->add_flag("--show-cameras", o.show_cameras, "Window: draw the cameras");
   verb->add_option("--screenshot", o.screenshot, "Window: write it to this PNG once a few scenes were shown, then end");
-  verb->add_option("--json", o.json, "Headless: write a report for machines");
+  verb->add_option("--json", o.json, "Headless, --recon: write a report for machines");
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -116,6 +116,27 @@ void read_web(Section section, CaptureConfig& config, const fs::path& base) {
   config.web = std::move(web);
 }
 
+void read_publish(Section section, CaptureConfig& config, const fs::path& base) {
+  CaptureConfig::Publish publish;
+  publish.address = section.text_of("address", publish.address);
+  publish.control = section.text_of("control", publish.control);
+  if (const std::string keys = section.text_of("keys", ""); !keys.empty()) publish.keys = base / keys;
+  publish.key = section.text_of("key", publish.key);
+  if (const std::string plates = section.text_of("plates", ""); !plates.empty())
+    publish.plates = base / plates;
+  publish.shrink =
+      static_cast<int>(section.whole("shrink", static_cast<std::uint64_t>(publish.shrink), 1, 16));
+  const std::string tiles = section.text_of("tiles", "jpeg");
+  publish.raw_tiles = tiles == "raw";
+  if (tiles != "jpeg" && tiles != "raw") section.note(section.at("tiles"), "tiles must be jpeg or raw");
+  publish.jpeg_quality = static_cast<int>(
+      section.whole("jpeg_quality", static_cast<std::uint64_t>(publish.jpeg_quality), 1, 100));
+  section.finish();
+  if (config.rig.empty())
+    section.note(nullptr, "outlines mean nothing without a calibration; name the rig in [studio]");
+  config.publish = std::move(publish);
+}
+
 void read_limits(Section section, RecordingLimits& limits) {
   limits.skips = section.whole("skips", limits.skips, 0, 1'000'000'000);
   limits.duplicates = section.whole("duplicates", limits.duplicates, 0, 1'000'000'000);
@@ -156,6 +177,8 @@ Result<CaptureConfig> parse_capture_config(std::string_view bytes, std::string_v
   read_recording({root["recording"].as_table(), "[recording]", problem}, config, base);
   read_limits({root["limits"].as_table(), "[limits]", problem}, config.recorder.limits);
   if (root.contains("web")) read_web({root["web"].as_table(), "[web]", problem}, config, base);
+  if (root.contains("publish"))
+    read_publish({root["publish"].as_table(), "[publish]", problem}, config, base);
   config.recorder.take.frame_rate = config.frame_rate;
   if (const toml::array* cameras = root["camera"].as_array()) {
     for (const toml::node& camera : *cameras) {
@@ -165,11 +188,12 @@ Result<CaptureConfig> parse_capture_config(std::string_view bytes, std::string_v
   }
   for (const auto& [key, node] : root) {
     const std::string title(key.str());
-    const bool known = title == "studio" || title == "recording" || title == "limits" || title == "web";
+    const bool known = title == "studio" || title == "recording" || title == "limits" || title == "web" ||
+                       title == "publish";
     if (title == "camera" ? !node.is_array() : !known || !node.is_table())
-      return bad(
-          text("line ", node.source().begin.line, ": '", title,
-               "' is not understood; there are [studio], [recording], [limits], [web] and [[camera]]"));
+      return bad(text(
+          "line ", node.source().begin.line, ": '", title,
+          "' is not understood; there are [studio], [recording], [limits], [web], [publish] and [[camera]]"));
   }
   if (problem) return bad(*problem);
   if (config.cameras.empty()) return bad("it names no [[camera]]");

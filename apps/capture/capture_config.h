@@ -20,6 +20,9 @@ namespace floatstage {
 ///                preroll_seconds = 2, keep_free_mb = 256, disagreement = "warn" | "refuse"
 ///   [limits]     skips = 0, duplicates = 0, spread_ms = 1.0, rate_deviation = 0.01
 ///   [web]        port = 8470, address = "127.0.0.1", token_file = "token" (no table: no page)
+///   [publish]    address = "tcp://127.0.0.1:5570", control = "tcp://127.0.0.1:5571", keys = "studio.keys",
+///                key = "chroma", plates = "plates", shrink = 2, tiles = "jpeg" | "raw", jpeg_quality = 90
+///                (no table: nothing goes to the network)
 ///   [[camera]]   serial = "FAKE1", source = "gige:FAKE1?address=127.0.0.1"
 ///
 /// Relative paths are relative to the file.
@@ -34,6 +37,17 @@ struct CaptureConfig {
     std::string address = "127.0.0.1";
     std::filesystem::path token_file;  ///< holds the token; empty: a new one each time, which the log tells
   };
+  /// What the node tells the studio's other machines (apps/studio/publishing_node.h). Needs a rig.
+  struct Publish {
+    std::string address = "tcp://127.0.0.1:5570";  ///< of outlines, tiles and status
+    std::string control = "tcp://127.0.0.1:5571";  ///< of requests
+    std::filesystem::path keys;                    ///< the studio's; needed off 127.0.0.1
+    std::string key = "chroma";                    ///< keyer spec
+    std::filesystem::path plates;                  ///< clean plates, <serial>.png
+    int shrink = 2;                                ///< photograph pixels per keyed pixel, along each side
+    bool raw_tiles = false;
+    int jpeg_quality = 90;
+  };
   std::string name = "studio";
   double frame_rate = 0;  ///< of every camera, frames a second
   std::filesystem::path rig;
@@ -45,6 +59,7 @@ struct CaptureConfig {
   std::uint64_t keep_free_bytes = 256'000'000;  ///< a take is ended well before the disk is full
   bool refuse_disagreement = false;             ///< no take begins while the synchroniser complains
   std::optional<Web> web;
+  std::optional<Publish> publish;
   std::vector<Camera> cameras;
 };
 

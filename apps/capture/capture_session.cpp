@@ -46,10 +46,10 @@ void look_before_recording(CaptureNode& node, const std::function<bool()>& stop)
   }
 }
 
-// However a session ends: no camera offers pictures to a page that has gone.
-struct StopBeforePage {
+// However a session ends: no camera offers pictures to somebody who has gone.
+struct StopFirst {
   CaptureNode& node;
-  ~StopBeforePage() { (void)node.finish(); }
+  ~StopFirst() { (void)node.finish(); }
 };
 
 // The node's page, where the config has one.
@@ -77,7 +77,13 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
   ServiceNotice notice;
   const Result<std::unique_ptr<PageServer>> page = serve_page(node);
   if (!page) return forward(page);
-  const StopBeforePage stop_first{node};
+  std::shared_ptr<void> companion;
+  if (options.companion) {
+    Result<std::shared_ptr<void>> come = options.companion(node);
+    if (!come) return forward(come);
+    companion = std::move(*come);
+  }
+  const StopFirst stop_first{node};
   // Recordings are copied from their first picture on; of cameras that stream one knows more after a moment.
   const bool at_once = options.record && node.plays_recordings();
   const auto record = [&] { return node.record_into(options.take, ""); };

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,10 +15,15 @@
 
 namespace floatstage {
 
+class CaptureNode;
+
 struct CaptureOptions {
   double seconds = 0;  ///< of streaming; 0: until stopped or until every source is over
   bool record = false;
   std::filesystem::path take;  ///< the new take's folder; empty: named by the time, in the config's folder
+  /// Called before the cameras begin: somebody who looks at their pictures. What it returns lives until they
+  /// have ended, and ends before the node does.
+  std::function<Result<std::shared_ptr<void>>(CaptureNode&)> companion = {};
 };
 
 /// One camera of a session.

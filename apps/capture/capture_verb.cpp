@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "apps/capture/capture_session.h"
+#include "apps/capture/publishing.h"
 #include "apps/interrupt.h"
 #include "apps/json_report.h"
 #include "apps/verbs.h"
@@ -17,7 +18,27 @@ struct Options {
   CaptureOptions capture;
 };
 
-nlohmann::ordered_json to_report(const CaptureReport& report) {
+nlohmann::ordered_json to_json(const PublishingCounters& c) {
+  const wire::PublisherCounters& p = c.publisher;
+  const auto each_second = [&](std::uint64_t n) {
+    return c.seconds > 0 ? static_cast<double>(n) / c.seconds : 0.0;
+  };
+  return {{"seconds", c.seconds},
+          {"bytes_per_second", each_second(p.outline_bytes + p.tile_bytes + p.status_bytes)},
+          {"instants", c.looked},
+          {"instants_overtaken", c.sets.overtaken},
+          {"instants_troubled", c.troubled},
+          {"outlines", {{"sent", p.outlines}, {"bytes", p.outline_bytes}}},
+          {"tiles", {{"sent", p.tiles}, {"bytes", p.tile_bytes}}},
+          {"tiles_by_camera", p.tiles_by_camera},
+          {"dropped", p.dropped},
+          {"refused", p.refused + c.control.refused},
+          {"malformed", p.malformed + c.control.malformed + c.control.other_version},
+          {"requests", c.control.requests}};
+}
+
+nlohmann::ordered_json to_report(const CaptureReport& report,
+                                 const std::optional<PublishingCounters>& published) {
   nlohmann::ordered_json json;
   json["cameras"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < report.cameras.size(); ++i) {
@@ -37,6 +58,7 @@ nlohmann::ordered_json to_report(const CaptureReport& report) {
     }
     json["cameras"].push_back(std::move(camera));
   }
+  if (published) json["published"] = to_json(*published);
   if (report.recording) {
     json["spread_ms"] = {{"p50", report.recording->spread_p50_ms}, {"max", report.recording->spread_max_ms}};
     json["verdict"] = report.recording->pass() ? "PASS" : "FAIL";
@@ -62,10 +84,21 @@ void show(const CaptureReport& report) {
 Result<void> run(const Options& options) {
   const Result<CaptureConfig> config = load_capture_config(options.config);
   if (!config) return forward(config);
-  const Result<CaptureReport> report = run_capture(*config, options.capture, interrupted, show);
+  std::optional<PublishingCounters> published;
+  CaptureOptions capture = options.capture;
+  capture.companion = [&published](CaptureNode& node) -> Result<std::shared_ptr<void>> {
+    Result<std::unique_ptr<PublishingNode>> made = publish(node);
+    if (!made) return forward(made);
+    if (!*made) return std::shared_ptr<void>();
+    return std::shared_ptr<void>(made->release(), [&published](void* ended) {
+      const std::unique_ptr<PublishingNode> telling(static_cast<PublishingNode*>(ended));
+      published = telling->counters();
+    });
+  };
+  const Result<CaptureReport> report = run_capture(*config, capture, interrupted, show);
   if (!report) return forward(report);
   if (!options.json.empty())
-    if (Result<void> saved = save_json(to_report(*report), options.json); !saved) return saved;
+    if (Result<void> saved = save_json(to_report(*report, published), options.json); !saved) return saved;
   if (!report->recording) return {};
   std::printf("%s: %s\n", report->take.c_str(), report->recording->pass() ? "PASS" : "FAIL");
   for (const std::string& complaint : report->recording->complaints) std::printf("  %s\n", complaint.c_str());

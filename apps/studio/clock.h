@@ -6,10 +6,20 @@
 
 namespace floatstage {
 
-/// Now, on the recorder's monotonic clock, which cameras' exposures are stamped with too. Only what runs threads reads
-/// it; everything below gets time as a parameter.
+/// Now, on the recorder's monotonic clock, which cameras' exposures are stamped with too. Only what runs
+/// threads reads it; everything below gets time as a parameter.
 inline Timestamp now() {
-  return {std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()};
+  return {std::chrono::duration_cast<std::chrono::nanoseconds>(
+              std::chrono::steady_clock::now().time_since_epoch())
+              .count()};
+}
+
+/// What to add to now() for the studio's common time, which every message carries: that of the systems'
+/// clocks, which PTP or NTP keeps together. now() begins anew when a machine is started, and no two were
+/// started together.
+inline Nanoseconds to_studio_time() {
+  const auto system = std::chrono::system_clock::now().time_since_epoch();
+  return Timestamp{std::chrono::duration_cast<std::chrono::nanoseconds>(system).count()} - now();
 }
 
 inline double milliseconds_of(Nanoseconds d) { return static_cast<double>(d.count) * 1e-6; }

@@ -89,7 +89,8 @@ Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const V
     if (Result<void> ok = view_.show(fresh); !ok) return ok;
   }
   const LiveScene& scene = *view_.scene();
-  chain_.want(needed_cameras(chain_.rig(), scene.scene.mesh, view, options_.renderer.cameras));
+  if (!scene.scene.mesh.empty())  // whose pictures an empty stage needs is anybody's guess
+    chain_.want(needed_cameras(chain_.rig(), scene.scene.mesh, view, options_.renderer.cameras));
   const Timestamp uploaded = now();
   Result<std::optional<RenderedView>> rendered = view_.render(view, quality(), options_.renderer);
   if (!rendered) return forward(rendered);

@@ -13,8 +13,8 @@
 
 namespace floatstage {
 
-/// Where a live view gets its scenes: from a chain in this process (LiveChain), or from other machines (RemoteScenes).
-/// Owned by the thread that draws.
+/// Where a live view gets its scenes: from a chain in this process (LiveChain), or from other machines
+/// (RemoteScenes). Owned by the thread that draws.
 class SceneFeed {
  public:
   struct Counters {
@@ -29,8 +29,9 @@ class SceneFeed {
   virtual ~SceneFeed() = default;
   virtual const Rig& rig() const = 0;
   virtual std::string description() const = 0;  ///< what is seen, for people
-  virtual double frame_rate() const = 0;  ///< instants a second that there could be
-  /// The newest scene that was not handed out yet; waits for one until `deadline`. Null then, and when there will be none.
+  virtual double frame_rate() const = 0;        ///< instants a second that there could be
+  /// The newest scene that was not handed out yet; waits for one until `deadline`. Null then, and when there
+  /// will be none.
   virtual std::shared_ptr<const LiveScene> newest(Timestamp deadline) = 0;
   /// Whose textures the next scenes hold: places in the rig.
   virtual void want(const std::vector<int>& cameras) = 0;

@@ -43,6 +43,7 @@ class SyntheticSource final : public FrameSource {
   std::unique_ptr<SyntheticStudio> studio_;  // while started
   int next_ = 0;
   std::int64_t tick_ = 0;  // of a live camera: the next trigger, in periods of the studio's clock; 0: unknown
+  int pose_ = 0;          // which picture is due: at one time the same pose for all cameras, whenever they were started
   Timestamp exposed_;
   std::vector<Frame> loop_;
   SourceMeter meter_;
@@ -82,6 +83,7 @@ Result<void> SyntheticSource::wait_for_trigger(Nanoseconds timeout) {
   std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(left, timeout).count));
   if (left > timeout)
     return fail(ErrorCode::Timeout, text("synthetic camera ", options_.camera, ": not its time yet"));
+  pose_ = static_cast<int>(tick_ % options_.loop);
   exposed_ = instant(tick_++) + options_.late;
   return {};
 }
@@ -90,7 +92,7 @@ Result<void> SyntheticSource::wait_for_trigger(Nanoseconds timeout) {
 // renderer's.
 Frame SyntheticSource::picture(int number) {
   if (!options_.live) return studio_->shoot(options_.camera, number).frame;
-  Frame frame = loop_[static_cast<std::size_t>(number % options_.loop)];
+  Frame frame = loop_[static_cast<std::size_t>(pose_)];
   frame.info.sequence = static_cast<std::uint64_t>(number);
   return frame;
 }

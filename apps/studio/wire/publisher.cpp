@@ -111,8 +111,10 @@ void Publisher::Impl::tell(const Told& told) {
       std::lock_guard lock(mutex);
       wanted = is_wanted(topic_of(MessageKind::Tile, (*view)->serial));
     }
-    if (wanted)
-      send(encode_tile(**view, options.tiles), &PublisherCounters::tiles, &PublisherCounters::tile_bytes);
+    if (!wanted) return;
+    send(encode_tile(**view, options.tiles), &PublisherCounters::tiles, &PublisherCounters::tile_bytes);
+    std::lock_guard lock(mutex);
+    ++counts.tiles_by_camera[(*view)->serial];
   } else if (const auto* scene = std::get_if<std::shared_ptr<const StudioScene>>(&told)) {
     send(encode_scene(**scene), &PublisherCounters::scenes, &PublisherCounters::scene_bytes);
   } else {

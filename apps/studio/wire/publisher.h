@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,10 +26,11 @@ struct PublisherOptions {
 struct PublisherCounters {
   std::uint64_t outlines = 0, tiles = 0, scenes = 0, statuses = 0;  ///< encoded and handed to the network
   std::uint64_t outline_bytes = 0, tile_bytes = 0, scene_bytes = 0, status_bytes = 0;
-  std::uint64_t dropped = 0;     ///< by the full queue, oldest first
-  std::uint64_t unsendable = 0;  ///< views that cannot be a message
-  std::uint64_t refused = 0;     ///< handshakes that failed: wrong keys, or no ZeroMQ
-  std::uint64_t malformed = 0;   ///< subscriptions that are none
+  std::map<std::string, std::uint64_t> tiles_by_camera;  ///< of the tiles, each camera's share
+  std::uint64_t dropped = 0;                             ///< by the full queue, oldest first
+  std::uint64_t unsendable = 0;                          ///< views that cannot be a message
+  std::uint64_t refused = 0;                             ///< handshakes that failed: wrong keys, or no ZeroMQ
+  std::uint64_t malformed = 0;                           ///< subscriptions that are none
 };
 
 /// One end that tells: a camera node's views, or reconstruction's scenes. What it is given goes through a
