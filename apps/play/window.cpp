@@ -25,47 +25,48 @@ static_assert(GLFW_KEY_ESCAPE == kKeyEscape && GLFW_KEY_ENTER == kKeyEnter && GL
               GLFW_KEY_RIGHT == kKeyRight && GLFW_KEY_LEFT == kKeyLeft && GLFW_KEY_HOME == kKeyHome && GLFW_KEY_END == kKeyEnd && GLFW_KEY_F12 == kKeyF12);
 static_assert(GLFW_MOUSE_BUTTON_LEFT == 0 && GLFW_MOUSE_BUTTON_RIGHT == 1 && GLFW_MOUSE_BUTTON_MIDDLE == 2);
 
+Window::Input& input_of(GLFWwindow* window) { return *static_cast<Window::Input*>(glfwGetWindowUserPointer(window)); }
+
+// Where the pointer is by now is another matter: a hand may have moved on before its button was heard of.
 InputEvent event_of(GLFWwindow* window, InputEvent::Kind kind, int mods) {
   InputEvent e;
   e.kind = kind;
-  glfwGetCursorPos(window, &e.x, &e.y);
+  e.x = input_of(window).x, e.y = input_of(window).y;
   e.control = mods & GLFW_MOD_CONTROL;
   e.shift = mods & GLFW_MOD_SHIFT;
   return e;
 }
-
-std::vector<InputEvent>& input_of(GLFWwindow* window) { return *static_cast<std::vector<InputEvent>*>(glfwGetWindowUserPointer(window)); }
 
 }  // namespace
 
 // Before ImGui listens: it calls on what was there before.
 void Window::listen() {
   glfwSetWindowUserPointer(window_, &input_);
+  glfwGetCursorPos(window_, &input_.x, &input_.y);
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
-    InputEvent e;
-    e.x = x, e.y = y;
-    input_of(w).push_back(e);
+    input_of(w).x = x, input_of(w).y = y;
+    input_of(w).events.push_back(event_of(w, InputEvent::Kind::Move, 0));
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
     if (action == GLFW_PRESS && ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return;
     InputEvent e = event_of(w, action == GLFW_PRESS ? InputEvent::Kind::Press : InputEvent::Kind::Release, mods);
     e.button = button;
-    input_of(w).push_back(e);
+    input_of(w).events.push_back(e);
   });
   glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double notches) {
     InputEvent e = event_of(w, InputEvent::Kind::Wheel, 0);
     e.wheel = notches;
-    input_of(w).push_back(e);
+    input_of(w).events.push_back(e);
   });
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int mods) {
     if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
     InputEvent e = event_of(w, InputEvent::Kind::Key, mods);
     e.key = key;
-    input_of(w).push_back(e);
+    input_of(w).events.push_back(e);
   });
 }
 
-std::vector<InputEvent> Window::take_input() { return std::exchange(input_, {}); }
+std::vector<InputEvent> Window::take_input() { return std::exchange(input_.events, {}); }
 
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
   if (!glfwInit())

@@ -32,13 +32,19 @@ class Window {
   /// Draws the user interface and shows it. `picture`, when not null, receives the whole window: RGB, top row first.
   void end_frame(Image* picture = nullptr);
 
+  /// What was heard and not taken yet, and where the pointer was when it was heard.
+  struct Input {
+    std::vector<InputEvent> events;
+    double x = 0, y = 0;
+  };
+
  private:
   Window() = default;
   Image grab(int width, int height) const;
   void listen();
 
   GLFWwindow* window_ = nullptr;
-  std::vector<InputEvent> input_;
+  Input input_;
   std::unique_ptr<GlContext> gl_;
 };
 
