@@ -153,6 +153,10 @@ TakeRecorder::Place TakeRecorder::place(Lane& lane, const FrameInfo& info, std::
   if (row < 0 || (last_row_ && row > *last_row_)) return Place::Left;
   if (lane.last_row && row <= *lane.last_row) {
     meter_.duplicate(info.camera);
+    if (lane.last_sequence) {  // it counts for no later row
+      meter_.counted_elsewhere(info.camera, info.sequence - *lane.last_sequence);
+      lane.last_sequence = info.sequence;
+    }
     return Place::Left;
   }
   lane.last_row = row;

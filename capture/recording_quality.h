@@ -22,6 +22,10 @@ class QualityMeter {
   void failed(int camera, std::uint64_t pictures) {
     cameras_[static_cast<std::size_t>(camera)].quality.failed = pictures;
   }
+  /// Pictures of its own count that went into no row.
+  void counted_elsewhere(int camera, std::uint64_t pictures) {
+    cameras_[static_cast<std::size_t>(camera)].counted += pictures;
+  }
   void duplicate(int camera) { ++cameras_[static_cast<std::size_t>(camera)].quality.duplicates; }
   void queue_peak(int camera, std::size_t frames) {
     cameras_[static_cast<std::size_t>(camera)].quality.queue_peak = frames;

@@ -217,6 +217,23 @@ TEST_F(ARecorder, CountsAFrameThatComesTwiceAndWritesItOnce) {
   EXPECT_THAT(quality->complaints, ElementsAre(HasSubstr("1 frames came twice")));
 }
 
+TEST_F(ARecorder, KnowsThatARowWasNotExposedWhereItsPictureWentToTheRowBefore) {
+  const auto recorder = started(1);
+  // Picture 3 comes a period early, so row 3 has none: it was neither lost nor counted for it.
+  for (const auto& [sequence, row] : {std::pair{0, 0.0}, {1, 1.0}, {2, 2.0}, {3, 2.2}, {4, 4.0}, {5, 5.0}})
+    ASSERT_THAT(recorder->push(shot(0, static_cast<std::uint64_t>(sequence),
+                                    static_cast<std::int64_t>(row * static_cast<double>(kPeriod)))),
+                IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  ASSERT_THAT(quality, IsOk());
+  EXPECT_EQ(rows(0), "ooo.oo");
+  EXPECT_EQ(quality->cameras[0].duplicates, 1u);
+  EXPECT_EQ(quality->cameras[0].skips, 1u);
+  EXPECT_EQ(quality->cameras[0].unexposed, 1u);
+  EXPECT_EQ(quality->cameras[0].failed, 0u);
+  EXPECT_NEAR(quality->cameras[0].frame_rate, 25, 1e-9);
+}
+
 TEST_F(ARecorder, FailsATakeWhoseCamerasDisagreeOrRunSlow) {
   const auto recorder = started(2);
   for (std::uint64_t i = 0; i < 10; ++i) {
