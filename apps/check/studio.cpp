@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <string_view>
 
 #include "apps/capture/capture_config.h"
 #include "capture/frame_source.h"
+#include "core/rig_io.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -19,6 +22,17 @@ Result<StreamInfo> ask_camera(const CaptureConfig::Camera& camera) {
   Result<StreamInfo> info = (*source)->start();
   if (info) (*source)->stop();
   return info;
+}
+
+// "tcp://127.0.0.1:5570".
+Finding look_at_endpoint(const std::string& endpoint, const std::string& whose) {
+  constexpr std::string_view kScheme = "tcp://";
+  const std::size_t colon = endpoint.rfind(':');
+  if (!endpoint.starts_with(kScheme) || colon < kScheme.size())
+    return {Verdict::Fail, text("port: '", endpoint, "' for ", whose,
+                                " is not tcp://<address>:<port>; correct it in [publish]")};
+  return look_at_port(endpoint.substr(kScheme.size(), colon - kScheme.size()),
+                      std::atoi(endpoint.c_str() + colon + 1), whose);
 }
 
 }  // namespace
@@ -47,9 +61,17 @@ Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file) {
     bytes_per_second += static_cast<double>(info->layout.size_bytes) * config->frame_rate;
     largest = std::max(largest, info->layout.size_bytes);
   }
+  if (!config->rig.empty())
+    if (const Result<Rig> rig = load_rig(config->rig); !rig)
+      findings.push_back(
+          {Verdict::Fail, text("rig: ", rig.error().message, "; calibrate, or correct the config")});
   findings.push_back(look_at_receive_buffers("/", largest));
   if (config->web)
     findings.push_back(look_at_port(config->web->address, config->web->port, "the node's page"));
+  if (config->publish) {
+    findings.push_back(look_at_endpoint(config->publish->address, "the node's outlines"));
+    findings.push_back(look_at_endpoint(config->publish->control, "requests to the node"));
+  }
   std::filesystem::path folder = std::filesystem::absolute(config->folder);
   while (!std::filesystem::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
   // Uncompressed: what FFV1 makes of noise is not less by much.

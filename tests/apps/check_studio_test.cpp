@@ -19,10 +19,12 @@ auto says(Verdict verdict, const std::string& words) {
   return Contains(AllOf(Field(&Finding::verdict, verdict), Field(&Finding::what, HasSubstr(words))));
 }
 
-std::vector<Finding> found_in(const TempFolder& folder, const std::string& more) {
+std::vector<Finding> found_in(const TempFolder& folder, const std::string& more,
+                              const std::string& studio = "") {
   const auto config = folder.write("studio.toml", text(R"([studio]
 frame_rate = 25
-[recording]
+)",
+                                                       studio, R"([recording]
 folder = "to/come"
 [[camera]]
 serial = "A"
@@ -65,6 +67,20 @@ TEST(CheckStudio, TriesThePagesPort) {
   EXPECT_THAT(found_in(folder, "[web]\nport = 0\n"), says(Verdict::Pass, "for the node's page is free"));
   EXPECT_THAT(found_in(folder, "[web]\naddress = \"203.0.113.7\"\n"),
               says(Verdict::Fail, "cannot be served"));
+}
+
+TEST(CheckStudio, TriesThePortsOfItsNetwork) {
+  const TempFolder folder;
+  const std::vector<Finding> found = found_in(folder, R"([publish]
+address = "tcp://203.0.113.7:5570"
+control = "somewhere"
+)",
+                                              "rig = \"rig.json\"\n");
+  EXPECT_THAT(found, says(Verdict::Fail, "rig.json"));
+  EXPECT_THAT(found, says(Verdict::Fail, "203.0.113.7:5570 for the node's outlines cannot be served"));
+  EXPECT_THAT(found, says(Verdict::Fail, "'somewhere' for requests to the node is not tcp://"));
+  EXPECT_THAT(found_in(folder, "[publish]\naddress = \"tcp://127.0.0.1:0\"\n", "rig = \"rig.json\"\n"),
+              says(Verdict::Pass, "for the node's outlines is free"));
 }
 
 TEST(CheckStudio, RefusesAConfigThatIsNone) {
