@@ -14,6 +14,7 @@
 #include "tests/matting/hostile_pictures.h"
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
+#include "tests/support/matte_clips.h"
 
 namespace floatstage {
 namespace {
@@ -139,6 +140,13 @@ TEST(EigenSolver, AgreesWithSpectraWhenAskedForEverything) {
   for (int i = 1; i < 50; ++i)
     EXPECT_NEAR(pairs.values(i) / reference.values(i), 1, 1e-8) << "eigenvalue " << i;
   EXPECT_LT(sine_between(pairs.vectors.leftCols(25).cast<double>(), reference.vectors.leftCols(25)), 1e-6);
+}
+
+TEST(EigenSolver, AgreesWithSpectraAfterTenStepsOnAFrameOfAClip) {
+  const Image frame = make_clip(studio_cutout(1), green_cloth(120, 80, 1), {.width = 120, .height = 80, .frames = 1}).frames[0];
+  const EigenPairs pairs = solve(frame, {.krylov_block = 25, .krylov_steps = 10, .tolerance = 0});
+  const Reference reference = spectra(frame, 50);
+  for (int i = 1; i < 50; ++i) EXPECT_NEAR(pairs.values(i) / reference.values(i), 1, 1e-8) << "eigenvalue " << i;
 }
 
 TEST(EigenSolver, StopsAtTheToleranceAndSaysHowFarItGot) {
