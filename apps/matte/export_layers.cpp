@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <map>
 #include <mutex>
 #include <optional>
 
 #include "apps/interrupt.h"
 #include "apps/keying.h"
+#include "apps/matte/matting_record.h"
 #include "apps/progress.h"
 #include "capture/take.h"
 #include "core/file.h"
@@ -46,22 +48,22 @@ Result<void> save(const Image& rgba, const std::string& format, const fs::path& 
   return format == "png16" ? save_png16(rgba, file) : save_png(rgba, file);
 }
 
-// Where a take was keyed by chroma, its keyers know which light is the cloth's.
-Result<Image> photograph_of(TakeReader& take, int camera, const Frame& frame, const std::optional<KeyingRecord>& keying) {
-  if (!keying || keying->specs.empty()) return to_rgb(frame);
-  Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, camera, keying->specs[static_cast<std::size_t>(camera)]);
+// Where a camera was keyed by chroma, its keyer knows which light is the cloth's.
+Result<Image> photograph_of(TakeReader& take, int camera, const Frame& frame, const std::string& key) {
+  if (!key.starts_with("chroma:")) return to_rgb(frame);
+  Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, camera, key);
   if (!keyer) return forward(keyer);
   return (*keyer)->suppress_spill(frame);
 }
 
-Result<void> export_one(TakeReader& take, int camera, int frame, const std::optional<KeyingRecord>& keying, const std::string& format, const fs::path& file) {
+Result<void> export_one(TakeReader& take, int camera, int frame, const std::string& key, const std::string& format, const fs::path& file) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   Result<Image> matte = load_png(take.layout().matte(serial, frame));
   if (!matte) return forward(matte);
   Result<Frame> photograph = take.frame(camera, frame);
   if (!photograph) return forward(photograph);
   if (photograph->empty()) return {};
-  Result<Image> rgb = photograph_of(take, camera, *photograph, keying);
+  Result<Image> rgb = photograph_of(take, camera, *photograph, key);
   if (!rgb) return forward(rgb);
   Result<Layers> layers = estimate_foreground(*rgb, *matte);
   if (!layers) return forward(layers);
@@ -78,8 +80,17 @@ Result<int> export_layers(const ExportOptions& options) {
   TakeReader& take = **opened;
   Result<std::optional<KeyingRecord>> keying = load_keying(take.layout(), take.rig());
   if (!keying) return forward(keying);
+  const Result<std::map<std::string, CameraRecord>> made = load_matting(take.layout());
+  if (!made) return forward(made);
+  // By which key each camera was matted: keying.json knows of all or of none.
+  const auto key_of = [&](std::size_t camera) -> std::string {
+    if (*keying && camera < (*keying)->specs.size()) return (*keying)->specs[camera];
+    const auto found = made->find(take.rig().cameras[camera].serial);
+    return found == made->end() ? std::string() : found->second.key;
+  };
   struct Item {
     int camera, frame;
+    std::string key;
     fs::path matte, file;
   };
   std::vector<Item> items;
@@ -90,7 +101,7 @@ Result<int> export_layers(const ExportOptions& options) {
     for (int f = 0; f < take.frame_count(); ++f) {
       const fs::path matte = take.layout().matte(serial, f);
       if (fs::exists(matte))
-        items.push_back({static_cast<int>(c), f, matte, options.out / serial / matte.filename().replace_extension(options.format == "exr" ? ".exr" : ".png")});
+        items.push_back({static_cast<int>(c), f, key_of(c), matte, options.out / serial / matte.filename().replace_extension(options.format == "exr" ? ".exr" : ".png")});
     }
   }
   if (items.empty()) return fail(ErrorCode::NotFound, text(take.layout().mattes().string(), " holds no mattes; run `floatstage matte` first"));
@@ -101,7 +112,7 @@ Result<int> export_layers(const ExportOptions& options) {
   parallel_for(items.size(), options.threads, [&](std::size_t i) {
     if (stop || interrupted()) return;
     if (!up_to_date(items[i].file, items[i].matte, options.format))
-      if (Result<void> ok = export_one(take, items[i].camera, items[i].frame, *keying, options.format, items[i].file); !ok) {
+      if (Result<void> ok = export_one(take, items[i].camera, items[i].frame, items[i].key, options.format, items[i].file); !ok) {
         std::lock_guard lock(mutex);
         stop = true;
         if (!failure) failure = ok.error();
