@@ -85,6 +85,11 @@ Result<const Keyer*> CameraNode::keyer_at(int factor) {
   return keyer.get();
 }
 
+Result<void> CameraNode::prepare(int factor) {
+  const Result<const Keyer*> keyer = keyer_at(factor);
+  return keyer ? Result<void>() : blame(serial_, keyer.error());
+}
+
 Result<std::shared_ptr<const ForegroundTile>> CameraNode::tile_of(const Frame& frame, const Matte& small,
                                                                   int factor) const {
   PixelBox box = subject_box(small, factor, model_.width, model_.height);

@@ -45,6 +45,10 @@ class CameraNode {
   static Result<CameraNode> make(const std::string& serial, const CameraModel& model, const std::string& spec,
                                  std::vector<Image> samples);
 
+  /// Makes what look() needs to key at 1/`shrink`, which it otherwise does when that is first asked of it: keyers learn from
+  /// whole pictures, which takes longer than a frame. Errors: those of make_keyer().
+  Result<void> prepare(int shrink);
+
   /// `frame` as the source delivered it at `produced`; an empty or corrupt one makes a view that is not known. With
   /// `textured`, the view has a tile when the subject is in the picture. Errors: those of shrink() and Keyer::key(),
   /// and BadData for a frame of another size than the model's.

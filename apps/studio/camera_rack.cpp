@@ -17,6 +17,12 @@ Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec, std
   return rack;
 }
 
+Result<void> CameraRack::prepare(int shrink) {
+  for (CameraNode& node : nodes_)
+    if (Result<void> ok = node.prepare(shrink); !ok) return ok;
+  return {};
+}
+
 std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& set, const std::vector<bool>& textured,
                                                                 const NodeQuality& quality, int threads,
                                                                 SceneTimes& times) {

@@ -17,6 +17,9 @@ class CameraRack {
   /// One node for each of the rig's cameras. `spec`: the keyer. `samples` are per camera. Errors name the camera.
   static Result<CameraRack> make(const Rig& rig, const std::string& spec, std::vector<std::vector<Image>> samples);
 
+  /// CameraNode::prepare() of all.
+  Result<void> prepare(int shrink);
+
   /// views[i] is of rig.cameras[i]. `textured[i]`: somebody wants its texture; empty: of all. A camera whose picture
   /// cannot be used is a view that knows nothing, and trouble() says why. Adds what it took to `times`.
   std::vector<std::shared_ptr<const CameraView>> look(const TimedSet& set, const std::vector<bool>& textured,

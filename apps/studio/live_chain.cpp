@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/studio/clock.h"
+#include "apps/studio/live_quality.h"
 #include "core/log.h"
 
 namespace floatstage {
@@ -24,6 +25,8 @@ void smooth(double& mean, double value) { mean = mean == 0 ? value : mean + kSmo
 Result<std::unique_ptr<LiveChain>> LiveChain::make(LiveSource& source, const LiveChainOptions& options) {
   Result<CameraRack> rack = CameraRack::make(source.rig(), options.key, source.samples());
   if (!rack) return forward(rack);
+  for (const LiveQuality& quality : live_qualities())  // a change of quality must not cost a picture
+    if (Result<void> ok = rack->prepare(quality.node.shrink); !ok) return forward(ok);
   SyncOptions sync;
   sync.frame_rate = source.frame_rate();
   sync.tolerance = std::min(options.tolerance, Nanoseconds{std::llround(4e8 / source.frame_rate())});

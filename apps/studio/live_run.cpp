@@ -31,6 +31,7 @@ class Run {
  private:
   const LiveQuality& quality() const { return live_qualities()[control_.level()]; }
   void use_quality(double fps);
+  Result<void> warm_up(const View& view);
   Result<void> picture(const std::shared_ptr<const LiveScene>& fresh, const ViewAt& view_at,
                        const std::function<Result<void>(const LivePicture&)>& visit);
   void measure(const LiveScene& scene, const double (&ms)[kStages], Timestamp done);
@@ -60,6 +61,16 @@ void Run::use_quality(double fps) {
                  describe(quality())));
 }
 
+// The shaders of the methods that other qualities have: a change of quality must not wait for them to be compiled.
+Result<void> Run::warm_up(const View& view) {
+  for (const LiveQuality& other : live_qualities()) {
+    if (other.method == quality().method) continue;
+    const Result<std::optional<RenderedView>> drawn = view_.render(view, other, options_.renderer);
+    if (!drawn) return forward(drawn);
+  }
+  return {};
+}
+
 void Run::judge(Timestamp time) {
   const double passed = seconds(time - window_);
   if (passed < kWindow) return;
@@ -82,7 +93,8 @@ void Run::measure(const LiveScene& scene, const double (&ms)[kStages], Timestamp
 Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const ViewAt& view_at,
                           const std::function<Result<void>(const LivePicture&)>& visit) {
   const Timestamp begun = now();
-  if (!begun_) begun_ = window_ = begun;
+  const bool first = !begun_;
+  if (first) begun_ = window_ = begun;
   chain_.drawing(begun);
   const View view = view_at(at(begun));
   if (fresh) {
@@ -91,6 +103,8 @@ Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const V
   const LiveScene& scene = *view_.scene();
   if (!scene.scene.mesh.empty())  // whose pictures an empty stage needs is anybody's guess
     chain_.want(needed_cameras(chain_.rig(), scene.scene.mesh, view, options_.renderer.cameras));
+  if (first)
+    if (Result<void> ok = warm_up(view); !ok) return ok;
   const Timestamp uploaded = now();
   Result<std::optional<RenderedView>> rendered = view_.render(view, quality(), options_.renderer);
   if (!rendered) return forward(rendered);

@@ -129,6 +129,15 @@ TEST_F(ACameraNode, GivesTheSameViewFromTheSameFrame) {
   EXPECT_EQ(a.tile->matte, b.tile->matte);
 }
 
+TEST_F(ACameraNode, SeesTheSameWhetherItWasPreparedOrNot) {
+  CameraNode prepared = node(), surprised = node();
+  ASSERT_THAT(prepared.prepare(3), IsOk());
+  const NodeQuality quality{.shrink = 3, .tolerance = 1};
+  const CameraView a = look(prepared, shot_.frame, false, quality), b = look(surprised, shot_.frame, false, quality);
+  EXPECT_FALSE(a.outline.empty());
+  EXPECT_EQ(a.outline.points, b.outline.points);
+}
+
 TEST_F(ACameraNode, NamesTheCameraWhenSomethingIsWrong) {
   CameraNode at = node();
   EXPECT_THAT(at.look(make_frame({}, Image(64, 48, 3)), kInstant, kProduced, false, {}),
