@@ -58,7 +58,7 @@ class LiveWindow {
     if (state_.follow_path) advance_path(ImGui::GetIO().DeltaTime);
     take_shortcuts(state_);
     lay_out();
-    if (canvas_.view() && scene_)
+    if (canvas_.view() && scene_ && !scene_->scene.mesh.empty())
       feed_.want(needed_cameras(feed_.rig(), scene_->scene.mesh, *canvas_.view(), state_.renderer.cameras));
     const Timestamp done = now();
     feed_.drawn(done);
