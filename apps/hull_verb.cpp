@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "apps/hull_flags.h"
+#include "apps/interrupt.h"
 #include "apps/json_report.h"
+#include "apps/progress.h"
 #include "apps/scene_loader.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
@@ -98,15 +101,20 @@ void print_care(const HullCareReport& care) {
       *std::max_element(care.iou_loss.begin(), care.iou_loss.end()));
 }
 
-Result<void> save_mesh(const Mesh& mesh, const std::filesystem::path& file) {
-  if (file.extension() == ".glb") return save_glb(mesh, file);
-  if (file.extension() == ".ply") return save_ply(mesh, file);
+/// Before anything is computed for it.
+Result<void> check_name_of_mesh(const std::filesystem::path& file) {
+  if (file.empty() || file.extension() == ".glb" || file.extension() == ".ply") return {};
   return fail(ErrorCode::InvalidArgument, text("--out ", file.string(), ": a mesh is a .ply or a .glb file"));
+}
+
+Result<void> save_mesh(const Mesh& mesh, const std::filesystem::path& file) {
+  return file.extension() == ".glb" ? save_glb(mesh, file) : save_ply(mesh, file);
 }
 
 Result<void> run(const Options& given) {
   if (given.repeat < 1)
     return fail(ErrorCode::InvalidArgument, text("--repeat ", given.repeat, " is less than 1"));
+  if (Result<void> ok = check_name_of_mesh(given.out); !ok) return ok;
   Result<HullOptions> options = hull_options(given.hull);
   if (!options) return forward(options);
   options->threads = given.threads;
@@ -121,14 +129,18 @@ Result<void> run(const Options& given) {
   HullReport repeated;
   const HullCare care = std::exchange(options->care, {});
   options->quality = false;
+  std::optional<Progress> progress(std::in_place, "hulls", static_cast<std::size_t>(given.repeat));
   for (int k = 0; k < given.repeat; ++k) {
+    if (interrupted()) return fail(ErrorCode::Cancelled, "interrupted; nothing was written");
     const auto begin = std::chrono::steady_clock::now();
     if (Result<void> ok = visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok) return ok;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     ms.push_back(1e3 * seconds);
     without_contours.push_back(1e3 * (seconds - repeated.timings.contours));
     timings = repeated.timings;
+    progress->advance();
   }
+  progress.reset();  // off the terminal, before anything else is said
   options->quality = true;
   options->care = care;
   const Result<HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
@@ -194,7 +206,9 @@ void add_hull(CLI::App& app, Chosen& chosen) {
   verb->add_option("--cameras", options->cameras, "Only these serials, separated by commas (default: all)");
   options->hull.votes = "strict";
   add_hull_flags(*verb, options->hull);
-  verb->add_option("--threads", options->threads, "Threads; 0: one per core")->capture_default_str();
+  verb->add_option("--threads", options->threads, "Threads; 0: one per core")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
   verb->add_option("--repeat", options->repeat, "Compute it this often and report the times")
       ->capture_default_str();
   verb->add_option("--out", options->out, "Write the mesh: .ply or .glb");

@@ -131,6 +131,13 @@ TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
   for (const char* list : {"vertex_move", "silhouette_shift", "iou_loss"}) EXPECT_EQ(care.at(list).size(), 6u) << list;
   EXPECT_EQ(read_file(folder / "hull.glb")->substr(0, 4), "glTF");
   EXPECT_EQ(read_file(folder / "hull.ply")->substr(0, 3), "ply");
+
+  const Ended other = floatstage("hull " + take + " --json " + (folder / "other.json").string() + " --out " +
+                                 (folder / "hull.stl").string());
+  EXPECT_EQ(other.code, 3);
+  EXPECT_THAT(other.output, HasSubstr("hull.stl: a mesh is a .ply or a .glb file"));
+  EXPECT_THAT(folder.names(), testing::UnorderedElementsAre("H.json", "hull.glb", "hull.ply", "take"))
+      << "nothing was computed, nothing written";
 }
 
 }  // namespace
