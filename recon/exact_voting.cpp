@@ -35,7 +35,7 @@ double excess(std::span<const double> missed, int but_for) {
 
 Mesh to_mesh(const HullPolygons& polygons) {
   Mesh mesh;
-  for (const Eigen::Vector3d& p : polygons.positions) mesh.positions.push_back(p.cast<float>());
+  for (const Eigen::Vector3d& p : polygons.positions) mesh.positions.emplace_back(p.cast<float>());
   mesh.triangles = polygons.triangles;
   return mesh;
 }
@@ -80,6 +80,14 @@ std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& st
   settings.tolerance = kTolerance;
   settings.threads = threads;
   workspace.builder.build(rig, input, settings, cones);
+  // An outline may be too small for one tolerance and not for the other: only a view of the hull can be
+  // guilty of it.
+  for (std::size_t k = cones.views.size(); k-- > 0;) {
+    const std::vector<int>& known = workspace.cones.camera;
+    if (std::find(known.begin(), known.end(), cones.camera[k]) != known.end()) continue;
+    cones.views.erase(cones.views.begin() + static_cast<std::ptrdiff_t>(k));
+    cones.camera.erase(cones.camera.begin() + static_cast<std::ptrdiff_t>(k));
+  }
   for (std::size_t v = 0; v < workspace.cones.views.size(); ++v) {
     if (workspace.cones.camera[v] >= 0) continue;  // the sides of the volume
     cones.views.push_back(workspace.cones.views[v]);
