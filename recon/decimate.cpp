@@ -21,7 +21,7 @@ class Guard : public OpenMesh::Decimater::ModBaseT<Mesh> {
 
   float collapse_priority(const CollapseInfo& collapse) override {
     return may_collapse(Base::mesh(), collapse.v0v1, normals_, false) ? float(Base::LEGAL_COLLAPSE)
-                                                                     : float(Base::ILLEGAL_COLLAPSE);
+                                                                      : float(Base::ILLEGAL_COLLAPSE);
   }
 
  private:

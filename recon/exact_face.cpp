@@ -8,7 +8,7 @@ namespace floatstage {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSlack = 1e-9;  // widens windows that only save work
+constexpr double kSlack = 1e-9;    // widens windows that only save work
 constexpr std::size_t kMany = 24;  // lines, from which a window is worth splitting
 
 }  // namespace
@@ -66,8 +66,8 @@ void FaceSweep::take_depths() {
   depth_ = step_.cross(n) / n.squaredNorm();
 }
 
-/// The range of w in which each face can have hull at all. One view after the other, so that its tables are read in
-/// order.
+/// The range of w in which each face can have hull at all. One view after the other, so that its tables are
+/// read in order.
 void FaceSweep::find_windows(int begin, int end) {
   std::fill_n(windows_.begin(), end - begin, PairTable::Bound{0, kInfinity});
   if (!in_->votes.strict) {
@@ -101,8 +101,8 @@ void FaceSweep::find_windows(int begin, int end) {
   }
 }
 
-/// Where view j can be inside, given where it can on the two rays: its lines reach further where they end within the
-/// face.
+/// Where view j can be inside, given where it can on the two rays: its lines reach further where they end
+/// within the face.
 PairTable::Bound FaceSweep::bound_of(int j, double low, double high) {
   const PairTable &mine = in_->pairs->of(i_, j), &theirs = in_->pairs->of(j, i_);
   const ConeView& other = in_->views[j];
@@ -122,8 +122,9 @@ PairTable::Bound FaceSweep::voted_window() {
   for (int j = 0; j < static_cast<int>(in_->views.size()); ++j) {
     if (j == i_) continue;
     const auto& bounds = in_->pairs->of(i_, j).bounds;
-    vote_window_.add(bound_of(j, std::min(bounds[a_].low, bounds[b_].low), std::max(bounds[a_].high, bounds[b_].high)),
-                     in_->views[j].mandatory);
+    vote_window_.add(
+        bound_of(j, std::min(bounds[a_].low, bounds[b_].low), std::max(bounds[a_].high, bounds[b_].high)),
+        in_->views[j].mandatory);
   }
   return vote_window_.find(in_->votes, in_->views[i_].mandatory);
 }
@@ -147,14 +148,15 @@ void FaceSweep::sweep(const PairTable::Bound& window, std::size_t depth) {
   }
   start_cutting();
   for (const ViewLines& group : views_) {
-    for (int f = group.begin; f < group.end && !defect_ && related_ <= most_related_; ++f) cut_line(f, strict);
+    for (int f = group.begin; f < group.end && !defect_ && related_ <= most_related_; ++f)
+      cut_line(f, strict);
   }
   first_line_ += static_cast<int>(lines_.size());
 }
 
-/// Leaves out of the window the ranges of w in which some view has no line and is outside. Views that the subject fills
-/// to the border have their inside in several ranges, and only together leave little. False when that is hardly worth
-/// making the lines again.
+/// Leaves out of the window the ranges of w in which some view has no line and is outside. Views that the
+/// subject fills to the border have their inside in several ranges, and only together leave little. False
+/// when that is hardly worth making the lines again.
 bool FaceSweep::split_window(std::vector<PairTable::Bound>& parts) {
   parts.assign(1, {keep_low_, keep_high_});
   const auto leave_out = [&](double low, double high) {

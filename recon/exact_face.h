@@ -57,11 +57,11 @@ struct FaceOutput {
   std::vector<FaceCorner> corners;
   std::vector<std::int32_t> polygon_start;  ///< polygon p is corners[polygon_start[p]] … [p + 1]
   std::vector<Face> faces;
-  std::vector<std::uint32_t> triangles;       ///< once triangulated: vertex numbers of the hull
-  std::vector<std::int32_t> triangle_face;    ///< per triangle: index into the hull's faces
-  std::vector<std::uint64_t> risky;           ///< diagonals whose ends have another face in common
-  bool doubled = false;                       ///< a diagonal is another face's edge
-  std::int64_t lines = 0, relations = 0;  ///< the work: lines made, pairs of lines looked at
+  std::vector<std::uint32_t> triangles;     ///< once triangulated: vertex numbers of the hull
+  std::vector<std::int32_t> triangle_face;  ///< per triangle: index into the hull's faces
+  std::vector<std::uint64_t> risky;         ///< diagonals whose ends have another face in common
+  bool doubled = false;                     ///< a diagonal is another face's edge
+  std::int64_t lines = 0, relations = 0;    ///< the work: lines made, pairs of lines looked at
   bool too_many = false;   ///< given up: more relations than ArrangementInput::most_relations
   int defects = 0;         ///< faces whose boundary does not close: doubles were not enough
   bool unbounded = false;  ///< a face reaches infinity
@@ -173,7 +173,8 @@ class FaceSweep {
   void link(FaceOutput& out);
 
   std::uint64_t face_number(int view, int edge) const {
-    return static_cast<std::uint64_t>(in_->first_face[view] + edge);
+    const std::int32_t number = in_->first_face[view] + edge;
+    return static_cast<std::uint64_t>(number);
   }
   /// Whether f lies above (1) or below (-1) g at that end of either.
   int side(int f, int g, const End& at, int at_view);
@@ -198,13 +199,13 @@ class FaceSweep {
     int change;  ///< of the view's state at s = 0, downwards
   };
   std::vector<Extent> downwards_;
-  int first_line_ = 0;                   ///< number of lines in the windows before this one
-  int inside_ = 0;                       ///< weight of the views that are inside all over that range
+  int first_line_ = 0;  ///< number of lines in the windows before this one
+  int inside_ = 0;      ///< weight of the views that are inside all over that range
   bool tie_ = false, defect_ = false, unbounded_ = false;
   std::vector<Line> lines_;
   std::vector<ExactLine> exact_;  ///< beside lines_, with a grid only
   std::vector<ViewLines> views_;
-  std::vector<Vertex> vertices_;  ///< of the view whose lines are being made, sorted by ray
+  std::vector<Vertex> vertices_;    ///< of the view whose lines are being made, sorted by ray
   std::vector<int> vertex_of_ray_;  ///< one more than the index in vertices_; 0: none
   std::vector<LineColumn> columns_;
   std::vector<std::uint8_t> relation_;  ///< of the line that is being cut to each line
@@ -215,7 +216,7 @@ class FaceSweep {
   std::vector<int> long_;                         ///< lines that are in no bucket
   std::vector<int> above_;                        ///< short lines with an end above the window
   std::vector<std::pair<int, bool>> states_;      ///< per view: where the line is entered; whether it crosses
-  std::vector<int> order_;        ///< in which views are asked: first those that cut most
+  std::vector<int> order_;                        ///< in which views are asked: first those that cut most
   VoteWindow vote_window_;
   std::vector<Crossing> crossings_;
   std::vector<Edge> edges_;

@@ -9,15 +9,15 @@ namespace floatstage {
 namespace {
 
 constexpr std::size_t kProbes = 4;  // views that are asked one by one before the buckets are
-constexpr int kWide = 96;          // more lines are sorted into buckets before they are related
-constexpr double kMargin = 1e-9;   // of s, by which lines reach into the neighbouring bucket
+constexpr int kWide = 96;           // more lines are sorted into buckets before they are related
+constexpr double kMargin = 1e-9;    // of s, by which lines reach into the neighbouring bucket
 constexpr double kLong = 1.0 / 16;  // of s: such a line is related to all others
 constexpr int kMostBuckets = 4096;
 
 double w_at(double wa, double wb, double s) { return wa + (wb - wa) * s; }
 
 enum Relation : std::uint8_t {
-  kBelow = 1,     ///< where the line that is cut is entered, it passes below this one
+  kBelow = 1,  ///< where the line that is cut is entered, it passes below this one
   kCrosses = 2,
   kFallsBelow = 4,
 };
@@ -47,7 +47,6 @@ FaceSweep::End FaceSweep::entry_of(const Line& line) const {
   return {s >= line.left.s ? std::min(s, line.right.s) : line.left.s, level, kClipped, -1};
 }
 
-
 /// How line f lies to every line of a view, without a branch: what cut_by_view() finds one by one.
 void FaceSweep::relate(int f, double entry, const ViewLines& other) {
   const Line& line = lines_[f];
@@ -56,14 +55,15 @@ void FaceSweep::relate(int f, double entry, const ViewLines& other) {
     const double from = std::max(entry, columns_[g].left), to = std::min(right, columns_[g].right);
     const double at_a = wa - columns_[g].wa, change = wb - columns_[g].wb - at_a;
     const bool below_first = at_a + change * from < 0, below_last = at_a + change * to < 0;
-    const bool spans = static_cast<int>(columns_[g].left <= entry) & static_cast<int>(entry < columns_[g].right);
-    const bool overlap = from < to, under = columns_[g].low > high, over = columns_[g].high < low;
+    const bool spans =
+        static_cast<int>(columns_[g].left <= entry) & static_cast<int>(entry < columns_[g].right);
+    const bool overlap = from<to, under = columns_[g].low> high, over = columns_[g].high < low;
     const int mixed = static_cast<int>(overlap) & static_cast<int>(!under) & static_cast<int>(!over);
-    const int below = static_cast<int>(spans) &
-                      (static_cast<int>(under) | (mixed & static_cast<int>(below_first)));
+    const int below =
+        static_cast<int>(spans) & (static_cast<int>(under) | (mixed & static_cast<int>(below_first)));
     const int crosses = mixed & (static_cast<int>(below_first) ^ static_cast<int>(below_last));
-    relation_[g] = static_cast<std::uint8_t>(below | crosses * kCrosses |
-                                                     static_cast<int>(below_last) * kFallsBelow);
+    relation_[g] =
+        static_cast<std::uint8_t>(below | crosses * kCrosses | static_cast<int>(below_last) * kFallsBelow);
   }
 }
 
@@ -218,12 +218,14 @@ void FaceSweep::cut_line(int f, bool strict) {
   int inside = inside_;
   // Most lines are outside all along in one of the views that are asked first.
   const bool fast = in_->cull && !in_->grid;
-  const std::size_t asked = is_wide_ ? std::min<std::size_t>(order_.size(), strict ? kProbes : 0) : order_.size();
+  const std::size_t asked =
+      is_wide_ ? std::min<std::size_t>(order_.size(), strict ? kProbes : 0) : order_.size();
   for (std::size_t k = 0; k < asked; ++k) {
     const ViewLines& other = views_[order_[k]];
     if (other.view == lines_[f].view) continue;
     related_ += other.end - other.begin;
-    if (fast ? tally_view(f, entry, other, strict, inside) : cut_by_view(f, entry, other, strict, inside)) continue;
+    if (fast ? tally_view(f, entry, other, strict, inside) : cut_by_view(f, entry, other, strict, inside))
+      continue;
     std::swap(order_[k], order_[k / 2]);  // it will soon be asked early
     return;
   }
@@ -266,8 +268,11 @@ void FaceSweep::emit_run(int f, int from, int to, bool inner) {
     }
     const Crossing& c = crossings_[crossing];
     const bool inside_cutter = (c.change > 0) == after;
-    const std::uint64_t low = static_cast<std::uint64_t>(first_line_ + std::min(f, c.line)),
-                        high = static_cast<std::uint64_t>(first_line_ + std::max(f, c.line));
+    const auto numbered = [&](int index) {
+      const int number = first_line_ + index;
+      return static_cast<std::uint64_t>(number);
+    };
+    const std::uint64_t low = numbered(std::min(f, c.line)), high = numbered(std::max(f, c.line));
     const std::uint64_t low_inside = f < c.line ? inner : inside_cutter,
                         high_inside = f < c.line ? inside_cutter : inner;
     const std::uint64_t key = std::uint64_t{1} << 63 | low << 33 | high << 2 | low_inside << 1 | high_inside;

@@ -7,16 +7,16 @@
 
 namespace floatstage {
 
-/// Takes in what view j says about the window; false when it is outside all over it. Most views are inside all over
-/// it and have no line there.
+/// Takes in what view j says about the window; false when it is outside all over it. Most views are inside
+/// all over it and have no line there.
 bool FaceSweep::add_view(int j) {
   const PairTable &mine = in_->pairs->of(i_, j), &theirs = in_->pairs->of(j, i_);
   const ConeView& other = in_->views[j];
   const double along_baseline = depth_.dot(other.center - in_->views[i_].center);
   const PairTable::Bound &a = mine.bounds[a_], &b = mine.bounds[b_];
   // Whether the view's upper bounds all lie above the window and its lower ones below.
-  bool inside = std::max(a.low, b.low) < keep_low_ && std::min(a.high, b.high) > keep_high_ && mine.is_interval(a_) &&
-                mine.is_interval(b_);
+  bool inside = std::max(a.low, b.low) < keep_low_ && std::min(a.high, b.high) > keep_high_ &&
+                mine.is_interval(a_) && mine.is_interval(b_);
   const int first = theirs.face_start[edge_], last = theirs.face_start[edge_ + 1];
   vertices_.resize(static_cast<std::size_t>(last - first));
   Vertex* vertex = vertices_.data();
@@ -43,21 +43,25 @@ bool FaceSweep::add_view(int j) {
   return group.state > 0;
 }
 
-/// Makes the lines of a view that reach into the window, and returns its state at s = 0 above them. What the others
-/// would say is kept in two ways: those above the window count in that state, and where a kept line ends above the
-/// window its end stands for a vertical line from there upwards, so that the states below it are the true ones.
+/// Makes the lines of a view that reach into the window, and returns its state at s = 0 above them. What the
+/// others would say is kept in two ways: those above the window count in that state, and where a kept line
+/// ends above the window its end stands for a vertical line from there upwards, so that the states below it
+/// are the true ones.
 int FaceSweep::add_lines(int j) {
   const PairTable &mine = in_->pairs->of(i_, j), &theirs = in_->pairs->of(j, i_);
   const std::vector<int>& next = in_->views[j].next;
   const int a = mine.ray_start[a_], a_end = mine.ray_start[a_ + 1], b = mine.ray_start[b_],
             b_end = mine.ray_start[b_ + 1];
   if (vertex_of_ray_.size() < next.size()) vertex_of_ray_.resize(next.size(), 0);
-  for (std::size_t v = 0; v < vertices_.size(); ++v) vertex_of_ray_[vertices_[v].ray] = static_cast<int>(v) + 1;
+  for (std::size_t v = 0; v < vertices_.size(); ++v)
+    vertex_of_ray_[vertices_[v].ray] = static_cast<int>(v) + 1;
   // s grows with phi where this face is not an upper bound for the other view's rays; an upper bound of the
   // other view runs towards larger phi.
   const bool s_with_phi = theirs.upper[edge_] == 0;
   const auto runs_right = [&](int edge) { return (mine.upper[edge] != 0) == s_with_phi; };
-  const auto reaches = [&](double v, double w) { return !(std::max(v, w) < keep_low_ || std::min(v, w) > keep_high_); };
+  const auto reaches = [&](double v, double w) {
+    return !(std::max(v, w) < keep_low_ || std::min(v, w) > keep_high_);
+  };
   const auto vertex_end = [&](int number) {
     const Vertex& vertex = vertices_[number - 1];
     return End{s_of(j, vertex.ray), vertex.w, vertex.ray, vertex.hit};
@@ -90,7 +94,8 @@ int FaceSweep::add_lines(int j) {
   for (int h = b; h < b_end; ++h) {
     const int edge = mine.hits[h].edge, number = vertex_of_ray_[runs_right(edge) ? edge : next[edge]];
     if (number == 0) continue;  // it came from the other ray
-    if (reaches(vertices_[number - 1].w, mine.hits[h].w)) add_line(j, edge, vertex_end(number), hit_end(h, 1));
+    if (reaches(vertices_[number - 1].w, mine.hits[h].w))
+      add_line(j, edge, vertex_end(number), hit_end(h, 1));
   }
   for (std::size_t v = 0; v < vertices_.size(); ++v) {
     const int edge = vertices_[v].ray, here = static_cast<int>(v) + 1, after = vertex_of_ray_[next[edge]];

@@ -24,7 +24,8 @@ class Stopwatch {
 
 // A frame of more is noise: a person seen from 60 sides needs a hundredth. Shared out to the parts.
 constexpr std::int64_t kMostRelations = 1'000'000'000;
-constexpr int kFacesPerPart = FaceSweep::kMostFaces;  // fixed, so that the parts do not depend on the number of threads
+constexpr int kFacesPerPart =
+    FaceSweep::kMostFaces;  // fixed, so that the parts do not depend on the number of threads
 
 }  // namespace
 
@@ -70,7 +71,8 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
       for (std::int32_t face = static_cast<std::int32_t>(p) * kFacesPerPart; face < end;) {
         const auto next = std::upper_bound(input_.first_face.begin(), input_.first_face.end(), face);
         const std::int32_t stop = next == input_.first_face.end() ? end : std::min(end, *next);
-        sweep.run(static_cast<int>(next - input_.first_face.begin()) - 1, face - *(next - 1), stop - *(next - 1), part);
+        sweep.run(static_cast<int>(next - input_.first_face.begin()) - 1, face - *(next - 1),
+                  stop - *(next - 1), part);
         face = stop;
       }
     }
@@ -97,7 +99,8 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
   welder_.weld(input_, used, polygons_);
   outcome.closed = !tie && defects == 0 && !outcome.unbounded && polygons_.closed();
   outcome.timings.weld = watch.lap();
-  if (outcome.closed && options.triangulate) outcome.closed = welder_.triangulate(used, options.threads, polygons_);
+  if (outcome.closed && options.triangulate)
+    outcome.closed = welder_.triangulate(used, options.threads, polygons_);
   outcome.timings.triangles = watch.lap();
 }
 

@@ -44,20 +44,21 @@ struct ExactWork {
 struct ExactOutcome {
   ExactLevel level = ExactLevel::Doubles;
   int attempts = 0;  ///< sweeps over the whole frame; 1 when plain doubles were enough
-  bool unbounded =
-      false;  ///< the views do not bound the hull: give a volume. Believed only from the integers.
+  /// The views do not bound the hull: give a volume. Believed only from the integers.
+  bool unbounded = false;
   bool closed = false;
-  int defects = 0;       ///< faces whose boundary did not close, in the last attempt
-  bool tie = false;      ///< an exact predicate was zero, in the last attempt
-  bool too_complex = false;  ///< more outline edges, hits (PairTables::most_hits) or pairs of lines than a frame may cost: no hull
-  ExactWork work;        ///< of the last attempt
-  ExactTimings timings;  ///< of the last attempt
+  int defects = 0;           ///< faces whose boundary did not close, in the last attempt
+  bool tie = false;          ///< an exact predicate was zero, in the last attempt
+  bool too_complex = false;  ///< more outline edges, hits (PairTables::most_hits) or pairs of lines than a
+                             ///< frame may cost: no hull
+  ExactWork work;            ///< of the last attempt
+  ExactTimings timings;      ///< of the last attempt
 };
 
 /// The exact polyhedral visual hull of polygonal silhouettes (Franco and Boyer 2003 state the problem): one
 /// planar sweep for each contour edge, vertices that carry names instead of tolerances, and a check that
-/// every edge has its reverse. docs/algorithms/visual-hull.md explains it. Keeps its memory: on one thread the second
-/// frame of a size allocates nothing, unless it has to escalate.
+/// every edge has its reverse. docs/algorithms/visual-hull.md explains it. Keeps its memory: on one thread
+/// the second frame of a size allocates nothing, unless it has to escalate.
 class ExactHull {
  public:
   /// At least two views; every view has at least one polygon. The views are moved when escalation needs it.

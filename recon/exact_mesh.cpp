@@ -45,7 +45,7 @@ std::int32_t MeshWelder::number_of(VertexName name, const FaceCorner& corner, co
     kind_.push_back(kApexVertex);
   } else {
     const Eigen::Vector3d &da = view.rays[face.edge], &db = view.rays[view.next[face.edge]];
-    out.positions.push_back(view.center + ((1 - corner.s) * da + corner.s * db) / corner.w);
+    out.positions.emplace_back(view.center + ((1 - corner.s) * da + corner.s * db) / corner.w);
     kind_.push_back(kTripleVertex);
   }
   return values_[at];
@@ -63,7 +63,7 @@ void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput>
         const auto add = [&](std::int32_t id, double w) {
           if (id == RayInterval::kApex || of_hit_[id] >= 0) return;
           of_hit_[id] = static_cast<std::int32_t>(out.positions.size());
-          out.positions.push_back(view.center + view.rays[ray] / w);
+          out.positions.emplace_back(view.center + view.rays[ray] / w);
           kind_.push_back(kHitVertex);
         };
         add(interval.low, interval.w_low);
@@ -135,7 +135,7 @@ void MeshWelder::check(const ArrangementInput& input, HullPolygons& out) {
   };
   each_edge([&](std::int32_t u, std::int32_t v) {
     if (kind_[u] == kApexVertex) {
-      from_apex.push_back({u, v});
+      from_apex.emplace_back(u, v);
     } else if (degree_[u] == kSlots) {
       ++out.irregular;
     } else {
@@ -144,7 +144,7 @@ void MeshWelder::check(const ArrangementInput& input, HullPolygons& out) {
   });
   each_edge([&](std::int32_t u, std::int32_t v) {
     if (kind_[v] == kApexVertex) {
-      to_apex.push_back({v, u});
+      to_apex.emplace_back(v, u);
       return;
     }
     const std::int32_t* edges = &out_edges_[v * kSlots];
@@ -187,7 +187,7 @@ void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullP
     scratch.ends.clear();
     double highest = 0;
     for (int c = begin; c < end; ++c) {
-      scratch.points.push_back({part.corners[c].s, part.corners[c].w});
+      scratch.points.emplace_back(part.corners[c].s, part.corners[c].w);
       if (std::isfinite(part.corners[c].w)) highest = std::max(highest, part.corners[c].w);
     }
     for (auto& point : scratch.points) {
@@ -196,9 +196,10 @@ void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullP
     for (int p = first; p < last; ++p) scratch.ends.push_back(part.polygon_start[p + 1] - begin);
     scratch.local.clear();
     scratch.cutter.cut(scratch.points, scratch.ends, scratch.local);
-    const std::int32_t* corners = &hull.corners[static_cast<std::size_t>(start.corner + begin)];
+    const std::int32_t* corners = hull.corners.data() + start.corner + begin;
     const std::size_t first_triangle = part.triangles.size();
-    for (const std::int32_t k : scratch.local) part.triangles.push_back(static_cast<std::uint32_t>(corners[k]));
+    for (const std::int32_t k : scratch.local)
+      part.triangles.push_back(static_cast<std::uint32_t>(corners[k]));
     part.triangle_face.insert(part.triangle_face.end(), scratch.local.size() / 3, number);
     // Only vertices with another face in common can be joined twice. Clipping an ear leaves its third side.
     const bool ears_only = last == first + 1;
@@ -218,7 +219,7 @@ void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullP
                            v = static_cast<std::int32_t>(part.triangles[t + (k + 1) % 3]);
         if (!ears_only) {
           const std::int32_t *ends = &scratch.local[t - first_triangle], a = ends[k], b = ends[(k + 1) % 3];
-          scratch.within.push_back({a, b});
+          scratch.within.emplace_back(a, b);
           if (adjacent(a, b)) continue;
         }
         if (!share_another_face(u, v, number)) continue;

@@ -38,8 +38,8 @@ class MeshWelder {
  public:
   /// Numbers the vertices and fills `out` but for the triangles; `parts` in ascending order of faces.
   void weld(const ArrangementInput& input, std::span<const FaceOutput> parts, HullPolygons& out);
-  /// Cuts all polygons into triangles. False when a diagonal was cut along twice, or is another face's edge, which only
-  /// rounding can do: it would have four triangles.
+  /// Cuts all polygons into triangles. False when a diagonal was cut along twice, or is another face's edge,
+  /// which only rounding can do: it would have four triangles.
   bool triangulate(std::span<FaceOutput> parts, int threads, HullPolygons& out);
 
  private:

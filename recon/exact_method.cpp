@@ -75,9 +75,10 @@ void remark_on_noise(const Rig& rig, const HullInput& input, double tolerance, c
       report.remarks.push_back(text("camera '", rig.cameras[c].serial,
                                     "': its matte is nothing but specks and was left out; look at it"));
     } else {
-      report.remarks.push_back(text("camera '", rig.cameras[c].serial, "': its matte is noisy: its outline was taken within ",
-                                    std::max(tolerance, detail.tolerance), " px, without islands and holes below ",
-                                    detail.smallest, " px²; look at it"));
+      report.remarks.push_back(
+          text("camera '", rig.cameras[c].serial, "': its matte is noisy: its outline was taken within ",
+               std::max(tolerance, detail.tolerance), " px, without islands and holes below ",
+               detail.smallest, " px²; look at it"));
     }
   }
 }
@@ -118,19 +119,21 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
   };
   ExactOutcome outcome;
   bool cut = false;
-  // Mattes of noise have outlines that cross each other millions of times: those are made coarser until the frame's
-  // time is bounded.
+  // Mattes of noise have outlines that cross each other millions of times: those are made coarser until the
+  // frame's time is bounded.
   constexpr int kRounds = 6;
   for (int round = 0;; ++round) {
     const auto again = std::chrono::steady_clock::now();
     workspace.builder.build(rig, input, settings, cones);
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
       if (!cones.details[c].torn) continue;
-      return fail(ErrorCode::BadData, text("camera '", rig.cameras[c].serial,
-                                           "': without its lens, its outline crosses itself too badly to be mended; "
-                                           "check its calibration and where the outline comes from"));
+      return fail(ErrorCode::BadData,
+                  text("camera '", rig.cameras[c].serial,
+                       "': without its lens, its outline crosses itself too badly to be mended; "
+                       "check its calibration and where the outline comes from"));
     }
-    cut = std::any_of(cones.views.begin(), cones.views.end(), [](const ConeView& v) { return v.beyond_counts; });
+    cut = std::any_of(cones.views.begin(), cones.views.end(),
+                      [](const ConeView& v) { return v.beyond_counts; });
     if (!options.volume && (cut || cones.views.size() < 2)) {
       // Some silhouettes are open: what the others bound is where the hull is sought.
       const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, input.mattes());
@@ -143,9 +146,10 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
     outcome = compute();
     if (!outcome.too_complex) break;
     if (round == kRounds) {
-      return fail(ErrorCode::BadData,
-                  "the outlines of the mattes cross each other too often, even without small islands and holes: they "
-                  "are noise; look at the mattes and at the keyer's settings");
+      return fail(
+          ErrorCode::BadData,
+          "the outlines of the mattes cross each other too often, even without small islands and holes: they "
+          "are noise; look at the mattes and at the keyer's settings");
     }
     settings.tolerance = std::max(settings.tolerance, std::clamp(2 * settings.tolerance, 0.5, 4.0));
     settings.smallest = std::max(16.0, 16 * settings.smallest);
@@ -177,7 +181,8 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
   }
   report.escalations = outcome.attempts - 1;
   report.work = {0, outcome.work.hits, outcome.work.lines, outcome.work.relations};
-  for (const Silhouette& outline : cones.outlines) report.work.points += static_cast<std::int64_t>(outline.points.size());
+  for (const Silhouette& outline : cones.outlines)
+    report.work.points += static_cast<std::int64_t>(outline.points.size());
   report.timings.tables = outcome.timings.pairs;
   report.timings.rays = outcome.timings.rays;
   report.timings.faces = outcome.timings.faces;

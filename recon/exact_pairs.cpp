@@ -46,7 +46,8 @@ bool PairTables::build(std::span<const ConeView> views, const GridViews* grid, i
   for (std::size_t v = 0; v < views_; ++v) {
     const ConeView& view = views[v];
     normals_[v].resize(view.rays.size());
-    for (std::size_t f = 0; f < view.rays.size(); ++f) normals_[v][f] = view.rays[f].cross(view.rays[view.next[f]]);
+    for (std::size_t f = 0; f < view.rays.size(); ++f)
+      normals_[v][f] = view.rays[f].cross(view.rays[view.next[f]]);
   }
   parallel_for(count, threads, [&](std::size_t k) {
     int i = 0;
@@ -135,7 +136,8 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
     least = std::min(least, key);
     most = std::max(most, key);
   }
-  // As many bins as edges; fewer where so many edges lie over each other that each would fill hundreds of bins.
+  // As many bins as edges; fewer where so many edges lie over each other that each would fill hundreds of
+  // bins.
   double length = 0;
   for (int f = 0; f < edges; ++f) length += std::abs(end_key[f] - end_key[to.next[f]]);
   const double layers = most > least ? length / (most - least) : 1;

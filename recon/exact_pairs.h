@@ -63,11 +63,12 @@ struct AxisTable {
 class PairTables {
  public:
   /// Builds all V(V-1) tables. `grid` not null: every sign is exact, and `tie()` tells whether a predicate
-  /// was zero. False, and no tables, when the outlines cross so often that a pair has more hits than most_hits().
+  /// was zero. False, and no tables, when the outlines cross so often that a pair has more hits than
+  /// most_hits().
   bool build(std::span<const ConeView> views, const GridViews* grid, int threads);
 
-  /// Hits of one ordered pair of views: an equal share of four million, but always eight for each ray. People have two
-  /// or three. Bounds the memory (32 bytes a hit) and the time of a frame.
+  /// Hits of one ordered pair of views: an equal share of four million, but always eight for each ray. People
+  /// have two or three. Bounds the memory (32 bytes a hit) and the time of a frame.
   static std::size_t most_hits(std::size_t views, std::size_t rays) {
     return std::max<std::size_t>(4'000'000 / (views * (views - 1)), 8 * rays);
   }

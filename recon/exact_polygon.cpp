@@ -193,8 +193,8 @@ void PolygonCutter::cut(std::span<const Vector2d> points, std::span<const std::i
     for (std::int32_t k = ring.begin; k < ring.end; ++k) left = std::min(left, points[k].x());
     return left;
   };
-  // Each hole belongs to the smallest outline around it. Holes are connected from left to right: then what lies to
-  // the left of a hole is connected already.
+  // Each hole belongs to the smallest outline around it. Holes are connected from left to right: then what
+  // lies to the left of a hole is connected already.
   holes_.clear();
   for (std::size_t h = 0; h < rings_.size(); ++h) {
     if (!is_hole(rings_[h])) continue;

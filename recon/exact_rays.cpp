@@ -40,8 +40,8 @@ class HitOrder {
   bool& tie_;
 };
 
-/// The stretch of each ray of view i in which enough views can be inside, a little widened; empty (low > high)
-/// where there is none. Only this matters.
+/// The stretch of each ray of view i in which enough views can be inside, a little widened; empty (low >
+/// high) where there is none. Only this matters.
 void find_windows(const PairTables& pairs, int i, std::span<const ConeView> views, const Votes& votes,
                   RayScratch& scratch) {
   std::vector<PairTable::Bound>& windows = scratch.windows;
@@ -70,8 +70,8 @@ void find_windows(const PairTables& pairs, int i, std::span<const ConeView> view
   }
 }
 
-/// Gathers the hits that can matter and the weight of the views that contain the ray before the first of them; -1
-/// where there is no hull.
+/// Gathers the hits that can matter and the weight of the views that contain the ray before the first of
+/// them; -1 where there is no hull.
 int gather(const PairTables& pairs, int i, int ray, int views, const PairTable::Bound& window,
            const Votes& votes, std::vector<RayCrossing>& out) {
   out.clear();

@@ -17,7 +17,9 @@ inline Eigen::Vector3d to_eigen(const OpenMesh::Vec3d& p) { return {p[0], p[1], 
 
 inline OpenMesh::Vec3d to_openmesh(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
 
-inline Eigen::Vector3d place(const HalfEdges& mesh, OpenMesh::VertexHandle v) { return to_eigen(mesh.point(v)); }
+inline Eigen::Vector3d place(const HalfEdges& mesh, OpenMesh::VertexHandle v) {
+  return to_eigen(mesh.point(v));
+}
 
 /// What OpenMesh wants before anything is collapsed.
 inline void request_deletion(HalfEdges& mesh) {

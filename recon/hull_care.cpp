@@ -41,7 +41,9 @@ class CaredMesh {
     }
     const std::vector<Vector3d> normals = face_normals(mesh, sources);
     for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
-      const auto corner = [&](std::size_t k) { return VertexHandle(static_cast<int>(mesh.triangles[3 * t + k])); };
+      const auto corner = [&](std::size_t k) {
+        return VertexHandle(static_cast<int>(mesh.triangles[3 * t + k]));
+      };
       const FaceHandle face = out.edges.add_face(corner(0), corner(1), corner(2));
       if (!face.is_valid()) return std::nullopt;
       out.edges.property(out.normals, face) = to_openmesh(normals[t]);
@@ -65,7 +67,8 @@ class CaredMesh {
     const bool sourced = !sources.empty();
     sources.clear();
     for (const FaceHandle f : edges.all_faces()) {
-      for (const VertexHandle v : edges.fv_range(f)) mesh.triangles.push_back(static_cast<std::uint32_t>(v.idx()));
+      for (const VertexHandle v : edges.fv_range(f))
+        mesh.triangles.push_back(static_cast<std::uint32_t>(v.idx()));
       if (sourced) sources.push_back(edges.property(source, f));
     }
   }
@@ -73,7 +76,8 @@ class CaredMesh {
   HalfEdges edges;
   FaceNormals normals;
   OpenMesh::FPropHandleT<HullFaceSource> source;
-  OpenMesh::VPropHandleT<std::size_t> name;  ///< the vertex's index before anything was done: MoveBound's name for it
+  OpenMesh::VPropHandleT<std::size_t>
+      name;  ///< the vertex's index before anything was done: MoveBound's name for it
 
  private:
   /// All triangles of one contour edge lie in one plane: together they know its normal, slivers or not.
@@ -89,7 +93,8 @@ class CaredMesh {
       std::vector<std::size_t> order(normals.size());
       std::iota(order.begin(), order.end(), std::size_t{0});
       const auto key = [&](std::size_t t) { return std::pair(sources[t].camera, sources[t].contour_edge); };
-      std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
       for (std::size_t first = 0, last; first < order.size(); first = last) {
         Vector3d sum = Vector3d::Zero();
         for (last = first; last < order.size() && key(order[last]) == key(order[first]); ++last)
@@ -147,9 +152,10 @@ void undo_new_crossings(Mesh& mesh, const std::vector<Eigen::Vector3f>& start, i
   }
 }
 
-/// Smooths, and holds back until no silhouette loses more than it may. The px that it was held to; 0: given up.
-double smooth(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
-              MoveBound& bound, CaredMesh& cared) {
+/// Smooths, and holds back until no silhouette loses more than it may. The px that it was held to; 0: given
+/// up.
+double smooth(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options, MoveBound& bound,
+              CaredMesh& cared) {
   constexpr int kTries = 5;
   const HullCare& care = options.care;
   const std::vector<std::size_t> names = cared.names();
@@ -163,7 +169,8 @@ double smooth(const Rig& rig, std::span<const Matte> mattes, const HullOptions& 
   for (int attempt = 0; attempt < kTries; ++attempt, limit /= 2) {
     bound.set_limit(limit);
     for (std::size_t v = 0; v < names.size(); ++v)
-      cared.edges.set_point(VertexHandle(static_cast<int>(v)), to_openmesh(start.positions[v].cast<double>()));
+      cared.edges.set_point(VertexHandle(static_cast<int>(v)),
+                            to_openmesh(start.positions[v].cast<double>()));
     for (std::size_t f = 0; f < planes.size(); ++f)
       cared.edges.property(cared.normals, FaceHandle(static_cast<int>(f))) = planes[f];
     smooth_within(cared.edges, cared.normals, bound, names, care.smooth, options.threads);
@@ -183,7 +190,8 @@ double smooth(const Rig& rig, std::span<const Matte> mattes, const HullOptions& 
 
 }  // namespace
 
-void care_for_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options, HullReport& report) {
+void care_for_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+                   HullReport& report) {
   const auto begin = std::chrono::steady_clock::now();
   const HullCare& care = options.care;
   std::optional<CaredMesh> cared = CaredMesh::from(report.mesh, report.sources);
@@ -214,13 +222,15 @@ void care_for_hull(const Rig& rig, std::span<const Matte> mattes, const HullOpti
   cared->write(mesh, sources);
   const MeshCheck check = check_mesh(mesh);
   if (!(check.watertight && check.manifold && check.oriented)) {
-    report.remarks.push_back(text("care would have left a mesh that is ", check.summary(), ": it was left as it is"));
+    report.remarks.push_back(
+        text("care would have left a mesh that is ", check.summary(), ": it was left as it is"));
     return;
   }
   done.triangles_after = mesh.triangle_count();
   done.slivers_after = count_slivers(cared->edges);
   if (care.triangles > 0 && done.triangles_after > static_cast<std::size_t>(care.triangles))
-    report.remarks.push_back(text("decimation stopped at ", done.triangles_after, " triangles: no further one can go"));
+    report.remarks.push_back(
+        text("decimation stopped at ", done.triangles_after, " triangles: no further one can go"));
   if (care.smooth > 0 && done.smoothed_within == 0)
     report.remarks.push_back("smoothing was given up: the silhouettes would have suffered");
   const std::vector<Matte> after = silhouettes(rig, mattes, mesh, options.threads);

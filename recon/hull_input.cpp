@@ -30,7 +30,8 @@ std::string flaw(const Silhouette& outline, const CameraModel& model) {
     if (!(p.x() >= -reach && p.y() >= -reach && p.x() <= 2 * reach && p.y() <= 2 * reach))
       return "it has points far outside the picture";
   }
-  if (!tells_sides(outline)) return "its polygons do not tell subject from background: subject has to be right of every edge";
+  if (!tells_sides(outline))
+    return "its polygons do not tell subject from background: subject has to be right of every edge";
   return {};
 }
 
@@ -38,8 +39,9 @@ std::string flaw(const Silhouette& outline, const CameraModel& model) {
 
 Result<void> HullInput::check() const {
   if (count_ != rig_.cameras.size())
-    return fail(ErrorCode::InvalidArgument, text(count_, outlines_.empty() ? " mattes" : " outlines", " for ",
-                                                 rig_.cameras.size(), " cameras; give one each, empty where there is none"));
+    return fail(ErrorCode::InvalidArgument,
+                text(count_, outlines_.empty() ? " mattes" : " outlines", " for ", rig_.cameras.size(),
+                     " cameras; give one each, empty where there is none"));
   for (std::size_t c = 0; c < mattes_.size(); ++c) {
     const CameraModel& model = rig_.cameras[c].model;
     const Matte& matte = mattes_[c];
@@ -52,8 +54,8 @@ Result<void> HullInput::check() const {
   for (std::size_t c = 0; c < outlines_.size(); ++c) {
     const std::string what = flaw(outlines_[c], rig_.cameras[c].model);
     if (what.empty()) continue;
-    return fail(ErrorCode::BadData, text("camera '", rig_.cameras[c].serial, "': its outline is of no use: ", what,
-                                         "; leave it out, and look at what sends it"));
+    return fail(ErrorCode::BadData, text("camera '", rig_.cameras[c].serial, "': its outline is of no use: ",
+                                         what, "; leave it out, and look at what sends it"));
   }
   return {};
 }
@@ -68,7 +70,8 @@ bool HullInput::shows_subject(std::size_t camera) const {
   const Silhouette& outline = outlines_[camera];
   if (!outline.beyond_counts || outline.empty()) return knows(camera);
   // Where the border is traced through the middles of pixel sides, the four corners are cut: half a pixel.
-  const double picture = static_cast<double>(rig_.cameras[camera].model.width) * rig_.cameras[camera].model.height;
+  const double picture =
+      static_cast<double>(rig_.cameras[camera].model.width) * rig_.cameras[camera].model.height;
   return outline.polygons() > 1 || picture + enclosed_area(outline) > 1;
 }
 

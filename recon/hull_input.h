@@ -28,11 +28,13 @@ class HullInput {
   bool outlined() const { return !outlines_.empty(); }
 
   /// Null when mattes were given.
-  const Silhouette* outline(std::size_t camera) const { return outlines_.empty() ? nullptr : &outlines_[camera]; }
+  const Silhouette* outline(std::size_t camera) const {
+    return outlines_.empty() ? nullptr : &outlines_[camera];
+  }
   const Matte& matte(std::size_t camera) const { return mattes_[camera]; }  ///< when mattes were given
 
-  /// As mattes. Outlines are filled when they are first asked for, which a strict frame with the subject inside all
-  /// pictures never does.
+  /// As mattes. Outlines are filled when they are first asked for, which a strict frame with the subject
+  /// inside all pictures never does.
   std::span<const Matte> mattes();
 
  private:

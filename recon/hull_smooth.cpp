@@ -13,10 +13,10 @@ using Eigen::Vector3d;
 using OpenMesh::FaceHandle;
 using OpenMesh::VertexHandle;
 
-constexpr int kSteps = 4;            // of the vertices, after each filtering of the normals
-constexpr double kAgreement = 0.5;   // cosine from which neighbours count
+constexpr int kSteps = 4;                // of the vertices, after each filtering of the normals
+constexpr double kAgreement = 0.5;       // cosine from which neighbours count
 constexpr std::size_t kMostFaces = 256;  // around a vertex that is moved
-constexpr std::size_t kBatch = 256;  // elements a thread takes at once
+constexpr std::size_t kBatch = 256;      // elements a thread takes at once
 
 struct Plane {
   Vector3d normal, center;
@@ -36,16 +36,19 @@ void in_batches(std::size_t count, int threads, const Body& body) {
 Vector3d area_vector(const HalfEdges& mesh, FaceHandle face) {
   Vector3d corner[3];
   std::size_t k = 0;
-  for (HalfEdges::ConstFaceVertexIter it = mesh.cfv_iter(face); it.is_valid(); ++it) corner[k++] = place(mesh, *it);
+  for (HalfEdges::ConstFaceVertexIter it = mesh.cfv_iter(face); it.is_valid(); ++it)
+    corner[k++] = place(mesh, *it);
   return (corner[1] - corner[0]).cross(corner[2] - corner[0]);
 }
 
 Plane plane_of(const HalfEdges& mesh, FaceHandle face, FaceNormals normals) {
   Vector3d center = Vector3d::Zero();
-  for (HalfEdges::ConstFaceVertexIter it = mesh.cfv_iter(face); it.is_valid(); ++it) center += place(mesh, *it) / 3;
+  for (HalfEdges::ConstFaceVertexIter it = mesh.cfv_iter(face); it.is_valid(); ++it)
+    center += place(mesh, *it) / 3;
   const Vector3d area = area_vector(mesh, face);
   // A sliver has no normal of its own.
-  const Vector3d normal = is_sliver(mesh, face) ? to_eigen(mesh.property(normals, face)) : area.stableNormalized();
+  const Vector3d normal =
+      is_sliver(mesh, face) ? to_eigen(mesh.property(normals, face)) : area.stableNormalized();
   return {normal, center, area.norm() / 2};
 }
 
@@ -81,10 +84,10 @@ double cosine(const Vector3d& a, const Vector3d& b) {
   return norms > 0 ? a.dot(b) / norms : 0;
 }
 
-// Moves the vertex as far towards `to` as its bound allows, and not at all where a triangle would turn away from the
-// normal that it should have: thin ones fold when their corners move each on its own.
-void move(HalfEdges& mesh, VertexHandle vertex, const Vector3d& start, const Vector3d& to, const MoveBound& bound,
-          std::size_t name, std::span<const Plane> planes) {
+// Moves the vertex as far towards `to` as its bound allows, and not at all where a triangle would turn away
+// from the normal that it should have: thin ones fold when their corners move each on its own.
+void move(HalfEdges& mesh, VertexHandle vertex, const Vector3d& start, const Vector3d& to,
+          const MoveBound& bound, std::size_t name, std::span<const Plane> planes) {
   constexpr double kGood = 0.9;  // cosine
   const Vector3d here = place(mesh, vertex);
   double before[kMostFaces];
@@ -109,8 +112,8 @@ void move(HalfEdges& mesh, VertexHandle vertex, const Vector3d& start, const Vec
 
 }  // namespace
 
-void smooth_within(HalfEdges& mesh, FaceNormals known, const MoveBound& bound, std::span<const std::size_t> names,
-                   int rounds, int threads) {
+void smooth_within(HalfEdges& mesh, FaceNormals known, const MoveBound& bound,
+                   std::span<const std::size_t> names, int rounds, int threads) {
   const std::size_t vertices = mesh.n_vertices(), faces = mesh.n_faces();
   std::vector<Vector3d> start(vertices), normals(faces);
   std::vector<Plane> planes(faces);

@@ -17,7 +17,8 @@ double nearest(const Matte& mask, int x, int y) {
   double best = std::hypot(mask.width, mask.height);
   for (int r = 1; r < limit && r < best; ++r) {
     for (int k = -r; k <= r; ++k) {
-      if (in(mask, x + k, y - r) || in(mask, x + k, y + r) || in(mask, x - r, y + k) || in(mask, x + r, y + k))
+      if (in(mask, x + k, y - r) || in(mask, x + k, y + r) || in(mask, x - r, y + k) ||
+          in(mask, x + r, y + k))
         best = std::min(best, std::hypot(r, k));
     }
   }

@@ -11,8 +11,8 @@ struct MeshCheck {
   bool watertight = false;  ///< every edge has exactly two triangles
   bool manifold = false;    ///< watertight, and the triangles at every vertex form one fan
   bool oriented = false;    ///< neighbours agree on the outside
-  bool outward =
-      false;  ///< every shell encloses positive volume, cavities (shells at odd depth inside others) negative
+  /// Every shell encloses positive volume, cavities (shells at odd depth inside others) negative.
+  bool outward = false;
   bool self_intersecting = false;  ///< two triangles that share no vertex cross
   int shells = 0;                  ///< components connected through common vertices
   int degenerate = 0;              ///< triangles without area

@@ -35,8 +35,8 @@ MoveBound::MoveBound(const Rig& rig, std::span<const Matte> mattes, std::span<co
   }
 }
 
-// Calls visit(camera, px moved) for all that v stands for, until it says false. A point that a camera saw and does not
-// see any more has moved infinitely far.
+// Calls visit(camera, px moved) for all that v stands for, until it says false. A point that a camera saw and
+// does not see any more has moved infinitely far.
 template <class Visit>
 bool MoveBound::visit(std::size_t v, const Vector3d& position, Visit visit) const {
   for (std::size_t e = 0; e < eyes_.size(); ++e) {
@@ -45,8 +45,7 @@ bool MoveBound::visit(std::size_t v, const Vector3d& position, Visit visit) cons
     const auto each = [&](std::size_t member) {
       const Vector2d& was = seen_[member * eyes_.size() + e];
       if (std::isnan(was.x())) return true;
-      return visit(eyes_[e].index,
-                   pixel ? (*pixel - was).norm() : std::numeric_limits<double>::infinity());
+      return visit(eyes_[e].index, pixel ? (*pixel - was).norm() : std::numeric_limits<double>::infinity());
     };
     if (!each(v)) return false;
     for (const std::size_t member : merged_[v])

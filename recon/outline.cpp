@@ -21,8 +21,8 @@ double longest_chord(double bend, double sag) {
   return bend > 1e-12 ? std::max(2.0, std::sqrt(8 * sag / bend)) : 0;
 }
 
-/// Replaces every point i by point_of(i), or leaves it out where that is absent. Polygons of fewer than three points
-/// go.
+/// Replaces every point i by point_of(i), or leaves it out where that is absent. Polygons of fewer than three
+/// points go.
 template <class PointOf>
 void rebuild(const PointOf& point_of, Silhouette& outline) {
   std::size_t kept = 0, polygons = 0;
@@ -55,7 +55,8 @@ void drop_repeated(Silhouette& outline) {
       const Vector2d &before = given.points[i > begin ? i - 1 : end - 1], &at = given.points[i],
                      &after = given.points[i + 1 < end ? i + 1 : begin];
       const Vector2d in = at - before, out = after - at;
-      const bool turns_back = in.dot(out) < 0 && std::abs(in.x() * out.y() - in.y() * out.x()) <= 1e-9 * in.norm() * out.norm();
+      const bool turns_back =
+          in.dot(out) < 0 && std::abs(in.x() * out.y() - in.y() * out.x()) <= 1e-9 * in.norm() * out.norm();
       return in.squaredNorm() <= 1e-12 || turns_back ? std::nullopt : std::optional(at);
     };
     rebuild(counts, outline);
@@ -102,35 +103,40 @@ int surrounding(const Silhouette& outline, std::span<const Eigen::AlignedBox2d> 
     for (int i = begin; i < end; ++i) {
       const Eigen::Vector2d &a = outline.points[i], &b = outline.points[i + 1 < end ? i + 1 : begin];
       if ((a.y() <= corner.y()) == (b.y() <= corner.y())) continue;
-      if (a.x() + (corner.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) < corner.x()) turns += b.y() < a.y() ? 1 : -1;
+      if (a.x() + (corner.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) < corner.x())
+        turns += b.y() < a.y() ? 1 : -1;
     }
   }
   return turns;
 }
 
-/// Adds the background that was seen around an outline that is not cut: what lies outside the picture is then unknown.
+/// Adds the background that was seen around an outline that is not cut: what lies outside the picture is then
+/// unknown.
 void make_beyond_unknown(const CameraModel& model, double bend, Silhouette& outline) {
   if (outline.empty() || outline.beyond_counts) return;
   constexpr double kGap = 0.1;   // px, where a coarse outline leaves the picture
   constexpr double kSag = 0.05;  // px, of the border as the lens bends it
   Eigen::AlignedBox2d border(Vector2d(0, 0), Vector2d(model.width, model.height));
-  for (const Vector2d& p : outline.points) border.extend(p + Vector2d(kGap, kGap)).extend(p - Vector2d(kGap, kGap));
+  for (const Vector2d& p : outline.points)
+    border.extend(p + Vector2d(kGap, kGap)).extend(p - Vector2d(kGap, kGap));
   const Vector2d &lo = border.min(), &hi = border.max();
   const Vector2d corners[] = {lo, {lo.x(), hi.y()}, hi, {hi.x(), lo.y()}};
   const double longest = longest_chord(bend, kSag);
   for (int side = 0; side < 4; ++side) {
     const Vector2d &from = corners[side], &to = corners[(side + 1) % 4];
     const int pieces = longest > 0 ? static_cast<int>(std::ceil((to - from).norm() / longest)) : 1;
-    for (int k = 0; k < pieces; ++k) outline.points.push_back(from + (to - from) * (static_cast<double>(k) / pieces));
+    for (int k = 0; k < pieces; ++k)
+      outline.points.emplace_back(from + (to - from) * (static_cast<double>(k) / pieces));
   }
   outline.starts.push_back(static_cast<int>(outline.points.size()));
   outline.beyond_counts = true;
 }
 
-/// Simplifies scratch.traced until options.most_points are enough and no two chains cross, neither with the lens nor
-/// without. `bent` is what comes out before the lens is removed.
-OutlineDetail simplify_for_lens(const CameraModel& model, double bend, const SilhouetteOptions& options, bool foreign,
-                                SilhouetteScratch& scratch, Silhouette& bent, Silhouette& straight) {
+/// Simplifies scratch.traced until options.most_points are enough and no two chains cross, neither with the
+/// lens nor without. `bent` is what comes out before the lens is removed.
+OutlineDetail simplify_for_lens(const CameraModel& model, double bend, const SilhouetteOptions& options,
+                                bool foreign, SilhouetteScratch& scratch, Silhouette& bent,
+                                Silhouette& straight) {
   constexpr double kCoarsest = 4;  // px: beyond, only more specks are left out
   constexpr std::size_t kTraced = 4;
   OutlineDetail detail{options.tolerance, options.smallest, false};
@@ -150,7 +156,8 @@ OutlineDetail simplify_for_lens(const CameraModel& model, double bend, const Sil
     simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance), scratch, bent);
     while (bent.points.size() > most) {
       drop_more();
-      tolerance = detail.tolerance = std::max(detail.tolerance, std::min(kCoarsest, std::max(0.25, 2 * detail.tolerance)));
+      tolerance = detail.tolerance =
+          std::max(detail.tolerance, std::min(kCoarsest, std::max(0.25, 2 * detail.tolerance)));
       simplify_outline(full, tolerance, longest_chord(bend, 0.1 * tolerance), scratch, bent);
       round = 0;
     }
@@ -225,13 +232,15 @@ bool tells_sides(const Silhouette& outline) {
 }
 
 OutlineDetail undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
-                                  const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out) {
+                                  const SilhouetteOptions& options, SilhouetteScratch& scratch,
+                                  Silhouette& out) {
   trace_outline(matte, options.unknown_beyond, scratch, scratch.traced);
   return simplify_for_lens(model, bend, options, false, scratch, scratch.bent, out);
 }
 
 OutlineDetail undistorted_outline(const Silhouette& outline, const CameraModel& model, double bend,
-                                  const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out) {
+                                  const SilhouetteOptions& options, SilhouetteScratch& scratch,
+                                  Silhouette& out) {
   scratch.traced = outline;
   if (!outline.empty()) drop_repeated(scratch.traced);
   if (options.unknown_beyond) make_beyond_unknown(model, bend, scratch.traced);

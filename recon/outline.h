@@ -23,8 +23,8 @@ struct OutlineDetail {
   bool torn = false;     ///< without the lens it crossed itself so badly that its polygons lost their meaning
 };
 
-/// Memory for one outline at a time, and what depends on its camera's calibration only. Kept from frame to frame, it
-/// makes later frames allocate nothing; results do not depend on it.
+/// Memory for one outline at a time, and what depends on its camera's calibration only. Kept from frame to
+/// frame, it makes later frames allocate nothing; results do not depend on it.
 class OutlineWorkspace {
  public:
   OutlineWorkspace();
@@ -38,16 +38,17 @@ class OutlineWorkspace {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The outline of a matte (half opacity), in the picture's own, distorted pixels: what visual_hull() takes in the
-/// matte's place, and finds the same hull from. Chords are as short as the camera's lens asks for, so that they are
-/// straight without it too. A matte of noise is made coarser until options.most_points are enough, which is returned.
-/// Without a matte, and where all of it is subject, there are no points: such a camera knows nothing.
+/// The outline of a matte (half opacity), in the picture's own, distorted pixels: what visual_hull() takes in
+/// the matte's place, and finds the same hull from. Chords are as short as the camera's lens asks for, so
+/// that they are straight without it too. A matte of noise is made coarser until options.most_points are
+/// enough, which is returned. Without a matte, and where all of it is subject, there are no points: such a
+/// camera knows nothing.
 OutlineDetail outline_of(const Matte& matte, const CameraModel& model, const SilhouetteOptions& options,
                          OutlineWorkspace& workspace, Silhouette& out);
 Silhouette outline_of(const Matte& matte, const CameraModel& model, const SilhouetteOptions& options = {});
 
-/// The other way: 255 where a pixel's centre is inside, else 0. The matte is empty for an outline that knows nothing,
-/// and all subject for one without points and with beyond_counts.
+/// The other way: 255 where a pixel's centre is inside, else 0. The matte is empty for an outline that knows
+/// nothing, and all subject for one without points and with beyond_counts.
 Matte filled(const Silhouette& outline, int width, int height);
 
 }  // namespace floatstage

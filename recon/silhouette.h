@@ -15,8 +15,8 @@
 
 namespace floatstage {
 
-/// How much a lens bends straight lines: the largest second difference over the picture, px per px². 0 without a
-/// lens. Depends on the calibration only: found once, used for every frame.
+/// How much a lens bends straight lines: the largest second difference over the picture, px per px². 0
+/// without a lens. Depends on the calibration only: found once, used for every frame.
 double lens_bend(const CameraModel& model);
 
 /// Memory for one outline at a time, kept from frame to frame.
@@ -59,20 +59,23 @@ inline constexpr double kOutlineGap = 0.01;
 /// True when no two edges that are not neighbours touch.
 bool is_simple(const Silhouette& outline);
 
-/// True when subject is right of all edges: outer polygons and holes, and beyond_counts, fit into each other. For
-/// outlines that are simple.
+/// True when subject is right of all edges: outer polygons and holes, and beyond_counts, fit into each other.
+/// For outlines that are simple.
 bool tells_sides(const Silhouette& outline);
 
-/// All of the above, then the lens removed from the points: the outline as the ideal pinhole camera would see it, with
-/// simplicity checked again. Points that the lens cannot undo are dropped. `bend` is lens_bend(model). A matte of noise
-/// is made coarser, up to an empty outline, until options.most_points are enough; that bounds the time of a frame.
+/// All of the above, then the lens removed from the points: the outline as the ideal pinhole camera would see
+/// it, with simplicity checked again. Points that the lens cannot undo are dropped. `bend` is
+/// lens_bend(model). A matte of noise is made coarser, up to an empty outline, until options.most_points are
+/// enough; that bounds the time of a frame.
 OutlineDetail undistorted_outline(const Matte& matte, const CameraModel& model, double bend,
-                                  const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out);
+                                  const SilhouetteOptions& options, SilhouetteScratch& scratch,
+                                  Silhouette& out);
 
-/// The same for an outline that was made elsewhere (outline_of()), possibly not quite simple any more. With a tolerance
-/// of 0 it keeps its points.
+/// The same for an outline that was made elsewhere (outline_of()), possibly not quite simple any more. With a
+/// tolerance of 0 it keeps its points.
 OutlineDetail undistorted_outline(const Silhouette& outline, const CameraModel& model, double bend,
-                                  const SilhouetteOptions& options, SilhouetteScratch& scratch, Silhouette& out);
+                                  const SilhouetteOptions& options, SilhouetteScratch& scratch,
+                                  Silhouette& out);
 
 /// Shoelace area of all polygons, px²; holes count negative.
 double enclosed_area(const Silhouette& outline);

@@ -41,7 +41,8 @@ void add_volume(const Eigen::AlignedBox3d& box, SilhouetteCones& cones) {
   }
 }
 
-void ConeBuilder::build(const Rig& rig, const HullInput& input, const ConeOptions& options, SilhouetteCones& out) {
+void ConeBuilder::build(const Rig& rig, const HullInput& input, const ConeOptions& options,
+                        SilhouetteCones& out) {
   const std::size_t count = rig.cameras.size();
   scratch_.resize(count);
   tables_.resize(count);
@@ -49,7 +50,8 @@ void ConeBuilder::build(const Rig& rig, const HullInput& input, const ConeOption
   out.details.resize(count);
   parallel_for(count, options.threads, [&](std::size_t c) {
     CameraTable& table = tables_[c];
-    if (!(table.model == rig.cameras[c].model)) table = {rig.cameras[c].model, lens_bend(rig.cameras[c].model)};
+    if (!(table.model == rig.cameras[c].model))
+      table = {rig.cameras[c].model, lens_bend(rig.cameras[c].model)};
     SilhouetteOptions settings;
     settings.tolerance = options.tolerance;
     settings.unknown_beyond = options.volume && !sees_all(rig.cameras[c], *options.volume);
@@ -58,7 +60,8 @@ void ConeBuilder::build(const Rig& rig, const HullInput& input, const ConeOption
     const Silhouette* given = input.outline(c);
     out.details[c] =
         given ? undistorted_outline(*given, table.model, table.bend, settings, scratch_[c], out.outlines[c])
-              : undistorted_outline(input.matte(c), table.model, table.bend, settings, scratch_[c], out.outlines[c]);
+              : undistorted_outline(input.matte(c), table.model, table.bend, settings, scratch_[c],
+                                    out.outlines[c]);
   });
   std::size_t used = 0;
   out.camera.clear();

@@ -23,9 +23,9 @@ struct ConeOptions {
 struct SilhouetteCones {
   std::vector<Silhouette> outlines;  ///< per camera of the rig: undistorted px; empty where it knows nothing
   std::vector<OutlineDetail> details;  ///< per camera of the rig
-  std::vector<ConeView> views;       ///< then the volume's, when there is one
-  std::vector<int> camera;           ///< per view: index into the rig; -1 for the volume
-  double pixel = 1e-3;               ///< smallest 1 / focal length
+  std::vector<ConeView> views;         ///< then the volume's, when there is one
+  std::vector<int> camera;             ///< per view: index into the rig; -1 for the volume
+  double pixel = 1e-3;                 ///< smallest 1 / focal length
 };
 
 class ConeBuilder {

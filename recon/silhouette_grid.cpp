@@ -99,8 +99,7 @@ void EdgeGrid::touching_edges(double gap, std::vector<int>& out) const {
       for (int k = i + 1; k < start_[cell + 1]; ++k) {
         const int e = edges_[i], f = edges_[k];
         if (next_[e] == f || next_[f] == e) continue;
-        if (touch(points_[e], points_[next_[e]], points_[f],
-                  points_[next_[f]], gap)) {
+        if (touch(points_[e], points_[next_[e]], points_[f], points_[next_[f]], gap)) {
           out.push_back(e);
           out.push_back(f);
         }

@@ -36,8 +36,8 @@ class Simplifier {
       cut = false;
       for (const int chord : scratch_.conflicts) cut |= cut_chord(origin_[chord], chord_end(result, chord));
     }
-    fit_outline(outline_, result, std::span<const int>(origin_).first(result.points.size()), std::sqrt(tolerance2_),
-                scratch_, out);
+    fit_outline(outline_, result, std::span<const int>(origin_).first(result.points.size()),
+                std::sqrt(tolerance2_), scratch_, out);
   }
 
  private:

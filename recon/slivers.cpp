@@ -36,8 +36,8 @@ bool collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, MoveBound&
   return true;
 }
 
-// The long side of a cap becomes the other diagonal of the two triangles at it: the surface moves by less than the
-// cap's height.
+// The long side of a cap becomes the other diagonal of the two triangles at it: the surface moves by less
+// than the cap's height.
 bool flip(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, const MoveBound& bound) {
   const EdgeHandle edge = mesh.edge_handle(h);
   if (!mesh.is_flip_ok(edge)) return false;
@@ -75,8 +75,7 @@ bool remove_sliver(HalfEdges& mesh, FaceHandle face, FaceNormals normals, MoveBo
 }  // namespace
 
 bool is_sliver(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const double longest2 =
-      std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return area_vector(a, b, c).norm() * kSliver < longest2;
 }
 
@@ -102,7 +101,8 @@ bool may_collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, bool f
   int before = 0, after = 0;
   for (HalfEdges::ConstVertexOHalfedgeIter it = mesh.cvoh_iter(gone); it.is_valid(); ++it) {
     if (mesh.is_boundary(*it)) return false;
-    const VertexHandle a = mesh.to_vertex_handle(*it), b = mesh.to_vertex_handle(mesh.next_halfedge_handle(*it));
+    const VertexHandle a = mesh.to_vertex_handle(*it),
+                       b = mesh.to_vertex_handle(mesh.next_halfedge_handle(*it));
     const Vector3d at_a = place(mesh, a), at_b = place(mesh, b);
     const bool was = is_sliver(from, at_a, at_b);
     before += was;
@@ -124,7 +124,8 @@ void remove_slivers(HalfEdges& mesh, FaceNormals normals, MoveBound& bound) {
     removed = 0;
     for (std::size_t f = 0; f < mesh.n_faces(); ++f) {
       const FaceHandle face(static_cast<int>(f));
-      if (!mesh.status(face).deleted() && is_sliver(mesh, face)) removed += remove_sliver(mesh, face, normals, bound);
+      if (!mesh.status(face).deleted() && is_sliver(mesh, face))
+        removed += remove_sliver(mesh, face, normals, bound);
     }
   }
 }

@@ -51,7 +51,7 @@ Result<Eigen::AlignedBox3d> search_box(const Rig& rig, std::span<const Matte> ma
 Mesh to_mesh(const Surface& surface) {
   Mesh mesh;
   mesh.positions.reserve(surface.positions.size());
-  for (const Eigen::Vector3d& p : surface.positions) mesh.positions.push_back(p.cast<float>());
+  for (const Eigen::Vector3d& p : surface.positions) mesh.positions.emplace_back(p.cast<float>());
   mesh.triangles.reserve(3 * surface.triangles.size());
   for (const auto& t : surface.triangles) mesh.triangles.insert(mesh.triangles.end(), t.begin(), t.end());
   return mesh;
@@ -101,9 +101,10 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
       if (input.outlined()) {  // they come live, and an octree takes seconds
         report.clear();
         return fail(ErrorCode::BadData,
-                    "the exact hull of these outlines did not close: leave the frame out, and look at what sends them");
+                    "the exact hull of these outlines did not close: leave the frame out, and look at what "
+                    "sends them");
       }
-      report.remarks.push_back(
+      report.remarks.emplace_back(
           "the exact hull did not close: the octree made this one; please report the frame");
       octree = true;
     }
@@ -112,7 +113,7 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
     if (Result<void> ok = octree_visual_hull(rig, input.mattes(), options, report); !ok) return forward(ok);
   }
   if (report.mesh.empty())
-    report.remarks.push_back("no point of space is inside every silhouette: the hull is empty");
+    report.remarks.emplace_back("no point of space is inside every silhouette: the hull is empty");
 
   if (options.care.wanted() && !report.mesh.empty()) care_for_hull(rig, input.mattes(), options, report);
 
@@ -165,7 +166,8 @@ Result<void> check(const HullOptions& o) {
   if (!(o.care.largest_loss >= 0 && o.care.largest_loss <= 1))
     return bad(text("a largest loss of ", o.care.largest_loss, " is no share between 0 and 1"));
   if (o.care.triangles != 0 && o.care.triangles < 4)
-    return bad(text("a budget of ", o.care.triangles, " triangles closes no surface: give at least 4, or 0 for none"));
+    return bad(text("a budget of ", o.care.triangles,
+                    " triangles closes no surface: give at least 4, or 0 for none"));
   if (o.volume && !(o.volume->min().allFinite() && o.volume->max().allFinite() &&
                     (o.volume->min().array() < o.volume->max().array()).all()))
     return bad("the volume to search is not a box with finite corners and positive sides");
@@ -188,8 +190,8 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, co
   return fresh_hull(rig, mattes, options, workspace);
 }
 
-Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
-                               HullWorkspace* workspace) {
+Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines,
+                               const HullOptions& options, HullWorkspace* workspace) {
   return fresh_hull(rig, outlines, options, workspace);
 }
 

@@ -30,16 +30,18 @@ enum class HullVoting {
            ///< report
 };
 
-/// What is done to a finished hull on request, in this order. It leaves the silhouettes' polyhedron, by amounts that
-/// HullCareReport states; the mesh stays closed, manifold and oriented, with its shells and handles.
+/// What is done to a finished hull on request, in this order. It leaves the silhouettes' polyhedron, by
+/// amounts that HullCareReport states; the mesh stays closed, manifold and oriented, with its shells and
+/// handles.
 struct HullCare {
   /// Needles and caps (kSliver in recon/slivers.h) go, where no vertex of the hull has to move by more than
   /// largest_move for it.
   bool collapse_slivers = false;
-  int triangles = 0;            ///< budget: the least important edges are collapsed until so few are left; 0: none
-  int smooth = 0;               ///< rounds of smoothing that does not shrink it or round ridges off, within largest_move
-  double largest_move = 0.5;    ///< px: how far from where it was any vertex may be seen, in any view
-  double largest_loss = 0.002;  ///< of any view's silhouette IoU, by smoothing; it is held back until this holds
+  int triangles = 0;  ///< budget: the least important edges are collapsed until so few are left; 0: none
+  int smooth = 0;  ///< rounds of smoothing that does not shrink it or round ridges off, within largest_move
+  double largest_move = 0.5;  ///< px: how far from where it was any vertex may be seen, in any view
+  /// Of any view's silhouette IoU, by smoothing; it is held back until this holds.
+  double largest_loss = 0.002;
   bool wanted() const { return collapse_slivers || smooth > 0 || triangles > 0; }
   bool operator==(const HullCare&) const = default;
 };
@@ -49,15 +51,15 @@ struct HullOptions {
   /// World box to search, metres; the hull is cut off at its sides. Absent: the box of the intersection of
   /// all silhouettes' bounding pyramids, shrunk to what the silhouettes leave of it.
   std::optional<Eigen::AlignedBox3d> volume = {};
-  double contour_tolerance =
-      0.5;  ///< exact: px by which the polygons may leave the silhouettes' iso-lines; 0: every point
+  /// Exact: px by which the polygons may leave the silhouettes' iso-lines; 0: every point.
+  double contour_tolerance = 0.5;
   HullVoting voting = HullVoting::Strict;
   int votes = 0;           ///< MofN: m; views without a matte do not vote
   int resolution = 256;    ///< octree: voxels along the longest side of the box, 8 … 1024
   double smoothing = 0.5;  ///< octree: largest move of a vertex by smoothing, in voxels; 0: none
   HullCare care;
-  int threads = 0;         ///< 0: one per core; the result is the same at any number
-  bool quality = true;     ///< compute silhouette_iou; takes longer than the exact hull itself
+  int threads = 0;      ///< 0: one per core; the result is the same at any number
+  bool quality = true;  ///< compute silhouette_iou; takes longer than the exact hull itself
 };
 
 /// Every number in range; the sentence says which is not.
@@ -84,7 +86,7 @@ struct HullTimings {
 /// What an exact hull cost, in things that do not depend on the machine.
 struct HullWork {
   std::int64_t points = 0;     ///< of all outlines
-  std::int64_t hits = 0;       ///< half-lines through outline points that meet an outline's edge in another picture
+  std::int64_t hits = 0;       ///< half-lines through those that meet another picture's outline
   std::int64_t lines = 0;      ///< edges of other outlines that were looked at within faces
   std::int64_t relations = 0;  ///< pairs of those that were compared
 };
@@ -93,10 +95,12 @@ struct HullWork {
 struct HullCareReport {
   std::size_t triangles_before = 0, triangles_after = 0;
   std::size_t slivers_before = 0, slivers_after = 0;
-  double smoothed_within = 0;  ///< px: largest_move, or less where the silhouettes would have suffered; 0: not smoothed
-  std::vector<double> vertex_move;       ///< px, the largest of what is left and of slivers that went
-  std::vector<double> silhouette_shift;  ///< px: Hausdorff distance of the silhouettes before and after, to the pixel
-  std::vector<double> iou_loss;          ///< of the silhouette against the matte
+  /// px: largest_move, or less where the silhouettes would have suffered; 0: not smoothed.
+  double smoothed_within = 0;
+  std::vector<double> vertex_move;  ///< px, the largest of what is left and of slivers that went
+  /// px: Hausdorff distance of the silhouettes before and after, to the pixel.
+  std::vector<double> silhouette_shift;
+  std::vector<double> iou_loss;  ///< of the silhouette against the matte
 };
 
 struct HullReport {
@@ -116,8 +120,9 @@ struct HullReport {
   std::vector<int> voted_down;  ///< cameras that Auto left out
   HullTimings timings;
   HullWork work;
-  void clear();         ///< empties it, but keeps the mesh's memory
-  std::optional<HullCareReport> care;  ///< with options.care; `sources` are then those of the triangles that were kept
+  void clear();  ///< empties it, but keeps the mesh's memory
+  /// With options.care; `sources` are then those of the triangles that were kept.
+  std::optional<HullCareReport> care;
 };
 
 /// Memory that visual_hull() keeps from frame to frame. Not for two calls at once; results do not depend on
@@ -148,28 +153,31 @@ class HullWorkspace {
 /// does not pass check(), when no camera shows any subject ("empty silhouette"), and when the silhouettes
 /// bound nothing (all foreground) and no volume was given.
 ///
-/// Mattes of noise are made coarser until the frame's time is bounded, which a remark says: no outline keeps more than
-/// 20,000 points, and no pair of cameras more than 4,000,000 / V(V-1) (at least 8 a point) meetings of one's points with
-/// the other's edges. What is too much even without islands below some hundred thousand px² is an error, BadData.
+/// Mattes of noise are made coarser until the frame's time is bounded, which a remark says: no outline keeps
+/// more than 20,000 points, and no pair of cameras more than 4,000,000 / V(V-1) (at least 8 a point) meetings
+/// of one's points with the other's edges. What is too much even without islands below some hundred thousand
+/// px² is an error, BadData.
 Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                                HullWorkspace* workspace = nullptr);
 
-/// The same for the frames of a sequence: what depends on the calibration only is found once, and memory, that of the
-/// report too, is used again. With one thread, the exact method, Strict or MofN votes, no volume, subjects inside the
-/// pictures, and neither quality nor care, the second frame of a size allocates nothing. On an error the report is empty.
+/// The same for the frames of a sequence: what depends on the calibration only is found once, and memory,
+/// that of the report too, is used again. With one thread, the exact method, Strict or MofN votes, no volume,
+/// subjects inside the pictures, and neither quality nor care, the second frame of a size allocates nothing.
+/// On an error the report is empty.
 Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                          HullWorkspace& workspace, HullReport& report);
 
-/// The same from outlines (outline_of() in recon/outline.h), for where mattes stay with the cameras. outlines[i] belongs
-/// to rig.cameras[i], in its own, distorted pixels; one that knows nothing does not carve. They are taken as they are:
-/// options.contour_tolerance is for mattes. The hull is that of the mattes, bit for bit, as long as the outlines were
-/// found with its tolerance; with a volume that leaves a picture, to the outline's tolerance. Whatever compares
-/// silhouettes (Auto votes, quality, care, the octree) compares with the filled outlines, which hold no half opacity.
-/// Errors: those above; and BadData, with the camera's name, for an outline that is malformed or has its subject on the
-/// wrong side, and for outlines whose hull does not close, since the octree that helps mattes out takes seconds. One that
-/// crosses itself a little, as rounding on its way here may do, is mended.
-Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
-                               HullWorkspace* workspace = nullptr);
+/// The same from outlines (outline_of() in recon/outline.h), for where mattes stay with the cameras.
+/// outlines[i] belongs to rig.cameras[i], in its own, distorted pixels; one that knows nothing does not
+/// carve. They are taken as they are: options.contour_tolerance is for mattes. The hull is that of the
+/// mattes, bit for bit, as long as the outlines were found with its tolerance; with a volume that leaves a
+/// picture, to the outline's tolerance. Whatever compares silhouettes (Auto votes, quality, care, the octree)
+/// compares with the filled outlines, which hold no half opacity. Errors: those above; and BadData, with the
+/// camera's name, for an outline that is malformed or has its subject on the wrong side, and for outlines
+/// whose hull does not close, since the octree that helps mattes out takes seconds. One that crosses itself a
+/// little, as rounding on its way here may do, is mended.
+Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines,
+                               const HullOptions& options, HullWorkspace* workspace = nullptr);
 Result<void> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
                          HullWorkspace& workspace, HullReport& report);
 

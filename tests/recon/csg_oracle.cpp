@@ -20,7 +20,8 @@ Solid pyramid(const ConeView& view, std::size_t first, std::size_t last, double 
   Solid solid;
   const auto apex = solid.add_vertex(to_point(view.center));
   std::vector<Solid::Vertex_index> base;
-  for (std::size_t k = first; k < last; ++k) base.push_back(solid.add_vertex(to_point(view.center + far * view.rays[k])));
+  for (std::size_t k = first; k < last; ++k)
+    base.push_back(solid.add_vertex(to_point(view.center + far * view.rays[k])));
   for (std::size_t k = 0; k < base.size(); ++k) solid.add_face(apex, base[(k + 1) % base.size()], base[k]);
   solid.add_face(base);
   pmp::triangulate_faces(solid);
@@ -28,7 +29,8 @@ Solid pyramid(const ConeView& view, std::size_t first, std::size_t last, double 
   return solid;
 }
 
-/// Twice the sum of the polygon's triangles as seen from the centre: positive for outlines, negative for holes.
+/// Twice the sum of the polygon's triangles as seen from the centre: positive for outlines, negative for
+/// holes.
 double turn(const ConeView& view, std::size_t first, std::size_t last) {
   Eigen::Vector3d area = Eigen::Vector3d::Zero(), middle = Eigen::Vector3d::Zero();
   for (std::size_t k = first; k < last; ++k) {

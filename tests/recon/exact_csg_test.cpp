@@ -26,7 +26,8 @@ void expect_volume_of_csg(std::vector<ConeView> views, const char* what) {
 
 TEST(ConstructiveSolidGeometry, AgreesWithClippingOnTheSameCones) {
   Random random(4);
-  const auto views = cones::random_stars(random, {{3, 0.1, 0.2}, {-0.3, 2.8, 0.5}, {0.4, -0.2, 3.1}}, 4, true);
+  const auto views =
+      cones::random_stars(random, {{3, 0.1, 0.2}, {-0.3, 2.8, 0.5}, {0.4, -0.2, 3.1}}, 4, true);
   EXPECT_NEAR(volume_by_csg(views, 6) / volume_by_clipping(views, 3), 1, 1e-9);
 }
 
@@ -45,7 +46,8 @@ TEST(ConstructiveSolidGeometry, GivesTheVolumeOfHullsOfSpheres) {
 TEST(ConstructiveSolidGeometry, GivesTheVolumeOfHullsOfStarsWithHoles) {
   for (std::uint64_t seed = 0; seed < 2; ++seed) {
     Random random(seed);
-    expect_volume_of_csg(cones::random_stars(random, cones::around(4 + static_cast<int>(seed), 3), 5, true), "stars");
+    expect_volume_of_csg(cones::random_stars(random, cones::around(4 + static_cast<int>(seed), 3), 5, true),
+                         "stars");
   }
 }
 

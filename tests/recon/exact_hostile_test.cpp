@@ -227,7 +227,8 @@ TEST(HullVoting, WithoutAGuiltyCameraGivesTheHullOfAll) {
   const Result<HullReport> voted = visual_hull(rig, mattes, options);
   ASSERT_THAT(strict, IsOk());
   ASSERT_THAT(voted, IsOk());
-  EXPECT_LT(*std::min_element(strict->silhouette_iou.begin(), strict->silhouette_iou.end()), 0.97) << "no doubt";
+  EXPECT_LT(*std::min_element(strict->silhouette_iou.begin(), strict->silhouette_iou.end()), 0.97)
+      << "no doubt";
   EXPECT_THAT(voted->voted_down, testing::IsEmpty());
   EXPECT_EQ(voted->mesh.positions, strict->mesh.positions);
   EXPECT_EQ(voted->sources, strict->sources);

@@ -316,7 +316,8 @@ TEST(ExactHull, IsTheSameWithoutLeavingAnythingOut) {
       options.cull = false;
       const Computed reference = hull_of(views, options);
       ASSERT_EQ(culled.outcome.closed, reference.outcome.closed) << "seed " << seed << ", votes " << votes;
-      ASSERT_EQ(culled.outcome.unbounded, reference.outcome.unbounded) << "seed " << seed << ", votes " << votes;
+      ASSERT_EQ(culled.outcome.unbounded, reference.outcome.unbounded)
+          << "seed " << seed << ", votes " << votes;
       EXPECT_EQ(culled.outcome.level, reference.outcome.level);
       EXPECT_EQ(sorted_positions(culled.polygons), sorted_positions(reference.polygons)) << "seed " << seed;
       EXPECT_EQ(culled.polygons.polygon_start.size(), reference.polygons.polygon_start.size());

@@ -61,8 +61,8 @@ std::vector<std::pair<const char*, Scene>> bodies() {
                                   16)}};
 }
 
-/// Every vertex of `cared` lies where some vertex of `hull` was, seen from every camera, within `px`; and the other
-/// way round.
+/// Every vertex of `cared` lies where some vertex of `hull` was, seen from every camera, within `px`; and the
+/// other way round.
 double furthest_vertex(const Scene& scene, const Mesh& from, const Mesh& to) {
   std::vector<std::vector<Vector2d>> seen(scene.rig.cameras.size());
   const auto see = [&](std::size_t c, const Eigen::Vector3f& p) {
@@ -167,8 +167,10 @@ TEST(HullCare, SmoothsWithinItsPixels) {
       EXPECT_THAT(cared.care->silhouette_shift, Each(Le(1.5))) << name << ": pixels are counted whole";
       for (std::size_t v = 0; v < raw.mesh.positions.size(); ++v) {
         for (const RigCamera& camera : scene.rig.cameras) {
-          const Vector2d was = *project(camera.model, camera.cam_from_world * raw.mesh.positions[v].cast<double>());
-          const Vector2d is = *project(camera.model, camera.cam_from_world * cared.mesh.positions[v].cast<double>());
+          const Vector2d was =
+              *project(camera.model, camera.cam_from_world * raw.mesh.positions[v].cast<double>());
+          const Vector2d is =
+              *project(camera.model, camera.cam_from_world * cared.mesh.positions[v].cast<double>());
           ASSERT_LE((is - was).norm(), px + 0.001) << name;
         }
       }
@@ -176,11 +178,14 @@ TEST(HullCare, SmoothsWithinItsPixels) {
   }
 }
 
-/// How far the triangles of a round body's mesh face away from its middle: mean of 1 - cosine over the surface.
+/// How far the triangles of a round body's mesh face away from its middle: mean of 1 - cosine over the
+/// surface.
 double unevenness(const Mesh& mesh) {
   double sum = 0, whole = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    const auto at = [&](std::size_t k) -> Vector3d { return mesh.positions[mesh.triangles[t + k]].cast<double>(); };
+    const auto at = [&](std::size_t k) -> Vector3d {
+      return mesh.positions[mesh.triangles[t + k]].cast<double>();
+    };
     const Vector3d area = (at(1) - at(0)).cross(at(2) - at(0));
     sum += area.norm() - area.dot((at(0) + at(1) + at(2)).normalized());
     whole += area.norm();
@@ -220,7 +225,8 @@ TEST(HullCare, HoldsSmoothingBackWhereASilhouetteWouldSuffer) {
 TEST(HullCare, CaresForTheOctreesHullsToo) {
   const Scene scene = scene_of(shapes::torus({0, 0, 0}, 0.4, 0.13), 20);
   const HullReport raw = hull_of(scene, {}, HullMethod::Octree);
-  const HullReport cared = hull_of(scene, {.collapse_slivers = true, .triangles = 800, .smooth = 2}, HullMethod::Octree);
+  const HullReport cared =
+      hull_of(scene, {.collapse_slivers = true, .triangles = 800, .smooth = 2}, HullMethod::Octree);
   EXPECT_THAT(cared.mesh, IsClosed());
   EXPECT_EQ(check_mesh(cared.mesh).genus, 1);
   EXPECT_LE(cared.mesh.triangle_count(), 800u);
@@ -259,7 +265,8 @@ TEST(HullCare, RefusesOptionsOutOfRange) {
   for (const auto& [care, sentence] : wrong) {
     HullOptions options;
     options.care = care;
-    EXPECT_THAT(visual_hull(scene.rig, scene.mattes, options), FailsWith(ErrorCode::InvalidArgument, sentence));
+    EXPECT_THAT(visual_hull(scene.rig, scene.mattes, options),
+                FailsWith(ErrorCode::InvalidArgument, sentence));
   }
 }
 

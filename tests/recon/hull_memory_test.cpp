@@ -43,8 +43,9 @@ Sequence dancing_shapes() {
   out.rig = shapes::ring_rig({.cameras = 7, .distance = 3, .width = 200, .height = 150, .focal = 170}, 0.6);
   for (RigCamera& camera : out.rig.cameras) camera.model.lens = BrownConrady{-0.05, 0.01, 0, 0, 0};
   for (const double x : {0.03, 0.11, 0.2}) {
-    out.frames.push_back(shapes::render_mattes(
-        out.rig, shapes::both(shapes::torus({x, 0.02, 0.01}, 0.4, 0.12), shapes::box({-x, 0.1, 0.2}, {0.2, 0.2, 0.7}))));
+    out.frames.push_back(
+        shapes::render_mattes(out.rig, shapes::both(shapes::torus({x, 0.02, 0.01}, 0.4, 0.12),
+                                                    shapes::box({-x, 0.1, 0.2}, {0.2, 0.2, 0.7}))));
   }
   return out;
 }

@@ -42,7 +42,8 @@ TEST(MeshMask, CutsOffWhatIsBehindTheCamera) {
 }
 
 TEST(MeshMask, TakesTrianglesThatReachFurtherToTheSideThanIntegersDo) {
-  // Found by fuzzing. Cut off just before the camera, it crosses the picture's upper rows billions of pixels away.
+  // Found by fuzzing. Cut off just before the camera, it crosses the picture's upper rows billions of pixels
+  // away.
   RigCamera camera;
   camera.serial = "c";
   camera.model = {.width = 64, .height = 48, .fx = 500, .fy = 500, .cx = 32, .cy = 24, .skew = 0, .lens = {}};
@@ -53,7 +54,8 @@ TEST(MeshMask, TakesTrianglesThatReachFurtherToTheSideThanIntegersDo) {
   for (Eigen::Vector3f& p : mesh.positions) p.x() = -p.x();
   const Matte left = mesh_mask(camera, mesh);
   for (int y = 0; y < 48; ++y) {
-    for (int x : {2, 60}) EXPECT_EQ(right.row(y)[x] + left.row(y)[x], 255) << x << ", " << y << ": one on each side";
+    for (int x : {2, 60})
+      EXPECT_EQ(right.row(y)[x] + left.row(y)[x], 255) << x << ", " << y << ": one on each side";
   }
 }
 

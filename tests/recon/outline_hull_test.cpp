@@ -30,7 +30,8 @@ Scene torus_and_box(double from_the_middle = 0) {
   for (RigCamera& camera : scene.rig.cameras) camera.model.lens = BrownConrady{-0.08, 0.02, 0.001, 0, 0};
   const Vector3d shift(from_the_middle, 0.02, 0.01);
   scene.mattes = shapes::render_mattes(
-      scene.rig, shapes::both(shapes::torus(shift, 0.4, 0.12), shapes::box({-0.1, 0.1, 0.2}, {0.2, 0.2, 0.7})));
+      scene.rig,
+      shapes::both(shapes::torus(shift, 0.4, 0.12), shapes::box({-0.1, 0.1, 0.2}, {0.2, 0.2, 0.7})));
   return scene;
 }
 
@@ -74,7 +75,8 @@ TEST(OutlineHull, IsThatOfTheMattesBitForBit) {
 TEST(OutlineHull, TakesPerformersWhoLeaveAPicture) {
   const Scene scene = torus_and_box(1.2);
   const std::vector<Silhouette> outlines = outlines_of(scene);
-  EXPECT_TRUE(std::any_of(outlines.begin(), outlines.end(), [](const Silhouette& s) { return s.beyond_counts; }));
+  EXPECT_TRUE(
+      std::any_of(outlines.begin(), outlines.end(), [](const Silhouette& s) { return s.beyond_counts; }));
   const Result<HullReport> from_mattes = visual_hull(scene.rig, scene.mattes, {});
   const Result<HullReport> from_outlines = visual_hull(scene.rig, outlines, {});
   ASSERT_THAT(from_mattes, IsOk());
@@ -116,7 +118,8 @@ TEST(OutlineHull, SaysThatACameraSeesOnlyBackground) {
   EXPECT_TRUE(hull->mesh.empty());
   EXPECT_THAT(hull->remarks, testing::Contains(testing::HasSubstr("camera 'c1' sees only background")));
   for (Matte& matte : scene.mattes) matte = scene.mattes[1];
-  EXPECT_THAT(visual_hull(scene.rig, outlines_of(scene), {}), FailsWith(ErrorCode::BadData, "empty silhouette"));
+  EXPECT_THAT(visual_hull(scene.rig, outlines_of(scene), {}),
+              FailsWith(ErrorCode::BadData, "empty silhouette"));
 }
 
 TEST(OutlineHull, VotesADamagedOutlineDown) {
@@ -125,7 +128,8 @@ TEST(OutlineHull, VotesADamagedOutlineDown) {
   scene.mattes = shapes::render_mattes(
       scene.rig, shapes::both(shapes::sphere({0, 0, 0.3}, 0.25), shapes::sphere({0, 0, -0.2}, 0.35)));
   Image broken = to_image(scene.mattes[4]);
-  std::fill(broken.pixels.begin(), broken.pixels.begin() + static_cast<std::ptrdiff_t>(broken.pixels.size() / 2), 0);
+  std::fill(broken.pixels.begin(),
+            broken.pixels.begin() + static_cast<std::ptrdiff_t>(broken.pixels.size() / 2), 0);
   scene.mattes[4] = make_matte({}, broken);
   HullOptions options;
   options.voting = HullVoting::Auto;
@@ -150,7 +154,8 @@ TEST(OutlineHull, MendsOutlinesThatCrossThemselvesALittle) {
   std::vector<Silhouette> outlines = outlines_of(scene, 0.25);
   for (Silhouette& outline : outlines) {
     const Silhouette sent = outline;
-    for (std::size_t i = 1; is_simple(outline); ++i) {  // two points in the wrong order, where that makes a crossing
+    for (std::size_t i = 1; is_simple(outline);
+         ++i) {  // two points in the wrong order, where that makes a crossing
       outline = sent;
       std::swap(outline.points.at(i), outline.points.at(i + 1));
     }
@@ -196,12 +201,19 @@ TEST(OutlineHull, RefusesAnOutlineThatTurnsInsideOutWhereItIsMended) {
   const Scene scene = torus_and_box();
   std::vector<Silhouette> outlines = outlines_of(scene);
   Silhouette knot;  // found by fuzzing: what is left of it without its crossings bounds the wrong side
-  for (const auto& [x, y] : {std::pair{0.0, 0.0}, {36.0, 20.0}, {36.0, 26.0}, {18.0, 20.0}, {0.0, 24.0}, {44.0, 28.0},
-                             {24.0, 24.0}, {24.0, 24.25}})
+  for (const auto& [x, y] : {std::pair{0.0, 0.0},
+                             {36.0, 20.0},
+                             {36.0, 26.0},
+                             {18.0, 20.0},
+                             {0.0, 24.0},
+                             {44.0, 28.0},
+                             {24.0, 24.0},
+                             {24.0, 24.25}})
     knot.points.emplace_back(x, y);
   knot.starts = {0, 8};
   outlines[3] = knot;
-  EXPECT_THAT(visual_hull(scene.rig, outlines, {}), FailsWith(ErrorCode::BadData, "camera 'c3': without its lens"));
+  EXPECT_THAT(visual_hull(scene.rig, outlines, {}),
+              FailsWith(ErrorCode::BadData, "camera 'c3': without its lens"));
 }
 
 TEST(OutlineHull, NamesTheCameraWhoseOutlineIsOfNoUse) {
@@ -235,7 +247,8 @@ TEST(OutlineHull, NamesTheCameraWhoseOutlineIsOfNoUse) {
   }
   expect(noise, "points, more than");
   std::vector<Silhouette> few(2);
-  EXPECT_THAT(visual_hull(scene.rig, few, {}), FailsWith(ErrorCode::InvalidArgument, "2 outlines for 7 cameras"));
+  EXPECT_THAT(visual_hull(scene.rig, few, {}),
+              FailsWith(ErrorCode::InvalidArgument, "2 outlines for 7 cameras"));
 }
 
 TEST(Filled, GivesThePixelsBackThatWereTraced) {
@@ -244,7 +257,8 @@ TEST(Filled, GivesThePixelsBackThatWereTraced) {
     Image image(60, 45, 1);
     for (std::uint8_t& alpha : image.pixels) alpha = random.uniform() < density ? 255 : 0;
     const Matte matte = make_matte({}, image);
-    const CameraModel model{.width = 60, .height = 45, .fx = 50, .fy = 50, .cx = 30, .cy = 22, .skew = 0, .lens = {}};
+    const CameraModel model{
+        .width = 60, .height = 45, .fx = 50, .fy = 50, .cx = 30, .cy = 22, .skew = 0, .lens = {}};
     const Silhouette outline = outline_of(matte, model, {.tolerance = 0});
     EXPECT_EQ(to_image(filled(outline, 60, 45)), image) << density;
   }

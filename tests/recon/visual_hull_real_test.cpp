@@ -188,7 +188,8 @@ TEST(GreenDomeReal, AutoVotingHealsAMatteWhoseUpperThirdIsMissing) {
     EXPECT_NEAR(voted.volume / whole, 1, 0.01) << "camera " << camera;
     EXPECT_EQ(voted.voted_down, std::vector<int>{static_cast<int>(camera)});
     ASSERT_FALSE(voted.remarks.empty());
-    EXPECT_NE(voted.remarks[0].find("camera '" + set.rig.cameras[camera].serial + "' was voted down"), std::string::npos);
+    EXPECT_NE(voted.remarks[0].find("camera '" + set.rig.cameras[camera].serial + "' was voted down"),
+              std::string::npos);
   }
 }
 
@@ -242,9 +243,9 @@ TEST(VacancyBunnyReal, ExactHullOfSixAxisViewsFillsEveryMaskAndHasTheOctreesVolu
   EXPECT_NEAR(full.volume / hull_of(set, 200).volume, 1, 0.003);
 }
 
-// Below the bunny's flat base the six views leave a pyramid 36 units high that no silhouette carves. The capture
-// volume does: one that ends a few units around the subject gives the ratio that is published for this set, which
-// names no volume.
+// Below the bunny's flat base the six views leave a pyramid 36 units high that no silhouette carves. The
+// capture volume does: one that ends a few units around the subject gives the ratio that is published for
+// this set, which names no volume.
 TEST(VacancyBunnyReal, ExactHullOnAStageThatEndsBelowTheBaseHasTheKnownVolume) {
   FLOATSTAGE_NEEDS_DATA(real_data("vacancy-bunny"));
   const MatteSet set = load_vacancy_bunny(real_data("vacancy-bunny/data"));
@@ -265,10 +266,17 @@ TEST(VacancyBunnyReal, ExactHullOnAStageThatEndsBelowTheBaseHasTheKnownVolume) {
   }
 }
 
-/// How often a set is disturbed: FLOATSTAGE_DISTURBED_ROUNDS, for a run of hours, or what a suite has time for.
+/// How often a set is disturbed: FLOATSTAGE_DISTURBED_ROUNDS, for a run of hours, or what a suite has time
+/// for.
 int rounds_of(int usual) {
   const char* asked = std::getenv("FLOATSTAGE_DISTURBED_ROUNDS");
   return asked ? std::max(1, std::atoi(asked)) : usual;
+}
+
+/// Its outlines' tolerance, px: FLOATSTAGE_DISTURBED_TOLERANCE, or one that keeps the suite short.
+double tolerance_of(double usual) {
+  const char* asked = std::getenv("FLOATSTAGE_DISTURBED_TOLERANCE");
+  return asked ? std::max(0.0, std::atof(asked)) : usual;
 }
 
 /// Cones of a real set with every ray moved by up to `noise` px, at a coarse contour tolerance.
@@ -276,7 +284,7 @@ void expect_closed_when_disturbed(const MatteSet& set, double tolerance, int rou
   ConeBuilder builder;
   SilhouetteCones cones;
   ConeOptions options;
-  options.tolerance = tolerance;
+  options.tolerance = tolerance_of(tolerance);
   builder.build(set.rig, HullInput(set.rig, std::span<const Matte>(set.mattes), 1), options, cones);
   const std::optional<Eigen::AlignedBox3d> box = bounding_volume(set.rig, set.mattes);
   ASSERT_TRUE(box);
@@ -322,7 +330,8 @@ TEST(DisturbedReal, HullsOfTheTempleAreClosed) {
 
 TEST(DisturbedReal, HullsOfTheTempleSeenFromFewerSidesAreClosed) {
   FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-sparse-ring"));
-  expect_closed_when_disturbed(load_temple_sparse_ring(real_data("middlebury-temple-sparse-ring")), 8, rounds_of(20));
+  expect_closed_when_disturbed(load_temple_sparse_ring(real_data("middlebury-temple-sparse-ring")), 8,
+                               rounds_of(20));
 }
 
 }  // namespace

@@ -198,8 +198,10 @@ TEST_P(VisualHull, IsNotCarvedByWhatLiesOutsideAnImage) {
 
 TEST_P(VisualHull, StaysWholeWhileThePerformerWalksOutOfOneImage) {
   Rig rig = shapes::ring_rig({.cameras = 6});
-  const auto shape = shapes::both(shapes::sphere({0, 0, 0.25}, 0.2), shapes::box({0, 0, -0.1}, {0.3, 0.4, 0.5}));
-  for (const HullOptions& options : {within({Vector3d(-1, -1, -1), Vector3d(1, 1, 1)}, 48), at_resolution(48)}) {
+  const auto shape =
+      shapes::both(shapes::sphere({0, 0, 0.25}, 0.2), shapes::box({0, 0, -0.1}, {0.3, 0.4, 0.5}));
+  for (const HullOptions& options :
+       {within({Vector3d(-1, -1, -1), Vector3d(1, 1, 1)}, 48), at_resolution(48)}) {
     rig.cameras[4].model.cx = 80;
     const double whole = hull_of(rig, shapes::render_mattes(rig, shape), options).volume;
     for (const double cx : {40.0, 20.0, 0.0, -20.0, -40.0, -400.0}) {
