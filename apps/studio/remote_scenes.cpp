@@ -79,8 +79,9 @@ void RemoteScenes::want(const std::vector<int>& cameras) {
 
 SceneFeed::Counters RemoteScenes::counters() const {
   Counters counters;
-  counters.scenes = join_.counters().scenes;
-  counters.unseen = join_.counters().overtaken;
+  counters.sets.sets = join_.counters().scenes;
+  counters.sets.overtaken = join_.counters().overtaken;
+  counters.scenes = join_.counters().shown;
   return counters;
 }
 

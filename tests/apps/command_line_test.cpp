@@ -70,6 +70,18 @@ TEST(CommandLine, NamesTheMissingTakeAndEndsWithItsCode) {
   }
 }
 
+TEST(CommandLine, SaysWhatAStudioOfSeveralMachinesNeeds) {
+  const Ended alone = floatstage("live --recon tcp://127.0.0.1:5580");
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_THAT(alone.output, HasSubstr("--recon requires --nodes"));
+  const Ended both = floatstage("live --view tcp://127.0.0.1:5580 --source take");
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.output, HasSubstr("excludes"));
+  const Ended lost = floatstage("live --view tcp://127.0.0.1:5580 --nodes tcp://127.0.0.1:5570 --rig nowhere.json --headless");
+  EXPECT_EQ(lost.code, 4);
+  EXPECT_THAT(lost.output, HasSubstr("nowhere.json"));
+}
+
 TEST(CommandLine, SaysWhatIsWrongWithAnOption) {
   const Ended size = floatstage("synthesize --out /tmp/never-made --size 640*480");
   EXPECT_EQ(size.code, 3);
