@@ -5,6 +5,7 @@
 #include "apps/studio/clock.h"
 #include "apps/studio/recon_service.h"
 #include "core/log.h"
+#include "core/text.h"
 
 namespace floatstage {
 namespace {
@@ -12,7 +13,8 @@ namespace {
 // How often a scene that waits for its tiles is looked at.
 constexpr Nanoseconds kLook = milliseconds(2);
 constexpr int kQueue = 64;
-constexpr double kLongestPeriod = 2;  // seconds between scenes; more is an interruption
+constexpr Nanoseconds kSilence = milliseconds(3000);  // of the reconstruction, before one says so
+constexpr double kLongestPeriod = 2;                  // seconds between scenes; more is an interruption
 
 std::vector<std::string> serials_of(const Rig& rig) {
   std::vector<std::string> serials;
@@ -32,6 +34,7 @@ Result<std::unique_ptr<RemoteScenes>> RemoteScenes::open(const Rig& rig, const R
   Result<std::unique_ptr<wire::Subscriber>> subscriber = wire::Subscriber::connect(from);
   if (!subscriber) return forward(subscriber);
   scenes->subscriber_ = std::move(*subscriber);
+  scenes->heard_ = now();
   return scenes;
 }
 
@@ -41,6 +44,9 @@ void RemoteScenes::take(const wire::Received& received) {
   } else if (const auto* scene = std::get_if<std::shared_ptr<const StudioScene>>(&received)) {
     const bool ours = (*scene)->rig_sha256 == digest_;
     if (ours) {
+      heard_ = now();
+      remark_.clear();
+      silent_ = false;
       const double period = seconds((*scene)->instant - last_instant_);
       last_instant_ = (*scene)->instant;
       if (period > 0 && period < kLongestPeriod)
@@ -55,6 +61,16 @@ void RemoteScenes::take(const wire::Received& received) {
   }
 }
 
+void RemoteScenes::notice_silence(Timestamp time) {
+  if (silent_ || time - heard_ < kSilence) return;
+  silent_ = true;
+  if (!remark_.empty()) return;  // scenes of another rig come
+  remark_ = text("no scene comes from ", recon_,
+                 "; is `floatstage live --recon` running there, with this studio's keys and with nodes that "
+                 "see something?");
+  log::warning(remark_);
+}
+
 std::shared_ptr<const LiveScene> RemoteScenes::newest(Timestamp deadline) {
   for (;;) {
     while (const std::optional<wire::Received> received = subscriber_->next({})) take(*received);
@@ -64,6 +80,7 @@ std::shared_ptr<const LiveScene> RemoteScenes::newest(Timestamp deadline) {
           scene->scene.produced - to_studio_time();  // latency counts by this machine's clock
       return scene;
     }
+    notice_silence(time);
     if (time >= deadline) return nullptr;
     if (const std::optional<wire::Received> received = subscriber_->next(std::min(kLook, deadline - time)))
       take(*received);

@@ -47,6 +47,7 @@ class RemoteScenes final : public SceneFeed {
  private:
   RemoteScenes(const Rig& rig, const RemoteOptions& options);
   void take(const wire::Received& received);
+  void notice_silence(Timestamp time);
 
   const Rig rig_;
   const std::string recon_;
@@ -56,6 +57,8 @@ class RemoteScenes final : public SceneFeed {
   std::uint64_t other_rig_ = 0;
   double frame_rate_ = 0;
   Timestamp last_instant_;
+  Timestamp heard_;  // when the last scene came, or this began
+  bool silent_ = false;
   std::string remark_;
 };
 

@@ -44,10 +44,15 @@ TEST_F(StudioFaults, ALinkThatIsCutForFiveSecondsHealsByItselfAndNoRecordedFrame
 TEST_F(StudioFaults, AReconstructionThatIsKilledComesBackByItself) {
   recon_->kill();
   recon_->wait();
-  while (scenes_->newest(now() + milliseconds(500))) {
-  }
+  EXPECT_TRUE(eventually(
+      [&] {
+        scenes_->newest(now() + milliseconds(100));
+        return scenes_->remark().find("no scene comes from") != std::string::npos;
+      },
+      kPatience));
   recon_ = studio_.start_recon();
   EXPECT_TRUE(sees(6)) << logs();
+  EXPECT_EQ(scenes_->remark(), "");
 }
 
 TEST_F(StudioFaults, AViewersCableThatIsCutLeavesTheRestOfTheStudioAtWork) {
