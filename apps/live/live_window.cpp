@@ -58,8 +58,11 @@ class LiveWindow {
     if (state_.follow_path) advance_path(ImGui::GetIO().DeltaTime);
     take_shortcuts(state_);
     lay_out();
-    if (canvas_.view() && scene_ && !scene_->scene.mesh.empty())
-      feed_.want(needed_cameras(feed_.rig(), scene_->scene.mesh, *canvas_.view(), state_.renderer.cameras));
+    if (scene_ && !scene_->scene.mesh.empty()) {
+      // Textures of other machines come only when they are asked for: before the first picture too.
+      const View view = canvas_.view() ? *canvas_.view() : view_of(home_, options_.run.width, options_.run.height, {});
+      feed_.want(needed_cameras(feed_.rig(), scene_->scene.mesh, view, state_.renderer.cameras));
+    }
     const Timestamp done = now();
     feed_.drawn(done);
     pace_.drew(begun, done, shown ? std::optional(milliseconds_of(done - fresh->scene.produced)) : std::nullopt);

@@ -44,7 +44,7 @@ std::string describe(const LiveQuality& q) {
 }
 
 std::optional<std::size_t> QualityControl::judge(Timestamp time, double fps, double offered, double busy) {
-  if (target_ <= 0) return std::nullopt;
+  if (target_ <= 0 || offered <= 0) return std::nullopt;  // where nothing comes, nothing can be said
   const double wanted = std::min(target_, offered);
   if (fps < kSlow * wanted) {
     easy_since_.reset();

@@ -33,7 +33,7 @@ class QualityControl {
   QualityControl(double target, std::size_t level) : target_(target), level_(level) {}
 
   /// A window of at least a second has passed in which `fps` scenes a second were shown, of `offered` that the cameras
-  /// had; `busy` is the share of time in which the chain worked. A new level when one is better now.
+  /// had; `busy` is the share of time in which the chain worked. Without any offered, nothing changes. A new level when one is better now.
   std::optional<std::size_t> judge(Timestamp time, double fps, double offered, double busy);
   std::size_t level() const { return level_; }
 

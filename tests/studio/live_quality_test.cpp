@@ -69,6 +69,13 @@ TEST(QualityControl, GoesUpAfterAWhileOfEaseAndNeverWhileAtWork) {
   EXPECT_EQ(control.level(), 1U);
 }
 
+TEST(QualityControl, StaysWhileNothingComes) {
+  QualityControl control(12, 2);
+  for (int second = 0; second < 60; ++second)
+    EXPECT_EQ(control.judge(at(second), 0, 0, 0), std::nullopt) << "no node was switched on yet";
+  EXPECT_EQ(control.level(), 2U);
+}
+
 TEST(QualityControl, GoesUpWhenEveryInstantIsShownWithoutEffort) {
   QualityControl idle(25, 2), busy(25, 2);
   EXPECT_GT(windows_until_change(idle, 0, 25, 0.3), 5);
