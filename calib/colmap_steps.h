@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calib/markerless.h"
+#include "calib/scene_matching.h"
 
 namespace floatstage {
 
@@ -16,8 +17,8 @@ class Colmap {
 
   /// Checks the pictures and copies them into the workspace, which must be new or empty.
   Result<void> prepare(const std::vector<MarkerlessPicture>& pictures) const;
-  /// Features of all pictures, and matches between all pairs, into the workspace's database.
-  Result<void> match(const std::vector<MarkerlessPicture>& pictures) const;
+  /// Our keypoints and matches into the workspace's database, where COLMAP verifies them pair by pair.
+  Result<void> import(const std::vector<MarkerlessPicture>& pictures, const std::vector<SceneKeypoints>& keypoints, const std::vector<SceneMatches>& matches) const;
   /// One step of COLMAP; `advice` is what to do when it gives up.
   Result<void> run(const std::string& step, std::vector<std::string> arguments, const std::string& advice) const;
   /// Writes a binary model as text, beside it.
@@ -26,13 +27,12 @@ class Colmap {
   std::string path(const char* name) const { return (workspace_ / name).string(); }
 
  private:
-  std::string threads() const;
   const MarkerlessOptions& options_;
   std::filesystem::path log_, workspace_;
 };
 
-/// The pictures (their indices) as COLMAP's database numbers them, from 1 on. A model that is handed to it must use these numbers.
-std::vector<std::size_t> database_order(const std::vector<MarkerlessPicture>& pictures);
+/// Two pictures or more, serials usable and unique, sound models, pixels of their models' sizes. InvalidArgument otherwise.
+Result<void> check_pictures(const std::vector<MarkerlessPicture>& pictures);
 
 /// What a picture is called in COLMAP's database.
 std::string image_name(const MarkerlessPicture& picture);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <optional>
 
-#include "calib/colmap_model.h"
+#include "calib/calibrate.h"
 #include "calib/colmap_steps.h"
 #include "calib/rig_formats.h"
-#include "core/file.h"
+#include "calib/scene_features.h"
+#include "calib/scene_matching.h"
+#include "core/parallel.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -15,27 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Model {
-  ForeignRig rig;
-  ColmapPoints points;
-  std::vector<ColmapImage> images;
-};
+// Lines of sight may miss one another by this many pixels: where poses are COLMAP's or yesterday's, and where they were refined.
+constexpr double kRoughly = 6, kClosely = 2;
 
-Result<Model> read_model(const fs::path& folder) {
-  Result<ForeignRig> rig = read_colmap(folder);
-  if (!rig) return forward(rig);
-  const Result<std::string> points_bytes = read_file(folder / "points3D.txt"), images_bytes = read_file(folder / "images.txt");
-  if (!points_bytes) return forward(points_bytes);
-  if (!images_bytes) return forward(images_bytes);
-  Result<ColmapPoints> points = parse_colmap_points(*points_bytes, (folder / "points3D.txt").string());
-  if (!points) return forward(points);
-  Result<std::vector<ColmapImage>> images = parse_colmap_keypoints(*images_bytes, (folder / "images.txt").string());
-  if (!images) return forward(images);
-  return Model{*std::move(rig), *std::move(points), *std::move(images)};
-}
-
-Result<Model> largest_model(const Colmap& colmap, const fs::path& workspace) {
-  std::optional<Model> best;
+Result<ForeignRig> largest_model(const Colmap& colmap, const fs::path& workspace) {
+  std::optional<ForeignRig> best;
   std::error_code error;
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(workspace / "sparse", error)) folders.push_back(entry.path());
@@ -43,44 +29,63 @@ Result<Model> largest_model(const Colmap& colmap, const fs::path& workspace) {
   for (const fs::path& folder : folders) {
     const fs::path written = workspace / "model" / folder.filename();
     if (Result<void> ok = colmap.to_text(folder, written); !ok) return forward(ok);
-    Result<Model> model = read_model(written);
+    Result<ForeignRig> model = read_colmap(written);
     if (!model) return model;
-    if (!best || best->rig.rig.cameras.size() < model->rig.rig.cameras.size()) best = *std::move(model);
+    if (!best || best->rig.cameras.size() < model->rig.cameras.size()) best = *std::move(model);
   }
   if (!best) return fail(ErrorCode::BadData, text("COLMAP found no model: ", kWeakScene));
   return *std::move(best);
 }
 
-// Which image of the model each picture is; its id, or -1.
-std::vector<int> image_ids(const std::vector<MarkerlessPicture>& pictures, const Model& model) {
-  std::vector<int> ids;
-  for (const MarkerlessPicture& p : pictures) {
-    const auto found = std::find_if(model.images.begin(), model.images.end(), [&](const ColmapImage& i) { return i.name == image_name(p); });
-    ids.push_back(found == model.images.end() ? -1 : found->id);
-  }
-  return ids;
+std::vector<SceneKeypoints> keypoints_of(const std::vector<MarkerlessPicture>& pictures, int threads) {
+  std::vector<SceneKeypoints> out(pictures.size());
+  parallel_for(pictures.size(), threads, [&](std::size_t i) { out[i] = find_keypoints(pictures[i].pixels); });
+  return out;
 }
 
-Result<void> add_features(const std::vector<MarkerlessPicture>& pictures, const Model& model, MarkerlessResult& result) {
-  const std::vector<int> ids = image_ids(pictures, model);
-  std::map<int, std::pair<int, const ColmapImage*>> of_id;
-  for (const ColmapImage& image : model.images) {
-    const auto picture = std::find(ids.begin(), ids.end(), image.id);
-    if (picture != ids.end()) of_id[image.id] = {static_cast<int>(picture - ids.begin()), &image};
-  }
-  for (const ColmapPoint& point : model.points.points) {
-    SceneFeature feature{.position = point.position, .seen = {}};
-    for (const auto& [image, index] : point.track) {
-      const auto found = of_id.find(image);
-      if (found == of_id.end() || static_cast<std::size_t>(index) >= found->second.second->keypoints.size())
-        return fail(ErrorCode::BadData, text("COLMAP's points name keypoint ", index, " of image ", image, ", which its images do not have"));
-      feature.seen.emplace_back(found->second.first, found->second.second->keypoints[static_cast<std::size_t>(index)]);
+// The points that keypoints show given the rig, and what can be said of them.
+void add_points(const std::vector<SceneKeypoints>& keypoints, double tolerance, int threads, MarkerlessResult& result) {
+  result.features = points_of_matches(keypoints, match_along_lines(keypoints, result.rig, tolerance, threads), result.rig, tolerance);
+  double squares = 0;
+  std::size_t sights = 0;
+  for (const SceneFeature& f : result.features)
+    for (const auto& [picture, pixel] : f.seen) {
+      const RigCamera& c = result.rig.cameras[static_cast<std::size_t>(picture)];
+      squares += (project(c.model, c.cam_from_world * f.position).value_or(pixel) - pixel).squaredNorm();
+      ++sights;
     }
-    result.features.push_back(std::move(feature));
+  const double points = static_cast<double>(std::max<std::size_t>(result.features.size(), 1));
+  result.mean_track = static_cast<double>(sights) / points;
+  result.rms_px = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(sights, 1)));
+}
+
+// Poses and points solved for together; the distance of the two outermost cameras stays.
+Result<Rig> refined(const MarkerlessResult& found, int threads) {
+  Observations o;
+  std::vector<int> camera_of;
+  double widest = 0;
+  CameraDistance held;
+  for (const RigCamera& c : found.rig.cameras) {
+    CalibrationCamera camera;
+    camera.serial = c.serial;
+    camera.width = c.model.width;
+    camera.height = c.model.height;
+    camera.lens = c.model.lens.index() == 0 ? camera.lens : static_cast<LensKind>(c.model.lens.index());
+    camera.intrinsics = Prior::Fixed;
+    camera.model = c.model;
+    camera.found = c.cam_from_world;
+    camera_of.push_back(static_cast<int>(o.cameras.size()));
+    if (const double apart = (c.cam_from_world.center() - found.rig.cameras.front().cam_from_world.center()).norm(); apart > widest) {
+      widest = apart;
+      held = {0, camera_of.back(), apart, 1e-3 * apart};
+    }
+    o.cameras.push_back(std::move(camera));
   }
-  result.mean_track = model.points.mean_track;
-  result.rms_px = model.points.mean_error;
-  return {};
+  o.distances.push_back(held);
+  add_features(o, found.features, camera_of);
+  const Result<Calibration> solved = calibrate(o, {.holdout_every = 0, .threads = threads});
+  if (!solved) return forward(solved);
+  return solved->rig;
 }
 
 // Points a picture.
@@ -105,48 +110,64 @@ Result<void> check_ties(const std::vector<MarkerlessPicture>& pictures, const Ma
   return {};
 }
 
+// From poses that are roughly right to poses and points that agree. From the second time on, matches depend on where the poses began
+// by next to nothing.
+Result<void> settle(const std::vector<MarkerlessPicture>& pictures, const std::vector<SceneKeypoints>& keypoints, const MarkerlessOptions& options, const char* advice,
+                    MarkerlessResult& result) {
+  for (const double tolerance : {kRoughly, kClosely, kClosely}) {
+    add_points(keypoints, tolerance, options.threads, result);
+    if (Result<void> ok = check_ties(pictures, result, options, advice); !ok) return ok;
+    Result<Rig> rig = refined(result, options.threads);
+    if (!rig) return fail(rig.error().code, text("the cameras do not agree: ", rig.error().message, "; ", advice));
+    result.rig = *std::move(rig);
+  }
+  add_points(keypoints, kClosely, options.threads, result);
+  return {};
+}
+
 }  // namespace
 
 Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures, const fs::path& workspace,
                                               const MarkerlessOptions& options) {
   const Colmap colmap(options, workspace);
   if (const Result<void> ready = colmap.prepare(pictures); !ready) return forward(ready);
-  if (const Result<void> ok = colmap.match(pictures); !ok) return forward(ok);
-  // One thread, and intrinsics as they were given: the same pictures give the same rig.
+  const std::vector<SceneKeypoints> keypoints = keypoints_of(pictures, options.threads);
+  if (const Result<void> ok = colmap.import(pictures, keypoints, match_pictures(keypoints, options.threads)); !ok) return forward(ok);
+  // Intrinsics as they were given.
   if (const Result<void> ok = colmap.run("mapper", {"--database_path", colmap.path("database.db"), "--image_path", colmap.path("images"), "--output_path",
                                                    colmap.path("sparse"), "--Mapper.ba_refine_focal_length", "0", "--Mapper.ba_refine_principal_point",
                                                    "0", "--Mapper.ba_refine_extra_params", "0", "--Mapper.num_threads", "1", "--Mapper.filter_max_reproj_error", "2"},
                                          kWeakScene);
       !ok)
     return forward(ok);
-  const Result<Model> model = largest_model(colmap, workspace);
+  const Result<ForeignRig> model = largest_model(colmap, workspace);
   if (!model) return forward(model);
 
   MarkerlessResult result;
   std::string missing;
   for (const MarkerlessPicture& p : pictures) {
-    const std::vector<std::string>& names = model->rig.image_names;
+    const std::vector<std::string>& names = model->image_names;
     const auto found = std::find(names.begin(), names.end(), image_name(p));
     if (found == names.end()) {
       missing += (missing.empty() ? "'" : ", '") + p.serial + "'";
       continue;
     }
-    RigCamera camera = model->rig.rig.cameras[static_cast<std::size_t>(found - names.begin())];
+    RigCamera camera = model->rig.cameras[static_cast<std::size_t>(found - names.begin())];
     camera.serial = p.serial;
     camera.model = p.model;
     result.rig.cameras.push_back(std::move(camera));
   }
   if (!missing.empty())
     return fail(ErrorCode::BadData, text("COLMAP placed ", result.rig.cameras.size(), " of ", pictures.size(), " cameras, not ", missing, ": ", kWeakScene));
-  if (const Result<void> ok = add_features(pictures, *model, result); !ok) return forward(ok);
-  if (const Result<void> ok = check_ties(pictures, result, options, kWeakScene); !ok) return forward(ok);
+  if (const Result<void> ok = settle(pictures, keypoints, options, kWeakScene, result); !ok)
+    return fail(ok.error().code, text("where COLMAP placed the cameras: ", ok.error().message));
+  result.settled = result.rig;
   return result;
 }
 
-Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPicture>& pictures, const Rig& known, const fs::path& workspace,
-                                                const MarkerlessOptions& options) {
+Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPicture>& pictures, const Rig& known, const MarkerlessOptions& options) {
+  if (Result<void> sound = check_pictures(pictures); !sound) return forward(sound);
   MarkerlessResult result;
-  std::vector<std::string> names;
   for (const MarkerlessPicture& p : pictures) {
     const int index = camera_index(known, p.serial);
     if (index < 0) return fail(ErrorCode::NotFound, text("the known rig has no camera '", p.serial, "'"));
@@ -154,27 +175,14 @@ Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPict
     camera.model = p.model;
     result.rig.cameras.push_back(std::move(camera));
   }
-  Rig numbered;
-  for (const std::size_t i : database_order(pictures)) {
-    numbered.cameras.push_back(result.rig.cameras[i]);
-    names.push_back(image_name(pictures[i]));
-  }
-  const Colmap colmap(options, workspace);
-  if (const Result<void> ready = colmap.prepare(pictures); !ready) return forward(ready);
-  if (const Result<void> ok = colmap.match(pictures); !ok) return forward(ok);
-  if (const Result<void> ok = write_colmap(numbered, names, workspace / "known"); !ok) return forward(ok);
-  if (const Result<void> ok = colmap.run("point_triangulator", {"--database_path", colmap.path("database.db"), "--image_path", colmap.path("images"),
-                                                               "--input_path", colmap.path("known"), "--output_path", colmap.path("sparse")},
-                                         kWeakScene);
-      !ok)
+  const std::vector<SceneKeypoints> keypoints = keypoints_of(pictures, options.threads);
+  // Cameras may have moved a little: points are told from mistakes by where cameras are now, not where they are said to be.
+  MarkerlessResult now = result;
+  if (const Result<void> ok = settle(pictures, keypoints, options, "either it has moved since the known rig was made, or its pictures show too little texture", now); !ok)
     return forward(ok);
-  if (const Result<void> ok = colmap.to_text(colmap.path("sparse"), workspace / "model"); !ok) return forward(ok);
-  const Result<Model> model = read_model(workspace / "model");
-  if (!model) return forward(model);
-  if (const Result<void> ok = add_features(pictures, *model, result); !ok) return forward(ok);
-  if (const Result<void> ok = check_ties(pictures, result, options, "either it has moved since the known rig was made, or its pictures show too little texture"); !ok)
-    return forward(ok);
-  return result;
+  now.settled = std::move(now.rig);
+  now.rig = std::move(result.rig);
+  return now;
 }
 
 Result<Rig> scale_to(Rig rig, const std::string& serial_a, const std::string& serial_b, double metres) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "calib/scene_rays.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -20,24 +21,6 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-// Where the rays of one point meet; absent when they are nearly parallel.
-std::optional<Vector3d> meet(const Rig& rig, const std::vector<std::pair<int, Eigen::Vector2d>>& seen) {
-  Matrix3d normal = Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
-  for (const auto& [camera, pixel] : seen) {
-    const RigCamera& c = rig.cameras[at(camera)];
-    const std::optional<Vector3d> ray = unproject(c.model, pixel);
-    if (!ray) continue;
-    const Vector3d d = (c.cam_from_world.rotation.conjugate() * *ray).normalized();
-    const Matrix3d across = Matrix3d::Identity() - d * d.transpose();
-    normal += across;
-    right += across * c.cam_from_world.center();
-  }
-  constexpr double kLeastParallax = 3e-3;  // about 5° between two rays
-  if (!(Eigen::SelfAdjointEigenSolver<Matrix3d>(normal).eigenvalues()[0] > kLeastParallax)) return std::nullopt;
-  return Vector3d(normal.ldlt().solve(right));
 }
 
 // Cameras that both rigs have: indices.
@@ -81,7 +64,7 @@ std::optional<double> metres_per_unit(const Observations& o, const Rig& rig) {
     std::map<int, Vector3d> places;
     for (const auto& [id, seen] : points)
       if (seen.size() >= 2)
-        if (const std::optional<Vector3d> x = meet(rig, seen)) places[id] = *x;
+        if (const std::optional<Vector3d> x = meeting_point(rig, seen)) places[id] = *x;
     const auto add = [&](int a, int b, double metres) {
       const auto from = places.find(a), to = places.find(b);
       if (from == places.end() || to == places.end() || !(metres > 0)) return;

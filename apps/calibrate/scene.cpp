@@ -17,6 +17,14 @@ struct Scene {
   std::vector<int> camera_of;  // of the observations
 };
 
+Result<Image> load_picture(const std::filesystem::path& file, const std::string& serial) {
+  Result<PictureStream> stream = PictureStream::open({{}, {file}}, {});
+  if (!stream) return fail(stream.error().code, text("camera '", serial, "': ", stream.error().message));
+  Result<std::optional<Image>> picture = stream->next();
+  if (!picture) return fail(picture.error().code, text("camera '", serial, "': ", picture.error().message));
+  return **std::move(picture);
+}
+
 // The pictures of a carried camera are cameras of their own.
 Result<void> add_carried(const SessionCamera& camera, const Rig& known, Collected& out, Scene& scene) {
   const int index = camera_index(known, camera.serial);
@@ -24,18 +32,18 @@ Result<void> add_carried(const SessionCamera& camera, const Rig& known, Collecte
   const Result<std::vector<std::filesystem::path>> files = pictures_of(camera.scene, camera.serial);
   if (!files) return forward(files);
   for (std::size_t i = 0; i < files->size(); ++i) {
-    const Result<PictureStream> stream = PictureStream::open({{}, {(*files)[i]}}, {});
-    if (!stream) return fail(stream.error().code, text("camera '", camera.serial, "': ", stream.error().message));
+    Result<Image> pixels = load_picture((*files)[i], camera.serial);
+    if (!pixels) return forward(pixels);
     CalibrationCamera c;
     c.serial = text(camera.serial, "-", i + 1);
-    c.width = stream->width();
-    c.height = stream->height();
+    c.width = pixels->width;
+    c.height = pixels->height;
     c.intrinsics = Prior::Fixed;
     c.model = known.cameras[static_cast<std::size_t>(index)].model;
     c.model.width = c.width;
     c.model.height = c.height;
     if (c.model.lens.index() != 0) c.lens = static_cast<LensKind>(c.model.lens.index());
-    scene.pictures.push_back({c.serial, (*files)[i], c.model});
+    scene.pictures.push_back({c.serial, (*files)[i], c.model, *std::move(pixels)});
     scene.camera_of.push_back(static_cast<int>(out.observations.cameras.size()));
     out.carried.push_back(c.serial);
     out.observations.cameras.push_back(std::move(c));
@@ -56,7 +64,9 @@ Result<Scene> gather(const Session& s, const Rig& known, Collected& out) {
     if (found->intrinsics == Prior::Unknown)
       return fail(ErrorCode::BadData, text("camera '", camera.serial, "': markerless calibration needs known intrinsics; calibrate this camera alone with a board, then give "
                                            "[known] file = …, intrinsics = \"fixed\""));
-    scene.pictures.push_back({camera.serial, files->front(), found->model});
+    Result<Image> pixels = load_picture(files->front(), camera.serial);
+    if (!pixels) return forward(pixels);
+    scene.pictures.push_back({camera.serial, files->front(), found->model, *std::move(pixels)});
     scene.camera_of.push_back(static_cast<int>(found - cameras.begin()));
   }
   for (const SessionCamera& camera : s.cameras)
@@ -121,7 +131,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
   bool kept = false;  // the known poses hold
   if (s.known->poses != Prior::Unknown && !carried) {
     options.least_track = 2;  // places are known: ties need not hold them
-    Result<MarkerlessResult> result = triangulate_markerless(scene->pictures, *known, workspace / "kept", options);
+    Result<MarkerlessResult> result = triangulate_markerless(scene->pictures, *known, options);
     options.least_track = s.markerless->least_track;
     if (result) {
       found = *std::move(result);
@@ -133,13 +143,13 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     }
   }
   if (!found) {
-    Result<MarkerlessResult> result = calibrate_markerless(scene->pictures, workspace / "anew", options);
+    Result<MarkerlessResult> result = calibrate_markerless(scene->pictures, workspace, options);
     if (!result) return forward(result);
     found = *std::move(result);
   }
-  Rig rig = found->rig;
+  Rig rig = found->settled;
   const bool from_known = s.known->poses == Prior::Start;
-  if (!kept && from_known) {
+  if (from_known) {
     const std::optional<Rig> moved = onto_known(rig, *known);
     if (!moved) return fail(ErrorCode::BadData, text(s.known->file.string(), ": fewer than three of its cameras see the scene; nothing can be brought back onto it"));
     rig = *moved;
@@ -148,7 +158,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     if (!metres) return forward(metres);
     for (RigCamera& c : rig.cameras) c.cam_from_world.translation *= *metres;
   }
-  for (std::size_t i = 0; i < scene->camera_of.size() && !kept; ++i)
+  for (std::size_t i = 0; i < scene->camera_of.size() && s.known->poses != Prior::Fixed; ++i)
     o.cameras[static_cast<std::size_t>(scene->camera_of[i])].found = rig.cameras[i].cam_from_world;
   add_features(o, found->features, scene->camera_of);
   if (!s.markerless->a.empty()) {

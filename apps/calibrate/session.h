@@ -67,7 +67,7 @@ struct SessionMarkerless {
   std::string a, b;        ///< two cameras whose distance is known; empty: a target or a known rig gives the scale
   double distance = 0;     ///< metres between their centres
   double sigma = 1e-3;     ///< metres
-  double timeout = 900;    ///< seconds, for each of COLMAP's steps
+  double timeout = 3600;   ///< seconds, for each of COLMAP's steps
   double least_track = 4;  ///< pictures that show a point, on average
   int least_points = 60;   ///< points that a picture shows
 };

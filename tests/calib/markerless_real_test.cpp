@@ -5,6 +5,7 @@
 
 #include "calib/markerless.h"
 #include "calib/rig_formats.h"
+#include "core/png.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
@@ -27,7 +28,9 @@ Temple temple(const std::filesystem::path& folder, const char* par) {
     if (!std::filesystem::exists(file)) continue;
     camera.model.width = 640, camera.model.height = 480;
     camera.serial = file.stem().string();
-    set.pictures.push_back({camera.serial, file, camera.model});
+    Result<Image> pixels = load_png(file);
+    EXPECT_THAT(pixels, IsOk());
+    set.pictures.push_back({camera.serial, file, camera.model, *std::move(pixels)});
     set.truth.cameras.push_back(std::move(camera));
   }
   return set;
@@ -61,6 +64,10 @@ TEST(MarkerlessTemple, RingIsPlacedToThreeThousandthsOfItsRadius) {
   std::printf("%zu points, %.2f pictures a point, %.3f px\n", result->features.size(), result->mean_track, result->rms_px);
   ASSERT_EQ(result->rig.cameras.size(), 19u);
   EXPECT_LE(worst_center(result->rig, set.truth), 0.003);
+  // COLMAP draws anew, which must not show.
+  const Result<MarkerlessResult> again = calibrate_markerless(set.pictures, work / "again");
+  ASSERT_THAT(again, IsOk());
+  EXPECT_LE(worst_center(again->rig, result->rig), 0.0005);
 }
 
 TEST(MarkerlessTemple, KnownPosesStayAndAMovedCameraIsNamed) {
@@ -68,15 +75,14 @@ TEST(MarkerlessTemple, KnownPosesStayAndAMovedCameraIsNamed) {
   FLOATSTAGE_NEEDS_DATA(folder);
   Temple set = temple(folder, "templeR_par.txt");
   set.pictures.resize(9);
-  const TempFolder work;
-  const Result<MarkerlessResult> result = triangulate_markerless(set.pictures, set.truth, work / "colmap");
+  const Result<MarkerlessResult> result = triangulate_markerless(set.pictures, set.truth);
   ASSERT_THAT(result, IsOk());
   EXPECT_EQ(result->rig.cameras[7].cam_from_world.translation, set.truth.cameras[7].cam_from_world.translation);
   EXPECT_GE(result->features.size(), 1000u);
-  for (const SceneFeature& f : result->features) EXPECT_GE(f.seen.size(), 2u);
+  for (const SceneFeature& f : result->features) EXPECT_GE(f.seen.size(), 3u);
   Rig moved = set.truth;
   moved.cameras[7].cam_from_world = Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), {0, 0, 0}} * moved.cameras[7].cam_from_world;
-  EXPECT_THAT(triangulate_markerless(set.pictures, moved, work / "moved"), FailsWith(ErrorCode::BadData, "camera '" + moved.cameras[7].serial + "' shows only"));
+  EXPECT_THAT(triangulate_markerless(set.pictures, moved), FailsWith(ErrorCode::BadData, "camera '" + moved.cameras[7].serial + "' shows only"));
 }
 
 TEST(MarkerlessTemple, SparseRingIsRefusedWithAReasonOrAsGood) {

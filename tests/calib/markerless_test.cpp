@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "calib/child_program.h"
-#include "calib/colmap_model.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -24,7 +23,8 @@ std::string program(const TempFolder& folder, const std::string& script) {
 
 std::vector<MarkerlessPicture> two_pictures(const TempFolder& folder) {
   const CameraModel model = test::simple_camera(64, 48, 50);
-  return {{"a", folder.write("a.png", "a"), model}, {"b", folder.write("b.png", "b"), model}};
+  const Image black(64, 48, 1);
+  return {{"a", folder.write("a.png", "a"), model, black}, {"b", folder.write("b.png", "b"), model, black}};
 }
 
 TEST(Markerless, SaysThatColmapIsNotInstalled) {
@@ -39,13 +39,13 @@ TEST(Markerless, PassesOnTheStepItsCodeAndTheEndOfItsLog) {
   EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", {.program = failing}),
               FailsWith(ErrorCode::BadData, "COLMAP's mapper ended with code 1: too little is seen"));
   EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work2", {.program = failing}), FailsWith(ErrorCode::BadData, "no good initial pair"));
-  EXPECT_EQ(end_of_log(fs::path(folder / "work" / "colmap.log"), 9), "step feature_extractor;step exhaustive_matcher;step mapper;no good initial pair");
+  EXPECT_EQ(end_of_log(fs::path(folder / "work" / "colmap.log"), 9), "step feature_importer;step matches_importer;step mapper;no good initial pair");
 }
 
 TEST(Markerless, SurvivesACrash) {
   const TempFolder folder;
   EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", {.program = program(folder, "kill -ABRT $$")}),
-              FailsWith(ErrorCode::BadData, "feature_extractor was ended by signal 6"));
+              FailsWith(ErrorCode::BadData, "feature_importer was ended by signal 6"));
 }
 
 TEST(Markerless, EndsAProgramThatHangs) {
@@ -65,7 +65,6 @@ TEST(Markerless, RunsWithoutADisplayOrAGraphicsCard) {
   const auto quiet = program(folder, "echo $@");
   EXPECT_FALSE(calibrate_markerless(two_pictures(folder), folder / "work", {.program = quiet}));
   const std::string log = end_of_log(fs::path(folder / "work" / "colmap.log"), 99);
-  EXPECT_THAT(log, testing::HasSubstr("--SiftExtraction.use_gpu 0"));
   EXPECT_THAT(log, testing::HasSubstr("--SiftMatching.use_gpu 0"));
 }
 
@@ -76,42 +75,12 @@ TEST(Markerless, ChecksWhatItIsGivenBeforeItTouchesAnything) {
   EXPECT_THAT(calibrate_markerless(pictures, folder.path(), {}), FailsWith(ErrorCode::AlreadyExists, "new folder"));
   pictures[1].file = folder / "none.png";
   EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}), FailsWith(ErrorCode::NotFound, "none.png"));
+  pictures[1].pixels = Image(64, 47, 1);
+  EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}), FailsWith(ErrorCode::InvalidArgument, "has 64x47 pixels"));
+  EXPECT_THAT(triangulate_markerless(pictures, {}), FailsWith(ErrorCode::InvalidArgument, "has 64x47 pixels"));
   pictures[1].serial = "a";
   EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}), FailsWith(ErrorCode::InvalidArgument, "twice"));
   EXPECT_FALSE(fs::exists(folder / "w"));
-}
-
-constexpr const char* kPoints = "# 3D point list\n1 0 0 1 9 9 9 0.5 1 0 2 0\n2 0 1 1 9 9 9 0.3 1 1 2 4 3 7\n";
-
-TEST(ColmapPoints, AreCountedByPointAndImage) {
-  const Result<ColmapPoints> points = parse_colmap_points(kPoints, "points3D.txt");
-  ASSERT_THAT(points, IsOk());
-  ASSERT_EQ(points->points.size(), 2u);
-  EXPECT_EQ(points->points[1].position, Eigen::Vector3d(0, 1, 1));
-  EXPECT_THAT(points->points[1].track, testing::ElementsAre(std::pair(1, 1), std::pair(2, 4), std::pair(3, 7)));
-  EXPECT_DOUBLE_EQ(points->mean_track, 2.5);
-  EXPECT_DOUBLE_EQ(points->mean_error, 0.4);
-  EXPECT_THAT(points->of_image, testing::ElementsAre(std::pair(1, 2), std::pair(2, 2), std::pair(3, 1)));
-}
-
-TEST(ColmapPoints, NameTheLineThatIsWrong) {
-  EXPECT_THAT(parse_colmap_points("", "points3D.txt"), FailsWith(ErrorCode::BadData, "no points"));
-  EXPECT_THAT(parse_colmap_points("# x\n1 0 0 1 9 9 9 0.5 1 0 2\n", "points3D.txt"), FailsWith(ErrorCode::BadData, "line 2"));
-  EXPECT_THAT(parse_colmap_points("1 0 0 1 9 9 9 nan 1 0 2 0\n", "points3D.txt"), FailsWith(ErrorCode::BadData, "error is no number"));
-  EXPECT_THAT(parse_colmap_points("1 0 0 1 9 9 9 0.5 -1 0 2 0\n", "points3D.txt"), FailsWith(ErrorCode::BadData, "image id"));
-}
-
-TEST(ColmapKeypoints, AreReadByImage) {
-  const char* const kImages = "# list\n3 1 0 0 0 0 0 0 1 b.png\n1.5 2.5 -1 7 8 12\n5 1 0 0 0 0 0 0 1 a.png\n\n";
-  const Result<std::vector<ColmapImage>> images = parse_colmap_keypoints(kImages, "images.txt");
-  ASSERT_THAT(images, IsOk());
-  ASSERT_EQ(images->size(), 2u);
-  EXPECT_EQ(images->front().id, 3);
-  EXPECT_EQ(images->front().name, "b.png");
-  EXPECT_THAT(images->front().keypoints, testing::ElementsAre(Eigen::Vector2d(1.5, 2.5), Eigen::Vector2d(7, 8)));
-  EXPECT_TRUE(images->back().keypoints.empty());
-  EXPECT_THAT(parse_colmap_keypoints("3 1 0 0 0 0 0 0 1 b.png\n1.5 2.5\n", "images.txt"), FailsWith(ErrorCode::BadData, "line 2: keypoints are triples"));
-  EXPECT_THAT(parse_colmap_keypoints("3 1 0\n", "images.txt"), FailsWith(ErrorCode::BadData, "images.txt: line 1"));
 }
 
 TEST(ScaleTo, PutsTwoCamerasAtTheirDistance) {
