@@ -55,6 +55,12 @@ PublishingNode::~PublishingNode() {
   if (thread_.joinable()) thread_.join();
 }
 
+void PublishingNode::push(const Frame& frame, Timestamp produced) {
+  Frame here = frame;
+  here.info.exposure_start = time_.to_monotonic(frame.info.exposure_start, produced);
+  sets_->push(here, produced);
+}
+
 Result<void> PublishingNode::load_plates() {
   samples_.resize(rig_.cameras.size());
   if (options_.plates.empty()) return {};
@@ -80,7 +86,8 @@ std::string PublishingNode::collect_samples(const TimedSet& set) {
   return missing;
 }
 
-void PublishingNode::look(CameraRack& rack, const TimedSet& set, Nanoseconds to_studio) {
+void PublishingNode::look(CameraRack& rack, const TimedSet& set) {
+  const Nanoseconds to_studio = time_.to_system(system_now(), now());
   std::vector<bool> textured;
   for (const RigCamera& camera : rig_.cameras) textured.push_back(publisher_->wants_tile(camera.serial));
   SceneTimes times;
@@ -94,7 +101,6 @@ void PublishingNode::run() {
   std::optional<CameraRack> rack;
   std::string trouble;
   Timestamp told;
-  Nanoseconds to_studio = to_studio_time();
   const auto complain = [&](const std::string& what) {
     if (what != trouble && !what.empty()) log::warning(what);
     trouble = what;
@@ -102,7 +108,6 @@ void PublishingNode::run() {
   while (!stopping_) {
     if (now() - told >= kStatusPeriod) {
       told = now();
-      to_studio = to_studio_time();  // the system's clock may have been set
       publisher_->publish(control_.status());
     }
     const std::optional<TimedSet> set = sets_->newest(now() + kLook);
@@ -118,7 +123,7 @@ void PublishingNode::run() {
       if (!made) continue;  // perhaps the next pictures are better
       rack.emplace(std::move(*made));
     }
-    look(*rack, *set, to_studio);
+    look(*rack, *set);
     complain(rack->trouble());
   }
 }

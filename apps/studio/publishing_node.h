@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/studio/camera_rack.h"
+#include "apps/studio/camera_time.h"
 #include "apps/studio/clock.h"
 #include "apps/studio/set_builder.h"
 #include "apps/studio/studio_control.h"
@@ -54,7 +55,7 @@ class PublishingNode {
 
   /// A frame that was produced just now; info.camera is its place in the rig. Called on the cameras' threads,
   /// those of one camera one after the other. Does not wait.
-  void push(const Frame& frame, Timestamp produced) { sets_->push(frame, produced); }
+  void push(const Frame& frame, Timestamp produced);
 
   const std::string& address() const { return publisher_->address(); }
   std::string control_address() const { return server_ ? server_->address() : ""; }
@@ -66,13 +67,14 @@ class PublishingNode {
   Result<void> load_plates();
   std::string collect_samples(const TimedSet& set);
   void run();
-  void look(CameraRack& rack, const TimedSet& set, Nanoseconds to_studio);
+  void look(CameraRack& rack, const TimedSet& set);
 
   const Rig rig_;
   const PublishingOptions options_;
   StudioControl& control_;
   std::vector<std::vector<Image>>
       samples_;  // per camera: what its keyer learns from, its clean plate or a picture
+  CameraTime time_;
   std::unique_ptr<SetBuilder> sets_;
   std::unique_ptr<wire::Publisher> publisher_;
   std::unique_ptr<wire::ControlServer> server_;
