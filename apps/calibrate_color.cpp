@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <iomanip>
 #include <map>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/report_pictures.h"
@@ -65,9 +66,12 @@ Result<std::vector<ColorSight>> overlap(TakeReader& take, const Rig& rig, int wa
   for (int i = 0; i < take.frame_count(); ++i)
     if (std::filesystem::exists(take.layout().mesh(i))) frames.push_back(i);
   if (frames.empty())
-    return fail(ErrorCode::NotFound, text(take.layout().folder().string(), ": there are no meshes; run `floatstage process` on it first, or show a 24-patch chart to every camera and add --chart"));
+    return fail(ErrorCode::NotFound, text(take.layout().folder().string(),
+                                          ": there are no meshes; run `floatstage process` on it first, or "
+                                          "show a 24-patch chart to every camera and add --chart"));
   std::vector<ColorSight> sights;
-  const std::size_t step = std::max<std::size_t>(1, frames.size() / static_cast<std::size_t>(std::max(1, wanted)));
+  const std::size_t step =
+      std::max<std::size_t>(1, frames.size() / static_cast<std::size_t>(std::max(1, wanted)));
   Progress progress("colours", (frames.size() + step - 1) / step);
   int first_point = 0;
   constexpr int kMost = 6000;
@@ -111,21 +115,33 @@ struct Row {
 };
 
 std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
-  std::string out = "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Colour calibration</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:960px;"
-                    "margin:2em auto;padding:0 1em}table{border-collapse:collapse}td,th{padding:.2em .7em;text-align:right;border-bottom:1px solid #ddd}td:first-child,th:first-child{text-align:left}"
-                    ".s{display:inline-block;width:22px;height:14px}</style></head><body>";
-  out += text("<h1>Colour calibration: ", json["pass"].get<bool>() ? "PASS" : "FAIL", "</h1><p>CIEDE2000 between a camera and what the others see of the same surfaces (or the chart's nominal colours); the bar is ",
-              json["bar"].get<double>(), ". Below 1 nobody sees a difference; above 3 blends between cameras show.</p>");
-  out += "<table><tr><th>camera</th><th>colours</th><th>strays</th><th>before</th><th>after</th><th>P95</th></tr>";
+  std::string out =
+      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Colour "
+      "calibration</title><style>body{font:15px/1.45 system-ui,sans-serif;max-width:960px;"
+      "margin:2em auto;padding:0 1em}table{border-collapse:collapse}td,th{padding:.2em "
+      ".7em;text-align:right;border-bottom:1px solid #ddd}td:first-child,th:first-child{text-align:left}"
+      ".s{display:inline-block;width:22px;height:14px}</style></head><body>";
+  out += text("<h1>Colour calibration: ", json["pass"].get<bool>() ? "PASS" : "FAIL",
+              "</h1><p>CIEDE2000 between a camera and what the others see of the same surfaces (or the "
+              "chart's nominal colours); the bar is ",
+              json["bar"].get<double>(),
+              ". Below 1 nobody sees a difference; above 3 blends between cameras show.</p>");
+  out +=
+      "<table><tr><th>camera</th><th>colours</th><th>strays</th><th>before</th><th>after</th><th>P95</th></"
+      "tr>";
   for (const Row& r : rows)
-    out += text("<tr><td>", escaped(r.serial), r.reference ? " (the others look like it)" : "", "</td><td>", r.agreement.points, "</td><td>", r.agreement.strays, std::fixed, std::setprecision(2), "</td><td>", r.agreement.mean_before,
-                "</td><td>", r.agreement.mean_after, "</td><td>", r.agreement.p95_after, "</td></tr>");
+    out += text("<tr><td>", escaped(r.serial), r.reference ? " (the others look like it)" : "", "</td><td>",
+                r.agreement.points, "</td><td>", r.agreement.strays, std::fixed, std::setprecision(2),
+                "</td><td>", r.agreement.mean_before, "</td><td>", r.agreement.mean_after, "</td><td>",
+                r.agreement.p95_after, "</td></tr>");
   out += "</table>";
   for (const Row& r : rows) {
     if (r.swatches.empty()) continue;
     out += text("<h2>Camera ", escaped(r.serial), "</h2><p>as seen, corrected, wanted</p>");
     for (int k = 0; k < 3; ++k) {
-      for (const auto& s : r.swatches) out += text("<span class=\"s\" style=\"background:", css(s[static_cast<std::size_t>(k)]), "\"></span>");
+      for (const auto& s : r.swatches)
+        out +=
+            text("<span class=\"s\" style=\"background:", css(s[static_cast<std::size_t>(k)]), "\"></span>");
       out += "<br>";
     }
   }
@@ -133,7 +149,8 @@ std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
 }
 
 // A few of a camera's points for the report, from dark to bright.
-std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<ColorSight>& sights, int camera, const ColorBalance& balance) {
+std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<ColorSight>& sights, int camera,
+                                                     const ColorBalance& balance) {
   std::map<int, std::pair<Eigen::Vector3d, int>> sums;
   for (const ColorSight& s : sights)
     if (s.camera != camera) {
@@ -145,11 +162,14 @@ std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<ColorSigh
   for (const ColorSight& s : sights)
     if (s.camera == camera)
       if (const auto found = sums.find(s.point); found != sums.end())
-        all.push_back({s.seen, apply(balance.transforms[static_cast<std::size_t>(camera)], s.seen), found->second.first / found->second.second});
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a[2].sum() < b[2].sum(); });
+        all.push_back({s.seen, apply(balance.transforms[static_cast<std::size_t>(camera)], s.seen),
+                       found->second.first / found->second.second});
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a[2].sum() < b[2].sum(); });
   constexpr std::size_t kShown = 36;
   std::vector<std::array<Eigen::Vector3d, 3>> out;
-  for (std::size_t i = 0; i < std::min(kShown, all.size()); ++i) out.push_back(all[i * all.size() / std::min(kShown, all.size())]);
+  for (std::size_t i = 0; i < std::min(kShown, all.size()); ++i)
+    out.push_back(all[i * all.size() / std::min(kShown, all.size())]);
   return out;
 }
 
@@ -159,10 +179,17 @@ Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows)
   for (const Row& r : rows) {
     const bool good = r.reference || (r.agreement.points > 0 && r.agreement.mean_after <= given.bar);
     pass = pass && good;
-    cameras.push_back({{"serial", r.serial}, {"points", r.agreement.points}, {"strays", r.agreement.strays}, {"delta_e_before", r.agreement.mean_before},
-                       {"delta_e", r.agreement.mean_after}, {"delta_e_p95", r.agreement.p95_after}, {"reference", r.reference}, {"pass", good}});
-    std::printf("%s: dE00 %.2f before, %.2f after (P95 %.2f), %d colours, %d strays%s\n", r.serial.c_str(), r.agreement.mean_before, r.agreement.mean_after, r.agreement.p95_after,
-                r.agreement.points, r.agreement.strays, r.reference ? "; the others look like it" : "");
+    cameras.push_back({{"serial", r.serial},
+                       {"points", r.agreement.points},
+                       {"strays", r.agreement.strays},
+                       {"delta_e_before", r.agreement.mean_before},
+                       {"delta_e", r.agreement.mean_after},
+                       {"delta_e_p95", r.agreement.p95_after},
+                       {"reference", r.reference},
+                       {"pass", good}});
+    std::printf("%s: dE00 %.2f before, %.2f after (P95 %.2f), %d colours, %d strays%s\n", r.serial.c_str(),
+                r.agreement.mean_before, r.agreement.mean_after, r.agreement.p95_after, r.agreement.points,
+                r.agreement.strays, r.reference ? "; the others look like it" : "");
   }
   std::printf("%s\n", pass ? "PASS" : "FAIL");
   const nlohmann::json json = {{"pass", pass}, {"bar", given.bar}, {"cameras", cameras}};
@@ -173,7 +200,9 @@ Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows)
     if (Result<void> ok = write_file(given.report / "color.html", html(rows, json)); !ok) return ok;
     if (Result<void> ok = save_json(json, given.report / "color.json"); !ok) return ok;
   }
-  if (!pass) return fail(ErrorCode::BadData, text(given.take.string(), ": the cameras' colours do not agree to dE00 ", given.bar, "; ", given.out.string(), " was not written"));
+  if (!pass)
+    return fail(ErrorCode::BadData, text(given.take.string(), ": the cameras' colours do not agree to dE00 ",
+                                         given.bar, "; ", given.out.string(), " was not written"));
   return save_rig(rig, given.out);
 }
 
@@ -181,10 +210,17 @@ Result<void> run_chart(const Options& given, TakeReader& take, Rig rig) {
   std::vector<Row> rows;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const Result<ChartFound> found = look_for_chart(take, static_cast<int>(c), 4 * given.frames);
-    if (!found) return fail(found.error().code, text("camera '", rig.cameras[c].serial, "': ", found.error().message));
+    if (!found)
+      return fail(found.error().code, text("camera '", rig.cameras[c].serial, "': ", found.error().message));
     rig.cameras[c].color = found->fit.transform;
-    Row row{.serial = rig.cameras[c].serial, .agreement = {found->fit.used, 24 - found->fit.used, found->fit.mean_before, found->fit.mean_delta_e, found->fit.p95_delta_e}, .reference = false, .swatches = {}};
-    for (std::size_t k = 0; k < 24; ++k) row.swatches.push_back({found->seen[k], apply(found->fit.transform, found->seen[k]), chart_colors()[k]});
+    Row row{.serial = rig.cameras[c].serial,
+            .agreement = {found->fit.used, 24 - found->fit.used, found->fit.mean_before,
+                          found->fit.mean_delta_e, found->fit.p95_delta_e},
+            .reference = false,
+            .swatches = {}};
+    for (std::size_t k = 0; k < 24; ++k)
+      row.swatches.push_back(
+          {found->seen[k], apply(found->fit.transform, found->seen[k]), chart_colors()[k]});
     rows.push_back(std::move(row));
   }
   return finish(given, std::move(rig), rows);
@@ -199,14 +235,18 @@ Result<void> run(Options given) {
     Result<Rig> other = load_rig(given.rig);
     if (!other) return forward(other);
     bool same = other->cameras.size() == rig.cameras.size();
-    for (std::size_t c = 0; same && c < rig.cameras.size(); ++c) same = other->cameras[c].serial == rig.cameras[c].serial;
-    if (!same) return fail(ErrorCode::InvalidArgument, text(given.rig.string(), ": its cameras are not those of the take, in their order"));
+    for (std::size_t c = 0; same && c < rig.cameras.size(); ++c)
+      same = other->cameras[c].serial == rig.cameras[c].serial;
+    if (!same)
+      return fail(ErrorCode::InvalidArgument,
+                  text(given.rig.string(), ": its cameras are not those of the take, in their order"));
     rig = *std::move(other);
   }
   if (given.chart) return run_chart(given, **take, std::move(rig));
   const Result<std::vector<ColorSight>> sights = overlap(**take, rig, given.frames);
   if (!sights) return forward(sights);
-  const int reference = given.reference.empty() ? busiest(*sights, rig.cameras.size()) : camera_index(rig, given.reference);
+  const int reference =
+      given.reference.empty() ? busiest(*sights, rig.cameras.size()) : camera_index(rig, given.reference);
   if (reference < 0) return fail(ErrorCode::NotFound, text("the take has no camera '", given.reference, "'"));
   std::vector<std::optional<ColorTransform>> known(rig.cameras.size());
   known[static_cast<std::size_t>(reference)] = ColorTransform{};
@@ -217,7 +257,8 @@ Result<void> run(Options given) {
   std::vector<Row> rows;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     rig.cameras[c].color = balance->transforms[c];
-    rows.push_back({serials[c], balance->cameras[c], static_cast<int>(c) == reference, swatches(*sights, static_cast<int>(c), *balance)});
+    rows.push_back({serials[c], balance->cameras[c], static_cast<int>(c) == reference,
+                    swatches(*sights, static_cast<int>(c), *balance)});
   }
   return finish(given, std::move(rig), rows);
 }
@@ -226,14 +267,25 @@ Result<void> run(Options given) {
 
 void add_calibrate_color(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = calibrate.add_subcommand("color", "Cameras' colours made to agree, by a chart or by the surfaces that several of them see");
-  verb->add_option("take", options->take, "The take's folder; processed (meshes), or showing a 24-patch chart")->required();
-  verb->add_option("--out", options->out, "The rig.json to write, with a colour transform for every camera; default: the take's colors.json, which render and play use");
+  CLI::App* verb = calibrate.add_subcommand(
+      "color", "Cameras' colours made to agree, by a chart or by the surfaces that several of them see");
+  verb->add_option("take", options->take,
+                   "The take's folder; processed (meshes), or showing a 24-patch chart")
+      ->required();
+  verb->add_option("--out", options->out,
+                   "The rig.json to write, with a colour transform for every camera; default: the take's "
+                   "colors.json, which render and play use");
   verb->add_option("--rig", options->rig, "Geometry from this rig.json and not from the take");
-  verb->add_flag("--chart", options->chart, "Every camera sees a 24-patch chart somewhere in the take: colours become its nominal ones");
-  verb->add_option("--reference", options->reference, "Without a chart: the camera that the others are to look like; default: the one that sees most");
-  verb->add_option("--frames", options->frames, "How many instants are looked at")->capture_default_str()->check(CLI::Range(1, 1000));
-  verb->add_option("--bar", options->bar, "CIEDE2000 that every camera must reach, on average")->capture_default_str();
+  verb->add_flag("--chart", options->chart,
+                 "Every camera sees a 24-patch chart somewhere in the take: colours become its nominal ones");
+  verb->add_option(
+      "--reference", options->reference,
+      "Without a chart: the camera that the others are to look like; default: the one that sees most");
+  verb->add_option("--frames", options->frames, "How many instants are looked at")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  verb->add_option("--bar", options->bar, "CIEDE2000 that every camera must reach, on average")
+      ->capture_default_str();
   verb->add_option("--report", options->report, "Folder for color.html and color.json");
   verb->add_option("--json", options->json, "Write the report as JSON to this file");
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });

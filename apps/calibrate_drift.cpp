@@ -31,7 +31,8 @@ Result<Image> still(TakeReader& take, int camera) {
     if (!frame) return forward(frame);
     if (!frame->empty()) return to_rgb(*frame);
   }
-  return fail(ErrorCode::NotFound, text("camera '", serial, "' has no picture in ", take.layout().folder().string()));
+  return fail(ErrorCode::NotFound,
+              text("camera '", serial, "' has no picture in ", take.layout().folder().string()));
 }
 
 Result<void> make_reference(TakeReader& take, const std::filesystem::path& file) {
@@ -46,8 +47,10 @@ Result<void> make_reference(TakeReader& take, const std::filesystem::path& file)
   for (std::size_t c = 0; c < images.size(); ++c) {
     const std::size_t patches = reference->patches[c].size();
     if (patches < kFewestPatches)
-      return fail(ErrorCode::BadData, text("camera '", reference->serials[c], "' sees only ", patches, " textured spots of the background and ",
-                                           kFewestPatches, " are needed; put stickers or printed markers where every camera sees some"));
+      return fail(ErrorCode::BadData,
+                  text("camera '", reference->serials[c], "' sees only ", patches,
+                       " textured spots of the background and ", kFewestPatches,
+                       " are needed; put stickers or printed markers where every camera sees some"));
     std::printf("%s: %zu patches\n", reference->serials[c].c_str(), patches);
   }
   return save_drift_reference(*reference, file);
@@ -60,7 +63,8 @@ Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json dr
     const Result<std::string> bytes = read_file(file);
     if (!bytes) return forward(bytes);
     quality = nlohmann::json::parse(*bytes, nullptr, false);
-    if (!quality.is_object()) return fail(ErrorCode::BadData, text(file.string(), ": is no JSON object; move it away"));
+    if (!quality.is_object())
+      return fail(ErrorCode::BadData, text(file.string(), ": is no JSON object; move it away"));
   }
   quality["drift"] = std::move(drift);
   return save_json(quality, file);
@@ -69,7 +73,8 @@ Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json dr
 Result<void> watch(TakeReader& take, const Options& given) {
   Result<DriftReference> reference = load_drift_reference(given.reference);
   if (!reference) return forward(reference);
-  Result<DriftWatch> drift = DriftWatch::create(take.rig(), *std::move(reference), {.alarm_degrees = given.alarm});
+  Result<DriftWatch> drift =
+      DriftWatch::create(take.rig(), *std::move(reference), {.alarm_degrees = given.alarm});
   if (!drift) return forward(drift);
   nlohmann::json alarms = nlohmann::json::array(), cameras = nlohmann::json::array();
   const std::size_t count = take.rig().cameras.size();
@@ -91,18 +96,28 @@ Result<void> watch(TakeReader& take, const Options& given) {
       ++checks;
       if (const std::optional<DriftAlarm> alarm = drift->check(c, time, *image)) {
         std::printf("%.1f s: %s\n", time, alarm->sentence.c_str());
-        alarms.push_back({{"camera", alarm->serial}, {"seconds", time}, {"degrees", alarm->degrees}, {"residual_px", alarm->residual_px},
-                          {"moved", alarm->moved}, {"parallax_px", alarm->parallax_px}, {"sentence", alarm->sentence}});
+        alarms.push_back({{"camera", alarm->serial},
+                          {"seconds", time},
+                          {"degrees", alarm->degrees},
+                          {"residual_px", alarm->residual_px},
+                          {"moved", alarm->moved},
+                          {"parallax_px", alarm->parallax_px},
+                          {"sentence", alarm->sentence}});
       }
       const CameraTurn& turn = drift->turns()[static_cast<std::size_t>(c)];
       known += turn.known;
-      if (turn.known) largest = std::max(largest, turn.degrees), parallax = std::max(parallax, turn.parallax_px);
+      if (turn.known)
+        largest = std::max(largest, turn.degrees), parallax = std::max(parallax, turn.parallax_px);
     }
     const std::string& serial = take.rig().cameras[static_cast<std::size_t>(c)].serial;
     if (2 * known < checks)
-      std::printf("%s: its background was seen in only %d of %d checks: whether it turned is not known\n", serial.c_str(), known, checks);
-    cameras.push_back({{"serial", serial}, {"checks", checks}, {"known", known},
-                       {"largest_degrees", largest}, {"largest_parallax_px", parallax}});
+      std::printf("%s: its background was seen in only %d of %d checks: whether it turned is not known\n",
+                  serial.c_str(), known, checks);
+    cameras.push_back({{"serial", serial},
+                       {"checks", checks},
+                       {"known", known},
+                       {"largest_degrees", largest},
+                       {"largest_parallax_px", parallax}});
   }
   if (alarms.empty()) std::printf("no camera was seen to turn by more than %g degrees\n", given.alarm);
   return add_to_quality(take.layout().quality(), {{"alarms", alarms}, {"cameras", cameras}});
@@ -110,7 +125,8 @@ Result<void> watch(TakeReader& take, const Options& given) {
 
 Result<void> run(const Options& given) {
   if (given.reference.empty() == given.make.empty())
-    return fail(ErrorCode::InvalidArgument, "give either --reference FILE to compare with, or --make-reference FILE to write one");
+    return fail(ErrorCode::InvalidArgument,
+                "give either --reference FILE to compare with, or --make-reference FILE to write one");
   if (!(given.every > 0)) return fail(ErrorCode::InvalidArgument, "--every must be positive");
   const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
   if (!take) return forward(take);
@@ -121,7 +137,8 @@ Result<void> run(const Options& given) {
 
 void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = calibrate.add_subcommand("drift", "Has a camera turned since the calibration? Written to the take's quality.json");
+  CLI::App* verb = calibrate.add_subcommand(
+      "drift", "Has a camera turned since the calibration? Written to the take's quality.json");
   verb->add_option("take", options->take, "The take's folder")->required();
   verb->add_option("--reference", options->reference, "Patches of the background to compare with");
   verb->add_option("--make-reference", options->make, "Write them, from the take's plates or first pictures");

@@ -25,7 +25,8 @@ Result<LensKind> lens_named(const std::string& name) {
   if (name == "none") return LensKind::None;
   if (name == "brown-conrady") return LensKind::BrownConrady;
   if (name == "kannala-brandt") return LensKind::KannalaBrandt;
-  return fail(ErrorCode::InvalidArgument, text("--lens is none, brown-conrady or kannala-brandt, not '", name, "'"));
+  return fail(ErrorCode::InvalidArgument,
+              text("--lens is none, brown-conrady or kannala-brandt, not '", name, "'"));
 }
 
 // A line when the advice changes, and everything now and then.
@@ -55,14 +56,18 @@ Result<void> run(const Options& given) {
   const Result<std::pair<int, int>> size = parse_size(given.size);
   if (!size) return forward(size);
   std::optional<Rig> known;
-  const SessionKnown how{.format = "rig", .file = given.from, .intrinsics = given.fixed_intrinsics ? Prior::Fixed : Prior::Start, .poses = Prior::Start};
+  const SessionKnown how{.format = "rig",
+                         .file = given.from,
+                         .intrinsics = given.fixed_intrinsics ? Prior::Fixed : Prior::Start,
+                         .poses = Prior::Start};
   if (!given.from.empty()) {
     Result<Rig> rig = load_known(how);
     if (!rig) return forward(rig);
     known = *std::move(rig);
   }
   LiveOptions options;
-  options.target = {.design = *design, .lens = *lens, .least_move = given.least_move, .threads = given.threads};
+  options.target = {
+      .design = *design, .lens = *lens, .least_move = given.least_move, .threads = given.threads};
   options.calibration.threads = given.threads;
   options.solve_every = given.solve_every;
   options.seconds = given.seconds;
@@ -74,8 +79,11 @@ Result<void> run(const Options& given) {
   if (!applied) return applied;
   if (given.headless) {
     watch(**live);
-  } else if (Result<void> shown = show_live(**live, {size->first, size->second, given.screenshot}, interrupted); !shown) {
-    return fail(shown.error().code, text(shown.error().message, "; --headless prints what the window would show"));
+  } else if (Result<void> shown =
+                 show_live(**live, {size->first, size->second, given.screenshot}, interrupted);
+             !shown) {
+    return fail(shown.error().code,
+                text(shown.error().message, "; --headless prints what the window would show"));
   }
   (*live)->stop();
   if (Result<void> ok = (*live)->outcome(); !ok) return ok;
@@ -88,34 +96,57 @@ Result<void> run(const Options& given) {
   }
   const Result<Calibration> solved = calibrate(observations, options.calibration);
   if (!solved) return forward(solved);
-  ReportContext context{given.config.stem().string(), {text(status.sets, " instants were looked at live, ", status.counted, " of them counted")}, {}, 0};
+  ReportContext context{
+      given.config.stem().string(),
+      {text(status.sets, " instants were looked at live, ", status.counted, " of them counted")},
+      {},
+      0};
   for (const Advice& a : status.advice) context.remarks.push_back("still wanted: " + a.sentence);
-  return conclude(*solved, {}, {}, context, {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
+  return conclude(*solved, {}, {}, context,
+                  {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
 }
 
 }  // namespace
 
 void add_calibrate_live(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = calibrate.add_subcommand("live", "Wave a target before running cameras: coverage, errors, and what to show next");
+  CLI::App* verb = calibrate.add_subcommand(
+      "live", "Wave a target before running cameras: coverage, errors, and what to show next");
   verb->add_option("config", options->config, "The studio: its cameras, as for capture (TOML)")->required();
-  verb->add_option("--target", options->target, "What is waved, in one line of words: \"charuco columns=5 …\"")->required();
+  verb->add_option("--target", options->target,
+                   "What is waved, in one line of words: \"charuco columns=5 …\"")
+      ->required();
   verb->add_option("--lens", options->lens, "none, brown-conrady or kannala-brandt")->capture_default_str();
   verb->add_option("--from", options->from, "A rig.json of before: solved again from there, in its world");
-  verb->add_flag("--fixed-intrinsics", options->fixed_intrinsics, "With --from: lenses stay as they are there");
-  verb->add_option("--seconds", options->seconds, "How long; default: until the window is closed, Ctrl-C, or recordings are over")->check(CLI::PositiveNumber);
-  verb->add_option("--least-move", options->least_move, "An instant counts when the target has moved by this share of a picture's width")->capture_default_str()->check(CLI::Range(0.0, 1.0));
-  verb->add_option("--solve-every", options->solve_every, "Instants that counted, between two quick solutions")->capture_default_str()->check(CLI::PositiveNumber);
+  verb->add_flag("--fixed-intrinsics", options->fixed_intrinsics,
+                 "With --from: lenses stay as they are there");
+  verb->add_option("--seconds", options->seconds,
+                   "How long; default: until the window is closed, Ctrl-C, or recordings are over")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--least-move", options->least_move,
+                   "An instant counts when the target has moved by this share of a picture's width")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  verb->add_option("--solve-every", options->solve_every,
+                   "Instants that counted, between two quick solutions")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   verb->add_flag("--headless", options->headless, "No window: print it");
-  verb->add_flag("--floor-at-end", options->floor_at_end, "In the last instant that counted the target lies on the floor");
+  verb->add_flag("--floor-at-end", options->floor_at_end,
+                 "In the last instant that counted the target lies on the floor");
   verb->add_option("--size", options->size, "Size of the window")->capture_default_str();
-  verb->add_option("--screenshot", options->screenshot, "Write the window to this PNG when the pictures are over, then end");
+  verb->add_option("--screenshot", options->screenshot,
+                   "Write the window to this PNG when the pictures are over, then end");
   verb->add_option("--out", options->out, "The rig.json to write when the calibration passes");
   verb->add_option("--report", options->report, "Folder for calibration.html and calibration.json");
   verb->add_option("--json", options->json, "Write the report as JSON to this file");
-  verb->add_option("--observations", options->observations, "Write what was detected to this file: a session can solve it again");
-  verb->add_option("--threads", options->threads, "Threads; 0: one per core")->capture_default_str()->check(CLI::NonNegativeNumber);
-  verb->add_flag("--keep-failed", options->keep_failed, "Write --out even when the calibration does not pass");
+  verb->add_option("--observations", options->observations,
+                   "Write what was detected to this file: a session can solve it again");
+  verb->add_option("--threads", options->threads, "Threads; 0: one per core")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  verb->add_flag("--keep-failed", options->keep_failed,
+                 "Write --out even when the calibration does not pass");
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

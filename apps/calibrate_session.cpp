@@ -28,7 +28,8 @@ class Workspace {
   explicit Workspace(const std::filesystem::path& given) : folder_(given), keep_(!given.empty()) {
     if (keep_) return;
     std::string name = (std::filesystem::temp_directory_path() / "floatstage-scene-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) ready_ = fail(ErrorCode::Io, text(name, ": cannot be made; give --workspace"));
+    if (mkdtemp(name.data()) == nullptr)
+      ready_ = fail(ErrorCode::Io, text(name, ": cannot be made; give --workspace"));
     folder_ = name;
   }
   ~Workspace() {
@@ -48,14 +49,19 @@ class Workspace {
 };
 
 Result<void> run(const Options& given) {
-  if (given.session.empty()) return fail(ErrorCode::InvalidArgument, "calibrate: give a session (a .toml file; docs/calibrating.md), or 'target' to print one");
+  if (given.session.empty())
+    return fail(ErrorCode::InvalidArgument,
+                "calibrate: give a session (a .toml file; docs/calibrating.md), or 'target' to print one");
   Result<Session> session = load_session(given.session);
   if (!session) return forward(session);
   session->options.threads = given.threads;
   if (!given.from.empty()) {
     // A target measures the lenses again; the scene alone does not.
-    const Prior intrinsics = session->known && session->known->intrinsics == Prior::Fixed ? Prior::Fixed : session->markerless ? Prior::Fixed : Prior::Start;
-    session->known = SessionKnown{.format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = Prior::Start};
+    const Prior intrinsics = session->known && session->known->intrinsics == Prior::Fixed ? Prior::Fixed
+                             : session->markerless                                        ? Prior::Fixed
+                                                                                          : Prior::Start;
+    session->known =
+        SessionKnown{.format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = Prior::Start};
   }
   Result<Collected> collected = collect(*session, given.cache, given.threads);
   if (!collected) return forward(collected);
@@ -74,45 +80,66 @@ Result<void> run(const Options& given) {
   const Result<Calibration> solved = calibrate(collected->observations, session->options);
   if (!solved) return fail(solved.error().code, text(given.session.string(), ": ", solved.error().message));
 
-  ReportContext context{given.session.stem().string(), collected->detection, collected->remarks, collected->seconds};
+  ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
+                        collected->seconds};
   std::vector<BarCheck> checks;
   if (session->known) {
     const Result<Rig> known = load_known(*session->known);
     if (!known) return forward(known);
-    for (std::string& sentence : compare_to_known(*session->known, *known, solved->rig)) context.remarks.push_back(std::move(sentence));
+    for (std::string& sentence : compare_to_known(*session->known, *known, solved->rig))
+      context.remarks.push_back(std::move(sentence));
     if (const std::optional<RigAgreement> a = compare_poses(*session->known, *known, solved->rig)) {
-      context.remarks.push_back(text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent, " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
-                                     "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale, "; rotations at worst ", a->worst_turn_degrees, "°"));
-      if (session->bars.known_center_percent) checks.push_back({"known_center_percent", a->worst, a->worst_percent, *session->bars.known_center_percent, false});
+      context.remarks.push_back(
+          text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent,
+               " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
+               "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale,
+               "; rotations at worst ", a->worst_turn_degrees, "°"));
+      if (session->bars.known_center_percent)
+        checks.push_back(
+            {"known_center_percent", a->worst, a->worst_percent, *session->bars.known_center_percent, false});
     }
     if (!session->points.empty()) {
       const Result<ScenePoints> measured = measure_points(session->points, *known);
-      if (!measured) return fail(measured.error().code, text(session->known->file.string(), ": ", measured.error().message));
+      if (!measured)
+        return fail(measured.error().code,
+                    text(session->known->file.string(), ": ", measured.error().message));
       context.remarks.push_back(describe(*measured, *known, "known"));
     }
   }
   if (!session->points.empty() && !solved->rig.cameras.empty()) {
     const Result<ScenePoints> measured = measure_points(session->points, solved->rig);
-    context.remarks.push_back(measured ? describe(*measured, solved->rig, "solved") : measured.error().message);
-    checks.push_back({"points_px", "", measured ? measured->rms_px : std::nan(""), session->bars.points_px, false});
+    context.remarks.push_back(measured ? describe(*measured, solved->rig, "solved")
+                                       : measured.error().message);
+    checks.push_back(
+        {"points_px", "", measured ? measured->rms_px : std::nan(""), session->bars.points_px, false});
   }
-  return conclude(*solved, session->bars, checks, context, {given.session.string(), given.out, given.report, given.json, given.keep_failed, collected->carried});
+  return conclude(
+      *solved, session->bars, checks, context,
+      {given.session.string(), given.out, given.report, given.json, given.keep_failed, collected->carried});
 }
 
 }  // namespace
 
 void add_calibrate_session(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  calibrate.add_option("session", options->session, "The session (.toml): which pictures are of which camera, what they show, what is known");
+  calibrate.add_option(
+      "session", options->session,
+      "The session (.toml): which pictures are of which camera, what they show, what is known");
   calibrate.add_option("--out", options->out, "The rig.json to write when the calibration passes");
   calibrate.add_option("--report", options->report, "Folder for calibration.html and calibration.json");
   calibrate.add_option("--json", options->json, "Write the report as JSON to this file");
   calibrate.add_option("--cache", options->cache, "Folder that keeps what was detected, for the next time");
   calibrate.add_option("--observations", options->observations, "Write what was detected to this file");
-  calibrate.add_option("--from", options->from, "A rig.json of before: solved again from there, in its world, saying which camera has moved");
-  calibrate.add_option("--workspace", options->workspace, "New folder for what COLMAP writes, kept (markerless sessions)");
-  calibrate.add_option("--threads", options->threads, "Threads; 0: one per core")->capture_default_str()->check(CLI::NonNegativeNumber);
-  calibrate.add_flag("--keep-failed", options->keep_failed, "Write --out even when the calibration does not pass");
+  calibrate.add_option(
+      "--from", options->from,
+      "A rig.json of before: solved again from there, in its world, saying which camera has moved");
+  calibrate.add_option("--workspace", options->workspace,
+                       "New folder for what COLMAP writes, kept (markerless sessions)");
+  calibrate.add_option("--threads", options->threads, "Threads; 0: one per core")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  calibrate.add_flag("--keep-failed", options->keep_failed,
+                     "Write --out even when the calibration does not pass");
   calibrate.callback([options, &calibrate, &chosen] {
     if (calibrate.get_subcommands().empty()) chosen.run = [options] { return run(*options); };
   });

@@ -21,7 +21,8 @@ Result<void> run(const Options& given) {
   if (!files) return forward(files);
   for (const std::filesystem::path& file : *files) std::printf("%s\n", file.string().c_str());
   std::printf("%s\nprint at 100 %% and measure the ruler\n", to_text(*target).c_str());
-  if (const std::optional<std::string> warning = ambiguity(*target)) std::fprintf(stderr, "floatstage: %s\n", warning->c_str());
+  if (const std::optional<std::string> warning = ambiguity(*target))
+    std::fprintf(stderr, "floatstage: %s\n", warning->c_str());
   return {};
 }
 
@@ -29,10 +30,13 @@ Result<void> run(const Options& given) {
 
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = calibrate.add_subcommand("target", "Prints a calibration target, true to scale, to PDF or SVG");
+  CLI::App* verb =
+      calibrate.add_subcommand("target", "Prints a calibration target, true to scale, to PDF or SVG");
   verb->add_option("words", options->words,
-                   "The target: 'chessboard columns=8 rows=5 square=30mm', 'charuco columns=5 rows=7 square=40mm marker=30mm "
-                   "dictionary=5x5_100 [inverted]', 'apriltags columns=6 rows=6 tag=88mm gap=26.4mm', 'two-sided … thickness=5mm', "
+                   "The target: 'chessboard columns=8 rows=5 square=30mm', 'charuco columns=5 rows=7 "
+                   "square=40mm marker=30mm "
+                   "dictionary=5x5_100 [inverted]', 'apriltags columns=6 rows=6 tag=88mm gap=26.4mm', "
+                   "'two-sided … thickness=5mm', "
                    "'wand positions=0mm,150mm,450mm ball=25mm' or '… tag=40mm dictionary=4x4_50'")
       ->required();
   verb->add_option("--out", options->out, "The .pdf or .svg to write")->required();

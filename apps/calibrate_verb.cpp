@@ -3,7 +3,8 @@
 namespace floatstage {
 
 void add_calibrate(CLI::App& app, Chosen& chosen) {
-  CLI::App* verb = app.add_subcommand("calibrate", "Cameras from pictures of a target: intrinsics, poses, and how good they are");
+  CLI::App* verb = app.add_subcommand(
+      "calibrate", "Cameras from pictures of a target: intrinsics, poses, and how good they are");
   verb->require_subcommand(0, 1);
   add_calibrate_session(*verb, chosen);
   add_calibrate_color(*verb, chosen);

@@ -14,11 +14,13 @@ namespace floatstage {
 /// One key frame of a camera path: where the virtual camera stands and looks at a time of the film.
 struct PathKey {
   double time = 0;  ///< seconds from the film's start
-  Eigen::Vector3d eye = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero(), up = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero(),
+                  up = Eigen::Vector3d::UnitZ();
   double fov_y = 40;  ///< vertical field of view, degrees
 };
 
-/// A camera path: keys in order of time, joined by a Catmull-Rom spline (centripetal in time), held before and after.
+/// A camera path: keys in order of time, joined by a Catmull-Rom spline (centripetal in time), held before
+/// and after.
 struct CameraPath {
   std::vector<PathKey> keys;
   double duration() const { return keys.empty() ? 0 : keys.back().time; }
@@ -35,8 +37,8 @@ std::string to_json(const CameraPath& path);
 Result<CameraPath> load_path(const std::filesystem::path& file);
 Result<void> save_path(const CameraPath& path, const std::filesystem::path& file);
 
-/// A walk around `subject` where the rig's cameras stand, `seconds` long: a full turn when they surround it, else
-/// from one end of their arc to the other and back (no camera has seen the rest).
+/// A walk around `subject` where the rig's cameras stand, `seconds` long: a full turn when they surround it,
+/// else from one end of their arc to the other and back (no camera has seen the rest).
 CameraPath orbit_path(const Rig& rig, const Eigen::AlignedBox3d& subject, double seconds);
 
 }  // namespace floatstage

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/evaluate/evaluate.h"
@@ -29,8 +30,11 @@ Result<void> clear_earlier_demo(const fs::path& out) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(out, error)) {
     const fs::path name = entry.path().filename();
-    const bool ours = std::any_of(std::begin(kProducts), std::end(kProducts), [&](const char* p) { return name == p; });
-    if (!ours) return fail(ErrorCode::AlreadyExists, text(out.string(), " holds ", name.string(), ", which no demo made; choose another --out"));
+    const bool ours =
+        std::any_of(std::begin(kProducts), std::end(kProducts), [&](const char* p) { return name == p; });
+    if (!ours)
+      return fail(ErrorCode::AlreadyExists,
+                  text(out.string(), " holds ", name.string(), ", which no demo made; choose another --out"));
   }
   for (const char* product : kProducts) fs::remove_all(out / product, error);
   if (error) return fail(ErrorCode::Io, text("cannot clear ", out.string(), ": ", error.message()));
@@ -43,7 +47,8 @@ Scores against_truth(const SyntheticStudio& studio, const FilmPicture& picture, 
   Image silhouette = to_image(truth.matte), mask = silhouette, rgb = *to_rgb(truth.frame);
   for (std::size_t i = 0; i < mask.pixels.size(); ++i) {
     mask.pixels[i] = silhouette.pixels[i] >= 128 && rgba.pixels[4 * i + 3] >= 128 ? 255 : 0;
-    for (std::size_t c = 0; c < 3; ++c) rgb.pixels[3 * i + c] = static_cast<std::uint8_t>(rgb.pixels[3 * i + c] * silhouette.pixels[i] / 255);
+    for (std::size_t c = 0; c < 3; ++c)
+      rgb.pixels[3 * i + c] = static_cast<std::uint8_t>(rgb.pixels[3 * i + c] * silhouette.pixels[i] / 255);
   }
   return score(over(rgba, {0, 0, 0}), rgb, erode_mask(mask, 2), silhouette);
 }
@@ -59,13 +64,16 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
   FilmOptions film{.frame_rate = options.film_rate, .frames = {}, .methods = kMethods, .renderer = {}};
   for (int f = 0; f < (*take)->frame_count(); ++f) film.frames.push_back(f);
   film.renderer.background = {0.16f, 0.17f, 0.19f};
-  Result<std::unique_ptr<PictureSink>> freeview = open_picture_sink(options.out / "freeview.mp4", film.width, film.height, film.frame_rate);
+  Result<std::unique_ptr<PictureSink>> freeview =
+      open_picture_sink(options.out / "freeview.mp4", film.width, film.height, film.frame_rate);
   if (!freeview) return forward(freeview);
-  Result<std::unique_ptr<PictureSink>> compare = open_picture_sink(options.out / "compare.mp4", 2 * film.width, film.height, film.frame_rate);
+  Result<std::unique_ptr<PictureSink>> compare =
+      open_picture_sink(options.out / "compare.mp4", 2 * film.width, film.height, film.frame_rate);
   if (!compare) return forward(compare);
   const CameraPath path = orbit_path((*take)->rig(), *box, 1);
   Result<FilmReport> done = render_film(**take, path, film, [&](FilmPicture picture) -> Result<void> {
-    const Image linear = over(picture.renders[0], film.renderer.background), floating = over(picture.renders[1], film.renderer.background);
+    const Image linear = over(picture.renders[0], film.renderer.background),
+                floating = over(picture.renders[1], film.renderer.background);
     if (Result<void> ok = (*freeview)->write(floating); !ok) return ok;
     if (Result<void> ok = (*compare)->write(side_by_side({linear, floating})); !ok) return ok;
     if (picture.index % options.score_every != options.score_every / 2) return {};
@@ -82,11 +90,13 @@ nlohmann::json to_json(const DemoReport& report) {
   nlohmann::json j = {{"seconds", report.seconds}, {"stages", report.stage_seconds}};
   for (const auto& [method, scores] : report.scores) {
     Scores mean{};
-    constexpr double Scores::*kMembers[] = {&Scores::psnr, &Scores::ssim, &Scores::cw_ssim, &Scores::psnr_shift, &Scores::sharpness};
+    constexpr double Scores::*kMembers[] = {&Scores::psnr, &Scores::ssim, &Scores::cw_ssim,
+                                            &Scores::psnr_shift, &Scores::sharpness};
     for (const Scores& s : scores)
       for (double Scores::*member : kMembers) mean.*member += s.*member / static_cast<double>(scores.size());
-    j["mean"][method] = {{"psnr_mask", mean.psnr}, {"ssim_mask", mean.ssim}, {"cw_ssim_mask", mean.cw_ssim},
-                         {"psnr_shift_mask", mean.psnr_shift}, {"sharpness", mean.sharpness}, {"views", scores.size()}};
+    j["mean"][method] = {{"psnr_mask", mean.psnr},       {"ssim_mask", mean.ssim},
+                         {"cw_ssim_mask", mean.cw_ssim}, {"psnr_shift_mask", mean.psnr_shift},
+                         {"sharpness", mean.sharpness},  {"views", scores.size()}};
   }
   return j;
 }
@@ -98,7 +108,8 @@ DemoOptions default_demo() {
   demo.studio.frames = 24;
   demo.studio.studio.frame_rate = 12;
   demo.studio.studio.samples = 4;
-  demo.studio.studio.defects = {.noise = 2, .lens_k1 = -0.05, .color_gain = 0.01, .calibration_error = 0.3, .green_spill = 0.2};
+  demo.studio.studio.defects = {
+      .noise = 2, .lens_k1 = -0.05, .color_gain = 0.01, .calibration_error = 0.3, .green_spill = 0.2};
   demo.studio.take.label = "demo";
   return demo;
 }
@@ -121,7 +132,8 @@ Result<DemoReport> run_demo(const DemoOptions& options) {
   ProcessOptions process{.take = synthesize.out, .key = "chroma", .hull = {}};
   Result<ProcessReport> processed = process_take(process);
   if (!processed) return forward(processed);
-  if (!processed->meshes.failures.empty()) return fail(ErrorCode::BadData, processed->meshes.failures.front());
+  if (!processed->meshes.failures.empty())
+    return fail(ErrorCode::BadData, processed->meshes.failures.front());
   stage_done("process");
 
   Result<SyntheticStudio> studio = SyntheticStudio::create(true_rig(synthesize), synthesize.studio);

@@ -6,7 +6,8 @@
 
 namespace floatstage {
 
-/// A stage's folder holds products of one set of options; others need --redo, which clears it. What a person made in it
+/// A stage's folder holds products of one set of options; others need --redo, which clears it. What a person
+/// made in it
 /// (`keep`) stays. A folder that is not there is clear.
 Result<void> clear_for_redo(const std::filesystem::path& folder, const std::filesystem::path& keep = {});
 

@@ -2,8 +2,8 @@
 
 #include <chrono>
 #include <cmath>
-#include <future>
 #include <cstring>
+#include <future>
 
 #include "apps/interrupt.h"
 #include "apps/progress.h"
@@ -25,7 +25,8 @@ std::vector<int> schedule(const FilmOptions& options, double take_rate, double p
   std::vector<int> frames(static_cast<std::size_t>(pictures), options.frames.front());
   if (!moving) return frames;
   for (std::size_t p = 0; p < frames.size(); ++p) {
-    const auto played = static_cast<std::size_t>(static_cast<double>(p) / options.frame_rate * take_rate + 1e-6);
+    const auto played =
+        static_cast<std::size_t>(static_cast<double>(p) / options.frame_rate * take_rate + 1e-6);
     frames[p] = options.frames[played % options.frames.size()];
   }
   return frames;
@@ -33,10 +34,14 @@ std::vector<int> schedule(const FilmOptions& options, double take_rate, double p
 
 Result<void> check(const TakeReader& take, const FilmOptions& options) {
   if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "a film of no frames");
-  if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "a film needs a method; see `floatstage render --help`");
-  if (!(options.frame_rate > 0)) return fail(ErrorCode::InvalidArgument, "the film's frame rate must be positive");
+  if (options.methods.empty())
+    return fail(ErrorCode::InvalidArgument, "a film needs a method; see `floatstage render --help`");
+  if (!(options.frame_rate > 0))
+    return fail(ErrorCode::InvalidArgument, "the film's frame rate must be positive");
   for (int f : options.frames)
-    if (f < 0 || f >= take.frame_count()) return fail(ErrorCode::InvalidArgument, text("frame ", f, " is not in the take, which has ", take.frame_count()));
+    if (f < 0 || f >= take.frame_count())
+      return fail(ErrorCode::InvalidArgument,
+                  text("frame ", f, " is not in the take, which has ", take.frame_count()));
   return floatstage::check(options.renderer);
 }
 
@@ -56,7 +61,8 @@ class SceneStream {
 
  private:
   std::future<Result<SceneFrame>> load(int frame) {
-    return std::async(std::launch::async, [this, frame] { return load_scene(take_, frame, suppress_spill_); });
+    return std::async(std::launch::async,
+                      [this, frame] { return load_scene(take_, frame, suppress_spill_); });
   }
 
   TakeReader& take_;
@@ -74,7 +80,8 @@ Image over(const Image& rgba, const std::array<float, 3>& background) {
     const int a = rgba.pixels[4 * i + 3];
     for (std::size_t c = 0; c < 3; ++c) {
       const int under = static_cast<int>(std::lround(background[c] * 255.f));
-      rgb.pixels[3 * i + c] = static_cast<std::uint8_t>((rgba.pixels[4 * i + c] * a + under * (255 - a) + 127) / 255);
+      rgb.pixels[3 * i + c] =
+          static_cast<std::uint8_t>((rgba.pixels[4 * i + c] * a + under * (255 - a) + 127) / 255);
     }
   }
   return rgb;
@@ -86,7 +93,8 @@ Image side_by_side(const std::vector<Image>& pictures) {
   Image sheet(width, pictures.front().height, 3);
   int left = 0;
   for (const Image& p : pictures) {
-    for (int y = 0; y < p.height; ++y) std::memcpy(sheet.at(left, y), p.at(0, y), static_cast<std::size_t>(p.width) * 3);
+    for (int y = 0; y < p.height; ++y)
+      std::memcpy(sheet.at(left, y), p.at(0, y), static_cast<std::size_t>(p.width) * 3);
     left += p.width;
   }
   return sheet;
@@ -124,7 +132,8 @@ Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const F
     }
     const double film_time = static_cast<double>(p) / options.frame_rate;
     const PathKey key = sample(path, film_time / film_seconds * path.duration());
-    FilmPicture picture{static_cast<int>(p), frames[p], view_of(key, options.width, options.height, *box), {}};
+    FilmPicture picture{
+        static_cast<int>(p), frames[p], view_of(key, options.width, options.height, *box), {}};
     for (const std::unique_ptr<ViewRenderer>& renderer : renderers) {
       Result<RenderedView> rendered = renderer->render(textures, picture.view, options.renderer);
       if (!rendered) return in_frame(rendered.error());

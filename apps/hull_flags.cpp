@@ -10,21 +10,21 @@
 namespace floatstage {
 
 std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, HullCare& care) {
-  return {
-      verb.add_flag("--collapse-slivers", care.collapse_slivers,
-                    "Care: collapse needles and caps where no vertex has to move by more than --care-pixels in any view"),
-      verb.add_option("--smooth", care.smooth,
-                      "Care: rounds of smoothing, every vertex within --care-pixels in every view")
-          ->capture_default_str(),
-      verb.add_option("--triangles", care.triangles,
-                      "Care: collapse the least important edges until so few triangles are left; 0: none")
-          ->capture_default_str(),
-      verb.add_option("--care-pixels", care.largest_move,
-                      "Care: how far from where it was any vertex may be seen, pixels")
-          ->capture_default_str(),
-      verb.add_option("--care-loss", care.largest_loss,
-                      "Care: of any silhouette's IoU, the most that smoothing may cost")
-          ->capture_default_str()};
+  return {verb.add_flag("--collapse-slivers", care.collapse_slivers,
+                        "Care: collapse needles and caps where no vertex has to move by more than "
+                        "--care-pixels in any view"),
+          verb.add_option("--smooth", care.smooth,
+                          "Care: rounds of smoothing, every vertex within --care-pixels in every view")
+              ->capture_default_str(),
+          verb.add_option("--triangles", care.triangles,
+                          "Care: collapse the least important edges until so few triangles are left; 0: none")
+              ->capture_default_str(),
+          verb.add_option("--care-pixels", care.largest_move,
+                          "Care: how far from where it was any vertex may be seen, pixels")
+              ->capture_default_str(),
+          verb.add_option("--care-loss", care.largest_loss,
+                          "Care: of any silhouette's IoU, the most that smoothing may cost")
+              ->capture_default_str()};
 }
 
 void add_hull_flags(CLI::App& verb, HullFlags& flags) {
@@ -108,8 +108,11 @@ nlohmann::json describe(const HullOptions& options) {
   }
   if (options.care.wanted()) {
     const HullCare& care = options.care;
-    j["care"] = {{"collapse_slivers", care.collapse_slivers}, {"smooth", care.smooth}, {"triangles", care.triangles},
-                 {"pixels", care.largest_move},               {"loss", care.largest_loss}};
+    j["care"] = {{"collapse_slivers", care.collapse_slivers},
+                 {"smooth", care.smooth},
+                 {"triangles", care.triangles},
+                 {"pixels", care.largest_move},
+                 {"loss", care.largest_loss}};
   }
   return j;
 }
@@ -122,7 +125,8 @@ std::optional<HullOptions> parse_hull_options(const nlohmann::json& description)
     flags.options.resolution = j.value("resolution", flags.options.resolution);
     flags.options.smoothing = j.value("smoothing", flags.options.smoothing);
     flags.options.contour_tolerance = j.value("contour_tolerance", flags.options.contour_tolerance);
-    if (j.contains("votes")) flags.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
+    if (j.contains("votes"))
+      flags.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
     if (j.contains("volume")) flags.volume = j["volume"].get<std::vector<double>>();
     if (j.contains("care")) {
       HullCare& care = flags.options.care;

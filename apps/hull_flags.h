@@ -34,8 +34,8 @@ Result<HullOptions> hull_options(const HullFlags& flags);
 /// What was asked for, in the words of the flags: only what the method takes notice of.
 nlohmann::json describe(const HullOptions& options);
 
-/// The options that describe() wrote; absent when `description` is none. What the method takes no notice of has its
-/// default.
+/// The options that describe() wrote; absent when `description` is none. What the method takes no notice of
+/// has its default.
 std::optional<HullOptions> parse_hull_options(const nlohmann::json& description);
 
 }  // namespace floatstage

@@ -93,7 +93,8 @@ nlohmann::json care_json(const Rig& rig, const HullReport& hull) {
 
 void print_care(const HullCareReport& care) {
   std::printf(
-      "care: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes shifted up to "
+      "care: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes shifted "
+      "up to "
       "%.1f px, IoU fell by up to %.4f\n",
       care.triangles_before, care.slivers_before, care.triangles_after, care.slivers_after,
       *std::max_element(care.vertex_move.begin(), care.vertex_move.end()),
@@ -133,7 +134,8 @@ Result<void> run(const Options& given) {
   for (int k = 0; k < given.repeat; ++k) {
     if (interrupted()) return fail(ErrorCode::Cancelled, "interrupted; nothing was written");
     const auto begin = std::chrono::steady_clock::now();
-    if (Result<void> ok = visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok) return ok;
+    if (Result<void> ok = visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok)
+      return ok;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     ms.push_back(1e3 * seconds);
     without_contours.push_back(1e3 * (seconds - repeated.timings.contours));
@@ -161,7 +163,8 @@ Result<void> run(const Options& given) {
   const double mean_iou = counted > 0 ? sum / counted : 0;
   for (const std::string& remark : hull->remarks) std::fprintf(stderr, "floatstage: %s\n", remark.c_str());
   std::printf(
-      "%zu vertices, %zu triangles, %.6g m³; mean IoU %.4f; %s; %.2f ms (p95 %.2f), %.2f ms without contours\n",
+      "%zu vertices, %zu triangles, %.6g m³; mean IoU %.4f; %s; %.2f ms (p95 %.2f), %.2f ms without "
+      "contours\n",
       hull->mesh.positions.size(), hull->mesh.triangle_count(), hull->volume, mean_iou,
       check.watertight && check.manifold ? "closed and manifold" : "NOT CLOSED", percentile(ms, 0.5),
       percentile(ms, 0.95), percentile(without_contours, 0.5));

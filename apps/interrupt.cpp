@@ -1,8 +1,8 @@
 #include "apps/interrupt.h"
 
-#include <signal.h>
-
 #include <atomic>
+
+#include <signal.h>
 
 namespace floatstage {
 namespace {
@@ -25,7 +25,8 @@ void watch_for_interrupts() {
 bool interrupted() { return g_interrupted; }
 
 Unexpected cancelled() {
-  return fail(ErrorCode::Cancelled, "interrupted; what was finished is kept, and the same command goes on from there");
+  return fail(ErrorCode::Cancelled,
+              "interrupted; what was finished is kept, and the same command goes on from there");
 }
 
 }  // namespace floatstage

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/result.h"

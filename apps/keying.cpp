@@ -16,8 +16,9 @@ Result<std::optional<KeyingRecord>> load_keying(const TakeLayout& layout, const 
   if (!bytes) return forward(bytes);
   const json j = json::parse(*bytes, nullptr, false);
   auto bad = [&] {
-    return fail(ErrorCode::BadData, text(layout.keying().string(), " does not say how the mattes were made; remove the folder ",
-                                         layout.mattes().string(), " and run `floatstage process` again"));
+    return fail(ErrorCode::BadData,
+                text(layout.keying().string(), " does not say how the mattes were made; remove the folder ",
+                     layout.mattes().string(), " and run `floatstage process` again"));
   };
   if (!j.is_object() || !j.contains("key") || !j["key"].is_string()) return bad();
   KeyingRecord record{j["key"].get<std::string>(), {}};
@@ -46,7 +47,8 @@ Result<std::unique_ptr<Keyer>> keyer_for(TakeReader& take, int camera, const std
     if (!picture) return forward(picture);
     samples.push_back(std::move(*picture));
   } else {
-    constexpr int kPhotographs = 3;  // spread over the take: the cloth's colour does not change, the performer moves
+    constexpr int kPhotographs =
+        3;  // spread over the take: the cloth's colour does not change, the performer moves
     const int count = take.frame_count(), wanted = std::min(kPhotographs, count);
     for (int i = 0; i < wanted; ++i) {
       Result<Frame> frame = take.frame(camera, static_cast<int>(static_cast<long>(count) * i / wanted));

@@ -13,7 +13,8 @@ namespace floatstage {
 
 /// mattes/keying.json: which keyer made a take's mattes, camera by camera.
 struct KeyingRecord {
-  std::string key;                 ///< as the user asked: "chroma", "luminance:12"; "imported" when mattes came with the take
+  std::string
+      key;  ///< as the user asked: "chroma", "luminance:12"; "imported" when mattes came with the take
   std::vector<std::string> specs;  ///< per camera, exact (with the sampled colour); empty when imported
 };
 

@@ -19,7 +19,8 @@ Result<void> run(const std::filesystem::path& file) {
 
 void add_keys(CLI::App& app, Chosen& chosen) {
   auto file = std::make_shared<std::filesystem::path>();
-  CLI::App* verb = app.add_subcommand("keys", "Makes the keys with which a studio's machines know one another");
+  CLI::App* verb =
+      app.add_subcommand("keys", "Makes the keys with which a studio's machines know one another");
   verb->add_option("--out", *file, "A new file; only its owner can read it")->required();
   verb->callback([file, &chosen] { chosen.run = [file] { return run(*file); }; });
 }

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/camera_path.h"
@@ -57,14 +58,12 @@ nlohmann::ordered_json to_report(const LiveReport& r, const std::string& source,
   const LiveChain::Counters& c = r.counters;
   std::uint64_t late = 0, missing = 0;
   for (const CameraSync& camera : c.sets.sync.cameras) late += camera.late, missing += camera.missing;
-  json["sets"] = {{"ready", c.sets.sets}, {"complete", c.sets.sync.complete}, {"incomplete", c.sets.sync.incomplete}};
+  json["sets"] = {
+      {"ready", c.sets.sets}, {"complete", c.sets.sync.complete}, {"incomplete", c.sets.sync.incomplete}};
   json["scenes"] = c.scenes;
-  json["dropped"] = {{"sets_overtaken", c.sets.overtaken},
-                     {"scenes_unseen", c.unseen},
-                     {"sets_failed", c.failed},
-                     {"sets_troubled", c.troubled},
-                     {"frames_late", late},
-                     {"frames_missing", missing}};
+  json["dropped"] = {
+      {"sets_overtaken", c.sets.overtaken}, {"scenes_unseen", c.unseen}, {"sets_failed", c.failed},
+      {"sets_troubled", c.troubled},        {"frames_late", late},       {"frames_missing", missing}};
   for (const QualityChange& q : r.qualities)
     json["qualities"].push_back({{"seconds", q.seconds}, {"quality", q.quality}, {"fps", q.fps}});
   return json;
@@ -75,9 +74,11 @@ void print(const LiveReport& r) {
               r.shown.mean(r.seconds), r.seconds, r.shown.slowest(r.seconds, 1), r.latency.percentile(0.5),
               r.latency.percentile(0.99));
   for (const auto& [name, series] : r.stages)
-    std::printf("  %-12s mean %6.1f ms, p99 %6.1f ms\n", name.c_str(), series.mean(), series.percentile(0.99));
+    std::printf("  %-12s mean %6.1f ms, p99 %6.1f ms\n", name.c_str(), series.mean(),
+                series.percentile(0.99));
   std::printf("  %llu instants came, %llu were shown, %llu overtaken by newer ones\n",
-              static_cast<unsigned long long>(r.counters.sets.sets), static_cast<unsigned long long>(r.counters.scenes),
+              static_cast<unsigned long long>(r.counters.sets.sets),
+              static_cast<unsigned long long>(r.counters.scenes),
               static_cast<unsigned long long>(r.counters.sets.overtaken));
 }
 
@@ -105,7 +106,8 @@ class Snapshots {
 Result<std::unique_ptr<LiveSource>> open_live_source(const Options& o) {
   if (o.source.empty() == o.config.empty())
     return fail(ErrorCode::InvalidArgument,
-                "say where pictures come from: --source TAKE, --config STUDIO.toml, or --view ADDRESS of other machines");
+                "say where pictures come from: --source TAKE, --config STUDIO.toml, or --view ADDRESS of "
+                "other machines");
   if (!o.config.empty()) {
     Result<CaptureConfig> config = load_capture_config(o.config);
     if (!config) return forward(config);
@@ -123,11 +125,13 @@ Result<std::unique_ptr<LiveSource>> open_live_source(const Options& o) {
 
 // `network` is null for scenes of this process.
 Result<void> view_headless(SceneFeed& feed, const RemoteScenes* network, const Options& o) {
-  Result<CameraPath> path = o.path_file.empty() ? orbit_path(feed.rig(), {}, o.orbit) : load_path(o.path_file);
+  Result<CameraPath> path =
+      o.path_file.empty() ? orbit_path(feed.rig(), {}, o.orbit) : load_path(o.path_file);
   if (!path) return forward(path);
   const double duration = path->duration();
   const ViewAt view_at = [&](double time) {
-    return view_of(sample(*path, duration > 0 ? std::fmod(time, duration) : 0), o.run.width, o.run.height, {});
+    return view_of(sample(*path, duration > 0 ? std::fmod(time, duration) : 0), o.run.width, o.run.height,
+                   {});
   };
   if (!o.snapshots.empty())
     if (Result<void> ok = make_folder(o.snapshots); !ok) return ok;
@@ -148,7 +152,9 @@ Result<void> view_headless(SceneFeed& feed, const RemoteScenes* network, const O
 Result<void> view_in_window(SceneFeed& feed, std::vector<StudioControl*> nodes, const Options& o) {
   if (StudioControl* control = feed.control()) nodes.push_back(control);
   ControlDesk desk(std::move(nodes));
-  return run_live_window(feed, desk, {.run = o.run, .show_cameras = o.show_cameras, .path_file = o.path_file, .screenshot = o.screenshot});
+  return run_live_window(
+      feed, desk,
+      {.run = o.run, .show_cameras = o.show_cameras, .path_file = o.path_file, .screenshot = o.screenshot});
 }
 
 Result<void> view_remote(const Options& o) {
@@ -174,10 +180,14 @@ Result<void> run(const Options& given) {
   if (!given.recon.address.empty()) return reconstruct(given);
   Options o = given;
   if (!o.headless && !(o.json.empty() && o.snapshots.empty()))
-    return fail(ErrorCode::InvalidArgument, "--json and --snapshots are of a run without a window; add --headless");
+    return fail(ErrorCode::InvalidArgument,
+                "--json and --snapshots are of a run without a window; add --headless");
   if (o.headless && !o.screenshot.empty())
-    return fail(ErrorCode::InvalidArgument, "--screenshot is of the window; without one there is --snapshots");
-  Result<std::pair<int, int>> size = parse_size(!o.size.empty() ? o.size : o.headless ? "640x480" : "1280x800");
+    return fail(ErrorCode::InvalidArgument,
+                "--screenshot is of the window; without one there is --snapshots");
+  Result<std::pair<int, int>> size = parse_size(!o.size.empty() ? o.size
+                                                : o.headless    ? "640x480"
+                                                                : "1280x800");
   if (!size) return forward(size);
   std::tie(o.run.width, o.run.height) = *size;
   RendererFlags flags;
@@ -200,39 +210,59 @@ Result<void> run(const Options& given) {
 void add_live(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   Options& o = *options;
-  CLI::App* verb = app.add_subcommand("live", "Cameras, or a take in their place, as a scene that one walks around now");
-  CLI::Option* source = verb->add_option("--source", o.source, "A take, played as if its cameras delivered it now");
-  CLI::Option* config = verb->add_option("--config", o.config, "The studio's cameras (TOML, as for `capture`)");
-  CLI::Option* recon = verb->add_option("--recon", o.recon.address,
-                                        "Reconstruct what --nodes see, and tell scenes at this address; no view");
-  CLI::Option* view = verb->add_option("--view", o.remote.recon, "View the scenes of the machine with --recon at this address");
-  CLI::Option* nodes = verb->add_option("--nodes", o.remote.nodes, "With --recon, --view: addresses of the capture nodes");
-  verb->add_option("--control", o.remote.control, "With --view: where the nodes answer requests, for health, record and stop");
+  CLI::App* verb =
+      app.add_subcommand("live", "Cameras, or a take in their place, as a scene that one walks around now");
+  CLI::Option* source =
+      verb->add_option("--source", o.source, "A take, played as if its cameras delivered it now");
+  CLI::Option* config =
+      verb->add_option("--config", o.config, "The studio's cameras (TOML, as for `capture`)");
+  CLI::Option* recon = verb->add_option(
+      "--recon", o.recon.address, "Reconstruct what --nodes see, and tell scenes at this address; no view");
+  CLI::Option* view = verb->add_option("--view", o.remote.recon,
+                                       "View the scenes of the machine with --recon at this address");
+  CLI::Option* nodes =
+      verb->add_option("--nodes", o.remote.nodes, "With --recon, --view: addresses of the capture nodes");
+  verb->add_option("--control", o.remote.control,
+                   "With --view: where the nodes answer requests, for health, record and stop");
   CLI::Option* rig = verb->add_option("--rig", o.remote.rig, "With --recon, --view: the studio's rig.json");
   verb->add_option("--keys", o.remote.keys, "With --recon, --view: the studio's keys, see `floatstage keys`");
-  verb->add_option("--longest-wait", o.recon.longest_wait_ms, "With --recon: ms that an instant waits for late cameras")
-      ->capture_default_str()->check(CLI::NonNegativeNumber);
+  verb->add_option("--longest-wait", o.recon.longest_wait_ms,
+                   "With --recon: ms that an instant waits for late cameras")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   recon->excludes(source)->excludes(config)->excludes(view)->needs(nodes)->needs(rig);
   view->excludes(source)->excludes(config)->needs(nodes)->needs(rig);
-  verb->add_option("--plates", o.plates, "With --config: a folder of clean plates, <serial>.png, for keyers that need one");
+  verb->add_option("--plates", o.plates,
+                   "With --config: a folder of clean plates, <serial>.png, for keyers that need one");
   verb->add_flag("--headless", o.headless, "Without a window: the view walks around the stage");
-  verb->add_option("--seconds", o.run.seconds, "How long, the take beginning anew when it is over; default: once through, in a window until it is closed")
+  verb->add_option("--seconds", o.run.seconds,
+                   "How long, the take beginning anew when it is over; default: once through, in a window "
+                   "until it is closed")
       ->check(CLI::PositiveNumber);
   verb->add_option("--rate", o.rate, "Instants a second; default: as recorded")->check(CLI::PositiveNumber);
-  verb->add_option("--out-size", o.size, "Size of the view (default: 640x480), or of the window (default: 1280x800)");
-  verb->add_option("--key", o.chain.key, "How the subject is keyed, see `floatstage process --help`")->capture_default_str();
+  verb->add_option("--out-size", o.size,
+                   "Size of the view (default: 640x480), or of the window (default: 1280x800)");
+  verb->add_option("--key", o.chain.key, "How the subject is keyed, see `floatstage process --help`")
+      ->capture_default_str();
   verb->add_option("--cameras", o.cameras, "Photographs blended per view")->capture_default_str();
   std::string levels = "Quality to begin with:";
-  for (std::size_t i = 0; i < live_qualities().size(); ++i) levels += text("\n  ", i, " ", describe(live_qualities()[i]));
+  for (std::size_t i = 0; i < live_qualities().size(); ++i)
+    levels += text("\n  ", i, " ", describe(live_qualities()[i]));
   verb->add_option("--quality", o.run.quality, levels)->capture_default_str();
-  verb->add_option("--target-fps", o.run.target_fps, "Change the quality to show so many instants a second; 0: never")
-      ->capture_default_str()->check(CLI::NonNegativeNumber);
-  verb->add_option("--orbit", o.orbit, "Headless: seconds of a walk around the stage")->capture_default_str()->check(CLI::PositiveNumber);
+  verb->add_option("--target-fps", o.run.target_fps,
+                   "Change the quality to show so many instants a second; 0: never")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  verb->add_option("--orbit", o.orbit, "Headless: seconds of a walk around the stage")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   verb->add_option("--path", o.path_file, "Follow this camera path instead, again and again");
-  verb->add_option("--background", o.background, "Colour behind the performer, rrggbb")->capture_default_str();
+  verb->add_option("--background", o.background, "Colour behind the performer, rrggbb")
+      ->capture_default_str();
   verb->add_option("--snapshots", o.snapshots, "Headless: write a picture a second into this folder");
   verb->add_flag("--show-cameras", o.show_cameras, "Window: draw the cameras");
-  verb->add_option("--screenshot", o.screenshot, "Window: write it to this PNG once a few scenes were shown, then end");
+  verb->add_option("--screenshot", o.screenshot,
+                   "Window: write it to this PNG once a few scenes were shown, then end");
   verb->add_option("--json", o.json, "Headless, --recon: write a report for machines");
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }

@@ -32,8 +32,9 @@ int run(int argc, char** argv) {
   app.add_flag("-v,--verbose", verbose, "Debug messages too");
 
   Chosen chosen;
-  for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_matte, add_matte_image,
-                   add_hull, add_keys, add_process, add_render, add_evaluate, add_live, add_play})
+  for (auto add :
+       {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_matte,
+        add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate, add_live, add_play})
     add(app, chosen);
 
   if (names_unknown_verb(app, argc, argv)) return kExitUsage;
@@ -55,7 +56,8 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return run(argc, argv);
-  } catch (const std::exception& e) {  // CheckFailure, out of memory: nothing that a user's input should cause
+  } catch (
+      const std::exception& e) {  // CheckFailure, out of memory: nothing that a user's input should cause
     std::fprintf(stderr, "floatstage: internal error: %s\n", e.what());
     return floatstage::kExitBug;
   }

@@ -37,7 +37,9 @@ class FolderSink : public PictureSink {
   Result<void> finish() override {
     std::error_code error;
     fs::rename(temporary_, out_, error);
-    if (error) return fail(ErrorCode::Io, text("cannot rename the pictures to ", out_.string(), ": ", error.message()));
+    if (error)
+      return fail(ErrorCode::Io,
+                  text("cannot rename the pictures to ", out_.string(), ": ", error.message()));
     finished_ = true;
     return {};
   }
@@ -50,8 +52,11 @@ class FolderSink : public PictureSink {
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int width, int height, double frame_rate) {
-  if (fs::exists(out)) return fail(ErrorCode::AlreadyExists, text(out.string(), " exists already; choose another --out or remove it"));
+Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int width, int height,
+                                                       double frame_rate) {
+  if (fs::exists(out))
+    return fail(ErrorCode::AlreadyExists,
+                text(out.string(), " exists already; choose another --out or remove it"));
   const fs::path extension = out.extension();
   if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
     Result<std::unique_ptr<VideoWriter>> writer = VideoWriter::create(out, width, height, frame_rate);
@@ -59,7 +64,8 @@ Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int 
     return std::unique_ptr<PictureSink>(std::make_unique<VideoSink>(std::move(*writer)));
   }
   if (!extension.empty())
-    return fail(ErrorCode::InvalidArgument, text(out.string(), ": name a .mp4, .mkv or .mov video, or a folder for PNGs"));
+    return fail(ErrorCode::InvalidArgument,
+                text(out.string(), ": name a .mp4, .mkv or .mov video, or a folder for PNGs"));
   const fs::path temporary = temporary_name(out);
   std::error_code error;
   fs::remove_all(temporary, error);

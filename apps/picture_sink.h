@@ -8,7 +8,8 @@
 
 namespace floatstage {
 
-/// Where a film's pictures go: a video file, or a folder of PNGs. Nothing stands under the final name before finish().
+/// Where a film's pictures go: a video file, or a folder of PNGs. Nothing stands under the final name before
+/// finish().
 class PictureSink {
  public:
   virtual ~PictureSink() = default;
@@ -18,6 +19,7 @@ class PictureSink {
 
 /// "*.mp4", "*.mkv", "*.mov": H.264; a name without extension: a new folder of 000000.png, 000001.png, …
 /// AlreadyExists when something is there already.
-Result<std::unique_ptr<PictureSink>> open_picture_sink(const std::filesystem::path& out, int width, int height, double frame_rate);
+Result<std::unique_ptr<PictureSink>> open_picture_sink(const std::filesystem::path& out, int width,
+                                                       int height, double frame_rate);
 
 }  // namespace floatstage

@@ -35,7 +35,9 @@ Result<void> run(const Options& given) {
 void add_play(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   options->renderer.background = "292b30";
-  CLI::App* verb = app.add_subcommand("play", "The interactive player: time line, orbit camera, comparison, camera path; and the matte editor");
+  CLI::App* verb = app.add_subcommand(
+      "play",
+      "The interactive player: time line, orbit camera, comparison, camera path; and the matte editor");
   verb->add_option("take", options->play.take, "The take's folder")->required();
   verb->add_option("--method", options->play.method, method_help())->capture_default_str();
   verb->add_option("--compare", options->play.compare, "Split the screen: this method at the right");
@@ -44,14 +46,20 @@ void add_play(CLI::App& app, Chosen& chosen) {
   verb->add_flag("--show-cameras", options->play.show_cameras, "Draw the cameras with thumbnails");
   verb->add_option("--path", options->play.path_file, "Begin with this camera path and follow it");
   verb->add_option("--size", options->size, "Size of the window")->capture_default_str();
-  verb->add_option("--screenshot", options->play.screenshot, "Write the window to this PNG once the picture stands, then end");
+  verb->add_option("--screenshot", options->play.screenshot,
+                   "Write the window to this PNG once the picture stands, then end");
   add_renderer_flags(*verb, options->renderer);
   std::vector<std::string> methods;
   for (const MatteMethod& m : matte_methods()) methods.push_back(m.name);
-  verb->add_flag("--mattes", options->play.mattes, "Begin in the matte editor (M goes there and back); needs no meshes");
-  verb->add_option("--camera", options->play.camera, "Edit this camera's mattes: its serial; the first when left out");
-  verb->add_option("--view", options->view, "Look at mattes as")->capture_default_str()->check(CLI::IsMember(matte_view_names()));
-  verb->add_option("--matte-method", options->play.matte_method, "Make mattes by this method of `matte`; as they were made when left out")
+  verb->add_flag("--mattes", options->play.mattes,
+                 "Begin in the matte editor (M goes there and back); needs no meshes");
+  verb->add_option("--camera", options->play.camera,
+                   "Edit this camera's mattes: its serial; the first when left out");
+  verb->add_option("--view", options->view, "Look at mattes as")
+      ->capture_default_str()
+      ->check(CLI::IsMember(matte_view_names()));
+  verb->add_option("--matte-method", options->play.matte_method,
+                   "Make mattes by this method of `matte`; as they were made when left out")
       ->check(CLI::IsMember(methods));
   verb->add_option("--guide", options->play.guide, "Others' mattes to start from, as in `matte`");
   verb->add_flag("--redo", options->play.redo, "Let the editor replace mattes that `matte` did not make");

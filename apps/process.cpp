@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/derived_files.h"
@@ -28,8 +29,14 @@ using nlohmann::json;
 // Collects what parallel items of one stage did; the first fatal error (disk, permission) stops the stage.
 class Collector {
  public:
-  void made() { std::lock_guard lock(mutex_); ++report_.made; }
-  void kept() { std::lock_guard lock(mutex_); ++report_.kept; }
+  void made() {
+    std::lock_guard lock(mutex_);
+    ++report_.made;
+  }
+  void kept() {
+    std::lock_guard lock(mutex_);
+    ++report_.kept;
+  }
   void gap() {
     std::lock_guard lock(mutex_);
     ++report_.gaps;
@@ -65,15 +72,17 @@ Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& optio
   const std::string wanted = options.key.value_or(*before ? (*before)->key : "chroma");
   if (*before && (*before)->key == wanted) return std::move(**before);
   if (*before && !options.redo)
-    return fail(ErrorCode::AlreadyExists, text(take.layout().folder().string(), " was keyed with '", (*before)->key, "', not '", wanted,
-                                               "'; add --redo to make its mattes and meshes again"));
+    return fail(ErrorCode::AlreadyExists,
+                text(take.layout().folder().string(), " was keyed with '", (*before)->key, "', not '", wanted,
+                     "'; add --redo to make its mattes and meshes again"));
   KeyingRecord record{wanted, {}};
   for (std::size_t i = 0; i < take.rig().cameras.size(); ++i) {
     Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, static_cast<int>(i), wanted);
     if (!keyer) return forward(keyer);
     record.specs.push_back((*keyer)->spec());
   }
-  if (Result<void> ok = clear_for_redo(take.layout().mattes(), take.layout().edits()); !ok) return forward(ok);
+  if (Result<void> ok = clear_for_redo(take.layout().mattes(), take.layout().edits()); !ok)
+    return forward(ok);
   if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
   if (Result<void> ok = make_folder(take.layout().mattes()); !ok) return forward(ok);
   if (Result<void> ok = save_keying(record, take.layout(), take.rig()); !ok) return forward(ok);
@@ -109,18 +118,21 @@ Result<StageReport> make_mattes(TakeReader& take, const KeyingRecord& record, in
       return {};
     };
     if (Result<void> ok = work(); !ok)
-      collector.failed({ok.error().code, text("camera '", cameras[camera].serial, "', frame ", frame, ": ", ok.error().message)}, static_cast<int>(item));
+      collector.failed({ok.error().code, text("camera '", cameras[camera].serial, "', frame ", frame, ": ",
+                                              ok.error().message)},
+                       static_cast<int>(item));
     progress.advance();
   });
   return collector.finish();
 }
 
 bool nobody_on_stage(const std::vector<Matte>& mattes) {
-  return std::all_of(mattes.begin(), mattes.end(), [](const Matte& m) { return m.empty() || coverage(m) == 0; });
+  return std::all_of(mattes.begin(), mattes.end(),
+                     [](const Matte& m) { return m.empty() || coverage(m) == 0; });
 }
 
-// meshes/hull.json: the options, and a line a frame. Written once the stage is done. The answer: the options to go on
-// with.
+// meshes/hull.json: the options, and a line a frame. Written once the stage is done. The answer: the options
+// to go on with.
 Result<HullOptions> settle_hull_options(TakeReader& take, const ProcessOptions& options) {
   const fs::path file = take.layout().hull_report();
   Result<std::string> before = read_file(file);
@@ -137,8 +149,10 @@ Result<HullOptions> settle_hull_options(TakeReader& take, const ProcessOptions& 
   if (before) {
     if (recorded == wanted) return hull;
     if (!options.redo)
-      return fail(ErrorCode::AlreadyExists, text(take.layout().meshes().string(), " was made with other hull options (", recorded.dump(),
-                                                 "); leave the flags out to go on with them, or add --redo to make its meshes again"));
+      return fail(
+          ErrorCode::AlreadyExists,
+          text(take.layout().meshes().string(), " was made with other hull options (", recorded.dump(),
+               "); leave the flags out to go on with them, or add --redo to make its meshes again"));
     if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
   }
   if (Result<void> ok = make_folder(take.layout().meshes()); !ok) return forward(ok);
@@ -186,7 +200,8 @@ Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& opti
     return result;
   }
   HullReport& hull = desk.report;
-  if (Result<void> ok = visual_hull(take.rig(), *mattes, options, desk.workspace, hull); !ok) return forward(ok);
+  if (Result<void> ok = visual_hull(take.rig(), *mattes, options, desk.workspace, hull); !ok)
+    return forward(ok);
   if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
   result.empty = hull.mesh.empty();
   result.volume = hull.volume;
@@ -195,18 +210,23 @@ Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& opti
   return result;
 }
 
-Result<void> save_hull_report(TakeReader& take, const HullOptions& options, const std::vector<FrameHull>& hulls) {
+Result<void> save_hull_report(TakeReader& take, const HullOptions& options,
+                              const std::vector<FrameHull>& hulls) {
   json report = {{"options", describe(options)}, {"frames", json::object()}};
   if (Result<std::string> before = read_file(take.layout().hull_report())) {
     const json old = json::parse(*before, nullptr, false);
-    if (old.is_object() && old.contains("frames") && old["frames"].is_object()) report["frames"] = old["frames"];
+    if (old.is_object() && old.contains("frames") && old["frames"].is_object())
+      report["frames"] = old["frames"];
   }
   for (std::size_t f = 0; f < hulls.size(); ++f) {
     if (!hulls[f].made) continue;
     json iou = json::object();
     for (std::size_t c = 0; c < hulls[f].iou.size(); ++c)
       iou[take.rig().cameras[c].serial] = hulls[f].iou[c];  // NaN becomes null: this camera had no matte
-    report["frames"][std::to_string(f)] = {{"volume", hulls[f].volume}, {"empty", hulls[f].empty}, {"silhouette_iou", iou}, {"seconds", hulls[f].seconds}};
+    report["frames"][std::to_string(f)] = {{"volume", hulls[f].volume},
+                                           {"empty", hulls[f].empty},
+                                           {"silhouette_iou", iou},
+                                           {"seconds", hulls[f].seconds}};
   }
   return write_file(take.layout().hull_report(), report.dump(2) + "\n");
 }
@@ -233,7 +253,8 @@ Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options)
         hulls[frame] = std::move(*hull);
         collector.made();
       } else {
-        collector.failed({hull.error().code, text("frame ", frame, ": ", hull.error().message)}, static_cast<int>(frame));
+        collector.failed({hull.error().code, text("frame ", frame, ": ", hull.error().message)},
+                         static_cast<int>(frame));
       }
     }
     progress.advance();
@@ -259,7 +280,10 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   Result<std::unique_ptr<TakeReader>> opened = TakeReader::open(options.take);
   if (!opened) return forward(opened);
   TakeReader& take = **opened;
-  ProcessReport report{.frames = take.frame_count(), .cameras = static_cast<int>(take.rig().cameras.size()), .mattes = {}, .meshes = {}};
+  ProcessReport report{.frames = take.frame_count(),
+                       .cameras = static_cast<int>(take.rig().cameras.size()),
+                       .mattes = {},
+                       .meshes = {}};
 
   sweep_temporaries(take.layout().mattes());
   sweep_temporaries(take.layout().meshes());

@@ -1,6 +1,6 @@
-#include <nlohmann/json.hpp>
-
 #include <cstdio>
+
+#include <nlohmann/json.hpp>
 
 #include "apps/hull_flags.h"
 #include "apps/json_report.h"
@@ -35,19 +35,29 @@ Result<void> run(const Options& given) {
   std::vector<std::string> failures = report->mattes.failures;
   failures.insert(failures.end(), report->meshes.failures.begin(), report->meshes.failures.end());
   for (const std::string& f : failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
-  std::printf("%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n", options.take.c_str(),
-              report->frames, report->cameras, report->mattes.made, report->mattes.kept, report->mattes.gaps, report->meshes.made,
-              report->meshes.kept, report->seconds);
+  std::printf(
+      "%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n",
+      options.take.c_str(), report->frames, report->cameras, report->mattes.made, report->mattes.kept,
+      report->mattes.gaps, report->meshes.made, report->meshes.kept, report->seconds);
   if (!given.json_file.empty()) {
-    Result<void> ok = save_json({{"take", options.take.string()}, {"frames", report->frames}, {"cameras", report->cameras},
-                                 {"empty_frames", report->empty_frames}, {"mattes", to_json(report->mattes)},
-                                 {"meshes", to_json(report->meshes)}, {"seconds", report->seconds}}, given.json_file);
+    Result<void> ok = save_json({{"take", options.take.string()},
+                                 {"frames", report->frames},
+                                 {"cameras", report->cameras},
+                                 {"empty_frames", report->empty_frames},
+                                 {"mattes", to_json(report->mattes)},
+                                 {"meshes", to_json(report->meshes)},
+                                 {"seconds", report->seconds}},
+                                given.json_file);
     if (!ok) return ok;
   }
-  if (!failures.empty()) return fail(ErrorCode::BadData, text(failures.size(), " of the take's mattes or meshes could not be made; the others are there"));
+  if (!failures.empty())
+    return fail(
+        ErrorCode::BadData,
+        text(failures.size(), " of the take's mattes or meshes could not be made; the others are there"));
   if (report->empty_frames == report->frames)
-    return fail(ErrorCode::BadData, text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
-                                         TakeLayout(options.take).mattes().string(), " and try another --key with --redo"));
+    return fail(ErrorCode::BadData,
+                text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
+                     TakeLayout(options.take).mattes().string(), " and try another --key with --redo"));
   return {};
 }
 
@@ -55,7 +65,8 @@ Result<void> run(const Options& given) {
 
 void add_process(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("process", "Every offline stage on a take: mattes, then meshes; does only what is missing");
+  CLI::App* verb = app.add_subcommand(
+      "process", "Every offline stage on a take: mattes, then meshes; does only what is missing");
   std::string keys = "How the subject is keyed:";
   for (const KeyerInfo& k : keyers()) keys += "\n  " + k.name + ": " + k.help;
   verb->add_option("take", options->process.take, "The take's folder")->required();

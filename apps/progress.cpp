@@ -1,8 +1,8 @@
 #include "apps/progress.h"
 
-#include <unistd.h>
-
 #include <cstdio>
+
+#include <unistd.h>
 
 namespace floatstage {
 namespace {
@@ -13,7 +13,10 @@ constexpr int kBarWidth = 30;
 }  // namespace
 
 Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) != 0), begin_(std::chrono::steady_clock::now()) {}
+    : what_(std::move(what)),
+      total_(total),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      begin_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() {
   if (visible_) std::fputs("\r\033[K", stderr);

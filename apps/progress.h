@@ -7,7 +7,8 @@
 
 namespace floatstage {
 
-/// A progress bar on standard error: shown only on a terminal, and only once the work has taken two seconds. Thread safe.
+/// A progress bar on standard error: shown only on a terminal, and only once the work has taken two seconds.
+/// Thread safe.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);

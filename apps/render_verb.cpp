@@ -1,4 +1,5 @@
 #include <cstdio>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/film.h"
@@ -53,7 +54,8 @@ Result<void> run(const Options& given) {
   Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
   if (!gl) return forward(gl);
   const int columns = static_cast<int>(film.methods.size());
-  Result<std::unique_ptr<PictureSink>> sink = open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
+  Result<std::unique_ptr<PictureSink>> sink =
+      open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
   if (!sink) return forward(sink);
   Result<FilmReport> report = render_film(**take, *path, film, [&](FilmPicture picture) {
     std::vector<Image> pictures;
@@ -62,22 +64,30 @@ Result<void> run(const Options& given) {
   });
   if (!report) return forward(report);
   if (Result<void> ok = (*sink)->finish(); !ok) return ok;
-  std::printf("%s: %d pictures of %s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(), report->pictures,
-              given.size.c_str(), report->seconds, report->pictures / report->render_seconds);
+  std::printf("%s: %d pictures of %s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
+              report->pictures, given.size.c_str(), report->seconds,
+              report->pictures / report->render_seconds);
   if (given.json_file.empty()) return {};
-  return save_json({{"out", given.out.string()}, {"pictures", report->pictures}, {"seconds", report->seconds},
-                    {"render_seconds", report->render_seconds}, {"gl", (*gl)->description()}}, given.json_file);
+  return save_json({{"out", given.out.string()},
+                    {"pictures", report->pictures},
+                    {"seconds", report->seconds},
+                    {"render_seconds", report->render_seconds},
+                    {"gl", (*gl)->description()}},
+                   given.json_file);
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("render", "A camera path through a processed take → H.264 video or PNGs");
+  CLI::App* verb =
+      app.add_subcommand("render", "A camera path through a processed take → H.264 video or PNGs");
   verb->add_option("take", options->take, "The take's folder")->required();
   verb->add_flag("--orbit", options->orbit, "Walk around the performer where the cameras stand");
   verb->add_option("--path", options->path_file, "A camera path written by `floatstage play`");
-  verb->add_option("--method", options->method, method_help() + " Several, separated by commas, stand side by side.")->capture_default_str();
+  verb->add_option("--method", options->method,
+                   method_help() + " Several, separated by commas, stand side by side.")
+      ->capture_default_str();
   verb->add_option("--size", options->size, "Size of one picture")->capture_default_str();
   verb->add_option("--fps", options->film.frame_rate, "Frame rate of the film")->capture_default_str();
   verb->add_option("--seconds", options->seconds, "Length of the film (default: the take's, or the path's)");

@@ -37,8 +37,9 @@ Result<std::vector<Matte>> load_mattes(const TakeReader& take, int frame) {
     if (!alpha) return forward(alpha);
     const CameraModel& model = rig.cameras[i].model;
     if (alpha->channels != 1 || alpha->width != model.width || alpha->height != model.height)
-      return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture of ", model.width, "x", model.height,
-                                           " like camera '", rig.cameras[i].serial, "'; remove it and run `floatstage process` again"));
+      return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture of ", model.width, "x",
+                                           model.height, " like camera '", rig.cameras[i].serial,
+                                           "'; remove it and run `floatstage process` again"));
     FrameInfo source;
     source.camera = static_cast<int>(i);
     mattes[i] = make_matte(source, *alpha);
@@ -50,8 +51,9 @@ Result<SceneFrame> load_scene(TakeReader& take, int frame, bool suppress_spill) 
   SceneFrame scene;
   Result<Mesh> mesh = load_ply(take.layout().mesh(frame));
   if (!mesh && mesh.error().code == ErrorCode::NotFound)
-    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", take.layout().folder().string(),
-                                          " has no mesh yet; run `floatstage process ", take.layout().folder().string(), "`"));
+    return fail(ErrorCode::NotFound,
+                text("frame ", frame, " of ", take.layout().folder().string(),
+                     " has no mesh yet; run `floatstage process ", take.layout().folder().string(), "`"));
   if (!mesh) return forward(mesh);
   scene.mesh = std::move(*mesh);
   Result<FrameSet> images = take.frame_set(frame);
@@ -74,7 +76,9 @@ Result<Rig> rig_with_colors(const TakeReader& take) {
   for (RigCamera& camera : rig.cameras) {
     const int index = camera_index(*colors, camera.serial);
     if (index < 0)
-      return fail(ErrorCode::BadData, text(file.string(), ": camera '", camera.serial, "' is not in it; run `floatstage calibrate color` on the take again, or remove it"));
+      return fail(ErrorCode::BadData,
+                  text(file.string(), ": camera '", camera.serial,
+                       "' is not in it; run `floatstage calibrate color` on the take again, or remove it"));
     camera.color = colors->cameras[static_cast<std::size_t>(index)].color;
   }
   return rig;
@@ -89,8 +93,9 @@ Result<Eigen::AlignedBox3d> subject_box(const TakeReader& take) {
     if (!mesh->empty()) box.extend(bounding_box(*mesh).cast<double>());
   }
   if (box.isEmpty())
-    return fail(ErrorCode::NotFound, text(take.layout().folder().string(), " has no mesh with a subject; run `floatstage process ",
-                                          take.layout().folder().string(), "` and look at its mattes"));
+    return fail(ErrorCode::NotFound,
+                text(take.layout().folder().string(), " has no mesh with a subject; run `floatstage process ",
+                     take.layout().folder().string(), "` and look at its mattes"));
   return box;
 }
 

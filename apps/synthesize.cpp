@@ -22,11 +22,13 @@ namespace fs = std::filesystem;
 std::string to_pfm(const std::vector<float>& depth, int width, int height) {
   std::string bytes = text("Pf\n", width, " ", height, "\n-1.0\n");
   for (int y = height - 1; y >= 0; --y)
-    bytes.append(reinterpret_cast<const char*>(depth.data() + static_cast<std::size_t>(y) * width), sizeof(float) * static_cast<std::size_t>(width));
+    bytes.append(reinterpret_cast<const char*>(depth.data() + static_cast<std::size_t>(y) * width),
+                 sizeof(float) * static_cast<std::size_t>(width));
   return bytes;
 }
 
-Result<void> write_truth(const SyntheticShot& shot, const TakeLayout& truth, const std::string& serial, int frame, bool depth) {
+Result<void> write_truth(const SyntheticShot& shot, const TakeLayout& truth, const std::string& serial,
+                         int frame, bool depth) {
   const fs::path matte = truth.matte(serial, frame);
   if (shot.frame.empty()) return {};
   if (Result<void> ok = save_png(to_image(shot.matte), matte); !ok) return ok;
@@ -59,7 +61,8 @@ Result<void> synthesize_take(const SynthesizeOptions& options) {
   if (!studio) return forward(studio);
   TakeWriterOptions take_options = options.take;
   take_options.frame_rate = options.studio.frame_rate;
-  Result<std::unique_ptr<TakeWriter>> writer = TakeWriter::create(options.out, studio->published_rig(), take_options);
+  Result<std::unique_ptr<TakeWriter>> writer =
+      TakeWriter::create(options.out, studio->published_rig(), take_options);
   if (!writer) return forward(writer);
   const TakeLayout layout(options.out);
   if (Result<void> ok = write_stage(*studio, layout, options.depth); !ok) return ok;

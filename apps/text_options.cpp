@@ -51,13 +51,15 @@ Result<std::vector<int>> parse_frames(std::string_view s, int count) {
     for (const std::string& p : parts)
       if (const std::optional<int> n = whole_number(p)) numbers.push_back(*n);
     if (numbers.size() != parts.size() || numbers.size() > 3)
-      return fail(ErrorCode::InvalidArgument, text("'", s, "' names no frames; write 5, 2:10 or 2:10:4 (the end is not included)"));
+      return fail(ErrorCode::InvalidArgument,
+                  text("'", s, "' names no frames; write 5, 2:10 or 2:10:4 (the end is not included)"));
     begin = numbers[0];
     end = numbers.size() > 1 ? numbers[1] : begin + 1;
     step = numbers.size() > 2 ? numbers[2] : 1;
   }
   if (begin < 0 || end > count || begin >= end || step <= 0)
-    return fail(ErrorCode::InvalidArgument, text("frames '", s, "' are not all in the take, which has ", count));
+    return fail(ErrorCode::InvalidArgument,
+                text("frames '", s, "' are not all in the take, which has ", count));
   std::vector<int> frames;
   for (int f = begin; f < end; f += step) frames.push_back(f);
   return frames;

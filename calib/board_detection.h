@@ -1,7 +1,8 @@
 #pragma once
 
-#include <opencv2/core.hpp>
 #include <vector>
+
+#include <opencv2/core.hpp>
 
 #include "calib/board_face.h"
 #include "calib/chessboard_grid.h"
@@ -31,6 +32,7 @@ BoardSearch find_wand(const cv::Mat& grey, const Wand& wand);
 BoardSearch find_board(const cv::Mat& grey, const TargetDesign& design, Effort effort);
 
 /// The likely cause why `found` is not enough.
-Detection diagnose(const cv::Mat& grey, const TargetDesign& design, const BoardSearch& found, int least_points);
+Detection diagnose(const cv::Mat& grey, const TargetDesign& design, const BoardSearch& found,
+                   int least_points);
 
 }  // namespace floatstage

@@ -9,8 +9,9 @@ namespace {
 using Eigen::Vector2d;
 
 FaceMarker marker_at(int id, double left, double bottom, double side) {
-  return {id, {Vector2d(left, bottom + side), Vector2d(left + side, bottom + side), Vector2d(left + side, bottom),
-               Vector2d(left, bottom)}};
+  return {id,
+          {Vector2d(left, bottom + side), Vector2d(left + side, bottom + side), Vector2d(left + side, bottom),
+           Vector2d(left, bottom)}};
 }
 
 // Squares, inner corners and, where there are markers, what is in the white squares. Rows count from the top.
@@ -18,10 +19,12 @@ BoardFace squares(int columns, int rows, double square, bool white_first, int fi
   BoardFace face{.width = columns * square, .height = rows * square, .square = square};
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c)
-      if (((r + c) % 2 == 0) != white_first) face.black.emplace_back(c * square, (rows - 1 - r) * square, square, square);
+      if (((r + c) % 2 == 0) != white_first)
+        face.black.emplace_back(c * square, (rows - 1 - r) * square, square, square);
   for (int r = 1; r < rows; ++r)
     for (int c = 1; c < columns; ++c)
-      face.points.push_back({first_point + (r - 1) * (columns - 1) + c - 1, {c * square, (rows - r) * square}});
+      face.points.push_back(
+          {first_point + (r - 1) * (columns - 1) + c - 1, {c * square, (rows - r) * square}});
   return face;
 }
 
@@ -34,7 +37,8 @@ BoardFace charuco_face(const CharucoBoard& b, int first_marker, int first_point)
   for (int r = 0; r < b.rows; ++r)
     for (int c = 0; c < b.columns; ++c)
       if (((r + c) % 2 == 0) == b.white_first)
-        face.markers.push_back(marker_at(id++, c * b.square + margin, (b.rows - 1 - r) * b.square + margin, b.marker));
+        face.markers.push_back(
+            marker_at(id++, c * b.square + margin, (b.rows - 1 - r) * b.square + margin, b.marker));
   return face;
 }
 
@@ -52,7 +56,9 @@ std::vector<BoardFace> faces(const TwoSidedBoard& b) {
 
 std::vector<BoardFace> faces(const AprilTagGrid& g) {
   const double pitch = g.tag + g.gap;
-  BoardFace face{.width = g.columns * pitch + g.gap, .height = g.rows * pitch + g.gap, .dictionary = g.dictionary,
+  BoardFace face{.width = g.columns * pitch + g.gap,
+                 .height = g.rows * pitch + g.gap,
+                 .dictionary = g.dictionary,
                  .border = g.border};
   for (int r = 0; r <= g.rows; ++r)
     for (int c = 0; c <= g.columns; ++c) face.black.emplace_back(c * pitch, r * pitch, g.gap, g.gap);
@@ -103,18 +109,23 @@ Target make_target(const TargetDesign& design, std::string name, double length_s
     for (int a = 0; a < count; ++a) {
       target.points.push_back({.id = a, .position = {wand->positions[static_cast<std::size_t>(a)], 0, 0}});
       for (int b = 0; b < a; ++b)
-        target.lengths.push_back({b, a, wand->positions[static_cast<std::size_t>(a)] - wand->positions[static_cast<std::size_t>(b)],
-                                  length_sigma});
+        target.lengths.push_back(
+            {b, a,
+             wand->positions[static_cast<std::size_t>(a)] - wand->positions[static_cast<std::size_t>(b)],
+             length_sigma});
     }
     return target;
   }
   for (const BoardFace& face : board_faces(design))
     for (const FacePoint& p : face.points)
-      target.points.push_back({.id = p.id,
-                               .position = face.target_from_face * Eigen::Vector3d(p.position.x(), p.position.y(), 0),
-                               .normal = face.target_from_face.rotation * Eigen::Vector3d::UnitZ()});
-  if (const auto* b = std::get_if<Chessboard>(&design)) target.grid = {b->columns - 1, b->rows - 1, b->square};
-  if (const auto* b = std::get_if<CharucoBoard>(&design)) target.grid = {b->columns - 1, b->rows - 1, b->square};
+      target.points.push_back(
+          {.id = p.id,
+           .position = face.target_from_face * Eigen::Vector3d(p.position.x(), p.position.y(), 0),
+           .normal = face.target_from_face.rotation * Eigen::Vector3d::UnitZ()});
+  if (const auto* b = std::get_if<Chessboard>(&design))
+    target.grid = {b->columns - 1, b->rows - 1, b->square};
+  if (const auto* b = std::get_if<CharucoBoard>(&design))
+    target.grid = {b->columns - 1, b->rows - 1, b->square};
   return target;
 }
 

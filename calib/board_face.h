@@ -17,18 +17,18 @@ struct FaceMarker {
 
 /// One point of the target that lies on a face.
 struct FacePoint {
-  int id = 0;  ///< of the target
+  int id = 0;                ///< of the target
   Eigen::Vector2d position;  ///< metres
 };
 
 /// One flat side of a target: what detection and printing need to know about it. Private to calib.
 struct BoardFace {
-  double width = 0, height = 0;    ///< metres: of the pattern
-  Rigid3 target_from_face = {};         ///< the face's frame: lower left corner, x right, y up, z out of the paper
-  std::string dictionary = {};     ///< empty: no markers
-  int border = 1;                  ///< of the markers, in cells
+  double width = 0, height = 0;  ///< metres: of the pattern
+  Rigid3 target_from_face = {};  ///< the face's frame: lower left corner, x right, y up, z out of the paper
+  std::string dictionary = {};   ///< empty: no markers
+  int border = 1;                ///< of the markers, in cells
   bool inverted = false;
-  double square = 0;               ///< side of a chessboard square; 0 where there is none
+  double square = 0;  ///< side of a chessboard square; 0 where there is none
   std::vector<FaceMarker> markers = {};
   std::vector<FacePoint> points = {};
   std::vector<Eigen::Vector4d> black = {};  ///< x, y (lower left), width, height of the plain black squares

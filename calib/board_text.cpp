@@ -26,7 +26,8 @@ constexpr Unit kUnits[] = {{"mm", 1, 1000}, {"cm", 1, 100}, {"in", 0.0254, 1}, {
 class Words {
  public:
   explicit Words(std::string_view line) {
-    for (std::size_t at = line.find_first_not_of(kSpaces); at != line.npos; at = line.find_first_not_of(kSpaces, at)) {
+    for (std::size_t at = line.find_first_not_of(kSpaces); at != line.npos;
+         at = line.find_first_not_of(kSpaces, at)) {
       const std::size_t end = std::min(line.find_first_of(kSpaces, at), line.size());
       const std::string_view word = line.substr(at, end - at);
       if (kind_.empty()) {
@@ -60,7 +61,8 @@ class Words {
     const std::string value = word(key);
     int n = 0;
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), n);
-    if (error != std::errc() || end != value.data() + value.size()) complain(text("'", key, "=", value, "' is no whole number"));
+    if (error != std::errc() || end != value.data() + value.size())
+      complain(text("'", key, "=", value, "' is no whole number"));
     return n;
   }
 
@@ -103,7 +105,8 @@ class Words {
     if (error == std::errc() && std::isfinite(n))
       for (const Unit& u : kUnits)
         if (unit == u.name) return n * u.multiply / u.divide;
-    complain(text("'", key, "=", value, "' is no length; write it with its unit, like 30mm, 3cm, 0.03m or 1.2in"));
+    complain(
+        text("'", key, "=", value, "' is no length; write it with its unit, like 30mm, 3cm, 0.03m or 1.2in"));
     return 0;
   }
 
@@ -119,9 +122,14 @@ std::string canonical(const std::string& dictionary) {
 }
 
 CharucoBoard read_charuco(Words& w) {
-  return {.columns = w.integer("columns"), .rows = w.integer("rows"), .square = w.length("square"),
-          .marker = w.length("marker"), .dictionary = canonical(w.word("dictionary")),
-          .first_marker = w.integer("first", 0), .inverted = w.flag("inverted"), .white_first = w.flag("white-first")};
+  return {.columns = w.integer("columns"),
+          .rows = w.integer("rows"),
+          .square = w.length("square"),
+          .marker = w.length("marker"),
+          .dictionary = canonical(w.word("dictionary")),
+          .first_marker = w.integer("first", 0),
+          .inverted = w.flag("inverted"),
+          .white_first = w.flag("white-first")};
 }
 
 int markers_of(const CharucoBoard& b) {
@@ -131,18 +139,24 @@ int markers_of(const CharucoBoard& b) {
 
 std::optional<TargetDesign> read_kind(Words& w) {
   if (w.kind() == "chessboard")
-    return Chessboard{.columns = w.integer("columns"), .rows = w.integer("rows"), .square = w.length("square")};
+    return Chessboard{
+        .columns = w.integer("columns"), .rows = w.integer("rows"), .square = w.length("square")};
   if (w.kind() == "charuco") return read_charuco(w);
   if (w.kind() == "two-sided") {
     TwoSidedBoard b{.front = read_charuco(w), .thickness = w.length("thickness")};
-    b.back_first_marker = w.integer("back-first", std::min(b.front.first_marker, 1'000'000) + markers_of(b.front));
+    b.back_first_marker =
+        w.integer("back-first", std::min(b.front.first_marker, 1'000'000) + markers_of(b.front));
     return b;
   }
   if (w.kind() == "apriltags")
-    return AprilTagGrid{.columns = w.integer("columns"), .rows = w.integer("rows"), .tag = w.length("tag"),
-                        .gap = w.length("gap"),
-                        .dictionary = w.has("dictionary") ? canonical(w.word("dictionary")) : "apriltag_36h11",
-                        .first_tag = w.integer("first", 0), .border = w.integer("border", 1)};
+    return AprilTagGrid{
+        .columns = w.integer("columns"),
+        .rows = w.integer("rows"),
+        .tag = w.length("tag"),
+        .gap = w.length("gap"),
+        .dictionary = w.has("dictionary") ? canonical(w.word("dictionary")) : "apriltag_36h11",
+        .first_tag = w.integer("first", 0),
+        .border = w.integer("border", 1)};
   if (w.kind() == "wand") {
     Wand wand{.positions = w.lengths("positions")};
     if (w.has("ball")) {
@@ -168,7 +182,9 @@ std::string millimetres(double metres) {
   for (const double per_metre : {1000.0, 1.0}) {
     for (int digits = 1; digits <= 17; ++digits) {
       char number[40];
-      const auto end = std::to_chars(number, number + sizeof number, metres * per_metre, std::chars_format::general, digits).ptr;
+      const auto end = std::to_chars(number, number + sizeof number, metres * per_metre,
+                                     std::chars_format::general, digits)
+                           .ptr;
       double back = 0;
       std::from_chars(number, end, back);
       if (back / per_metre == metres) return text(plain_number(back), per_metre > 1 ? "mm" : "m");
@@ -178,9 +194,10 @@ std::string millimetres(double metres) {
 }
 
 std::string charuco_words(const CharucoBoard& b) {
-  return text(" columns=", b.columns, " rows=", b.rows, " square=", millimetres(b.square), " marker=", millimetres(b.marker),
-              " dictionary=", b.dictionary, b.first_marker != 0 ? text(" first=", b.first_marker) : "",
-              b.inverted ? " inverted" : "", b.white_first ? " white-first" : "");
+  return text(" columns=", b.columns, " rows=", b.rows, " square=", millimetres(b.square),
+              " marker=", millimetres(b.marker), " dictionary=", b.dictionary,
+              b.first_marker != 0 ? text(" first=", b.first_marker) : "", b.inverted ? " inverted" : "",
+              b.white_first ? " white-first" : "");
 }
 
 std::string words_of(const Chessboard& b) {
@@ -188,11 +205,13 @@ std::string words_of(const Chessboard& b) {
 }
 std::string words_of(const CharucoBoard& b) { return "charuco" + charuco_words(b); }
 std::string words_of(const TwoSidedBoard& b) {
-  return text("two-sided", charuco_words(b.front), " thickness=", millimetres(b.thickness), " back-first=", b.back_first_marker);
+  return text("two-sided", charuco_words(b.front), " thickness=", millimetres(b.thickness),
+              " back-first=", b.back_first_marker);
 }
 std::string words_of(const AprilTagGrid& g) {
-  return text("apriltags columns=", g.columns, " rows=", g.rows, " tag=", millimetres(g.tag), " gap=", millimetres(g.gap),
-              " dictionary=", g.dictionary, g.first_tag != 0 ? text(" first=", g.first_tag) : "",
+  return text("apriltags columns=", g.columns, " rows=", g.rows, " tag=", millimetres(g.tag),
+              " gap=", millimetres(g.gap), " dictionary=", g.dictionary,
+              g.first_tag != 0 ? text(" first=", g.first_tag) : "",
               g.border != 1 ? text(" border=", g.border) : "");
 }
 std::string words_of(const Wand& w) {
@@ -209,8 +228,9 @@ Result<TargetDesign> parse_target(std::string_view line) {
   Words words(line);
   const std::optional<TargetDesign> target = read_kind(words);
   if (!target)
-    return fail(ErrorCode::BadData, text("target '", line.substr(0, 80), "': begins with '", words.kind().substr(0, 40),
-                                         "'; known: chessboard, charuco, apriltags, two-sided, wand"));
+    return fail(ErrorCode::BadData,
+                text("target '", line.substr(0, 80), "': begins with '", words.kind().substr(0, 40),
+                     "'; known: chessboard, charuco, apriltags, two-sided, wand"));
   if (const std::optional<std::string> problem = words.problem())
     return fail(ErrorCode::BadData, text("target '", line.substr(0, 200), "': ", *problem));
   if (const Result<void> sound = check(*target); !sound)
@@ -227,7 +247,8 @@ Result<TargetDesign> load_target(const std::filesystem::path& file) {
   if (!bytes) return forward(bytes);
   const std::size_t at = bytes->find(kTag);
   if (at == std::string::npos)
-    return fail(ErrorCode::BadData, text(file.string(), ": holds no line '", kTag, " …'; give a print made by 'floatstage calibrate target'"));
+    return fail(ErrorCode::BadData, text(file.string(), ": holds no line '", kTag,
+                                         " …'; give a print made by 'floatstage calibrate target'"));
   const std::size_t begin = at + kTag.size();
   const std::size_t end = std::min(bytes->find_first_of("\n\r<)", begin), bytes->size());
   Result<TargetDesign> target = parse_target(std::string_view(*bytes).substr(begin, end - begin));

@@ -23,8 +23,10 @@ using solver::Scene;
 
 Result<void> check_options(const CalibrationOptions& o) {
   if (!(o.outlier_sigmas >= 2) || o.holdout_every < 0 || o.threads < 0)
-    return fail(ErrorCode::InvalidArgument, "calibration options: outliers begin at 2 sigmas or more, frames are held out every 0 or more, and "
-                                            "threads are 0 or more");
+    return fail(
+        ErrorCode::InvalidArgument,
+        "calibration options: outliers begin at 2 sigmas or more, frames are held out every 0 or more, and "
+        "threads are 0 or more");
   return {};
 }
 
@@ -48,8 +50,9 @@ void compare_to_start(const Scene& scene, const Observations& o, Calibration& ou
     q.turned_degrees = solver::angle_between(was.rotation, is.rotation) * 180 / std::numbers::pi;
     constexpr double kTurned = 0.1, kMoved = 3;  // degrees, mm
     if (*q.turned_degrees > kTurned || *q.moved_mm > kMoved)
-      out.remarks.push_back(text("camera '", q.serial, "' has moved since its given pose: by ", std::fixed, std::setprecision(1), *q.moved_mm,
-                                 " mm, turned by ", std::setprecision(2), *q.turned_degrees, "°"));
+      out.remarks.push_back(text("camera '", q.serial, "' has moved since its given pose: by ", std::fixed,
+                                 std::setprecision(1), *q.moved_mm, " mm, turned by ", std::setprecision(2),
+                                 *q.turned_degrees, "°"));
   }
 }
 
@@ -57,7 +60,8 @@ void compare_to_start(const Scene& scene, const Observations& o, Calibration& ou
 Eigen::MatrixXd without_offsets(const Eigen::MatrixXd& m, std::size_t cameras) {
   std::vector<Eigen::Index> rows;
   for (std::size_t c = 0; c < cameras; ++c)
-    for (int k = 0; k < kCovarianceRows; ++k) rows.push_back(solver::kCameraParameters * static_cast<Eigen::Index>(c) + k);
+    for (int k = 0; k < kCovarianceRows; ++k)
+      rows.push_back(solver::kCameraParameters * static_cast<Eigen::Index>(c) + k);
   return m(rows, rows);
 }
 
@@ -65,12 +69,18 @@ Eigen::MatrixXd without_offsets(const Eigen::MatrixXd& m, std::size_t cameras) {
 
 const char* name_of(CalibrationFailure failure) {
   switch (failure) {
-    case CalibrationFailure::ConstantDepth: return "constant-depth";
-    case CalibrationFailure::PlanarMotion: return "planar-motion";
-    case CalibrationFailure::SwappedRowsColumns: return "swapped-rows-columns";
-    case CalibrationFailure::WrongSquareSize: return "wrong-square-size";
-    case CalibrationFailure::MirroredBoard: return "mirrored-board";
-    case CalibrationFailure::LateCamera: return "late-camera";
+    case CalibrationFailure::ConstantDepth:
+      return "constant-depth";
+    case CalibrationFailure::PlanarMotion:
+      return "planar-motion";
+    case CalibrationFailure::SwappedRowsColumns:
+      return "swapped-rows-columns";
+    case CalibrationFailure::WrongSquareSize:
+      return "wrong-square-size";
+    case CalibrationFailure::MirroredBoard:
+      return "mirrored-board";
+    case CalibrationFailure::LateCamera:
+      return "late-camera";
   }
   return "unknown";
 }
@@ -81,7 +91,8 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
   if (Result<void> ok = check(observations); !ok) return forward(ok);
   if (observations.cameras.empty()) return fail(ErrorCode::BadData, "there is no camera to calibrate");
   if (observations.views.empty())
-    return fail(ErrorCode::BadData, "no picture of any camera shows a target; see the reasons that detection gave");
+    return fail(ErrorCode::BadData,
+                "no picture of any camera shows a target; see the reasons that detection gave");
 
   Scene scene = solver::make_scene(observations);
   Calibration out;
@@ -98,7 +109,8 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
   out.failures = solver::late_cameras(scene, options);
 
   Eigen::MatrixXd covariance = solver::camera_covariance(scene, used);
-  if (Result<void> ok = solver::set_gauge(scene, observations, covariance, out.remarks); !ok) return forward(ok);
+  if (Result<void> ok = solver::set_gauge(scene, observations, covariance, out.remarks); !ok)
+    return forward(ok);
   out.reference = scene.reference;
   out.jitter_ms = 1e3 * scene.jitter_sigma;
   out.errors = solver::point_errors(scene, observations);
@@ -112,13 +124,15 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
   }
   out.lengths = solver::measure_lengths(scene);
   out.scale = solver::merged(out.lengths);
-  for (NamedFailure& f : solver::weak_geometry(scene, out.cameras, out.lengths, options)) out.failures.push_back(std::move(f));
+  for (NamedFailure& f : solver::weak_geometry(scene, out.cameras, out.lengths, options))
+    out.failures.push_back(std::move(f));
   compare_to_start(scene, observations, out);
   for (const solver::SceneBoard& b : scene.boards)
     if (b.placed) out.places.push_back({b.target, b.frame, b.world_from_target});
   out.covariance = without_offsets(covariance, scene.cameras.size());
   if (Result<void> ok = check(out.rig); !ok)
-    return fail(ErrorCode::BadData, text("the capture does not determine the cameras: ", ok.error().message, "; record it again with the board in more places"));
+    return fail(ErrorCode::BadData, text("the capture does not determine the cameras: ", ok.error().message,
+                                         "; record it again with the board in more places"));
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }

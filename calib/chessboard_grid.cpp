@@ -82,24 +82,29 @@ class Growth {
     return found == taken_.end() ? nullptr : &saddles_[found->second].at;
   }
 
-  // Where the neighbour should be: on through the crossing behind, else beside a neighbour's step, else by the first step.
-  // The second of the pair is the length of the step that the guess rests on.
+  // Where the neighbour should be: on through the crossing behind, else beside a neighbour's step, else by
+  // the first step. The second of the pair is the length of the step that the guess rests on.
   std::pair<cv::Point2f, float> expect(Place place, Place way) const {
     const cv::Point2f here = *at(place);
     cv::Point2f step;
     if (const cv::Point2f* behind = at(place - way)) {
       step = here - *behind;
-      if (const cv::Point2f* further = at(place - way - way)) {  // steps shrink with distance: keep their ratio
+      if (const cv::Point2f* further =
+              at(place - way - way)) {  // steps shrink with distance: keep their ratio
         const cv::Point2f before = *behind - *further;
         const float ratio = std::hypot(step.x, step.y) / std::max(std::hypot(before.x, before.y), 1e-3f);
         step *= std::min(std::max(ratio, 0.75f), 1.33f);
       }
     } else {
       const Place side = {way.second, way.first};
-      const cv::Point2f *a = at(place + side), *b = at(place + side + way), *c = at(place - side), *d = at(place - side + way);
-      if (a && b) step = *b - *a;
-      else if (c && d) step = *d - *c;
-      else step = first_step_[way.first == 0] * static_cast<float>(way.first + way.second);
+      const cv::Point2f *a = at(place + side), *b = at(place + side + way), *c = at(place - side),
+                        *d = at(place - side + way);
+      if (a && b)
+        step = *b - *a;
+      else if (c && d)
+        step = *d - *c;
+      else
+        step = first_step_[way.first == 0] * static_cast<float>(way.first + way.second);
     }
     return {here + step, std::hypot(step.x, step.y)};
   }
@@ -135,7 +140,8 @@ ChessboardGrid grow_chessboard(const std::vector<Saddle>& saddles, std::size_t e
   constexpr std::size_t kMostSeeds = 60;
   Growth growth(saddles);
   std::map<Place, std::size_t> largest;
-  std::vector<bool> tried(saddles.size(), false);  // what lies in a grid that was grown already grows the same one
+  std::vector<bool> tried(saddles.size(),
+                          false);  // what lies in a grid that was grown already grows the same one
   std::size_t seeds = 0;
   for (std::size_t seed = 0; seed < saddles.size() && seeds < kMostSeeds; ++seed) {
     if (tried[seed]) continue;

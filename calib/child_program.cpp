@@ -1,17 +1,17 @@
 #include "calib/child_program.h"
 
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cerrno>
-#include <chrono>
-#include <cmath>
-#include <csignal>
-#include <cstring>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -59,10 +59,12 @@ bool wait_for_end(pid_t child, double seconds) {
 
 }  // namespace
 
-Result<ProgramEnd> run_program(const std::vector<std::string>& arguments, const std::filesystem::path& log, double seconds) {
+Result<ProgramEnd> run_program(const std::vector<std::string>& arguments, const std::filesystem::path& log,
+                               double seconds) {
   FLOATSTAGE_CHECK(!arguments.empty(), "no program");
   const OpenFile output(open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
-  if (output.get() < 0) return fail(ErrorCode::Io, text(log.string(), ": cannot be written: ", std::strerror(errno)));
+  if (output.get() < 0)
+    return fail(ErrorCode::Io, text(log.string(), ": cannot be written: ", std::strerror(errno)));
   std::vector<char*> words;
   for (const std::string& a : arguments) words.push_back(const_cast<char*>(a.c_str()));
   words.push_back(nullptr);
@@ -80,13 +82,17 @@ Result<ProgramEnd> run_program(const std::vector<std::string>& arguments, const 
   const int failed = posix_spawnp(&child, words[0], &files, &how, words.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&how);
-  if (failed == ENOENT) return fail(ErrorCode::NotFound, text("the program '", arguments[0], "' is not installed"));
-  if (failed != 0) return fail(ErrorCode::Io, text("the program '", arguments[0], "' cannot be started: ", std::strerror(failed)));
+  if (failed == ENOENT)
+    return fail(ErrorCode::NotFound, text("the program '", arguments[0], "' is not installed"));
+  if (failed != 0)
+    return fail(ErrorCode::Io,
+                text("the program '", arguments[0], "' cannot be started: ", std::strerror(failed)));
   if (!wait_for_end(child, seconds)) {
     kill(-child, SIGKILL);
     reap(child);
-    return fail(ErrorCode::Timeout, text("'", arguments[0], arguments.size() > 1 ? " " + arguments[1] : "", "' took longer than ", seconds,
-                                         " s and was ended; its log is ", log.string()));
+    return fail(ErrorCode::Timeout,
+                text("'", arguments[0], arguments.size() > 1 ? " " + arguments[1] : "", "' took longer than ",
+                     seconds, " s and was ended; its log is ", log.string()));
   }
   return reap(child);
 }
@@ -97,7 +103,8 @@ std::string end_of_log(const std::filesystem::path& log, std::size_t lines) {
   std::string end = *bytes;
   while (!end.empty() && end.back() == '\n') end.pop_back();
   std::size_t at = end.size();
-  for (std::size_t i = 0; i < lines && at != std::string::npos; ++i) at = at == 0 ? std::string::npos : end.rfind('\n', at - 1);
+  for (std::size_t i = 0; i < lines && at != std::string::npos; ++i)
+    at = at == 0 ? std::string::npos : end.rfind('\n', at - 1);
   if (at != std::string::npos) end.erase(0, at + 1);
   for (char& c : end)
     if (c == '\n') c = ';';

@@ -41,14 +41,15 @@ std::pair<std::string, std::string> colmap_camera(const CameraModel& m) {
 }
 
 // One call for each kind of camera: COLMAP takes one set of parameters a call.
-std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> by_kind(const std::vector<MarkerlessPicture>& pictures) {
+std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> by_kind(
+    const std::vector<MarkerlessPicture>& pictures) {
   std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> lists;
   for (std::size_t i = 0; i < pictures.size(); ++i) lists[colmap_camera(pictures[i].model)].push_back(i);
   return lists;
 }
 
-// A picture's keypoints as feature_importer reads them: x, y (corner origin as ours), size, angle, 128 numbers. Nothing but their
-// places is used: the matches are ours.
+// A picture's keypoints as feature_importer reads them: x, y (corner origin as ours), size, angle, 128
+// numbers. Nothing but their places is used: the matches are ours.
 std::string feature_file(const SceneKeypoints& keypoints) {
   std::ostringstream out;
   out.precision(9);
@@ -66,30 +67,39 @@ std::string feature_file(const SceneKeypoints& keypoints) {
 
 std::string image_name(const MarkerlessPicture& p) { return p.serial + p.file.extension().string(); }
 
-Result<void> Colmap::run(const std::string& step, std::vector<std::string> arguments, const std::string& advice) const {
+Result<void> Colmap::run(const std::string& step, std::vector<std::string> arguments,
+                         const std::string& advice) const {
   std::vector<std::string> all = {options_.program, step};
   all.insert(all.end(), arguments.begin(), arguments.end());
   const Result<ProgramEnd> end = run_program(all, log_, options_.timeout);
   if (!end && end.error().code == ErrorCode::NotFound)
-    return fail(ErrorCode::NotFound, text(end.error().message, "; markerless calibration needs COLMAP: install the package 'colmap'"));
+    return fail(
+        ErrorCode::NotFound,
+        text(end.error().message, "; markerless calibration needs COLMAP: install the package 'colmap'"));
   if (!end) return forward(end);
   if (end->signal != 0 || end->code != 0)
-    return fail(ErrorCode::BadData, text("COLMAP's ", step, end->signal != 0 ? text(" was ended by signal ", end->signal) : text(" ended with code ", end->code),
-                                         ": ", advice, " (", end_of_log(log_, 1), "; the log is ", log_.string(), ")"));
+    return fail(ErrorCode::BadData,
+                text("COLMAP's ", step,
+                     end->signal != 0 ? text(" was ended by signal ", end->signal)
+                                      : text(" ended with code ", end->code),
+                     ": ", advice, " (", end_of_log(log_, 1), "; the log is ", log_.string(), ")"));
   return {};
 }
 
 Result<void> check_pictures(const std::vector<MarkerlessPicture>& pictures) {
-  if (pictures.size() < 2) return fail(ErrorCode::InvalidArgument, "markerless calibration needs pictures of two cameras or more");
+  if (pictures.size() < 2)
+    return fail(ErrorCode::InvalidArgument, "markerless calibration needs pictures of two cameras or more");
   std::set<std::string> serials;
   for (const MarkerlessPicture& p : pictures) {
     if (!is_usable_serial(p.serial) || !serials.insert(p.serial).second)
-      return fail(ErrorCode::InvalidArgument, text("the serial '", p.serial, "' is there twice or cannot be a file name"));
+      return fail(ErrorCode::InvalidArgument,
+                  text("the serial '", p.serial, "' is there twice or cannot be a file name"));
     if (const Result<void> sound = check(p.model); !sound)
       return fail(ErrorCode::InvalidArgument, text("camera '", p.serial, "': ", sound.error().message));
     if (p.pixels.width != p.model.width || p.pixels.height != p.model.height)
-      return fail(ErrorCode::InvalidArgument, text(p.file.string(), ": has ", p.pixels.width, "x", p.pixels.height, " pixels, and camera '", p.serial, "' ",
-                                                   p.model.width, "x", p.model.height));
+      return fail(ErrorCode::InvalidArgument,
+                  text(p.file.string(), ": has ", p.pixels.width, "x", p.pixels.height,
+                       " pixels, and camera '", p.serial, "' ", p.model.width, "x", p.model.height));
   }
   return {};
 }
@@ -99,32 +109,42 @@ Result<void> Colmap::prepare(const std::vector<MarkerlessPicture>& pictures) con
   if (Result<void> sound = check_pictures(pictures); !sound) return sound;
   std::error_code error;
   if (fs::exists(workspace, error) && !fs::is_empty(workspace, error))
-    return fail(ErrorCode::AlreadyExists, text(workspace.string(), ": holds something already; name a new folder"));
+    return fail(ErrorCode::AlreadyExists,
+                text(workspace.string(), ": holds something already; name a new folder"));
   for (const MarkerlessPicture& p : pictures) {
-    if (p.model.skew != 0) return fail(ErrorCode::Unsupported, text("camera '", p.serial, "': COLMAP has no skew"));
-    if (!fs::is_regular_file(p.file, error)) return fail(ErrorCode::NotFound, text(p.file.string(), ": there is no such picture"));
+    if (p.model.skew != 0)
+      return fail(ErrorCode::Unsupported, text("camera '", p.serial, "': COLMAP has no skew"));
+    if (!fs::is_regular_file(p.file, error))
+      return fail(ErrorCode::NotFound, text(p.file.string(), ": there is no such picture"));
   }
   for (const char* name : {"images", "features", "sparse", "model"})
     if (Result<void> made = make_folder(workspace / name); !made) return made;
   for (const MarkerlessPicture& p : pictures) {
     fs::copy_file(p.file, workspace / "images" / image_name(p), error);
-    if (error) return fail(ErrorCode::Io, text(p.file.string(), ": cannot be copied to ", workspace.string(), ": ", error.message()));
+    if (error)
+      return fail(ErrorCode::Io,
+                  text(p.file.string(), ": cannot be copied to ", workspace.string(), ": ", error.message()));
   }
   return {};
 }
 
-Result<void> Colmap::import(const std::vector<MarkerlessPicture>& pictures, const std::vector<SceneKeypoints>& keypoints,
+Result<void> Colmap::import(const std::vector<MarkerlessPicture>& pictures,
+                            const std::vector<SceneKeypoints>& keypoints,
                             const std::vector<SceneMatches>& matches) const {
   for (std::size_t i = 0; i < pictures.size(); ++i)
-    if (Result<void> ok = write_file(workspace_ / "features" / (image_name(pictures[i]) + ".txt"), feature_file(keypoints[i])); !ok) return ok;
+    if (Result<void> ok = write_file(workspace_ / "features" / (image_name(pictures[i]) + ".txt"),
+                                     feature_file(keypoints[i]));
+        !ok)
+      return ok;
   for (const auto& [camera, indices] : by_kind(pictures)) {
     std::string names;
     for (const std::size_t i : indices) names += image_name(pictures[i]) + "\n";
     if (Result<void> ok = write_file(workspace_ / "list.txt", names); !ok) return ok;
     if (Result<void> ok = run("feature_importer",
-                              {"--database_path", path("database.db"), "--image_path", path("images"), "--import_path", path("features"), "--image_list_path",
-                               path("list.txt"), "--ImageReader.camera_model", camera.first, "--ImageReader.camera_params", camera.second,
-                               "--ImageReader.single_camera_per_image", "1"},
+                              {"--database_path", path("database.db"), "--image_path", path("images"),
+                               "--import_path", path("features"), "--image_list_path", path("list.txt"),
+                               "--ImageReader.camera_model", camera.first, "--ImageReader.camera_params",
+                               camera.second, "--ImageReader.single_camera_per_image", "1"},
                               "are the pictures whole?");
         !ok)
       return ok;
@@ -132,20 +152,25 @@ Result<void> Colmap::import(const std::vector<MarkerlessPicture>& pictures, cons
   std::string pairs;
   for (const SceneMatches& pair : matches) {
     if (pair.matches.empty()) continue;
-    pairs += image_name(pictures[static_cast<std::size_t>(pair.a)]) + " " + image_name(pictures[static_cast<std::size_t>(pair.b)]) + "\n";
+    pairs += image_name(pictures[static_cast<std::size_t>(pair.a)]) + " " +
+             image_name(pictures[static_cast<std::size_t>(pair.b)]) + "\n";
     for (const SceneMatches::Match& m : pair.matches) pairs += text(m.i, " ", m.k, "\n");
     pairs += "\n";
   }
   if (Result<void> ok = write_file(workspace_ / "matches.txt", pairs); !ok) return ok;
   // use_gpu must be 0 where there is no display.
-  return run("matches_importer", {"--database_path", path("database.db"), "--match_list_path", path("matches.txt"), "--match_type", "raw", "--SiftMatching.use_gpu",
-                                  "0", "--SiftMatching.num_threads", text(options_.threads > 0 ? options_.threads : default_threads())},
+  return run("matches_importer",
+             {"--database_path", path("database.db"), "--match_list_path", path("matches.txt"),
+              "--match_type", "raw", "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads",
+              text(options_.threads > 0 ? options_.threads : default_threads())},
              kWeakScene);
 }
 
 Result<void> Colmap::to_text(const fs::path& model, const fs::path& written) const {
   if (Result<void> made = make_folder(written); !made) return made;
-  return run("model_converter", {"--input_path", model.string(), "--output_path", written.string(), "--output_type", "TXT"}, "is the disk full?");
+  return run("model_converter",
+             {"--input_path", model.string(), "--output_path", written.string(), "--output_type", "TXT"},
+             "is the disk full?");
 }
 
 }  // namespace floatstage

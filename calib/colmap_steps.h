@@ -18,9 +18,12 @@ class Colmap {
   /// Checks the pictures and copies them into the workspace, which must be new or empty.
   Result<void> prepare(const std::vector<MarkerlessPicture>& pictures) const;
   /// Our keypoints and matches into the workspace's database, where COLMAP verifies them pair by pair.
-  Result<void> import(const std::vector<MarkerlessPicture>& pictures, const std::vector<SceneKeypoints>& keypoints, const std::vector<SceneMatches>& matches) const;
+  Result<void> import(const std::vector<MarkerlessPicture>& pictures,
+                      const std::vector<SceneKeypoints>& keypoints,
+                      const std::vector<SceneMatches>& matches) const;
   /// One step of COLMAP; `advice` is what to do when it gives up.
-  Result<void> run(const std::string& step, std::vector<std::string> arguments, const std::string& advice) const;
+  Result<void> run(const std::string& step, std::vector<std::string> arguments,
+                   const std::string& advice) const;
   /// Writes a binary model as text, beside it.
   Result<void> to_text(const std::filesystem::path& model, const std::filesystem::path& written) const;
 
@@ -31,14 +34,16 @@ class Colmap {
   std::filesystem::path log_, workspace_;
 };
 
-/// Two pictures or more, serials usable and unique, sound models, pixels of their models' sizes. InvalidArgument otherwise.
+/// Two pictures or more, serials usable and unique, sound models, pixels of their models' sizes.
+/// InvalidArgument otherwise.
 Result<void> check_pictures(const std::vector<MarkerlessPicture>& pictures);
 
 /// What a picture is called in COLMAP's database.
 std::string image_name(const MarkerlessPicture& picture);
 
 inline constexpr const char* kWeakScene =
-    "too little is seen by neighbouring cameras together; put something textured on the stage, bring cameras closer together, or add "
+    "too little is seen by neighbouring cameras together; put something textured on the stage, bring cameras "
+    "closer together, or add "
     "pictures of a camera that is carried between them";
 
 }  // namespace floatstage

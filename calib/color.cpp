@@ -1,9 +1,10 @@
 #include "calib/color.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/mcc.hpp>
 
@@ -24,8 +25,10 @@ ColorTransform transform_of(const Parameters& p) {
   return t;
 }
 
-// Differences in CIELAB; like apply() without its upper clamp, so that slopes lead back from where it would cut off.
-Eigen::VectorXd residuals(const Parameters& p, const std::vector<ColorPair>& pairs, const std::vector<Eigen::Vector3d>& wanted) {
+// Differences in CIELAB; like apply() without its upper clamp, so that slopes lead back from where it would
+// cut off.
+Eigen::VectorXd residuals(const Parameters& p, const std::vector<ColorPair>& pairs,
+                          const std::vector<Eigen::Vector3d>& wanted) {
   const ColorTransform t = transform_of(p);
   Eigen::VectorXd r(static_cast<Eigen::Index>(3 * pairs.size()));
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -41,7 +44,8 @@ Eigen::VectorXd residuals(const Parameters& p, const std::vector<ColorPair>& pai
 // Cauchy weights: a pair that is off by 8 counts half, one that is off by 30 hardly.
 Eigen::VectorXd weights(const Eigen::VectorXd& r) {
   Eigen::VectorXd w(r.size());
-  for (Eigen::Index i = 0; i < r.size(); i += 3) w.segment<3>(i).setConstant(1 / (1 + r.segment<3>(i).squaredNorm() / 64));
+  for (Eigen::Index i = 0; i < r.size(); i += 3)
+    w.segment<3>(i).setConstant(1 / (1 + r.segment<3>(i).squaredNorm() / 64));
   return w;
 }
 
@@ -51,7 +55,8 @@ double cost(const Eigen::VectorXd& r) {
   return sum;
 }
 
-Parameters descend(Parameters p, const std::vector<ColorPair>& pairs, const std::vector<Eigen::Vector3d>& wanted) {
+Parameters descend(Parameters p, const std::vector<ColorPair>& pairs,
+                   const std::vector<Eigen::Vector3d>& wanted) {
   double damping = 1e-3;
   Eigen::VectorXd r = residuals(p, pairs, wanted);
   for (int step = 0; step < 200 && damping < 1e8; ++step) {
@@ -85,26 +90,32 @@ Result<ColorFit> fit_color(std::span<const ColorPair> pairs) {
   std::vector<ColorPair> used;
   std::vector<Eigen::Vector3d> wanted;
   for (const ColorPair& pair : pairs) {
-    if (!(pair.seen.minCoeff() >= 0.01 && pair.seen.maxCoeff() <= 0.99) || !(pair.wanted.minCoeff() >= 0 && pair.wanted.maxCoeff() <= 1))
+    if (!(pair.seen.minCoeff() >= 0.01 && pair.seen.maxCoeff() <= 0.99) ||
+        !(pair.wanted.minCoeff() >= 0 && pair.wanted.maxCoeff() <= 1))
       continue;
     used.push_back(pair);
     wanted.push_back(lab_from_srgb(pair.wanted));
   }
   if (used.size() < kLeast)
-    return fail(ErrorCode::BadData, text("only ", used.size(), " of ", pairs.size(), " colours are neither under- nor overexposed; ",
-                                         kLeast, " are needed: change the exposure"));
+    return fail(ErrorCode::BadData, text("only ", used.size(), " of ", pairs.size(),
+                                         " colours are neither under- nor overexposed; ", kLeast,
+                                         " are needed: change the exposure"));
   Eigen::MatrixXd spread(static_cast<Eigen::Index>(used.size()), 3);
   for (std::size_t i = 0; i < used.size(); ++i) spread.row(static_cast<Eigen::Index>(i)) = used[i].seen;
-  const Eigen::Vector3d widths = (spread.rowwise() - spread.colwise().mean()).jacobiSvd().singularValues() / std::sqrt(static_cast<double>(used.size()));
+  const Eigen::Vector3d widths = (spread.rowwise() - spread.colwise().mean()).jacobiSvd().singularValues() /
+                                 std::sqrt(static_cast<double>(used.size()));
   if (widths[2] < 0.01)
-    return fail(ErrorCode::BadData, "the colours are too much alike to tell a camera's channels apart; show the chart, or something colourful");
+    return fail(ErrorCode::BadData,
+                "the colours are too much alike to tell a camera's channels apart; show the chart, or "
+                "something colourful");
 
   // The start: curves of 2.2 and gains from the means.
   Parameters start = Parameters::Zero();
   start.head<3>().setConstant(std::log(kEncode));
   for (int c = 0; c < 3; ++c) {
     double seen = 0, sum = 0;
-    for (const ColorPair& pair : used) seen += std::pow(pair.seen[c], kEncode), sum += std::pow(pair.wanted[c], kEncode);
+    for (const ColorPair& pair : used)
+      seen += std::pow(pair.seen[c], kEncode), sum += std::pow(pair.wanted[c], kEncode);
     start[3 + 4 * c] = sum / seen;
   }
   ColorFit fit;
@@ -123,19 +134,22 @@ Result<ColorFit> fit_color(std::span<const ColorPair> pairs) {
 
 const std::array<Eigen::Vector3d, 24>& chart_colors() {
   static const std::array<Eigen::Vector3d, 24> colors = [] {
-    constexpr int kBytes[24][3] = {{115, 82, 68},   {194, 150, 130}, {98, 122, 157},  {87, 108, 67},   {133, 128, 177}, {103, 189, 170},
-                                   {214, 126, 44},  {80, 91, 166},   {193, 90, 99},   {94, 60, 108},   {157, 188, 64},  {224, 163, 46},
-                                   {56, 61, 150},   {70, 148, 73},   {175, 54, 60},   {231, 199, 31},  {187, 86, 149},  {8, 133, 161},
-                                   {243, 243, 242}, {200, 200, 200}, {160, 160, 160}, {122, 122, 121}, {85, 85, 85},    {52, 52, 52}};
+    constexpr int kBytes[24][3] = {
+        {115, 82, 68},   {194, 150, 130}, {98, 122, 157},  {87, 108, 67},   {133, 128, 177}, {103, 189, 170},
+        {214, 126, 44},  {80, 91, 166},   {193, 90, 99},   {94, 60, 108},   {157, 188, 64},  {224, 163, 46},
+        {56, 61, 150},   {70, 148, 73},   {175, 54, 60},   {231, 199, 31},  {187, 86, 149},  {8, 133, 161},
+        {243, 243, 242}, {200, 200, 200}, {160, 160, 160}, {122, 122, 121}, {85, 85, 85},    {52, 52, 52}};
     std::array<Eigen::Vector3d, 24> all;
-    for (std::size_t i = 0; i < 24; ++i) all[i] = Eigen::Vector3d(kBytes[i][0], kBytes[i][1], kBytes[i][2]) / 255;
+    for (std::size_t i = 0; i < 24; ++i)
+      all[i] = Eigen::Vector3d(kBytes[i][0], kBytes[i][1], kBytes[i][2]) / 255;
     return all;
   }();
   return colors;
 }
 
 Result<std::array<Eigen::Vector3d, 24>> find_color_chart(const Image& rgb) {
-  if (rgb.channels != 3) return fail(ErrorCode::InvalidArgument, "a colour chart is looked for in pictures of three channels");
+  if (rgb.channels != 3)
+    return fail(ErrorCode::InvalidArgument, "a colour chart is looked for in pictures of three channels");
   const cv::Mat pixels(rgb.height, rgb.width, CV_8UC3, const_cast<std::uint8_t*>(rgb.pixels.data()));
   cv::Mat bgr;
   cv::cvtColor(pixels, bgr, cv::COLOR_RGB2BGR);
@@ -147,14 +161,18 @@ Result<std::array<Eigen::Vector3d, 24>> find_color_chart(const Image& rgb) {
     found = false;
   }
   const auto chart = found ? detector->getBestColorChecker() : cv::Ptr<cv::mcc::CChecker>();
-  if (!chart) return fail(ErrorCode::NotFound, "no 24-patch colour chart was found; show it whole, flat and at least a tenth of the picture wide");
+  if (!chart)
+    return fail(
+        ErrorCode::NotFound,
+        "no 24-patch colour chart was found; show it whole, flat and at least a tenth of the picture wide");
   const std::vector<cv::Point2f> corners = chart->getBox();
   if (corners.size() != 4) return fail(ErrorCode::NotFound, "no 24-patch colour chart was found");
   // Means over the inner half of every patch: six columns and four rows of the chart's box.
   std::array<Eigen::Vector3d, 24> colors;
   const std::array<cv::Point2f, 4> flat = {cv::Point2f(0, 0), {240, 0}, {240, 160}, {0, 160}};
   cv::Mat straight;
-  cv::warpPerspective(pixels, straight, cv::getPerspectiveTransform(corners.data(), flat.data()), {240, 160}, cv::INTER_AREA);
+  cv::warpPerspective(pixels, straight, cv::getPerspectiveTransform(corners.data(), flat.data()), {240, 160},
+                      cv::INTER_AREA);
   for (int i = 0; i < 24; ++i) {
     const cv::Scalar mean = cv::mean(straight({i % 6 * 40 + 13, i / 6 * 40 + 13, 14, 14}));
     colors[static_cast<std::size_t>(i)] = Eigen::Vector3d(mean[0], mean[1], mean[2]) / 255;

@@ -14,7 +14,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 using ByPoint = std::map<int, std::vector<const ColorSight*>>;
 
 // What the cameras that are done, but `camera`, make of a point.
-std::optional<Eigen::Vector3d> others(const std::vector<const ColorSight*>& sights, int camera, const std::vector<std::optional<ColorTransform>>& done) {
+std::optional<Eigen::Vector3d> others(const std::vector<const ColorSight*>& sights, int camera,
+                                      const std::vector<std::optional<ColorTransform>>& done) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
   for (const ColorSight* s : sights)
@@ -26,12 +27,14 @@ std::optional<Eigen::Vector3d> others(const std::vector<const ColorSight*>& sigh
   return sum / count;
 }
 
-std::vector<ColorPair> pairs_of(const ByPoint& points, int camera, const std::vector<std::optional<ColorTransform>>& done) {
+std::vector<ColorPair> pairs_of(const ByPoint& points, int camera,
+                                const std::vector<std::optional<ColorTransform>>& done) {
   std::vector<ColorPair> pairs;
   for (const auto& [point, sights] : points)
     for (const ColorSight* s : sights)
       if (s->camera == camera)
-        if (const std::optional<Eigen::Vector3d> wanted = others(sights, camera, done)) pairs.push_back({s->seen, wanted->cwiseMax(0.0).cwiseMin(1.0)});
+        if (const std::optional<Eigen::Vector3d> wanted = others(sights, camera, done))
+          pairs.push_back({s->seen, wanted->cwiseMax(0.0).cwiseMin(1.0)});
   return pairs;
 }
 
@@ -43,16 +46,19 @@ double median(std::vector<double> v) {
 
 bool well_exposed(const Eigen::Vector3d& rgb) { return rgb.minCoeff() >= 0.01 && rgb.maxCoeff() <= 0.99; }
 
-ColorAgreement judge(const ByPoint& points, int camera, const std::vector<std::optional<ColorTransform>>& transforms) {
+ColorAgreement judge(const ByPoint& points, int camera,
+                     const std::vector<std::optional<ColorTransform>>& transforms) {
   const std::vector<std::optional<ColorTransform>> none(transforms.size(), ColorTransform{});
   std::vector<double> before, after;
   for (const auto& [point, sights] : points)
     for (const ColorSight* s : sights) {
       if (s->camera != camera || !well_exposed(s->seen)) continue;
-      const std::optional<Eigen::Vector3d> raw = others(sights, camera, none), wanted = others(sights, camera, transforms);
+      const std::optional<Eigen::Vector3d> raw = others(sights, camera, none),
+                                           wanted = others(sights, camera, transforms);
       if (!raw || !wanted) continue;
       before.push_back(delta_e_2000(lab_from_srgb(s->seen), lab_from_srgb(*raw)));
-      after.push_back(delta_e_2000(lab_from_srgb(apply(*transforms[at(camera)], s->seen)), lab_from_srgb(*wanted)));
+      after.push_back(
+          delta_e_2000(lab_from_srgb(apply(*transforms[at(camera)], s->seen)), lab_from_srgb(*wanted)));
     }
   ColorAgreement a;
   if (after.empty()) return a;
@@ -77,7 +83,8 @@ ColorAgreement judge(const ByPoint& points, int camera, const std::vector<std::o
 
 }  // namespace
 
-Result<ColorBalance> balance_colors(std::span<const ColorSight> sights, const std::vector<std::optional<ColorTransform>>& given,
+Result<ColorBalance> balance_colors(std::span<const ColorSight> sights,
+                                    const std::vector<std::optional<ColorTransform>>& given,
                                     const std::vector<std::string>& serials) {
   FLOATSTAGE_CHECK(given.size() == serials.size(), "one transform and one serial a camera");
   ByPoint points;
@@ -90,7 +97,8 @@ Result<ColorBalance> balance_colors(std::span<const ColorSight> sights, const st
     const std::vector<ColorPair> pairs = pairs_of(points, camera, done);
     const Result<ColorFit> fitted = fit_color(pairs);
     if (!fitted)
-      return fail(ErrorCode::BadData, text("camera '", serials[at(camera)], "' shares ", pairs.size(), " surface points with the others: ", fitted.error().message));
+      return fail(ErrorCode::BadData, text("camera '", serials[at(camera)], "' shares ", pairs.size(),
+                                           " surface points with the others: ", fitted.error().message));
     done[at(camera)] = fitted->transform;
     return {};
   };

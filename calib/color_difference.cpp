@@ -26,8 +26,10 @@ double hue(double a, double b) {
 
 Eigen::Vector3d lab_from_srgb(const Eigen::Vector3d& rgb) {
   Eigen::Matrix3d xyz_from_rgb;
-  xyz_from_rgb << 0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920, 0.9503041;
-  const Eigen::Vector3d xyz = xyz_from_rgb * Eigen::Vector3d(linear(rgb.x()), linear(rgb.y()), linear(rgb.z()));
+  xyz_from_rgb << 0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920,
+      0.9503041;
+  const Eigen::Vector3d xyz =
+      xyz_from_rgb * Eigen::Vector3d(linear(rgb.x()), linear(rgb.y()), linear(rgb.z()));
   const double x = lab_curve(xyz.x() / 0.95047), y = lab_curve(xyz.y()), z = lab_curve(xyz.z() / 1.08883);
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
@@ -53,7 +55,8 @@ double delta_e_2000(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   }
   const double l = 0.5 * (p.x() + q.x()), c = 0.5 * (c1 + c2);
   const double t = 1 - 0.17 * std::cos((mean_hue - 30) * kDegree) + 0.24 * std::cos(2 * mean_hue * kDegree) +
-                   0.32 * std::cos((3 * mean_hue + 6) * kDegree) - 0.20 * std::cos((4 * mean_hue - 63) * kDegree);
+                   0.32 * std::cos((3 * mean_hue + 6) * kDegree) -
+                   0.20 * std::cos((4 * mean_hue - 63) * kDegree);
   const double turn = 30 * std::exp(-std::pow((mean_hue - 275) / 25, 2));
   const double sl = 1 + 0.015 * (l - 50) * (l - 50) / std::sqrt(20 + (l - 50) * (l - 50));
   const double sc = 1 + 0.045 * c, sh = 1 + 0.015 * c * t;

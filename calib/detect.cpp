@@ -30,7 +30,8 @@ constexpr FailureName kFailures[] = {
     {DetectionFailure::TooDark, "too-dark", "have no contrast"},
     {DetectionFailure::InvertedPrint, "inverted-print", "show it with black and white exchanged"},
     {DetectionFailure::MirroredPrint, "mirrored-print", "show it mirrored"},
-    {DetectionFailure::SwappedRowsAndColumns, "swapped-rows-and-columns", "show it with rows and columns exchanged"},
+    {DetectionFailure::SwappedRowsAndColumns, "swapped-rows-and-columns",
+     "show it with rows and columns exchanged"},
     {DetectionFailure::WrongCount, "wrong-count", "show a chessboard of another size"},
     {DetectionFailure::WrongDictionary, "wrong-dictionary", "show markers of another dictionary"},
     {DetectionFailure::OtherNumbers, "other-numbers", "show markers with other numbers"},
@@ -44,8 +45,9 @@ const FailureName& entry(DetectionFailure failure) {
 
 // A mistake in how the target was described, not in how it was shown.
 bool is_description(DetectionFailure f) {
-  return f == DetectionFailure::InvertedPrint || f == DetectionFailure::MirroredPrint || f == DetectionFailure::SwappedRowsAndColumns ||
-         f == DetectionFailure::WrongCount || f == DetectionFailure::WrongDictionary || f == DetectionFailure::OtherNumbers;
+  return f == DetectionFailure::InvertedPrint || f == DetectionFailure::MirroredPrint ||
+         f == DetectionFailure::SwappedRowsAndColumns || f == DetectionFailure::WrongCount ||
+         f == DetectionFailure::WrongDictionary || f == DetectionFailure::OtherNumbers;
 }
 
 }  // namespace
@@ -62,7 +64,8 @@ Detection detect(const TargetDesign& design, const Image& image, const DetectOpt
   Detection detection;
   if (image.width < 32 || image.height < 32) {
     detection.failure = DetectionFailure::Unreadable;
-    detection.reason = text("a picture of ", image.width, "x", image.height, " px is too small for any target");
+    detection.reason =
+        text("a picture of ", image.width, "x", image.height, " px is too small for any target");
     return detection;
   }
   const cv::Mat grey = grey_of(image);
@@ -71,16 +74,20 @@ Detection detect(const TargetDesign& design, const Image& image, const DetectOpt
   const int least = wand ? static_cast<int>(wand->positions.size()) : options.least_points;
   if (static_cast<int>(search.points.size()) >= least) {
     for (const FoundPoint& p : search.points)
-      detection.points.push_back({p.id, {p.at.x + 0.5, p.at.y + 0.5}, options.sigma});  // OpenCV's first centre is 0
+      detection.points.push_back(
+          {p.id, {p.at.x + 0.5, p.at.y + 0.5}, options.sigma});  // OpenCV's first centre is 0
     return detection;
   }
   if (options.diagnose) return diagnose(grey, design, search, least);
-  detection.failure = search.points.empty() ? DetectionFailure::NothingLikeIt : DetectionFailure::PartlyHidden;
-  detection.reason = search.points.empty() ? "nothing in the picture resembles the target" : "too little of the target is visible";
+  detection.failure =
+      search.points.empty() ? DetectionFailure::NothingLikeIt : DetectionFailure::PartlyHidden;
+  detection.reason = search.points.empty() ? "nothing in the picture resembles the target"
+                                           : "too little of the target is visible";
   return detection;
 }
 
-std::vector<Detection> detect_all(const TargetDesign& design, std::span<const PictureToDetect> pictures, const DetectAllOptions& options) {
+std::vector<Detection> detect_all(const TargetDesign& design, std::span<const PictureToDetect> pictures,
+                                  const DetectAllOptions& options) {
   std::vector<Detection> detections(pictures.size());
   const DetectionCache cache(options.cache, design, options.detect);
   parallel_for(pictures.size(), options.threads, [&](std::size_t i) {
@@ -103,7 +110,8 @@ std::vector<Detection> detect_all(const TargetDesign& design, std::span<const Pi
 std::string summary(std::span<const Detection> detections) {
   std::map<DetectionFailure, std::size_t> counts;
   for (const Detection& d : detections) ++counts[d.failure];
-  std::string sentence = text("the target was found in ", counts[DetectionFailure::None], " of ", detections.size(), " pictures");
+  std::string sentence = text("the target was found in ", counts[DetectionFailure::None], " of ",
+                              detections.size(), " pictures");
   DetectionFailure likely = DetectionFailure::None;
   const char* between = ": ";
   for (const FailureName& f : kFailures) {
@@ -111,7 +119,8 @@ std::string summary(std::span<const Detection> detections) {
     if (f.failure == DetectionFailure::None || count == 0) continue;
     sentence += text(between, count, " ", f.words);
     between = ", ";
-    if (is_description(f.failure) && (likely == DetectionFailure::None || count > counts[likely])) likely = f.failure;
+    if (is_description(f.failure) && (likely == DetectionFailure::None || count > counts[likely]))
+      likely = f.failure;
   }
   // One accidental reading is no diagnosis; a description that is wrong shows in most of what was not found.
   if (likely == DetectionFailure::None || counts[likely] <= counts[DetectionFailure::None]) return sentence;

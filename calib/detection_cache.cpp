@@ -26,7 +26,8 @@ std::string hash_of(std::string_view bytes) {
     b = mix(b + word * 0x9e3779b97f4a7c15ULL);
   }
   std::array<char, 33> hex{};
-  std::snprintf(hex.data(), hex.size(), "%016llx%016llx", static_cast<unsigned long long>(a), static_cast<unsigned long long>(b));
+  std::snprintf(hex.data(), hex.size(), "%016llx%016llx", static_cast<unsigned long long>(a),
+                static_cast<unsigned long long>(b));
   return {hex.data(), 32};
 }
 
@@ -58,13 +59,16 @@ Result<std::string> content_key(const std::filesystem::path& file) {
 
 std::string to_text(const Detection& d) {
   std::string lines = text("floatstage-detection ", kVersion, "\n", name_of(d.failure), "\n", d.reason, "\n");
-  for (const SeenPoint& p : d.points) lines += text(p.id, " ", exact(p.pixel.x()), " ", exact(p.pixel.y()), " ", exact(p.sigma), "\n");
+  for (const SeenPoint& p : d.points)
+    lines += text(p.id, " ", exact(p.pixel.x()), " ", exact(p.pixel.y()), " ", exact(p.sigma), "\n");
   return lines + "end\n";
 }
 
 Result<Detection> parse_detection(std::string_view bytes, std::string_view name) {
   int number = 0;
-  auto wrong = [&](const char* what) { return fail(ErrorCode::BadData, text(name, ": line ", number, ": ", what, "; delete the file")); };
+  auto wrong = [&](const char* what) {
+    return fail(ErrorCode::BadData, text(name, ": line ", number, ": ", what, "; delete the file"));
+  };
   auto line = [&]() -> std::optional<std::string_view> {
     ++number;
     const std::size_t end = bytes.find('\n');
@@ -86,21 +90,25 @@ Result<Detection> parse_detection(std::string_view bytes, std::string_view name)
     if (!next) return wrong("it is cut off");
     SeenPoint p;
     std::string_view rest = *next;
-    if (!read(next_word(rest), p.id) || !read(next_word(rest), p.pixel.x()) || !read(next_word(rest), p.pixel.y()) ||
-        !read(next_word(rest), p.sigma) || !rest.empty())
+    if (!read(next_word(rest), p.id) || !read(next_word(rest), p.pixel.x()) ||
+        !read(next_word(rest), p.pixel.y()) || !read(next_word(rest), p.sigma) || !rest.empty())
       return wrong("not a point");
-    if (!p.pixel.allFinite() || !(p.sigma > 0) || !std::isfinite(p.sigma)) return wrong("a number that is not finite");
+    if (!p.pixel.allFinite() || !(p.sigma > 0) || !std::isfinite(p.sigma))
+      return wrong("a number that is not finite");
     if (p.id < 0 || (!d.points.empty() && p.id <= d.points.back().id)) return wrong("ids do not ascend");
     d.points.push_back(p);
   }
   if (!bytes.empty()) return wrong("something follows the end");
-  if ((d.failure == DetectionFailure::None) == d.points.empty()) return wrong("points and outcome contradict each other");
+  if ((d.failure == DetectionFailure::None) == d.points.empty())
+    return wrong("points and outcome contradict each other");
   return d;
 }
 
-DetectionCache::DetectionCache(std::filesystem::path folder, const TargetDesign& design, const DetectOptions& options)
+DetectionCache::DetectionCache(std::filesystem::path folder, const TargetDesign& design,
+                               const DetectOptions& options)
     : folder_(std::move(folder)),
-      about_(text(kVersion, ' ', to_text(design), ' ', options.least_points, ' ', options.diagnose, ' ', exact(options.sigma))) {
+      about_(text(kVersion, ' ', to_text(design), ' ', options.least_points, ' ', options.diagnose, ' ',
+                  exact(options.sigma))) {
   if (folder_.empty()) return;
   if (const Result<void> made = make_folder(folder_); !made) {
     log::warning(text(made.error().message, "; detections are not cached"));
@@ -125,7 +133,8 @@ std::optional<Detection> DetectionCache::find(const std::string& key) const {
 
 void DetectionCache::store(const std::string& key, const Detection& detection) const {
   if (folder_.empty() || key.empty()) return;
-  if (const Result<void> written = write_file(file(key), to_text(detection)); !written) log::debug(written.error().message);
+  if (const Result<void> written = write_file(file(key), to_text(detection)); !written)
+    log::debug(written.error().message);
 }
 
 }  // namespace floatstage

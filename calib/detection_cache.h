@@ -9,8 +9,8 @@
 
 namespace floatstage {
 
-/// Detections on disk: one small text file a picture, named by the picture's key, the target and the options. Thread safe:
-/// files are written whole or not at all. Private to calib.
+/// Detections on disk: one small text file a picture, named by the picture's key, the target and the options.
+/// Thread safe: files are written whole or not at all. Private to calib.
 class DetectionCache {
  public:
   DetectionCache(std::filesystem::path folder, const TargetDesign& design, const DetectOptions& options);

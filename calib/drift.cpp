@@ -1,11 +1,12 @@
 #include "calib/drift.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
 #include "calib/grey.h"
@@ -24,11 +25,13 @@ struct Match {
   Eigen::Vector2d moved;  // px
 };
 
-// Where the patch is now, by normalised correlation, to a fraction of a pixel; absent where nothing looks like it.
+// Where the patch is now, by normalised correlation, to a fraction of a pixel; absent where nothing looks
+// like it.
 std::optional<Eigen::Vector2d> find_again(const cv::Mat& grey, const DriftPatch& patch, int reach) {
   constexpr float kAlike = 0.8f;
   const int x = static_cast<int>(patch.at.x()), y = static_cast<int>(patch.at.y());  // the centre pixel
-  const cv::Rect window(x - kHalf - reach, y - kHalf - reach, kDriftPatch + 2 * reach, kDriftPatch + 2 * reach);
+  const cv::Rect window(x - kHalf - reach, y - kHalf - reach, kDriftPatch + 2 * reach,
+                        kDriftPatch + 2 * reach);
   const cv::Rect inside = window & cv::Rect(0, 0, grey.cols, grey.rows);
   if (inside.width < kDriftPatch + 2 || inside.height < kDriftPatch + 2) return std::nullopt;
   const cv::Mat wanted(kDriftPatch, kDriftPatch, CV_8U, const_cast<std::uint8_t*>(patch.grey.data()));
@@ -37,20 +40,29 @@ std::optional<Eigen::Vector2d> find_again(const cv::Mat& grey, const DriftPatch&
   cv::Point best;
   double height = 0;
   cv::minMaxLoc(score, nullptr, &height, nullptr, &best);
-  if (!(height >= kAlike) || best.x < 1 || best.y < 1 || best.x + 1 >= score.cols || best.y + 1 >= score.rows) return std::nullopt;
-  auto peak = [](float a, float b, float c) { return a + c - 2 * b < 0 ? 0.5 * (a - c) / (a + c - 2 * b) : 0.0; };
-  const double dx = peak(score.at<float>(best.y, best.x - 1), score.at<float>(best), score.at<float>(best.y, best.x + 1));
-  const double dy = peak(score.at<float>(best.y - 1, best.x), score.at<float>(best), score.at<float>(best.y + 1, best.x));
+  if (!(height >= kAlike) || best.x < 1 || best.y < 1 || best.x + 1 >= score.cols || best.y + 1 >= score.rows)
+    return std::nullopt;
+  auto peak = [](float a, float b, float c) {
+    return a + c - 2 * b < 0 ? 0.5 * (a - c) / (a + c - 2 * b) : 0.0;
+  };
+  const double dx =
+      peak(score.at<float>(best.y, best.x - 1), score.at<float>(best), score.at<float>(best.y, best.x + 1));
+  const double dy =
+      peak(score.at<float>(best.y - 1, best.x), score.at<float>(best), score.at<float>(best.y + 1, best.x));
   return Eigen::Vector2d(inside.x + best.x + kHalf + 0.5 + dx, inside.y + best.y + kHalf + 0.5 + dy);
 }
 
-// The turn that takes the rays of before to those of now (Kabsch, for small angles: linear least squares, repeated).
-Eigen::Vector3d fit_turn(const std::vector<Match>& matches, const std::vector<double>& weights, Eigen::Matrix3d* information = nullptr) {
+// The turn that takes the rays of before to those of now (Kabsch, for small angles: linear least squares,
+// repeated).
+Eigen::Vector3d fit_turn(const std::vector<Match>& matches, const std::vector<double>& weights,
+                         Eigen::Matrix3d* information = nullptr) {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   for (int step = 0; step < 3; ++step) {
     Eigen::Matrix3d h = 1e-12 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    const Eigen::Matrix3d r = turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d r = turn.norm() > 0
+                                  ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                                  : Eigen::Matrix3d::Identity();
     for (std::size_t i = 0; i < matches.size(); ++i) {
       const Eigen::Vector3d a = r * matches[i].before;
       Eigen::Matrix3d cross;  // d(turn × a)/d(turn) = -[a]×
@@ -69,17 +81,17 @@ Eigen::Matrix3d rotation(const Eigen::Vector3d& turn) {
   return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
 }
 
-
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-// Parallax that `turn` leaves, and the direction that explains it: rays before and after lie in one plane with the move
-// (Longuet-Higgins 1981, the turn being known; what it took of a sideways shift runs along the same lines). People are
-// outliers: medians and falling weights.
-void measure_parallax(const std::vector<Match>& matches, const Eigen::Vector3d& turn, double pixel, CameraTurn& result) {
+// Parallax that `turn` leaves, and the direction that explains it: rays before and after lie in one plane
+// with the move (Longuet-Higgins 1981, the turn being known; what it took of a sideways shift runs along the
+// same lines). People are outliers: medians and falling weights.
+void measure_parallax(const std::vector<Match>& matches, const Eigen::Vector3d& turn, double pixel,
+                      CameraTurn& result) {
   std::vector<Eigen::Vector3d> normals;
   std::vector<double> shifts;
   for (const Match& m : matches) {
@@ -91,11 +103,13 @@ void measure_parallax(const std::vector<Match>& matches, const Eigen::Vector3d& 
   result.parallax_px = *quartile;
   // Those that shift far more than most are people from the start.
   std::vector<double> weights, across(matches.size());
-  for (const Eigen::Vector3d& n : normals) weights.push_back(n.norm() < 2 * pixel * result.parallax_px ? 1 : 0);
+  for (const Eigen::Vector3d& n : normals)
+    weights.push_back(n.norm() < 2 * pixel * result.parallax_px ? 1 : 0);
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   for (int step = 0; step < 10; ++step) {
     Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < normals.size(); ++i) moment += weights[i] * normals[i] * normals[i].transpose();
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      moment += weights[i] * normals[i] * normals[i].transpose();
     direction = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(moment).eigenvectors().col(0);
     for (std::size_t i = 0; i < normals.size(); ++i) across[i] = std::abs(normals[i].dot(direction));
     const double scale = std::max(0.2 * pixel, 2 * median(across));
@@ -110,7 +124,8 @@ double hundredths(double v) { return std::round(100 * v) / 100; }
 
 Result<DriftReference> make_drift_reference(const Rig& rig, const std::vector<Image>& images, int most) {
   if (images.size() != rig.cameras.size())
-    return fail(ErrorCode::InvalidArgument, text(images.size(), " pictures for ", rig.cameras.size(), " cameras"));
+    return fail(ErrorCode::InvalidArgument,
+                text(images.size(), " pictures for ", rig.cameras.size(), " cameras"));
   DriftReference reference;
   for (std::size_t c = 0; c < images.size(); ++c) {
     const RigCamera& camera = rig.cameras[c];
@@ -118,18 +133,22 @@ Result<DriftReference> make_drift_reference(const Rig& rig, const std::vector<Im
     std::vector<DriftPatch>& patches = reference.patches.emplace_back();
     if (images[c].empty()) continue;
     if (images[c].width != camera.model.width || images[c].height != camera.model.height)
-      return fail(ErrorCode::InvalidArgument, text("camera '", camera.serial, "': the picture is ", images[c].width, "x", images[c].height,
-                                                   ", not ", camera.model.width, "x", camera.model.height));
+      return fail(ErrorCode::InvalidArgument,
+                  text("camera '", camera.serial, "': the picture is ", images[c].width, "x",
+                       images[c].height, ", not ", camera.model.width, "x", camera.model.height));
     const cv::Mat grey = grey_of(images[c]);
     cv::Mat corner;
     cv::cornerMinEigenVal(grey, corner, 7, 3);
     // The best place of each cell, so that a turn is seen all over the picture.
-    const int across = std::max(2, static_cast<int>(std::lround(std::sqrt(most * 4.0 / 3)))), down = std::max(2, most / across);
+    const int across = std::max(2, static_cast<int>(std::lround(std::sqrt(most * 4.0 / 3)))),
+              down = std::max(2, most / across);
     const int rim = kHalf + 4;
     for (int row = 0; row < down; ++row) {
       for (int column = 0; column < across; ++column) {
-        const int x0 = std::max(column * grey.cols / across, rim), x1 = std::min((column + 1) * grey.cols / across, grey.cols - rim);
-        const int y0 = std::max(row * grey.rows / down, rim), y1 = std::min((row + 1) * grey.rows / down, grey.rows - rim);
+        const int x0 = std::max(column * grey.cols / across, rim),
+                  x1 = std::min((column + 1) * grey.cols / across, grey.cols - rim);
+        const int y0 = std::max(row * grey.rows / down, rim),
+                  y1 = std::min((row + 1) * grey.rows / down, grey.rows - rim);
         if (x1 <= x0 || y1 <= y0) continue;
         double strength = 0;
         cv::Point best;
@@ -146,7 +165,8 @@ Result<DriftReference> make_drift_reference(const Rig& rig, const std::vector<Im
   return reference;
 }
 
-CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>& reference, const Image& image) {
+CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>& reference,
+                        const Image& image) {
   CameraTurn result;
   result.patches = static_cast<int>(reference.size());
   if (image.width != model.width || image.height != model.height) return result;
@@ -165,7 +185,8 @@ CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>&
   if (result.matches < kFewestMatches) return result;
   result.moved_px = median(shifts);
 
-  // Consensus: each pair of matches proposes a turn; the one with the least median error leads (no chance is involved).
+  // Consensus: each pair of matches proposes a turn; the one with the least median error leads (no chance is
+  // involved).
   const double pixel = 1 / model.fx;
   auto errors = [&](const Eigen::Vector3d& turn) {
     const Eigen::Matrix3d r = rotation(turn);
@@ -207,13 +228,23 @@ CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>&
 }
 
 DriftWatch::DriftWatch(const Rig& rig, DriftReference reference, const DriftOptions& options)
-    : rig_(rig), reference_(std::move(reference)), options_(options), turns_(rig.cameras.size()),
-      in_a_row_(rig.cameras.size(), 0), alarmed_(rig.cameras.size(), false), next_(rig.cameras.size()) {}
+    : rig_(rig),
+      reference_(std::move(reference)),
+      options_(options),
+      turns_(rig.cameras.size()),
+      in_a_row_(rig.cameras.size(), 0),
+      alarmed_(rig.cameras.size(), false),
+      next_(rig.cameras.size()) {}
 
 Result<DriftWatch> DriftWatch::create(const Rig& rig, DriftReference reference, const DriftOptions& options) {
-  bool same = reference.serials.size() == rig.cameras.size() && reference.patches.size() == rig.cameras.size();
-  for (std::size_t i = 0; same && i < rig.cameras.size(); ++i) same = reference.serials[i] == rig.cameras[i].serial;
-  if (!same) return fail(ErrorCode::InvalidArgument, "the drift reference names other cameras than the rig; make it anew from this rig's pictures");
+  bool same =
+      reference.serials.size() == rig.cameras.size() && reference.patches.size() == rig.cameras.size();
+  for (std::size_t i = 0; same && i < rig.cameras.size(); ++i)
+    same = reference.serials[i] == rig.cameras[i].serial;
+  if (!same)
+    return fail(
+        ErrorCode::InvalidArgument,
+        "the drift reference names other cameras than the rig; make it anew from this rig's pictures");
   return DriftWatch(rig, std::move(reference), options);
 }
 
@@ -225,7 +256,8 @@ std::optional<DriftAlarm> DriftWatch::check(int camera, double time, const Image
   if (!turn.known) return std::nullopt;  // hidden by people or dark: neither moved nor at rest
   const bool turned = turn.degrees > options_.alarm_degrees && turn.degrees > 4 * turn.sigma_degrees;
   // Noise shifts patches every way, a move along one direction only.
-  const bool moved = turn.parallax_px > options_.alarm_parallax_px && turn.epipolar_px < 0.3 * turn.parallax_px;
+  const bool moved =
+      turn.parallax_px > options_.alarm_parallax_px && turn.epipolar_px < 0.3 * turn.parallax_px;
   if (!turned && !moved) {
     in_a_row_[c] = 0;
     alarmed_[c] = false;
@@ -234,19 +266,30 @@ std::optional<DriftAlarm> DriftWatch::check(int camera, double time, const Image
   if (++in_a_row_[c] < options_.consecutive || alarmed_[c]) return std::nullopt;
   alarmed_[c] = true;
   const std::string& serial = rig_.cameras[c].serial;
-  std::string sentence = text("camera '", serial, "' has ", moved ? "moved and " : "", "turned by ", hundredths(turn.degrees), "° (pitch ", hundredths(turn.axis_degrees.x()), "°, yaw ",
-                              hundredths(turn.axis_degrees.y()), "°, roll ", hundredths(turn.axis_degrees.z()), "°) since the calibration");
-  if (moved) sentence += text("; near things shifted by ", hundredths(turn.parallax_px), " px against far ones");
-  return DriftAlarm{serial, time, turn.degrees, turn.residual_px, moved, turn.parallax_px, sentence + "; set it right or calibrate again"};
+  std::string sentence =
+      text("camera '", serial, "' has ", moved ? "moved and " : "", "turned by ", hundredths(turn.degrees),
+           "° (pitch ", hundredths(turn.axis_degrees.x()), "°, yaw ", hundredths(turn.axis_degrees.y()),
+           "°, roll ", hundredths(turn.axis_degrees.z()), "°) since the calibration");
+  if (moved)
+    sentence += text("; near things shifted by ", hundredths(turn.parallax_px), " px against far ones");
+  return DriftAlarm{serial,
+                    time,
+                    turn.degrees,
+                    turn.residual_px,
+                    moved,
+                    turn.parallax_px,
+                    sentence + "; set it right or calibrate again"};
 }
 
 Result<std::optional<DriftAlarm>> DriftWatch::push(const Frame& frame) {
   const int camera = frame.info.camera;
   if (camera < 0 || camera >= static_cast<int>(rig_.cameras.size()))
-    return fail(ErrorCode::InvalidArgument, text("the drift watch has ", rig_.cameras.size(), " cameras, and none of index ", camera));
+    return fail(ErrorCode::InvalidArgument,
+                text("the drift watch has ", rig_.cameras.size(), " cameras, and none of index ", camera));
   std::optional<Timestamp>& next = next_[static_cast<std::size_t>(camera)];
   const Timestamp now = frame.info.exposure_start;
-  if (frame.empty() || frame.info.status != FrameStatus::Ok || (next && now < *next)) return std::optional<DriftAlarm>();
+  if (frame.empty() || frame.info.status != FrameStatus::Ok || (next && now < *next))
+    return std::optional<DriftAlarm>();
   const Result<Image> image = to_rgb(frame);
   if (!image) return forward(image);
   if (!first_) first_ = now;

@@ -1,4 +1,5 @@
 #include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "calib/drift.h"
@@ -18,7 +19,8 @@ std::string hexadecimal(const std::vector<std::uint8_t>& bytes) {
   return digits;
 }
 
-std::vector<std::uint8_t> bytes_of(const std::string& digits, const std::string& where, JsonProblem& problem) {
+std::vector<std::uint8_t> bytes_of(const std::string& digits, const std::string& where,
+                                   JsonProblem& problem) {
   const std::string_view known = kDigits;
   std::vector<std::uint8_t> bytes;
   bool good = digits.size() == 2 * kBytes;
@@ -37,7 +39,8 @@ std::string to_json(const DriftReference& reference) {
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   for (std::size_t c = 0; c < reference.serials.size(); ++c) {
     nlohmann::ordered_json patches = nlohmann::ordered_json::array();
-    for (const DriftPatch& p : reference.patches[c]) patches.push_back({{"at", {p.at.x(), p.at.y()}}, {"grey", hexadecimal(p.grey)}});
+    for (const DriftPatch& p : reference.patches[c])
+      patches.push_back({{"at", {p.at.x(), p.at.y()}}, {"grey", hexadecimal(p.grey)}});
     cameras.push_back({{"serial", reference.serials[c]}, {"patches", std::move(patches)}});
   }
   return print_json({{"floatstage_drift_reference", 1}, {"cameras", std::move(cameras)}});
@@ -49,7 +52,8 @@ Result<DriftReference> parse_drift_reference(std::string_view bytes, std::string
   JsonProblem problem;
   JsonFields fields(*document, std::string(name), problem);
   if (const int version = fields.integer("floatstage_drift_reference"); !problem.first && version != 1)
-    return fail(ErrorCode::Unsupported, text(name, ": drift reference ", version, " is not known here; make it anew"));
+    return fail(ErrorCode::Unsupported,
+                text(name, ": drift reference ", version, " is not known here; make it anew"));
   DriftReference reference;
   if (const nlohmann::json* cameras = fields.list("cameras")) {
     for (const nlohmann::json& value : *cameras) {
@@ -60,7 +64,8 @@ Result<DriftReference> parse_drift_reference(std::string_view bytes, std::string
         for (const nlohmann::json& each : *list) {
           JsonFields patch(each, text(camera.where(), ": patch ", patches.size()), problem);
           const std::vector<double> at = patch.numbers("at", 2);
-          if (!(std::abs(at[0]) < 1e6 && std::abs(at[1]) < 1e6)) problem.note(patch.where(), "'at' is not a place in a picture");
+          if (!(std::abs(at[0]) < 1e6 && std::abs(at[1]) < 1e6))
+            problem.note(patch.where(), "'at' is not a place in a picture");
           patches.push_back({{at[0], at[1]}, bytes_of(patch.string("grey"), patch.where(), problem)});
           patch.refuse_others();
         }

@@ -13,7 +13,8 @@ cv::Mat grey_of(const Image& image);
 inline float grey_at(const cv::Mat& grey, float x, float y) {
   x = std::min(std::max(x, 0.0f), static_cast<float>(grey.cols - 1));
   y = std::min(std::max(y, 0.0f), static_cast<float>(grey.rows - 1));
-  const int u = std::min(static_cast<int>(x), grey.cols - 2), v = std::min(static_cast<int>(y), grey.rows - 2);
+  const int u = std::min(static_cast<int>(x), grey.cols - 2),
+            v = std::min(static_cast<int>(y), grey.rows - 2);
   const float a = x - static_cast<float>(u), b = y - static_cast<float>(v);
   const std::uint8_t* p = grey.ptr<std::uint8_t>(v) + u;
   const std::uint8_t* q = p + grey.step;

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
+
 #include <opencv2/aruco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
-#include <optional>
-#include <set>
 
 #include "calib/marker_dictionary.h"
 #include "calib/saddle.h"
@@ -18,7 +19,9 @@ namespace {
 
 using Quad = std::array<cv::Point2f, 4>;
 
-cv::Point2f on_face(const Eigen::Vector2d& p) { return {static_cast<float>(p.x()), static_cast<float>(p.y())}; }
+cv::Point2f on_face(const Eigen::Vector2d& p) {
+  return {static_cast<float>(p.x()), static_cast<float>(p.y())};
+}
 
 const FaceMarker* face_marker(const BoardFace& face, int id) {
   for (const FaceMarker& m : face.markers)
@@ -26,7 +29,8 @@ const FaceMarker* face_marker(const BoardFace& face, int id) {
   return nullptr;
 }
 
-std::vector<cv::Point2f> map_points(const cv::Mat& picture_from_face, const std::vector<cv::Point2f>& points) {
+std::vector<cv::Point2f> map_points(const cv::Mat& picture_from_face,
+                                    const std::vector<cv::Point2f>& points) {
   std::vector<cv::Point2f> mapped;
   cv::perspectiveTransform(points, mapped, picture_from_face);
   return mapped;
@@ -38,18 +42,21 @@ cv::Mat read_cells(const cv::Mat& grey, const Quad& square, int across) {
   const float size = static_cast<float>(kCell * across) - 1;
   const Quad target = {cv::Point2f(0, 0), {size, 0}, {size, size}, {0, size}};
   cv::Mat flat, light;
-  cv::warpPerspective(grey, flat, cv::getPerspectiveTransform(square.data(), target.data()), {kCell * across, kCell * across});
+  cv::warpPerspective(grey, flat, cv::getPerspectiveTransform(square.data(), target.data()),
+                      {kCell * across, kCell * across});
   cv::threshold(flat, light, 128, 1, cv::THRESH_BINARY | cv::THRESH_OTSU);
   cv::Mat cells(across, across, CV_8U);
   for (int y = 0; y < across; ++y)
     for (int x = 0; x < across; ++x)
       cells.at<std::uint8_t>(y, x) =
-          2 * cv::countNonZero(light({x * kCell + 2, y * kCell + 2, kCell - 4, kCell - 4})) > (kCell - 4) * (kCell - 4);
+          2 * cv::countNonZero(light({x * kCell + 2, y * kCell + 2, kCell - 4, kCell - 4})) >
+          (kCell - 4) * (kCell - 4);
   return cells;
 }
 
 // A square that was found in a picture with less dark: grown back, its marker read in the true picture.
-std::optional<SeenMarker> read_shrunk(const cv::Mat& grey, Quad square, float shrunk, const MarkerDictionary& kind, int border) {
+std::optional<SeenMarker> read_shrunk(const cv::Mat& grey, Quad square, float shrunk,
+                                      const MarkerDictionary& kind, int border) {
   const cv::Point2f middle = (square[0] + square[1] + square[2] + square[3]) * 0.25f;
   for (cv::Point2f& c : square) {
     const cv::Point2f out = c - middle;
@@ -57,10 +64,12 @@ std::optional<SeenMarker> read_shrunk(const cv::Mat& grey, Quad square, float sh
   }
   const cv::Mat cells = read_cells(grey, square, kind.cells + 2 * border);
   const cv::Mat inner = cells({border, border, kind.cells, kind.cells});
-  if (cv::countNonZero(cells) - cv::countNonZero(inner) > kind.cells / 2) return std::nullopt;  // the border is not black
+  if (cv::countNonZero(cells) - cv::countNonZero(inner) > kind.cells / 2)
+    return std::nullopt;  // the border is not black
   SeenMarker marker;
   int turned = 0;
-  if (!cv::aruco::getPredefinedDictionary(kind.opencv)->identify(inner, marker.id, turned, 0.6)) return std::nullopt;
+  if (!cv::aruco::getPredefinedDictionary(kind.opencv)->identify(inner, marker.id, turned, 0.6))
+    return std::nullopt;
   std::rotate(square.begin(), square.begin() + (4 - turned) % 4, square.end());
   marker.corners = square;
   return marker;
@@ -70,7 +79,8 @@ std::optional<SeenMarker> read_shrunk(const cv::Mat& grey, Quad square, float sh
 cv::Mat marker_map(const FaceMarker& on, const SeenMarker& seen) {
   std::vector<cv::Point2f> from;
   for (const Eigen::Vector2d& c : on.corners) from.push_back(on_face(c));
-  return cv::getPerspectiveTransform(from, std::vector<cv::Point2f>(seen.corners.begin(), seen.corners.end()));
+  return cv::getPerspectiveTransform(from,
+                                     std::vector<cv::Point2f>(seen.corners.begin(), seen.corners.end()));
 }
 
 }  // namespace
@@ -89,7 +99,8 @@ float SeenMarker::short_diagonal() const {
   return std::min(std::hypot(a.x, a.y), std::hypot(b.x, b.y));
 }
 
-SeenMarkers find_markers(const cv::Mat& grey, const std::string& dictionary, int border, const MarkerSearch& how) {
+SeenMarkers find_markers(const cv::Mat& grey, const std::string& dictionary, int border,
+                         const MarkerSearch& how) {
   const double scale = how.scale;
   const MarkerDictionary* kind = find_dictionary(dictionary);
   FLOATSTAGE_CHECK(kind, "dictionary '" + dictionary + "' was not checked");
@@ -110,7 +121,8 @@ SeenMarkers find_markers(const cv::Mat& grey, const std::string& dictionary, int
     parameters->adaptiveThreshWinSizeMin = parameters->adaptiveThreshWinSizeMax = window;
     std::vector<std::vector<cv::Point2f>> quads, rejected;
     std::vector<int> ids;
-    cv::aruco::detectMarkers(searched, cv::aruco::getPredefinedDictionary(kind->opencv), quads, ids, parameters, rejected);
+    cv::aruco::detectMarkers(searched, cv::aruco::getPredefinedDictionary(kind->opencv), quads, ids,
+                             parameters, rejected);
     auto full = [&](const std::vector<cv::Point2f>& quad) {
       Quad q;
       const float shift = static_cast<float>((1 / scale - 1) / 2);
@@ -122,8 +134,11 @@ SeenMarkers find_markers(const cv::Mat& grey, const std::string& dictionary, int
       quads.insert(quads.end(), rejected.begin(), rejected.end());
       for (const auto& quad : quads) {
         const Quad square = full(quad);
-        if (std::optional<SeenMarker> m = read_shrunk(grey, square, static_cast<float>(how.apart / scale), *kind, border)) read.push_back(*m);
-        else found.other_squares.push_back(square);
+        if (std::optional<SeenMarker> m =
+                read_shrunk(grey, square, static_cast<float>(how.apart / scale), *kind, border))
+          read.push_back(*m);
+        else
+          found.other_squares.push_back(square);
       }
     } else {
       for (std::size_t i = 0; i < quads.size(); ++i) read.push_back({ids[i], full(quads[i])});
@@ -132,16 +147,20 @@ SeenMarkers find_markers(const cv::Mat& grey, const std::string& dictionary, int
     std::set<int> now;
     for (const SeenMarker& m : read) {
       const auto [at, fresh] = seen.emplace(m.id, 0);
-      if (!now.insert(m.id).second) at->second = 2;  // twice in one picture: neither can be trusted
-      else if (fresh) found.markers.push_back(m);
+      if (!now.insert(m.id).second)
+        at->second = 2;  // twice in one picture: neither can be trusted
+      else if (fresh)
+        found.markers.push_back(m);
     }
   }
   std::erase_if(found.markers, [&](const SeenMarker& m) { return seen[m.id] > 1; });
-  std::sort(found.markers.begin(), found.markers.end(), [](const SeenMarker& a, const SeenMarker& b) { return a.id < b.id; });
+  std::sort(found.markers.begin(), found.markers.end(),
+            [](const SeenMarker& a, const SeenMarker& b) { return a.id < b.id; });
   return found;
 }
 
-std::vector<SeenMarker> consistent_markers(const BoardFace& face, const std::vector<SeenMarker>& seen, std::size_t least) {
+std::vector<SeenMarker> consistent_markers(const BoardFace& face, const std::vector<SeenMarker>& seen,
+                                           std::size_t least) {
   std::vector<SeenMarker> on;
   for (const SeenMarker& m : seen)
     if (face_marker(face, m.id)) on.push_back(m);
@@ -161,17 +180,20 @@ std::vector<SeenMarker> consistent_markers(const BoardFace& face, const std::vec
       const double slack = (0.15 + 0.12 * apart) * std::max(m.side(), 4.0f);
       double off = 0;
       for (std::size_t i = 0; i < 4; ++i)
-        off = std::max(off, static_cast<double>(std::hypot(expected[i].x - m.corners[i].x, expected[i].y - m.corners[i].y)));
+        off = std::max(off, static_cast<double>(
+                                std::hypot(expected[i].x - m.corners[i].x, expected[i].y - m.corners[i].y)));
       if (off <= slack) agree.push_back(m);
     }
     if (agree.size() > best.size()) best = std::move(agree);
   }
-  // A map that explains only the smaller part of what was read is an accident: another layout, or another board.
+  // A map that explains only the smaller part of what was read is an accident: another layout, or another
+  // board.
   if (best.size() < least || 5 * best.size() < 3 * on.size()) best.clear();
   return best;
 }
 
-std::vector<FoundPoint> points_near_markers(const cv::Mat& grey, const BoardFace& face, const std::vector<SeenMarker>& markers) {
+std::vector<FoundPoint> points_near_markers(const cv::Mat& grey, const BoardFace& face,
+                                            const std::vector<SeenMarker>& markers) {
   std::vector<FoundPoint> found;
   if (markers.empty()) return found;
   const double side = (face.markers[0].corners[1] - face.markers[0].corners[0]).norm();
@@ -199,12 +221,14 @@ std::vector<FoundPoint> points_near_markers(const cv::Mat& grey, const BoardFace
     if (weights <= 0) continue;
     // Other edges come nearest across a cell's diagonal; what is seen obliquely has a short one.
     const float radius = static_cast<float>(std::clamp(0.7 * free * pixels_a_metre / weights, 3.0, 12.0));
-    if (const std::optional<cv::Point2f> exact = refine_saddle(grey, sum * (1 / weights), radius)) found.push_back({point.id, *exact});
+    if (const std::optional<cv::Point2f> exact = refine_saddle(grey, sum * (1 / weights), radius))
+      found.push_back({point.id, *exact});
   }
   return found;
 }
 
-const MarkerDictionary* dictionary_of(const cv::Mat& grey, const std::vector<Quad>& squares, std::size_t least, std::vector<int>* ids) {
+const MarkerDictionary* dictionary_of(const cv::Mat& grey, const std::vector<Quad>& squares,
+                                      std::size_t least, std::vector<int>* ids) {
   std::map<const MarkerDictionary*, std::set<int>> votes;
   for (const Quad& square : squares) {
     for (const int cells : {4, 5, 6, 7}) {

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <opencv2/aruco.hpp>
 #include <string>
+
+#include <opencv2/aruco.hpp>
 
 #include "calib/board.h"
 

@@ -5,7 +5,8 @@
 
 namespace floatstage {
 
-/// A marker dictionary by name, as OpenCV's number; "DICT_4X4_50" and "4x4_50" are the same. Private to calib.
+/// A marker dictionary by name, as OpenCV's number; "DICT_4X4_50" and "4x4_50" are the same. Private to
+/// calib.
 struct MarkerDictionary {
   const char* name;
   int opencv;   ///< cv::aruco::PREDEFINED_DICTIONARY_NAME

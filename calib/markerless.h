@@ -1,10 +1,11 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/image.h"
 #include "core/result.h"
@@ -12,7 +13,8 @@
 
 namespace floatstage {
 
-/// A picture and the camera that took it; the camera's intrinsics are known. Of the file's pixels every step but COLMAP's makes use.
+/// A picture and the camera that took it; the camera's intrinsics are known. Of the file's pixels every step
+/// but COLMAP's makes use.
 struct MarkerlessPicture {
   std::string serial;
   std::filesystem::path file;
@@ -25,39 +27,45 @@ struct MarkerlessOptions {
   double timeout = 3600;           ///< seconds, for each of its steps: only what hangs takes that long
   int threads = 0;                 ///< 0: one a core
   /// Bars below which the result is refused: its reprojection error would look fine all the same.
-  double least_track = 4;    ///< pictures that show a point, on average
-  int least_points = 60;     ///< points that a picture shows
+  double least_track = 4;  ///< pictures that show a point, on average
+  int least_points = 60;   ///< points that a picture shows
 };
 
 /// A point of the scene and where it was seen.
 struct SceneFeature {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  std::vector<std::pair<int, Eigen::Vector2d>> seen;  ///< index of the picture, px (corner origin); three or more
+  std::vector<std::pair<int, Eigen::Vector2d>>
+      seen;  ///< index of the picture, px (corner origin); three or more
 };
 
 struct MarkerlessResult {
-  Rig rig;            ///< in the order of the pictures; the unit is arbitrary, see scale_to()
-  Rig settled;        ///< where the cameras are by these points alone, in a world of their own; equals `rig` unless that was known
+  Rig rig;      ///< in the order of the pictures; the unit is arbitrary, see scale_to()
+  Rig settled;  ///< where the cameras are by these points alone, in a world of their own; equals `rig` unless
+                ///< that was known
   std::vector<SceneFeature> features;  ///< in the settled rig's world and unit
-  double mean_track = 0;      ///< pictures a point
-  double rms_px = 0;          ///< reprojection error of the points: says little
+  double mean_track = 0;               ///< pictures a point
+  double rms_px = 0;                   ///< reprojection error of the points: says little
 };
 
-/// Poses of cameras that saw one scene, without a target. COLMAP (a subprocess that needs no display) places them; its estimates
-/// are drawn by chance and differ from run to run, so they are only a start: keypoints are matched again along the lines that
-/// poses allow, and poses and points are solved for together, three times. `workspace` is a new or empty folder; database, models
-/// and `colmap.log` stay there. Errors: NotFound when COLMAP is not installed or a picture is missing; AlreadyExists for a
-/// workspace that holds something; Timeout; BadData when it finds no model, leaves cameras out or ties them too loosely, naming
+/// Poses of cameras that saw one scene, without a target. COLMAP (a subprocess that needs no display) places
+/// them; its estimates are drawn by chance and differ from run to run, so they are only a start: keypoints
+/// are matched again along the lines that poses allow, and poses and points are solved for together, three
+/// times. `workspace` is a new or empty folder; database, models and `colmap.log` stay there. Errors:
+/// NotFound when COLMAP is not installed or a picture is missing; AlreadyExists for a workspace that holds
+/// something; Timeout; BadData when it finds no model, leaves cameras out or ties them too loosely, naming
 /// them and what helps; Io.
-Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures, const std::filesystem::path& workspace,
+Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures,
+                                              const std::filesystem::path& workspace,
                                               const MarkerlessOptions& options = {});
 
-/// The same where poses are known already: points are found from them, and `rig` stays as it is known; COLMAP is not needed. NotFound when `known`
-/// lacks a camera; BadData also when a camera sees too few points where it is said to be: it has moved.
-Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPicture>& pictures, const Rig& known, const MarkerlessOptions& options = {});
+/// The same where poses are known already: points are found from them, and `rig` stays as it is known; COLMAP
+/// is not needed. NotFound when `known` lacks a camera; BadData also when a camera sees too few points where
+/// it is said to be: it has moved.
+Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPicture>& pictures,
+                                                const Rig& known, const MarkerlessOptions& options = {});
 
-/// The rig enlarged about its origin so that two cameras are that far apart. NotFound for a serial that is not there,
-/// InvalidArgument for a distance that is not positive or two cameras in one place.
+/// The rig enlarged about its origin so that two cameras are that far apart. NotFound for a serial that is
+/// not there, InvalidArgument for a distance that is not positive or two cameras in one place.
 Result<Rig> scale_to(Rig rig, const std::string& serial_a, const std::string& serial_b, double metres);
 
 }  // namespace floatstage

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -8,21 +7,24 @@
 #include <variant>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/camera.h"
 #include "core/rig.h"
 #include "core/time.h"
 
 namespace floatstage {
 
-/// What detectors hand to the solver, and what is known beforehand. Plain values: lengths in metres, pixels with (0,0)
-/// at the image's corner (a detector built on OpenCV adds the half pixel before it fills these in).
+/// What detectors hand to the solver, and what is known beforehand. Plain values: lengths in metres, pixels
+/// with (0,0) at the image's corner (a detector built on OpenCV adds the half pixel before it fills these
+/// in).
 
 /// A point that can be told apart from the others of its target.
 struct TargetPoint {
   int id = 0;                                          ///< unique in its target, not negative
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< metres, in the target's frame
-  /// Which way the surface faces that carries the point, unit length in the target's frame. Zero: seen from everywhere.
-  /// A board printed on one side with x to the right, y down and z into the board has (0,0,-1).
+  /// Which way the surface faces that carries the point, unit length in the target's frame. Zero: seen from
+  /// everywhere. A board printed on one side with x to the right, y down and z into the board has (0,0,-1).
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   bool operator==(const TargetPoint&) const = default;
 };
@@ -35,7 +37,8 @@ struct TargetLength {
   bool operator==(const TargetLength&) const = default;
 };
 
-/// Ids 0 … columns*rows-1 lie row by row on a lattice: what lets the solver say that rows and columns were swapped.
+/// Ids 0 … columns*rows-1 lie row by row on a lattice: what lets the solver say that rows and columns were
+/// swapped.
 struct TargetGrid {
   int columns = 0, rows = 0;
   double pitch = 0;  ///< metres between neighbours
@@ -43,9 +46,11 @@ struct TargetGrid {
 };
 
 enum class TargetKind {
-  Board,    ///< rigid, its points where they are said to be; one pose a frame (one for all frames when it is static)
+  Board,    ///< rigid, its points where they are said to be; one pose a frame (one for all frames when it is
+            ///< static)
   Wand,     ///< markers that move; only `lengths` are known, positions are ignored
-  Markers,  ///< points fixed to the stage; positions are ignored unless `positions_sigma` says that they are surveyed
+  Markers,  ///< points fixed to the stage; positions are ignored unless `positions_sigma` says that they are
+            ///< surveyed
 };
 
 struct Target {
@@ -93,12 +98,13 @@ struct CalibrationCamera {
   Prior intrinsics = Prior::Unknown, pose = Prior::Unknown;
   CameraModel model;      ///< where intrinsics is not Unknown; size and lens as above
   Rigid3 cam_from_world;  ///< where pose is not Unknown
-  /// A place found by other means (COLMAP), where the solver starts. It says nothing of the world, and nothing moved since.
+  /// A place found by other means (COLMAP), where the solver starts. It says nothing of the world, and
+  /// nothing moved since.
   std::optional<Rigid3> found = {};
 };
 
-/// Two cameras' centres and how far apart they are: measured, or as they were yesterday. One that contradicts the others counts
-/// little.
+/// Two cameras' centres and how far apart they are: measured, or as they were yesterday. One that contradicts
+/// the others counts little.
 struct CameraDistance {
   int a = 0, b = 0;  ///< indices into cameras
   double metres = 0;
@@ -106,12 +112,12 @@ struct CameraDistance {
   bool operator==(const CameraDistance&) const = default;
 };
 
-/// The world is the frame of the fixed poses or of the surveyed markers; without them, the cameras' mean up is z, the
-/// point they look at is above the origin, and where the floor is stays unknown.
+/// The world is the frame of the fixed poses or of the surveyed markers; without them, the cameras' mean up
+/// is z, the point they look at is above the origin, and where the floor is stays unknown.
 struct OwnGauge {};
 
-/// A board that lay on the floor in one frame: its origin on the floor, x along its x axis, z up on the side from which
-/// it was seen.
+/// A board that lay on the floor in one frame: its origin on the floor, x along its x axis, z up on the side
+/// from which it was seen.
 struct FloorBoard {
   int target = 0, frame = 0;
   double height = 0;  ///< metres of the printed face above the floor
@@ -134,15 +140,15 @@ struct Observations {
   Gauge gauge;
 };
 
-/// Serials usable and unique, sizes positive, every number finite, sigmas positive, indices and ids in range, no view
-/// twice; the sentence names the camera, target and frame.
+/// Serials usable and unique, sizes positive, every number finite, sigmas positive, indices and ids in range,
+/// no view twice; the sentence names the camera, target and frame.
 Result<void> check(const Observations& observations);
 
 /// Index of the target's point with that id, or -1.
 int point_index(const Target& target, int id);
 
-/// JSON with a version ("floatstage_observations": 1), for caches and tests; numbers survive a round trip bit by bit.
-/// What is read has passed check().
+/// JSON with a version ("floatstage_observations": 1), for caches and tests; numbers survive a round trip bit
+/// by bit. What is read has passed check().
 Result<Observations> parse_observations(std::string_view json, std::string_view name_for_errors);
 std::string to_json(const Observations& observations);
 Result<Observations> load_observations(const std::filesystem::path& file);

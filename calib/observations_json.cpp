@@ -53,8 +53,12 @@ Rigid3 read_transform(JsonFields& parent, const char* key, JsonProblem& problem)
 
 // What is known of the cameras is a rig of its own, written and read as rig.json is.
 Json camera_json(const CalibrationCamera& c) {
-  Json out = {{"serial", c.serial}, {"width", c.width}, {"height", c.height}, {"lens", name_in(kLenses, c.lens)},
-              {"intrinsics", name_in(kPriors, c.intrinsics)}, {"pose", name_in(kPriors, c.pose)}};
+  Json out = {{"serial", c.serial},
+              {"width", c.width},
+              {"height", c.height},
+              {"lens", name_in(kLenses, c.lens)},
+              {"intrinsics", name_in(kPriors, c.intrinsics)},
+              {"pose", name_in(kPriors, c.pose)}};
   if (c.found) out["found"] = transform_json(*c.found);
   return out;
 }
@@ -64,7 +68,8 @@ Rig known_rig(const Observations& o) {
   for (const CalibrationCamera& c : o.cameras) {
     if (c.intrinsics == Prior::Unknown && c.pose == Prior::Unknown) continue;
     CameraModel model = c.model;
-    if (c.intrinsics == Prior::Unknown) model = {.width = c.width, .height = c.height, .fx = 1, .fy = 1, .cx = 0, .cy = 0, .lens = {}};
+    if (c.intrinsics == Prior::Unknown)
+      model = {.width = c.width, .height = c.height, .fx = 1, .fy = 1, .cx = 0, .cy = 0, .lens = {}};
     rig.cameras.push_back({c.serial, model, c.pose == Prior::Unknown ? Rigid3{} : c.cam_from_world, {}});
   }
   return rig;
@@ -78,8 +83,11 @@ Json target_json(const Target& t) {
     points.push_back(std::move(row));
   }
   for (const TargetLength& l : t.lengths) lengths.push_back({l.a, l.b, l.metres, l.sigma});
-  Json out = {{"name", t.name}, {"kind", name_in(kKinds, t.kind)}, {"static", t.is_static},
-              {"points", std::move(points)}, {"lengths", std::move(lengths)}};
+  Json out = {{"name", t.name},
+              {"kind", name_in(kKinds, t.kind)},
+              {"static", t.is_static},
+              {"points", std::move(points)},
+              {"lengths", std::move(lengths)}};
   if (t.grid) out["grid"] = {t.grid->columns, t.grid->rows, t.grid->pitch};
   if (t.positions_sigma) out["positions_sigma"] = *t.positions_sigma;
   return out;
@@ -88,24 +96,35 @@ Json target_json(const Target& t) {
 Json view_json(const TargetView& v) {
   Json points = Json::array();
   for (const SeenPoint& p : v.points) points.push_back({p.id, p.pixel.x(), p.pixel.y(), p.sigma});
-  return {{"camera", v.camera}, {"target", v.target}, {"frame", v.frame}, {"time_ns", v.time.ns}, {"points", std::move(points)}};
+  return {{"camera", v.camera},
+          {"target", v.target},
+          {"frame", v.frame},
+          {"time_ns", v.time.ns},
+          {"points", std::move(points)}};
 }
 
 Json gauge_json(const Gauge& gauge) {
   if (const auto* floor = std::get_if<FloorBoard>(&gauge))
-    return {{"type", "floor-board"}, {"target", floor->target}, {"frame", floor->frame}, {"height", floor->height}};
+    return {{"type", "floor-board"},
+            {"target", floor->target},
+            {"frame", floor->frame},
+            {"height", floor->height}};
   if (const auto* hand = std::get_if<HandSet>(&gauge))
-    return {{"type", "hand-set"}, {"camera", hand->camera}, {"cam_from_world", transform_json(hand->cam_from_world)}};
+    return {{"type", "hand-set"},
+            {"camera", hand->camera},
+            {"cam_from_world", transform_json(hand->cam_from_world)}};
   return {{"type", "own"}};
 }
 
 // A row of numbers whose first `ids` are whole; empty after a complaint.
-std::vector<double> row_of(const nlohmann::json& value, std::size_t ids, std::initializer_list<std::size_t> sizes,
-                           const std::string& where, JsonProblem& problem) {
+std::vector<double> row_of(const nlohmann::json& value, std::size_t ids,
+                           std::initializer_list<std::size_t> sizes, const std::string& where,
+                           JsonProblem& problem) {
   std::vector<double> row;
   bool good = value.is_array() && std::find(sizes.begin(), sizes.end(), value.size()) != sizes.end();
   for (std::size_t i = 0; good && i < value.size(); ++i) {
-    good = value[i].is_number() && (i >= ids || (value[i].is_number_integer() && std::abs(value[i].get<double>()) < 2e9));
+    good = value[i].is_number() &&
+           (i >= ids || (value[i].is_number_integer() && std::abs(value[i].get<double>()) < 2e9));
     if (good) row.push_back(value[i].get<double>());
   }
   if (good) return row;
@@ -192,7 +211,8 @@ Result<void> add_known(Observations& o, const nlohmann::json* known, std::string
   for (CalibrationCamera& c : o.cameras) {
     if (c.intrinsics == Prior::Unknown && c.pose == Prior::Unknown) continue;
     const int index = camera_index(*rig, c.serial);
-    if (index < 0) return fail(ErrorCode::BadData, text(name, ": camera '", c.serial, "' is not among the known ones"));
+    if (index < 0)
+      return fail(ErrorCode::BadData, text(name, ": camera '", c.serial, "' is not among the known ones"));
     const RigCamera& from = rig->cameras[static_cast<std::size_t>(index)];
     if (c.intrinsics != Prior::Unknown) c.model = from.model;
     if (c.pose != Prior::Unknown) c.cam_from_world = from.cam_from_world;
@@ -211,7 +231,8 @@ std::string to_json(const Observations& o) {
   Json document = {{"floatstage_observations", kVersion}, {"cameras", std::move(cameras)}};
   if (const Rig known = known_rig(o); !known.cameras.empty()) document["known"] = Json::parse(to_json(known));
   document["targets"] = std::move(targets);
-  for (const CameraDistance& d : o.distances) document["camera_distances"].push_back({d.a, d.b, d.metres, d.sigma});
+  for (const CameraDistance& d : o.distances)
+    document["camera_distances"].push_back({d.a, d.b, d.metres, d.sigma});
   document["gauge"] = gauge_json(o.gauge);
   document["views"] = std::move(views);
   return document.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -224,20 +245,27 @@ Result<Observations> parse_observations(std::string_view bytes, std::string_view
   JsonFields fields(*document, std::string(name), problem);
   const int version = fields.integer("floatstage_observations");
   if (!problem.first && version != kVersion)
-    return fail(ErrorCode::Unsupported, text(name, ": format ", version, " of observations is not known here; this program reads ", kVersion));
+    return fail(ErrorCode::Unsupported,
+                text(name, ": format ", version, " of observations is not known here; this program reads ",
+                     kVersion));
   Observations o;
   if (const nlohmann::json* cameras = fields.list("cameras"))
-    for (const nlohmann::json& c : *cameras) o.cameras.push_back(read_camera(c, text(name, ": camera ", o.cameras.size()), problem));
+    for (const nlohmann::json& c : *cameras)
+      o.cameras.push_back(read_camera(c, text(name, ": camera ", o.cameras.size()), problem));
   if (const nlohmann::json* targets = fields.list("targets"))
-    for (const nlohmann::json& t : *targets) o.targets.push_back(read_target(t, text(name, ": target ", o.targets.size()), problem));
+    for (const nlohmann::json& t : *targets)
+      o.targets.push_back(read_target(t, text(name, ": target ", o.targets.size()), problem));
   if (const nlohmann::json* views = fields.list("views"))
-    for (const nlohmann::json& v : *views) o.views.push_back(read_view(v, text(name, ": view ", o.views.size()), problem));
+    for (const nlohmann::json& v : *views)
+      o.views.push_back(read_view(v, text(name, ": view ", o.views.size()), problem));
   if (fields.has("camera_distances"))
     if (const nlohmann::json* distances = fields.list("camera_distances"))
       for (const nlohmann::json& d : *distances)
-        if (const std::vector<double> r = row_of(d, 2, {4}, text(name, ": camera_distances"), problem); !r.empty())
+        if (const std::vector<double> r = row_of(d, 2, {4}, text(name, ": camera_distances"), problem);
+            !r.empty())
           o.distances.push_back({static_cast<int>(r[0]), static_cast<int>(r[1]), r[2], r[3]});
-  if (const nlohmann::json* gauge = fields.child("gauge")) o.gauge = read_gauge(*gauge, text(name, ": gauge"), problem);
+  if (const nlohmann::json* gauge = fields.child("gauge"))
+    o.gauge = read_gauge(*gauge, text(name, ": gauge"), problem);
   const nlohmann::json* known = fields.child("known", false);
   fields.refuse_others();
   if (problem.first) return fail(ErrorCode::BadData, *problem.first);
@@ -253,7 +281,8 @@ Result<Observations> load_observations(const std::filesystem::path& file) {
 }
 
 Result<void> save_observations(const Observations& observations, const std::filesystem::path& file) {
-  if (Result<void> ok = check(observations); !ok) return fail(ok.error().code, text(file.string(), ": not written: ", ok.error().message));
+  if (Result<void> ok = check(observations); !ok)
+    return fail(ok.error().code, text(file.string(), ": not written: ", ok.error().message));
   return write_file(file, to_json(observations));
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+
 #include <opencv2/imgproc.hpp>
 
 #include "calib/grey.h"
@@ -59,7 +60,8 @@ Ring ring_around(const cv::Mat& grey, cv::Point2f center, float radius) {
   for (std::size_t i = 0; i < kRingSamples; ++i) {
     ring.second[0] += value[i] * kWaves.c2[i] / (kRingSamples / 2);
     ring.second[1] += value[i] * kWaves.s2[i] / (kRingSamples / 2);
-    if (i < kRingSamples / 2) ring.asymmetry += std::abs(value[i] - value[i + kRingSamples / 2]) / (kRingSamples / 2);
+    if (i < kRingSamples / 2)
+      ring.asymmetry += std::abs(value[i] - value[i + kRingSamples / 2]) / (kRingSamples / 2);
   }
   return ring;
 }
@@ -70,7 +72,8 @@ std::optional<cv::Point2f> refine_saddle(const cv::Mat& grey, cv::Point2f start,
   const int reach = static_cast<int>(std::ceil(radius)), across = 2 * reach + 3;
   const float rim = static_cast<float>(reach) + 2;
   auto inside = [&](cv::Point2f p) {
-    return p.x >= rim && p.y >= rim && p.x <= static_cast<float>(grey.cols) - 1 - rim && p.y <= static_cast<float>(grey.rows) - 1 - rim;
+    return p.x >= rim && p.y >= rim && p.x <= static_cast<float>(grey.cols) - 1 - rim &&
+           p.y <= static_cast<float>(grey.rows) - 1 - rim;
   };
   std::vector<float> patch(static_cast<std::size_t>(across) * across);
   cv::Point2f at = start;
@@ -88,7 +91,8 @@ std::optional<cv::Point2f> refine_saddle(const cv::Mat& grey, cv::Point2f start,
         if (fall <= 0) continue;
         const float* p = &patch[static_cast<std::size_t>(reach + 1 + y) * across + (reach + 1 + x)];
         const float* q = &patch[static_cast<std::size_t>(reach + 1 - y) * across + (reach + 1 - x)];
-        const double gx = 0.5 * ((p[1] - p[-1]) - (q[1] - q[-1])), gy = 0.5 * ((p[across] - p[-across]) - (q[across] - q[-across]));
+        const double gx = 0.5 * ((p[1] - p[-1]) - (q[1] - q[-1])),
+                     gy = 0.5 * ((p[across] - p[-across]) - (q[across] - q[-across]));
         const double apart = *p - *q;
         xx += fall * gx * gx, xy += fall * gx * gy, yy += fall * gy * gy;
         bx -= fall * gx * apart, by -= fall * gy * apart;
@@ -96,19 +100,21 @@ std::optional<cv::Point2f> refine_saddle(const cv::Mat& grey, cv::Point2f start,
     }
     const double det = xx * yy - xy * xy;
     if (!(det > 1e-3 * (xx + yy) * (xx + yy))) return std::nullopt;  // edges of one direction only
-    const cv::Point2f by_how_much(static_cast<float>((yy * bx - xy * by) / det), static_cast<float>((xx * by - xy * bx) / det));
+    const cv::Point2f by_how_much(static_cast<float>((yy * bx - xy * by) / det),
+                                  static_cast<float>((xx * by - xy * bx) / det));
     at += by_how_much;
     moved = std::hypot(by_how_much.x, by_how_much.y);
     if (!(std::hypot(at.x - start.x, at.y - start.y) <= radius)) return std::nullopt;
   }
-  if (moved > 0.05f || !inside(at) || !ring_around(grey, at, std::max(2.0f, 0.7f * radius)).is_saddle()) return std::nullopt;
+  if (moved > 0.05f || !inside(at) || !ring_around(grey, at, std::max(2.0f, 0.7f * radius)).is_saddle())
+    return std::nullopt;
   return at;
 }
 
 std::vector<Saddle> find_saddles(const cv::Mat& grey, std::size_t most) {
-  constexpr int kApart = 4;         // px between two crossings
-  constexpr float kWeakest = 150;   // of the response: a contrast of about a dozen grey levels
-  constexpr float kRing = 4.5f;     // px
+  constexpr int kApart = 4;        // px between two crossings
+  constexpr float kWeakest = 150;  // of the response: a contrast of about a dozen grey levels
+  constexpr float kRing = 4.5f;    // px
   std::vector<Saddle> found;
   if (grey.cols < 16 || grey.rows < 16) return found;
   const cv::Mat response = saddle_response(grey);
@@ -118,7 +124,8 @@ std::vector<Saddle> find_saddles(const cv::Mat& grey, std::size_t most) {
     const float* r = response.ptr<float>(y);
     const float* h = highest.ptr<float>(y);
     for (int x = 5; x < grey.cols - 5; ++x)
-      if (r[x] >= kWeakest && r[x] == h[x]) found.push_back({{static_cast<float>(x), static_cast<float>(y)}, r[x], {}});
+      if (r[x] >= kWeakest && r[x] == h[x])
+        found.push_back({{static_cast<float>(x), static_cast<float>(y)}, r[x], {}});
   }
   std::sort(found.begin(), found.end(), [](const Saddle& a, const Saddle& b) {
     return std::make_tuple(-a.strength, a.at.y, a.at.x) < std::make_tuple(-b.strength, b.at.y, b.at.x);

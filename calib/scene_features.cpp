@@ -1,10 +1,11 @@
 #include "calib/scene_features.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+
+#include <Eigen/Dense>
 
 #include "calib/scene_rays.h"
 #include "core/text.h"
@@ -35,11 +36,13 @@ Vector3d center(const Rig& rig, std::size_t i) { return rig.cameras[i].cam_from_
 
 }  // namespace
 
-void add_features(Observations& o, std::span<const SceneFeature> features, std::span<const int> camera_of_picture, std::size_t most, double sigma) {
+void add_features(Observations& o, std::span<const SceneFeature> features,
+                  std::span<const int> camera_of_picture, std::size_t most, double sigma) {
   std::vector<const SceneFeature*> chosen;
   for (const SceneFeature& f : features)
     if (f.seen.size() >= 2) chosen.push_back(&f);
-  std::stable_sort(chosen.begin(), chosen.end(), [](const auto* a, const auto* b) { return a->seen.size() > b->seen.size(); });
+  std::stable_sort(chosen.begin(), chosen.end(),
+                   [](const auto* a, const auto* b) { return a->seen.size() > b->seen.size(); });
   if (chosen.size() > most) chosen.resize(most);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     Target target;
@@ -49,12 +52,17 @@ void add_features(Observations& o, std::span<const SceneFeature> features, std::
     const int index = static_cast<int>(o.targets.size());
     o.targets.push_back(std::move(target));
     for (const auto& [picture, pixel] : chosen[i]->seen)
-      o.views.push_back({.camera = camera_of_picture[at(picture)], .target = index, .frame = 0, .time = {}, .points = {{0, pixel, sigma}}});
+      o.views.push_back({.camera = camera_of_picture[at(picture)],
+                         .target = index,
+                         .frame = 0,
+                         .time = {},
+                         .points = {{0, pixel, sigma}}});
   }
 }
 
 std::optional<double> metres_per_unit(const Observations& o, const Rig& rig) {
-  std::map<std::pair<int, int>, std::map<int, std::vector<std::pair<int, Eigen::Vector2d>>>> frames;  // target and frame → id → rays
+  std::map<std::pair<int, int>, std::map<int, std::vector<std::pair<int, Eigen::Vector2d>>>>
+      frames;  // target and frame → id → rays
   for (const TargetView& v : o.views)
     if (o.targets[at(v.target)].kind != TargetKind::Markers || !o.targets[at(v.target)].lengths.empty())
       for (const SeenPoint& p : v.points) frames[{v.target, v.frame}][p.id].emplace_back(v.camera, p.pixel);
@@ -68,13 +76,17 @@ std::optional<double> metres_per_unit(const Observations& o, const Rig& rig) {
     const auto add = [&](int a, int b, double metres) {
       const auto from = places.find(a), to = places.find(b);
       if (from == places.end() || to == places.end() || !(metres > 0)) return;
-      if (const double length = (from->second - to->second).norm(); length > 0) ratios.push_back(metres / length);
+      if (const double length = (from->second - to->second).norm(); length > 0)
+        ratios.push_back(metres / length);
     };
     for (const TargetLength& l : target.lengths) add(l.a, l.b, l.metres);
     if (target.kind != TargetKind::Board || places.size() < 2) continue;
     // Of a board the points farthest apart: what rays are off counts least there.
     const int first = places.begin()->first, last = places.rbegin()->first;
-    add(first, last, (target.points[at(point_index(target, first))].position - target.points[at(point_index(target, last))].position).norm());
+    add(first, last,
+        (target.points[at(point_index(target, first))].position -
+         target.points[at(point_index(target, last))].position)
+            .norm());
   }
   if (ratios.size() < 3) return std::nullopt;
   return median(std::move(ratios));
@@ -86,13 +98,17 @@ std::optional<Rig> onto_known(const Rig& rig, const Rig& known) {
   std::vector<double> ratios;
   for (std::size_t a = 0; a < pairs.size(); ++a)
     for (std::size_t b = a + 1; b < pairs.size(); ++b)
-      if (const double length = (center(rig, pairs[a].first) - center(rig, pairs[b].first)).norm(); length > 0)
+      if (const double length = (center(rig, pairs[a].first) - center(rig, pairs[b].first)).norm();
+          length > 0)
         ratios.push_back((center(known, pairs[a].second) - center(known, pairs[b].second)).norm() / length);
   if (ratios.empty()) return std::nullopt;
   const double scale = median(std::move(ratios));
   // The turn that most cameras agree on.
   std::vector<Eigen::Quaterniond> turns;
-  for (const auto& [i, k] : pairs) turns.push_back((known.cameras[k].cam_from_world.rotation.conjugate() * rig.cameras[i].cam_from_world.rotation).normalized());
+  for (const auto& [i, k] : pairs)
+    turns.push_back(
+        (known.cameras[k].cam_from_world.rotation.conjugate() * rig.cameras[i].cam_from_world.rotation)
+            .normalized());
   double least = std::numeric_limits<double>::infinity();
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
   for (const Eigen::Quaterniond& candidate : turns) {
@@ -106,7 +122,8 @@ std::optional<Rig> onto_known(const Rig& rig, const Rig& known) {
   Vector3d shift;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
-    for (const auto& [i, k] : pairs) values.push_back((center(known, k) - turn * (scale * center(rig, i)))[axis]);
+    for (const auto& [i, k] : pairs)
+      values.push_back((center(known, k) - turn * (scale * center(rig, i)))[axis]);
     shift[axis] = median(std::move(values));
   }
   Rig out = rig;
@@ -132,7 +149,9 @@ std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known) {
     shared.cameras.push_back(known.cameras[b]);
   }
   const Eigen::Matrix4d similarity = Eigen::umeyama(from, to);
-  const Eigen::Matrix3Xd off = ((similarity.topLeftCorner<3, 3>() * from).colwise() + Vector3d(similarity.topRightCorner<3, 1>())) - to;
+  const Eigen::Matrix3Xd off =
+      ((similarity.topLeftCorner<3, 3>() * from).colwise() + Vector3d(similarity.topRightCorner<3, 1>())) -
+      to;
   const double radius = (to.colwise() - focus_point(shared)).colwise().norm().mean();
   RigAgreement out;
   out.cameras = static_cast<int>(n);
@@ -144,7 +163,9 @@ std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known) {
   out.worst = rig.cameras[pairs[static_cast<std::size_t>(worst)].first].serial;
   for (const auto& [a, b] : pairs) {
     const Eigen::Quaterniond now = rig.cameras[a].cam_from_world.rotation * turn.conjugate();
-    out.worst_turn_degrees = std::max(out.worst_turn_degrees, now.angularDistance(known.cameras[b].cam_from_world.rotation) * 180 / std::numbers::pi);
+    out.worst_turn_degrees =
+        std::max(out.worst_turn_degrees,
+                 now.angularDistance(known.cameras[b].cam_from_world.rotation) * 180 / std::numbers::pi);
   }
   return out;
 }

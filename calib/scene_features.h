@@ -9,28 +9,29 @@
 
 namespace floatstage {
 
-/// Adds points of the scene to what the solver is given: each is a static marker of its own. picture i is of camera
-/// camera_of_picture[i]; one picture a camera. Of more than `most` those are taken that most cameras see. `sigma`: px, what
-/// features are good for.
-void add_features(Observations& observations, std::span<const SceneFeature> features, std::span<const int> camera_of_picture,
-                  std::size_t most = 4000, double sigma = 0.5);
+/// Adds points of the scene to what the solver is given: each is a static marker of its own. picture i is of
+/// camera camera_of_picture[i]; one picture a camera. Of more than `most` those are taken that most cameras
+/// see. `sigma`: px, what features are good for.
+void add_features(Observations& observations, std::span<const SceneFeature> features,
+                  std::span<const int> camera_of_picture, std::size_t most = 4000, double sigma = 0.5);
 
-/// How many metres a unit of the rig is, from what its cameras see of boards and wands in the same frames (camera i of the rig
-/// is camera i of the observations): the median over known lengths. Absent when fewer than three lengths are seen by two cameras.
+/// How many metres a unit of the rig is, from what its cameras see of boards and wands in the same frames
+/// (camera i of the rig is camera i of the observations): the median over known lengths. Absent when fewer
+/// than three lengths are seen by two cameras.
 std::optional<double> metres_per_unit(const Observations& observations, const Rig& rig);
 
-/// The rig moved, turned and scaled onto the known one, by serial: most cameras have not moved, those that have do not
-/// matter (medians and consensus). Absent when fewer than three cameras are in both.
+/// The rig moved, turned and scaled onto the known one, by serial: most cameras have not moved, those that
+/// have do not matter (medians and consensus). Absent when fewer than three cameras are in both.
 std::optional<Rig> onto_known(const Rig& rig, const Rig& known);
 
-/// How far cameras are from known places after the best similarity (Umeyama 1991); percentages of the known rig's mean distance
-/// from what it looks at.
+/// How far cameras are from known places after the best similarity (Umeyama 1991); percentages of the known
+/// rig's mean distance from what it looks at.
 struct RigAgreement {
   int cameras = 0;
   double rms_percent = 0, worst_percent = 0;
   double worst_turn_degrees = 0;
-  double scale = 1;     ///< known over solved
-  std::string worst;    ///< serial
+  double scale = 1;   ///< known over solved
+  std::string worst;  ///< serial
 };
 /// Absent when fewer than three cameras are in both.
 std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
 #include <opencv2/features2d.hpp>
 
 #include "calib/grey.h"
@@ -10,12 +11,12 @@
 namespace floatstage {
 namespace {
 
-// Weaker keypoints than usual, more of them, and finer in scale: pictures of a stage are mostly backdrop. On the temple ring this
-// takes camera centres from 0.22 % of the radius at worst to 0.16 %.
+// Weaker keypoints than usual, more of them, and finer in scale: pictures of a stage are mostly backdrop. On
+// the temple ring this takes camera centres from 0.22 % of the radius at worst to 0.16 %.
 constexpr int kLayers = 5;
 constexpr double kContrast = 0.012, kEdge = 20, kSigma = 1.6;
-// From OpenCV's pixel centres to corners, and back what its enlargement of the picture to twice its size shifts: pixel x becomes
-// 2x + 0.5 there, and is divided by two.
+// From OpenCV's pixel centres to corners, and back what its enlargement of the picture to twice its size
+// shifts: pixel x becomes 2x + 0.5 there, and is divided by two.
 constexpr double kCorner = 0.5 - 0.25;
 
 SceneKeypoints::Descriptor roots(const float* d) {
@@ -23,7 +24,8 @@ SceneKeypoints::Descriptor roots(const float* d) {
   for (int i = 0; i < 128; ++i) sum += d[i];
   SceneKeypoints::Descriptor out;
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = static_cast<std::int16_t>(std::min(255L, std::lround(512 * std::sqrt(d[i] / std::max(sum, 1e-9)))));
+    out[i] =
+        static_cast<std::int16_t>(std::min(255L, std::lround(512 * std::sqrt(d[i] / std::max(sum, 1e-9)))));
   return out;
 }
 

@@ -1,22 +1,24 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/image.h"
 
 namespace floatstage {
 
-/// Places of a picture that can be told again in another one: SIFT (Lowe, Distinctive image features from scale-invariant
-/// keypoints, 2004). The same picture gives the same keypoints. Private to calib.
+/// Places of a picture that can be told again in another one: SIFT (Lowe, Distinctive image features from
+/// scale-invariant keypoints, 2004). The same picture gives the same keypoints. Private to calib.
 struct SceneKeypoints {
   struct Keypoint {
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< corner origin
     double size = 0, angle = 0;                       ///< px, radians
   };
-  using Descriptor = std::array<std::int16_t, 128>;  ///< roots of shares (Arandjelovic and Zisserman 2012): length 512, each at most 255
+  using Descriptor = std::array<std::int16_t, 128>;  ///< roots of shares (Arandjelovic and Zisserman 2012):
+                                                     ///< length 512, each at most 255
 
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;  ///< one a keypoint

@@ -1,12 +1,13 @@
 #include "calib/scene_matching.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <tuple>
+
+#include <Eigen/Dense>
 
 #include "calib/scene_rays.h"
 #include "core/parallel.h"
@@ -43,12 +44,15 @@ struct Best {
       second = std::max(second, like);
     }
   }
-  bool clear() const { return index >= 0 && angle(first) <= kFarthest && angle(first) < kMargin * angle(second); }
+  bool clear() const {
+    return index >= 0 && angle(first) <= kFarthest && angle(first) < kMargin * angle(second);
+  }
 };
 
 // `possible(i, k)` says whether two keypoints need be compared.
 template <class Possible>
-SceneMatches match_pair(const Keypoints& one, const Keypoints& other, int a, int b, const Possible& possible) {
+SceneMatches match_pair(const Keypoints& one, const Keypoints& other, int a, int b,
+                        const Possible& possible) {
   std::vector<Best> of_one(one.keypoints.size()), of_other(other.keypoints.size());
   for (std::size_t i = 0; i < of_one.size(); ++i)
     for (std::size_t k = 0; k < of_other.size(); ++k) {
@@ -72,9 +76,12 @@ std::vector<SceneMatches> every_pair(std::size_t pictures) {
   return pairs;
 }
 
-// A keypoint's ray (z = 1), and the plane through it and the other camera, in the other camera: its epipolar line.
+// A keypoint's ray (z = 1), and the plane through it and the other camera, in the other camera: its epipolar
+// line.
 struct Line {
-  Vector3d ray = Vector3d::Zero(), line = Vector3d::Zero();  // line: such that line·ray is a distance at z = 1; zero when there is none
+  Vector3d ray = Vector3d::Zero(),
+           line =
+               Vector3d::Zero();  // line: such that line·ray is a distance at z = 1; zero when there is none
 };
 
 std::vector<Line> lines(const Keypoints& picture, const RigCamera& camera, const RigCamera& other) {
@@ -97,7 +104,8 @@ using Track = std::vector<std::pair<int, int>>;
 std::optional<Track> joined(const Track& a, const Track& b) {
   Track out(a.size() + b.size());
   std::merge(a.begin(), a.end(), b.begin(), b.end(), out.begin());
-  const auto twice = std::adjacent_find(out.begin(), out.end(), [](const auto& x, const auto& y) { return x.first == y.first; });
+  const auto twice = std::adjacent_find(out.begin(), out.end(),
+                                        [](const auto& x, const auto& y) { return x.first == y.first; });
   if (twice != out.end()) return std::nullopt;
   return out;
 }
@@ -129,17 +137,20 @@ std::vector<SceneMatches> match_pictures(std::span<const SceneKeypoints> picture
   std::vector<SceneMatches> pairs = every_pair(pictures.size());
   parallel_for(pairs.size(), threads, [&](std::size_t p) {
     const auto [a, b, none] = pairs[p];
-    pairs[p] = match_pair(pictures[at(a)], pictures[at(b)], a, b, [](std::size_t, std::size_t) { return true; });
+    pairs[p] =
+        match_pair(pictures[at(a)], pictures[at(b)], a, b, [](std::size_t, std::size_t) { return true; });
   });
   return pairs;
 }
 
-std::vector<SceneMatches> match_along_lines(std::span<const SceneKeypoints> pictures, const Rig& rig, double tolerance, int threads) {
+std::vector<SceneMatches> match_along_lines(std::span<const SceneKeypoints> pictures, const Rig& rig,
+                                            double tolerance, int threads) {
   std::vector<SceneMatches> pairs = every_pair(pictures.size());
   parallel_for(pairs.size(), threads, [&](std::size_t p) {
     const int a = pairs[p].a, b = pairs[p].b;
     const RigCamera &one = rig.cameras[at(a)], &other = rig.cameras[at(b)];
-    const std::vector<Line> in_other = lines(pictures[at(a)], one, other), in_one = lines(pictures[at(b)], other, one);
+    const std::vector<Line> in_other = lines(pictures[at(a)], one, other),
+                            in_one = lines(pictures[at(b)], other, one);
     const double near_other = tolerance / other.model.fx, near_one = tolerance / one.model.fx;
     pairs[p] = match_pair(pictures[at(a)], pictures[at(b)], a, b, [&](std::size_t i, std::size_t k) {
       const Line &x = in_other[i], &y = in_one[k];
@@ -150,7 +161,9 @@ std::vector<SceneMatches> match_along_lines(std::span<const SceneKeypoints> pict
   return pairs;
 }
 
-std::vector<SceneFeature> points_of_matches(std::span<const SceneKeypoints> pictures, std::span<const SceneMatches> matches, const Rig& rig, double tolerance) {
+std::vector<SceneFeature> points_of_matches(std::span<const SceneKeypoints> pictures,
+                                            std::span<const SceneMatches> matches, const Rig& rig,
+                                            double tolerance) {
   std::vector<std::tuple<int, int, int, int, int>> all;  // most alike first, then pictures and keypoints
   for (const SceneMatches& pair : matches)
     for (const SceneMatches::Match& m : pair.matches) all.emplace_back(-m.likeness, pair.a, pair.b, m.i, m.k);
@@ -176,8 +189,10 @@ std::vector<SceneFeature> points_of_matches(std::span<const SceneKeypoints> pict
   std::vector<SceneFeature> out;
   for (const Track& track : tracks) {
     SceneFeature feature;
-    for (const auto& [picture, keypoint] : track) feature.seen.emplace_back(picture, pictures[at(picture)].keypoints[at(keypoint)].pixel);
-    if (std::optional<SceneFeature> kept = agreed(std::move(feature), rig, tolerance)) out.push_back(*std::move(kept));
+    for (const auto& [picture, keypoint] : track)
+      feature.seen.emplace_back(picture, pictures[at(picture)].keypoints[at(keypoint)].pixel);
+    if (std::optional<SceneFeature> kept = agreed(std::move(feature), rig, tolerance))
+      out.push_back(*std::move(kept));
   }
   return out;
 }

@@ -20,7 +20,8 @@ std::optional<Vector3d> meeting_point(const Rig& rig, std::span<const std::pair<
     right += across * c.cam_from_world.center();
   }
   constexpr double kLeastParallax = 3e-3;  // about 5° between two rays
-  if (!(Eigen::SelfAdjointEigenSolver<Matrix3d>(normal).eigenvalues()[0] > kLeastParallax)) return std::nullopt;
+  if (!(Eigen::SelfAdjointEigenSolver<Matrix3d>(normal).eigenvalues()[0] > kLeastParallax))
+    return std::nullopt;
   return Vector3d(normal.ldlt().solve(right));
 }
 

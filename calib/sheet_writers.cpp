@@ -36,7 +36,9 @@ struct Legend {
 Legend legend(const Sheet& sheet) {
   const int longest = static_cast<int>(sheet.width * 1000) / 2;
   const int ruler = std::clamp(longest / 10 * 10, 10, kRulerMillimetres);
-  return {.x = 5, .y = sheet.height * 1000 - 5, .ruler = ruler,
+  return {.x = 5,
+          .y = sheet.height * 1000 - 5,
+          .ruler = ruler,
           .words = text(ruler, " mm  ", sheet.name.empty() ? "" : sheet.name + "  ", sheet.caption)};
 }
 
@@ -62,8 +64,8 @@ std::string pdf_circle(const Ink& ink) {
   for (int i = 0; i < 4; ++i) {
     const double* a = turn[i];
     const double* b = turn[(i + 1) % 4];
-    for (const auto& [u, v] : {std::pair{a[0] + k * b[0], a[1] + k * b[1]}, std::pair{b[0] + k * a[0], b[1] + k * a[1]},
-                               std::pair{b[0], b[1]}})
+    for (const auto& [u, v] : {std::pair{a[0] + k * b[0], a[1] + k * b[1]},
+                               std::pair{b[0] + k * a[0], b[1] + k * a[1]}, std::pair{b[0], b[1]}})
       d += mm(x + r * u) + " " + mm(y + r * v) + " ";
     d += "c\n";
   }
@@ -74,10 +76,12 @@ std::string page_content(const Sheet& sheet) {
   const double height = sheet.height * 1000 * kPointsPerMillimetre;
   std::string s = text("q\n", kMillimetreMatrix, points(sheet.height), " cm\n");
   for (const Ink& ink : sheet.inks)
-    s += (ink.black ? "0 g\n" : "1 g\n") + (ink.radius > 0 ? pdf_circle(ink) : path(ink, 'm', 'l', false)) + "f*\n";
+    s += (ink.black ? "0 g\n" : "1 g\n") + (ink.radius > 0 ? pdf_circle(ink) : path(ink, 'm', 'l', false)) +
+         "f*\n";
   const Legend l = legend(sheet);
   s += text("0 g 0.15 w\n", l.x, " ", l.y, " m ", l.x + l.ruler, " ", l.y, " l S\n");
-  for (int i = 0; i <= l.ruler; i += 10) s += text(l.x + i, " ", l.y - 1.5, " m ", l.x + i, " ", l.y, " l S\n");
+  for (int i = 0; i <= l.ruler; i += 10)
+    s += text(l.x + i, " ", l.y - 1.5, " m ", l.x + i, " ", l.y, " l S\n");
   s += "Q\n";
   const double size = kTextMillimetres * kPointsPerMillimetre;
   s += text("BT /F1 ", size, " Tf ", l.x * kPointsPerMillimetre, " ",
@@ -89,22 +93,24 @@ std::string page_content(const Sheet& sheet) {
 
 std::string to_svg(const Sheet& sheet) {
   const std::string w = mm(sheet.width), h = mm(sheet.height);
-  std::string s = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w +
-                  "mm\" height=\"" + h + "mm\" viewBox=\"0 0 " + w + " " + h + "\">\n<metadata>" + tagged(sheet) +
-                  "</metadata>\n<rect width=\"" + w + "\" height=\"" + h + "\" fill=\"white\"/>\n";
+  std::string s =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w +
+      "mm\" height=\"" + h + "mm\" viewBox=\"0 0 " + w + " " + h + "\">\n<metadata>" + tagged(sheet) +
+      "</metadata>\n<rect width=\"" + w + "\" height=\"" + h + "\" fill=\"white\"/>\n";
   for (const Ink& ink : sheet.inks) {
     const char* fill = ink.black ? "black" : "white";
     if (ink.radius > 0)
-      s += "<circle cx=\"" + mm(ink.center.x()) + "\" cy=\"" + mm(ink.center.y()) + "\" r=\"" + mm(ink.radius) + "\" fill=\"" +
-           fill + "\"/>\n";
+      s += "<circle cx=\"" + mm(ink.center.x()) + "\" cy=\"" + mm(ink.center.y()) + "\" r=\"" +
+           mm(ink.radius) + "\" fill=\"" + fill + "\"/>\n";
     else
-      s += "<path fill-rule=\"evenodd\" fill=\"" + std::string(fill) + "\" d=\"" + path(ink, 'M', 'L', true) + "\"/>\n";
+      s += "<path fill-rule=\"evenodd\" fill=\"" + std::string(fill) + "\" d=\"" + path(ink, 'M', 'L', true) +
+           "\"/>\n";
   }
   const Legend l = legend(sheet);
   s += text("<path stroke=\"black\" stroke-width=\"0.15\" d=\"M", l.x, " ", l.y, "h", l.ruler);
   for (int i = 0; i <= l.ruler; i += 10) s += text("M", l.x + i, " ", l.y, "v-1.5");
-  s += text("\"/>\n<text x=\"", l.x, "\" y=\"", l.y + 2.5, "\" font-family=\"sans-serif\" font-size=\"", kTextMillimetres, "\">",
-            l.words, "</text>\n</svg>\n");
+  s += text("\"/>\n<text x=\"", l.x, "\" y=\"", l.y + 2.5, "\" font-family=\"sans-serif\" font-size=\"",
+            kTextMillimetres, "\">", l.words, "</text>\n</svg>\n");
   return s;
 }
 
@@ -120,8 +126,9 @@ std::string to_pdf(const std::vector<Sheet>& sheets) {
   objects.push_back("<< /Title (Floatstage calibration target) /Subject (" + tagged(sheets.front()) + ") >>");
   for (const Sheet& sheet : sheets) {
     const std::string content = page_content(sheet);
-    objects.push_back(text("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 ", points(sheet.width), " ", points(sheet.height),
-                           "] /Resources << /Font << /F1 3 0 R >> >> /Contents ", objects.size() + 2, " 0 R >>"));
+    objects.push_back(text("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 ", points(sheet.width), " ",
+                           points(sheet.height), "] /Resources << /Font << /F1 3 0 R >> >> /Contents ",
+                           objects.size() + 2, " 0 R >>"));
     objects.push_back(text("<< /Length ", content.size(), " >>\nstream\n", content, "endstream"));
   }
   std::string pdf = "%PDF-1.4\n", table;
@@ -132,8 +139,8 @@ std::string to_pdf(const std::vector<Sheet>& sheets) {
     pdf += text(i + 1, " 0 obj\n", objects[i], "\nendobj\n");
   }
   const std::size_t at = pdf.size();
-  return pdf + text("xref\n0 ", objects.size() + 1, "\n0000000000 65535 f \n", table, "trailer\n<< /Size ", objects.size() + 1,
-                    " /Root 1 0 R /Info 4 0 R >>\nstartxref\n", at, "\n%%EOF\n");
+  return pdf + text("xref\n0 ", objects.size() + 1, "\n0000000000 65535 f \n", table, "trailer\n<< /Size ",
+                    objects.size() + 1, " /Root 1 0 R /Info 4 0 R >>\nstartxref\n", at, "\n%%EOF\n");
 }
 
 }  // namespace floatstage

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <numbers>
-#include <opencv2/aruco.hpp>
 #include <utility>
+
+#include <opencv2/aruco.hpp>
 
 #include "calib/board_face.h"
 #include "calib/marker_dictionary.h"
@@ -19,8 +20,8 @@ using Cell = std::pair<int, int>;
 
 constexpr double kCaptionRoom = 0.012;  // metres below the pattern, for the line and the ruler
 
-// The outlines of the dark cells: edges between dark and light, dark on the right hand, linked at their ends. One shape
-// instead of many touching ones: viewers show hairs of paper between shapes that touch.
+// The outlines of the dark cells: edges between dark and light, dark on the right hand, linked at their ends.
+// One shape instead of many touching ones: viewers show hairs of paper between shapes that touch.
 std::vector<std::vector<Cell>> outlines(const cv::Mat& light) {
   auto dark = [&](int x, int y) {
     return x >= 0 && y >= 0 && x < light.cols && y < light.rows && light.at<std::uint8_t>(y, x) == 0;
@@ -44,8 +45,10 @@ std::vector<std::vector<Cell>> outlines(const cv::Mat& light) {
       const bool straight = n >= 2 && ((loop[n - 2].first == to.first && from.first == to.first) ||
                                        (loop[n - 2].second == to.second && from.second == to.second));
       if (loop.empty()) loop.push_back(from);
-      if (straight) loop.back() = to;
-      else loop.push_back(to);
+      if (straight)
+        loop.back() = to;
+      else
+        loop.push_back(to);
       edges.erase(at);
     }
     loop.pop_back();  // the first again
@@ -77,7 +80,8 @@ class Drawing {
     std::vector<std::vector<Vector2d>> loops;
     for (const auto& outline : outlines(light)) {
       auto& loop = loops.emplace_back();
-      for (const auto& [x, y] : outline) loop.push_back(at(m.corners[0].x() + x * cell, m.corners[0].y() - y * cell));
+      for (const auto& [x, y] : outline)
+        loop.push_back(at(m.corners[0].x() + x * cell, m.corners[0].y() - y * cell));
     }
     add(true, std::move(loops));
   }
@@ -93,9 +97,11 @@ class Drawing {
   Vector2d origin_ = Vector2d::Zero();
 };
 
-// x right, y down, z into the paper, as seen from a frame with x right, y up whose origin is at `origin` on the paper.
+// x right, y down, z into the paper, as seen from a frame with x right, y up whose origin is at `origin` on
+// the paper.
 Rigid3 face_from_sheet(const Vector2d& origin) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX())), {-origin.x(), origin.y(), 0}};
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX())),
+          {-origin.x(), origin.y(), 0}};
 }
 
 void draw_face(Drawing& drawing, const BoardFace& face) {
@@ -107,7 +113,8 @@ void draw_face(Drawing& drawing, const BoardFace& face) {
 }
 
 Sheet board_sheet(const BoardFace& face, double margin) {
-  const double surround = face.inverted ? face.square / 3 : 0;  // the dark of an inverted print goes on around it
+  const double surround =
+      face.inverted ? face.square / 3 : 0;  // the dark of an inverted print goes on around it
   const double around = std::max(margin, 0.005 + surround);
   Sheet sheet{.width = face.width + 2 * around, .height = face.height + 2 * around + kCaptionRoom};
   const Vector2d origin(around, around + face.height);
@@ -131,7 +138,8 @@ Sheet wand_sheet(const Wand& wand, double margin) {
     for (const double x : wand.positions) drawing.disc(x, 0, wand.ball / 2, false);
   }
   for (const BoardFace& face : board_faces(wand)) {
-    drawing.set_origin(origin.x() + face.target_from_face.translation.x(), origin.y() - face.target_from_face.translation.y());
+    drawing.set_origin(origin.x() + face.target_from_face.translation.x(),
+                       origin.y() - face.target_from_face.translation.y());
     draw_face(drawing, face);
   }
   sheet.target_from_sheet = face_from_sheet(origin);
@@ -142,7 +150,8 @@ Sheet wand_sheet(const Wand& wand, double margin) {
 
 std::vector<Sheet> target_sheets(const TargetDesign& target, double margin) {
   std::vector<Sheet> sheets;
-  if (const Wand* wand = std::get_if<Wand>(&target)) sheets.push_back(wand_sheet(*wand, margin));
+  if (const Wand* wand = std::get_if<Wand>(&target))
+    sheets.push_back(wand_sheet(*wand, margin));
   else
     for (const BoardFace& face : board_faces(target)) sheets.push_back(board_sheet(face, margin));
   if (sheets.size() == 2) {
@@ -153,7 +162,8 @@ std::vector<Sheet> target_sheets(const TargetDesign& target, double margin) {
   return sheets;
 }
 
-Result<std::vector<std::filesystem::path>> write_sheets(const TargetDesign& target, const std::filesystem::path& file) {
+Result<std::vector<std::filesystem::path>> write_sheets(const TargetDesign& target,
+                                                        const std::filesystem::path& file) {
   if (const Result<void> sound = check(target); !sound) return forward(sound);
   const std::vector<Sheet> sheets = target_sheets(target);
   std::vector<std::filesystem::path> written;
@@ -162,7 +172,8 @@ Result<std::vector<std::filesystem::path>> write_sheets(const TargetDesign& targ
     return std::vector{file};
   }
   if (file.extension() != ".svg")
-    return fail(ErrorCode::InvalidArgument, text(file.string(), ": a target is printed to a .pdf or a .svg file"));
+    return fail(ErrorCode::InvalidArgument,
+                text(file.string(), ": a target is printed to a .pdf or a .svg file"));
   for (const Sheet& sheet : sheets) {
     std::filesystem::path name = file;
     if (!sheet.name.empty()) name.replace_filename(text(file.stem().string(), '-', sheet.name, ".svg"));

@@ -1,6 +1,7 @@
-#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
+
+#include <Eigen/Dense>
 
 #include "calib/calibrate.h"
 #include "calib/solver/projection.h"
@@ -18,14 +19,17 @@ bool derivative(const RigCamera& camera, const Eigen::Vector3d& in_world, Row& o
   const Eigen::Vector3d turned = camera.cam_from_world.rotation * in_world;
   const auto lens = static_cast<LensKind>(camera.model.lens.index());
   solver::Projected projected;
-  if (!solver::project(solver::pack(camera.model), lens, turned + camera.cam_from_world.translation, projected)) return false;
+  if (!solver::project(solver::pack(camera.model), lens, turned + camera.cam_from_world.translation,
+                       projected))
+    return false;
   out << projected.by_intrinsics, -projected.by_point * solver::cross_matrix(turned), projected.by_point;
   return true;
 }
 
 }  // namespace
 
-ProjectionUncertainty::ProjectionUncertainty(const Calibration& calibration, const std::vector<Eigen::Vector3d>& volume)
+ProjectionUncertainty::ProjectionUncertainty(const Calibration& calibration,
+                                             const std::vector<Eigen::Vector3d>& volume)
     : rig_(calibration.rig), covariance_(calibration.covariance) {
   if (calibration.reference < 0) return;  // the world is given: its motion would be seen
   const Index size = covariance_.rows();
@@ -48,16 +52,19 @@ ProjectionUncertainty::ProjectionUncertainty(const Calibration& calibration, con
       right.middleCols<kCovarianceRows>(at) += by_motion.transpose() * j;
     }
   const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solved(normal);
-  if (solved.info() != Eigen::Success || !(normal.diagonal().minCoeff() > 0)) return;  // no volume: in the reference camera's frame
+  if (solved.info() != Eigen::Success || !(normal.diagonal().minCoeff() > 0))
+    return;  // no volume: in the reference camera's frame
   const MatrixXd keep = MatrixXd::Identity(size, size) - motion * solved.solve(right);
   covariance_ = keep * covariance_ * keep.transpose();
 }
 
 double ProjectionUncertainty::sigma_px(int camera, const Eigen::Vector3d& in_world) const {
   Row j;
-  if (!derivative(rig_.cameras[static_cast<std::size_t>(camera)], in_world, j)) return std::numeric_limits<double>::infinity();
+  if (!derivative(rig_.cameras[static_cast<std::size_t>(camera)], in_world, j))
+    return std::numeric_limits<double>::infinity();
   const Index at = kCovarianceRows * static_cast<Index>(camera);
-  return std::sqrt(std::max(0.0, 0.5 * (j * covariance_.block<kCovarianceRows, kCovarianceRows>(at, at) * j.transpose()).trace()));
+  return std::sqrt(std::max(
+      0.0, 0.5 * (j * covariance_.block<kCovarianceRows, kCovarianceRows>(at, at) * j.transpose()).trace()));
 }
 
 }  // namespace floatstage

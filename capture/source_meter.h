@@ -19,7 +19,9 @@ class SourceMeter {
   }
   void count_starved() { ++starved_; }
   void count_failed() { ++failed_; }
-  SourceStats read() const { return {delivered_.load(), lost_.load(), corrupt_.load(), starved_.load(), failed_.load()}; }
+  SourceStats read() const {
+    return {delivered_.load(), lost_.load(), corrupt_.load(), starved_.load(), failed_.load()};
+  }
 
  private:
   std::atomic<std::uint64_t> delivered_{0}, lost_{0}, corrupt_{0}, starved_{0}, failed_{0};

@@ -63,7 +63,8 @@ class BoundedQueue {
   /// As pop(), but gives up after `timeout`.
   std::optional<T> pop_for(Nanoseconds timeout) {
     std::unique_lock lock(mutex_);
-    not_empty_.wait_for(lock, std::chrono::nanoseconds(timeout.count), [&] { return closed_ || !items_.empty(); });
+    not_empty_.wait_for(lock, std::chrono::nanoseconds(timeout.count),
+                        [&] { return closed_ || !items_.empty(); });
     return take_front(lock);
   }
 

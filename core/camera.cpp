@@ -32,7 +32,8 @@ Distorted distort_with_jacobian(const BrownConrady& l, const Vector2d& p) {
 // The radial curve r·(1 + k1 r² + …) must still be rising at r, and at every smaller radius.
 bool monotonic_until(const BrownConrady& l, double r2) {
   auto slope = [&](double q) { return 1 + q * (3 * l.k1 + q * (5 * l.k2 + q * 7 * l.k3)); };
-  constexpr int kSteps = 8;  // the cubic in r² has at most three roots; eight samples find a dip wide enough to matter
+  constexpr int kSteps =
+      8;  // the cubic in r² has at most three roots; eight samples find a dip wide enough to matter
   for (int i = 1; i <= kSteps; ++i)
     if (slope(r2 * i / kSteps) <= 0) return false;
   return true;
@@ -161,7 +162,8 @@ Result<void> check(const CameraModel& m) {
     return fail(ErrorCode::BadData, text("image size ", m.width, "x", m.height, " is not positive"));
   for (double v : {m.fx, m.fy, m.cx, m.cy, m.skew})
     if (!std::isfinite(v)) return fail(ErrorCode::BadData, "an intrinsic parameter is not a finite number");
-  if (m.fx <= 0 || m.fy <= 0) return fail(ErrorCode::BadData, text("focal length ", m.fx, ", ", m.fy, " is not positive"));
+  if (m.fx <= 0 || m.fy <= 0)
+    return fail(ErrorCode::BadData, text("focal length ", m.fx, ", ", m.fy, " is not positive"));
   const bool lens_finite = std::visit(
       [](const auto& l) {
         using L = std::decay_t<decltype(l)>;

@@ -1,15 +1,17 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <optional>
 #include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/result.h"
 
 namespace floatstage {
 
-/// Radial-tangential lens, OpenCV's model and order: x' = x(1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 xy + p2 (r² + 2x²).
+/// Radial-tangential lens, OpenCV's model and order: x' = x(1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 xy + p2 (r² +
+/// 2x²).
 struct BrownConrady {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
   bool operator==(const BrownConrady&) const = default;
@@ -42,28 +44,32 @@ struct Rigid3 {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
   Eigen::Vector3d operator*(const Eigen::Vector3d& x) const { return rotation * x + translation; }
-  Rigid3 operator*(const Rigid3& o) const { return {rotation * o.rotation, rotation * o.translation + translation}; }
+  Rigid3 operator*(const Rigid3& o) const {
+    return {rotation * o.rotation, rotation * o.translation + translation};
+  }
   Rigid3 inverse() const;
   /// For `cam_from_world`: where the camera stands, in the world.
   Eigen::Vector3d center() const { return rotation.conjugate() * -translation; }
   Eigen::Matrix4d matrix() const;
 };
 
-/// The transform of a camera at `eye` that looks at `target`, x right, y down, z forward, with `up` upwards in the
-/// picture. `up` must not be parallel to the viewing direction.
+/// The transform of a camera at `eye` that looks at `target`, x right, y down, z forward, with `up` upwards
+/// in the picture. `up` must not be parallel to the viewing direction.
 Rigid3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up);
 
-/// Applies the lens to a normalised image point (x/z, y/z). Brown-Conrady folds over far outside its image: points
-/// beyond the radius where the model stops being monotonic come back as absent.
+/// Applies the lens to a normalised image point (x/z, y/z). Brown-Conrady folds over far outside its image:
+/// points beyond the radius where the model stops being monotonic come back as absent.
 std::optional<Eigen::Vector2d> distort(const Lens& lens, const Eigen::Vector2d& normalized);
 
 /// Inverse of distort(), by Newton iteration to 1e-12; absent where it does not converge.
 std::optional<Eigen::Vector2d> undistort(const Lens& lens, const Eigen::Vector2d& distorted);
 
-/// Pixel of a point in camera coordinates; absent when z <= 0 or the lens cannot see it. May lie outside the image.
+/// Pixel of a point in camera coordinates; absent when z <= 0 or the lens cannot see it. May lie outside the
+/// image.
 std::optional<Eigen::Vector2d> project(const CameraModel& model, const Eigen::Vector3d& in_camera);
 
-/// Direction (z = 1, camera coordinates) of the ray through a pixel; absent where the lens cannot be inverted.
+/// Direction (z = 1, camera coordinates) of the ray through a pixel; absent where the lens cannot be
+/// inverted.
 std::optional<Eigen::Vector3d> unproject(const CameraModel& model, const Eigen::Vector2d& pixel);
 
 bool inside(const CameraModel& model, const Eigen::Vector2d& pixel);

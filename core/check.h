@@ -11,13 +11,14 @@ class CheckFailure : public std::logic_error {
   using std::logic_error::logic_error;
 };
 
-[[noreturn]] void throw_check_failure(const char* condition, const char* file, int line, const std::string& context);
+[[noreturn]] void throw_check_failure(const char* condition, const char* file, int line,
+                                      const std::string& context);
 
 }  // namespace floatstage
 
 /// States what our own code guarantees. `context` is any string expression and is evaluated only on failure.
-#define FLOATSTAGE_CHECK(condition, context)                                                  \
-  do {                                                                                        \
-    if (!(condition)) [[unlikely]]                                                            \
+#define FLOATSTAGE_CHECK(condition, context)                                                   \
+  do {                                                                                         \
+    if (!(condition)) [[unlikely]]                                                             \
       ::floatstage::throw_check_failure(#condition, __FILE__, __LINE__, std::string(context)); \
   } while (false)

@@ -1,15 +1,17 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Core>
+
 namespace floatstage {
 
-/// Makes a camera's colours agree with the rig's. Channels of the picture, 0..1 in its own (gamma) space, are raised to
-/// `decode` (light), mixed by `matrix` (white balance, exposure, crosstalk) and raised to 1 / `encode`:
-/// rgb' = (matrix * rgb^decode)^(1/encode), clamped to 0..1. With exponents of 1 it is a matrix in the picture's space.
+/// Makes a camera's colours agree with the rig's. Channels of the picture, 0..1 in its own (gamma) space, are
+/// raised to `decode` (light), mixed by `matrix` (white balance, exposure, crosstalk) and raised to 1 /
+/// `encode`: rgb' = (matrix * rgb^decode)^(1/encode), clamped to 0..1. With exponents of 1 it is a matrix in
+/// the picture's space.
 struct ColorTransform {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
   Eigen::Vector3d decode = Eigen::Vector3d::Ones();

@@ -1,10 +1,10 @@
 #include "core/file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "core/text.h"
 
@@ -67,7 +67,8 @@ Result<void> write_file(const std::filesystem::path& file, std::string_view byte
 Result<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
+  if (error)
+    return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
   return {};
 }
 

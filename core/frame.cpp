@@ -25,11 +25,16 @@ std::size_t row_bytes(PixelFormat format, int width) {
   const std::size_t w = static_cast<std::size_t>(width);
   switch (format) {
     case PixelFormat::Gray8:
-    case PixelFormat::BayerRggb8: return w;
-    case PixelFormat::Rgb8: return w * 3;
-    case PixelFormat::Yuyv: return (w + 1) / 2 * 4;
-    case PixelFormat::Nv12: return (w + 1) / 2 * 2;
-    case PixelFormat::Mjpeg: return 0;
+    case PixelFormat::BayerRggb8:
+      return w;
+    case PixelFormat::Rgb8:
+      return w * 3;
+    case PixelFormat::Yuyv:
+      return (w + 1) / 2 * 4;
+    case PixelFormat::Nv12:
+      return (w + 1) / 2 * 2;
+    case PixelFormat::Mjpeg:
+      return 0;
   }
   return 0;
 }
@@ -44,10 +49,13 @@ bool holds_its_picture(const ImageLayout& l) {
   return l.stride >= row && l.size_bytes >= l.stride * (row_count(l.format, l.height) - 1) + row;
 }
 
-// Bilinear demosaicing of RGGB: each missing colour is the mean of its neighbours of that colour (mirrored at borders).
+// Bilinear demosaicing of RGGB: each missing colour is the mean of its neighbours of that colour (mirrored at
+// borders).
 void demosaic(const std::uint8_t* raw, std::size_t stride, Image& out) {
   const int w = out.width, h = out.height;
-  auto mirror = [](int v, int n) { return v < 0 ? std::min(-v, n - 1) : v >= n ? std::max(2 * n - 2 - v, 0) : v; };
+  auto mirror = [](int v, int n) {
+    return v < 0 ? std::min(-v, n - 1) : v >= n ? std::max(2 * n - 2 - v, 0) : v;
+  };
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       int sum[3] = {0, 0, 0}, count[3] = {0, 0, 0};
@@ -61,7 +69,8 @@ void demosaic(const std::uint8_t* raw, std::size_t stride, Image& out) {
           ++count[channel];
         }
       }
-      for (int c = 0; c < 3; ++c) out.at(x, y)[c] = static_cast<std::uint8_t>(count[c] ? (sum[c] + count[c] / 2) / count[c] : 0);
+      for (int c = 0; c < 3; ++c)
+        out.at(x, y)[c] = static_cast<std::uint8_t>(count[c] ? (sum[c] + count[c] / 2) / count[c] : 0);
     }
   }
 }
@@ -70,8 +79,12 @@ void demosaic(const std::uint8_t* raw, std::size_t stride, Image& out) {
 
 const char* name_of(PixelFormat format) { return kFormats[static_cast<std::size_t>(format)]; }
 const char* name_of(FrameStatus status) { return kStatuses[static_cast<std::size_t>(status)]; }
-std::optional<PixelFormat> pixel_format_named(std::string_view name) { return named<PixelFormat>(kFormats, name); }
-std::optional<FrameStatus> frame_status_named(std::string_view name) { return named<FrameStatus>(kStatuses, name); }
+std::optional<PixelFormat> pixel_format_named(std::string_view name) {
+  return named<PixelFormat>(kFormats, name);
+}
+std::optional<FrameStatus> frame_status_named(std::string_view name) {
+  return named<FrameStatus>(kStatuses, name);
+}
 
 ImageLayout packed_layout(PixelFormat format, int width, int height) {
   FLOATSTAGE_CHECK(format != PixelFormat::Mjpeg, "a compressed format has no packed layout");
@@ -80,7 +93,8 @@ ImageLayout packed_layout(PixelFormat format, int width, int height) {
 }
 
 Frame make_frame(FrameInfo info, const Image& image) {
-  FLOATSTAGE_CHECK(image.channels == 1 || image.channels == 3, text("a frame of ", image.channels, " channels"));
+  FLOATSTAGE_CHECK(image.channels == 1 || image.channels == 3,
+                   text("a frame of ", image.channels, " channels"));
   auto bytes = std::make_shared<std::byte[]>(image.pixels.size());
   std::memcpy(bytes.get(), image.pixels.data(), image.pixels.size());
   const PixelFormat format = image.channels == 1 ? PixelFormat::Gray8 : PixelFormat::Rgb8;
@@ -89,12 +103,14 @@ Frame make_frame(FrameInfo info, const Image& image) {
 
 Result<void> check_readable(const Frame& frame) {
   const ImageLayout& l = frame.layout;
-  if (frame.empty()) return fail(ErrorCode::NotFound, text("camera ", frame.info.camera, " has no picture at this instant"));
+  if (frame.empty())
+    return fail(ErrorCode::NotFound, text("camera ", frame.info.camera, " has no picture at this instant"));
   if (l.format == PixelFormat::Mjpeg)
     return fail(ErrorCode::Unsupported, "an MJPEG frame must be decoded by its capture source first");
   if (!holds_its_picture(l))
-    return fail(ErrorCode::BadData, text("camera ", frame.info.camera, ": a frame of ", l.size_bytes, " bytes in rows of ", l.stride, " is shorter than its ",
-                                         l.width, "x", l.height, " ", name_of(l.format), " layout"));
+    return fail(ErrorCode::BadData, text("camera ", frame.info.camera, ": a frame of ", l.size_bytes,
+                                         " bytes in rows of ", l.stride, " is shorter than its ", l.width,
+                                         "x", l.height, " ", name_of(l.format), " layout"));
   return {};
 }
 
@@ -111,7 +127,9 @@ Result<Image> to_rgb(const Frame& frame) {
     const std::uint8_t* row = bytes + static_cast<std::size_t>(y) * l.stride;
     std::uint8_t* out = rgb.at(0, y);
     switch (l.format) {
-      case PixelFormat::Rgb8: std::memcpy(out, row, static_cast<std::size_t>(l.width) * 3); break;
+      case PixelFormat::Rgb8:
+        std::memcpy(out, row, static_cast<std::size_t>(l.width) * 3);
+        break;
       case PixelFormat::Gray8:
         for (int x = 0; x < l.width; ++x) std::fill_n(out + 3 * x, 3, row[x]);
         break;
@@ -122,11 +140,14 @@ Result<Image> to_rgb(const Frame& frame) {
         }
         break;
       case PixelFormat::Nv12: {
-        const std::uint8_t* chroma = bytes + l.stride * static_cast<std::size_t>(l.height) + static_cast<std::size_t>(y / 2) * l.stride;
-        for (int x = 0; x < l.width; ++x) yuv_to_rgb(row[x], chroma[x / 2 * 2], chroma[x / 2 * 2 + 1], out + 3 * x);
+        const std::uint8_t* chroma = bytes + l.stride * static_cast<std::size_t>(l.height) +
+                                     static_cast<std::size_t>(y / 2) * l.stride;
+        for (int x = 0; x < l.width; ++x)
+          yuv_to_rgb(row[x], chroma[x / 2 * 2], chroma[x / 2 * 2 + 1], out + 3 * x);
         break;
       }
-      default: break;
+      default:
+        break;
     }
   }
   return rgb;

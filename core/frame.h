@@ -72,15 +72,16 @@ struct FrameSet {
 /// A Frame that owns a copy of `image` (1 channel: Gray8, 3: Rgb8).
 Frame make_frame(FrameInfo info, const Image& image);
 
-/// The frame's pixels as RGB (3 channels, tightly packed). Yuyv and Nv12 are read as BT.601 limited range; Bayer
-/// is demosaiced bilinearly. Errors: NotFound for an empty frame, Unsupported for Mjpeg (the capture source decodes
-/// it), BadData when the buffer is shorter than its layout says.
+/// The frame's pixels as RGB (3 channels, tightly packed). Yuyv and Nv12 are read as BT.601 limited range;
+/// Bayer is demosaiced bilinearly. Errors: NotFound for an empty frame, Unsupported for Mjpeg (the capture
+/// source decodes it), BadData when the buffer is shorter than its layout says.
 Result<Image> to_rgb(const Frame& frame);
 
-/// The frame at a fraction of its size, without making the whole picture first: each pixel is the mean of the factor x
-/// factor sensor pixels below it (fewer at the right and bottom border), so ceil(size / factor) pixels. Gray8 stays one
-/// channel, everything else becomes RGB; of Bayer cells each colour is averaged where it was measured, chroma where it
-/// was sampled. Errors as to_rgb(), and InvalidArgument for a factor below 1.
+/// The frame at a fraction of its size, without making the whole picture first: each pixel is the mean of the
+/// factor x factor sensor pixels below it (fewer at the right and bottom border), so ceil(size / factor)
+/// pixels. Gray8 stays one channel, everything else becomes RGB; of Bayer cells each colour is averaged where
+/// it was measured, chroma where it was sampled. Errors as to_rgb(), and InvalidArgument for a factor
+/// below 1.
 Result<Image> shrink(const Frame& frame, int factor);
 
 /// A rectangle of a frame's pixels, px.
@@ -90,9 +91,10 @@ struct PixelBox {
   bool operator==(const PixelBox&) const = default;
 };
 
-/// The frame's pixels within `box`, still in the sensor's format, without copying where the format allows it (all but
-/// Nv12): the result keeps the whole buffer alive. Where pixels come in pairs or cells the box is grown to whole ones;
-/// `box` is what was taken. It is cut to the picture. Errors as to_rgb(); InvalidArgument for a box that misses it.
+/// The frame's pixels within `box`, still in the sensor's format, without copying where the format allows it
+/// (all but Nv12): the result keeps the whole buffer alive. Where pixels come in pairs or cells the box is
+/// grown to whole ones; `box` is what was taken. It is cut to the picture. Errors as to_rgb();
+/// InvalidArgument for a box that misses it.
 Result<Frame> crop(const Frame& frame, PixelBox& box);
 
 }  // namespace floatstage

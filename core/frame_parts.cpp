@@ -31,7 +31,8 @@ void shrink_packed(const Source& in, int factor, Image& out) {
     std::uint8_t* to = out.at(0, y);
     const auto mean = [&](int x, int columns) {
       const std::uint32_t count = static_cast<std::uint32_t>(rows * columns);
-      const std::uint32_t* at = sums.data() + static_cast<std::size_t>(x) * static_cast<std::size_t>(factor * channels);
+      const std::uint32_t* at =
+          sums.data() + static_cast<std::size_t>(x) * static_cast<std::size_t>(factor * channels);
       for (int c = 0; c < channels; ++c) {
         std::uint32_t sum = count / 2;
         for (int k = 0; k < columns; ++k) sum += at[k * channels + c];
@@ -41,7 +42,8 @@ void shrink_packed(const Source& in, int factor, Image& out) {
     if (factor == 2 && rows == 2) {  // the usual case, without divisions
       const std::uint32_t* at = sums.data();
       for (int x = 0; x < whole; ++x, at += 2 * channels)
-        for (int c = 0; c < channels; ++c) *to++ = static_cast<std::uint8_t>((at[c] + at[channels + c] + 2) >> 2);
+        for (int c = 0; c < channels; ++c)
+          *to++ = static_cast<std::uint8_t>((at[c] + at[channels + c] + 2) >> 2);
     } else {
       for (int x = 0; x < whole; ++x) mean(x, factor);
     }
@@ -65,7 +67,8 @@ void shrink_bayer(const Source& in, int factor, Image& out) {
       const int x1 = std::min((x + 1) * factor, in.layout.width);
       Mean color[3];
       for (int v = y * factor; v < y1; ++v)
-        for (int u = x * factor; u < x1; ++u) color[(u & 1) + (v & 1)].add(in.row(v)[u]);  // RGGB: 0 red, 1 green, 2 blue
+        for (int u = x * factor; u < x1; ++u)
+          color[(u & 1) + (v & 1)].add(in.row(v)[u]);  // RGGB: 0 red, 1 green, 2 blue
       const int green = color[1].value(color[0].value(color[2].value(0)));
       const int rgb[3] = {color[0].value(green), green, color[2].value(green)};
       for (int c = 0; c < 3; ++c) out.at(x, y)[c] = static_cast<std::uint8_t>(rgb[c]);
@@ -97,7 +100,8 @@ void shrink_yuv(const Source& in, int factor, Image& out) {
 
 Result<Image> shrink(const Frame& frame, int factor) {
   if (Result<void> ok = check_readable(frame); !ok) return forward(ok);
-  if (factor < 1) return fail(ErrorCode::InvalidArgument, text("a frame cannot be shrunk by ", factor, "; give 1 or more"));
+  if (factor < 1)
+    return fail(ErrorCode::InvalidArgument, text("a frame cannot be shrunk by ", factor, "; give 1 or more"));
   const ImageLayout& l = frame.layout;
   const bool gray = l.format == PixelFormat::Gray8;
   if (factor == 1 && !gray) return to_rgb(frame);
@@ -105,11 +109,18 @@ Result<Image> shrink(const Frame& frame, int factor) {
   Image out((l.width + factor - 1) / factor, (l.height + factor - 1) / factor, gray ? 1 : 3);
   switch (l.format) {
     case PixelFormat::Gray8:
-    case PixelFormat::Rgb8: shrink_packed(in, factor, out); break;
-    case PixelFormat::BayerRggb8: shrink_bayer(in, factor, out); break;
+    case PixelFormat::Rgb8:
+      shrink_packed(in, factor, out);
+      break;
+    case PixelFormat::BayerRggb8:
+      shrink_bayer(in, factor, out);
+      break;
     case PixelFormat::Yuyv:
-    case PixelFormat::Nv12: shrink_yuv(in, factor, out); break;
-    case PixelFormat::Mjpeg: break;
+    case PixelFormat::Nv12:
+      shrink_yuv(in, factor, out);
+      break;
+    case PixelFormat::Mjpeg:
+      break;
   }
   return out;
 }
@@ -123,9 +134,9 @@ Result<Frame> crop(const Frame& frame, PixelBox& box) {
   int x0 = std::max(box.x, 0), y0 = std::max(box.y, 0);
   int x1 = std::min(box.x + box.width, l.width), y1 = std::min(box.y + box.height, l.height);
   if (x0 >= x1 || y0 >= y1)
-    return fail(ErrorCode::InvalidArgument, text("camera ", frame.info.camera, ": the part at ", box.x, ",", box.y, " of ",
-                                                 box.width, "x", box.height, " lies outside its ", l.width, "x", l.height,
-                                                 " picture"));
+    return fail(ErrorCode::InvalidArgument,
+                text("camera ", frame.info.camera, ": the part at ", box.x, ",", box.y, " of ", box.width,
+                     "x", box.height, " lies outside its ", l.width, "x", l.height, " picture"));
   if (pairs) x0 = even(x0, true), x1 = std::min(even(x1, false), l.width);
   if (cells) y0 = even(y0, true), y1 = std::min(even(y1, false), l.height);
   box = {x0, y0, x1 - x0, y1 - y0};
@@ -139,9 +150,11 @@ Result<Frame> crop(const Frame& frame, PixelBox& box) {
     const auto first = static_cast<std::size_t>(x0);
     std::byte* to = bytes.get();
     for (int y = y0; y < y1; ++y, to += part.layout.stride)
-      std::memcpy(to, frame.pixels.get() + l.stride * static_cast<std::size_t>(y) + first, static_cast<std::size_t>(box.width));
+      std::memcpy(to, frame.pixels.get() + l.stride * static_cast<std::size_t>(y) + first,
+                  static_cast<std::size_t>(box.width));
     for (int y = y0 / 2; y < (y1 + 1) / 2; ++y, to += part.layout.stride)
-      std::memcpy(to, frame.pixels.get() + l.stride * static_cast<std::size_t>(l.height + y) + first, part.layout.stride);
+      std::memcpy(to, frame.pixels.get() + l.stride * static_cast<std::size_t>(l.height + y) + first,
+                  part.layout.stride);
     part.pixels = std::move(bytes);
     return part;
   }

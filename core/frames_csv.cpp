@@ -7,7 +7,8 @@
 namespace floatstage {
 namespace {
 
-constexpr std::string_view kHeader = "sequence,device_time_ns,studio_time_ns,exposure_ns,status,media_index\n";
+constexpr std::string_view kHeader =
+    "sequence,device_time_ns,studio_time_ns,exposure_ns,status,media_index\n";
 
 enum Field { kSequence, kDeviceTime, kStudioTime, kExposure, kStatus, kMediaIndex, kFields };
 using Fields = std::array<std::string_view, kFields>;
@@ -45,7 +46,8 @@ std::optional<std::string> read_row(std::string_view line, FrameRow& row) {
   const Fields& f = *split_line;
   std::optional<std::int64_t> device_time, exposure;
   if (!read(f[kSequence], row.info.sequence)) return "the sequence is not a number";
-  if (!read(f[kStudioTime], row.info.exposure_start.ns)) return "the studio time is not a number of nanoseconds";
+  if (!read(f[kStudioTime], row.info.exposure_start.ns))
+    return "the studio time is not a number of nanoseconds";
   if (!read_optional(f[kDeviceTime], device_time)) return "the device time is not a number of nanoseconds";
   if (!read_optional(f[kExposure], exposure)) return "the exposure is not a number of nanoseconds";
   if (!read_optional(f[kMediaIndex], row.media_index) || row.media_index.value_or(0) < 0)
@@ -65,9 +67,12 @@ std::string frames_csv_header() { return std::string(kHeader); }
 
 std::string to_csv(const FrameRow& row) {
   auto optional = [](const auto& value) { return value ? text(*value) : std::string(); };
-  auto nanoseconds = [](const std::optional<Nanoseconds>& value) { return value ? text(value->count) : std::string(); };
+  auto nanoseconds = [](const std::optional<Nanoseconds>& value) {
+    return value ? text(value->count) : std::string();
+  };
   return text(row.info.sequence, ',', nanoseconds(row.info.device_time), ',', row.info.exposure_start.ns, ',',
-              nanoseconds(row.info.exposure), ',', name_of(row.info.status), ',', optional(row.media_index), '\n');
+              nanoseconds(row.info.exposure), ',', name_of(row.info.status), ',', optional(row.media_index),
+              '\n');
 }
 
 Result<std::vector<FrameRow>> parse_frames_csv(std::string_view csv, int camera, std::string_view name) {
@@ -75,7 +80,8 @@ Result<std::vector<FrameRow>> parse_frames_csv(std::string_view csv, int camera,
   // The recorder may have been killed before the header was out.
   if (csv.size() < kHeader.size() && kHeader.starts_with(csv)) return rows;
   if (!csv.starts_with(kHeader))
-    return fail(ErrorCode::BadData, text(name, ": line 1: not the header of a frames.csv (", kHeader.substr(0, kHeader.size() - 1), ")"));
+    return fail(ErrorCode::BadData, text(name, ": line 1: not the header of a frames.csv (",
+                                         kHeader.substr(0, kHeader.size() - 1), ")"));
   csv.remove_prefix(kHeader.size());
   for (std::size_t line = 2;; ++line) {
     const std::size_t end = csv.find('\n');
@@ -83,7 +89,8 @@ Result<std::vector<FrameRow>> parse_frames_csv(std::string_view csv, int camera,
     FrameRow row;
     row.info.camera = camera;
     if (const std::optional<std::string> wrong = read_row(csv.substr(0, end), row))
-      return fail(ErrorCode::BadData, text(name, ": line ", line, ": ", *wrong, "; the take's side file was damaged or edited"));
+      return fail(ErrorCode::BadData,
+                  text(name, ": line ", line, ": ", *wrong, "; the take's side file was damaged or edited"));
     rows.push_back(row);
     csv.remove_prefix(end + 1);
   }

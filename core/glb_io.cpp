@@ -1,9 +1,9 @@
-#include <tiny_gltf.h>
-
 #include <cmath>
 #include <cstring>
 #include <numbers>
 #include <sstream>
+
+#include <tiny_gltf.h>
 
 #include "core/file.h"
 #include "core/mesh_io.h"
@@ -32,7 +32,9 @@ void add_mesh(tinygltf::Model& model, const Mesh& mesh) {
   const Eigen::AlignedBox3f box = bounding_box(mesh);
 
   tinygltf::Accessor positions;
-  positions.bufferView = add_view(model, mesh.positions.data(), mesh.positions.size() * sizeof(Eigen::Vector3f), TINYGLTF_TARGET_ARRAY_BUFFER);
+  positions.bufferView =
+      add_view(model, mesh.positions.data(), mesh.positions.size() * sizeof(Eigen::Vector3f),
+               TINYGLTF_TARGET_ARRAY_BUFFER);
   positions.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
   positions.type = TINYGLTF_TYPE_VEC3;
   positions.count = mesh.positions.size();
@@ -41,7 +43,8 @@ void add_mesh(tinygltf::Model& model, const Mesh& mesh) {
     positions.maxValues.push_back(box.max()[i]);
   }
   tinygltf::Accessor indices;
-  indices.bufferView = add_view(model, mesh.triangles.data(), mesh.triangles.size() * sizeof(std::uint32_t), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+  indices.bufferView = add_view(model, mesh.triangles.data(), mesh.triangles.size() * sizeof(std::uint32_t),
+                                TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
   indices.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
   indices.type = TINYGLTF_TYPE_SCALAR;
   indices.count = mesh.triangles.size();
@@ -62,8 +65,9 @@ Result<void> save_glb(const Mesh& mesh, const std::filesystem::path& file) {
   model.asset.generator = "floatstage";
   tinygltf::Node node;
   node.name = "stage";
-  node.rotation = {-std::numbers::sqrt2 / 2, 0, 0, std::numbers::sqrt2 / 2};  // x y z w: our z up becomes y up
-  if (!mesh.empty()) {  // glTF knows no empty mesh: then the node stands alone
+  node.rotation = {-std::numbers::sqrt2 / 2, 0, 0,
+                   std::numbers::sqrt2 / 2};  // x y z w: our z up becomes y up
+  if (!mesh.empty()) {                        // glTF knows no empty mesh: then the node stands alone
     add_mesh(model, mesh);
     node.mesh = 0;
   }

@@ -9,8 +9,8 @@
 
 namespace floatstage {
 
-/// A JPEG as RGB, by libturbojpeg: a picture of a Motion-JPEG stream, or of the network. BadData when the bytes
-/// are no whole JPEG, or not of this size; memory is taken only for this size.
+/// A JPEG as RGB, by libturbojpeg: a picture of a Motion-JPEG stream, or of the network. BadData when the
+/// bytes are no whole JPEG, or not of this size; memory is taken only for this size.
 Result<Image> decode_jpeg(std::span<const std::byte> jpeg, int width, int height);
 
 /// An RGB picture as JPEG with colour at full resolution (4:4:4). `quality` is the usual 1…100.

@@ -35,7 +35,8 @@ Result<nlohmann::json> parse_json(std::string_view bytes, std::string_view name)
   try {
     return nlohmann::json::parse(bytes.begin(), bytes.end());
   } catch (const nlohmann::json::parse_error& e) {
-    return fail(ErrorCode::BadData, text(name, ": not JSON at byte ", e.byte, "; the file is cut off or was edited by mistake"));
+    return fail(ErrorCode::BadData,
+                text(name, ": not JSON at byte ", e.byte, "; the file is cut off or was edited by mistake"));
   } catch (const nlohmann::json::exception& e) {  // a number too large for a double
     return fail(ErrorCode::BadData, text(name, ": not usable as JSON (", e.what(), ")"));
   }
@@ -75,8 +76,10 @@ double JsonFields::number(const char* key, std::optional<double> fallback) {
 int JsonFields::integer(const char* key) {
   const nlohmann::json* v = child(key);
   if (!v) return 0;
-  const bool fits = v->is_number_integer() && !(v->is_number_unsigned() && v->get<std::uint64_t>() > std::numeric_limits<int>::max()) &&
-                    v->get<std::int64_t>() >= std::numeric_limits<int>::min() && v->get<std::int64_t>() <= std::numeric_limits<int>::max();
+  const bool fits = v->is_number_integer() &&
+                    !(v->is_number_unsigned() && v->get<std::uint64_t>() > std::numeric_limits<int>::max()) &&
+                    v->get<std::int64_t>() >= std::numeric_limits<int>::min() &&
+                    v->get<std::int64_t>() <= std::numeric_limits<int>::max();
   if (!fits) {
     complain(text("'", key, "' is not a whole number of usual size"));
     return 0;
@@ -99,7 +102,8 @@ std::string JsonFields::string(const char* key) {
 std::vector<double> JsonFields::numbers(const char* key, std::size_t count) {
   const nlohmann::json* v = child(key);
   std::vector<double> out;
-  if (v && (!collect(*v, out) || out.size() != count)) complain(text("'", key, "' is not a list of ", count, " numbers"));
+  if (v && (!collect(*v, out) || out.size() != count))
+    complain(text("'", key, "' is not a list of ", count, " numbers"));
   out.resize(count, 0.0);
   return out;
 }

@@ -1,21 +1,22 @@
 #pragma once
 
-// Reads JSON strictly. Not a public header, since it names nlohmann-json: for the .cpp files of core and of stages
-// that have files of their own.
+// Reads JSON strictly. Not a public header, since it names nlohmann-json: for the .cpp files of core and of
+// stages that have files of their own.
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/result.h"
 
 namespace floatstage {
 
-/// The first thing that was wrong while a document was read. Reading goes on with defaults after it, so that readers
-/// need to ask only once, at the end.
+/// The first thing that was wrong while a document was read. Reading goes on with defaults after it, so that
+/// readers need to ask only once, at the end.
 struct JsonProblem {
   std::optional<std::string> first;
   void note(const std::string& where, const std::string& what);

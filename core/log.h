@@ -6,8 +6,8 @@ namespace floatstage::log {
 
 enum class Level { Debug, Info, Warning, Error, Off };
 
-/// Messages below this level are not written. All go to standard error, one line each, and never to standard output
-/// (that belongs to results). Safe from any thread.
+/// Messages below this level are not written. All go to standard error, one line each, and never to standard
+/// output (that belongs to results). Safe from any thread.
 void set_level(Level level);
 
 void debug(std::string_view message);

@@ -16,7 +16,8 @@ Matte make_matte(FrameInfo source, const Image& alpha) {
 Image to_image(const Matte& matte) {
   if (matte.empty()) return {};
   Image image(matte.width, matte.height, 1);
-  for (int y = 0; y < matte.height; ++y) std::memcpy(image.at(0, y), matte.row(y), static_cast<std::size_t>(matte.width));
+  for (int y = 0; y < matte.height; ++y)
+    std::memcpy(image.at(0, y), matte.row(y), static_cast<std::size_t>(matte.width));
   return image;
 }
 

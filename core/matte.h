@@ -9,8 +9,8 @@
 
 namespace floatstage {
 
-/// Opacity of the subject in one photograph: 0 background … 255 subject, in the photograph's own (distorted) pixels.
-/// A handle, shared and read-only. An empty matte means "this camera does not know": it never carves.
+/// Opacity of the subject in one photograph: 0 background … 255 subject, in the photograph's own (distorted)
+/// pixels. A handle, shared and read-only. An empty matte means "this camera does not know": it never carves.
 struct Matte {
   FrameInfo source;
   int width = 0, height = 0;
@@ -28,7 +28,8 @@ Image to_image(const Matte& matte);
 /// Fraction of pixels with alpha >= 128.
 double coverage(const Matte& matte);
 
-/// Intersection over union of two mattes thresholded at 128; 1 when both are empty of subject. Sizes must agree.
+/// Intersection over union of two mattes thresholded at 128; 1 when both are empty of subject. Sizes must
+/// agree.
 double iou(const Matte& a, const Matte& b);
 
 }  // namespace floatstage

@@ -16,7 +16,9 @@ using nlohmann::ordered_json;
 constexpr int kVersion = 1;
 constexpr double kFarthest = 1e6;  // px: no photograph is larger
 
-const char* name_of(MatteLabel label) { return label == MatteLabel::Foreground ? "foreground" : "background"; }
+const char* name_of(MatteLabel label) {
+  return label == MatteLabel::Foreground ? "foreground" : "background";
+}
 
 MatteLabel read_label(JsonFields& fields, JsonProblem& problem) {
   const std::string name = fields.string("label");
@@ -25,7 +27,8 @@ MatteLabel read_label(JsonFields& fields, JsonProblem& problem) {
   return name == "foreground" ? MatteLabel::Foreground : MatteLabel::Background;
 }
 
-std::vector<Eigen::Vector2d> read_points(JsonFields& fields, const char* key, std::size_t least, JsonProblem& problem) {
+std::vector<Eigen::Vector2d> read_points(JsonFields& fields, const char* key, std::size_t least,
+                                         JsonProblem& problem) {
   std::vector<Eigen::Vector2d> points;
   const json* list = fields.list(key);
   if (!list) return points;
@@ -38,7 +41,8 @@ std::vector<Eigen::Vector2d> read_points(JsonFields& fields, const char* key, st
     if (!(points.back().cwiseAbs().maxCoeff() <= kFarthest))
       problem.note(fields.where(), text("a point of '", key, "' lies far outside any photograph"));
   }
-  if (points.size() < least) problem.note(fields.where(), text("'", key, "' needs at least ", least, " points"));
+  if (points.size() < least)
+    problem.note(fields.where(), text("'", key, "' needs at least ", least, " points"));
   return points;
 }
 
@@ -97,10 +101,12 @@ CameraEdits read_camera(const json& value, const std::string& where, JsonProblem
       edits.keyframes.push_back(read_keyframe(k, where, problem));
       const std::size_t n = edits.keyframes.size();
       if (n > 1 && edits.keyframes[n - 1].frame <= edits.keyframes[n - 2].frame)
-        problem.note(where, text("the keyframes are not in the order of their frames at ", edits.keyframes[n - 1].frame));
+        problem.note(where, text("the keyframes are not in the order of their frames at ",
+                                 edits.keyframes[n - 1].frame));
     }
   if (const json* masks = fields.has("masks") ? fields.list("masks") : nullptr)
-    for (const json& m : *masks) edits.masks.push_back(read_mask(m, text(where, ", mask ", edits.masks.size()), problem));
+    for (const json& m : *masks)
+      edits.masks.push_back(read_mask(m, text(where, ", mask ", edits.masks.size()), problem));
   fields.refuse_others();
   return edits;
 }
@@ -123,7 +129,8 @@ template <class F>
 void for_pixels(const Image& map, const Eigen::Vector2d& low, const Eigen::Vector2d& high, F&& set) {
   const int x0 = std::max(0, static_cast<int>(std::floor(std::max(low.x(), 0.0))));
   const int y0 = std::max(0, static_cast<int>(std::floor(std::max(low.y(), 0.0))));
-  const int x1 = static_cast<int>(std::min(high.x(), map.width - 1.0)), y1 = static_cast<int>(std::min(high.y(), map.height - 1.0));
+  const int x1 = static_cast<int>(std::min(high.x(), map.width - 1.0)),
+            y1 = static_cast<int>(std::min(high.y(), map.height - 1.0));
   for (int y = y0; y <= y1 && high.y() >= 0; ++y)
     for (int x = x0; x <= x1 && high.x() >= 0; ++x) set(x, y);
 }
@@ -146,11 +153,12 @@ Result<MatteEdits> parse_matte_edits(std::string_view bytes, std::string_view na
   JsonFields fields(*document, std::string(name), problem);
   const int version = fields.integer("floatstage_edits");
   if (!problem.first && version != kVersion)
-    return fail(ErrorCode::Unsupported,
-                text(name, ": edits format ", version, " is not known here; this program reads format ", kVersion));
+    return fail(ErrorCode::Unsupported, text(name, ": edits format ", version,
+                                             " is not known here; this program reads format ", kVersion));
   MatteEdits edits;
   if (const json* cameras = fields.child("cameras")) {
-    if (!cameras->is_object()) problem.note(std::string(name), "'cameras' must be an object of serials");
+    if (!cameras->is_object())
+      problem.note(std::string(name), "'cameras' must be an object of serials");
     else
       for (const auto& [serial, value] : cameras->items())
         edits.cameras[serial] = read_camera(value, text(name, ": camera '", serial, "'"), problem);
@@ -167,7 +175,8 @@ std::string to_json(const MatteEdits& edits) {
     for (const MatteKeyframe& k : camera.keyframes) {
       ordered_json strokes = ordered_json::array();
       for (const MatteStroke& s : k.strokes)
-        strokes.push_back({{"label", name_of(s.label)}, {"radius", s.radius}, {"points", points_json(s.points)}});
+        strokes.push_back(
+            {{"label", name_of(s.label)}, {"radius", s.radius}, {"points", points_json(s.points)}});
       out["keyframes"].push_back({{"frame", k.frame}, {"strokes", strokes}});
     }
     for (const MatteMask& m : camera.masks) {
@@ -199,7 +208,8 @@ void paint_strokes(const std::vector<MatteStroke>& strokes, double scale, Image&
     const std::uint8_t value = stroke.label == MatteLabel::Foreground ? 255 : 0;
     const double radius = stroke.radius * scale;
     for (std::size_t i = 0; i < stroke.points.size(); ++i) {
-      const Eigen::Vector2d a = stroke.points[i] * scale, b = stroke.points[std::min(i + 1, stroke.points.size() - 1)] * scale;
+      const Eigen::Vector2d a = stroke.points[i] * scale,
+                            b = stroke.points[std::min(i + 1, stroke.points.size() - 1)] * scale;
       const Eigen::Vector2d margin(radius + 1, radius + 1);
       for_pixels(map, a.cwiseMin(b) - margin, a.cwiseMax(b) + margin, [&](int x, int y) {
         if (distance_to_segment({x + 0.5, y + 0.5}, a, b) <= radius) *map.at(x, y) = value;
@@ -209,7 +219,9 @@ void paint_strokes(const std::vector<MatteStroke>& strokes, double scale, Image&
   }
 }
 
-bool holds_in(const MatteMask& mask, int frame) { return frame >= mask.first && (!mask.last || frame <= *mask.last); }
+bool holds_in(const MatteMask& mask, int frame) {
+  return frame >= mask.first && (!mask.last || frame <= *mask.last);
+}
 
 void paint_masks(const std::vector<MatteMask>& masks, int frame, double scale, Image& map) {
   for (const MatteMask& mask : masks) {
@@ -220,7 +232,8 @@ void paint_masks(const std::vector<MatteMask>& masks, int frame, double scale, I
     }
     const std::uint8_t value = mask.label == MatteLabel::Foreground ? 255 : 0;
     for (int y = 0; y < map.height; ++y) {
-      // Where the row's centre line crosses the outline; between the first and second crossing is inside, and so on.
+      // Where the row's centre line crosses the outline; between the first and second crossing is inside, and
+      // so on.
       std::vector<double> crossings;
       const double level = (y + 0.5) / scale;
       for (std::size_t i = 0; i < mask.polygon.size(); ++i) {
@@ -230,7 +243,8 @@ void paint_masks(const std::vector<MatteMask>& masks, int frame, double scale, I
       }
       std::sort(crossings.begin(), crossings.end());
       for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-        const double left = std::max(0.0, std::ceil(crossings[i] - 0.5)), right = std::min(map.width - 1.0, crossings[i + 1] - 0.5);
+        const double left = std::max(0.0, std::ceil(crossings[i] - 0.5)),
+                     right = std::min(map.width - 1.0, crossings[i + 1] - 0.5);
         for (int x = static_cast<int>(left); x <= right; ++x) *map.at(x, y) = value;
       }
     }

@@ -20,8 +20,9 @@ enum class MatteLabel { Background, Foreground };
 /// A click (one point) or a scribble (several): everything within `radius` of the line belongs to the label.
 struct MatteStroke {
   MatteLabel label = MatteLabel::Foreground;
-  double radius = 3;                    ///< px, positive
-  std::vector<Eigen::Vector2d> points;  ///< px of the camera's photographs, the picture's corner at (0, 0); at least one
+  double radius = 3;  ///< px, positive
+  std::vector<Eigen::Vector2d>
+      points;  ///< px of the camera's photographs, the picture's corner at (0, 0); at least one
   bool operator==(const MatteStroke&) const = default;
 };
 
@@ -32,14 +33,14 @@ struct MatteKeyframe {
   bool operator==(const MatteKeyframe&) const = default;
 };
 
-/// An area that is background in every frame (a garbage mask: lamp stands, the edge of the cloth) or foreground in
-/// every frame (a hold-out: a green prop). Stands still; nothing is carried along.
+/// An area that is background in every frame (a garbage mask: lamp stands, the edge of the cloth) or
+/// foreground in every frame (a hold-out: a green prop). Stands still; nothing is carried along.
 struct MatteMask {
   MatteLabel label = MatteLabel::Background;
   std::vector<Eigen::Vector2d> polygon;  ///< px, at least three corners; even-odd where it crosses itself
   int first = 0;                         ///< first frame
   std::optional<int> last;               ///< last frame, included; absent: to the end
-  double radius = 0;                     ///< px; positive: `polygon` is the path of a brush instead, one point at least
+  double radius = 0;  ///< px; positive: `polygon` is the path of a brush instead, one point at least
   bool operator==(const MatteMask&) const = default;
 };
 
@@ -49,8 +50,8 @@ struct CameraEdits {
   bool operator==(const CameraEdits&) const = default;
 };
 
-/// mattes/edits.json: what an operator said about the mattes of a take, by serial. The only file below mattes/ that
-/// people make; no verb ever removes it.
+/// mattes/edits.json: what an operator said about the mattes of a take, by serial. The only file below
+/// mattes/ that people make; no verb ever removes it.
 struct MatteEdits {
   std::map<std::string, CameraEdits> cameras;
   bool operator==(const MatteEdits&) const = default;
@@ -62,7 +63,8 @@ struct MatteEffort {
 };
 MatteEffort effort_of(const CameraEdits& edits);
 
-/// Reads strictly; the sentence names the camera and what is wrong. Unsupported for a version that is not known.
+/// Reads strictly; the sentence names the camera and what is wrong. Unsupported for a version that is not
+/// known.
 Result<MatteEdits> parse_matte_edits(std::string_view json, std::string_view name_for_errors);
 std::string to_json(const MatteEdits& edits);
 
@@ -70,9 +72,9 @@ std::string to_json(const MatteEdits& edits);
 Result<MatteEdits> load_matte_edits(const std::filesystem::path& file);
 Result<void> save_matte_edits(const MatteEdits& edits, const std::filesystem::path& file);
 
-/// Paints strokes into a picture of one channel: 0 background, 255 foreground, other pixels as they are. A pixel counts
-/// where its centre does. `scale`: pixels of `map` over pixels of the photograph; a stroke covers at least the pixel
-/// that its points lie in.
+/// Paints strokes into a picture of one channel: 0 background, 255 foreground, other pixels as they are. A
+/// pixel counts where its centre does. `scale`: pixels of `map` over pixels of the photograph; a stroke
+/// covers at least the pixel that its points lie in.
 void paint_strokes(const std::vector<MatteStroke>& strokes, double scale, Image& map);
 /// Likewise the masks that hold in `frame`.
 bool holds_in(const MatteMask& mask, int frame);

@@ -17,7 +17,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "save_ply writes memory as it is");
 
-constexpr double kLongestList = std::numeric_limits<std::uint32_t>::max();  // what the widest PLY count can say
+constexpr double kLongestList =
+    std::numeric_limits<std::uint32_t>::max();  // what the widest PLY count can say
 
 template <class T>
 double decode(const char* at, bool swap) {
@@ -35,7 +36,9 @@ class Numbers {
 
   std::size_t remaining() const { return data_.size(); }
 
-  std::optional<double> next(PlyType type) { return format_ == PlyFormat::Ascii ? next_word() : next_binary(type); }
+  std::optional<double> next(PlyType type) {
+    return format_ == PlyFormat::Ascii ? next_word() : next_binary(type);
+  }
 
  private:
   std::optional<double> next_binary(PlyType type) {
@@ -45,14 +48,22 @@ class Numbers {
     data_.remove_prefix(size);
     const bool swap = format_ == PlyFormat::BigEndian;
     switch (type) {
-      case PlyType::Int8: return decode<std::int8_t>(at, swap);
-      case PlyType::UInt8: return decode<std::uint8_t>(at, swap);
-      case PlyType::Int16: return decode<std::int16_t>(at, swap);
-      case PlyType::UInt16: return decode<std::uint16_t>(at, swap);
-      case PlyType::Int32: return decode<std::int32_t>(at, swap);
-      case PlyType::UInt32: return decode<std::uint32_t>(at, swap);
-      case PlyType::Float32: return decode<float>(at, swap);
-      case PlyType::Float64: return decode<double>(at, swap);
+      case PlyType::Int8:
+        return decode<std::int8_t>(at, swap);
+      case PlyType::UInt8:
+        return decode<std::uint8_t>(at, swap);
+      case PlyType::Int16:
+        return decode<std::int16_t>(at, swap);
+      case PlyType::UInt16:
+        return decode<std::uint16_t>(at, swap);
+      case PlyType::Int32:
+        return decode<std::int32_t>(at, swap);
+      case PlyType::UInt32:
+        return decode<std::uint32_t>(at, swap);
+      case PlyType::Float32:
+        return decode<float>(at, swap);
+      case PlyType::Float64:
+        return decode<double>(at, swap);
     }
     return std::nullopt;
   }
@@ -64,7 +75,8 @@ class Numbers {
     double value = 0;
     const auto [end, error] = std::from_chars(data_.data(), data_.data() + data_.size(), value);
     const std::size_t used = static_cast<std::size_t>(end - data_.data());
-    if (error != std::errc() || (used < data_.size() && kSpace.find(*end) == std::string_view::npos)) return std::nullopt;
+    if (error != std::errc() || (used < data_.size() && kSpace.find(*end) == std::string_view::npos))
+      return std::nullopt;
     data_.remove_prefix(used);
     return value;
   }
@@ -75,24 +87,29 @@ class Numbers {
 
 class Reader {
  public:
-  Reader(const PlyHeader& header, std::string_view data, std::string_view name) : header_(header), numbers_(data, header.format), name_(name) {}
+  Reader(const PlyHeader& header, std::string_view data, std::string_view name)
+      : header_(header), numbers_(data, header.format), name_(name) {}
 
   Result<Mesh> read() {
     for (const PlyElement& element : header_.elements) {
       if (element.properties.empty()) continue;  // nothing to read, however many
-      Result<void> done = element.name == "vertex" ? read_vertices(element) : element.name == "face" ? read_faces(element) : skip(element);
+      Result<void> done = element.name == "vertex" ? read_vertices(element)
+                          : element.name == "face" ? read_faces(element)
+                                                   : skip(element);
       if (!done) return forward(done);
     }
     if (!has_vertices_) return bad("the PLY has no vertices");
     for (std::uint32_t index : mesh_.triangles)
-      if (index >= mesh_.positions.size()) return bad(text("a face names vertex ", index, " of ", mesh_.positions.size()));
+      if (index >= mesh_.positions.size())
+        return bad(text("a face names vertex ", index, " of ", mesh_.positions.size()));
     return std::move(mesh_);
   }
 
  private:
   Unexpected bad(const std::string& what) const { return fail(ErrorCode::BadData, text(name_, ": ", what)); }
   Unexpected truncated(const PlyElement& element, std::uint64_t index) const {
-    return bad(text("the data of ", element.name, " ", index, " of ", element.count, " is cut off or not numbers"));
+    return bad(
+        text("the data of ", element.name, " ", index, " of ", element.count, " is cut off or not numbers"));
   }
 
   // Reads one property and hands every number of it to `use`.
@@ -129,8 +146,10 @@ class Reader {
       axes |= 1 << axis_of[k];
     }
     if (axes != 7) return bad("the vertices have no x, y and z");
-    if (element.count > std::numeric_limits<std::uint32_t>::max()) return bad("more than 4294967295 vertices");
-    mesh_.positions.reserve(std::min<std::uint64_t>(element.count, numbers_.remaining() / 3));  // a lying count costs no memory
+    if (element.count > std::numeric_limits<std::uint32_t>::max())
+      return bad("more than 4294967295 vertices");
+    mesh_.positions.reserve(
+        std::min<std::uint64_t>(element.count, numbers_.remaining() / 3));  // a lying count costs no memory
     for (std::uint64_t i = 0; i < element.count; ++i) {
       Eigen::Vector3f position = Eigen::Vector3f::Zero();
       for (std::size_t k = 0; k < element.properties.size(); ++k)
@@ -165,13 +184,16 @@ class Reader {
         if (!read) return truncated(element, i);
         if (!is_indices(p)) continue;
         if (polygon.size() < 3) return bad(text("face ", i, " has ", polygon.size(), " corners"));
-        for (std::size_t k = 2; k < polygon.size(); ++k) mesh_.triangles.insert(mesh_.triangles.end(), {polygon[0], polygon[k - 1], polygon[k]});
+        for (std::size_t k = 2; k < polygon.size(); ++k)
+          mesh_.triangles.insert(mesh_.triangles.end(), {polygon[0], polygon[k - 1], polygon[k]});
       }
     }
     return {};
   }
 
-  static bool is_indices(const PlyProperty& p) { return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index"); }
+  static bool is_indices(const PlyProperty& p) {
+    return p.is_list && (p.name == "vertex_indices" || p.name == "vertex_index");
+  }
 
   const PlyHeader& header_;
   Numbers numbers_;
@@ -186,11 +208,13 @@ Result<void> save_ply(const Mesh& mesh, const std::filesystem::path& file) {
   static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float), "positions are written as they are");
   FLOATSTAGE_CHECK(mesh.triangles.size() % 3 == 0, "a mesh with a third of a triangle");
   std::string bytes = text("ply\nformat binary_little_endian 1.0\nelement vertex ", mesh.positions.size(),
-                           "\nproperty float x\nproperty float y\nproperty float z\nelement face ", mesh.triangle_count(),
-                           "\nproperty list uchar int vertex_indices\nend_header\n");
+                           "\nproperty float x\nproperty float y\nproperty float z\nelement face ",
+                           mesh.triangle_count(), "\nproperty list uchar int vertex_indices\nend_header\n");
   constexpr std::size_t kTriangle = 3 * sizeof(std::uint32_t);
-  bytes.reserve(bytes.size() + mesh.positions.size() * sizeof(Eigen::Vector3f) + mesh.triangle_count() * (1 + kTriangle));
-  bytes.append(reinterpret_cast<const char*>(mesh.positions.data()), mesh.positions.size() * sizeof(Eigen::Vector3f));
+  bytes.reserve(bytes.size() + mesh.positions.size() * sizeof(Eigen::Vector3f) +
+                mesh.triangle_count() * (1 + kTriangle));
+  bytes.append(reinterpret_cast<const char*>(mesh.positions.data()),
+               mesh.positions.size() * sizeof(Eigen::Vector3f));
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
     bytes.push_back(3);
     bytes.append(reinterpret_cast<const char*>(&mesh.triangles[t]), kTriangle);

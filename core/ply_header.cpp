@@ -15,7 +15,8 @@ using Words = std::vector<std::string_view>;
 Words words_of(std::string_view line) {
   Words words;
   constexpr std::string_view kSpace = " \t\r";
-  for (std::size_t at = line.find_first_not_of(kSpace); at != std::string_view::npos; at = line.find_first_not_of(kSpace, at)) {
+  for (std::size_t at = line.find_first_not_of(kSpace); at != std::string_view::npos;
+       at = line.find_first_not_of(kSpace, at)) {
     const std::size_t end = std::min(line.find_first_of(kSpace, at), line.size());
     words.push_back(line.substr(at, end - at));
     at = end;
@@ -25,10 +26,22 @@ Words words_of(std::string_view line) {
 
 std::optional<PlyType> type_named(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, PlyType>, 16> kNames = {{
-      {"char", PlyType::Int8},     {"int8", PlyType::Int8},     {"uchar", PlyType::UInt8},    {"uint8", PlyType::UInt8},
-      {"short", PlyType::Int16},   {"int16", PlyType::Int16},   {"ushort", PlyType::UInt16},  {"uint16", PlyType::UInt16},
-      {"int", PlyType::Int32},     {"int32", PlyType::Int32},   {"uint", PlyType::UInt32},    {"uint32", PlyType::UInt32},
-      {"float", PlyType::Float32}, {"float32", PlyType::Float32}, {"double", PlyType::Float64}, {"float64", PlyType::Float64},
+      {"char", PlyType::Int8},
+      {"int8", PlyType::Int8},
+      {"uchar", PlyType::UInt8},
+      {"uint8", PlyType::UInt8},
+      {"short", PlyType::Int16},
+      {"int16", PlyType::Int16},
+      {"ushort", PlyType::UInt16},
+      {"uint16", PlyType::UInt16},
+      {"int", PlyType::Int32},
+      {"int32", PlyType::Int32},
+      {"uint", PlyType::UInt32},
+      {"uint32", PlyType::UInt32},
+      {"float", PlyType::Float32},
+      {"float32", PlyType::Float32},
+      {"double", PlyType::Float64},
+      {"float64", PlyType::Float64},
   }};
   for (const auto& [known, type] : kNames)
     if (known == name) return type;
@@ -59,7 +72,8 @@ std::optional<PlyProperty> property_of(const Words& w) {
 bool read_line(const Words& w, PlyHeader& header, bool& has_format) {
   if (w.empty() || w[0] == "comment" || w[0] == "obj_info") return true;
   if (w[0] == "format") {
-    const std::optional<PlyFormat> format = w.size() == 3 && w[2] == "1.0" && !has_format ? format_named(w[1]) : std::nullopt;
+    const std::optional<PlyFormat> format =
+        w.size() == 3 && w[2] == "1.0" && !has_format ? format_named(w[1]) : std::nullopt;
     if (format) header.format = *format;
     has_format = true;
     return format.has_value();
@@ -91,15 +105,19 @@ Result<PlyHeader> parse_ply_header(std::string_view bytes, std::string_view name
   bool has_format = false;
   for (int line = 1;; ++line) {
     const std::size_t end = bytes.find('\n', header.size_bytes);
-    if (end == std::string_view::npos) return fail(ErrorCode::BadData, text(name, ": the PLY header has no end; the file is cut off or no PLY"));
+    if (end == std::string_view::npos)
+      return fail(ErrorCode::BadData,
+                  text(name, ": the PLY header has no end; the file is cut off or no PLY"));
     const Words words = words_of(bytes.substr(header.size_bytes, end - header.size_bytes));
     header.size_bytes = end + 1;
     if (line == 1) {
-      if (words != Words{"ply"}) return fail(ErrorCode::BadData, text(name, ": not a PLY file (it does not begin with 'ply')"));
+      if (words != Words{"ply"})
+        return fail(ErrorCode::BadData, text(name, ": not a PLY file (it does not begin with 'ply')"));
       continue;
     }
     if (words == Words{"end_header"}) break;
-    if (!read_line(words, header, has_format)) return fail(ErrorCode::BadData, text(name, ": line ", line, " of the PLY header makes no sense"));
+    if (!read_line(words, header, has_format))
+      return fail(ErrorCode::BadData, text(name, ": line ", line, " of the PLY header makes no sense"));
   }
   if (!has_format) return fail(ErrorCode::BadData, text(name, ": the PLY header states no format"));
   return header;

@@ -18,8 +18,8 @@ std::size_t size_of(PlyType type);
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::Float32;        ///< of the value, or of each item of a list
-  PlyType count_type = PlyType::UInt8;    ///< of the length of a list
+  PlyType type = PlyType::Float32;      ///< of the value, or of each item of a list
+  PlyType count_type = PlyType::UInt8;  ///< of the length of a list
   bool is_list = false;
 };
 

@@ -1,11 +1,11 @@
 #include "core/png.h"
 
-#include <png.h>
-
 #include <csetjmp>
 #include <cstdint>
 #include <cstring>
 #include <vector>
+
+#include <png.h>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -24,7 +24,8 @@ void append_bytes(png_structp png, png_bytep data, png_size_t size) {
 
 // `rows`: the samples, of 8 or 16 bits (big-endian).
 bool encode(const Image& image, const std::uint8_t* rows, int bits, int level, std::string& out) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, [](png_structp, png_const_charp) {});
+  png_structp png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, [](png_structp, png_const_charp) {});
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   WriteState state{&out};
   if (!info || setjmp(png_jmpbuf(png))) {
@@ -32,12 +33,15 @@ bool encode(const Image& image, const std::uint8_t* rows, int bits, int level, s
     return false;
   }
   png_set_write_fn(png, &state, append_bytes, nullptr);
-  const int type = image.channels == 1 ? PNG_COLOR_TYPE_GRAY : image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA;
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits, type,
-               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  const int type = image.channels == 1   ? PNG_COLOR_TYPE_GRAY
+                   : image.channels == 3 ? PNG_COLOR_TYPE_RGB
+                                         : PNG_COLOR_TYPE_RGBA;
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits,
+               type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(png, level);
   png_write_info(png, info);
-  const std::size_t row = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels * bits / 8);
+  const std::size_t row =
+      static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels * bits / 8);
   for (int y = 0; y < image.height; ++y) png_write_row(png, rows + static_cast<std::size_t>(y) * row);
   png_write_end(png, nullptr);
   png_destroy_write_struct(&png, &info);
@@ -63,9 +67,12 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
   if (!png_image_begin_read_from_memory(&header, bytes.data(), bytes.size())) return bad(header.message);
   constexpr png_uint_32 kLargest = 1u << 15;
   if (header.width > kLargest || header.height > kLargest) return bad("larger than 32768 px");
-  // Deflate packs at most 1032 to 1 and a pixel has at least one bit: a small file that claims more has no such data.
-  if (header.width / 8 * std::uint64_t{header.height} > std::uint64_t{1032} * bytes.size()) return bad("far shorter than its picture");
-  header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // libpng takes 16 bits for linear light where the file does not say
+  // Deflate packs at most 1032 to 1 and a pixel has at least one bit: a small file that claims more has no
+  // such data.
+  if (header.width / 8 * std::uint64_t{header.height} > std::uint64_t{1032} * bytes.size())
+    return bad("far shorter than its picture");
+  header.flags |=
+      PNG_IMAGE_FLAG_16BIT_sRGB;  // libpng takes 16 bits for linear light where the file does not say
   const bool color = header.format & PNG_FORMAT_FLAG_COLOR, alpha = header.format & PNG_FORMAT_FLAG_ALPHA;
   header.format = alpha ? PNG_FORMAT_RGBA : color ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
   Image image(static_cast<int>(header.width), static_cast<int>(header.height), alpha ? 4 : color ? 3 : 1);
@@ -75,11 +82,13 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
 
 namespace {
 
-Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const std::filesystem::path& file, int level) {
+Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const std::filesystem::path& file,
+                  int level) {
   FLOATSTAGE_CHECK(!image.empty() && (image.channels == 1 || image.channels == 3 || image.channels == 4),
                    text("a PNG of ", image.width, "x", image.height, "x", image.channels));
   std::string bytes;
-  if (!encode(image, rows, bits, level, bytes)) return fail(ErrorCode::Io, text("cannot encode ", file.string(), " as PNG"));
+  if (!encode(image, rows, bits, level, bytes))
+    return fail(ErrorCode::Io, text("cannot encode ", file.string(), " as PNG"));
   return write_file(file, bytes);
 }
 
@@ -91,7 +100,8 @@ Result<void> save_png(const Image& image, const std::filesystem::path& file, int
 
 Result<void> save_png16(const Image& image, const std::filesystem::path& file, int level) {
   std::vector<std::uint8_t> wide(2 * image.pixels.size());
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) wide[2 * i] = wide[2 * i + 1] = image.pixels[i];  // v * 257
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    wide[2 * i] = wide[2 * i + 1] = image.pixels[i];  // v * 257
   return save(image, wide.data(), 16, file, level);
 }
 

@@ -10,15 +10,17 @@
 
 namespace floatstage {
 
-/// Reads a PNG of at most 32768 px a side as 1 (grey), 3 (RGB) or 4 (RGBA) channels of 8 bits; palettes and 1-bit
-/// images are expanded, 16-bit ones reduced. Errors name the file: NotFound, Io, BadData when it is not a whole PNG.
+/// Reads a PNG of at most 32768 px a side as 1 (grey), 3 (RGB) or 4 (RGBA) channels of 8 bits; palettes and
+/// 1-bit images are expanded, 16-bit ones reduced. Errors name the file: NotFound, Io, BadData when it is not
+/// a whole PNG.
 Result<Image> load_png(const std::filesystem::path& file);
 Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name_for_errors);
 
 /// Writes 1, 3 or 4 channels, to a temporary name first. `level` is zlib's: 1 fast … 9 small.
 Result<void> save_png(const Image& image, const std::filesystem::path& file, int level = 3);
 
-/// The same picture with 16 bits a channel (v * 257, big-endian in the file as PNG wants it): for programs that expect them.
+/// The same picture with 16 bits a channel (v * 257, big-endian in the file as PNG wants it): for programs
+/// that expect them.
 Result<void> save_png16(const Image& image, const std::filesystem::path& file, int level = 3);
 
 }  // namespace floatstage

@@ -77,7 +77,8 @@ class [[nodiscard]] Result {
 
  private:
   void require_value() const {
-    if (const Error* e = std::get_if<1>(&state_)) FLOATSTAGE_CHECK(false, "Result::value() on an error: " + e->message);
+    if (const Error* e = std::get_if<1>(&state_))
+      FLOATSTAGE_CHECK(false, "Result::value() on an error: " + e->message);
   }
   std::variant<T, Error> state_;
 };

@@ -1,9 +1,10 @@
 #include "core/rig.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "core/text.h"
 
@@ -18,7 +19,8 @@ Eigen::Vector3d axis_in_world(const RigCamera& c, const Eigen::Vector3d& axis) {
 
 bool is_usable_serial(std::string_view s) {
   return !s.empty() && s.front() != '.' && std::all_of(s.begin(), s.end(), [](unsigned char c) {
-    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '.' || c == '_' || c == '-';
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '.' ||
+           c == '_' || c == '-';
   });
 }
 
@@ -31,17 +33,21 @@ int camera_index(const Rig& rig, std::string_view serial) {
 Result<void> check(const Rig& rig) {
   if (rig.cameras.empty()) return fail(ErrorCode::BadData, "the rig has no camera");
   for (const RigCamera& c : rig.cameras) {
-    auto bad = [&](const std::string& what) { return fail(ErrorCode::BadData, text("camera '", c.serial, "': ", what)); };
+    auto bad = [&](const std::string& what) {
+      return fail(ErrorCode::BadData, text("camera '", c.serial, "': ", what));
+    };
     if (!is_usable_serial(c.serial))
       return bad("a serial must be letters, digits, '.', '_' and '-', and not begin with '.'");
     const auto same = [&](const RigCamera& other) { return other.serial == c.serial; };
-    if (std::find_if(rig.cameras.begin(), rig.cameras.end(), same) != rig.cameras.begin() + (&c - rig.cameras.data()))
+    if (std::find_if(rig.cameras.begin(), rig.cameras.end(), same) !=
+        rig.cameras.begin() + (&c - rig.cameras.data()))
       return bad("two cameras have this serial");
     if (Result<void> ok = check(c.model); !ok) return bad(ok.error().message);
     const Rigid3& t = c.cam_from_world;
     if (!t.rotation.coeffs().allFinite() || !t.translation.allFinite())
       return bad("cam_from_world is not finite");
-    if (std::abs(t.rotation.norm() - 1) > 1e-6) return bad("the rotation of cam_from_world is not of unit length");
+    if (std::abs(t.rotation.norm() - 1) > 1e-6)
+      return bad("the rotation of cam_from_world is not of unit length");
     if (!c.color.matrix.allFinite()) return bad("the colour matrix is not finite");
     for (const double e : {c.color.decode.x(), c.color.decode.y(), c.color.decode.z(), c.color.encode})
       if (!(e >= 0.1 && e <= 10)) return bad("a colour curve's exponent is not between 0.1 and 10");
@@ -51,9 +57,11 @@ Result<void> check(const Rig& rig) {
 
 Eigen::Vector3d focus_point(const Rig& rig) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d b = Eigen::Vector3d::Zero(), centroid = Eigen::Vector3d::Zero(), mean_axis = Eigen::Vector3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero(), centroid = Eigen::Vector3d::Zero(),
+                  mean_axis = Eigen::Vector3d::Zero();
   for (const RigCamera& c : rig.cameras) {
-    const Eigen::Vector3d axis = axis_in_world(c, Eigen::Vector3d::UnitZ()), center = c.cam_from_world.center();
+    const Eigen::Vector3d axis = axis_in_world(c, Eigen::Vector3d::UnitZ()),
+                          center = c.cam_from_world.center();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
     a += across;
     b += across * center;
@@ -66,7 +74,8 @@ Eigen::Vector3d focus_point(const Rig& rig) {
   if (eigen.eigenvalues()(0) > 1e-6 * n) return a.ldlt().solve(b);
   if (mean_axis.norm() < 1e-6 * n) return centroid;  // cameras that face each other along one line
   double spread = 0;
-  for (const RigCamera& c : rig.cameras) spread = std::max(spread, (c.cam_from_world.center() - centroid).norm());
+  for (const RigCamera& c : rig.cameras)
+    spread = std::max(spread, (c.cam_from_world.center() - centroid).norm());
   return centroid + mean_axis.normalized() * std::max(spread, 1.0);
 }
 

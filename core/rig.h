@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "core/camera.h"
 #include "core/color.h"
@@ -28,15 +29,17 @@ bool is_usable_serial(std::string_view serial);
 /// Index of the camera with that serial, or -1.
 int camera_index(const Rig& rig, std::string_view serial);
 
-/// Every camera checked, serials unique and usable as file names, rotations of unit length, transforms finite.
+/// Every camera checked, serials unique and usable as file names, rotations of unit length, transforms
+/// finite.
 Result<void> check(const Rig& rig);
 
-/// The point nearest to all optical axes in the least-squares sense: where the cameras look. Parallel axes have no
-/// such point; then the centroid of the camera centres moved along the mean axis by the rig's spread (at least 1 m), or
-/// the centroid itself when the cameras face each other along one line.
+/// The point nearest to all optical axes in the least-squares sense: where the cameras look. Parallel axes
+/// have no such point; then the centroid of the camera centres moved along the mean axis by the rig's spread
+/// (at least 1 m), or the centroid itself when the cameras face each other along one line.
 Eigen::Vector3d focus_point(const Rig& rig);
 
-/// "Up" as the cameras see it: the mean of their image-up directions, of unit length. (For imported rigs whose world is not z up.)
+/// "Up" as the cameras see it: the mean of their image-up directions, of unit length. (For imported rigs
+/// whose world is not z up.)
 Eigen::Vector3d mean_up(const Rig& rig);
 
 }  // namespace floatstage

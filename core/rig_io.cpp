@@ -12,12 +12,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 2;       // what is read at most
-constexpr int kWithoutCurve = 1;  // what is written where no camera has a colour curve: older programs read it
+constexpr int kVersion = 2;  // what is read at most
+constexpr int kWithoutCurve =
+    1;  // what is written where no camera has a colour curve: older programs read it
 
 Json lens_to_json(const Lens& lens) {
   if (const auto* b = std::get_if<BrownConrady>(&lens))
-    return {{"type", "brown-conrady"}, {"k1", b->k1}, {"k2", b->k2}, {"p1", b->p1}, {"p2", b->p2}, {"k3", b->k3}};
+    return {
+        {"type", "brown-conrady"}, {"k1", b->k1}, {"k2", b->k2}, {"p1", b->p1}, {"p2", b->p2}, {"k3", b->k3}};
   if (const auto* f = std::get_if<KannalaBrandt>(&lens))
     return {{"type", "kannala-brandt"}, {"k1", f->k1}, {"k2", f->k2}, {"k3", f->k3}, {"k4", f->k4}};
   return {{"type", "none"}};
@@ -27,13 +29,19 @@ Lens read_lens(JsonFields fields, JsonProblem& problem) {
   const std::string type = fields.string("type");
   Lens lens;
   if (type == "brown-conrady")
-    lens = BrownConrady{.k1 = fields.number("k1"), .k2 = fields.number("k2"), .p1 = fields.number("p1"),
-                        .p2 = fields.number("p2"), .k3 = fields.number("k3")};
+    lens = BrownConrady{.k1 = fields.number("k1"),
+                        .k2 = fields.number("k2"),
+                        .p1 = fields.number("p1"),
+                        .p2 = fields.number("p2"),
+                        .k3 = fields.number("k3")};
   else if (type == "kannala-brandt")
-    lens = KannalaBrandt{.k1 = fields.number("k1"), .k2 = fields.number("k2"), .k3 = fields.number("k3"),
+    lens = KannalaBrandt{.k1 = fields.number("k1"),
+                         .k2 = fields.number("k2"),
+                         .k3 = fields.number("k3"),
                          .k4 = fields.number("k4")};
   else if (type != "none")
-    problem.note(fields.where(), text("unknown lens type '", type, "'; known: none, brown-conrady, kannala-brandt"));
+    problem.note(fields.where(),
+                 text("unknown lens type '", type, "'; known: none, brown-conrady, kannala-brandt"));
   fields.refuse_others();
   return lens;
 }
@@ -48,33 +56,43 @@ Json camera_to_json(const RigCamera& c) {
   const Eigen::Quaterniond& q = c.cam_from_world.rotation;
   const Eigen::Vector3d& t = c.cam_from_world.translation;
   Json color = Json::array();
-  for (int r = 0; r < 3; ++r) color.push_back({c.color.matrix(r, 0), c.color.matrix(r, 1), c.color.matrix(r, 2)});
+  for (int r = 0; r < 3; ++r)
+    color.push_back({c.color.matrix(r, 0), c.color.matrix(r, 1), c.color.matrix(r, 2)});
   Json camera = {{"serial", c.serial},
-          {"width", c.model.width},
-          {"height", c.model.height},
-          {"fx", c.model.fx},
-          {"fy", c.model.fy},
-          {"cx", c.model.cx},
-          {"cy", c.model.cy},
-          {"skew", c.model.skew},
-          {"lens", lens_to_json(c.model.lens)},
-          {"cam_from_world", {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"translation", {t.x(), t.y(), t.z()}}}},
-          {"color_matrix", std::move(color)}};
+                 {"width", c.model.width},
+                 {"height", c.model.height},
+                 {"fx", c.model.fx},
+                 {"fy", c.model.fy},
+                 {"cx", c.model.cx},
+                 {"cy", c.model.cy},
+                 {"skew", c.model.skew},
+                 {"lens", lens_to_json(c.model.lens)},
+                 {"cam_from_world",
+                  {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"translation", {t.x(), t.y(), t.z()}}}},
+                 {"color_matrix", std::move(color)}};
   const Eigen::Vector3d& d = c.color.decode;
-  if (c.color.has_curve()) camera["color_curve"] = {{"decode", {d.x(), d.y(), d.z()}}, {"encode", c.color.encode}};
+  if (c.color.has_curve())
+    camera["color_curve"] = {{"decode", {d.x(), d.y(), d.z()}}, {"encode", c.color.encode}};
   return camera;
 }
 
-RigCamera read_camera(const nlohmann::json& value, std::size_t index, std::string_view name, JsonProblem& problem) {
+RigCamera read_camera(const nlohmann::json& value, std::size_t index, std::string_view name,
+                      JsonProblem& problem) {
   const bool named = value.is_object() && value.contains("serial") && value["serial"].is_string();
-  JsonFields fields(value, named ? text(name, ": camera '", value["serial"].get<std::string>(), "'") : text(name, ": camera ", index),
+  JsonFields fields(value,
+                    named ? text(name, ": camera '", value["serial"].get<std::string>(), "'")
+                          : text(name, ": camera ", index),
                     problem);
   RigCamera c;
   c.serial = fields.string("serial");
-  c.model = {.width = fields.integer("width"), .height = fields.integer("height"),
-             .fx = fields.number("fx"), .fy = fields.number("fy"),
-             .cx = fields.number("cx"), .cy = fields.number("cy"),
-             .skew = fields.number("skew", 0.0), .lens = {}};
+  c.model = {.width = fields.integer("width"),
+             .height = fields.integer("height"),
+             .fx = fields.number("fx"),
+             .fy = fields.number("fy"),
+             .cx = fields.number("cx"),
+             .cy = fields.number("cy"),
+             .skew = fields.number("skew", 0.0),
+             .lens = {}};
   if (const nlohmann::json* lens = fields.child("lens", false))
     c.model.lens = read_lens(JsonFields(*lens, fields.where() + ": lens", problem), problem);
   if (const nlohmann::json* transform = fields.child("cam_from_world"))
@@ -103,10 +121,13 @@ Result<Rig> parse_rig(std::string_view bytes, std::string_view name) {
   JsonFields fields(*document, std::string(name), problem);
   const int version = fields.integer("floatstage_rig");
   if (!problem.first && (version < 1 || version > kVersion))
-    return fail(ErrorCode::Unsupported, text(name, ": rig format ", version, " is not known here; this program reads formats 1 to ", kVersion));
+    return fail(ErrorCode::Unsupported,
+                text(name, ": rig format ", version, " is not known here; this program reads formats 1 to ",
+                     kVersion));
   Rig rig;
   if (const nlohmann::json* cameras = fields.list("cameras"))
-    for (const nlohmann::json& camera : *cameras) rig.cameras.push_back(read_camera(camera, rig.cameras.size(), name, problem));
+    for (const nlohmann::json& camera : *cameras)
+      rig.cameras.push_back(read_camera(camera, rig.cameras.size(), name, problem));
   fields.refuse_others();
   if (problem.first) return fail(ErrorCode::BadData, *problem.first);
   if (Result<void> ok = check(rig); !ok) return fail(ok.error().code, text(name, ": ", ok.error().message));
@@ -116,7 +137,8 @@ Result<Rig> parse_rig(std::string_view bytes, std::string_view name) {
 std::string to_json(const Rig& rig) {
   Json cameras = Json::array();
   for (const RigCamera& c : rig.cameras) cameras.push_back(camera_to_json(c));
-  const bool curves = std::any_of(rig.cameras.begin(), rig.cameras.end(), [](const RigCamera& c) { return c.color.has_curve(); });
+  const bool curves = std::any_of(rig.cameras.begin(), rig.cameras.end(),
+                                  [](const RigCamera& c) { return c.color.has_curve(); });
   return print_json({{"floatstage_rig", curves ? kVersion : kWithoutCurve}, {"cameras", std::move(cameras)}});
 }
 
@@ -128,7 +150,8 @@ Result<Rig> load_rig(const std::filesystem::path& file) {
 
 Result<void> save_rig(const Rig& rig, const std::filesystem::path& file) {
   // JSON has no NaN: a rig that we could not read back is never written.
-  if (Result<void> ok = check(rig); !ok) return fail(ok.error().code, text(file.string(), ": not written: ", ok.error().message));
+  if (Result<void> ok = check(rig); !ok)
+    return fail(ok.error().code, text(file.string(), ": not written: ", ok.error().message));
   return write_file(file, to_json(rig));
 }
 

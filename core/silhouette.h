@@ -6,9 +6,9 @@
 
 namespace floatstage {
 
-/// The outline of the subject in one picture: simple, disjoint polygons in the photograph's own pixels (corner
-/// convention), the subject to the right of every edge as one walks it on the screen (y down), so that outer
-/// polygons have positive shoelace area and holes negative.
+/// The outline of the subject in one picture: simple, disjoint polygons in the photograph's own pixels
+/// (corner convention), the subject to the right of every edge as one walks it on the screen (y down), so
+/// that outer polygons have positive shoelace area and holes negative.
 struct Silhouette {
   std::vector<Eigen::Vector2d> points;  ///< all polygons one after the other, px
   std::vector<int>

@@ -23,14 +23,18 @@ std::string frame_name(int frame, const char* extension) {
 }
 
 // Media names come from a file: they must not lead out of the take.
-bool plain_file_name(const std::string& s) { return !s.empty() && s != "." && s != ".." && s.find('/') == std::string::npos; }
-
-bool sha256_in_hex(const std::string& s) {
-  return s.size() == 64 &&
-         std::all_of(s.begin(), s.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+bool plain_file_name(const std::string& s) {
+  return !s.empty() && s != "." && s != ".." && s.find('/') == std::string::npos;
 }
 
-TakeManifest::Camera read_camera(const nlohmann::json& value, const std::string& where, JsonProblem& problem) {
+bool sha256_in_hex(const std::string& s) {
+  return s.size() == 64 && std::all_of(s.begin(), s.end(), [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f');
+         });
+}
+
+TakeManifest::Camera read_camera(const nlohmann::json& value, const std::string& where,
+                                 JsonProblem& problem) {
   JsonFields fields(value, where, problem);
   TakeManifest::Camera c;
   c.serial = fields.string("serial");
@@ -45,8 +49,10 @@ TakeManifest::Camera read_camera(const nlohmann::json& value, const std::string&
   else
     problem.note(where, text("unknown pixel format '", format, "'"));
   if (!is_usable_serial(c.serial)) problem.note(where, text("'", c.serial, "' cannot be a camera serial"));
-  if (!plain_file_name(c.media)) problem.note(where, text("'", c.media, "' is not the name of a file inside the take"));
-  if (c.width < 0 || c.height < 0) problem.note(where, text("image size ", c.width, "x", c.height, " is negative"));
+  if (!plain_file_name(c.media))
+    problem.note(where, text("'", c.media, "' is not the name of a file inside the take"));
+  if (c.width < 0 || c.height < 0)
+    problem.note(where, text("image size ", c.width, "x", c.height, " is negative"));
   return c;
 }
 
@@ -66,7 +72,8 @@ Result<TakeManifest> parse_manifest(std::string_view bytes, std::string_view nam
   TakeManifest m;
   m.version = fields.integer("floatstage_take");
   if (!problem.first && m.version != kVersion)
-    return fail(ErrorCode::Unsupported, text(name, ": take format ", m.version, " is not known here; this program reads format ", kVersion));
+    return fail(ErrorCode::Unsupported, text(name, ": take format ", m.version,
+                                             " is not known here; this program reads format ", kVersion));
   m.label = fields.string("label");
   m.created = fields.string("created");
   m.writer = fields.string("writer");
@@ -80,7 +87,8 @@ Result<TakeManifest> parse_manifest(std::string_view bytes, std::string_view nam
 
   const std::string where(name);
   if (!(m.frame_rate >= 0)) problem.note(where, "'frame_rate' is negative");
-  if (!sha256_in_hex(m.rig_sha256)) problem.note(where, "'rig_sha256' is not 64 lower-case hexadecimal digits");
+  if (!sha256_in_hex(m.rig_sha256))
+    problem.note(where, "'rig_sha256' is not 64 lower-case hexadecimal digits");
   if (m.cameras.empty()) problem.note(where, "the take has no camera");
   std::set<std::string> serials, media;
   for (const TakeManifest::Camera& c : m.cameras)
@@ -93,8 +101,12 @@ Result<TakeManifest> parse_manifest(std::string_view bytes, std::string_view nam
 std::string to_json(const TakeManifest& m) {
   Json cameras = Json::array();
   for (const TakeManifest::Camera& c : m.cameras)
-    cameras.push_back({{"serial", c.serial}, {"media", c.media}, {"codec", c.codec}, {"format", name_of(c.format)},
-                       {"width", c.width}, {"height", c.height}});
+    cameras.push_back({{"serial", c.serial},
+                       {"media", c.media},
+                       {"codec", c.codec},
+                       {"format", name_of(c.format)},
+                       {"width", c.width},
+                       {"height", c.height}});
   return print_json({{"floatstage_take", m.version},
                      {"label", m.label},
                      {"created", m.created},

@@ -14,14 +14,14 @@ namespace floatstage {
 
 /// Where everything lies in a take (a recording): one place that knows the names.
 ///
-///   take.json  rig.json  <serial>.mkv  <serial>.frames.csv      the recording, never changed again
-///   quality.json                                                 the recorder's verdict
-///   mattes/<serial>/<frame>.png  meshes/<frame>.ply  renders/    derived by `process`, may be deleted and remade
-///   mattes/keying.json  meshes/hull.json                         with which options they were made
-///   mattes/edits.json                                            what a person said about them (core/matte_edits.h); never removed
-///   truth/…                                                      ground truth of a synthetic take, same layout below
-///   plates/<serial>.png                                          clean plates, when they were shot
-///   colors.json                                                  a rig.json whose colour transforms the renderer uses (`calibrate color`)
+///   take.json  rig.json  <serial>.mkv  <serial>.frames.csv  the recording, never changed again
+///   quality.json                                            the recorder's verdict
+///   mattes/<serial>/<frame>.png  meshes/<frame>.ply  renders/  derived by `process`, may be deleted
+///   mattes/keying.json  meshes/hull.json                    with which options they were made
+///   mattes/edits.json                                       a person's corrections, never removed
+///   truth/…                                                 ground truth of a synthetic take, laid out alike
+///   plates/<serial>.png                                     clean plates, when they were shot
+///   colors.json                                             `calibrate color`: a rig.json with colours
 class TakeLayout {
  public:
   explicit TakeLayout(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -30,7 +30,9 @@ class TakeLayout {
   std::filesystem::path manifest() const { return folder_ / "take.json"; }
   std::filesystem::path rig() const { return folder_ / "rig.json"; }
   std::filesystem::path quality() const { return folder_ / "quality.json"; }
-  std::filesystem::path frames_csv(std::string_view serial) const { return folder_ / (std::string(serial) + ".frames.csv"); }
+  std::filesystem::path frames_csv(std::string_view serial) const {
+    return folder_ / (std::string(serial) + ".frames.csv");
+  }
   std::filesystem::path mattes() const { return folder_ / "mattes"; }
   std::filesystem::path matte(std::string_view serial, int frame) const;
   std::filesystem::path keying() const { return mattes() / "keying.json"; }
@@ -39,7 +41,9 @@ class TakeLayout {
   std::filesystem::path mesh(int frame) const;
   std::filesystem::path hull_report() const { return meshes() / "hull.json"; }
   std::filesystem::path renders() const { return folder_ / "renders"; }
-  std::filesystem::path plate(std::string_view serial) const { return folder_ / "plates" / (std::string(serial) + ".png"); }
+  std::filesystem::path plate(std::string_view serial) const {
+    return folder_ / "plates" / (std::string(serial) + ".png");
+  }
   std::filesystem::path colors() const { return folder_ / "colors.json"; }
   TakeLayout truth() const { return TakeLayout(folder_ / "truth"); }
 
@@ -59,10 +63,10 @@ struct TakeManifest {
   };
   int version = 1;
   std::string label;
-  std::string created;       ///< UTC, ISO 8601
-  std::string writer;        ///< program and version
-  double frame_rate = 0;     ///< nominal frames per second; 0 when there is only one instant
-  std::string rig_sha256;    ///< of rig.json's bytes, lower-case hex
+  std::string created;     ///< UTC, ISO 8601
+  std::string writer;      ///< program and version
+  double frame_rate = 0;   ///< nominal frames per second; 0 when there is only one instant
+  std::string rig_sha256;  ///< of rig.json's bytes, lower-case hex
   bool complete = false;
   std::vector<Camera> cameras;  ///< in rig order
   bool operator==(const TakeManifest&) const = default;
@@ -71,19 +75,22 @@ struct TakeManifest {
 Result<TakeManifest> parse_manifest(std::string_view json, std::string_view name_for_errors);
 std::string to_json(const TakeManifest& manifest);
 
-/// One row of <serial>.frames.csv: one per frame *expected*. A gap is a row with status Lost and no media index.
+/// One row of <serial>.frames.csv: one per frame *expected*. A gap is a row with status Lost and no media
+/// index.
 struct FrameRow {
-  FrameInfo info;                          ///< info.camera is not stored; the file is one camera's
+  FrameInfo info;                           ///< info.camera is not stored; the file is one camera's
   std::optional<std::int64_t> media_index;  ///< which picture of the media file; absent for a gap
   bool operator==(const FrameRow&) const = default;
 };
 
-/// "sequence,device_time_ns,studio_time_ns,exposure_ns,status,media_index\n" and rows; absent values are empty fields.
+/// "sequence,device_time_ns,studio_time_ns,exposure_ns,status,media_index\n" and rows; absent values are
+/// empty fields.
 std::string frames_csv_header();
 std::string to_csv(const FrameRow& row);
 
-/// Reads a side file. A last line without its newline (a take cut off mid-write) is ignored; any other malformed
-/// line is BadData with its number.
-Result<std::vector<FrameRow>> parse_frames_csv(std::string_view csv, int camera, std::string_view name_for_errors);
+/// Reads a side file. A last line without its newline (a take cut off mid-write) is ignored; any other
+/// malformed line is BadData with its number.
+Result<std::vector<FrameRow>> parse_frames_csv(std::string_view csv, int camera,
+                                               std::string_view name_for_errors);
 
 }  // namespace floatstage

@@ -10,12 +10,13 @@
 namespace floatstage {
 namespace {
 
-constexpr int kWindow = 5;          // px a side of the colour models' windows, at the small size
-constexpr double kSmooth = 1e-4;    // regularisation of the models, colours in 0..1
+constexpr int kWindow = 5;        // px a side of the colour models' windows, at the small size
+constexpr double kSmooth = 1e-4;  // regularisation of the models, colours in 0..1
 
 cv::Mat as_float(const Image& image) {
   cv::Mat out;
-  cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data())).convertTo(out, CV_32F, 1 / 255.0);
+  cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data()))
+      .convertTo(out, CV_32F, 1 / 255.0);
   return out;
 }
 
@@ -40,9 +41,12 @@ cv::Vec3f solve3(const cv::Vec6f& c, const cv::Vec3f& b) {
 }  // namespace
 
 Image carried_up(const Image& picture, const Image& matte) {
-  const cv::Mat alpha = as_float(matte), small = as_float(scaled(picture, matte.width, matte.height)), large = as_float(picture);
+  const cv::Mat alpha = as_float(matte), small = as_float(scaled(picture, matte.width, matte.height)),
+                large = as_float(picture);
+  cv::Mat rgb = small;
+  if (small.channels() != 3) cv::cvtColor(small, rgb, cv::COLOR_GRAY2RGB);
   cv::Mat i[3];
-  cv::split(small.channels() == 3 ? small : [&] { cv::Mat rgb; cv::cvtColor(small, rgb, cv::COLOR_GRAY2RGB); return rgb; }(), i);
+  cv::split(rgb, i);
   cv::Mat mean[3], with[3], covariance[6];
   const cv::Mat mean_alpha = window_mean(alpha);
   for (int c = 0; c < 3; ++c) {
@@ -56,7 +60,8 @@ Image carried_up(const Image& picture, const Image& matte) {
     for (int x = 0; x < matte.width; ++x) {
       cv::Vec6f cov;
       for (int k = 0; k < 6; ++k) cov[k] = covariance[k].at<float>(y, x);
-      const cv::Vec3f a = solve3(cov, {with[0].at<float>(y, x), with[1].at<float>(y, x), with[2].at<float>(y, x)});
+      const cv::Vec3f a =
+          solve3(cov, {with[0].at<float>(y, x), with[1].at<float>(y, x), with[2].at<float>(y, x)});
       float offset = mean_alpha.at<float>(y, x);
       for (int c = 0; c < 3; ++c) offset -= a[c] * mean[c].at<float>(y, x);
       model.at<cv::Vec4f>(y, x) = {a[0], a[1], a[2], offset};
@@ -69,7 +74,8 @@ Image carried_up(const Image& picture, const Image& matte) {
     for (int x = 0; x < out.width; ++x) {
       const cv::Vec4f& m = model.at<cv::Vec4f>(y, x);
       const float* p = large.ptr<float>(y) + static_cast<std::ptrdiff_t>(x) * picture.channels;
-      const float a = m[0] * p[0] + m[1] * p[picture.channels == 3 ? 1 : 0] + m[2] * p[picture.channels == 3 ? 2 : 0] + m[3];
+      const float a = m[0] * p[0] + m[1] * p[picture.channels == 3 ? 1 : 0] +
+                      m[2] * p[picture.channels == 3 ? 2 : 0] + m[3];
       *out.at(x, y) = static_cast<std::uint8_t>(std::lround(255 * std::clamp(a, 0.0f, 1.0f)));
     }
   }

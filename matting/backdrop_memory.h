@@ -9,8 +9,8 @@
 // Private to the stage.
 namespace floatstage {
 
-/// What a still camera has seen of each place of its backdrop, and how often: only where a matte said that it was background,
-/// and some pixels away from the subject. Where the subject always stood, nothing is known.
+/// What a still camera has seen of each place of its backdrop, and how often: only where a matte said that it
+/// was background, and some pixels away from the subject. Where the subject always stood, nothing is known.
 class BackdropMemory {
  public:
   BackdropMemory(int width, int height);
@@ -21,7 +21,8 @@ class BackdropMemory {
   Result<void> learn(const std::vector<Image>& pictures, const std::vector<Image>& near);
 
   bool known(std::size_t pixel) const { return trust_[pixel] > 0; }
-  /// Log of how much likelier the subject is than the backdrop, its shadow included, in that pixel; 0 where nothing is known.
+  /// Log of how much likelier the subject is than the backdrop, its shadow included, in that pixel; 0 where
+  /// nothing is known.
   float odds(std::size_t pixel, const std::uint8_t* rgb) const;
   /// For CutEvidence::calm, in a frame.
   std::vector<float> calm(const Image& picture) const;

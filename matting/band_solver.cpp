@@ -1,9 +1,9 @@
 #include "matting/band_solver.h"
 
-#include <suitesparse/cholmod.h>
-
 #include <algorithm>
 #include <cstdint>
+
+#include <suitesparse/cholmod.h>
 
 #include "core/text.h"
 #include "matting/dense.h"
@@ -11,7 +11,7 @@
 namespace floatstage {
 namespace {
 
-constexpr int kManyUnknowns = 100'000;  // from here on METIS' better order is worth its time
+constexpr int kManyUnknowns = 100'000;             // from here on METIS' better order is worth its time
 constexpr double kShifts[] = {1e-10, 1e-7, 1e-5};  // of the diagonal: keeps what nobody constrains solvable
 
 // Owns what CHOLMOD hands out, in the order in which it must go.
@@ -43,14 +43,16 @@ struct Cholmod {
   Unexpected refused(int unknowns) const {
     return fail(ErrorCode::Unsupported,
                 text("the opacity of ", unknowns, " pixels could not be solved",
-                     common.status == CHOLMOD_OUT_OF_MEMORY ? ": out of memory; use a smaller picture or a tighter trimap"
-                                                            : text(" (CHOLMOD status ", common.status, ")")));
+                     common.status == CHOLMOD_OUT_OF_MEMORY
+                         ? ": out of memory; use a smaller picture or a tighter trimap"
+                         : text(" (CHOLMOD status ", common.status, ")")));
   }
 };
 
 }  // namespace
 
-Result<std::vector<double>> solve_band(const LaplacianStencil& stencil, const std::vector<std::uint8_t>& active,
+Result<std::vector<double>> solve_band(const LaplacianStencil& stencil,
+                                       const std::vector<std::uint8_t>& active,
                                        const std::vector<double>& weight, const std::vector<double>& value) {
   const std::size_t pixels = stencil.pixels();
   std::vector<int> unknown_of(pixels, -1), pixel_of;
@@ -62,7 +64,8 @@ Result<std::vector<double>> solve_band(const LaplacianStencil& stencil, const st
 
   // The lower triangle, column by column: a pixel and those that follow it, in raster order.
   Cholmod c(n);
-  c.matrix = cholmod_allocate_sparse(n, n, static_cast<std::size_t>(n) * LaplacianStencil::kSteps, 1, 1, -1, CHOLMOD_REAL, &c.common);
+  c.matrix = cholmod_allocate_sparse(n, n, static_cast<std::size_t>(n) * LaplacianStencil::kSteps, 1, 1, -1,
+                                     CHOLMOD_REAL, &c.common);
   c.right = c.matrix ? cholmod_allocate_dense(n, 1, n, CHOLMOD_REAL, &c.common) : nullptr;
   if (!c.right) return c.refused(n);
   int *starts = static_cast<int*>(c.matrix->p), *rows = static_cast<int*>(c.matrix->i);
@@ -91,7 +94,8 @@ Result<std::vector<double>> solve_band(const LaplacianStencil& stencil, const st
   bool factored = false;
   for (const double shift : kShifts) {
     double beta[2] = {shift, 0};
-    factored = cholmod_factorize_p(c.matrix, beta, nullptr, 0, c.factor, &c.common) && c.common.status == CHOLMOD_OK;
+    factored =
+        cholmod_factorize_p(c.matrix, beta, nullptr, 0, c.factor, &c.common) && c.common.status == CHOLMOD_OK;
     if (factored || c.common.status == CHOLMOD_OUT_OF_MEMORY) break;
   }
   if (!factored) return c.refused(n);

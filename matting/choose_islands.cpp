@@ -27,7 +27,9 @@ struct Island {
 Image choose_islands(const Image& key, const Image& previous, const Image& said, int reach) {
   FLOATSTAGE_CHECK(key.channels == 1, "a key has one channel");
   for (const Image* map : {&previous, &said})
-    FLOATSTAGE_CHECK(map->empty() || (map->channels == 1 && map->width == key.width && map->height == key.height), "maps of the key's size");
+    FLOATSTAGE_CHECK(
+        map->empty() || (map->channels == 1 && map->width == key.width && map->height == key.height),
+        "maps of the key's size");
   const cv::Mat alpha = as_mat(key);
   cv::Mat labels;
   const int count = cv::connectedComponents(alpha >= kSubject, labels, 8, CV_32S, cv::CCL_SAUF);
@@ -55,13 +57,16 @@ Image choose_islands(const Image& key, const Image& previous, const Image& said,
   std::vector<std::uint8_t> stays(islands.size());
   for (int i = 1; i < count; ++i) {
     const Island& island = islands[static_cast<std::size_t>(i)];
-    const bool follows = previous_area > 0 && (4 * island.near_previous >= island.area || 4 * island.near_previous >= previous_area);
+    const bool follows = previous_area > 0 && (4 * island.near_previous >= island.area ||
+                                               4 * island.near_previous >= previous_area);
     const bool unasked = previous.empty() && touched == 0;
-    stays[static_cast<std::size_t>(i)] = island.subject || (!island.background && (follows || unasked)) ? 255 : 0;
+    stays[static_cast<std::size_t>(i)] =
+        island.subject || (!island.background && (follows || unasked)) ? 255 : 0;
   }
   cv::Mat kept(alpha.size(), CV_8U), reached;
   for (int y = 0; y < key.height; ++y)
-    for (int x = 0; x < key.width; ++x) kept.at<std::uint8_t>(y, x) = stays[static_cast<std::size_t>(labels.at<int>(y, x))];
+    for (int x = 0; x < key.width; ++x)
+      kept.at<std::uint8_t>(y, x) = stays[static_cast<std::size_t>(labels.at<int>(y, x))];
   const int size = 2 * kSoftEdge + 1;
   cv::dilate(kept, reached, cv::getStructuringElement(cv::MORPH_RECT, {size, size}));
   Image out = key;

@@ -17,10 +17,11 @@ namespace floatstage {
 namespace {
 
 constexpr std::size_t kMostBytes = 400u << 20;  // of photographs kept in working size
-constexpr float kCertain = 1000;      // log-odds of a stroke
+constexpr float kCertain = 1000;                // log-odds of a stroke
 constexpr float kColor = 3;           // log-odds at most by colour where the backdrop is unknown …
 constexpr float kColorBefore = 0.5f;  // … of which so much counts where it is known
-constexpr double kReach = 0.05;       // of the longer side: how far from the neighbours' mattes the subject is looked for
+constexpr double kReach =
+    0.05;  // of the longer side: how far from the neighbours' mattes the subject is looked for
 constexpr double kFirstReach = 0.3;   // likewise from the click, in the first frame
 constexpr double kNear = 0.008;       // likewise what is too near the subject to be held for backdrop
 constexpr int kStillFor = 10;         // frames that a place must look the same to be called still …
@@ -29,7 +30,10 @@ constexpr float kStillOdds = -1.5f;   // log-odds of a still place whose backdro
 constexpr float kStillColors = 0.1f;  // share of the subject's still pixels in its colours
 constexpr int kFirstCuts = 4;
 
-cv::Mat as_mat(const Image& image) { return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data())); }
+cv::Mat as_mat(const Image& image) {
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
+                 const_cast<std::uint8_t*>(image.pixels.data()));
+}
 
 Image grown(const Image& matte, int radius) {
   Image out(matte.width, matte.height, 1);
@@ -48,13 +52,17 @@ bool marks_subject(const MatteOpinion& o) {
 
 struct Colors {
   ColorModel subject, backdrop;
-  float odds(const std::uint8_t* rgb) const { return std::clamp(std::log(subject.likelihood(rgb) / backdrop.likelihood(rgb)), -kColor, kColor); }
+  float odds(const std::uint8_t* rgb) const {
+    return std::clamp(std::log(subject.likelihood(rgb) / backdrop.likelihood(rgb)), -kColor, kColor);
+  }
 };
 
 class Cutter {
  public:
-  Cutter(const MattingClip& clip, const ClipCutOptions& options, int width, int height) : clip_(clip), options_(options), width_(width), height_(height), memory_(0, 0) {
-    const double shrink = std::min(1.0, std::sqrt(options.working_pixels / (static_cast<double>(width) * height)));
+  Cutter(const MattingClip& clip, const ClipCutOptions& options, int width, int height)
+      : clip_(clip), options_(options), width_(width), height_(height), memory_(0, 0) {
+    const double shrink =
+        std::min(1.0, std::sqrt(options.working_pixels / (static_cast<double>(width) * height)));
     w_ = std::max(16, static_cast<int>(std::lround(width * shrink)));
     h_ = std::max(16, static_cast<int>(std::lround(height * shrink)));
     longer_ = std::max(w_, h_);
@@ -76,7 +84,8 @@ class Cutter {
       if (Result<void> ok = round == 0 ? begin() : relearn(); !ok) return forward(ok);
       const auto visit = [&](int frame, int from) -> Result<void> {
         if (Result<void> ok = cut(frame, from, round); !ok) return ok;
-        if (done && !done(round, frame)) return fail(ErrorCode::Cancelled, "stopped while the subject was cut out");
+        if (done && !done(round, frame))
+          return fail(ErrorCode::Cancelled, "stopped while the subject was cut out");
         return {};
       };
       for (int f = first_ + (round == 0); f < clip_.frames; ++f)
@@ -97,8 +106,10 @@ class Cutter {
     Result<Image> large = clip_.photograph(frame);
     if (!large) return large;
     if (large->width != width_ || large->height != height_ || large->channels != 3)
-      return fail(ErrorCode::BadData, text("frame ", frame, ": the photograph is ", large->width, "x", large->height, " with ", large->channels, " channels, the first one is ", width_, "x", height_,
-                                           " in RGB; a clip has one size"));
+      return fail(ErrorCode::BadData,
+                  text("frame ", frame, ": the photograph is ", large->width, "x", large->height, " with ",
+                       large->channels, " channels, the first one is ", width_, "x", height_,
+                       " in RGB; a clip has one size"));
     Image small = scaled(*large, w_, h_);
     if (keep_) kept = small;
     return small;
@@ -108,7 +119,8 @@ class Cutter {
   std::vector<int> lessons() const {
     std::vector<int> frames;
     const int wanted = std::min(options_.lessons, clip_.frames);
-    for (int i = 0; i < wanted; ++i) frames.push_back(static_cast<int>((2L * i + 1) * clip_.frames / (2L * wanted)));
+    for (int i = 0; i < wanted; ++i)
+      frames.push_back(static_cast<int>((2L * i + 1) * clip_.frames / (2L * wanted)));
     return frames;
   }
 
@@ -126,19 +138,22 @@ class Cutter {
     std::vector<long> overlap(static_cast<std::size_t>(count)), area(overlap.size());
     const auto found = said_.find(frame);
     for (std::size_t p = 0; p < matte.pixels.size(); ++p) {
-      const auto label = static_cast<std::size_t>(labels.at<int>(static_cast<int>(p) / w_, static_cast<int>(p) % w_));
+      const auto label =
+          static_cast<std::size_t>(labels.at<int>(static_cast<int>(p) / w_, static_cast<int>(p) % w_));
       ++area[label];
       if (!expected.empty() && expected.pixels[p] >= 128) ++overlap[label];
-      if (found != said_.end() && marks(found->second, p) && found->second.opacity.pixels[p] >= 128) overlap[label] = area[0] + static_cast<long>(pixels());
+      if (found != said_.end() && marks(found->second, p) && found->second.opacity.pixels[p] >= 128)
+        overlap[label] = area[0] + static_cast<long>(pixels());
     }
     for (std::size_t p = 0; p < matte.pixels.size(); ++p) {
-      const auto label = static_cast<std::size_t>(labels.at<int>(static_cast<int>(p) / w_, static_cast<int>(p) % w_));
+      const auto label =
+          static_cast<std::size_t>(labels.at<int>(static_cast<int>(p) / w_, static_cast<int>(p) % w_));
       if (label && 5 * overlap[label] < area[label]) matte.pixels[p] = 0;
     }
   }
 
-  // The first frame knows nothing but a click. What never changed is backdrop, what moves and is near the click is subject;
-  // from there, colours and cut take turns.
+  // The first frame knows nothing but a click. What never changed is backdrop, what moves and is near the
+  // click is subject; from there, colours and cut take turns.
   Result<void> begin() {
     std::vector<Image> seen;
     for (const int f : lessons()) {
@@ -149,7 +164,8 @@ class Cutter {
     Result<Plate> plate = learn_plate(seen);
     if (!plate) return forward(plate);
     BackdropMemory guess(w_, h_);
-    if (Result<void> ok = guess.learn(seen, std::vector<Image>(seen.size(), Image(w_, h_, 1))); !ok) return ok;
+    if (Result<void> ok = guess.learn(seen, std::vector<Image>(seen.size(), Image(w_, h_, 1))); !ok)
+      return ok;
     Result<Image> now = picture(first_);
     if (!now) return forward(now);
     Result<std::vector<std::uint8_t>> still = stands_still(first_, *now);
@@ -157,7 +173,8 @@ class Cutter {
 
     Image click(w_, h_, 1);
     const MatteOpinion& said = said_.at(first_);
-    for (std::size_t p = 0; p < pixels(); ++p) click.pixels[p] = marks(said, p) && said.opacity.pixels[p] >= 128 ? 255 : 0;
+    for (std::size_t p = 0; p < pixels(); ++p)
+      click.pixels[p] = marks(said, p) && said.opacity.pixels[p] >= 128 ? 255 : 0;
     const Image around = grown(click, px(kFirstReach)), close = grown(click, px(0.015));
     CutEvidence evidence{std::vector<float>(pixels()), std::vector<std::uint8_t>(pixels()), guess.calm(*now)};
     std::vector<float> motion(pixels());
@@ -172,10 +189,13 @@ class Cutter {
     for (int i = 0; i < kFirstCuts; ++i) {
       Colors colors;
       for (std::size_t p = 0; p < pixels(); ++p)
-        if (around.pixels[p]) (matte.pixels[p] ? colors.subject : colors.backdrop).add(now->pixels.data() + 3 * p, i == 0 && close.pixels[p] ? 3.0f : 1.0f);
+        if (around.pixels[p])
+          (matte.pixels[p] ? colors.subject : colors.backdrop)
+              .add(now->pixels.data() + 3 * p, i == 0 && close.pixels[p] ? 3.0f : 1.0f);
       colors.subject.finish();
       colors.backdrop.finish();
-      for (std::size_t p = 0; p < pixels(); ++p) evidence.odds[p] = motion[p] + colors.odds(now->pixels.data() + 3 * p);
+      for (std::size_t p = 0; p < pixels(); ++p)
+        evidence.odds[p] = motion[p] + colors.odds(now->pixels.data() + 3 * p);
       obey(first_, evidence.odds);
       matte = cut_frame(*now, evidence, options_.smooth);
       keep_connected(first_, Image(w_, h_, 1), matte);
@@ -200,7 +220,8 @@ class Cutter {
         Result<Image> other = picture(frame + direction * d);
         if (!other) return forward(other);
         for (std::size_t p = 0; p < pixels(); ++p)
-          for (std::size_t c = 3 * p; c < 3 * p + 3; ++c) same[p] = same[p] && std::abs(now.pixels[c] - other->pixels[c]) <= kStill;
+          for (std::size_t c = 3 * p; c < 3 * p + 3; ++c)
+            same[p] = same[p] && std::abs(now.pixels[c] - other->pixels[c]) <= kStill;
       }
       for (std::size_t p = 0; p < pixels(); ++p) still[p] |= same[p];
     }
@@ -242,7 +263,8 @@ class Cutter {
     Carried all{Image(w_, h_, 1), Image(w_, h_, 1)};
     if (box.empty()) return all;
     const int margin = std::max(16, px(kReach));
-    box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & cv::Rect(0, 0, w_, h_);
+    box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+          cv::Rect(0, 0, w_, h_);
     const auto part = [&](const Image& picture) {
       Image out(box.width, box.height, picture.channels);
       as_mat(picture)(box).copyTo(as_mat(out));
@@ -269,7 +291,8 @@ class Cutter {
       const Carried carried = carry(*other, mattes_[static_cast<std::size_t>(f)], *now);
       for (std::size_t p = 0; p < pixels(); ++p) {
         const float sure = carried.doubt.pixels[p] ? 0.15f : 1;
-        prior[p] += static_cast<float>(options_.carried) * sure * (carried.matte.pixels[p] / 127.5f - 1) / static_cast<float>(neighbours.size());
+        prior[p] += static_cast<float>(options_.carried) * sure * (carried.matte.pixels[p] / 127.5f - 1) /
+                    static_cast<float>(neighbours.size());
         expected.pixels[p] = std::max(expected.pixels[p], carried.matte.pixels[p]);
       }
     }
@@ -310,28 +333,39 @@ Result<void> ClipCutOptions::check() const {
   const struct {
     const char* name;
     double value, low, high;
-  } ranges[] = {{"working_pixels", static_cast<double>(working_pixels), 1000, 4e6}, {"rounds", static_cast<double>(rounds), 1, 10},
-                {"lessons", static_cast<double>(lessons), 8, 1000}, {"smooth", smooth, 0, 100}, {"carried", carried, 0, 100}};
+  } ranges[] = {{"working_pixels", static_cast<double>(working_pixels), 1000, 4e6},
+                {"rounds", static_cast<double>(rounds), 1, 10},
+                {"lessons", static_cast<double>(lessons), 8, 1000},
+                {"smooth", smooth, 0, 100},
+                {"carried", carried, 0, 100}};
   for (const auto& r : ranges)
     if (!(r.value >= r.low && r.value <= r.high))
-      return fail(ErrorCode::InvalidArgument, text("cutting a clip: ", r.name, " is ", r.value, "; it must lie between ", r.low, " and ", r.high));
+      return fail(ErrorCode::InvalidArgument, text("cutting a clip: ", r.name, " is ", r.value,
+                                                   "; it must lie between ", r.low, " and ", r.high));
   return {};
 }
 
-Result<std::vector<Image>> cut_clip(const MattingClip& clip, const std::map<int, MatteOpinion>& strokes, const ClipCutOptions& options,
+Result<std::vector<Image>> cut_clip(const MattingClip& clip, const std::map<int, MatteOpinion>& strokes,
+                                    const ClipCutOptions& options,
                                     const std::function<bool(int, int)>& done) {
   if (Result<void> ok = options.check(); !ok) return forward(ok);
-  if (clip.frames <= 0 || !clip.photograph) return fail(ErrorCode::InvalidArgument, "there is no frame in the clip to be cut");
+  if (clip.frames <= 0 || !clip.photograph)
+    return fail(ErrorCode::InvalidArgument, "there is no frame in the clip to be cut");
   bool subject = false;
   for (const auto& [frame, opinion] : strokes) {
-    if (frame < 0 || frame >= clip.frames) return fail(ErrorCode::InvalidArgument, text("there is no frame ", frame, " in a clip of ", clip.frames));
+    if (frame < 0 || frame >= clip.frames)
+      return fail(ErrorCode::InvalidArgument,
+                  text("there is no frame ", frame, " in a clip of ", clip.frames));
     subject = subject || marks_subject(opinion);
   }
-  if (!subject) return fail(ErrorCode::InvalidArgument, "no stroke marks the subject; click on it in one frame at least");
+  if (!subject)
+    return fail(ErrorCode::InvalidArgument, "no stroke marks the subject; click on it in one frame at least");
   const Result<Image> first = clip.photograph(0);
   if (!first) return forward(first);
   if (first->width < 16 || first->height < 16 || first->channels != 3)
-    return fail(ErrorCode::BadData, text("the first photograph is ", first->width, "x", first->height, " with ", first->channels, " channels; RGB of 16x16 at least is wanted"));
+    return fail(ErrorCode::BadData,
+                text("the first photograph is ", first->width, "x", first->height, " with ", first->channels,
+                     " channels; RGB of 16x16 at least is wanted"));
   Cutter cutter(clip, options, first->width, first->height);
   for (const auto& [frame, opinion] : strokes) cutter.say(frame, opinion);
   return cutter.run(done);

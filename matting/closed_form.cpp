@@ -24,19 +24,23 @@ bool known(std::uint8_t v) { return v == 0 || v == 255; }
 Image crop(const Image& image, const Box& box) {
   Image out(box.x1 - box.x0, box.y1 - box.y0, image.channels);
   for (int y = box.y0; y < box.y1; ++y)
-    std::copy_n(image.at(box.x0, y), static_cast<std::size_t>(out.width) * out.channels, out.at(0, y - box.y0));
+    std::copy_n(image.at(box.x0, y), static_cast<std::size_t>(out.width) * out.channels,
+                out.at(0, y - box.y0));
   return out;
 }
 
-Result<void> check_inputs(const Image& picture, const Image& trimap, const Image& prior, const Image& weight) {
+Result<void> check_inputs(const Image& picture, const Image& trimap, const Image& prior,
+                          const Image& weight) {
   if ((picture.channels != 1 && picture.channels != 3) || picture.width < 3 || picture.height < 3)
-    return fail(ErrorCode::InvalidArgument, text("closed-form matting needs a grey or RGB picture of at least 3x3, not ", picture.width, "x",
-                                                 picture.height, " with ", picture.channels, " channels"));
+    return fail(ErrorCode::InvalidArgument,
+                text("closed-form matting needs a grey or RGB picture of at least 3x3, not ", picture.width,
+                     "x", picture.height, " with ", picture.channels, " channels"));
   for (const Image* map : {&trimap, &prior, &weight}) {
     if (map != &trimap && map->empty()) continue;
     if (map->channels != 1 || !same_size(*map, picture))
-      return fail(ErrorCode::InvalidArgument, text("the trimap or prior is ", map->width, "x", map->height, " with ", map->channels,
-                                                   " channels, but the picture is ", picture.width, "x", picture.height));
+      return fail(ErrorCode::InvalidArgument,
+                  text("the trimap or prior is ", map->width, "x", map->height, " with ", map->channels,
+                       " channels, but the picture is ", picture.width, "x", picture.height));
   }
   return {};
 }
@@ -58,19 +62,21 @@ Image half_trimap(const Image& trimap, int width, int height) {
   return out;
 }
 
-Result<Image> coarse_to_fine(const Image& picture, const Image& trimap, const ClosedFormOptions& options, const Image& prior,
-                             const Image& weight) {
+Result<Image> coarse_to_fine(const Image& picture, const Image& trimap, const ClosedFormOptions& options,
+                             const Image& prior, const Image& weight) {
   const int w = picture.width / 2, h = picture.height / 2;
   if (w < 3 || h < 3) return fail(ErrorCode::InvalidArgument, "most_unknown is too small for any picture");
   const auto half = [&](const Image& map) { return map.empty() ? Image() : scaled(map, w, h); };
-  Result<Image> small = closed_form_matte(scaled(picture, w, h), half_trimap(trimap, w, h), options, half(prior), half(weight));
+  Result<Image> small =
+      closed_form_matte(scaled(picture, w, h), half_trimap(trimap, w, h), options, half(prior), half(weight));
   if (!small) return small;
   RefineOptions refine;
   refine.solve = options;
   return refine_matte(picture, *small, refine, trimap);
 }
 
-Result<Image> solve_box(const Image& picture, const Image& trimap, const ClosedFormOptions& options, const Image& prior, const Image& weight) {
+Result<Image> solve_box(const Image& picture, const Image& trimap, const ClosedFormOptions& options,
+                        const Image& prior, const Image& weight) {
   // A pixel takes part where a window joins it to an unknown one.
   Image mask(trimap.width, trimap.height, 1);
   for (std::size_t i = 0; i < mask.pixels.size(); ++i) mask.pixels[i] = known(trimap.pixels[i]) ? 255 : 0;
@@ -93,26 +99,32 @@ Result<Image> solve_box(const Image& picture, const Image& trimap, const ClosedF
   if (!alpha) return forward(alpha);
   Image out = trimap;
   for (std::size_t p = 0; p < n; ++p)
-    if (active[p]) out.pixels[p] = static_cast<std::uint8_t>(std::lround(255 * std::clamp((*alpha)[p], 0.0, 1.0)));
+    if (active[p])
+      out.pixels[p] = static_cast<std::uint8_t>(std::lround(255 * std::clamp((*alpha)[p], 0.0, 1.0)));
   return out;
 }
 
 cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data()));
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
+                 const_cast<std::uint8_t*>(image.pixels.data()));
 }
 
 }  // namespace
 
 Result<void> ClosedFormOptions::check() const {
   if (Result<void> ok = laplacian.check(); !ok) return ok;
-  if (!(constraint > 0)) return fail(ErrorCode::InvalidArgument, text("constraint is ", constraint, "; it must be positive"));
-  if (!(prior >= 0 && prior <= 1e3)) return fail(ErrorCode::InvalidArgument, text("prior is ", prior, "; it must be 0 to 1000"));
-  if (most_unknown < 1000) return fail(ErrorCode::InvalidArgument, text("most_unknown is ", most_unknown, "; it must be at least 1000"));
+  if (!(constraint > 0))
+    return fail(ErrorCode::InvalidArgument, text("constraint is ", constraint, "; it must be positive"));
+  if (!(prior >= 0 && prior <= 1e3))
+    return fail(ErrorCode::InvalidArgument, text("prior is ", prior, "; it must be 0 to 1000"));
+  if (most_unknown < 1000)
+    return fail(ErrorCode::InvalidArgument,
+                text("most_unknown is ", most_unknown, "; it must be at least 1000"));
   return {};
 }
 
-Result<Image> closed_form_matte(const Image& picture, const Image& trimap, const ClosedFormOptions& options, const Image& prior_opacity,
-                                const Image& prior_weight) {
+Result<Image> closed_form_matte(const Image& picture, const Image& trimap, const ClosedFormOptions& options,
+                                const Image& prior_opacity, const Image& prior_weight) {
   if (Result<void> ok = options.check(); !ok) return forward(ok);
   if (Result<void> ok = check_inputs(picture, trimap, prior_opacity, prior_weight); !ok) return forward(ok);
   Box box{picture.width, picture.height, 0, 0};
@@ -127,8 +139,10 @@ Result<Image> closed_form_matte(const Image& picture, const Image& trimap, const
   if (unknown == 0) return trimap;
   const bool held = options.prior > 0 && !prior_opacity.empty();
   if (unknown == static_cast<long>(trimap.pixels.size()) && !held)
-    return fail(ErrorCode::InvalidArgument, "nothing in the trimap is known; mark some background (0) and some subject (255)");
-  if (unknown > options.most_unknown) return coarse_to_fine(picture, trimap, options, prior_opacity, prior_weight);
+    return fail(ErrorCode::InvalidArgument,
+                "nothing in the trimap is known; mark some background (0) and some subject (255)");
+  if (unknown > options.most_unknown)
+    return coarse_to_fine(picture, trimap, options, prior_opacity, prior_weight);
 
   const auto widen = [](int& low, int& high, int size) {
     low = std::max(0, low - kReach - 1);
@@ -138,10 +152,12 @@ Result<Image> closed_form_matte(const Image& picture, const Image& trimap, const
   widen(box.x0, box.x1, picture.width);
   widen(box.y0, box.y1, picture.height);
   const auto cropped = [&](const Image& map) { return map.empty() ? Image() : crop(map, box); };
-  Result<Image> part = solve_box(crop(picture, box), crop(trimap, box), options, cropped(prior_opacity), cropped(prior_weight));
+  Result<Image> part = solve_box(crop(picture, box), crop(trimap, box), options, cropped(prior_opacity),
+                                 cropped(prior_weight));
   if (!part) return part;
   Image out = trimap;
-  for (int y = box.y0; y < box.y1; ++y) std::copy_n(part->at(0, y - box.y0), static_cast<std::size_t>(part->width), out.at(box.x0, y));
+  for (int y = box.y0; y < box.y1; ++y)
+    std::copy_n(part->at(0, y - box.y0), static_cast<std::size_t>(part->width), out.at(box.x0, y));
   return out;
 }
 
@@ -168,8 +184,10 @@ Image trimap_around(const Image& matte, const TrimapOptions& options) {
 
 Result<Image> trimap_from_scribbles(const Image& picture, const Image& scribbled) {
   if (!same_size(picture, scribbled) || picture.channels != scribbled.channels)
-    return fail(ErrorCode::InvalidArgument, text("the scribbled picture is ", scribbled.width, "x", scribbled.height, " with ", scribbled.channels,
-                                                 " channels, but the picture is ", picture.width, "x", picture.height, " with ", picture.channels));
+    return fail(ErrorCode::InvalidArgument,
+                text("the scribbled picture is ", scribbled.width, "x", scribbled.height, " with ",
+                     scribbled.channels, " channels, but the picture is ", picture.width, "x", picture.height,
+                     " with ", picture.channels));
   Image out(picture.width, picture.height, 1, 128);
   const std::size_t channels = static_cast<std::size_t>(picture.channels);
   for (std::size_t i = 0; i < out.pixels.size(); ++i) {

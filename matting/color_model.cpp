@@ -16,10 +16,13 @@ void ColorModel::finish() {
     for (const int step : {1, kSide, kSide * kSide}) {
       for (int start = 0; start < kBins; ++start) {
         if (start / step % kSide != 0) continue;
-        for (int i = 0; i < kSide; ++i) line[static_cast<std::size_t>(i)] = bins_[static_cast<std::size_t>(start + i * step)];
+        for (int i = 0; i < kSide; ++i)
+          line[static_cast<std::size_t>(i)] = bins_[static_cast<std::size_t>(start + i * step)];
         for (int i = 0; i < kSide; ++i) {
-          const float before = line[static_cast<std::size_t>(std::max(i - 1, 0))], after = line[static_cast<std::size_t>(std::min(i + 1, kSide - 1))];
-          bins_[static_cast<std::size_t>(start + i * step)] = (before + 2 * line[static_cast<std::size_t>(i)] + after) / 4;
+          const float before = line[static_cast<std::size_t>(std::max(i - 1, 0))],
+                      after = line[static_cast<std::size_t>(std::min(i + 1, kSide - 1))];
+          bins_[static_cast<std::size_t>(start + i * step)] =
+              (before + 2 * line[static_cast<std::size_t>(i)] + after) / 4;
         }
       }
     }

@@ -6,7 +6,8 @@
 // Private to the stage.
 namespace floatstage {
 
-/// How often colours occur: a histogram of 32 steps a channel, smoothed so that a few thousand pixels fill it.
+/// How often colours occur: a histogram of 32 steps a channel, smoothed so that a few thousand pixels fill
+/// it.
 class ColorModel {
  public:
   ColorModel() : bins_(kBins, 0.0f) {}
@@ -14,7 +15,8 @@ class ColorModel {
   void add(const std::uint8_t* rgb, float weight = 1) { bins_[bin(rgb)] += weight; }
   /// Smooths and normalises; after it likelihood() may be asked.
   void finish();
-  /// Over that of a colour drawn blindly: 1 is no news. Never 0, since every model has seen too little. 1 when nothing was added.
+  /// Over that of a colour drawn blindly: 1 is no news. Never 0, since every model has seen too little. 1
+  /// when nothing was added.
   float likelihood(const std::uint8_t* rgb) const { return bins_[bin(rgb)]; }
 
  private:

@@ -11,10 +11,11 @@
 namespace floatstage {
 namespace {
 
-constexpr int kEnumerable = 16;          // components whose subsets are all tried
-constexpr double kTieBreak = 1e-9;       // price of area: of subsets that are as good the smallest wins
-constexpr double kSmallestGuess = 0.02;  // share of the picture that either side of a first guess has at least
-constexpr double kFree = 0.1;            // of the border: a subject that covers more is taken only when nothing else is
+constexpr int kEnumerable = 16;     // components whose subsets are all tried
+constexpr double kTieBreak = 1e-9;  // price of area: of subsets that are as good the smallest wins
+constexpr double kSmallestGuess =
+    0.02;                      // share of the picture that either side of a first guess has at least
+constexpr double kFree = 0.1;  // of the border: a subject that covers more is taken only when nothing else is
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -63,8 +64,8 @@ Selection cheapest_of_all(const SubsetEnergy& energy) {
   return selection;
 }
 
-// Thesis section 7.3.3: start from nothing, always make the change that gains the most. (Eq. 7.6 excludes components
-// that raise the energy on their own; here they are never taken while they do.)
+// Thesis section 7.3.3: start from nothing, always make the change that gains the most. (Eq. 7.6 excludes
+// components that raise the energy on their own; here they are never taken while they do.)
 Selection greedy(const SubsetEnergy& energy) {
   const Index k = energy.linear.size();
   VectorXd b = VectorXd::Zero(k);
@@ -88,9 +89,10 @@ Selection greedy(const SubsetEnergy& energy) {
 
 Result<void> fits(const Image& image, const MattingComponents& components, const char* what) {
   if (image.width == components.width && image.height == components.height && image.channels == 1) return {};
-  return fail(ErrorCode::InvalidArgument,
-              text("the ", what, " of an opinion on the matte is ", image.width, "x", image.height, " with ",
-                   image.channels, " channels; the components are ", components.width, "x", components.height));
+  return fail(
+      ErrorCode::InvalidArgument,
+      text("the ", what, " of an opinion on the matte is ", image.width, "x", image.height, " with ",
+           image.channels, " channels; the components are ", components.width, "x", components.height));
 }
 
 // All terms as one: a weight a pixel and the weighted mean of what is wanted there.
@@ -108,7 +110,8 @@ Result<Wanted> combined(const MattingComponents& components, const std::vector<S
     if (!o.weight.empty())
       if (const auto good = fits(o.weight, components, "weight"); !good) return forward(good);
     if (!(term.strength >= 0 && std::isfinite(term.strength)))
-      return fail(ErrorCode::InvalidArgument, text("the strength of an opinion on the matte is ", term.strength));
+      return fail(ErrorCode::InvalidArgument,
+                  text("the strength of an opinion on the matte is ", term.strength));
     for (Index p = 0; p < n; ++p) {
       const auto at = static_cast<std::size_t>(p);
       const double w = term.strength * (o.weight.empty() ? 1 : o.weight.pixels[at] / 255.0);
@@ -119,8 +122,9 @@ Result<Wanted> combined(const MattingComponents& components, const std::vector<S
     }
   }
   if (!(weight.sum() > 0))
-    return fail(ErrorCode::InvalidArgument,
-                "nothing says which components are subject; give a scribble, a matte, or a plate's likelihood");
+    return fail(
+        ErrorCode::InvalidArgument,
+        "nothing says which components are subject; give a scribble, a matte, or a plate's likelihood");
   Wanted wanted{weight, VectorXd::Zero(n), 0};
   for (Index p = 0; p < n; ++p) {
     if (weight(p) <= 0) continue;
@@ -132,11 +136,13 @@ Result<Wanted> combined(const MattingComponents& components, const std::vector<S
 
 }  // namespace
 
-Result<Selection> select_components(const MattingComponents& components, const std::vector<SelectionTerm>& terms,
+Result<Selection> select_components(const MattingComponents& components,
+                                    const std::vector<SelectionTerm>& terms,
                                     const std::vector<bool>& previous, double persistence) {
   const auto k = static_cast<std::size_t>(components.count());
   if (!previous.empty() && previous.size() != k)
-    return fail(ErrorCode::InvalidArgument, text("the previous choice is of ", previous.size(), " components, there are ", k));
+    return fail(ErrorCode::InvalidArgument,
+                text("the previous choice is of ", previous.size(), " components, there are ", k));
   const auto wanted = combined(components, terms);
   if (!wanted) return forward(wanted);
   const double n = static_cast<double>(components.alpha.rows());
@@ -157,10 +163,11 @@ Result<Selection> select_components(const MattingComponents& components, const s
   return k <= kEnumerable ? cheapest_of_all(energy) : greedy(energy);
 }
 
-Result<Selection> guess_selection(const MattingComponents& components, const Eigen::SparseMatrix<double>& laplacian) {
+Result<Selection> guess_selection(const MattingComponents& components,
+                                  const Eigen::SparseMatrix<double>& laplacian) {
   if (components.empty() || laplacian.cols() != components.alpha.rows())
-    return fail(ErrorCode::InvalidArgument, text("the matting Laplacian has ", laplacian.cols(), " pixels, the components ",
-                                                 components.alpha.rows()));
+    return fail(ErrorCode::InvalidArgument, text("the matting Laplacian has ", laplacian.cols(),
+                                                 " pixels, the components ", components.alpha.rows()));
   const MatrixXd alpha = components.alpha.cast<double>();
   // Components beyond those that can be enumerated are background: the largest are decided on.
   std::vector<Index> order(static_cast<std::size_t>(alpha.cols()));
@@ -175,8 +182,10 @@ Result<Selection> guess_selection(const MattingComponents& components, const Eig
   const SubsetEnergy energy{chosen.transpose() * (laplacian * chosen), VectorXd::Zero(k), 0};
   const int w = components.width, h = components.height;
   VectorXd border = VectorXd::Zero(k), area = chosen.colwise().mean();
-  for (int x = 0; x < w; ++x) border += chosen.row(x).transpose();  // people stand: the bottom row says nothing
-  for (int y = 1; y < h; ++y) border += (chosen.row(Index{y} * w) + chosen.row(Index{y} * w + w - 1)).transpose();
+  for (int x = 0; x < w; ++x)
+    border += chosen.row(x).transpose();  // people stand: the bottom row says nothing
+  for (int y = 1; y < h; ++y)
+    border += (chosen.row(Index{y} * w) + chosen.row(Index{y} * w + w - 1)).transpose();
   border /= w + 2.0 * (h - 1);
 
   double least = std::numeric_limits<double>::infinity();
@@ -186,7 +195,8 @@ Result<Selection> guess_selection(const MattingComponents& components, const Eig
     if (share < kSmallestGuess || share > 1 - kSmallestGuess) return;
     const double touching = border.dot(b);
     if (touching > 0.5) return;  // that side is the background
-    const double score = (std::max(value, 0.0) + 1e-12) / (share * (1 - share)) * (touching > kFree ? 1e6 : 1);
+    const double score =
+        (std::max(value, 0.0) + 1e-12) / (share * (1 - share)) * (touching > kFree ? 1e6 : 1);
     if (score < least) {
       least = score;
       best = b;

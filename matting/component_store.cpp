@@ -19,10 +19,10 @@ namespace {
 // Everything that the components depend on, but the pictures.
 std::uint64_t key_of(const SpectralOptions& o, int width, int height, CarryingFlow flow) {
   std::ostringstream words;
-  words << std::hexfloat << o.laplacian.epsilon << ' ' << o.eigenvectors << ' ' << o.components << ' ' << o.krylov_block
-        << ' ' << o.krylov_steps << ' ' << o.tolerance << ' ' << o.warm_steps << ' ' << o.sparsity << ' '
-        << o.newton_steps << ' ' << o.newton_stride << ' ' << o.clusterings << ' ' << o.seed << ' ' << width << ' '
-        << height << ' ' << static_cast<int>(flow);
+  words << std::hexfloat << o.laplacian.epsilon << ' ' << o.eigenvectors << ' ' << o.components << ' '
+        << o.krylov_block << ' ' << o.krylov_steps << ' ' << o.tolerance << ' ' << o.warm_steps << ' '
+        << o.sparsity << ' ' << o.newton_steps << ' ' << o.newton_stride << ' ' << o.clusterings << ' '
+        << o.seed << ' ' << width << ' ' << height << ' ' << static_cast<int>(flow);
   return hash_of(words.str());
 }
 
@@ -32,7 +32,8 @@ std::uint64_t key_after(std::uint64_t key, const Image& picture) {
 
 template <class Parsed>
 std::optional<Parsed> load_if_current(const std::filesystem::path& file, std::uint64_t wanted,
-                                      Result<Parsed> (*parse)(std::string_view, std::uint64_t&, std::string_view)) {
+                                      Result<Parsed> (*parse)(std::string_view, std::uint64_t&,
+                                                              std::string_view)) {
   const auto bytes = read_file(file);
   if (!bytes) return std::nullopt;
   std::uint64_t key = 0;
@@ -41,7 +42,9 @@ std::optional<Parsed> load_if_current(const std::filesystem::path& file, std::ui
   return std::move(*parsed);
 }
 
-Unexpected in_frame(int frame, const Error& error) { return fail(error.code, text("frame ", frame, ": ", error.message)); }
+Unexpected in_frame(int frame, const Error& error) {
+  return fail(error.code, text("frame ", frame, ": ", error.message));
+}
 
 }  // namespace
 
@@ -61,7 +64,7 @@ Result<MattingComponents> ComponentStore::load(int frame) const {
 Result<void> ComponentStore::prepare_run(int first, int last, const std::function<Result<Image>(int)>& small,
                                          const std::function<bool(int)>& done, int& made) const {
   std::optional<EigenSolver> solver;
-  std::optional<EigenPairs> pairs;               // of the frame before, once they are needed
+  std::optional<EigenPairs> pairs;              // of the frame before, once they are needed
   std::optional<MattingComponents> components;  // likewise
   std::uint64_t key = key_of(options_, width_, height_, flow_);
   Image before;
@@ -75,10 +78,12 @@ Result<void> ComponentStore::prepare_run(int first, int last, const std::functio
       components = std::move(kept);
       pairs.reset();
       before = *picture;
-      if (done && !done(frame)) return fail(ErrorCode::Cancelled, "stopped while matting components were made");
+      if (done && !done(frame))
+        return fail(ErrorCode::Cancelled, "stopped while matting components were made");
       continue;
     }
-    if (frame > first && !pairs) pairs = load_if_current(file(frame - 1, ".eigen"), key_before, parse_eigenpairs);
+    if (frame > first && !pairs)
+      pairs = load_if_current(file(frame - 1, ".eigen"), key_before, parse_eigenpairs);
     if (!solver) {
       auto created = EigenSolver::create(width_, height_, options_);
       if (!created) return forward(created);
@@ -105,7 +110,8 @@ Result<void> ComponentStore::prepare_run(int first, int last, const std::functio
   return {};
 }
 
-ComponentStore::Outcome ComponentStore::prepare(int frames, int threads, const std::function<Result<Image>(int)>& small,
+ComponentStore::Outcome ComponentStore::prepare(int frames, int threads,
+                                                const std::function<Result<Image>(int)>& small,
                                                 const std::function<bool(int)>& done) const {
   const int runs = (frames + kRun - 1) / kRun;
   std::vector<int> made(static_cast<std::size_t>(runs), 0);

@@ -12,14 +12,14 @@ namespace floatstage {
 namespace {
 
 constexpr int kSurelySubject = 250, kSurelyBackground = 5;
-constexpr double kMostError = 48;      // 8-bit steps: beyond, wrong is wrong
+constexpr double kMostError = 48;       // 8-bit steps: beyond, wrong is wrong
 constexpr double kLeastFlicker = 1e-5;  // below, all are calm
-constexpr double kTells = 0.1;          // of a score: on clips with exact truth smaller differences err both ways
-constexpr int kConfident = 128;        // of Plate::confidence
+constexpr double kTells = 0.1;   // of a score: on clips with exact truth smaller differences err both ways
+constexpr int kConfident = 128;  // of Plate::confidence
 constexpr double kSigmas[] = {2, 6, 18, 54};  // px: how far colours are extended, first as near as possible
 
-// Colours of the chosen pixels extended over all others: normalised convolution with ever wider Gaussians, the
-// narrowest that finds anything.
+// Colours of the chosen pixels extended over all others: normalised convolution with ever wider Gaussians,
+// the narrowest that finds anything.
 cv::Mat extended(const cv::Mat& picture, const cv::Mat& chosen) {
   cv::Mat weight, out = cv::Mat::zeros(picture.size(), CV_32FC3);
   chosen.convertTo(weight, CV_32F, 1 / 255.0);
@@ -41,28 +41,35 @@ cv::Mat extended(const cv::Mat& picture, const cv::Mat& chosen) {
   return out;
 }
 
-bool has_subject(const Image& matte) { return std::any_of(matte.pixels.begin(), matte.pixels.end(), [](int a) { return a >= 128; }); }
+bool has_subject(const Image& matte) {
+  return std::any_of(matte.pixels.begin(), matte.pixels.end(), [](int a) { return a >= 128; });
+}
 
 }  // namespace
 
-std::vector<double> composite_residuals(const Image& picture, const std::vector<Image>& candidates, const Plate* plate) {
+std::vector<double> composite_residuals(const Image& picture, const std::vector<Image>& candidates,
+                                        const Plate* plate) {
   constexpr double kRefused = std::numeric_limits<double>::infinity();
   std::vector<double> residuals(candidates.size(), kRefused);
   const bool somebody = std::any_of(candidates.begin(), candidates.end(), has_subject);
   std::vector<std::size_t> fit;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Image& c = candidates[i];
-    if (c.channels == 1 && c.width == picture.width && c.height == picture.height && (has_subject(c) || !somebody)) fit.push_back(i);
+    if (c.channels == 1 && c.width == picture.width && c.height == picture.height &&
+        (has_subject(c) || !somebody))
+      fit.push_back(i);
   }
   if (fit.empty()) return residuals;
   cv::Mat subject(picture.height, picture.width, CV_8U, cv::Scalar(255)), background = subject.clone();
   for (const std::size_t i : fit) {
-    const cv::Mat alpha(picture.height, picture.width, CV_8U, const_cast<std::uint8_t*>(candidates[i].pixels.data()));
+    const cv::Mat alpha(picture.height, picture.width, CV_8U,
+                        const_cast<std::uint8_t*>(candidates[i].pixels.data()));
     subject &= alpha >= kSurelySubject;
     background &= alpha <= kSurelyBackground;
   }
   cv::Mat colors;
-  cv::Mat(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.pixels.data())).convertTo(colors, CV_32F);
+  cv::Mat(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.pixels.data()))
+      .convertTo(colors, CV_32F);
   const cv::Mat f = extended(colors, subject);
   cv::Mat b = extended(colors, background);
   if (plate && plate->color.width == picture.width && plate->color.height == picture.height)
@@ -77,7 +84,8 @@ std::vector<double> composite_residuals(const Image& picture, const std::vector<
       for (int x = 0; x < b.cols; ++x) {
         if (subject.at<std::uint8_t>(y, x) || background.at<std::uint8_t>(y, x)) continue;
         const float a = static_cast<float>(*candidates[i].at(x, y)) / 255;
-        const cv::Vec3f error = colors.at<cv::Vec3f>(y, x) - a * f.at<cv::Vec3f>(y, x) - (1 - a) * b.at<cv::Vec3f>(y, x);
+        const cv::Vec3f error =
+            colors.at<cv::Vec3f>(y, x) - a * f.at<cv::Vec3f>(y, x) - (1 - a) * b.at<cv::Vec3f>(y, x);
         sum += std::min(kMostError, cv::norm(error) / std::sqrt(3.0));
         ++count;
       }
@@ -93,7 +101,8 @@ void MethodComparison::add(const Image& picture, const std::vector<Image>& matte
   ++frames_;
 }
 
-void MethodComparison::add_pair(const Image& before, const std::vector<Image>& mattes_before, const Image& picture, const std::vector<Image>& mattes) {
+void MethodComparison::add_pair(const Image& before, const std::vector<Image>& mattes_before,
+                                const Image& picture, const std::vector<Image>& mattes) {
   std::vector<double> flicker;
   for (std::size_t i = 0; i < flicker_.size(); ++i) {
     const Result<double> one = matte_flicker(before, mattes_before.at(i), picture, mattes.at(i));

@@ -14,34 +14,37 @@ int stride(const Matrix& m) {
 
 }  // namespace
 
-void transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
-                        Eigen::Ref<Eigen::MatrixXd> out) {
+void transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
+                        const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> out) {
   cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, static_cast<int>(a.cols()), static_cast<int>(b.cols()),
-              static_cast<int>(a.rows()), 1, a.data(), stride(a), b.data(), stride(b), 0, out.data(), stride(out));
+              static_cast<int>(a.rows()), 1, a.data(), stride(a), b.data(), stride(b), 0, out.data(),
+              stride(out));
 }
 
-void transposed_product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::Ref<const Eigen::MatrixXf>& b,
-                        Eigen::Ref<Eigen::MatrixXf> out) {
+void transposed_product(const Eigen::Ref<const Eigen::MatrixXf>& a,
+                        const Eigen::Ref<const Eigen::MatrixXf>& b, Eigen::Ref<Eigen::MatrixXf> out) {
   cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, static_cast<int>(a.cols()), static_cast<int>(b.cols()),
-              static_cast<int>(a.rows()), 1, a.data(), stride(a), b.data(), stride(b), 0, out.data(), stride(out));
+              static_cast<int>(a.rows()), 1, a.data(), stride(a), b.data(), stride(b), 0, out.data(),
+              stride(out));
 }
 
 void product(const Eigen::Ref<const Eigen::MatrixXd>& a, const Eigen::Ref<const Eigen::MatrixXd>& b,
              Eigen::Ref<Eigen::MatrixXd> out, double factor, double scale) {
-  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, static_cast<int>(a.rows()), static_cast<int>(b.cols()),
-              static_cast<int>(a.cols()), scale, a.data(), stride(a), b.data(), stride(b), factor, out.data(),
-              stride(out));
+  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, static_cast<int>(a.rows()),
+              static_cast<int>(b.cols()), static_cast<int>(a.cols()), scale, a.data(), stride(a), b.data(),
+              stride(b), factor, out.data(), stride(out));
 }
 
 void product(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::Ref<const Eigen::MatrixXf>& b,
              Eigen::Ref<Eigen::MatrixXf> out) {
-  cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, static_cast<int>(a.rows()), static_cast<int>(b.cols()),
-              static_cast<int>(a.cols()), 1, a.data(), stride(a), b.data(), stride(b), 0, out.data(), stride(out));
+  cblas_sgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, static_cast<int>(a.rows()),
+              static_cast<int>(b.cols()), static_cast<int>(a.cols()), 1, a.data(), stride(a), b.data(),
+              stride(b), 0, out.data(), stride(out));
 }
 
 void add_outer(const Eigen::Ref<const Eigen::MatrixXf>& a, Eigen::Ref<Eigen::MatrixXf> out) {
-  cblas_ssyrk(CblasColMajor, CblasLower, CblasNoTrans, static_cast<int>(a.rows()), static_cast<int>(a.cols()), 1,
-              a.data(), stride(a), 1, out.data(), stride(out));
+  cblas_ssyrk(CblasColMajor, CblasLower, CblasNoTrans, static_cast<int>(a.rows()), static_cast<int>(a.cols()),
+              1, a.data(), stride(a), 1, out.data(), stride(out));
 }
 
 namespace {
@@ -57,9 +60,10 @@ Function* find(const char* name) {
 Result<void> check_blas() {
   auto* kind = find<int()>("openblas_get_parallel");
   if (!kind || kind() != 0) return {};
-  return fail(ErrorCode::Unsupported,
-              "this machine's BLAS is OpenBLAS without threads, which mixes up results when frames are matted in "
-              "parallel; install libopenblas0-pthread and remove libopenblas0-serial");
+  return fail(
+      ErrorCode::Unsupported,
+      "this machine's BLAS is OpenBLAS without threads, which mixes up results when frames are matted in "
+      "parallel; install libopenblas0-pthread and remove libopenblas0-serial");
 }
 
 OneThread::OneThread() {

@@ -13,14 +13,15 @@ namespace floatstage {
 namespace {
 
 constexpr double kShift = 1e-7;  // below the second eigenvalue of any photograph, far above rounding
-constexpr int kSpare = 10;       // pairs kept beyond those asked for: the next frame's iteration starts from them
+constexpr int kSpare = 10;  // pairs kept beyond those asked for: the next frame's iteration starts from them
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Makes the columns of `block` orthonormal from their Gram matrix (Stathopoulos, Wu 2002): block = new block * R.
-// Directions that are only rounding come out as noise; the caller's second pass makes that orthogonal too.
+// Makes the columns of `block` orthonormal from their Gram matrix (Stathopoulos, Wu 2002): block = new block
+// * R. Directions that are only rounding come out as noise; the caller's second pass makes that orthogonal
+// too.
 MatrixXd orthonormalize(Eigen::Ref<MatrixXd> block, MatrixXd& scratch) {
   const Index b = block.cols();
   MatrixXd gram(b, b);
@@ -52,8 +53,8 @@ struct EigenSolver::Impl {
   SpectralOptions options;
   GridFactor factor;
   LaplacianStencil stencil;
-  MatrixXd basis;             // the Krylov space, or the previous vectors
-  MatrixXd block, scratch;    // one step
+  MatrixXd basis;           // the Krylov space, or the previous vectors
+  MatrixXd block, scratch;  // one step
   MatrixXd ritz_vectors;
 
   explicit Impl(GridFactor f) : factor(std::move(f)) {}
@@ -71,10 +72,12 @@ struct EigenSolver::Impl {
   EigenPairs to_pixels(const Ritz& ritz) const;
 };
 
-// The pairs wanted, from the projection of the inverse on the Krylov space and what the last step left beyond it.
-// The Ritz vector Q s of value theta is replaced by (L + shift)^-1 Q s / theta, which the last step has computed
-// already: one more inverse iteration for nothing, and its residual is |B s_last| / theta^2 without forming it.
-EigenSolver::Impl::Combination EigenSolver::Impl::combine(const MatrixXd& projected, const MatrixXd& last) const {
+// The pairs wanted, from the projection of the inverse on the Krylov space and what the last step left beyond
+// it. The Ritz vector Q s of value theta is replaced by (L + shift)^-1 Q s / theta, which the last step has
+// computed already: one more inverse iteration for nothing, and its residual is |B s_last| / theta^2 without
+// forming it.
+EigenSolver::Impl::Combination EigenSolver::Impl::combine(const MatrixXd& projected,
+                                                          const MatrixXd& last) const {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (projected + projected.transpose()));
   const Index m = projected.cols(), b = last.cols(), count = std::min<Index>(wanted(), m);
   Combination found{{VectorXd(count), 0}, MatrixXd(m + b, count)};
@@ -86,13 +89,14 @@ EigenSolver::Impl::Combination EigenSolver::Impl::combine(const MatrixXd& projec
     const double tail = weights.tail(b).norm(), length = std::hypot(1.0, tail);
     weights /= length;
     found.ritz.values(i) = 1 / theta;
-    if (i < options.eigenvectors) found.ritz.residual = std::max(found.ritz.residual, tail / (theta * length));
+    if (i < options.eigenvectors)
+      found.ritz.residual = std::max(found.ritz.residual, tail / (theta * length));
   }
   return found;
 }
 
-// Block Lanczos on (L + shift)^-1 with full reorthogonalisation (Golub, Van Loan, section 10.3.6), until the residual
-// is small enough.
+// Block Lanczos on (L + shift)^-1 with full reorthogonalisation (Golub, Van Loan, section 10.3.6), until the
+// residual is small enough.
 Result<Ritz> EigenSolver::Impl::cold() {
   const int b = options.krylov_block, steps = options.krylov_steps, m = b * steps;
   basis.resize(size(), m + b);
@@ -128,8 +132,8 @@ Result<Ritz> EigenSolver::Impl::cold() {
   }
 }
 
-// Inverse iteration on the previous vectors V and Rayleigh-Ritz in the span of Y = (L + shift)^-1 V, for which
-// Y' (L + shift) Y = Y' V is a by-product of the solve.
+// Inverse iteration on the previous vectors V and Rayleigh-Ritz in the span of Y = (L + shift)^-1 V, for
+// which Y' (L + shift) Y = Y' V is a by-product of the solve.
 Result<Ritz> EigenSolver::Impl::warm(const EigenPairs& previous) {
   const Index count = previous.vectors.cols();
   const std::vector<int>& order = factor.order();
@@ -150,7 +154,8 @@ Result<Ritz> EigenSolver::Impl::warm(const EigenPairs& previous) {
     // The lengths of the columns of Y differ by 10^4; the generalised problem wants them equal.
     const VectorXd scale = mass.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const MatrixXd scaled_mass = scale.asDiagonal() * mass * scale.asDiagonal();
-    const MatrixXd scaled_cross = scale.asDiagonal() * (0.5 * (cross + cross.transpose())) * scale.asDiagonal();
+    const MatrixXd scaled_cross =
+        scale.asDiagonal() * (0.5 * (cross + cross.transpose())) * scale.asDiagonal();
     const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(scaled_cross, scaled_mass);
     if (eigen.info() != Eigen::Success || !eigen.eigenvalues().allFinite())
       return cold();  // the previous vectors are dependent here
@@ -177,7 +182,8 @@ EigenPairs EigenSolver::Impl::to_pixels(const Ritz& ritz) const {
     Index largest = 0;
     ritz_vectors.col(j).cwiseAbs().maxCoeff(&largest);
     const double sign = ritz_vectors(largest, j) < 0 ? -1 : 1;
-    for (Index i = 0; i < size(); ++i) pairs.vectors(order[i], j) = static_cast<float>(sign * ritz_vectors(i, j));
+    for (Index i = 0; i < size(); ++i)
+      pairs.vectors(order[i], j) = static_cast<float>(sign * ritz_vectors(i, j));
     pairs.values(j) = std::max(ritz.values(j) - kShift, 0.0);
   }
   return pairs;
@@ -196,8 +202,9 @@ Result<EigenSolver> EigenSolver::create(int width, int height, const SpectralOpt
                 text("a picture of ", width, "x", height, " is too small for spectral matting with ",
                      options.eigenvectors, " eigenvectors; it needs ", space, " pixels"));
   if (static_cast<double>(width) * height > 4e6)
-    return fail(ErrorCode::InvalidArgument, text("a picture of ", width, "x", height,
-                                                 " is too large for spectral matting; scale it to 512x384 or so"));
+    return fail(ErrorCode::InvalidArgument,
+                text("a picture of ", width, "x", height,
+                     " is too large for spectral matting; scale it to 512x384 or so"));
   auto factor = GridFactor::create(width, height);
   if (!factor) return forward(factor);
   auto impl = std::make_unique<Impl>(std::move(*factor));
@@ -209,13 +216,15 @@ Result<EigenSolver> EigenSolver::create(int width, int height, const SpectralOpt
 
 Result<EigenPairs> EigenSolver::solve(const Image& picture, const EigenPairs* previous) {
   Impl& s = *impl_;
-  if (picture.width != s.width || picture.height != s.height || (picture.channels != 1 && picture.channels != 3))
+  if (picture.width != s.width || picture.height != s.height ||
+      (picture.channels != 1 && picture.channels != 3))
     return fail(ErrorCode::InvalidArgument,
                 text("spectral matting was set up for ", s.width, "x", s.height, " and got a picture of ",
                      picture.width, "x", picture.height, " with ", picture.channels, " channels"));
   if (one_colour(picture))
-    return fail(ErrorCode::BadData, text("the ", s.width, "x", s.height,
-                                         " picture has one colour: there is nothing that matting could tell apart"));
+    return fail(ErrorCode::BadData,
+                text("the ", s.width, "x", s.height,
+                     " picture has one colour: there is nothing that matting could tell apart"));
   const bool warm = previous && !previous->empty() && previous->vectors.cols() >= s.options.eigenvectors;
   if (warm && (previous->width != s.width || previous->height != s.height))
     return fail(ErrorCode::InvalidArgument,

@@ -11,11 +11,13 @@
 namespace floatstage {
 namespace {
 
-constexpr float kLoop = 1.5f;     // px by which there and back may miss
-constexpr float kColour = 40;     // 8-bit steps, summed over channels' mean, by which a followed pixel may change
+constexpr float kLoop = 1.5f;  // px by which there and back may miss
+constexpr float kColour =
+    40;  // 8-bit steps, summed over channels' mean, by which a followed pixel may change
 
 cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data()));
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
+                 const_cast<std::uint8_t*>(image.pixels.data()));
 }
 
 cv::Mat grey(const Image& rgb) {
@@ -34,11 +36,15 @@ cv::Mat flow(const cv::Mat& a, const cv::Mat& b) {
 }  // namespace
 
 Carried carry_matte(const Image& from, const Image& matte, const Image& to) {
-  FLOATSTAGE_CHECK(from.width == to.width && from.height == to.height && matte.width == to.width && matte.height == to.height, "frames of one size");
+  FLOATSTAGE_CHECK(from.width == to.width && from.height == to.height && matte.width == to.width &&
+                       matte.height == to.height,
+                   "frames of one size");
   const cv::Mat a = grey(from), b = grey(to), back = flow(b, a), there = flow(a, b);
   cv::Mat place(back.size(), CV_32FC2);
   for (int y = 0; y < back.rows; ++y)
-    for (int x = 0; x < back.cols; ++x) place.at<cv::Vec2f>(y, x) = back.at<cv::Vec2f>(y, x) + cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+    for (int x = 0; x < back.cols; ++x)
+      place.at<cv::Vec2f>(y, x) =
+          back.at<cv::Vec2f>(y, x) + cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
   cv::Mat warped, returned, colour;
   cv::remap(as_mat(matte), warped, place, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   cv::remap(there, returned, place, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);

@@ -28,9 +28,11 @@ struct Level {
 // Area means of the full picture: every level straight from it, so that no error adds up.
 void fill(const Image& picture, const Image& matte, Level& level) {
   for (int y = 0; y < level.height; ++y) {
-    const int y0 = y * picture.height / level.height, y1 = std::max(y0 + 1, (y + 1) * picture.height / level.height);
+    const int y0 = y * picture.height / level.height,
+              y1 = std::max(y0 + 1, (y + 1) * picture.height / level.height);
     for (int x = 0; x < level.width; ++x) {
-      const int x0 = x * picture.width / level.width, x1 = std::max(x0 + 1, (x + 1) * picture.width / level.width);
+      const int x0 = x * picture.width / level.width,
+                x1 = std::max(x0 + 1, (x + 1) * picture.width / level.width);
       long sum[4] = {};
       for (int v = y0; v < y1; ++v)
         for (int u = x0; u < x1; ++u) {
@@ -48,14 +50,16 @@ void fill(const Image& picture, const Image& matte, Level& level) {
 void start_from(const Level& below, Level& level) {
   for (int y = 0; y < level.height; ++y)
     for (int x = 0; x < level.width; ++x) {
-      const std::size_t from = static_cast<std::size_t>(y * below.height / level.height) * below.width + x * below.width / level.width;
+      const std::size_t from = static_cast<std::size_t>(y * below.height / level.height) * below.width +
+                               x * below.width / level.width;
       const std::size_t p = static_cast<std::size_t>(y) * level.width + x;
       level.foreground[p] = below.foreground[from];
       level.background[p] = below.background[from];
     }
 }
 
-// One Gauss-Seidel sweep: both colours of a pixel from its neighbours', a 2x2 system with one matrix for all channels.
+// One Gauss-Seidel sweep: both colours of a pixel from its neighbours', a 2x2 system with one matrix for all
+// channels.
 void sweep(const ForegroundOptions& options, Level& l) {
   for (int y = 0; y < l.height; ++y) {
     for (int x = 0; x < l.width; ++x) {
@@ -64,7 +68,8 @@ void sweep(const ForegroundOptions& options, Level& l) {
       float total = 0;
       Color f{}, b{};
       const auto neighbour = [&](std::size_t q) {
-        const float w = static_cast<float>(options.smooth) + static_cast<float>(options.at_edges) * std::abs(a - l.alpha[q]);
+        const float w = static_cast<float>(options.smooth) +
+                        static_cast<float>(options.at_edges) * std::abs(a - l.alpha[q]);
         total += w;
         for (int c = 0; c < 3; ++c) f[c] += w * l.foreground[q][c], b[c] += w * l.background[q][c];
       };
@@ -74,7 +79,8 @@ void sweep(const ForegroundOptions& options, Level& l) {
       if (y + 1 < l.height) neighbour(p + static_cast<std::size_t>(l.width));
       if (total == 0) continue;
       const float ff = a * a + total, bb = (1 - a) * (1 - a) + total, fb = a * (1 - a);
-      const float scale = 1 / (total * (a * a + (1 - a) * (1 - a) + total));  // the determinant, without cancellation
+      const float scale =
+          1 / (total * (a * a + (1 - a) * (1 - a) + total));  // the determinant, without cancellation
       for (int c = 0; c < 3; ++c) {
         const float right_f = a * l.picture[p][c] + f[c], right_b = (1 - a) * l.picture[p][c] + b[c];
         l.foreground[p][c] = std::clamp((bb * right_f - fb * right_b) * scale, 0.0f, 1.0f);
@@ -87,16 +93,21 @@ void sweep(const ForegroundOptions& options, Level& l) {
 Image to_picture(const Level& level, const std::vector<Color>& colors) {
   Image out(level.width, level.height, 3);
   for (std::size_t p = 0; p < colors.size(); ++p)
-    for (int c = 0; c < 3; ++c) out.pixels[3 * p + c] = static_cast<std::uint8_t>(std::lround(255 * colors[p][c]));
+    for (int c = 0; c < 3; ++c)
+      out.pixels[3 * p + c] = static_cast<std::uint8_t>(std::lround(255 * colors[p][c]));
   return out;
 }
 
 }  // namespace
 
-Result<Layers> estimate_foreground(const Image& picture, const Image& matte, const ForegroundOptions& options) {
-  if (picture.channels != 3 || matte.channels != 1 || picture.width != matte.width || picture.height != matte.height || picture.empty())
-    return fail(ErrorCode::InvalidArgument, text("the foreground of a ", picture.width, "x", picture.height, " picture with ", picture.channels,
-                                                 " channels cannot be estimated with a matte of ", matte.width, "x", matte.height));
+Result<Layers> estimate_foreground(const Image& picture, const Image& matte,
+                                   const ForegroundOptions& options) {
+  if (picture.channels != 3 || matte.channels != 1 || picture.width != matte.width ||
+      picture.height != matte.height || picture.empty())
+    return fail(
+        ErrorCode::InvalidArgument,
+        text("the foreground of a ", picture.width, "x", picture.height, " picture with ", picture.channels,
+             " channels cannot be estimated with a matte of ", matte.width, "x", matte.height));
   Level level(1, 1);
   fill(picture, matte, level);
   level.foreground[0] = level.background[0] = level.picture[0];

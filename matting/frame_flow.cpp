@@ -11,13 +11,14 @@
 namespace floatstage {
 namespace {
 
-constexpr int kBlock = 8, kReach = 8;    // px: published block matching
-constexpr int kSmallestForDis = 32;      // px: DIS needs a few of its 8 px patches
-constexpr double kAgreement = 12;        // 8-bit steps of colour within which a carried pixel explains another
+constexpr int kBlock = 8, kReach = 8;  // px: published block matching
+constexpr int kSmallestForDis = 32;    // px: DIS needs a few of its 8 px patches
+constexpr double kAgreement = 12;      // 8-bit steps of colour within which a carried pixel explains another
 constexpr double kLeastConfidence = 0.1;
 
 cv::Mat view(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data()));
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
+                 const_cast<std::uint8_t*>(image.pixels.data()));
 }
 
 cv::Mat grey(const Image& image) {
@@ -82,7 +83,8 @@ FrameFlow flow_between(const Image& from, const Image& to, CarryingFlow method) 
     match_blocks(b, a, flow);
     return flow;
   }
-  // DIS cuts its search into one stripe a thread: with OpenCV's own threads the result depends on the machine.
+  // DIS cuts its search into one stripe a thread: with OpenCV's own threads the result depends on the
+  // machine.
   cv::setNumThreads(1);
   const auto dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST);
   dis->setFinestScale(1);
@@ -119,7 +121,8 @@ Image confidence_of(const Image& from, const Image& to, const FrameFlow& flow) {
   for (std::size_t p = 0; p < out.pixels.size(); ++p) {
     double square = 0;
     for (int c = 0; c < to.channels; ++c) {
-      const double d = static_cast<double>(to.pixels[p * to.channels + c]) - there.pixels[p * to.channels + c];
+      const double d =
+          static_cast<double>(to.pixels[p * to.channels + c]) - there.pixels[p * to.channels + c];
       square += d * d;
     }
     out.pixels[p] = static_cast<std::uint8_t>(

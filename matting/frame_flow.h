@@ -14,14 +14,16 @@ struct FrameFlow {
   std::vector<float> uv;  ///< interleaved
 };
 
-/// The flow that carries `from` to `to` (W of eq. 7.3, looked up backwards). RGB or grey pictures of one size.
+/// The flow that carries `from` to `to` (W of eq. 7.3, looked up backwards). RGB or grey pictures of one
+/// size.
 FrameFlow flow_between(const Image& from, const Image& to, CarryingFlow method);
 
 /// What `from` looks like when it is carried: bilinear, edges repeated (eq. 7.4).
 Image carried(const Image& from, const FrameFlow& flow);
 Eigen::MatrixXf carried(const Eigen::MatrixXf& from, const FrameFlow& flow);
 
-/// How well the carried picture explains the other, a pixel: 255 where colours agree, falling to 25 where they do not.
+/// How well the carried picture explains the other, a pixel: 255 where colours agree, falling to 25 where
+/// they do not.
 Image confidence_of(const Image& from, const Image& to, const FrameFlow& flow);
 
 }  // namespace floatstage

@@ -1,10 +1,10 @@
 #include "matting/grid_factor.h"
 
-#include <suitesparse/cholmod.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <vector>
+
+#include <suitesparse/cholmod.h>
 
 #include "core/text.h"
 #include "matting/dense.h"
@@ -84,8 +84,9 @@ bool GridFactor::Impl::build_pattern() {
         const bool ahead = dy > 0 || (dy == 0 && dx >= 0);
         const int sx = ahead ? dx : -dx, sy = ahead ? dy : -dy;
         const int plane = sy == 0 ? sx : sy == 1 ? sx + 5 : sx + 10;
-        column.push_back({rank[other], {static_cast<std::uint8_t>(plane),
-                                        static_cast<std::uint32_t>(ahead ? order[i] : other)}});
+        column.push_back(
+            {rank[other],
+             {static_cast<std::uint8_t>(plane), static_cast<std::uint32_t>(ahead ? order[i] : other)}});
       }
     }
     std::sort(column.begin(), column.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
@@ -148,7 +149,8 @@ Result<void> GridFactor::solve(const double* right, int columns, double* out) {
     b.x = const_cast<double*>(right) + n * first;  // CHOLMOD only reads it
     b.xtype = CHOLMOD_REAL;
     b.dtype = CHOLMOD_DOUBLE;
-    if (!cholmod_solve2(CHOLMOD_A, s.factor, &b, nullptr, &s.solution, nullptr, &s.work_y, &s.work_e, &s.common))
+    if (!cholmod_solve2(CHOLMOD_A, s.factor, &b, nullptr, &s.solution, nullptr, &s.work_y, &s.work_e,
+                        &s.common))
       return s.refused("solved");
     std::copy_n(static_cast<const double*>(s.solution->x), b.nzmax, out + n * first);
   }

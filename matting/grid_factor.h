@@ -9,9 +9,9 @@
 // Private to the stage.
 namespace floatstage {
 
-/// The sparse Cholesky factor of L + diagonal on a pixel grid of one size: analysed once, factored for every picture,
-/// workspaces kept. Not thread safe; one a worker. All vectors are in elimination order: order()[i] is the pixel of
-/// entry i.
+/// The sparse Cholesky factor of L + diagonal on a pixel grid of one size: analysed once, factored for every
+/// picture, workspaces kept. Not thread safe; one a worker. All vectors are in elimination order: order()[i]
+/// is the pixel of entry i.
 class GridFactor {
  public:
   /// Unsupported when the linear algebra library refuses (out of memory).
@@ -22,8 +22,8 @@ class GridFactor {
 
   const std::vector<int>& order() const;
 
-  /// Factors `laplacian` + `shift` on the diagonal. The stencil has the size given to create(). Unsupported when the
-  /// sum is not positive definite or memory ran out.
+  /// Factors `laplacian` + `shift` on the diagonal. The stencil has the size given to create(). Unsupported
+  /// when the sum is not positive definite or memory ran out.
   Result<void> factor(const LaplacianStencil& laplacian, double shift);
 
   /// out = (L + shift)^-1 right, `columns` columns of pixels() numbers each. May not alias.

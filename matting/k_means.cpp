@@ -36,7 +36,8 @@ MatrixXf seeds(const MatrixXf& features, int clusters, Random& random) {
   centres.col(0) = features.col(static_cast<Index>(random.uniform() * static_cast<double>(n)));
   VectorXf distances = VectorXf::Constant(n, std::numeric_limits<float>::max());
   for (int c = 1; c < clusters; ++c) {
-    distances = distances.cwiseMin((features.colwise() - centres.col(c - 1)).colwise().squaredNorm().transpose());
+    distances =
+        distances.cwiseMin((features.colwise() - centres.col(c - 1)).colwise().squaredNorm().transpose());
     double rest = random.uniform() * distances.cast<double>().sum();
     Index chosen = 0;
     while (chosen + 1 < n && (rest -= distances(chosen)) > 0) ++chosen;

@@ -19,8 +19,8 @@ struct Clusters {
 /// k-means++ seeds (Arthur, Vassilvitskii 2007) and Lloyd's iteration, `restarts` times; the best of them.
 Clusters k_means(const Eigen::MatrixXf& features, int clusters, int restarts, Random& random);
 
-/// Lloyd's iteration from given centres, at most `rounds` rounds. A centre without points moves to the point that is
-/// farthest from its own.
+/// Lloyd's iteration from given centres, at most `rounds` rounds. A centre without points moves to the point
+/// that is farthest from its own.
 Clusters refine_clusters(const Eigen::MatrixXf& features, Eigen::MatrixXf centres, int rounds);
 
 /// The nearest centre of every column of `features`.

@@ -23,7 +23,8 @@ constexpr std::array kTable = {
           make_difference_keyer},
     Entry{"luminance", "luminance or luminance:T: a black stage; grey above T (12) is subject",
           make_luminance_keyer},
-    Entry{"plate", "plate or plate:K: against a plate learnt from several pictures, K times each pixel's noise (6)",
+    Entry{"plate",
+          "plate or plate:K: against a plate learnt from several pictures, K times each pixel's noise (6)",
           [](const KeyerRequest& request) { return make_plate_keyer(request); }},
 };
 

@@ -6,15 +6,15 @@
 namespace floatstage {
 namespace {
 
-constexpr int kLanes = 8;     // windows side by side, so that compilers vectorise the arithmetic
-constexpr int kMembers = 9;   // pixels of a window, row by row
+constexpr int kLanes = 8;    // windows side by side, so that compilers vectorise the arithmetic
+constexpr int kMembers = 9;  // pixels of a window, row by row
 constexpr int kChannels = 3;
 
 using Lane = std::array<double, kLanes>;
 
 // What the pixels of kLanes neighbouring windows give: one column of the thin Q a channel.
 struct Columns {
-  std::array<std::array<Lane, kMembers>, kChannels> upper;  // Q1: of the centred colours
+  std::array<std::array<Lane, kMembers>, kChannels> upper;   // Q1: of the centred colours
   std::array<std::array<Lane, kChannels>, kChannels> lower;  // Q2: of the regularisation
 };
 
@@ -48,8 +48,9 @@ void remove_part(int p, int c, Columns& q) {
     for (int l = 0; l < kLanes; ++l) q.lower[c][i][l] -= dot[l] * q.lower[p][i][l];
 }
 
-// Gram-Schmidt on [D; sqrt(epsilon) I], every part removed twice: one pass loses orthogonality with the condition
-// of the colours (10^4 and more where a window shows one line in colour space), two passes are exact to rounding.
+// Gram-Schmidt on [D; sqrt(epsilon) I], every part removed twice: one pass loses orthogonality with the
+// condition of the colours (10^4 and more where a window shows one line in colour space), two passes are
+// exact to rounding.
 void orthonormalize(double epsilon, Columns& q) {
   const double root = std::sqrt(epsilon);
   for (int c = 0; c < kChannels; ++c)

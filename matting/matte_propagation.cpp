@@ -11,8 +11,9 @@ namespace floatstage {
 namespace {
 
 constexpr double kSmallestStroke = 9;  // px of the working size: what a click counts for at least
-constexpr double kUnclaimed = 0.02;    // of a stroke's strength: how much a component is background that nobody marked
-constexpr int kShimmer = 48;           // 8-bit steps: larger differences to the carried matte are motion
+constexpr double kUnclaimed =
+    0.02;                     // of a stroke's strength: how much a component is background that nobody marked
+constexpr int kShimmer = 48;  // 8-bit steps: larger differences to the carried matte are motion
 
 // Full weights in all of the picture are 1; a few pixels of a stroke count as much together.
 double gathered(const MatteOpinion& opinion) {
@@ -23,7 +24,8 @@ double gathered(const MatteOpinion& opinion) {
 
 }  // namespace
 
-MatteOpinion guidance_from(const Image& matte, const Image& its_picture, const Image& picture, CarryingFlow method) {
+MatteOpinion guidance_from(const Image& matte, const Image& its_picture, const Image& picture,
+                           CarryingFlow method) {
   const FrameFlow flow = flow_between(its_picture, picture, method);
   return {carried(matte, flow), confidence_of(its_picture, picture, flow)};
 }
@@ -34,9 +36,11 @@ Result<Selection> choose(const MattingComponents& components, const FrameEvidenc
   if (!evidence.keyframe.empty())
     terms.push_back({evidence.keyframe, options.keyframe_strength * gathered(evidence.keyframe)});
   if (!evidence.likelihood.empty()) terms.push_back({evidence.likelihood, options.likelihood_strength});
-  // Components add up to 1: with strokes alone all of them together would explain a stroke on the subject best.
+  // Components add up to 1: with strokes alone all of them together would explain a stroke on the subject
+  // best.
   if (evidence.carried.empty() && evidence.likelihood.empty() && !evidence.keyframe.weight.empty())
-    terms.push_back({{Image(components.width, components.height, 1, 0), {}}, kUnclaimed * options.keyframe_strength});
+    terms.push_back(
+        {{Image(components.width, components.height, 1, 0), {}}, kUnclaimed * options.keyframe_strength});
   const std::vector<bool>* last = nullptr;
   double largest = 0;
   for (const auto& c : evidence.carried) {

@@ -11,10 +11,10 @@
 namespace floatstage {
 namespace {
 
-constexpr int kClusterVectors = 20;   // eigenvectors, after the constant one, that k-means looks at
-constexpr int kClusterStride = 2;     // every n-th pixel in x and y is clustered
-constexpr int kFollowRounds = 10;     // Lloyd rounds from the previous frame's clusters
-constexpr double kFlatValue = 1e-8;   // eigenvalues below: directions of the null space, all weighted alike
+constexpr int kClusterVectors = 20;  // eigenvectors, after the constant one, that k-means looks at
+constexpr int kClusterStride = 2;    // every n-th pixel in x and y is clustered
+constexpr int kFollowRounds = 10;    // Lloyd rounds from the previous frame's clusters
+constexpr double kFlatValue = 1e-8;  // eigenvalues below: directions of the null space, all weighted alike
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -30,7 +30,8 @@ std::vector<Index> grid_of(int width, int height, int stride) {
 }
 
 // dimensions x pixels: the vectors [first, first + count) at these pixels, each scaled.
-MatrixXf gather(const MatrixXf& vectors, Index first, const Eigen::VectorXf& scale, const std::vector<Index>& pixels) {
+MatrixXf gather(const MatrixXf& vectors, Index first, const Eigen::VectorXf& scale,
+                const std::vector<Index>& pixels) {
   MatrixXf out(scale.size(), static_cast<Index>(pixels.size()));
   for (Index d = 0; d < scale.size(); ++d) {
     const auto column = vectors.col(first + d);
@@ -39,9 +40,10 @@ MatrixXf gather(const MatrixXf& vectors, Index first, const Eigen::VectorXf& sca
   return out;
 }
 
-// Mean features of the pixels where each of the previous components is the largest. One that is nowhere the largest
-// has no centre to start from: it gets a pixel's features, far from the others for want of company.
-MatrixXf previous_centres(const MatrixXf& features, const std::vector<Index>& pixels, const MattingComponents& previous) {
+// Mean features of the pixels where each of the previous components is the largest. One that is nowhere the
+// largest has no centre to start from: it gets a pixel's features, far from the others for want of company.
+MatrixXf previous_centres(const MatrixXf& features, const std::vector<Index>& pixels,
+                          const MattingComponents& previous) {
   MatrixXd sums = MatrixXd::Zero(features.rows(), previous.count());
   VectorXd counts = VectorXd::Zero(previous.count());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -62,14 +64,15 @@ Result<MattingComponents> matting_components(const EigenPairs& pairs, const Spec
   if (const auto good = options.check(); !good) return forward(good);
   const Index n = pairs.vectors.rows(), dimensions = options.eigenvectors;
   if (pairs.vectors.cols() < dimensions)
-    return fail(ErrorCode::InvalidArgument, text("there are ", pairs.vectors.cols(), " eigenvectors; the options ask for ",
-                                                 dimensions));
+    return fail(ErrorCode::InvalidArgument,
+                text("there are ", pairs.vectors.cols(), " eigenvectors; the options ask for ", dimensions));
   const bool follow = previous && !previous->empty();
   if (follow && (previous->width != pairs.width || previous->height != pairs.height ||
                  previous->count() != options.components))
     return fail(ErrorCode::InvalidArgument,
                 text("the previous frame has ", previous->count(), " components of ", previous->width, "x",
-                     previous->height, ", this one wants ", options.components, " of ", pairs.width, "x", pairs.height));
+                     previous->height, ", this one wants ", options.components, " of ", pairs.width, "x",
+                     pairs.height));
 
   // The constant vector comes first and tells no two pixels apart.
   const Index used = std::min<Index>(kClusterVectors, dimensions - 1);
@@ -107,8 +110,8 @@ Image matte_of(const MattingComponents& components, const std::vector<bool>& cho
   for (std::size_t c = 0; c < chosen.size(); ++c)
     if (chosen[c]) sum += components.alpha.col(static_cast<Index>(c));
   for (std::size_t p = 0; p < matte.pixels.size(); ++p)
-    matte.pixels[p] = static_cast<std::uint8_t>(
-        std::lround(255 * std::clamp(sum(static_cast<Index>(p)), 0.0f, 1.0f)));
+    matte.pixels[p] =
+        static_cast<std::uint8_t>(std::lround(255 * std::clamp(sum(static_cast<Index>(p)), 0.0f, 1.0f)));
   return matte;
 }
 

@@ -59,14 +59,15 @@ Result<Eigen::SparseMatrix<double>> matting_laplacian(const Image& picture, cons
                                                       const Image& known) {
   if (const auto good = options.check(); !good) return forward(good);
   if (picture.channels != 1 && picture.channels != 3)
-    return fail(ErrorCode::InvalidArgument,
-                text("a picture of ", picture.channels, " channels has no matting Laplacian; give grey or RGB"));
+    return fail(ErrorCode::InvalidArgument, text("a picture of ", picture.channels,
+                                                 " channels has no matting Laplacian; give grey or RGB"));
   if (picture.width < 3 || picture.height < 3)
     return fail(ErrorCode::InvalidArgument, text("a picture of ", picture.width, "x", picture.height,
                                                  " is smaller than one 3x3 window of the matting Laplacian"));
   if (static_cast<double>(picture.width) * picture.height > 60e6)
-    return fail(ErrorCode::InvalidArgument, text("a picture of ", picture.width, "x", picture.height,
-                                                 " has too many pixels for a matting Laplacian; scale it down"));
+    return fail(ErrorCode::InvalidArgument,
+                text("a picture of ", picture.width, "x", picture.height,
+                     " has too many pixels for a matting Laplacian; scale it down"));
   if (!known.empty() &&
       (known.channels != 1 || known.width != picture.width || known.height != picture.height))
     return fail(ErrorCode::InvalidArgument,

@@ -6,10 +6,12 @@
 // Private to the stage.
 namespace floatstage {
 
-/// The picture at another size: area means when it shrinks, bicubic when it grows. The picture itself when the size fits.
+/// The picture at another size: area means when it shrinks, bicubic when it grows. The picture itself when
+/// the size fits.
 Image scaled(const Image& picture, int width, int height);
 
-/// An opinion at another size. A stroke thinner than a pixel of the new size keeps its opacity there and loses weight.
+/// An opinion at another size. A stroke thinner than a pixel of the new size keeps its opacity there and
+/// loses weight.
 MatteOpinion scaled(const MatteOpinion& opinion, int width, int height);
 
 }  // namespace floatstage

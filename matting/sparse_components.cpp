@@ -10,9 +10,10 @@
 namespace floatstage {
 namespace {
 
-constexpr Eigen::Index kTile = 512;    // pixels a Gram update: their weighted copy stays in the cache
-constexpr float kNearlyThere = 1e-3f;  // of opacity: nearer to 0 or 1 counts as this near, a quarter of an 8-bit step
-constexpr double kSettled = 1e-3;      // mean change of opacity that ends the iteration
+constexpr Eigen::Index kTile = 512;  // pixels a Gram update: their weighted copy stays in the cache
+constexpr float kNearlyThere =
+    1e-3f;  // of opacity: nearer to 0 or 1 counts as this near, a quarter of an 8-bit step
+constexpr double kSettled = 1e-3;  // mean change of opacity that ends the iteration
 
 using Eigen::ArrayXXf;
 using Eigen::Index;

@@ -14,8 +14,8 @@ struct SparsityOptions {
 /// sum_k Y_k = ones ("Spectral Matting", eq. 14 and 15): every step replaces each power by the parabola that
 /// touches it and solves for all components at once.
 ///
-/// `samples`: eigenvectors x pixels, the pixels that count. `start`: eigenvectors x K. `ones`: the coefficients of
-/// the picture that is 1 everywhere. Returns Y, eigenvectors x K.
+/// `samples`: eigenvectors x pixels, the pixels that count. `start`: eigenvectors x K. `ones`: the
+/// coefficients of the picture that is 1 everywhere. Returns Y, eigenvectors x K.
 Eigen::MatrixXd sparse_components(const Eigen::MatrixXf& samples, const Eigen::MatrixXd& start,
                                   const Eigen::VectorXd& ones, const SparsityOptions& options);
 

@@ -25,7 +25,9 @@ struct Header {
 };
 static_assert(sizeof(Header) == 48);
 
-float scale_of(const Eigen::MatrixXf& columns, Eigen::Index c) { return columns.col(c).cwiseAbs().maxCoeff() / kSteps; }
+float scale_of(const Eigen::MatrixXf& columns, Eigen::Index c) {
+  return columns.col(c).cwiseAbs().maxCoeff() / kSteps;
+}
 
 std::int16_t step_of(float value, float scale) {
   return scale > 0 ? static_cast<std::int16_t>(std::lround(value / scale)) : std::int16_t{0};
@@ -38,8 +40,15 @@ void append(std::string& out, const T* values, std::size_t count) {
 
 std::string to_bytes(std::uint32_t kind, int width, int height, std::uint64_t key, double residual,
                      const Eigen::VectorXd& values, const Eigen::MatrixXf& columns) {
-  Header header{{}, kVersion, kind, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),
-                static_cast<std::uint32_t>(columns.cols()), 0, key, residual};
+  Header header{{},
+                kVersion,
+                kind,
+                static_cast<std::uint32_t>(width),
+                static_cast<std::uint32_t>(height),
+                static_cast<std::uint32_t>(columns.cols()),
+                0,
+                key,
+                residual};
   std::copy_n(kMagic, sizeof kMagic, header.magic);
   std::string out;
   out.reserve(sizeof header + static_cast<std::size_t>(columns.size() * 2 + columns.cols() * 12 + 8));
@@ -52,7 +61,8 @@ std::string to_bytes(std::uint32_t kind, int width, int height, std::uint64_t ke
   }
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
     const float scale = scale_of(columns, c);
-    for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = step_of(columns(static_cast<Eigen::Index>(i), c), scale);
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      steps[i] = step_of(columns(static_cast<Eigen::Index>(i), c), scale);
     append(out, steps.data(), steps.size());
   }
   const std::uint64_t hash = hash_of(out);
@@ -67,7 +77,9 @@ struct Parsed {
 };
 
 Result<Parsed> parse(std::string_view bytes, std::uint32_t kind, std::string_view name) {
-  const auto bad = [&](const char* what) { return fail(ErrorCode::BadData, text(name, " ", what, "; it can be deleted and is made again")); };
+  const auto bad = [&](const char* what) {
+    return fail(ErrorCode::BadData, text(name, " ", what, "; it can be deleted and is made again"));
+  };
   Parsed p{};
   if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t)) return bad("is cut off");
   std::memcpy(&p.header, bytes.data(), sizeof(Header));
@@ -79,7 +91,8 @@ Result<Parsed> parse(std::string_view bytes, std::uint32_t kind, std::string_vie
       h.columns > kMostColumns)
     return bad("has an impossible size");
   const std::size_t pixels = static_cast<std::size_t>(h.width) * h.height;
-  const std::size_t body = sizeof(Header) + h.columns * (sizeof(double) + sizeof(float) + pixels * sizeof(std::int16_t));
+  const std::size_t body =
+      sizeof(Header) + h.columns * (sizeof(double) + sizeof(float) + pixels * sizeof(std::int16_t));
   if (bytes.size() != body + sizeof(std::uint64_t)) return bad("is cut off");
   std::uint64_t hash;
   std::memcpy(&hash, bytes.data() + body, sizeof hash);
@@ -91,14 +104,16 @@ Result<Parsed> parse(std::string_view bytes, std::uint32_t kind, std::string_vie
   std::vector<float> scales(h.columns);
   std::memcpy(scales.data(), at, h.columns * sizeof(float));
   at += h.columns * sizeof(float);
-  if (!p.values.allFinite() || !std::all_of(scales.begin(), scales.end(), [](float s) { return std::isfinite(s); }))
+  if (!p.values.allFinite() ||
+      !std::all_of(scales.begin(), scales.end(), [](float s) { return std::isfinite(s); }))
     return bad("has numbers that are none");
   p.columns.resize(static_cast<Eigen::Index>(pixels), h.columns);
   std::vector<std::int16_t> steps(pixels);
   for (Eigen::Index c = 0; c < p.columns.cols(); ++c, at += pixels * sizeof(std::int16_t)) {
     std::memcpy(steps.data(), at, pixels * sizeof(std::int16_t));
     for (std::size_t i = 0; i < pixels; ++i)
-      p.columns(static_cast<Eigen::Index>(i), c) = static_cast<float>(steps[i]) * scales[static_cast<std::size_t>(c)];
+      p.columns(static_cast<Eigen::Index>(i), c) =
+          static_cast<float>(steps[i]) * scales[static_cast<std::size_t>(c)];
   }
   return p;
 }
@@ -139,11 +154,12 @@ Result<EigenPairs> parse_eigenpairs(std::string_view bytes, std::uint64_t& key, 
   auto p = parse(bytes, kEigenpairs, name);
   if (!p) return forward(p);
   key = p->header.key;
-  return EigenPairs{static_cast<int>(p->header.width), static_cast<int>(p->header.height), std::move(p->values),
-                    std::move(p->columns), p->header.residual};
+  return EigenPairs{static_cast<int>(p->header.width), static_cast<int>(p->header.height),
+                    std::move(p->values), std::move(p->columns), p->header.residual};
 }
 
-Result<MattingComponents> parse_components(std::string_view bytes, std::uint64_t& key, std::string_view name) {
+Result<MattingComponents> parse_components(std::string_view bytes, std::uint64_t& key,
+                                           std::string_view name) {
   auto p = parse(bytes, kComponents, name);
   if (!p) return forward(p);
   key = p->header.key;

@@ -15,9 +15,10 @@ namespace floatstage {
 /// continues exactly as it would have without.
 void quantize(Eigen::MatrixXf& columns);
 
-/// Files of one frame. `key` says which picture and options they were made from. Layout (little endian): magic
-/// "fsspect\n", u32 version 1, u32 kind (1 eigenpairs, 2 components), u32 width, height, columns, u32 0, u64 key,
-/// f64 residual, f64 value a column, f32 scale a column, i16 entries column by column, u64 hash_of() all before.
+/// Files of one frame. `key` says which picture and options they were made from. Layout (little endian):
+/// magic "fsspect\n", u32 version 1, u32 kind (1 eigenpairs, 2 components), u32 width, height, columns, u32
+/// 0, u64 key, f64 residual, f64 value a column, f32 scale a column, i16 entries column by column, u64
+/// hash_of() all before.
 std::string to_bytes(const EigenPairs& pairs, std::uint64_t key);
 std::string to_bytes(const MattingComponents& components, std::uint64_t key);
 

@@ -15,8 +15,11 @@ bool marks(const MatteOpinion& o, std::size_t p) { return o.weight.empty() || o.
 
 Result<void> check_said(const Image& picture, const MatteOpinion& said) {
   if (said.empty()) return {};
-  if (said.opacity.channels != 1 || !same_size(said.opacity, picture) || (!said.weight.empty() && (said.weight.channels != 1 || !same_size(said.weight, picture))))
-    return fail(ErrorCode::InvalidArgument, text("what is known is ", said.opacity.width, "x", said.opacity.height, ", but the picture is ", picture.width, "x", picture.height));
+  if (said.opacity.channels != 1 || !same_size(said.opacity, picture) ||
+      (!said.weight.empty() && (said.weight.channels != 1 || !same_size(said.weight, picture))))
+    return fail(ErrorCode::InvalidArgument,
+                text("what is known is ", said.opacity.width, "x", said.opacity.height,
+                     ", but the picture is ", picture.width, "x", picture.height));
   for (std::size_t p = 0; p < said.opacity.pixels.size(); ++p)
     if (marks(said, p) && said.opacity.pixels[p] >= 128) return {};
   return fail(ErrorCode::InvalidArgument, "only background is marked; mark some of the subject");
@@ -24,11 +27,15 @@ Result<void> check_said(const Image& picture, const MatteOpinion& said) {
 
 }  // namespace
 
-Result<Image> spectral_matte(const Image& picture, const MatteOpinion& said, const VideoMattingOptions& options) {
+Result<Image> spectral_matte(const Image& picture, const MatteOpinion& said,
+                             const VideoMattingOptions& options) {
   if (Result<void> ok = options.check(); !ok) return forward(ok);
   if (Result<void> ok = check_said(picture, said); !ok) return forward(ok);
-  const double shrink = std::min(1.0, std::sqrt(options.working_pixels / std::max(1.0, static_cast<double>(picture.width) * picture.height)));
-  const int width = std::max(3, static_cast<int>(std::lround(picture.width * shrink))), height = std::max(3, static_cast<int>(std::lround(picture.height * shrink)));
+  const double shrink = std::min(
+      1.0,
+      std::sqrt(options.working_pixels / std::max(1.0, static_cast<double>(picture.width) * picture.height)));
+  const int width = std::max(3, static_cast<int>(std::lround(picture.width * shrink))),
+            height = std::max(3, static_cast<int>(std::lround(picture.height * shrink)));
   const Image small = scaled(picture, width, height);
   Result<EigenSolver> solver = EigenSolver::create(width, height, options.spectral);
   if (!solver) return forward(solver);

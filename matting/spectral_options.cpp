@@ -30,9 +30,9 @@ Result<void> SpectralOptions::check() const {
   for (const auto& r : ranges)
     if (const auto good = within(r.name, r.value, r.low, r.high); !good) return good;
   if (krylov_block * krylov_steps < eigenvectors + 10)
-    return fail(ErrorCode::InvalidArgument,
-                text("spectral matting: a Krylov space of ", krylov_block, " x ", krylov_steps,
-                     " vectors is too small for ", eigenvectors, " eigenvectors; it needs 10 more than those"));
+    return fail(ErrorCode::InvalidArgument, text("spectral matting: a Krylov space of ", krylov_block, " x ",
+                                                 krylov_steps, " vectors is too small for ", eigenvectors,
+                                                 " eigenvectors; it needs 10 more than those"));
   return {};
 }
 

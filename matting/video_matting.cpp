@@ -19,7 +19,8 @@ namespace {
 Image mean_of(const Image& a, const Image& b, double share_of_b) {
   Image out = a;
   for (std::size_t p = 0; p < out.pixels.size(); ++p)
-    out.pixels[p] = static_cast<std::uint8_t>(std::lround(a.pixels[p] + share_of_b * (b.pixels[p] - a.pixels[p])));
+    out.pixels[p] =
+        static_cast<std::uint8_t>(std::lround(a.pixels[p] + share_of_b * (b.pixels[p] - a.pixels[p])));
   return out;
 }
 
@@ -59,8 +60,8 @@ Result<void> VideoMattingOptions::check() const {
                 {"threads", static_cast<double>(threads), 0, 1024}};
   for (const auto& r : ranges)
     if (!(r.value >= r.low && r.value <= r.high))
-      return fail(ErrorCode::InvalidArgument,
-                  text("video matting: ", r.name, " is ", r.value, "; it must lie between ", r.low, " and ", r.high));
+      return fail(ErrorCode::InvalidArgument, text("video matting: ", r.name, " is ", r.value,
+                                                   "; it must lie between ", r.low, " and ", r.high));
   return {};
 }
 
@@ -94,7 +95,8 @@ struct VideoMatting::Impl {
   Result<FrameEvidence::Carried> carry(int from, const Step& before, const Image& before_picture, int to,
                                        const Image& picture) const;
   Result<void> walk(int first, int last, int direction, std::map<int, Step>& steps) const;
-  Result<void> blend(int first, int last, std::map<int, Step>& forwards, const std::map<int, Step>& backwards) const;
+  Result<void> blend(int first, int last, std::map<int, Step>& forwards,
+                     const std::map<int, Step>& backwards) const;
   Result<void> span(int first, int last, std::map<int, Step>& out) const;
   void make_stale(int frame);
 };
@@ -103,8 +105,8 @@ Result<Image> VideoMatting::Impl::photograph(int frame) const {
   auto picture = clip.photograph(frame);
   if (!picture) return picture;
   if (picture->width != width || picture->height != height)
-    return fail(ErrorCode::BadData, text("the photograph is ", picture->width, "x", picture->height, ", the first one is ",
-                                         width, "x", height, "; a clip has one size"));
+    return fail(ErrorCode::BadData, text("the photograph is ", picture->width, "x", picture->height,
+                                         ", the first one is ", width, "x", height, "; a clip has one size"));
   return picture;
 }
 
@@ -158,8 +160,9 @@ Result<VideoMatting::Impl::Step> VideoMatting::Impl::step(int frame, const Image
   return made;
 }
 
-Result<FrameEvidence::Carried> VideoMatting::Impl::carry(int from, const Step& before, const Image& before_picture,
-                                                         int to, const Image& picture) const {
+Result<FrameEvidence::Carried> VideoMatting::Impl::carry(int from, const Step& before,
+                                                         const Image& before_picture, int to,
+                                                         const Image& picture) const {
   const bool same_run = from / ComponentStore::kRun == to / ComponentStore::kRun;
   return FrameEvidence::Carried{guidance_from(before.matte, before_picture, picture, options.flow),
                                 same_run ? before.chosen : std::vector<bool>{}, 1};
@@ -196,7 +199,8 @@ Result<void> VideoMatting::Impl::walk(int first, int last, int direction, std::m
   return {};
 }
 
-// Between two keyframes every frame is chosen once more by what comes from both, the nearer one counting more.
+// Between two keyframes every frame is chosen once more by what comes from both, the nearer one counting
+// more.
 Result<void> VideoMatting::Impl::blend(int first, int last, std::map<int, Step>& forwards,
                                        const std::map<int, Step>& backwards) const {
   auto before = small(first), picture = small(first + 1);
@@ -215,7 +219,8 @@ Result<void> VideoMatting::Impl::blend(int first, int last, std::map<int, Step>&
     a->share = 1 - share;
     auto made = step(frame, *picture, {std::move(*a), std::move(*b)});
     if (!made) return forward(made);
-    if (!made->fits && !made->settled) made->matte = mean_of(forwards.at(frame).matte, backwards.at(frame).matte, share);
+    if (!made->fits && !made->settled)
+      made->matte = mean_of(forwards.at(frame).matte, backwards.at(frame).matte, share);
     forwards[frame] = std::move(*made);
     before = std::move(picture);
     picture = std::move(after);
@@ -223,9 +228,11 @@ Result<void> VideoMatting::Impl::blend(int first, int last, std::map<int, Step>&
   return {};
 }
 
-// All frames between two keyframes, or from one to an end of the clip; the keyframes themselves are made first.
+// All frames between two keyframes, or from one to an end of the clip; the keyframes themselves are made
+// first.
 Result<void> VideoMatting::Impl::span(int first, int last, std::map<int, Step>& out) const {
-  const bool from = keyframes.contains(first) || keyframes.empty(), to = last > first && keyframes.contains(last);
+  const bool from = keyframes.contains(first) || keyframes.empty(),
+             to = last > first && keyframes.contains(last);
   const auto start = [&](int frame) -> Result<void> {
     if (out.contains(frame)) return {};
     const auto picture = small(frame);
@@ -270,7 +277,8 @@ Result<VideoMatting> VideoMatting::create(MattingClip clip, const std::filesyste
   const auto first = clip.photograph(0);
   if (!first) return forward(first);
   if (first->width < 3 || first->height < 3)
-    return fail(ErrorCode::BadData, text("the first photograph is ", first->width, "x", first->height, ": too small to matte"));
+    return fail(ErrorCode::BadData,
+                text("the first photograph is ", first->width, "x", first->height, ": too small to matte"));
   if (const auto made = make_folder(cache); !made) return forward(made);
   auto impl = std::make_unique<Impl>();
   impl->clip = std::move(clip);
@@ -302,23 +310,28 @@ Result<void> VideoMatting::prepare(const std::function<bool(int)>& done) {
 
 Result<MattingComponents> VideoMatting::components(int frame) const {
   if (frame < 0 || frame >= impl_->usable)
-    return fail(ErrorCode::NotFound, text("frame ", frame, " has no matting components; ", impl_->usable, " frames have"));
+    return fail(ErrorCode::NotFound,
+                text("frame ", frame, " has no matting components; ", impl_->usable, " frames have"));
   return impl_->store->load(frame);
 }
 
 Result<void> VideoMatting::set_keyframe(int frame, const MatteOpinion& opinion) {
   if (frame < 0 || frame >= impl_->clip.frames)
-    return fail(ErrorCode::InvalidArgument, text("there is no frame ", frame, " in a clip of ", impl_->clip.frames));
+    return fail(ErrorCode::InvalidArgument,
+                text("there is no frame ", frame, " in a clip of ", impl_->clip.frames));
   if (opinion.opacity.channels != 1 || opinion.empty() ||
-      (!opinion.weight.empty() && (opinion.weight.width != opinion.opacity.width ||
-                                   opinion.weight.height != opinion.opacity.height || opinion.weight.channels != 1)))
-    return fail(ErrorCode::InvalidArgument, text("keyframe ", frame, ": opacity and weight must be one channel of one size"));
+      (!opinion.weight.empty() &&
+       (opinion.weight.width != opinion.opacity.width || opinion.weight.height != opinion.opacity.height ||
+        opinion.weight.channels != 1)))
+    return fail(ErrorCode::InvalidArgument,
+                text("keyframe ", frame, ": opacity and weight must be one channel of one size"));
   const Extent extent = extent_of(opinion);
   if (!extent.subject && !extent.background)
     return fail(ErrorCode::InvalidArgument, text("keyframe ", frame, " says nothing: all its weights are 0"));
   if (extent.everywhere && !(extent.subject && extent.background))
-    return fail(ErrorCode::InvalidArgument, text("keyframe ", frame, " is all ", extent.subject ? "subject" : "background",
-                                                 ": there is nothing to tell apart"));
+    return fail(ErrorCode::InvalidArgument,
+                text("keyframe ", frame, " is all ", extent.subject ? "subject" : "background",
+                     ": there is nothing to tell apart"));
   impl_->keyframes[frame] = scaled(opinion, impl_->small_width, impl_->small_height);
   impl_->make_stale(frame);
   return {};
@@ -339,10 +352,11 @@ Result<std::vector<int>> VideoMatting::propagate(const std::function<bool(int)>&
   for (const auto& [frame, opinion] : s.keyframes)
     if (frame < s.usable && frame > 0) ends.push_back(frame);
   if (s.usable > 0 && ends.back() != s.usable - 1) ends.push_back(s.usable - 1);
-  if (s.usable == 0) return fail(ErrorCode::NotFound, "no frame has matting components yet; prepare them first");
+  if (s.usable == 0)
+    return fail(ErrorCode::NotFound, "no frame has matting components yet; prepare them first");
   if (!s.keyframes.empty() && s.keyframes.begin()->first >= s.usable)
-    return fail(ErrorCode::InvalidArgument, text("the first keyframe is frame ", s.keyframes.begin()->first, ", but only ",
-                                                 s.usable, " frames can be matted"));
+    return fail(ErrorCode::InvalidArgument, text("the first keyframe is frame ", s.keyframes.begin()->first,
+                                                 ", but only ", s.usable, " frames can be matted"));
   std::set<int> made;
   if (ends.size() == 1) ends.push_back(ends.front());
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
@@ -368,8 +382,8 @@ Result<std::vector<int>> VideoMatting::propagate(const std::function<bool(int)>&
       state = {step.matte, {step.energy, 0, s.keyframes.contains(frame), step.fits}};
       // A keyframe that begins this span is not filtered; the span before it may not be made yet.
       if (frame > 0 && !s.states[static_cast<std::size_t>(frame - 1)].matte.empty()) {
-        const MatteOpinion previous = guidance_from(s.states[static_cast<std::size_t>(frame - 1)].matte, before_picture,
-                                                    *picture, s.options.flow);
+        const MatteOpinion previous = guidance_from(s.states[static_cast<std::size_t>(frame - 1)].matte,
+                                                    before_picture, *picture, s.options.flow);
         if (s.options.temporal_filter > 0 && !state.report.keyframe)
           state.matte = filtered(state.matte, previous, s.options.temporal_filter);
         state.report.flicker = flicker_between(state.matte, previous.opacity);
@@ -381,17 +395,22 @@ Result<std::vector<int>> VideoMatting::propagate(const std::function<bool(int)>&
   return std::vector<int>(made.begin(), made.end());
 }
 
-Result<double> matte_flicker(const Image& photograph_before, const Image& matte_before, const Image& photograph,
-                             const Image& matte) {
+Result<double> matte_flicker(const Image& photograph_before, const Image& matte_before,
+                             const Image& photograph, const Image& matte) {
   constexpr double kPixels = 30000;
-  const auto fits = [&](const Image& i) { return i.width == photograph.width && i.height == photograph.height && !i.empty(); };
-  if (!fits(photograph_before) || !fits(matte_before) || !fits(matte) || matte.channels != 1 || matte_before.channels != 1)
-    return fail(ErrorCode::InvalidArgument, "the flicker of a matte needs photographs and mattes of one size");
+  const auto fits = [&](const Image& i) {
+    return i.width == photograph.width && i.height == photograph.height && !i.empty();
+  };
+  if (!fits(photograph_before) || !fits(matte_before) || !fits(matte) || matte.channels != 1 ||
+      matte_before.channels != 1)
+    return fail(ErrorCode::InvalidArgument,
+                "the flicker of a matte needs photographs and mattes of one size");
   const double scale = std::min(1.0, std::sqrt(kPixels / (static_cast<double>(matte.width) * matte.height)));
   const int width = std::max(3, static_cast<int>(std::lround(matte.width * scale)));
   const int height = std::max(3, static_cast<int>(std::lround(matte.height * scale)));
-  const MatteOpinion carried = guidance_from(scaled(matte_before, width, height), scaled(photograph_before, width, height),
-                                             scaled(photograph, width, height), CarryingFlow::Dis);
+  const MatteOpinion carried =
+      guidance_from(scaled(matte_before, width, height), scaled(photograph_before, width, height),
+                    scaled(photograph, width, height), CarryingFlow::Dis);
   return flicker_between(scaled(matte, width, height), carried.opacity);
 }
 

@@ -27,8 +27,8 @@ inline constexpr int kMostListed = 8;
 /// camera outside the set comes as near: along a path, cameras come and go with weight zero. Ties go by the
 /// camera's place in the world, never by its place in the rig.
 ///
-/// `pictured` (empty: all) says which cameras have a picture: only those are listed, but the others still say where a
-/// fade ends, so that a view drawn from just the cameras it needs equals one drawn from all.
+/// `pictured` (empty: all) says which cameras have a picture: only those are listed, but the others still say
+/// where a fade ends, so that a view drawn from just the cameras it needs equals one drawn from all.
 CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
                             const std::vector<Eigen::Vector3f>& samples, const View& view, int count,
                             const std::vector<bool>& pictured = {});

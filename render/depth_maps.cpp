@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kGuardPixels = 4;  // around the picture: the test at its border reads a full neighbourhood
 constexpr int kLargestSide = 2048;  // texels
-constexpr int kStep = 64;             // texels
+constexpr int kStep = 64;           // texels
 constexpr float kNothing = 1e30F;   // shaders/view.glsl has the same
 
 }  // namespace
@@ -39,7 +39,8 @@ void DepthMaps::plan(const std::vector<RigCamera>& cameras, const Eigen::Aligned
     w.near_plane = static_cast<float>(std::max(z - radius, 1e-3 * radius));
     blocks[i].depth = w.place;
   }
-  // In steps: a subject that moves changes the size with every instant, and new storage costs more than the maps.
+  // In steps: a subject that moves changes the size with every instant, and new storage costs more than the
+  // maps.
   auto in_steps = [](int n) { return std::min((n + kStep - 1) / kStep * kStep, kLargestSide); };
   width_ = in_steps(width_);
   height_ = in_steps(height_);

@@ -87,8 +87,8 @@ class FloatingRenderer : public ViewRenderer {
     if (Result<void> ok = pairwise_.estimate(read_images(shrink), pulls, options.flow, options.threads); !ok)
       return ok;
     for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
-      glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RG,
-                          GL_FLOAT, pairwise_.fields()[pair].uv.data());
+      glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RG, GL_FLOAT,
+                          pairwise_.fields()[pair].uv.data());
     return {};
   }
 

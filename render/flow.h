@@ -28,7 +28,7 @@ struct FlowOptions {
   int finest_scale = 0;           ///< dis: level at which the search stops; 0 is full resolution
   int iterations = 0;             ///< 0: the preset's own
   int refinement = 20;            ///< dis: iterations of its variational refinement (not for "ultrafast")
-  int shrink = 1;                 ///< the pictures are reduced by this factor first, 1 … 8: much faster, softer
+  int shrink = 1;  ///< the pictures are reduced by this factor first, 1 … 8: much faster, softer
   bool operator==(const FlowOptions&) const = default;
 };
 

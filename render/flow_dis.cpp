@@ -15,8 +15,8 @@ namespace {
 constexpr int kSmallestSide = 64;  // px: DIS builds a pyramid over 8 px patches; smaller pictures are padded
 constexpr int kMostScales = 6;
 // Projected photographs differ by small smooth displacements: refined longer and smoothed less than OpenCV's
-// presets do (5 iterations, 20, 10), the fields follow them better (measured on the temple ring). The iterations are
-// FlowOptions::refinement.
+// presets do (5 iterations, 20, 10), the fields follow them better (measured on the temple ring). The
+// iterations are FlowOptions::refinement.
 constexpr float kSmoothness = 10, kGradientConstancy = 5;
 
 class DisFlow : public FlowEstimator {
@@ -66,10 +66,11 @@ Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options)
   else
     return fail(ErrorCode::InvalidArgument,
                 text("unknown DIS preset '", options.preset, "'; there are: ultrafast, fast, medium"));
-  if (options.finest_scale < 0 || options.finest_scale > kMostScales || options.iterations < 0 || options.refinement < 0)
+  if (options.finest_scale < 0 || options.finest_scale > kMostScales || options.iterations < 0 ||
+      options.refinement < 0)
     return fail(ErrorCode::InvalidArgument,
-                text("DIS finest scale ", options.finest_scale, ", iterations ", options.iterations, " or refinement ",
-                     options.refinement, " out of range (0…", kMostScales, ", 0…, 0…)"));
+                text("DIS finest scale ", options.finest_scale, ", iterations ", options.iterations,
+                     " or refinement ", options.refinement, " out of range (0…", kMostScales, ", 0…, 0…)"));
   // DIS cuts its search into one stripe a thread and propagates only inside a stripe: with OpenCV's own
   // threads the result would depend on the machine. We run whole fields in parallel instead.
   cv::setNumThreads(1);

@@ -170,7 +170,8 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
                                ? options.depth_tolerance
                                : kToleranceShare * static_cast<double>(s.box.diagonal().norm());
   block.settings = {f(m.skew), f(options.soft_radius), f(tolerance), f(options.flow.shrink)};
-  block.background = {options.background[0], options.background[1], options.background[2], options.sharp ? 0.F : 1.F};
+  block.background = {options.background[0], options.background[1], options.background[2],
+                      options.sharp ? 0.F : 1.F};
   block.counts = {static_cast<int>(choice_.listed.size()), static_cast<int>(choice_.chosen),
                   one_camera ? 1 : 0, static_cast<int>(options.output)};
   for (std::size_t i = 0; i < choice_.listed.size(); ++i) {

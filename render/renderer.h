@@ -32,9 +32,9 @@ struct RendererOptions {
   double depth_tolerance = 0;  ///< metres the proxy may lie behind a camera's depth map and still be seen;
                                ///< 0: 1.25 % of its diagonal
   FlowOptions flow;            ///< floating only
-  bool sharp = true;           ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
-                               ///< and much faster without a GPU
-  int threads = 0;  ///< CPU threads of the flow; 0: one per core. The picture does not depend on it
+  bool sharp = true;  ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
+                      ///< and much faster without a GPU
+  int threads = 0;    ///< CPU threads of the flow; 0: one per core. The picture does not depend on it
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;
 };
@@ -64,8 +64,8 @@ struct RendererInfo {
 };
 std::vector<RendererInfo> renderers();
 
-/// The photographs that a view of this scene is drawn from, strongest first: `count` indices into rig.cameras. What a
-/// viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
+/// The photographs that a view of this scene is drawn from, strongest first: `count` indices into
+/// rig.cameras. What a viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count);
 
 /// Reads a rendered view back: RGBA, rows top first.

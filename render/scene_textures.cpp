@@ -27,7 +27,8 @@ Result<void> check_mesh(const Mesh& mesh) {
 }
 
 /// RGB pixels and their opacity as RGBA, colours brought to the rig's.
-void with_matte(const RigCamera& camera, const Image& rgb, const std::uint8_t* alpha, std::vector<std::uint8_t>& out) {
+void with_matte(const RigCamera& camera, const Image& rgb, const std::uint8_t* alpha,
+                std::vector<std::uint8_t>& out) {
   const std::size_t pixels = rgb.pixels.size() / 3;
   out.resize(4 * pixels);
   const std::uint8_t* from = rgb.pixels.data();
@@ -59,7 +60,8 @@ Result<Image> with_matte(const RigCamera& camera, const Frame& frame, const Matt
     return fail(ErrorCode::BadData, text("camera '", camera.serial, "': the matte is ", matte->width, "x",
                                          matte->height, " but the picture is ", in.width, "x", in.height));
   // Without a matte everything is subject; one in rows with padding is copied together.
-  std::vector<std::uint8_t> alpha(static_cast<std::size_t>(in.width) * static_cast<std::size_t>(in.height), 255);
+  std::vector<std::uint8_t> alpha(static_cast<std::size_t>(in.width) * static_cast<std::size_t>(in.height),
+                                  255);
   for (int y = 0; matte != nullptr && y < in.height; ++y)
     std::copy_n(matte->row(y), in.width, alpha.begin() + static_cast<std::ptrdiff_t>(y) * in.width);
   Image out(in.width, in.height, 4);
@@ -95,14 +97,17 @@ Result<void> check_tiles(const Rig& rig, std::span<const PictureTile> tiles) {
                 "no camera with a picture is left to draw from; keep at least one");
   std::vector<bool> seen(rig.cameras.size());
   for (const PictureTile& tile : tiles) {
-    if (tile.camera < 0 || tile.camera >= static_cast<int>(seen.size()) || seen[static_cast<std::size_t>(tile.camera)])
-      return fail(ErrorCode::InvalidArgument, text("a tile of camera ", tile.camera, ", which is not in the rig of ",
-                                                   seen.size(), " cameras or has one already"));
+    if (tile.camera < 0 || tile.camera >= static_cast<int>(seen.size()) ||
+        seen[static_cast<std::size_t>(tile.camera)])
+      return fail(ErrorCode::InvalidArgument,
+                  text("a tile of camera ", tile.camera, ", which is not in the rig of ", seen.size(),
+                       " cameras or has one already"));
     seen[static_cast<std::size_t>(tile.camera)] = true;
     const RigCamera& camera = rig.cameras[static_cast<std::size_t>(tile.camera)];
     const Image *picture = tile.picture, *matte = tile.matte;
-    const bool whole = picture != nullptr && matte != nullptr && !picture->empty() && picture->channels == 3 &&
-                       matte->channels == 1 && picture->width == matte->width && picture->height == matte->height;
+    const bool whole = picture != nullptr && matte != nullptr && !picture->empty() &&
+                       picture->channels == 3 && matte->channels == 1 && picture->width == matte->width &&
+                       picture->height == matte->height;
     if (!whole || tile.x < 0 || tile.y < 0 || tile.x + picture->width > camera.model.width ||
         tile.y + picture->height > camera.model.height)
       return fail(ErrorCode::InvalidArgument,
@@ -118,8 +123,8 @@ Result<void> check_fit(int width, int height, std::size_t pictures) {
   glGetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &most_layers);
   if (std::max(width, height) <= largest && static_cast<int>(pictures) <= most_layers) return {};
   return fail(ErrorCode::Unsupported,
-              text(pictures, " pictures of up to ", width, "x", height,
-                   " do not fit this GPU's textures (", largest, " px, ", most_layers, " layers)"));
+              text(pictures, " pictures of up to ", width, "x", height, " do not fit this GPU's textures (",
+                   largest, " px, ", most_layers, " layers)"));
 }
 
 }  // namespace
@@ -200,8 +205,8 @@ Result<void> SceneTextures::upload(const Rig& rig, const Mesh& mesh, std::span<c
     s.cameras.push_back(rig.cameras[camera]);
     blocks.push_back(camera_block(s.cameras.back(), layer));
     const Image& picture = *tile.picture;
-    blocks.back().tile = {static_cast<float>(tile.x), static_cast<float>(tile.y), static_cast<float>(picture.width),
-                          static_cast<float>(picture.height)};
+    blocks.back().tile = {static_cast<float>(tile.x), static_cast<float>(tile.y),
+                          static_cast<float>(picture.width), static_cast<float>(picture.height)};
     with_matte(s.cameras.back(), picture, tile.matte->pixels.data(), s.staging);
     glTextureSubImage3D(s.photographs.id(), 0, 0, 0, layer, picture.width, picture.height, 1, GL_RGBA,
                         GL_UNSIGNED_BYTE, s.staging.data());
@@ -225,7 +230,8 @@ void SceneTextures::Impl::put_mesh(const Mesh& source) {
   box = source.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero()) : bounding_box(source);
   samples = ranking_samples(source);
   gl::upload(vertex_buffer, vertex_capacity, positions.data(), positions.size() * sizeof(Eigen::Vector3f));
-  gl::upload(index_buffer, index_capacity, source.triangles.data(), source.triangles.size() * sizeof(std::uint32_t));
+  gl::upload(index_buffer, index_capacity, source.triangles.data(),
+             source.triangles.size() * sizeof(std::uint32_t));
   if (!mesh) mesh = gl::VertexArray::create();
   glVertexArrayVertexBuffer(mesh.id(), 0, vertex_buffer.id(), 0, sizeof(Eigen::Vector3f));
   glVertexArrayElementBuffer(mesh.id(), index_buffer.id());

@@ -12,8 +12,8 @@
 
 namespace floatstage {
 
-/// The part of one camera's photograph that shows the subject; what lies outside it is not subject. The pictures are
-/// not owned.
+/// The part of one camera's photograph that shows the subject; what lies outside it is not subject. The
+/// pictures are not owned.
 struct PictureTile {
   int camera = -1;                 ///< index into Rig::cameras
   int x = 0, y = 0;                ///< of its first pixel in the photograph
@@ -38,8 +38,9 @@ class SceneTextures {
   Result<void> upload(const Rig& rig, const SceneFrame& scene, const std::vector<bool>& usable = {});
 
   /// The same for a live scene, of which only the subject's part of only the needed photographs is there
-  /// (needed_cameras()). A view from where these are the needed ones equals one drawn from all photographs, but for
-  /// parts that none of them sees. Errors as above; InvalidArgument also for a tile that leaves its photograph.
+  /// (needed_cameras()). A view from where these are the needed ones equals one drawn from all photographs,
+  /// but for parts that none of them sees. Errors as above; InvalidArgument also for a tile that leaves its
+  /// photograph.
   Result<void> upload(const Rig& rig, const Mesh& mesh, std::span<const PictureTile> tiles);
 
   struct Impl;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <regex>
 #include <sstream>
 
 #include "core/text.h"
@@ -11,13 +12,17 @@ namespace floatstage::architecture {
 namespace {
 
 constexpr int kMostLines = 600;
+constexpr int kMostColumns = 110;
 
 std::string first_folder(std::string_view path) { return std::string(path.substr(0, path.find('/'))); }
 
 // "core/synthetic" is a layer of its own; every other path belongs to its first folder.
-std::string layer_of(std::string_view path) { return path.starts_with("core/synthetic/") ? "core/synthetic" : first_folder(path); }
+std::string layer_of(std::string_view path) {
+  return path.starts_with("core/synthetic/") ? "core/synthetic" : first_folder(path);
+}
 
-// The same text with comments blanked and line ends kept. Good enough for include lines: no string literals there.
+// The same text with comments blanked and line ends kept. Good enough for include lines: no string literals
+// there.
 std::string without_comments(std::string_view cpp) {
   std::string out;
   for (std::size_t i = 0; i < cpp.size();) {
@@ -36,15 +41,18 @@ std::string without_comments(std::string_view cpp) {
 
 bool is_standard_or_eigen(const std::string& target) {
   if (target.starts_with("Eigen/")) return true;
-  return std::all_of(target.begin(), target.end(), [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; });
+  return std::all_of(target.begin(), target.end(),
+                     [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '_'; });
 }
 
 bool is_cpp(std::string_view path) { return path.ends_with(".h") || path.ends_with(".cpp"); }
 
 // Why `from` must not include `target`, or nothing.
-std::string layering_fault(const std::string& from, const std::string& target, const std::set<std::string>& public_headers) {
+std::string layering_fault(const std::string& from, const std::string& target,
+                           const std::set<std::string>& public_headers) {
   const std::string here = layer_of(from), there = layer_of(target);
-  const bool known = stages().contains(there) || there == "core" || there == "core/synthetic" || there == "apps" || there == "tests";
+  const bool known = stages().contains(there) || there == "core" || there == "core/synthetic" ||
+                     there == "apps" || there == "tests";
   if (!known || here == there || here == "tests") return "";
   if (there == "tests") return "the product must not include tests";
   if (there == "apps") return "only apps composes: nothing below includes it";
@@ -54,7 +62,9 @@ std::string layering_fault(const std::string& from, const std::string& target, c
   }
   if (here == "apps" && stages().contains(there) && !public_headers.contains(target))
     return "apps includes a header that docs/architecture.md does not name as public";
-  if (here != "apps" && stages().contains(there)) return here.starts_with("core") ? "core must not include a stage" : "a stage must not include another stage";
+  if (here != "apps" && stages().contains(there))
+    return here.starts_with("core") ? "core must not include a stage"
+                                    : "a stage must not include another stage";
   return "";
 }
 
@@ -71,12 +81,14 @@ std::vector<Include> includes_of(std::string_view cpp) {
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     std::string packed;
-    std::remove_copy_if(line.begin(), line.end(), std::back_inserter(packed), [](unsigned char c) { return std::isspace(c); });
+    std::remove_copy_if(line.begin(), line.end(), std::back_inserter(packed),
+                        [](unsigned char c) { return std::isspace(c); });
     const std::string_view directive = "#include";
     if (!packed.starts_with(directive) || packed.size() < directive.size() + 2) continue;
     const bool angled = packed[directive.size()] == '<';
     const std::size_t end = packed.find(angled ? '>' : '"', directive.size() + 1);
-    if (end != std::string::npos) found.push_back({packed.substr(directive.size() + 1, end - directive.size() - 1), angled, number});
+    if (end != std::string::npos)
+      found.push_back({packed.substr(directive.size() + 1, end - directive.size() - 1), angled, number});
   }
   return found;
 }
@@ -101,7 +113,8 @@ std::set<std::string> public_headers(std::string_view architecture_md) {
   return headers;
 }
 
-std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& files, const std::set<std::string>& headers) {
+std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& files,
+                                              const std::set<std::string>& headers) {
   std::vector<std::string> breaches;
   for (const SourceFile& file : files) {
     if (!is_cpp(file.path)) continue;
@@ -112,7 +125,8 @@ std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& fil
   return breaches;
 }
 
-std::vector<std::string> breaches_of_public_headers(const std::vector<SourceFile>& files, const std::set<std::string>& headers) {
+std::vector<std::string> breaches_of_public_headers(const std::vector<SourceFile>& files,
+                                                    const std::set<std::string>& headers) {
   std::map<std::string, const SourceFile*> by_path;
   for (const SourceFile& file : files) by_path[file.path] = &file;
   std::vector<std::string> breaches;
@@ -142,7 +156,8 @@ std::vector<std::string> breaches_of_folder_names(const std::vector<std::string>
   const std::set<std::string> refused = {"util", "utils", "common", "include", "third_party"};
   std::vector<std::string> breaches;
   for (const std::string& folder : folders)
-    if (refused.contains(folder.substr(folder.rfind('/') + 1))) breaches.push_back(folder + ": a folder of this name says nothing of what is in it");
+    if (refused.contains(folder.substr(folder.rfind('/') + 1)))
+      breaches.push_back(folder + ": a folder of this name says nothing of what is in it");
   return breaches;
 }
 
@@ -150,7 +165,32 @@ std::vector<std::string> breaches_of_length(const std::vector<SourceFile>& files
   std::vector<std::string> breaches;
   for (const SourceFile& file : files) {
     const auto lines = std::count(file.text.begin(), file.text.end(), '\n');
-    if (lines > kMostLines) breaches.push_back(text(file.path, ": ", lines, " lines; cut it into ideas of at most ", kMostLines));
+    if (lines > kMostLines)
+      breaches.push_back(text(file.path, ": ", lines, " lines; cut it into ideas of at most ", kMostLines));
+  }
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_width(const std::vector<SourceFile>& files) {
+  static const std::regex raw_begins(R"re(R"([A-Za-z_]*)\()re");
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    if (!is_cpp(file.path)) continue;
+    std::istringstream lines(file.text);
+    std::string raw_end;  // what closes the raw string that a line lies in
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+      ++number;
+      std::smatch begin;
+      const bool begins = raw_end.empty() && std::regex_search(line, begin, raw_begins);
+      if (begins) raw_end = ")" + begin[1].str() + "\"";
+      const bool raw = !raw_end.empty();
+      if (raw && line.find(raw_end, begins ? begin.position() + begin.length() : 0) != line.npos)
+        raw_end.clear();
+      const auto columns = std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; });
+      if (!raw && columns > kMostColumns)
+        breaches.push_back(text(file.path, ":", number, ": ", columns, " columns; at most ", kMostColumns));
+    }
   }
   return breaches;
 }

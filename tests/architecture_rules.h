@@ -6,7 +6,8 @@
 #include <string_view>
 #include <vector>
 
-// The rules of docs/architecture.md as functions over text, so that each can be shown a breach that it must find.
+// The rules of docs/architecture.md as functions over text, so that each can be shown a breach that it must
+// find.
 
 namespace floatstage::architecture {
 
@@ -32,18 +33,23 @@ std::set<std::string> public_headers(std::string_view architecture_md);
 
 // Each returns sentences that begin with the place: "matting/keyer.cpp:3: …". Empty when the rule is kept.
 
-/// Stages include core and themselves; core only core; core/synthetic is for apps, tests and capture's synthetic
-/// source; nothing of the product includes tests; apps includes of a stage only what is public.
-std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& files, const std::set<std::string>& public_headers);
+/// Stages include core and themselves; core only core; core/synthetic is for apps, tests and capture's
+/// synthetic source; nothing of the product includes tests; apps includes of a stage only what is public.
+std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& files,
+                                              const std::set<std::string>& public_headers);
 
-/// Public headers, and what they include of ours, name nothing but the standard library, Eigen and our own headers;
-/// those of the table exist.
-std::vector<std::string> breaches_of_public_headers(const std::vector<SourceFile>& files, const std::set<std::string>& public_headers);
+/// Public headers, and what they include of ours, name nothing but the standard library, Eigen and our own
+/// headers; those of the table exist.
+std::vector<std::string> breaches_of_public_headers(const std::vector<SourceFile>& files,
+                                                    const std::set<std::string>& public_headers);
 
 /// No folder is called util, utils, common, include or third_party.
 std::vector<std::string> breaches_of_folder_names(const std::vector<std::string>& folders);
 
 /// No file has more than 600 lines.
 std::vector<std::string> breaches_of_length(const std::vector<SourceFile>& files);
+
+/// No line of C++ is wider than 110 characters, raw strings aside (.clang-format sees to the rest).
+std::vector<std::string> breaches_of_width(const std::vector<SourceFile>& files);
 
 }  // namespace floatstage::architecture

@@ -1,10 +1,10 @@
 // Reads the project's own sources and holds them to docs/architecture.md.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/file.h"
 #include "tests/architecture_rules.h"
@@ -57,24 +57,36 @@ TEST(Architecture, IsReadFromTheWholeProject) {
   const Project project;
   EXPECT_GT(project.files.size(), 50u);
   const std::set<std::string> headers = headers_of_the_table();
-  for (const char* header : {"core/rig.h", "core/synthetic/synthetic_studio.h", "capture/take.h", "matting/keyer.h", "recon/visual_hull.h", "render/renderer.h"})
+  for (const char* header : {"core/rig.h", "core/synthetic/synthetic_studio.h", "capture/take.h",
+                             "matting/keyer.h", "recon/visual_hull.h", "render/renderer.h"})
     EXPECT_TRUE(headers.contains(header)) << header;
 }
 
-TEST(Architecture, LetsOnlyAppsComposeTheStages) { EXPECT_THAT(breaches_of_layering(Project().files, headers_of_the_table()), IsEmpty()); }
+TEST(Architecture, LetsOnlyAppsComposeTheStages) {
+  EXPECT_THAT(breaches_of_layering(Project().files, headers_of_the_table()), IsEmpty());
+}
 
-TEST(Architecture, KeepsOtherLibrariesOutOfPublicHeaders) { EXPECT_THAT(breaches_of_public_headers(Project().files, headers_of_the_table()), IsEmpty()); }
+TEST(Architecture, KeepsOtherLibrariesOutOfPublicHeaders) {
+  EXPECT_THAT(breaches_of_public_headers(Project().files, headers_of_the_table()), IsEmpty());
+}
 
-TEST(Architecture, HasNoFolderForLeftovers) { EXPECT_THAT(breaches_of_folder_names(Project().folders), IsEmpty()); }
+TEST(Architecture, HasNoFolderForLeftovers) {
+  EXPECT_THAT(breaches_of_folder_names(Project().folders), IsEmpty());
+}
 
 TEST(Architecture, KeepsFilesShort) { EXPECT_THAT(breaches_of_length(Project().files), IsEmpty()); }
 
 // From here on: the rules find what they are for.
 
-std::vector<std::string> layering(const char* path, const char* text) { return breaches_of_layering({{path, text}}, {"matting/keyer.h"}); }
+std::vector<std::string> layering(const char* path, const char* text) {
+  return breaches_of_layering({{path, text}}, {"matting/keyer.h"});
+}
+
+TEST(Architecture, KeepsLinesNarrow) { EXPECT_THAT(breaches_of_width(Project().files), IsEmpty()); }
 
 TEST(IncludesOf, FindsBothKindsAndSkipsComments) {
-  const std::vector<Include> found = includes_of("// #include \"a.h\"\n/* x\n#include <b>\n*/\n#include \"c/d.h\"  // why\n  #  include <Eigen/Core>\n");
+  const std::vector<Include> found = includes_of(
+      "// #include \"a.h\"\n/* x\n#include <b>\n*/\n#include \"c/d.h\"  // why\n  #  include <Eigen/Core>\n");
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].target, "c/d.h");
   EXPECT_FALSE(found[0].angled);
@@ -85,19 +97,23 @@ TEST(IncludesOf, FindsBothKindsAndSkipsComments) {
 }
 
 TEST(PublicHeaders, AreTheThirdColumnOfTheTable) {
-  EXPECT_THAT(public_headers("| folder | a | b |\n| --- | --- | --- |\n| `core/` | the words | `time frame` | x |\n| `core/synthetic/` | y | `studio` |\n"),
+  EXPECT_THAT(public_headers("| folder | a | b |\n| --- | --- | --- |\n| `core/` | the words | `time frame` "
+                             "| x |\n| `core/synthetic/` | y | `studio` |\n"),
               ElementsAre("core/frame.h", "core/synthetic/studio.h", "core/time.h"));
 }
 
 TEST(Layering, FindsAStageThatIncludesAnother) {
   EXPECT_THAT(layering("recon/hull.cpp", "#include \"core/rig.h\"\n#include \"matting/keyer.h\"\n"),
               ElementsAre(HasSubstr("recon/hull.cpp:2: includes matting/keyer.h: a stage must not")));
-  EXPECT_THAT(layering("recon/hull.cpp", "#include <matting/keyer.h>\n"), testing::SizeIs(1)) << "angle brackets hide nothing";
+  EXPECT_THAT(layering("recon/hull.cpp", "#include <matting/keyer.h>\n"), testing::SizeIs(1))
+      << "angle brackets hide nothing";
 }
 
 TEST(Layering, FindsCoreThatKnowsAStage) {
-  EXPECT_THAT(layering("core/rig.h", "#include \"matting/keyer.h\"\n"), ElementsAre(HasSubstr("core must not")));
-  EXPECT_THAT(layering("core/synthetic/studio.cpp", "#include \"capture/take.h\"\n"), ElementsAre(HasSubstr("core must not")));
+  EXPECT_THAT(layering("core/rig.h", "#include \"matting/keyer.h\"\n"),
+              ElementsAre(HasSubstr("core must not")));
+  EXPECT_THAT(layering("core/synthetic/studio.cpp", "#include \"capture/take.h\"\n"),
+              ElementsAre(HasSubstr("core must not")));
 }
 
 TEST(Layering, KeepsTheSyntheticStudioFromStages) {
@@ -109,22 +125,32 @@ TEST(Layering, KeepsTheSyntheticStudioFromStages) {
 }
 
 TEST(Layering, KeepsAppsToPublicHeaders) {
-  EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/keyer.h\"\n#include \"apps/film.h\"\n#include \"core/json_fields.h\"\n"), IsEmpty());
-  EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/backing.h\"\n"), ElementsAre(HasSubstr("does not name as public")));
+  EXPECT_THAT(
+      layering("apps/main.cpp",
+               "#include \"matting/keyer.h\"\n#include \"apps/film.h\"\n#include \"core/json_fields.h\"\n"),
+      IsEmpty());
+  EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/backing.h\"\n"),
+              ElementsAre(HasSubstr("does not name as public")));
 }
 
 TEST(Layering, KeepsAppsAndTestsOutOfTheStages) {
-  EXPECT_THAT(layering("render/ulr.cpp", "#include \"apps/film.h\"\n"), ElementsAre(HasSubstr("only apps composes")));
-  EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"), ElementsAre(HasSubstr("must not include tests")));
-  EXPECT_THAT(layering("tests/recon/hull_test.cpp", "#include \"recon/octree.h\"\n#include \"matting/backing.h\"\n"), IsEmpty());
+  EXPECT_THAT(layering("render/ulr.cpp", "#include \"apps/film.h\"\n"),
+              ElementsAre(HasSubstr("only apps composes")));
+  EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"),
+              ElementsAre(HasSubstr("must not include tests")));
+  EXPECT_THAT(
+      layering("tests/recon/hull_test.cpp", "#include \"recon/octree.h\"\n#include \"matting/backing.h\"\n"),
+      IsEmpty());
 }
 
 TEST(PublicHeaderRule, FindsOtherLibrariesAlsoBehindAPrivateHeader) {
-  const std::vector<SourceFile> files = {{"core/rig.h", "#include <vector>\n#include <Eigen/Core>\n#include \"core/inner.h\"\n"},
-                                         {"core/inner.h", "#include <opencv2/core.hpp>\n#include <unistd.h>\n#include \"json.hpp\"\n"},
-                                         {"core/free.h", "#include <png.h>\n"}};
+  const std::vector<SourceFile> files = {
+      {"core/rig.h", "#include <vector>\n#include <Eigen/Core>\n#include \"core/inner.h\"\n"},
+      {"core/inner.h", "#include <opencv2/core.hpp>\n#include <unistd.h>\n#include \"json.hpp\"\n"},
+      {"core/free.h", "#include <png.h>\n"}};
   EXPECT_THAT(breaches_of_public_headers(files, {"core/rig.h"}),
-              ElementsAre(HasSubstr("core/inner.h:1: includes opencv2/core.hpp"), HasSubstr("core/inner.h:2: includes unistd.h"),
+              ElementsAre(HasSubstr("core/inner.h:1: includes opencv2/core.hpp"),
+                          HasSubstr("core/inner.h:2: includes unistd.h"),
                           HasSubstr("core/inner.h:3: includes json.hpp")));
 }
 
@@ -133,13 +159,29 @@ TEST(PublicHeaderRule, FindsAHeaderThatIsOnlyInTheTable) {
 }
 
 TEST(FolderNames, FindsDrawersForLeftovers) {
-  EXPECT_THAT(breaches_of_folder_names({"core", "common", "render/util", "docs/adr", "third_party", "apps/include"}), testing::SizeIs(4));
+  EXPECT_THAT(
+      breaches_of_folder_names({"core", "common", "render/util", "docs/adr", "third_party", "apps/include"}),
+      testing::SizeIs(4));
   EXPECT_THAT(breaches_of_folder_names({"core/utility_room"}), IsEmpty());
 }
 
 TEST(Length, FindsAFileOfMoreThanSixHundredLines) {
   EXPECT_THAT(breaches_of_length({{"a.cpp", std::string(600, '\n')}}), IsEmpty());
-  EXPECT_THAT(breaches_of_length({{"a.cpp", std::string(601, '\n')}}), ElementsAre(HasSubstr("a.cpp: 601 lines")));
+  EXPECT_THAT(breaches_of_length({{"a.cpp", std::string(601, '\n')}}),
+              ElementsAre(HasSubstr("a.cpp: 601 lines")));
+}
+
+TEST(Width, CountsCharactersAndLeavesRawStringsAlone) {
+  const std::string wide(111, 'x');
+  EXPECT_THAT(breaches_of_width({{"a.cpp", std::string(110, 'x') + "\n"}, {"a.txt", wide}}), IsEmpty());
+  EXPECT_THAT(breaches_of_width({{"a.cpp", "int a;\n" + wide + "\n"}}),
+              ElementsAre("a.cpp:2: 111 columns; at most 110"));
+  std::string dots;
+  for (int i = 0; i < 110; ++i) dots += "…";
+  EXPECT_THAT(breaches_of_width({{"a.cpp", dots}}), IsEmpty());
+  const std::string open = "R\"js(", close = ")js\";";  // in two pieces: this file is looked at as well
+  EXPECT_THAT(breaches_of_width({{"a.cpp", open + wide + "\n" + wide + close + "\n" + wide}}),
+              ElementsAre(HasSubstr("a.cpp:3")));
 }
 
 }  // namespace

@@ -23,14 +23,16 @@ struct Looked {
 
 bool is_picture(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const char* known : {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"})
     if (extension == known) return true;
   return false;
 }
 
 // Pictures are decoded one after the other, some at a time, and looked at in parallel.
-Result<Looked> look(const TargetDesign& design, const CameraMedia& media, const FrameRange& range, int every, const DetectAllOptions& options) {
+Result<Looked> look(const TargetDesign& design, const CameraMedia& media, const FrameRange& range, int every,
+                    const DetectAllOptions& options) {
   const std::filesystem::path first = media.video.empty() ? media.stills.front() : media.video;
   Result<PictureStream> stream = PictureStream::open(media, range);
   if (!stream) return forward(stream);
@@ -61,7 +63,9 @@ Result<Looked> look(const TargetDesign& design, const CameraMedia& media, const 
       if (here % every != 0) continue;
       const std::size_t slot = images.size();
       images.push_back(std::move(**next));
-      const std::string name = media.video.empty() ? media.stills[static_cast<std::size_t>(range.first + here)].string() : text(media.video.string(), " picture ", range.first + here);
+      const std::string name = media.video.empty()
+                                   ? media.stills[static_cast<std::size_t>(range.first + here)].string()
+                                   : text(media.video.string(), " picture ", range.first + here);
       std::string picture_key;
       if (!key.empty()) picture_key = text(key, "-", range.first + here);
       if (!options.cache.empty() && media.video.empty()) {
@@ -89,7 +93,8 @@ void add_views(Observations& o, int camera, const Looked& looked, int first, int
 
 std::string size_text(const Looked& l) { return text(l.width, "x", l.height); }
 
-Result<void> collect_camera(const Session& s, const SessionCamera& camera, const DetectAllOptions& options, int& next_alone, Collected& out, std::size_t& synchronous) {
+Result<void> collect_camera(const Session& s, const SessionCamera& camera, const DetectAllOptions& options,
+                            int& next_alone, Collected& out, std::size_t& synchronous) {
   CalibrationCamera c;
   c.serial = camera.serial;
   c.lens = camera.lens;
@@ -97,7 +102,8 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera, const
   std::vector<Detection> all;
   const auto take_size = [&](const Looked& l) -> Result<void> {
     if (c.width != 0 && (c.width != l.width || c.height != l.height))
-      return fail(ErrorCode::BadData, text("camera '", c.serial, "': its pictures are ", size_text(l), " and ", c.width, "x", c.height, "; all must have one size"));
+      return fail(ErrorCode::BadData, text("camera '", c.serial, "': its pictures are ", size_text(l),
+                                           " and ", c.width, "x", c.height, "; all must have one size"));
     c.width = l.width;
     c.height = l.height;
     return {};
@@ -113,14 +119,16 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera, const
     if (!looked) return fail(looked.error().code, text("camera '", c.serial, "': ", looked.error().message));
     if (Result<void> ok = take_size(*looked); !ok) return ok;
     synchronous = looked->detections.size();
-    add_views(out.observations, index, *looked, s.first_frame, s.every, s.frame_rate > 0 ? s.frame_rate : looked->frame_rate);
+    add_views(out.observations, index, *looked, s.first_frame, s.every,
+              s.frame_rate > 0 ? s.frame_rate : looked->frame_rate);
     all = looked->detections;
   }
   if (media.empty() && camera.alone.empty()) {  // only of the scene: its size is asked for
     const Result<std::vector<std::filesystem::path>> scene = pictures_of(camera.scene, camera.serial);
     if (!scene) return forward(scene);
     const Result<PictureStream> stream = PictureStream::open({{}, {scene->front()}}, {});
-    if (!stream) return fail(stream.error().code, text("camera '", camera.serial, "': ", stream.error().message));
+    if (!stream)
+      return fail(stream.error().code, text("camera '", camera.serial, "': ", stream.error().message));
     c.width = stream->width();
     c.height = stream->height();
     out.observations.cameras.push_back(std::move(c));
@@ -137,7 +145,8 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera, const
     all.insert(all.end(), looked->detections.begin(), looked->detections.end());
   }
   for (const Detection& d : all)
-    if (d.failure == DetectionFailure::Unreadable) return fail(ErrorCode::BadData, text("camera '", c.serial, "': ", d.reason));
+    if (d.failure == DetectionFailure::Unreadable)
+      return fail(ErrorCode::BadData, text("camera '", c.serial, "': ", d.reason));
   out.detection.push_back(text("camera '", c.serial, "': ", summary(all)));
   out.observations.cameras.push_back(std::move(c));
   return {};
@@ -145,7 +154,8 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera, const
 
 }  // namespace
 
-Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::filesystem::path>& given, const std::string& serial) {
+Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::filesystem::path>& given,
+                                                       const std::string& serial) {
   std::vector<std::filesystem::path> out;
   for (const std::filesystem::path& p : given) {
     std::error_code error;
@@ -157,8 +167,11 @@ Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::fi
     for (const auto& entry : std::filesystem::directory_iterator(p, error))
       if (is_picture(entry.path())) inside.push_back(entry.path());
     if (error) return fail(ErrorCode::Io, text(p.string(), ": cannot be listed: ", error.message()));
-    if (inside.empty()) return fail(ErrorCode::NotFound, text("camera '", serial, "': there is no picture in ", p.string()));
-    std::sort(inside.begin(), inside.end(), [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
+    if (inside.empty())
+      return fail(ErrorCode::NotFound, text("camera '", serial, "': there is no picture in ", p.string()));
+    std::sort(inside.begin(), inside.end(), [](const auto& a, const auto& b) {
+      return natural_less(a.filename().string(), b.filename().string());
+    });
     out.insert(out.end(), inside.begin(), inside.end());
   }
   return out;
@@ -181,15 +194,18 @@ Result<Collected> collect(const Session& s, const std::filesystem::path& cache, 
     for (const SessionCamera& camera : s.cameras) {
       std::size_t count = 0;
       if (camera.carried) continue;
-      if (Result<void> ok = collect_camera(s, camera, options, next_alone, out, count); !ok) return forward(ok);
+      if (Result<void> ok = collect_camera(s, camera, options, next_alone, out, count); !ok)
+        return forward(ok);
       progress.advance();
       if (count == 0) continue;
       if (first_serial.empty()) {
         first_serial = camera.serial;
         first_count = count;
       } else if (count != first_count) {
-        return fail(ErrorCode::BadData, text("camera '", camera.serial, "' has ", count, " pictures, camera '", first_serial, "' has ", first_count,
-                                             ": they are not of the same instants; repair the longer one, or give first_frame and end_frame"));
+        return fail(ErrorCode::BadData, text("camera '", camera.serial, "' has ", count,
+                                             " pictures, camera '", first_serial, "' has ", first_count,
+                                             ": they are not of the same instants; repair the longer one, or "
+                                             "give first_frame and end_frame"));
       }
     }
   }

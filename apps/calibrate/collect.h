@@ -16,16 +16,20 @@ struct Collected {
   Observations observations;
   std::vector<std::string> detection;  ///< a sentence a camera
   std::vector<std::string> remarks;
-  std::vector<std::string> carried;    ///< serials of pictures that a carried camera took: solved for, but not of the rig
+  std::vector<std::string>
+      carried;  ///< serials of pictures that a carried camera took: solved for, but not of the rig
   double seconds = 0;
 };
 
-/// Finds the target in all pictures of a session and adds what is known beforehand. Errors name the camera and the file: a
-/// folder without pictures, a picture that is cut off, cameras with unequal numbers of pictures.
+/// Finds the target in all pictures of a session and adds what is known beforehand. Errors name the camera
+/// and the file: a folder without pictures, a picture that is cut off, cameras with unequal numbers of
+/// pictures.
 Result<Collected> collect(const Session& session, const std::filesystem::path& cache, int threads);
 
-/// Files as they are, folders as the pictures in them, in natural order. NotFound names the camera of an empty folder.
-Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::filesystem::path>& given, const std::string& serial);
+/// Files as they are, folders as the pictures in them, in natural order. NotFound names the camera of an
+/// empty folder.
+Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::filesystem::path>& given,
+                                                       const std::string& serial);
 
 /// The known rig of a session, in whatever format it is.
 Result<Rig> load_known(const SessionKnown& known);

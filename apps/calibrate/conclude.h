@@ -16,9 +16,10 @@ struct ConcludeOptions {
   std::vector<std::string> left_out;  ///< serials that were solved for but are not of the rig
 };
 
-/// Judges a calibration by its bars and `checks` (whose `pass` is filled in), prints it, writes report, JSON and, when it passes, the
-/// rig. BadData when it does not pass.
-Result<void> conclude(const Calibration& calibration, const CalibrationBars& bars, const std::vector<BarCheck>& checks, const ReportContext& context,
+/// Judges a calibration by its bars and `checks` (whose `pass` is filled in), prints it, writes report, JSON
+/// and, when it passes, the rig. BadData when it does not pass.
+Result<void> conclude(const Calibration& calibration, const CalibrationBars& bars,
+                      const std::vector<BarCheck>& checks, const ReportContext& context,
                       const ConcludeOptions& options);
 
 }  // namespace floatstage

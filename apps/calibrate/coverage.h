@@ -8,7 +8,8 @@
 
 namespace floatstage {
 
-/// What a capture of a target shows so far, and what it still lacks: for the operator who is waving it. Needs no solution.
+/// What a capture of a target shows so far, and what it still lacks: for the operator who is waving it. Needs
+/// no solution.
 
 inline constexpr int kCoverageColumns = 8, kCoverageRows = 6;
 
@@ -16,12 +17,14 @@ inline constexpr int kCoverageColumns = 8, kCoverageRows = 6;
 struct CameraCoverage {
   std::string serial;
   int views = 0;
-  std::array<int, kCoverageColumns * kCoverageRows> cells{};  ///< points seen in each cell of the picture, by rows
-  double covered = 0;     ///< share of the cells with a point
-  double nearest = 0, farthest = 0;  ///< largest and smallest size of the target in the picture, px a metre; 0: never seen, or a wand
+  std::array<int, kCoverageColumns * kCoverageRows>
+      cells{};                       ///< points seen in each cell of the picture, by rows
+  double covered = 0;                ///< share of the cells with a point
+  double nearest = 0, farthest = 0;  ///< largest and smallest size of the target in the picture, px a metre;
+                                     ///< 0: never seen, or a wand
   double fills = 0;  ///< the largest share of the picture's width that the board's diagonal took
-  /// Views in which the board (not a wand) faced the camera, was turned about its upright, and leaned about its level axis, by more than
-  /// kTilted degrees.
+  /// Views in which the board (not a wand) faced the camera, was turned about its upright, and leaned about
+  /// its level axis, by more than kTilted degrees.
   int facing = 0, turned = 0, leaned = 0;
   double depth_ratio() const { return farthest > 0 ? nearest / farthest : 0; }
 };
@@ -30,7 +33,7 @@ inline constexpr double kTilted = 20;  // degrees
 struct Coverage {
   std::vector<CameraCoverage> cameras;
   std::vector<std::vector<int>> common;  ///< [a][b]: frames in which both saw the target
-  std::vector<int> group;                ///< a number a camera: those of one number are joined by common views
+  std::vector<int> group;  ///< a number a camera: those of one number are joined by common views
 };
 
 Coverage coverage_of(const Observations& observations);

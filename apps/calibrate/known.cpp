@@ -29,7 +29,9 @@ Result<Rig> load_known(const SessionKnown& known) {
 Result<void> apply_known(const SessionKnown& known, const Rig& rig, Observations& o) {
   for (CalibrationCamera& c : o.cameras) {
     const int index = camera_index(rig, c.serial);
-    if (index < 0) return fail(ErrorCode::NotFound, text(known.file.string(), ": there is no camera '", c.serial, "' in it; name the session's cameras as they are named there"));
+    if (index < 0)
+      return fail(ErrorCode::NotFound, text(known.file.string(), ": there is no camera '", c.serial,
+                                            "' in it; name the session's cameras as they are named there"));
     const RigCamera& from = rig.cameras[static_cast<std::size_t>(index)];
     if (known.intrinsics != Prior::Unknown) {
       c.intrinsics = known.intrinsics;
@@ -60,8 +62,9 @@ std::vector<std::string> compare_to_known(const SessionKnown& known, const Rig& 
     const int index = camera_index(rig, c.serial);
     if (index < 0) continue;
     const CameraModel& was = rig.cameras[static_cast<std::size_t>(index)].model;
-    out.push_back(text("camera '", c.serial, "': focal length ", std::fixed, std::setprecision(1), c.model.fx, " px, ", std::setprecision(2),
-                       100 * (c.model.fx / was.fx - 1), " % from the known ", std::setprecision(1), was.fx, " px; principal point ",
+    out.push_back(text("camera '", c.serial, "': focal length ", std::fixed, std::setprecision(1), c.model.fx,
+                       " px, ", std::setprecision(2), 100 * (c.model.fx / was.fx - 1), " % from the known ",
+                       std::setprecision(1), was.fx, " px; principal point ",
                        std::hypot(c.model.cx - was.cx, c.model.cy - was.cy), " px from the known one"));
   }
   return out;

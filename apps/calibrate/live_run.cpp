@@ -10,7 +10,9 @@
 namespace floatstage {
 
 struct LiveRun::Lane {
-  explicit Lane(bool is_recorded) : recorded(is_recorded), queue(recorded ? 8 : 2, recorded ? QueuePolicy::Block : QueuePolicy::DropOldest) {}
+  explicit Lane(bool is_recorded)
+      : recorded(is_recorded),
+        queue(recorded ? 8 : 2, recorded ? QueuePolicy::Block : QueuePolicy::DropOldest) {}
   const bool recorded;  // every picture counts, however long it takes
   std::string serial;
   std::unique_ptr<FrameSource> source;
@@ -20,9 +22,11 @@ struct LiveRun::Lane {
   std::string trouble;  // under the run's mutex
 };
 
-LiveRun::LiveRun(const CaptureConfig& config, const LiveOptions& options) : config_(config), options_(options) {}
+LiveRun::LiveRun(const CaptureConfig& config, const LiveOptions& options)
+    : config_(config), options_(options) {}
 
-Result<std::unique_ptr<LiveRun>> LiveRun::start(const CaptureConfig& config, const LiveOptions& options, const std::function<void(Observations&)>& known) {
+Result<std::unique_ptr<LiveRun>> LiveRun::start(const CaptureConfig& config, const LiveOptions& options,
+                                                const std::function<void(Observations&)>& known) {
   std::unique_ptr<LiveRun> run(new LiveRun(config, options));
   std::vector<CalibrationCamera> cameras;
   for (const CaptureConfig::Camera& from : config.cameras) {
@@ -48,7 +52,8 @@ Result<std::unique_ptr<LiveRun>> LiveRun::start(const CaptureConfig& config, con
   if (const Result<void> sound = check(run->live_->observations()); !sound) return forward(sound);
   run->status_.coverage = coverage_of(run->live_->observations());
   run->status_.advice = advise(run->status_.coverage, options.goals);
-  for (std::size_t i = 0; i < run->lanes_.size(); ++i) run->lanes_[i]->thread = std::thread([r = run.get(), i] { r->stream(i); });
+  for (std::size_t i = 0; i < run->lanes_.size(); ++i)
+    run->lanes_[i]->thread = std::thread([r = run.get(), i] { r->stream(i); });
   run->looking_ = std::thread([r = run.get()] { r->look(); });
   run->solving_ = std::thread([r = run.get()] { r->solve(); });
   return run;
@@ -110,9 +115,11 @@ bool LiveRun::use(const FrameSet& set) {
 void LiveRun::look() {
   SyncOptions sync;
   sync.frame_rate = config_.frame_rate;
-  sync.tolerance = Nanoseconds{std::min<std::int64_t>(sync.tolerance.count, static_cast<std::int64_t>(0.4e9 / config_.frame_rate))};
+  sync.tolerance = Nanoseconds{
+      std::min<std::int64_t>(sync.tolerance.count, static_cast<std::int64_t>(0.4e9 / config_.frame_rate))};
   // Recordings are read in step, so that none is late because the machine is busy; a gap in one still ends.
-  if (std::all_of(lanes_.begin(), lanes_.end(), [](const auto& lane) { return lane->recorded; })) sync.longest_wait = milliseconds(2000);
+  if (std::all_of(lanes_.begin(), lanes_.end(), [](const auto& lane) { return lane->recorded; }))
+    sync.longest_wait = milliseconds(2000);
   Result<Synchronizer> synchronizer = Synchronizer::make(static_cast<int>(lanes_.size()), sync);
   if (!synchronizer) end_with(synchronizer.error());
   Timestamp newest;
@@ -124,7 +131,8 @@ void LiveRun::look() {
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (over[i]) continue;
       const bool ended = lanes_[i]->ended;  // asked before: what it pushed last is then in the queue
-      std::optional<Frame> frame = lanes_[i]->recorded ? lanes_[i]->queue.pop() : lanes_[i]->queue.pop_for(milliseconds(200));
+      std::optional<Frame> frame =
+          lanes_[i]->recorded ? lanes_[i]->queue.pop() : lanes_[i]->queue.pop_for(milliseconds(200));
       over[i] = !frame && (ended || lanes_[i]->recorded);
       any = any || !over[i];
       if (!frame) continue;
@@ -155,7 +163,9 @@ void LiveRun::solve() {
     Observations snapshot;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait(lock, [&] { return stopping_ || status_.over || status_.counted >= solved + options_.solve_every; });
+      wake_.wait(lock, [&] {
+        return stopping_ || status_.over || status_.counted >= solved + options_.solve_every;
+      });
       if (stopping_) return;
       last = status_.over;
       if (last && status_.counted == solved) break;
@@ -208,7 +218,8 @@ void LiveRun::stop() {
 
 void LiveRun::set_floor(double height) {
   std::lock_guard lock(mutex_);
-  if (!live_->observations().views.empty()) live_->observations().gauge = FloorBoard{0, live_->observations().views.back().frame, height};
+  if (!live_->observations().views.empty())
+    live_->observations().gauge = FloorBoard{0, live_->observations().views.back().frame, height};
 }
 
 Result<void> LiveRun::outcome() const {

@@ -21,34 +21,38 @@ struct LiveOptions {
   LiveTarget target;
   CalibrationOptions calibration;
   CoverageGoals goals;
-  int solve_every = 20;      ///< sets that counted, between two quick solutions
-  int quick_frames = 60;     ///< of a quick solution
-  double seconds = 0;        ///< of streaming; 0: until stopped, or until every recording is over
+  int solve_every = 20;   ///< sets that counted, between two quick solutions
+  int quick_frames = 60;  ///< of a quick solution
+  double seconds = 0;     ///< of streaming; 0: until stopped, or until every recording is over
 };
 
 /// What an operator is shown.
 struct LiveStatus {
   std::vector<std::string> serials;
   std::vector<std::pair<int, int>> sizes;  ///< px, of each camera's picture
-  LiveInstant instant;          ///< the latest
+  LiveInstant instant;                     ///< the latest
   Coverage coverage;
   std::vector<Advice> advice;
   double completeness = 0;
   int sets = 0, counted = 0;
-  std::uint64_t passed_over = 0;  ///< frames that came faster than they could be looked at (live cameras only)
+  std::uint64_t passed_over =
+      0;  ///< frames that came faster than they could be looked at (live cameras only)
   std::optional<Calibration> solution;  ///< the latest quick one
-  int solution_sets = 0;        ///< how many sets counted when it began
-  std::string trouble;          ///< why there is no solution yet, or what a camera said
-  bool over = false;            ///< no more pictures come
-  bool settled = false;         ///< and the last quick solution is made
+  int solution_sets = 0;                ///< how many sets counted when it began
+  std::string trouble;                  ///< why there is no solution yet, or what a camera said
+  bool over = false;                    ///< no more pictures come
+  bool settled = false;                 ///< and the last quick solution is made
 };
 
-/// The solver on a running capture: one thread a camera, one that looks at sets, one that solves now and then. Recordings
+/// The solver on a running capture: one thread a camera, one that looks at sets, one that solves now and
+/// then. Recordings
 /// ("take:…") are looked at picture by picture, as fast as that goes; live cameras show their newest.
 class LiveRun {
  public:
-  /// Opens all sources. Errors of open_source() and start(); what is known beforehand is of `known`, by serial.
-  static Result<std::unique_ptr<LiveRun>> start(const CaptureConfig& config, const LiveOptions& options, const std::function<void(Observations&)>& known);
+  /// Opens all sources. Errors of open_source() and start(); what is known beforehand is of `known`, by
+  /// serial.
+  static Result<std::unique_ptr<LiveRun>> start(const CaptureConfig& config, const LiveOptions& options,
+                                                const std::function<void(Observations&)>& known);
   ~LiveRun();
 
   LiveStatus status() const;

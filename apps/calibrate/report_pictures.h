@@ -13,7 +13,8 @@ std::string error_picture(const Calibration& calibration, int camera);
 /// How many points were seen in each cell of the picture.
 std::string coverage_picture(const Calibration& calibration, int camera);
 /// How far off the calibration itself lets a pixel be, over the picture, at the depth where the targets were.
-std::string uncertainty_picture(const Calibration& calibration, const ProjectionUncertainty& uncertainty, int camera);
+std::string uncertainty_picture(const Calibration& calibration, const ProjectionUncertainty& uncertainty,
+                                int camera);
 /// Cameras from above, with the links between those that saw targets together.
 std::string graph_picture(const Calibration& calibration);
 

@@ -9,7 +9,8 @@
 
 namespace floatstage {
 
-/// How well rays through the same points of the scene meet: a check of poses by pictures that the calibration did not see.
+/// How well rays through the same points of the scene meet: a check of poses by pictures that the calibration
+/// did not see.
 struct ScenePoints {
   std::vector<Eigen::Vector3d> places;  ///< metres, where the rays come nearest to one another; one a point
   std::vector<double> camera_rms_px;    ///< one a camera of the rig; 0 where it saw none

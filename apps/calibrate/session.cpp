@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+
 #include <toml++/toml.h>
 
 #include "core/file.h"
@@ -12,7 +13,8 @@
 namespace floatstage {
 namespace {
 
-// One table whose keys must all be known. The first complaint is kept; reading goes on with defaults after it.
+// One table whose keys must all be known. The first complaint is kept; reading goes on with defaults after
+// it.
 class Table {
  public:
   Table(const toml::table& table, std::string where, std::optional<std::string>& problem)
@@ -94,12 +96,14 @@ class Table {
     const toml::array* list = n->as_array();
     for (std::size_t i = 0; list && i < list->size(); ++i)
       if (const toml::table* t = list->get(i)->as_table()) out.emplace_back(*t, where_, problem_);
-    if (!list || out.size() != list->size()) complain(*n, text("'", key, "' are tables, each begun by [[", key, "]]"));
+    if (!list || out.size() != list->size())
+      complain(*n, text("'", key, "' are tables, each begun by [[", key, "]]"));
     return out;
   }
   void refuse_others() {
     for (const auto& [key, value] : table_)
-      if (!asked_.contains(key.str())) complain(value, text("unknown key '", key.str(), "'; is it misspelt?"));
+      if (!asked_.contains(key.str()))
+        complain(value, text("unknown key '", key.str(), "'; is it misspelt?"));
   }
   void complain(const toml::node& at, const std::string& what) {
     if (!problem_) problem_ = text(where_, ": line ", at.source().begin.line, ": ", what);
@@ -126,18 +130,25 @@ constexpr double kLarge = 1e6;
 SessionCamera read_camera(Table t) {
   SessionCamera c;
   t.string("serial", c.serial);
-  t.one_of("lens", {{"none", LensKind::None}, {"brown-conrady", LensKind::BrownConrady}, {"kannala-brandt", LensKind::KannalaBrandt}}, c.lens);
+  t.one_of("lens",
+           {{"none", LensKind::None},
+            {"brown-conrady", LensKind::BrownConrady},
+            {"kannala-brandt", LensKind::KannalaBrandt}},
+           c.lens);
   t.path("video", c.video);
   t.paths("images", c.images);
   t.paths("alone", c.alone);
   t.paths("scene", c.scene);
   t.boolean("carried", c.carried);
-  if (!is_usable_serial(c.serial)) t.complain(text("'serial' names a camera by letters, digits, '.', '_' and '-', not '", c.serial, "'"));
-  if (!c.video.empty() && !c.images.empty()) t.complain(text("camera '", c.serial, "' has a 'video' and 'images'; give one of them"));
+  if (!is_usable_serial(c.serial))
+    t.complain(text("'serial' names a camera by letters, digits, '.', '_' and '-', not '", c.serial, "'"));
+  if (!c.video.empty() && !c.images.empty())
+    t.complain(text("camera '", c.serial, "' has a 'video' and 'images'; give one of them"));
   if (c.video.empty() && c.images.empty() && c.alone.empty() && c.scene.empty())
     t.complain(text("camera '", c.serial, "' has no pictures; give 'video', 'images', 'alone' or 'scene'"));
   if (c.carried && (c.scene.empty() || !c.video.empty() || !c.images.empty() || !c.alone.empty()))
-    t.complain(text("camera '", c.serial, "' is carried about: it has pictures of the 'scene' and no others"));
+    t.complain(
+        text("camera '", c.serial, "' is carried about: it has pictures of the 'scene' and no others"));
   t.refuse_others();
   return c;
 }
@@ -168,8 +179,10 @@ SessionKnown read_known(Table t) {
   t.path("file", k.file);
   t.string("format", k.format);
   const std::set<std::string> formats = {"rig", "middlebury", "colmap", "opencv", "qualisys", "kalibr"};
-  if (!formats.contains(k.format)) t.complain(text("'format' is rig, middlebury, colmap, opencv, qualisys or kalibr, not '", k.format, "'"));
-  const std::initializer_list<std::pair<const char*, Prior>> priors = {{"compare", Prior::Unknown}, {"start", Prior::Start}, {"fixed", Prior::Fixed}};
+  if (!formats.contains(k.format))
+    t.complain(text("'format' is rig, middlebury, colmap, opencv, qualisys or kalibr, not '", k.format, "'"));
+  const std::initializer_list<std::pair<const char*, Prior>> priors = {
+      {"compare", Prior::Unknown}, {"start", Prior::Start}, {"fixed", Prior::Fixed}};
   t.one_of("intrinsics", priors, k.intrinsics);
   t.one_of("poses", priors, k.poses);
   if (k.file.empty()) t.complain("'file' is missing: where what is known is written");
@@ -191,7 +204,8 @@ SessionMarkerless read_markerless(Table t) {
   double sigma_mm = 1e3 * m.sigma;
   t.number("sigma_mm", sigma_mm, 1e-3, 1e5);
   m.sigma = 1e-3 * sigma_mm;
-  if (m.a.empty() != (m.distance == 0)) t.complain("'between' and 'distance' belong together: two cameras, and the metres between their centres");
+  if (m.a.empty() != (m.distance == 0))
+    t.complain("'between' and 'distance' belong together: two cameras, and the metres between their centres");
   t.number("timeout", m.timeout, 1, kLarge);
   t.number("least_track", m.least_track, 2, 1000);
   t.whole("least_points", m.least_points, 10, kMostFrames);
@@ -221,7 +235,8 @@ void read_bars(Table t, CalibrationBars& b) {
   t.number("rotation_sigma_degrees", b.rotation_sigma_degrees, 0, kLarge);
   t.number("points_px", b.points_px, 0, kLarge);
   t.number("projection_sigma_px", b.projection_sigma_px, 0, kLarge);
-  if (t.node("known_center_percent")) t.number("known_center_percent", b.known_center_percent.emplace(0), 0, kLarge);
+  if (t.node("known_center_percent"))
+    t.number("known_center_percent", b.known_center_percent.emplace(0), 0, kLarge);
   t.refuse_others();
 }
 
@@ -237,17 +252,25 @@ void read_target(Table& t, Session& s) {
 }
 
 void check_whole(Table& t, const Session& s) {
-  const auto shows_target = [](const SessionCamera& c) { return !c.video.empty() || !c.images.empty() || !c.alone.empty(); };
+  const auto shows_target = [](const SessionCamera& c) {
+    return !c.video.empty() || !c.images.empty() || !c.alone.empty();
+  };
   const bool targets = !s.markerless || std::any_of(s.cameras.begin(), s.cameras.end(), shows_target);
   for (const SessionCamera& c : s.cameras)
-    if (!c.scene.empty() && !s.markerless) t.complain(text("camera '", c.serial, "' has pictures of the 'scene'; they need a table [markerless]"));
-  if (s.markerless && std::count_if(s.cameras.begin(), s.cameras.end(), [](const SessionCamera& c) { return !c.scene.empty(); }) < 2)
+    if (!c.scene.empty() && !s.markerless)
+      t.complain(text("camera '", c.serial, "' has pictures of the 'scene'; they need a table [markerless]"));
+  if (s.markerless && std::count_if(s.cameras.begin(), s.cameras.end(),
+                                    [](const SessionCamera& c) { return !c.scene.empty(); }) < 2)
     t.complain("[markerless] needs two cameras or more with a picture of the 'scene'");
   for (const std::string& serial : {s.markerless ? s.markerless->a : "", s.markerless ? s.markerless->b : ""})
-    if (!serial.empty() && std::none_of(s.cameras.begin(), s.cameras.end(), [&](const SessionCamera& c) { return c.serial == serial && !c.scene.empty() && !c.carried; }))
+    if (!serial.empty() && std::none_of(s.cameras.begin(), s.cameras.end(), [&](const SessionCamera& c) {
+          return c.serial == serial && !c.scene.empty() && !c.carried;
+        }))
       t.complain(text("'between' names camera '", serial, "', which has no picture of the 'scene'"));
-  if (s.observations.empty() && targets && !s.target) t.complain("'target' is missing: what the pictures show, e.g. target = \"charuco columns=5 …\"");
-  if (s.observations.empty() && s.cameras.empty()) t.complain("there is no camera; begin each with [[cameras]]");
+  if (s.observations.empty() && targets && !s.target)
+    t.complain("'target' is missing: what the pictures show, e.g. target = \"charuco columns=5 …\"");
+  if (s.observations.empty() && s.cameras.empty())
+    t.complain("there is no camera; begin each with [[cameras]]");
   if (!s.observations.empty() && (s.target || !s.cameras.empty()))
     t.complain("'observations' hold targets and cameras already; leave 'target' and [[cameras]] out");
   std::set<std::string> serials;
@@ -267,7 +290,8 @@ Result<Session> parse_session(std::string_view toml_text, std::string_view name)
   try {
     document = toml::parse(toml_text);
   } catch (const toml::parse_error& e) {
-    return fail(ErrorCode::BadData, text(name, ": line ", e.source().begin.line, ": not TOML: ", e.description()));
+    return fail(ErrorCode::BadData,
+                text(name, ": line ", e.source().begin.line, ": not TOML: ", e.description()));
   }
   Session s;
   std::optional<std::string> problem;
@@ -292,7 +316,8 @@ Result<Session> parse_session(std::string_view toml_text, std::string_view name)
     s.floor->height = 1e-3 * height_mm;
     floor->refuse_others();
   }
-  if (std::optional<Table> markerless = t.child("markerless")) s.markerless = read_markerless(std::move(*markerless));
+  if (std::optional<Table> markerless = t.child("markerless"))
+    s.markerless = read_markerless(std::move(*markerless));
   if (std::optional<Table> options = t.child("options")) read_options(std::move(*options), s);
   if (std::optional<Table> bars = t.child("bars")) read_bars(std::move(*bars), s.bars);
   t.refuse_others();

@@ -14,16 +14,18 @@ namespace floatstage {
 
 /// What a calibration must reach to pass.
 struct CalibrationBars {
-  double rms_px = 0.5;                ///< of every camera
-  double p95_px = 1.5;                ///< 95th percentile of every camera, outliers too
-  double holdout_ratio = 1.3;         ///< error in held-out frames over the RMS, every camera
-  double scale_rms_mm = 2;            ///< of known lengths, measured by the cameras alone
-  double scale_bias_mm = 0.5;         ///< their mean error
-  double focal_sigma_percent = 0.5;   ///< of every camera that was solved for
+  double rms_px = 0.5;                  ///< of every camera
+  double p95_px = 1.5;                  ///< 95th percentile of every camera, outliers too
+  double holdout_ratio = 1.3;           ///< error in held-out frames over the RMS, every camera
+  double scale_rms_mm = 2;              ///< of known lengths, measured by the cameras alone
+  double scale_bias_mm = 0.5;           ///< their mean error
+  double focal_sigma_percent = 0.5;     ///< of every camera that was solved for
   double rotation_sigma_degrees = 0.1;  ///< of every camera against the reference camera
   double points_px = 5;                 ///< how near rays through the session's points come, where it has any
-  double projection_sigma_px = 0.5;     ///< of where every camera sees the volume of the targets; the choice of a reference changes nothing
-  std::optional<double> known_center_percent = {};  ///< of known places that are compared with, after a similarity; of the rig's radius
+  double projection_sigma_px = 0.5;  ///< of where every camera sees the volume of the targets; the choice of
+                                     ///< a reference changes nothing
+  std::optional<double> known_center_percent =
+      {};  ///< of known places that are compared with, after a similarity; of the rig's radius
 };
 
 struct SessionCamera {
@@ -34,7 +36,8 @@ struct SessionCamera {
   std::vector<std::filesystem::path> images;
   /// Pictures of the target that this camera took alone, for its intrinsics.
   std::vector<std::filesystem::path> alone;
-  /// A picture of the scene without a target, for markerless calibration; several of a camera that was carried about.
+  /// A picture of the scene without a target, for markerless calibration; several of a camera that was
+  /// carried about.
   std::vector<std::filesystem::path> scene;
   bool carried = false;  ///< it is not of the rig: its pictures tie the others together
 };
@@ -46,7 +49,8 @@ struct SessionKnown {
   Prior intrinsics = Prior::Unknown, poses = Prior::Unknown;  ///< Unknown: only compared with
 };
 
-/// A point of the scene as several cameras see it, found by hand: not solved with, but what the result is checked by.
+/// A point of the scene as several cameras see it, found by hand: not solved with, but what the result is
+/// checked by.
 struct SessionPoint {
   struct Seen {
     std::string serial;
@@ -64,7 +68,7 @@ struct SessionFloor {
 
 /// Cameras placed by what they see of the scene, without a target.
 struct SessionMarkerless {
-  std::string a, b;        ///< two cameras whose distance is known; empty: a target or a known rig gives the scale
+  std::string a, b;  ///< two cameras whose distance is known; empty: a target or a known rig gives the scale
   double distance = 0;     ///< metres between their centres
   double sigma = 1e-3;     ///< metres
   double timeout = 3600;   ///< seconds, for each of COLMAP's steps
@@ -72,16 +76,16 @@ struct SessionMarkerless {
   int least_points = 60;   ///< points that a picture shows
 };
 
-/// A calibration session as people write it: which pictures are of which camera, what they show, what is known. Paths are
-/// relative to the session's file.
+/// A calibration session as people write it: which pictures are of which camera, what they show, what is
+/// known. Paths are relative to the session's file.
 struct Session {
   std::optional<TargetDesign> target;
   double wand_sigma = 1e-4;            ///< metres, of a wand's lengths
   std::filesystem::path observations;  ///< instead of cameras and target: what was detected before
   std::vector<SessionCamera> cameras;
-  double frame_rate = 0;               ///< of the videos; 0: as they say
-  int first_frame = 0, every = 1;      ///< which pictures are looked at
-  std::optional<int> end_frame;        ///< not included
+  double frame_rate = 0;           ///< of the videos; 0: as they say
+  int first_frame = 0, every = 1;  ///< which pictures are looked at
+  std::optional<int> end_frame;    ///< not included
   std::optional<SessionKnown> known;
   std::optional<SessionFloor> floor;
   std::optional<SessionMarkerless> markerless;
@@ -90,7 +94,8 @@ struct Session {
   CalibrationBars bars;
 };
 
-/// Reads TOML strictly: an unknown key is an error. BadData names the file, the line and what is wrong. docs/calibrating.md has the keys.
+/// Reads TOML strictly: an unknown key is an error. BadData names the file, the line and what is wrong.
+/// docs/calibrating.md has the keys.
 Result<Session> parse_session(std::string_view toml, std::string_view name_for_errors);
 /// The same from a file, its paths made relative to where the program runs.
 Result<Session> load_session(const std::filesystem::path& file);

@@ -31,7 +31,8 @@ Result<std::vector<int>> cameras_to_hold_out(const Rig& rig, const std::vector<s
   }
   if (names.empty())
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) cameras.push_back(static_cast<int>(i));
-  if (rig.cameras.size() < 3) return fail(ErrorCode::InvalidArgument, "leave-one-out needs a take of three cameras at least");
+  if (rig.cameras.size() < 3)
+    return fail(ErrorCode::InvalidArgument, "leave-one-out needs a take of three cameras at least");
   return cameras;
 }
 
@@ -39,14 +40,16 @@ Image cut_out(const Image& rgb, const Image& silhouette) {
   Image cut = rgb;
   for (int y = 0; y < cut.height; ++y)
     for (int x = 0; x < cut.width; ++x)
-      for (int c = 0; c < 3; ++c) cut.at(x, y)[c] = static_cast<std::uint8_t>((rgb.at(x, y)[c] * silhouette.at(x, y)[0] + 127) / 255);
+      for (int c = 0; c < 3; ++c)
+        cut.at(x, y)[c] = static_cast<std::uint8_t>((rgb.at(x, y)[c] * silhouette.at(x, y)[0] + 127) / 255);
   return cut;
 }
 
 Image both(const Image& silhouette, const Image& rgba) {
   Image mask(silhouette.width, silhouette.height, 1);
   for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x) mask.at(x, y)[0] = silhouette.at(x, y)[0] >= 128 && rgba.at(x, y)[3] >= 128 ? 255 : 0;
+    for (int x = 0; x < mask.width; ++x)
+      mask.at(x, y)[0] = silhouette.at(x, y)[0] >= 128 && rgba.at(x, y)[3] >= 128 ? 255 : 0;
   return mask;
 }
 
@@ -62,7 +65,8 @@ Result<Instant> load_instant(TakeReader& take, int frame) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
   if (std::all_of(mattes->begin(), mattes->end(), [](const Matte& m) { return m.empty(); }))
-    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", take.layout().folder().string(), " has no mattes yet; run `floatstage process ",
+    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", take.layout().folder().string(),
+                                          " has no mattes yet; run `floatstage process ",
                                           take.layout().folder().string(), " --key …`"));
   return Instant{std::move(*images), std::move(*mattes)};
 }
@@ -73,13 +77,16 @@ struct Methods {
   SceneTextures textures;
 };
 
-Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int held, Methods& methods, const EvaluateOptions& options) {
+Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int held, Methods& methods,
+                                  const EvaluateOptions& options) {
   const std::size_t h = static_cast<std::size_t>(held);
   const RigCamera& camera = rig.cameras[h];
-  HeldOutView view{.serial = camera.serial, .truth = {}, .silhouette = {}, .mask = {}, .rendered = {}, .scores = {}};
+  HeldOutView view{
+      .serial = camera.serial, .truth = {}, .silhouette = {}, .mask = {}, .rendered = {}, .scores = {}};
   Result<Image> photograph = to_rgb(instant.images.frames[h]);
   if (!photograph || instant.mattes[h].empty())
-    return fail(ErrorCode::NotFound, text("camera '", camera.serial, "' has no photograph or matte to compare with at this instant"));
+    return fail(ErrorCode::NotFound, text("camera '", camera.serial,
+                                          "' has no photograph or matte to compare with at this instant"));
   view.truth = undistorted(*photograph, camera.model);
   view.silhouette = undistorted(to_image(instant.mattes[h]), camera.model);
 
@@ -89,8 +96,11 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
   SceneFrame scene{instant.images, mattes, {}};
   scene.images.frames[h] = {};
   Result<HullReport> hull = visual_hull(rig, mattes, options.hull);
-  if (!hull) return fail(hull.error().code, text("without camera '", camera.serial, "': ", hull.error().message));
-  if (hull->mesh.empty()) return fail(ErrorCode::BadData, text("without camera '", camera.serial, "' the hull is empty: the mattes contradict one another"));
+  if (!hull)
+    return fail(hull.error().code, text("without camera '", camera.serial, "': ", hull.error().message));
+  if (hull->mesh.empty())
+    return fail(ErrorCode::BadData, text("without camera '", camera.serial,
+                                         "' the hull is empty: the mattes contradict one another"));
   scene.mesh = std::move(hull->mesh);
   std::vector<bool> usable(rig.cameras.size(), true);
   usable[h] = false;
@@ -103,7 +113,8 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
     const Image rgba = download(*rendered);
     if (view.mask.empty()) view.mask = erode_mask(both(view.silhouette, rgba), kErode);
     const Image rgb = over(rgba, {0, 0, 0});
-    view.scores[methods.names[m]] = score(rgb, cut_out(view.truth, view.silhouette), view.mask, view.silhouette);
+    view.scores[methods.names[m]] =
+        score(rgb, cut_out(view.truth, view.silhouette), view.mask, view.silhouette);
     view.rendered[methods.names[m]] = rgb;
   }
   return view;
@@ -114,13 +125,15 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
 View view_of_camera(const RigCamera& camera, const Mesh& mesh) {
   View view{.model = pinhole(camera.model), .view_from_world = camera.cam_from_world};
   const Eigen::AlignedBox3d box = bounding_box(mesh).cast<double>();
-  const double distance = (box.center() - camera.cam_from_world.center()).norm(), radius = box.diagonal().norm() / 2;
+  const double distance = (box.center() - camera.cam_from_world.center()).norm(),
+               radius = box.diagonal().norm() / 2;
   view.far_plane = distance + 1.5 * radius;
   view.near_plane = std::max(distance - 1.5 * radius, view.far_plane * 1e-3);
   return view;
 }
 
-Result<void> evaluate_take(TakeReader& take, const EvaluateOptions& options, const std::function<Result<void>(HeldOutView)>& report) {
+Result<void> evaluate_take(TakeReader& take, const EvaluateOptions& options,
+                           const std::function<Result<void>(HeldOutView)>& report) {
   Result<std::vector<int>> held = cameras_to_hold_out(take.rig(), options.hold_out);
   if (!held) return forward(held);
   Methods methods{options.methods, {}, {}};

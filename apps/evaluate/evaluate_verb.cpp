@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdio>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/evaluate/evaluate.h"
@@ -34,8 +35,9 @@ struct Column {
   const char* name;
   double Scores::*score;
 };
-constexpr Column kColumns[] = {{"psnr_mask", &Scores::psnr}, {"ssim_mask", &Scores::ssim}, {"cw_ssim_mask", &Scores::cw_ssim},
-                               {"psnr_shift_mask", &Scores::psnr_shift}, {"sharpness", &Scores::sharpness}, {"psnr_full", &Scores::psnr_full}};
+constexpr Column kColumns[] = {{"psnr_mask", &Scores::psnr},       {"ssim_mask", &Scores::ssim},
+                               {"cw_ssim_mask", &Scores::cw_ssim}, {"psnr_shift_mask", &Scores::psnr_shift},
+                               {"sharpness", &Scores::sharpness},  {"psnr_full", &Scores::psnr_full}};
 
 struct Row {
   std::string serial;
@@ -85,7 +87,8 @@ void print_table(const std::vector<Row>& rows, const std::vector<std::string>& m
   }
 }
 
-Result<void> save_reports(const Options& given, const std::vector<Row>& rows, const std::vector<std::string>& methods) {
+Result<void> save_reports(const Options& given, const std::vector<Row>& rows,
+                          const std::vector<std::string>& methods) {
   if (!given.json_file.empty()) {
     json j = {{"take", given.take.string()}, {"views", json::array()}};
     for (const std::string& m : methods) j["mean"][m] = to_json(mean(rows, m));
@@ -103,13 +106,23 @@ struct MatteColumn {
   const char* name;
   double MatteScores::*score;
 };
-constexpr MatteColumn kMatteColumns[] = {{"sad", &MatteScores::sad}, {"mse", &MatteScores::mse}, {"mad", &MatteScores::mad},
-                                         {"grad", &MatteScores::gradient}, {"conn", &MatteScores::connectivity},
-                                         {"iou", &MatteScores::iou}, {"boundary_f", &MatteScores::boundary_f}};
+constexpr MatteColumn kMatteColumns[] = {{"sad", &MatteScores::sad},
+                                         {"mse", &MatteScores::mse},
+                                         {"mad", &MatteScores::mad},
+                                         {"grad", &MatteScores::gradient},
+                                         {"conn", &MatteScores::connectivity},
+                                         {"iou", &MatteScores::iou},
+                                         {"boundary_f", &MatteScores::boundary_f}};
 
 json to_json(const CameraMatteScores& c) {
-  json j = {{"frames", c.frames}, {"worst_frame", c.worst_frame}, {"worst_iou", c.worst_iou},
-            {"effort", {{"keyframes", c.effort.keyframes}, {"clicks", c.effort.clicks}, {"scribbles", c.effort.scribbles}, {"masks", c.effort.masks}}}};
+  json j = {{"frames", c.frames},
+            {"worst_frame", c.worst_frame},
+            {"worst_iou", c.worst_iou},
+            {"effort",
+             {{"keyframes", c.effort.keyframes},
+              {"clicks", c.effort.clicks},
+              {"scribbles", c.effort.scribbles},
+              {"masks", c.effort.masks}}}};
   for (const MatteColumn& column : kMatteColumns) j[column.name] = c.mean.*column.score;
   j["dtssd"] = c.dtssd ? json(*c.dtssd) : json();
   return j;
@@ -121,7 +134,8 @@ CameraMatteScores mean(const std::vector<CameraMatteScores>& cameras) {
   double flicker = 0;
   int flickering = 0;
   for (const CameraMatteScores& c : cameras) {
-    for (const MatteColumn& column : kMatteColumns) m.mean.*column.score += c.mean.*column.score / static_cast<double>(cameras.size());
+    for (const MatteColumn& column : kMatteColumns)
+      m.mean.*column.score += c.mean.*column.score / static_cast<double>(cameras.size());
     if (c.dtssd) flicker += *c.dtssd, ++flickering;
     if (c.worst_iou <= m.worst_iou) m.worst_iou = c.worst_iou, m.worst_frame = c.worst_frame;
     m.frames += c.frames;
@@ -149,7 +163,8 @@ Result<void> run_mattes(const Options& given) {
   for (const CameraMatteScores& c : rows) {
     std::printf("%-12s", c.serial.c_str());
     for (const MatteColumn& column : kMatteColumns) std::printf(" %11.5g", c.mean.*column.score);
-    std::printf(" %11.5g %3d/%-3d\n", c.dtssd.value_or(std::nan("")), c.effort.keyframes, c.effort.clicks + c.effort.scribbles + c.effort.masks);
+    std::printf(" %11.5g %3d/%-3d\n", c.dtssd.value_or(std::nan("")), c.effort.keyframes,
+                c.effort.clicks + c.effort.scribbles + c.effort.masks);
   }
   if (given.json_file.empty()) return {};
   json j = {{"take", given.take.string()}, {"truth", truth.string()}, {"mean", to_json(total)}};
@@ -159,7 +174,10 @@ Result<void> run_mattes(const Options& given) {
 
 Result<void> run(const Options& given) {
   if (given.mattes) return run_mattes(given);
-  EvaluateOptions options{.hold_out = split_list(given.hold_out), .methods = split_list(given.methods), .renderer = {}, .hull = given.hull};
+  EvaluateOptions options{.hold_out = split_list(given.hold_out),
+                          .methods = split_list(given.methods),
+                          .renderer = {},
+                          .hull = given.hull};
   options.hull.method = given.hull_method == "octree" ? HullMethod::Octree : HullMethod::Exact;
   if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "--methods names none; see --help");
   Result<RendererOptions> renderer = renderer_options(given.renderer);
@@ -167,7 +185,8 @@ Result<void> run(const Options& given) {
   options.renderer = *renderer;
   Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
   if (!take) return forward(take);
-  Result<std::vector<int>> frames = parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
+  Result<std::vector<int>> frames =
+      parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   options.frames = std::move(*frames);
   if (!given.sheet.empty())
@@ -196,20 +215,30 @@ Result<void> run(const Options& given) {
 
 void add_evaluate(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("evaluate", "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones");
+  CLI::App* verb = app.add_subcommand(
+      "evaluate", "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones");
   verb->add_option("take", options->take, "The take's folder")->required();
-  verb->add_option("--hold-out", options->hold_out, "Cameras, each left out in turn, separated by commas (default: every one)");
+  verb->add_option("--hold-out", options->hold_out,
+                   "Cameras, each left out in turn, separated by commas (default: every one)");
   verb->add_option("--methods", options->methods, method_help())->capture_default_str();
-  verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4 (default: 0; with --mattes: all)");
-  verb->add_flag("--mattes", options->mattes, "Score the take's mattes against true ones instead of rendered views");
-  verb->add_option("--truth", options->truth, "With --mattes: folder of true mattes, <serial>/<frame>.png (default: the take's truth/mattes)");
+  verb->add_option("--frames", options->frames,
+                   "Frames of the take: 5, 2:10 or 2:10:4 (default: 0; with --mattes: all)");
+  verb->add_flag("--mattes", options->mattes,
+                 "Score the take's mattes against true ones instead of rendered views");
+  verb->add_option(
+      "--truth", options->truth,
+      "With --mattes: folder of true mattes, <serial>/<frame>.png (default: the take's truth/mattes)");
   // The reference by default: it is soft, so scores do not hang on how the outlines were made polygons.
-  verb->add_option("--hull", options->hull_method, "Hull method: octree or exact")->capture_default_str()->check(CLI::IsMember({"octree", "exact"}));
+  verb->add_option("--hull", options->hull_method, "Hull method: octree or exact")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"octree", "exact"}));
   add_care_flags(*verb, options->hull.care);
-  verb->add_option("--resolution", options->hull.resolution, "Octree: voxels along the hull's longest side")->capture_default_str();
+  verb->add_option("--resolution", options->hull.resolution, "Octree: voxels along the hull's longest side")
+      ->capture_default_str();
   verb->add_option("--json", options->json_file, "Write the scores as JSON");
   verb->add_option("--csv", options->csv_file, "Write the scores as CSV");
-  verb->add_option("--sheet", options->sheet, "Write a picture sheet a view to this folder: truth, methods, difference");
+  verb->add_option("--sheet", options->sheet,
+                   "Write a picture sheet a view to this folder: truth, methods, difference");
   add_renderer_flags(*verb, options->renderer);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }

@@ -11,9 +11,9 @@ namespace floatstage {
 namespace {
 
 constexpr int kSubject = 128;
-constexpr double kSigma = 1.4;             // of the gradient's Gaussian, px
-constexpr int kConnectivitySteps = 10;     // thresholds a tenth apart
-constexpr double kForgivenStep = 0.15;     // of connectivity
+constexpr double kSigma = 1.4;          // of the gradient's Gaussian, px
+constexpr int kConnectivitySteps = 10;  // thresholds a tenth apart
+constexpr double kForgivenStep = 0.15;  // of connectivity
 constexpr double kPi = 3.14159265358979323846;
 
 void check_mattes(const Image& a, const Image& b) {
@@ -42,7 +42,8 @@ double pixels_of(const Image& a) { return static_cast<double>(a.pixels.size()); 
 // hundredth, as in the benchmark's own code, so that figures compare.
 cv::Mat gradient_magnitude(const Image& matte) {
   constexpr double kCut = 1e-2;
-  const int half = static_cast<int>(std::ceil(kSigma * std::sqrt(-2 * std::log(std::sqrt(2 * kPi) * kSigma * kCut))));
+  const int half =
+      static_cast<int>(std::ceil(kSigma * std::sqrt(-2 * std::log(std::sqrt(2 * kPi) * kSigma * kCut))));
   cv::Mat smooth(1, 2 * half + 1, CV_64F), slope(1, 2 * half + 1, CV_64F);
   for (int i = -half; i <= half; ++i) {
     smooth.at<double>(i + half) = std::exp(-i * i / (2 * kSigma * kSigma));
@@ -70,14 +71,15 @@ cv::Mat largest_component(const cv::Mat& mask) {
 }
 
 cv::Mat subject(const Image& matte) {
-  return cv::Mat(matte.height, matte.width, CV_8U, const_cast<std::uint8_t*>(matte.pixels.data())) >= kSubject;
+  return cv::Mat(matte.height, matte.width, CV_8U, const_cast<std::uint8_t*>(matte.pixels.data())) >=
+         kSubject;
 }
 
 // Subject pixels with a neighbour in the picture that is none.
 cv::Mat boundary(const cv::Mat& mask) {
   cv::Mat inside;
-  cv::erode(mask, inside, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}), {-1, -1}, 1, cv::BORDER_CONSTANT,
-            cv::Scalar(255));
+  cv::erode(mask, inside, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}), {-1, -1}, 1,
+            cv::BORDER_CONSTANT, cv::Scalar(255));
   return mask & ~inside;
 }
 
@@ -86,7 +88,9 @@ cv::Mat boundary(const cv::Mat& mask) {
 double matte_sad(const Image& matte, const Image& truth) {
   return sum_over(matte, truth, [](double d) { return std::abs(d); });
 }
-double matte_mad(const Image& matte, const Image& truth) { return matte_sad(matte, truth) / pixels_of(truth); }
+double matte_mad(const Image& matte, const Image& truth) {
+  return matte_sad(matte, truth) / pixels_of(truth);
+}
 double matte_mse(const Image& matte, const Image& truth) {
   return sum_over(matte, truth, [](double d) { return d * d; }) / pixels_of(truth);
 }

@@ -1,8 +1,8 @@
 #include "apps/evaluate/picture_sheet.h"
 
 #include <algorithm>
-#include <cstring>
 #include <cstdlib>
+#include <cstring>
 
 namespace floatstage {
 namespace {
@@ -22,14 +22,15 @@ Box silhouette_box(const Image& silhouette) {
     }
   }
   if (box.x1 <= box.x0) return {0, 0, silhouette.width, silhouette.height};
-  return {std::max(box.x0 - kMargin, 0), std::max(box.y0 - kMargin, 0), std::min(box.x1 + kMargin, silhouette.width),
-          std::min(box.y1 + kMargin, silhouette.height)};
+  return {std::max(box.x0 - kMargin, 0), std::max(box.y0 - kMargin, 0),
+          std::min(box.x1 + kMargin, silhouette.width), std::min(box.y1 + kMargin, silhouette.height)};
 }
 
 Image difference(const Image& a, const Image& b, const Image& mask) {
   Image d(a.width, a.height, 3);
   for (std::size_t i = 0; i < d.pixels.size(); ++i)
-    if (mask.pixels[i / 3]) d.pixels[i] = static_cast<std::uint8_t>(std::min(255, kGain * std::abs(a.pixels[i] - b.pixels[i])));
+    if (mask.pixels[i / 3])
+      d.pixels[i] = static_cast<std::uint8_t>(std::min(255, kGain * std::abs(a.pixels[i] - b.pixels[i])));
   return d;
 }
 

@@ -8,8 +8,8 @@
 
 namespace floatstage {
 
-/// One held-out view in a row: truth, each method, and the last method's difference to truth (three times as strong),
-/// cropped to the silhouette.
+/// One held-out view in a row: truth, each method, and the last method's difference to truth (three times as
+/// strong), cropped to the silhouette.
 Image sheet_row(const HeldOutView& view, const std::vector<std::string>& methods);
 
 }  // namespace floatstage

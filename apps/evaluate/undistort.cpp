@@ -8,7 +8,8 @@ namespace floatstage {
 namespace {
 
 std::array<double, 4> catmull_rom(double t) {
-  return {((-0.5 * t + 1) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1, ((-1.5 * t + 2) * t + 0.5) * t, (0.5 * t - 0.5) * t * t};
+  return {((-0.5 * t + 1) * t - 0.5) * t, (1.5 * t - 2.5) * t * t + 1, ((-1.5 * t + 2) * t + 0.5) * t,
+          (0.5 * t - 0.5) * t * t};
 }
 
 // `p` in corner convention: the first pixel's centre is at 0.5.
@@ -21,7 +22,8 @@ void sample_bicubic(const Image& image, const Eigen::Vector2d& p, std::uint8_t* 
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i)
         sum += wx[static_cast<std::size_t>(i)] * wy[static_cast<std::size_t>(j)] *
-               image.at(std::clamp(x0 + i - 1, 0, image.width - 1), std::clamp(y0 + j - 1, 0, image.height - 1))[c];
+               image.at(std::clamp(x0 + i - 1, 0, image.width - 1),
+                        std::clamp(y0 + j - 1, 0, image.height - 1))[c];
     out[c] = static_cast<std::uint8_t>(std::clamp(std::lround(sum), 0L, 255L));
   }
 }

@@ -14,17 +14,20 @@ namespace fs = std::filesystem;
 Result<fs::path> find_file(const fs::path& path, std::string_view ending) {
   std::error_code error;
   if (fs::is_regular_file(path, error)) return path;
-  if (!fs::is_directory(path, error)) return fail(ErrorCode::NotFound, text(path.string(), ": there is no such file or folder"));
+  if (!fs::is_directory(path, error))
+    return fail(ErrorCode::NotFound, text(path.string(), ": there is no such file or folder"));
   std::vector<fs::path> found;
   for (fs::directory_iterator it(path, error), end; !error && it != end; it.increment(error))
     if (it->path().filename().string().ends_with(ending)) found.push_back(it->path());
   if (error) return fail(ErrorCode::Io, text(path.string(), ": cannot list this folder: ", error.message()));
-  if (found.empty()) return fail(ErrorCode::NotFound, text(path.string(), ": there is no file *", ending, " in this folder"));
+  if (found.empty())
+    return fail(ErrorCode::NotFound, text(path.string(), ": there is no file *", ending, " in this folder"));
   std::sort(found.begin(), found.end());
   if (found.size() > 1)
-    return fail(ErrorCode::InvalidArgument, text(path.string(), ": holds ", found.size(), " files *", ending, " (",
-                                                 found[0].filename().string(), ", ", found[1].filename().string(),
-                                                 ", …); name the one you mean"));
+    return fail(
+        ErrorCode::InvalidArgument,
+        text(path.string(), ": holds ", found.size(), " files *", ending, " (", found[0].filename().string(),
+             ", ", found[1].filename().string(), ", …); name the one you mean"));
   return found[0];
 }
 
@@ -46,11 +49,16 @@ Result<LoadedCalibration> with_pictures(Result<ForeignRig> foreign, fs::path pic
 
 const char* name_of(CalibrationFormat format) {
   switch (format) {
-    case CalibrationFormat::Middlebury: return "middlebury";
-    case CalibrationFormat::Colmap: return "colmap";
-    case CalibrationFormat::OpenCv: return "opencv";
-    case CalibrationFormat::Qualisys: return "qualisys";
-    case CalibrationFormat::Dome: return "dome";
+    case CalibrationFormat::Middlebury:
+      return "middlebury";
+    case CalibrationFormat::Colmap:
+      return "colmap";
+    case CalibrationFormat::OpenCv:
+      return "opencv";
+    case CalibrationFormat::Qualisys:
+      return "qualisys";
+    case CalibrationFormat::Dome:
+      return "dome";
   }
   return "unknown";
 }

@@ -23,7 +23,8 @@ struct LoadedCalibration {
   std::filesystem::path pictures;  ///< where this format keeps its pictures unless told otherwise
 };
 
-/// Finds the calibration's file or files at or below `path` and reads them. NotFound says what should lie there.
+/// Finds the calibration's file or files at or below `path` and reads them. NotFound says what should lie
+/// there.
 Result<LoadedCalibration> load_calibration(const CalibrationInput& input);
 
 }  // namespace floatstage

@@ -41,7 +41,8 @@ Result<ForeignRig> chosen_cameras(const ForeignRig& all, const std::vector<std::
     if (camera_index(all.rig, serial) < 0) {
       std::vector<std::string> known;
       for (const RigCamera& c : all.rig.cameras) known.push_back(c.serial);
-      return fail(ErrorCode::InvalidArgument, text("the calibration has no camera '", serial, "'; it has ", listed(known)));
+      return fail(ErrorCode::InvalidArgument,
+                  text("the calibration has no camera '", serial, "'; it has ", listed(known)));
     }
   for (std::size_t i = 0; i < all.rig.cameras.size(); ++i) {
     if (std::find(serials.begin(), serials.end(), all.rig.cameras[i].serial) == serials.end()) continue;
@@ -56,8 +57,11 @@ Result<Plan> make_plan(const ImportOptions& options) {
   if (!calibration) return forward(calibration);
   std::error_code error;
   // Mattes alone make a take for hulls; their own pictures are then all that there is to see.
-  const bool mattes_alone = options.pictures.empty() && !options.mattes.empty() && !fs::exists(calibration->pictures, error);
-  const fs::path folder = mattes_alone ? options.mattes : options.pictures.empty() ? calibration->pictures : options.pictures;
+  const bool mattes_alone =
+      options.pictures.empty() && !options.mattes.empty() && !fs::exists(calibration->pictures, error);
+  const fs::path folder = mattes_alone               ? options.mattes
+                          : options.pictures.empty() ? calibration->pictures
+                                                     : options.pictures;
   Result<MediaSearch> search = find_media(folder, calibration->foreign);
   if (!search) return forward(search);
   Result<ForeignRig> chosen = chosen_cameras(calibration->foreign, options.cameras);
@@ -66,10 +70,12 @@ Result<Plan> make_plan(const ImportOptions& options) {
   Plan plan;
   std::vector<std::string> without;
   if (mattes_alone)
-    plan.notes.push_back(text("there are no pictures in ", calibration->pictures.string(), ": the mattes are shown in their place"));
+    plan.notes.push_back(text("there are no pictures in ", calibration->pictures.string(),
+                              ": the mattes are shown in their place"));
   for (std::size_t i = 0; i < chosen->rig.cameras.size(); ++i) {
     const RigCamera& camera = chosen->rig.cameras[i];
-    const CameraMedia& media = search->cameras[static_cast<std::size_t>(camera_index(calibration->foreign.rig, camera.serial))];
+    const CameraMedia& media =
+        search->cameras[static_cast<std::size_t>(camera_index(calibration->foreign.rig, camera.serial))];
     if (media.empty()) {
       without.push_back(camera.serial);
       continue;
@@ -79,22 +85,30 @@ Result<Plan> make_plan(const ImportOptions& options) {
     plan.media.push_back(media);
   }
   if (plan.media.empty())
-    return fail(ErrorCode::NotFound, text(folder.string(), ": holds no picture, video or folder of pictures named after a camera of the calibration (",
-                                          listed(without), ")"));
+    return fail(
+        ErrorCode::NotFound,
+        text(folder.string(),
+             ": holds no picture, video or folder of pictures named after a camera of the calibration (",
+             listed(without), ")"));
   if (!without.empty())
-    plan.notes.push_back(text(without.size(), " of ", chosen->rig.cameras.size(), " calibrated cameras have no pictures and are left out: ", listed(without)));
+    plan.notes.push_back(text(without.size(), " of ", chosen->rig.cameras.size(),
+                              " calibrated cameras have no pictures and are left out: ", listed(without)));
   if (!search->unused.empty())
-    plan.notes.push_back(text(search->unused.size(), " of the pictures have no calibration and are left out: ", listed(search->unused)));
+    plan.notes.push_back(
+        text(search->unused.size(),
+             " of the pictures have no calibration and are left out: ", listed(search->unused)));
   return plan;
 }
 
 Result<std::vector<PictureStream>> open_streams(const Plan& plan, const FrameRange& range, int threads) {
   std::vector<std::optional<Result<PictureStream>>> opened(plan.media.size());
-  parallel_for(plan.media.size(), threads, [&](std::size_t i) { opened[i] = PictureStream::open(plan.media[i], range); });
+  parallel_for(plan.media.size(), threads,
+               [&](std::size_t i) { opened[i] = PictureStream::open(plan.media[i], range); });
   std::vector<PictureStream> streams;
   for (std::size_t i = 0; i < opened.size(); ++i) {
     if (!*opened[i])
-      return fail(opened[i]->error().code, text("camera '", plan.foreign.rig.cameras[i].serial, "': ", opened[i]->error().message));
+      return fail(opened[i]->error().code,
+                  text("camera '", plan.foreign.rig.cameras[i].serial, "': ", opened[i]->error().message));
     streams.push_back(std::move(**opened[i]));
   }
   return streams;
@@ -110,20 +124,27 @@ CameraModel scaled(CameraModel m, int width, int height) {
 }
 
 // The pictures know their size; where the calibration states another one, only the user knows why.
-Result<Rig> sized_rig(const Rig& rig, const std::vector<PictureStream>& streams, OtherSize other, std::vector<std::string>& notes) {
+Result<Rig> sized_rig(const Rig& rig, const std::vector<PictureStream>& streams, OtherSize other,
+                      std::vector<std::string>& notes) {
   Rig sized = rig;
   for (std::size_t i = 0; i < streams.size(); ++i) {
     CameraModel& m = sized.cameras[i].model;
     const int width = streams[i].width(), height = streams[i].height();
     if (m.width != 0 && (m.width != width || m.height != height)) {
-      const std::string sizes = text("camera '", sized.cameras[i].serial, "': its pictures are ", width, "x", height, ", but it was calibrated for ", m.width, "x", m.height);
+      const std::string sizes = text("camera '", sized.cameras[i].serial, "': its pictures are ", width, "x",
+                                     height, ", but it was calibrated for ", m.width, "x", m.height);
       if (other == OtherSize::Refuse)
-        return fail(ErrorCode::BadData, text(sizes, "; give the pictures that it was calibrated with, say with --other-size whether they were scaled or cropped, "
-                                                    "or leave it out with --cameras"));
+        return fail(ErrorCode::BadData, text(sizes,
+                                             "; give the pictures that it was calibrated with, say with "
+                                             "--other-size whether they were scaled or cropped, "
+                                             "or leave it out with --cameras"));
       if (other == OtherSize::Cropped && (width > m.width || height > m.height))
-        return fail(ErrorCode::BadData, text(sizes, ", which is less: they cannot have been cropped; try --other-size scaled"));
+        return fail(ErrorCode::BadData,
+                    text(sizes, ", which is less: they cannot have been cropped; try --other-size scaled"));
       if (other == OtherSize::Scaled) m = scaled(m, width, height);
-      notes.push_back(text(sizes, other == OtherSize::Scaled ? ": its calibration was scaled with them" : ": taken for cropped at the right and the bottom"));
+      notes.push_back(text(sizes, other == OtherSize::Scaled
+                                      ? ": its calibration was scaled with them"
+                                      : ": taken for cropped at the right and the bottom"));
     }
     m.width = width;
     m.height = height;
@@ -132,8 +153,8 @@ Result<Rig> sized_rig(const Rig& rig, const std::vector<PictureStream>& streams,
   return sized;
 }
 
-Result<double> frame_rate(const ImportOptions& options, const Plan& plan, const std::vector<PictureStream>& streams,
-                          std::vector<std::string>& notes) {
+Result<double> frame_rate(const ImportOptions& options, const Plan& plan,
+                          const std::vector<PictureStream>& streams, std::vector<std::string>& notes) {
   if (options.frame_rate) return *options.frame_rate;
   constexpr double kSameRate = 1e-3;  // relative: 29.97 and 30000/1001
   double rate = 0;
@@ -144,13 +165,16 @@ Result<double> frame_rate(const ImportOptions& options, const Plan& plan, const 
     const double own = streams[i].frame_rate();
     if (own <= 0) continue;
     if (rate > 0 && std::abs(own - rate) > kSameRate * rate)
-      return fail(ErrorCode::InvalidArgument, text("camera '", plan.foreign.rig.cameras[i].serial, "' has ", own, " frames a second, but '",
-                                                   plan.foreign.rig.cameras[from].serial, "' has ", rate, "; say with --fps which is right"));
+      return fail(
+          ErrorCode::InvalidArgument,
+          text("camera '", plan.foreign.rig.cameras[i].serial, "' has ", own, " frames a second, but '",
+               plan.foreign.rig.cameras[from].serial, "' has ", rate, "; say with --fps which is right"));
     if (rate == 0) from = i;
     if (rate == 0) rate = own;
   }
   if (rate == 0 && folders) {
-    notes.push_back(text("folders of pictures state no frame rate: ", kFolderFrameRate, " frames a second are assumed (--fps)"));
+    notes.push_back(text("folders of pictures state no frame rate: ", kFolderFrameRate,
+                         " frames a second are assumed (--fps)"));
     rate = kFolderFrameRate;
   }
   return rate;  // 0: one instant
@@ -171,7 +195,8 @@ Result<int> copy_pictures(PictureStream& stream, std::size_t camera, double rate
     Result<std::optional<Image>> picture = stream.next();
     if (!picture) return forward(picture);
     if (!*picture) return frame;
-    if (Result<void> ok = writer.write(make_frame(info_of(camera, frame, rate), **picture)); !ok) return forward(ok);
+    if (Result<void> ok = writer.write(make_frame(info_of(camera, frame, rate), **picture)); !ok)
+      return forward(ok);
   }
 }
 
@@ -191,7 +216,8 @@ class UnfinishedTake {
   Result<void> prepare() {
     std::error_code error;
     if (fs::exists(out_, error) && !(fs::is_directory(out_, error) && fs::is_empty(out_, error)))
-      return fail(ErrorCode::AlreadyExists, text(out_.string(), " exists already and is never overwritten; choose another --out"));
+      return fail(ErrorCode::AlreadyExists,
+                  text(out_.string(), " exists already and is never overwritten; choose another --out"));
     remove();
     return {};
   }
@@ -199,7 +225,9 @@ class UnfinishedTake {
   Result<void> publish() {
     std::error_code error;
     fs::rename(folder_, out_, error);
-    if (error) return fail(ErrorCode::Io, text("cannot name the finished take ", out_.string(), ": ", error.message()));
+    if (error)
+      return fail(ErrorCode::Io,
+                  text("cannot name the finished take ", out_.string(), ": ", error.message()));
     folder_.clear();
     return {};
   }
@@ -214,7 +242,8 @@ class UnfinishedTake {
 };
 
 Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
-                            const std::optional<MatteFiles>& mattes, double rate, const fs::path& folder, ImportReport& report) {
+                            const std::optional<MatteFiles>& mattes, double rate, const fs::path& folder,
+                            ImportReport& report) {
   TakeWriterOptions take_options;
   take_options.codec = options.codec;
   take_options.frame_rate = rate;
@@ -231,12 +260,15 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
     progress.advance();
   });
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (!counts[i]) return fail(counts[i].error().code, text("camera '", rig.cameras[i].serial, "': ", counts[i].error().message));
+    if (!counts[i])
+      return fail(counts[i].error().code,
+                  text("camera '", rig.cameras[i].serial, "': ", counts[i].error().message));
     report.frames = std::max(report.frames, *counts[i]);
   }
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (*counts[i] == report.frames) continue;
-    report.notes.push_back(text("camera '", rig.cameras[i].serial, "' has ", *counts[i], " of ", report.frames, " frames: the rest are gaps"));
+    report.notes.push_back(text("camera '", rig.cameras[i].serial, "' has ", *counts[i], " of ",
+                                report.frames, " frames: the rest are gaps"));
     for (int frame = *counts[i]; frame < report.frames; ++frame, ++report.gaps) {
       Frame gap;
       gap.info = info_of(i, frame, rate);
@@ -255,7 +287,8 @@ Result<ImportReport> import_take(const ImportOptions& options) {
   fs::path out = options.out.lexically_normal();
   if (!out.has_filename()) out = out.parent_path();  // "T/"
   if (out.empty() || out == "." || out == "..")
-    return fail(ErrorCode::InvalidArgument, text("'", options.out.string(), "' is no name for a new take; say --out <folder>"));
+    return fail(ErrorCode::InvalidArgument,
+                text("'", options.out.string(), "' is no name for a new take; say --out <folder>"));
   UnfinishedTake take(out);
   if (Result<void> ok = take.prepare(); !ok) return forward(ok);
   Result<Plan> plan = make_plan(options);
@@ -276,7 +309,8 @@ Result<ImportReport> import_take(const ImportOptions& options) {
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
   const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);
   if (!rate) return forward(rate);
-  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes, *rate, take.folder(), report); !ok) return forward(ok);
+  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes, *rate, take.folder(), report); !ok)
+    return forward(ok);
   if (Result<void> ok = take.publish(); !ok) return forward(ok);
   return report;
 }

@@ -16,8 +16,10 @@ namespace fs = std::filesystem;
 enum class Kind { Other, Picture, Video };
 
 Kind kind_of(const fs::path& file) {
-  static constexpr std::array kPictures{".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm", ".exr", ".dpx"};
-  static constexpr std::array kVideos{".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".mts", ".m2ts", ".ts", ".y4m"};
+  static constexpr std::array kPictures{".png",  ".jpg", ".jpeg", ".bmp", ".tif", ".tiff",
+                                        ".webp", ".ppm", ".pgm",  ".exr", ".dpx"};
+  static constexpr std::array kVideos{".mp4", ".mov",  ".avi", ".mkv",  ".webm", ".m4v",
+                                      ".mpg", ".mpeg", ".mts", ".m2ts", ".ts",   ".y4m"};
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (std::find(kPictures.begin(), kPictures.end(), extension) != kPictures.end()) return Kind::Picture;
@@ -33,7 +35,8 @@ Result<std::vector<fs::path>> list(const fs::path& folder) {
     if (it->path().filename().string().front() != '.') entries.push_back(it->path());
   if (error)
     return fail(error == std::errc::no_such_file_or_directory ? ErrorCode::NotFound : ErrorCode::Io,
-                text("cannot list the folder ", folder.string(), ": ", error.message(), "; say where the pictures are"));
+                text("cannot list the folder ", folder.string(), ": ", error.message(),
+                     "; say where the pictures are"));
   std::sort(entries.begin(), entries.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
   });
@@ -55,7 +58,8 @@ CameraMedia media_of(const fs::path& entry) {
   return {};
 }
 
-// "cam1" fits cam1/, cam1.png and cam1.mp4; "cam1.png" also fits cam1.mp4 (another kind of the same camera's file).
+// "cam1" fits cam1/, cam1.png and cam1.mp4; "cam1.png" also fits cam1.mp4 (another kind of the same camera's
+// file).
 bool fits(const fs::path& entry, const std::string& wanted) {
   const std::string name = entry.filename().string(), stem = entry.stem().string();
   if (name == wanted || stem == wanted) return true;
@@ -69,13 +73,15 @@ bool ends_with_serial(const fs::path& entry, const std::string& serial) {
 
 // The only entry for which `fitting` holds and that has pictures; an exact name counts more than a stem.
 template <class Fitting>
-Result<fs::path> only(const std::vector<fs::path>& entries, const std::string& serial, const Fitting& fitting) {
+Result<fs::path> only(const std::vector<fs::path>& entries, const std::string& serial,
+                      const Fitting& fitting) {
   fs::path found;
   for (const fs::path& entry : entries) {
     if (!fitting(entry) || media_of(entry).empty()) continue;
     if (!found.empty())
-      return fail(ErrorCode::InvalidArgument, text("camera '", serial, "': both ", found.string(), " and ", entry.string(),
-                                                   " could be its pictures; leave only one of them there"));
+      return fail(ErrorCode::InvalidArgument,
+                  text("camera '", serial, "': both ", found.string(), " and ", entry.string(),
+                       " could be its pictures; leave only one of them there"));
     found = entry;
   }
   return found;
@@ -85,7 +91,8 @@ class Search {
  public:
   Search(fs::path folder, std::vector<fs::path> entries, const ForeignRig& foreign)
       : folder_(std::move(folder)), entries_(std::move(entries)), foreign_(foreign) {
-    for (const std::string& image : foreign.image_names) ++cameras_in_[fs::path(image).parent_path().string()];
+    for (const std::string& image : foreign.image_names)
+      ++cameras_in_[fs::path(image).parent_path().string()];
   }
 
   Result<CameraMedia> find(std::size_t camera) {
@@ -96,17 +103,21 @@ class Search {
       const fs::path parent = fs::path(image).parent_path();
       used_.insert(folder_ / *fs::path(image).begin());
       // One calibrated picture in a folder of its own stands for the camera, and the folder holds its film.
-      if (!parent.empty() && cameras_in_[parent.string()] == 1) return CameraMedia{{}, pictures_in(folder_ / parent)};
+      if (!parent.empty() && cameras_in_[parent.string()] == 1)
+        return CameraMedia{{}, pictures_in(folder_ / parent)};
       return media_of(named);
     }
     const fs::path image_folder = fs::path(image).parent_path();
-    for (const std::string& wanted : {image, serial, cameras_in_[image_folder.string()] == 1 ? image_folder.string() : image}) {
+    for (const std::string& wanted :
+         {image, serial, cameras_in_[image_folder.string()] == 1 ? image_folder.string() : image}) {
       if (wanted.empty()) continue;
-      const Result<fs::path> found = only(entries_, serial, [&](const fs::path& e) { return fits(e, wanted); });
+      const Result<fs::path> found =
+          only(entries_, serial, [&](const fs::path& e) { return fits(e, wanted); });
       if (!found) return forward(found);
       if (!found->empty()) return take(*found);
     }
-    const Result<fs::path> found = only(entries_, serial, [&](const fs::path& e) { return ends_with_serial(e, serial); });
+    const Result<fs::path> found =
+        only(entries_, serial, [&](const fs::path& e) { return ends_with_serial(e, serial); });
     if (!found) return forward(found);
     return found->empty() ? CameraMedia{} : take(*found);
   }
@@ -134,7 +145,9 @@ class Search {
 }  // namespace
 
 bool natural_less(const std::string& a, const std::string& b) {
-  const auto digit = [](const std::string& s, std::size_t i) { return i < s.size() && std::isdigit(static_cast<unsigned char>(s[i])); };
+  const auto digit = [](const std::string& s, std::size_t i) {
+    return i < s.size() && std::isdigit(static_cast<unsigned char>(s[i]));
+  };
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
     if (!digit(a, i) || !digit(b, j)) {
@@ -142,7 +155,8 @@ bool natural_less(const std::string& a, const std::string& b) {
       ++i, ++j;
       continue;
     }
-    const auto number = [&](const std::string& s, std::size_t& k) {  // without leading zeros, as text of any length
+    const auto number = [&](const std::string& s,
+                            std::size_t& k) {  // without leading zeros, as text of any length
       while (digit(s, k) && s[k] == '0') ++k;
       const std::size_t begin = k;
       while (digit(s, k)) ++k;

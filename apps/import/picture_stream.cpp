@@ -23,7 +23,9 @@ std::filesystem::path place_of(const CameraMedia& media) {
 Result<FrameRange> parse_frame_range(std::string_view s) {
   const std::size_t colon = s.find(':');
   const auto bad = [&] {
-    return fail(ErrorCode::InvalidArgument, text("'", s, "' is not a range of frames; write 10:20, 10: or :20 (the end is not included)"));
+    return fail(
+        ErrorCode::InvalidArgument,
+        text("'", s, "' is not a range of frames; write 10:20, 10: or :20 (the end is not included)"));
   };
   if (colon == std::string_view::npos || s.size() == 1) return bad();
   const std::string_view a = s.substr(0, colon), b = s.substr(colon + 1);
@@ -63,7 +65,8 @@ Result<PictureStream> PictureStream::open(const CameraMedia& media, const FrameR
   Result<std::optional<Image>> first = stream.decode();
   if (!first) return forward(first);
   if (!*first)
-    return fail(ErrorCode::NotFound, text(place_of(media).string(), ": holds no picture from number ", range.first, " on"));
+    return fail(ErrorCode::NotFound,
+                text(place_of(media).string(), ": holds no picture from number ", range.first, " on"));
   stream.width_ = (*first)->width;
   stream.height_ = (*first)->height;
   stream.first_ = std::move(**first);
@@ -74,8 +77,9 @@ Result<std::optional<Image>> PictureStream::next() {
   if (first_) return std::exchange(first_, std::nullopt);
   Result<std::optional<Image>> picture = decode();
   if (picture && *picture && ((*picture)->width != width_ || (*picture)->height != height_))
-    return fail(ErrorCode::BadData, text(place_of(media_).string(), ": picture ", position_ - 1, " is ", (*picture)->width, "x",
-                                         (*picture)->height, ", but the first one is ", width_, "x", height_));
+    return fail(ErrorCode::BadData,
+                text(place_of(media_).string(), ": picture ", position_ - 1, " is ", (*picture)->width, "x",
+                     (*picture)->height, ", but the first one is ", width_, "x", height_));
   return picture;
 }
 

@@ -23,13 +23,15 @@ Result<FrameRange> parse_frame_range(std::string_view text);
 /// One camera's pictures, one after the other, whether they lie in a video or in single files.
 class PictureStream {
  public:
-  /// NotFound when the range holds no picture; errors of the media name their file. The first picture is decoded here.
+  /// NotFound when the range holds no picture; errors of the media name their file. The first picture is
+  /// decoded here.
   static Result<PictureStream> open(const CameraMedia& media, const FrameRange& range);
 
   int width() const { return width_; }
   int height() const { return height_; }
   double frame_rate() const { return frame_rate_; }  ///< the video's; 0 for single files
-  /// The next picture, 3 channels, always of the first one's size (BadData otherwise); nothing after the last.
+  /// The next picture, 3 channels, always of the first one's size (BadData otherwise); nothing after the
+  /// last.
   Result<std::optional<Image>> next();
 
  private:

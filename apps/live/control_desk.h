@@ -12,15 +12,15 @@
 
 namespace floatstage {
 
-/// Begins a take on every node, in their order, or on none: where one refuses, those that have begun end theirs. Returns the
-/// takes' names, separated by commas. Errors: that of the node that refused.
+/// Begins a take on every node, in their order, or on none: where one refuses, those that have begun end
+/// theirs. Returns the takes' names, separated by commas. Errors: that of the node that refused.
 Result<std::string> record_all(const std::vector<StudioControl*>& nodes, const std::string& label);
 
 /// Ends the takes of all nodes that record. Errors: the first, when all were asked.
 Result<void> stop_all(const std::vector<StudioControl*>& nodes);
 
-/// The operator's desk: how the camera nodes do, asked about once a second, and record and stop for all of them together.
-/// A thread of its own asks, so that a node that is slow, or gone, never holds up the picture.
+/// The operator's desk: how the camera nodes do, asked about once a second, and record and stop for all of
+/// them together. A thread of its own asks, so that a node that is slow, or gone, never holds up the picture.
 class ControlDesk {
  public:
   struct State {

@@ -42,7 +42,8 @@ void draw_node(const NodeStatus& node) {
   for (const std::string& complaint : node.complaints) complain(complaint);
   if (!node.last_recording.empty()) complain(node.last_recording);
   if (node.cameras.empty()) return;
-  ImGui::Text("%.1f GB free, spread %.2f ms", static_cast<double>(node.disk_free_bytes) * 1e-9, node.spread_max_ms);
+  ImGui::Text("%.1f GB free, spread %.2f ms", static_cast<double>(node.disk_free_bytes) * 1e-9,
+              node.spread_max_ms);
   if (const std::optional<NodeRecording>& take = node.recording) {
     ImGui::TextColored(kBad, "%s", take->take.c_str());
     ImGui::Text("%.0f s, %llu pictures, %llu gaps", take->seconds, number(take->frames), number(take->gaps));

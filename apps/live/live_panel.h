@@ -16,8 +16,8 @@ struct LivePanelState {
   std::string label = "take";      ///< of the next recording
 };
 
-/// Rate, latency, quality, the cameras' health and the record button, which goes to the desk at once. Draws into the
-/// present ImGui window.
+/// Rate, latency, quality, the cameras' health and the record button, which goes to the desk at once. Draws
+/// into the present ImGui window.
 void draw_live_panel(LivePanelState& state, ControlDesk& desk);
 
 }  // namespace floatstage

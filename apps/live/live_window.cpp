@@ -1,10 +1,10 @@
 #include "apps/live/live_window.h"
 
-#include <imgui.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include <imgui.h>
 
 #include "apps/interrupt.h"
 #include "apps/live/live_pace.h"
@@ -22,14 +22,19 @@ namespace floatstage {
 namespace {
 
 constexpr float kStatusHeight = 28;
-constexpr int kScenesBeforeScreenshot = 8;  // until then the needed textures have come
+constexpr int kScenesBeforeScreenshot = 8;           // until then the needed textures have come
 constexpr Nanoseconds kPatience = milliseconds(20);  // for a scene, before the window is drawn anyway
 
 class LiveWindow {
  public:
   LiveWindow(SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options)
-      : feed_(feed), desk_(desk), options_(options), home_(home_of(feed.rig())), canvas_(feed.rig(), {}),
-        pace_(options.run.target_fps, options.run.quality), state_{TimeLine(1, 0), ViewerCamera(home_)} {
+      : feed_(feed),
+        desk_(desk),
+        options_(options),
+        home_(home_of(feed.rig())),
+        canvas_(feed.rig(), {}),
+        pace_(options.run.target_fps, options.run.quality),
+        state_{TimeLine(1, 0), ViewerCamera(home_)} {
     for (const RendererInfo& r : renderers()) state_.methods.push_back(r.name);
     state_.renderer = options.run.renderer;
     state_.show_cameras = options.show_cameras;
@@ -60,12 +65,14 @@ class LiveWindow {
     lay_out();
     if (scene_ && !scene_->scene.mesh.empty()) {
       // Textures of other machines come only when they are asked for: before the first picture too.
-      const View view = canvas_.view() ? *canvas_.view() : view_of(home_, options_.run.width, options_.run.height, {});
+      const View view =
+          canvas_.view() ? *canvas_.view() : view_of(home_, options_.run.width, options_.run.height, {});
       feed_.want(needed_cameras(feed_.rig(), scene_->scene.mesh, view, state_.renderer.cameras));
     }
     const Timestamp done = now();
     feed_.drawn(done);
-    pace_.drew(begun, done, shown ? std::optional(milliseconds_of(done - fresh->scene.produced)) : std::nullopt);
+    pace_.drew(begun, done,
+               shown ? std::optional(milliseconds_of(done - fresh->scene.produced)) : std::nullopt);
     look_around(done);
   }
   bool stands() const { return shown_ >= kScenesBeforeScreenshot && canvas_.has_picture(); }
@@ -95,7 +102,8 @@ class LiveWindow {
     state_.renderer.sharp = quality.sharp;
     const auto method = std::find(state_.methods.begin(), state_.methods.end(), quality.method);
     if (method != state_.methods.end()) state_.left = static_cast<int>(method - state_.methods.begin());
-    log::info(text("live quality at ", std::round(10 * pace_.fps()) / 10, " scenes a second: ", describe(quality)));
+    log::info(
+        text("live quality at ", std::round(10 * pace_.fps()) / 10, " scenes a second: ", describe(quality)));
   }
 
   void look_around(Timestamp time) {
@@ -115,7 +123,8 @@ class LiveWindow {
     }
     const PanelRequests requests = draw_controls(state_, canvas_.render_milliseconds(), -1);
     obey_camera_requests(requests, home_, state_);
-    if (requests.render_film) state_.status = "a film is rendered of a take: record one, process it and play it";
+    if (requests.render_film)
+      state_.status = "a film is rendered of a take: record one, process it and play it";
   }
 
   void lay_out() {
@@ -123,9 +132,10 @@ class LiveWindow {
     lay_out_window(kStatusHeight, state_.renderer.background,
                    {.controls = [&] { draw_panels(); },
                     .strip = [&] { ImGui::TextUnformatted(state_.status.c_str()); },
-                    .stage = [&] {
-                      if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
-                    }});
+                    .stage =
+                        [&] {
+                          if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+                        }});
     state_.time.playing = !panel_.hold;
   }
 
@@ -147,7 +157,8 @@ Result<void> run_live_window(SceneFeed& feed, ControlDesk& desk, const LiveWindo
   if (options.run.quality >= live_qualities().size())
     return fail(ErrorCode::InvalidArgument,
                 text("live quality ", options.run.quality, "; there are 0 to ", live_qualities().size() - 1));
-  Result<std::unique_ptr<Window>> window = Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
+  Result<std::unique_ptr<Window>> window =
+      Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
   if (!window) return forward(window);
   LiveWindow live(feed, desk, options);
   if (!options.path_file.empty())

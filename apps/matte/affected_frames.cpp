@@ -31,7 +31,8 @@ bool same_strokes(const Strokes& a, const Strokes& b, int frame) {
 }
 
 void mark(std::vector<bool>& frames, int first, int last) {
-  for (int f = std::max(0, first); f <= std::min(last, static_cast<int>(frames.size()) - 1); ++f) frames[static_cast<std::size_t>(f)] = true;
+  for (int f = std::max(0, first); f <= std::min(last, static_cast<int>(frames.size()) - 1); ++f)
+    frames[static_cast<std::size_t>(f)] = true;
 }
 
 }  // namespace
@@ -50,14 +51,15 @@ std::vector<bool> frames_between_keyframes(const CameraEdits& before, const Came
   const Strokes a = strokes_of(before), b = strokes_of(after);
   std::vector<bool> out(static_cast<std::size_t>(frames));
   if (a.empty() != b.empty()) mark(out, 0, frames - 1);  // from its own first guess, or to it
-  Strokes unchanged;  // where both have the same strokes, nothing passes
+  Strokes unchanged;                                     // where both have the same strokes, nothing passes
   for (const auto& [frame, strokes] : a)
     if (same_strokes(a, b, frame)) unchanged[frame];
   for (const Strokes* one : {&a, &b})
     for (const auto& [frame, strokes] : *one) {
       if (unchanged.contains(frame)) continue;
       const auto next = unchanged.upper_bound(frame);
-      mark(out, next == unchanged.begin() ? 0 : std::prev(next)->first + 1, next == unchanged.end() ? frames - 1 : next->first - 1);
+      mark(out, next == unchanged.begin() ? 0 : std::prev(next)->first + 1,
+           next == unchanged.end() ? frames - 1 : next->first - 1);
     }
   for (int f = 0; f < frames; ++f)
     if (masks_in(before, f) != masks_in(after, f)) mark(out, f, f);
@@ -77,7 +79,8 @@ std::vector<bool> frames_chosen_otherwise(const CameraEdits& before, const Camer
 std::vector<bool> downstream_of(std::vector<bool> frames, const CameraEdits& edits) {
   const Strokes strokes = strokes_of(edits);
   if (strokes.empty() || frames.empty()) return frames;
-  const std::size_t turn = static_cast<std::size_t>(std::clamp(strokes.begin()->first, 0, static_cast<int>(frames.size()) - 1));
+  const std::size_t turn =
+      static_cast<std::size_t>(std::clamp(strokes.begin()->first, 0, static_cast<int>(frames.size()) - 1));
   for (std::size_t f = turn + 1; f < frames.size(); ++f) frames[f] = frames[f] || frames[f - 1];
   for (std::size_t f = turn; f-- > 0;) frames[f] = frames[f] || frames[f + 1];
   return frames;

@@ -16,8 +16,8 @@
 
 namespace floatstage {
 
-/// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a chroma key, a
-/// plate, or what was cut out from a person's clicks.
+/// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a chroma
+/// key, a plate, or what was cut out from a person's clicks.
 class CameraKey {
  public:
   enum class Kind { None, Guide, Chroma, Plate, Cut };
@@ -28,19 +28,24 @@ class CameraKey {
   static Result<CameraKey> guided(const TakeReader& take, int camera, const std::filesystem::path& guide);
   /// NotFound when neither plate nor photographs show green or blue cloth at their borders.
   static Result<CameraKey> chroma(TakeReader& take, int camera);
-  /// From plates/<serial>.png and plates/<serial>/*.png where they were shot, else found behind the performance in
-  /// `photographs` of its pictures, and learnt again without what the first plate keys. Unsupported when the pictures agree
-  /// nowhere (the camera moved).
+  /// From plates/<serial>.png and plates/<serial>/*.png where they were shot, else found behind the
+  /// performance in `photographs` of its pictures, and learnt again without what the first plate keys.
+  /// Unsupported when the pictures agree nowhere (the camera moved).
   static Result<CameraKey> plate(TakeReader& take, int camera, int photographs = 48);
-  /// Followed from the clicks in `edits` through a cluttered place (matting/clip_cut.h), as a whole, by ready() or the first
-  /// key(): where all mattes are there it is never needed. `go_on` may stop that (Cancelled) and must live as long.
-  static Result<CameraKey> cut(TakeReader& take, int camera, const CameraEdits& edits, const std::function<bool()>& go_on);
-  /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot; else what is cut
-  /// out where somebody clicked on the subject; else a plate found behind the performance; else chroma after all.
-  static Result<CameraKey> best(TakeReader& take, int camera, const std::filesystem::path& guide, const CameraEdits& edits, const std::function<bool()>& go_on);
+  /// Followed from the clicks in `edits` through a cluttered place (matting/clip_cut.h), as a whole, by
+  /// ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop that
+  /// (Cancelled) and must live as long.
+  static Result<CameraKey> cut(TakeReader& take, int camera, const CameraEdits& edits,
+                               const std::function<bool()>& go_on);
+  /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot;
+  /// else what is cut out where somebody clicked on the subject; else a plate found behind the performance;
+  /// else chroma after all.
+  static Result<CameraKey> best(TakeReader& take, int camera, const std::filesystem::path& guide,
+                                const CameraEdits& edits, const std::function<bool()>& go_on);
 
   /// The key that a method of `matte` starts from; none where spectral matting has to do without.
-  static Result<CameraKey> for_method(TakeReader& take, int camera, const std::string& method, const std::filesystem::path& guide, const CameraEdits& edits,
+  static Result<CameraKey> for_method(TakeReader& take, int camera, const std::string& method,
+                                      const std::filesystem::path& guide, const CameraEdits& edits,
                                       const std::function<bool()>& go_on);
 
   Kind kind() const { return kind_; }
@@ -51,7 +56,8 @@ class CameraKey {
   /// Null without one.
   const Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
 
-  /// Does now what the first key() would wait for. InvalidArgument when no click marks the subject; Cancelled.
+  /// Does now what the first key() would wait for. InvalidArgument when no click marks the subject;
+  /// Cancelled.
   Result<void> ready() const;
 
   /// One channel, of the photograph's size; what is missing in the guide is an empty picture.

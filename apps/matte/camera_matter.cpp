@@ -10,8 +10,8 @@
 namespace floatstage {
 namespace {
 
-constexpr int kAutoSpots = 4;       // places in the take where auto compares, two photographs each
-constexpr double kReach = 0.04;     // of the picture's longer side: how far parts move from frame to frame
+constexpr int kAutoSpots = 4;    // places in the take where auto compares, two photographs each
+constexpr double kReach = 0.04;  // of the picture's longer side: how far parts move from frame to frame
 
 // Writes what is known over a matte.
 void overrule(const Image& known, Image& matte) {
@@ -26,13 +26,20 @@ bool nothing_known(const Image& map) {
 }  // namespace
 
 CameraMatter::CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method)
-    : take_(&take), camera_(camera), key_(std::move(key)), edits_(std::move(edits)), method_(std::move(method)) {}
+    : take_(&take),
+      camera_(camera),
+      key_(std::move(key)),
+      edits_(std::move(edits)),
+      method_(std::move(method)) {}
 
 bool CameraMatter::follows() const {
-  return key_.kind() != CameraKey::Kind::Cut && std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(), [](const MatteKeyframe& k) { return !k.strokes.empty(); });
+  return key_.kind() != CameraKey::Kind::Cut &&
+         std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(),
+                     [](const MatteKeyframe& k) { return !k.strokes.empty(); });
 }
 
-void CameraMatter::follow(const std::function<bool()>& go_on, const std::function<Link(int frame, const Link& previous)>& visit) const {
+void CameraMatter::follow(const std::function<bool()>& go_on,
+                          const std::function<Link(int frame, const Link& previous)>& visit) const {
   const int count = take_->frame_count();
   // Later keyframes choose anew among the parts, but what nobody touches there goes on as it was.
   const int first = std::clamp(follows() ? first_keyframe() : 0, 0, std::max(0, count - 1));
@@ -64,7 +71,8 @@ Image CameraMatter::said(int frame, int width, int height, bool strokes, bool ma
   return map;
 }
 
-Result<Image> CameraMatter::finished(const std::string& method, const Image& rgb, const Image& key, const Image& known) const {
+Result<Image> CameraMatter::finished(const std::string& method, const Image& rgb, const Image& key,
+                                     const Image& known) const {
   Image matte = key;
   if (method == "closed-form") {
     RefineOptions options = key_refinement();
@@ -91,15 +99,19 @@ Result<Image> CameraMatter::matte(int frame, const Image& previous) const {
     Image strokes = said(frame, rgb->width, rgb->height, true, false);
     if (nothing_known(strokes)) strokes = {};
     const bool fits = previous.width == key->width && previous.height == key->height;
-    *key = choose_islands(*key, fits ? previous : Image(), strokes, static_cast<int>(kReach * std::max(key->width, key->height)));
+    *key = choose_islands(*key, fits ? previous : Image(), strokes,
+                          static_cast<int>(kReach * std::max(key->width, key->height)));
   }
   return finished(method_, *rgb, *key, said(frame, rgb->width, rgb->height, true, true));
 }
 
-void CameraMatter::mask(int frame, Image& matte) const { overrule(said(frame, matte.width, matte.height, true, true), matte); }
+void CameraMatter::mask(int frame, Image& matte) const {
+  overrule(said(frame, matte.width, matte.height, true, true), matte);
+}
 
 Result<std::string> CameraMatter::chosen_method() const {
-  if (method_ == "spectral" || (method_ == "auto" && key_.kind() == CameraKey::Kind::None)) return std::string("spectral");
+  if (method_ == "spectral" || (method_ == "auto" && key_.kind() == CameraKey::Kind::None))
+    return std::string("spectral");
   if (method_ != "auto") return std::string(method_ == "closed-form" ? "closed-form" : "key");
   const std::vector<std::string> methods = {"key", "closed-form"};
   constexpr std::size_t kUsual = 1;
@@ -130,7 +142,8 @@ Result<std::string> CameraMatter::chosen_method() const {
     if (!now) return forward(now);
     if (now->empty()) continue;
     comparison.add(rgb, *now, key_.known_plate());
-    Result<std::vector<Image>> before = frame > 0 ? candidates_of(frame - 1, rgb_before) : Result<std::vector<Image>>(std::vector<Image>());
+    Result<std::vector<Image>> before =
+        frame > 0 ? candidates_of(frame - 1, rgb_before) : Result<std::vector<Image>>(std::vector<Image>());
     if (!before) return forward(before);
     if (!before->empty()) comparison.add_pair(rgb_before, *before, rgb, *now);
   }

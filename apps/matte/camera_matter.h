@@ -16,25 +16,29 @@ class CameraMatter {
  public:
   CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method);
 
-  /// "key", "closed-form" or "spectral", as the method asks for. `auto` chooses by MethodComparison on a few photographs, and
-  /// spectral where there is no key. Edits have no say in it: a stroke must not change the method of frames that it does not
-  /// concern.
+  /// "key", "closed-form" or "spectral", as the method asks for. `auto` chooses by MethodComparison on a few
+  /// photographs, and spectral where there is no key. Edits have no say in it: a stroke must not change the
+  /// method of frames that it does not concern.
   Result<std::string> chosen_method() const;
 
-  /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made before, or empty.
+  /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made
+  /// before, or empty.
   Result<Image> matte(int frame, const Image& previous) const;
 
-  /// Whether matte() needs the neighbour's: a person has chosen among parts, and the choice is followed; not where the key has
-  /// followed it already.
+  /// Whether matte() needs the neighbour's: a person has chosen among parts, and the choice is followed; not
+  /// where the key has followed it already.
   bool follows() const;
-  /// A matte on the way, and whether it differs from the one that was there before (for those who make only some again).
+  /// A matte on the way, and whether it differs from the one that was there before (for those who make only
+  /// some again).
   struct Link {
     Image matte;
     bool changed = false;
   };
-  /// Goes from the first keyframe to the end and then from it back to the beginning. `visit(frame, previous)` gets what it
-  /// returned for the neighbour; a frame without a matte (a gap) is bridged. Stops when `go_on()` is false.
-  void follow(const std::function<bool()>& go_on, const std::function<Link(int frame, const Link& previous)>& visit) const;
+  /// Goes from the first keyframe to the end and then from it back to the beginning. `visit(frame, previous)`
+  /// gets what it returned for the neighbour; a frame without a matte (a gap) is bridged. Stops when
+  /// `go_on()` is false.
+  void follow(const std::function<bool()>& go_on,
+              const std::function<Link(int frame, const Link& previous)>& visit) const;
 
   /// Writes the frame's masks and strokes over a matte.
   void mask(int frame, Image& matte) const;
@@ -47,7 +51,8 @@ class CameraMatter {
   void set_method(std::string method) { method_ = std::move(method); }
 
  private:
-  Result<Image> finished(const std::string& method, const Image& rgb, const Image& key, const Image& known) const;
+  Result<Image> finished(const std::string& method, const Image& rgb, const Image& key,
+                         const Image& known) const;
   int first_keyframe() const;
   Image said(int frame, int width, int height, bool strokes, bool masks) const;
 

@@ -1,9 +1,9 @@
 #include "apps/matte/edited_camera.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <mutex>
+
+#include <unistd.h>
 
 #include "apps/derived_files.h"
 #include "apps/keying.h"
@@ -45,10 +45,14 @@ Result<std::unique_ptr<EditedCamera>> EditedCamera::open(const EditedCameraOptio
   Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options.take);
   if (!take) return forward(take);
   const int camera = camera_index((*take)->rig(), options.serial);
-  if (camera < 0) return fail(ErrorCode::InvalidArgument, text(options.take.string(), " has no camera '", options.serial, "'"));
+  if (camera < 0)
+    return fail(ErrorCode::InvalidArgument,
+                text(options.take.string(), " has no camera '", options.serial, "'"));
   const std::vector<MatteMethod>& methods = matte_methods();
-  if (!options.method.empty() && std::none_of(methods.begin(), methods.end(), [&](const MatteMethod& m) { return m.name == options.method; }))
-    return fail(ErrorCode::InvalidArgument, text("no method is called '", options.method, "'; see `floatstage matte --help`"));
+  if (!options.method.empty() && std::none_of(methods.begin(), methods.end(),
+                                              [&](const MatteMethod& m) { return m.name == options.method; }))
+    return fail(ErrorCode::InvalidArgument,
+                text("no method is called '", options.method, "'; see `floatstage matte --help`"));
   Result<std::map<std::string, CameraRecord>> records = load_matting((*take)->layout());
   if (!records) return forward(records);
   Result<MatteEdits> edits = load_matte_edits((*take)->layout().edits());
@@ -59,7 +63,9 @@ Result<std::unique_ptr<EditedCamera>> EditedCamera::open(const EditedCameraOptio
   edited->by_matte_ = found != records->end();
   if (edited->by_matte_) edited->record_ = found->second;
   CameraRecord& record = edited->record_;
-  const std::string method = !options.method.empty() ? options.method : edited->by_matte_ ? record.method : "auto";
+  const std::string method = !options.method.empty() ? options.method
+                             : edited->by_matte_     ? record.method
+                                                     : "auto";
   const std::string guide = options.method.empty() ? record.guide : options.guide.string();
   const bool same = edited->by_matte_ && record.method == method && record.guide == guide;
   if (same && record.edits == fingerprint(edited->on_disk_)) edited->made_for_ = edited->on_disk_;
@@ -71,10 +77,13 @@ std::vector<bool> EditedCamera::changed_since(const CameraEdits& edits) const {
   const int count = take_->frame_count();
   if (!made_for_) return std::vector<bool>(static_cast<std::size_t>(count), true);
   // What was cut out from strokes as a whole, other strokes cut out as a whole.
-  if (record_.key == "cut" && !same_strokes(*made_for_, edits)) return std::vector<bool>(static_cast<std::size_t>(count), true);
-  std::vector<bool> out = record_.chosen == "spectral" ? frames_between_keyframes(*made_for_, edits, count) : frames_chosen_otherwise(*made_for_, edits, count);
+  if (record_.key == "cut" && !same_strokes(*made_for_, edits))
+    return std::vector<bool>(static_cast<std::size_t>(count), true);
+  std::vector<bool> out = record_.chosen == "spectral" ? frames_between_keyframes(*made_for_, edits, count)
+                                                       : frames_chosen_otherwise(*made_for_, edits, count);
   for (int f = 0; f < count; ++f)
-    if (record_.stale.contains(f) || (recorded(*take_, camera_, f) && !fs::exists(file(f)))) out[static_cast<std::size_t>(f)] = true;
+    if (record_.stale.contains(f) || (recorded(*take_, camera_, f) && !fs::exists(file(f))))
+      out[static_cast<std::size_t>(f)] = true;
   return out;
 }
 
@@ -83,17 +92,20 @@ std::vector<bool> EditedCamera::stale(const CameraEdits& edits) const {
 }
 
 Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch& watch) {
-  if (key_ && key_->heeds_strokes() && !same_strokes(key_edits_, edits)) key_.reset(), spectral_.reset(), prepared_ = false;
+  if (key_ && key_->heeds_strokes() && !same_strokes(key_edits_, edits))
+    key_.reset(), spectral_.reset(), prepared_ = false;
   if (!key_) {
     watch.progress("key", 0, 1);
-    Result<CameraKey> key = CameraKey::for_method(*take_, camera_, record_.method, record_.guide, edits, [&] { return !watch.stopped(); });
+    Result<CameraKey> key = CameraKey::for_method(*take_, camera_, record_.method, record_.guide, edits,
+                                                  [&] { return !watch.stopped(); });
     if (!key) return forward(key);
     if (Result<void> ok = key->ready(); !ok) return ok;
     key_.emplace(std::move(*key));
     key_edits_ = edits;
     const bool other = key_->kind() == CameraKey::Kind::Cut && made_for_ && !same_strokes(*made_for_, edits);
     if (other) made_for_.reset(), record_.chosen.clear();
-    if (record_.key != key_->spec()) made_for_.reset(), record_.chosen.clear();  // a plate was shot since, or there were no mattes
+    if (record_.key != key_->spec())
+      made_for_.reset(), record_.chosen.clear();  // a plate was shot since, or there were no mattes
     record_.key = key_->spec();
   }
   if (!record_.chosen.empty()) return {};
@@ -124,7 +136,8 @@ Result<void> EditedCamera::begin(const CameraEdits& edits, const std::vector<boo
   by_matte_ = true;
   const Result<std::optional<KeyingRecord>> keying = load_keying(take_->layout(), take_->rig());
   if (!keying) return forward(keying);
-  return *keying ? Result<void>() : save_keying({"matte:" + record_.method, {}}, take_->layout(), take_->rig());
+  return *keying ? Result<void>()
+                 : save_keying({"matte:" + record_.method, {}}, take_->layout(), take_->rig());
 }
 
 Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const RemakeWatch& watch) {
@@ -132,13 +145,17 @@ Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const Re
   std::error_code none;
   const fs::path folder = take_->layout().mattes() / options_.serial;
   if (!by_matte_ && !options_.replace && fs::exists(folder) && !fs::is_empty(folder, none))
-    return fail(ErrorCode::AlreadyExists, text(folder.string(), " was not made by `matte`, so it is not changed; say --redo to let the editor make it again"));
+    return fail(
+        ErrorCode::AlreadyExists,
+        text(folder.string(),
+             " was not made by `matte`, so it is not changed; say --redo to let the editor make it again"));
   if (Result<void> ok = make_key(edits, watch); !ok) return forward(ok);
   if (watch.stopped()) return stopped();
   const std::vector<bool> forced = changed_since(edits), wanted = stale(edits);
   if (Result<void> ok = begin(edits, wanted); !ok) return forward(ok);
   const CameraMatter matter(*take_, camera_, *key_, edits, record_.chosen);
-  Result<std::vector<int>> changed = record_.chosen == "spectral" ? spectral(matter, wanted, watch) : follow(matter, forced, watch);
+  Result<std::vector<int>> changed =
+      record_.chosen == "spectral" ? spectral(matter, wanted, watch) : follow(matter, forced, watch);
   if (changed) record_.stale.clear();
   if (Result<void> ok = save_record(); !ok) return changed ? Result<std::vector<int>>(forward(ok)) : changed;
   return changed;
@@ -149,7 +166,8 @@ Result<bool> EditedCamera::put(int frame, Result<Image> matte) {
   const fs::path path = file(frame);
   const bool there = fs::exists(path);
   if (!matte && matte.error().code == ErrorCode::Io) return forward(matte);
-  if (!matte) failures_.push_back(text("camera '", options_.serial, "', frame ", frame, ": ", matte.error().message));
+  if (!matte)
+    failures_.push_back(text("camera '", options_.serial, "', frame ", frame, ": ", matte.error().message));
   bool changed = there;
   if (!matte || matte->empty()) {
     std::error_code error;
@@ -165,7 +183,8 @@ Result<bool> EditedCamera::put(int frame, Result<Image> matte) {
   return changed;
 }
 
-Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::vector<bool> forced, const RemakeWatch& watch) {
+Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::vector<bool> forced,
+                                              const RemakeWatch& watch) {
   std::vector<int> changed;
   std::optional<Error> failure;
   std::mutex mutex;  // of everything below
@@ -198,7 +217,10 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::v
     });
   } else {
     const auto any_wanted_beyond = [&](int frame) {  // somebody may ask for this frame's matte
-      const auto at = [&](int f) { return f >= 0 && static_cast<std::size_t>(f) < wanted.size() && (wanted[static_cast<std::size_t>(f)] || !fs::exists(file(f))); };
+      const auto at = [&](int f) {
+        return f >= 0 && static_cast<std::size_t>(f) < wanted.size() &&
+               (wanted[static_cast<std::size_t>(f)] || !fs::exists(file(f)));
+      };
       return at(frame - 1) || at(frame + 1);
     };
     matter.follow(go_on, [&](int frame, const CameraMatter::Link& previous) -> CameraMatter::Link {
@@ -212,13 +234,16 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::v
   }
   if (failure) return Unexpected{*failure};
   if (watch.stopped() && !record_.stale.empty()) return stopped();
-  return watch.stopped() && done < all ? Result<std::vector<int>>(stopped()) : Result<std::vector<int>>(std::move(changed));
+  return watch.stopped() && done < all ? Result<std::vector<int>>(stopped())
+                                       : Result<std::vector<int>>(std::move(changed));
 }
 
-Result<std::vector<int>> EditedCamera::spectral(const CameraMatter& matter, const std::vector<bool>& stale, const RemakeWatch& watch) {
+Result<std::vector<int>> EditedCamera::spectral(const CameraMatter& matter, const std::vector<bool>& stale,
+                                                const RemakeWatch& watch) {
   const int count = take_->frame_count();
   if (!spectral_) {
-    Result<SpectralTake> created = SpectralTake::create(*take_, camera_, *key_, spectral_cache(take_->layout(), options_.serial), options_.threads);
+    Result<SpectralTake> created = SpectralTake::create(
+        *take_, camera_, *key_, spectral_cache(take_->layout(), options_.serial), options_.threads);
     if (!created) return forward(created);
     spectral_.emplace(std::move(*created));
   }

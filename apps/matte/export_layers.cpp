@@ -32,10 +32,12 @@ Image joined(const Image& rgb, const Image& alpha) {
   return out;
 }
 
-// A layer that lies there already, made after its matte and in this format: what an interrupted export goes on from.
+// A layer that lies there already, made after its matte and in this format: what an interrupted export goes
+// on from.
 bool up_to_date(const fs::path& layer, const fs::path& matte, const std::string& format) {
   std::error_code none;
-  if (!fs::exists(layer, none) || fs::last_write_time(layer, none) < fs::last_write_time(matte, none)) return false;
+  if (!fs::exists(layer, none) || fs::last_write_time(layer, none) < fs::last_write_time(matte, none))
+    return false;
   if (format == "exr") return true;
   constexpr std::streamoff kBitDepth = 24;  // in a PNG's header
   std::ifstream png(layer, std::ios::binary);
@@ -56,7 +58,8 @@ Result<Image> photograph_of(TakeReader& take, int camera, const Frame& frame, co
   return (*keyer)->suppress_spill(frame);
 }
 
-Result<void> export_one(TakeReader& take, int camera, int frame, const std::string& key, const std::string& format, const fs::path& file) {
+Result<void> export_one(TakeReader& take, int camera, int frame, const std::string& key,
+                        const std::string& format, const fs::path& file) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   Result<Image> matte = load_png(take.layout().matte(serial, frame));
   if (!matte) return forward(matte);
@@ -74,7 +77,8 @@ Result<void> export_one(TakeReader& take, int camera, int frame, const std::stri
 
 Result<int> export_layers(const ExportOptions& options) {
   if (options.format != "png8" && options.format != "png16" && options.format != "exr")
-    return fail(ErrorCode::InvalidArgument, text("'", options.format, "' is no format of layers; there are png8, png16 and exr"));
+    return fail(ErrorCode::InvalidArgument,
+                text("'", options.format, "' is no format of layers; there are png8, png16 and exr"));
   Result<std::unique_ptr<TakeReader>> opened = TakeReader::open(options.take);
   if (!opened) return forward(opened);
   TakeReader& take = **opened;
@@ -96,15 +100,21 @@ Result<int> export_layers(const ExportOptions& options) {
   std::vector<Item> items;
   for (std::size_t c = 0; c < take.rig().cameras.size(); ++c) {
     const std::string& serial = take.rig().cameras[c].serial;
-    if (!options.cameras.empty() && std::find(options.cameras.begin(), options.cameras.end(), serial) == options.cameras.end()) continue;
+    if (!options.cameras.empty() &&
+        std::find(options.cameras.begin(), options.cameras.end(), serial) == options.cameras.end())
+      continue;
     if (Result<void> ok = make_folder(options.out / serial); !ok) return forward(ok);
     for (int f = 0; f < take.frame_count(); ++f) {
       const fs::path matte = take.layout().matte(serial, f);
       if (fs::exists(matte))
-        items.push_back({static_cast<int>(c), f, key_of(c), matte, options.out / serial / matte.filename().replace_extension(options.format == "exr" ? ".exr" : ".png")});
+        items.push_back({static_cast<int>(c), f, key_of(c), matte,
+                         options.out / serial /
+                             matte.filename().replace_extension(options.format == "exr" ? ".exr" : ".png")});
     }
   }
-  if (items.empty()) return fail(ErrorCode::NotFound, text(take.layout().mattes().string(), " holds no mattes; run `floatstage matte` first"));
+  if (items.empty())
+    return fail(ErrorCode::NotFound,
+                text(take.layout().mattes().string(), " holds no mattes; run `floatstage matte` first"));
   std::mutex mutex;
   std::optional<Error> failure;
   std::atomic<bool> stop = false;
@@ -112,7 +122,9 @@ Result<int> export_layers(const ExportOptions& options) {
   parallel_for(items.size(), options.threads, [&](std::size_t i) {
     if (stop || interrupted()) return;
     if (!up_to_date(items[i].file, items[i].matte, options.format))
-      if (Result<void> ok = export_one(take, items[i].camera, items[i].frame, items[i].key, options.format, items[i].file); !ok) {
+      if (Result<void> ok =
+              export_one(take, items[i].camera, items[i].frame, items[i].key, options.format, items[i].file);
+          !ok) {
         std::lock_guard lock(mutex);
         stop = true;
         if (!failure) failure = ok.error();

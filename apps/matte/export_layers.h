@@ -16,14 +16,15 @@ struct ExportOptions {
   int threads = 0;
 };
 
-/// The subject of every photograph that has a matte, for compositing elsewhere: <out>/<serial>/<frame>.png or .exr with
-/// the estimated colours of the subject (straight, not premultiplied) and its opacity; a cloth's light taken off where
-/// the take was keyed by chroma. Layers that are there in this format, newer than their mattes, are kept. Returns how
-/// many there are. Errors: InvalidArgument for a format that there is not; NotFound when the cameras have no mattes;
-/// those of files.
+/// The subject of every photograph that has a matte, for compositing elsewhere: <out>/<serial>/<frame>.png or
+/// .exr with the estimated colours of the subject (straight, not premultiplied) and its opacity; a cloth's
+/// light taken off where the take was keyed by chroma. Layers that are there in this format, newer than their
+/// mattes, are kept. Returns how many there are. Errors: InvalidArgument for a format that there is not;
+/// NotFound when the cameras have no mattes; those of files.
 Result<int> export_layers(const ExportOptions& options);
 
-/// RGBA, straight, as half-float EXR in linear light (sRGB's curve undone), ZIP-compressed; to a temporary name first.
+/// RGBA, straight, as half-float EXR in linear light (sRGB's curve undone), ZIP-compressed; to a temporary
+/// name first.
 Result<void> save_exr(const Image& rgba, const std::filesystem::path& file);
 
 }  // namespace floatstage

@@ -57,8 +57,10 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const TakeReader& take, in
 
 }  // namespace
 
-Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take, const std::vector<int>& frames, int threads) {
-  std::vector<Result<std::vector<SilhouetteAgreement>>> by_frame(frames.size(), std::vector<SilhouetteAgreement>());
+Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take,
+                                                        const std::vector<int>& frames, int threads) {
+  std::vector<Result<std::vector<SilhouetteAgreement>>> by_frame(frames.size(),
+                                                                 std::vector<SilhouetteAgreement>());
   Progress progress("hull check", frames.size());
   parallel_for(frames.size(), threads, [&](std::size_t i) {
     if (!interrupted()) by_frame[i] = agreement_of(take, frames[i]);
@@ -70,7 +72,8 @@ Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take, 
     if (!found) return forward(found);
     all.insert(all.end(), found->begin(), found->end());
   }
-  std::stable_sort(all.begin(), all.end(), [](const SilhouetteAgreement& a, const SilhouetteAgreement& b) { return a.iou < b.iou; });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const SilhouetteAgreement& a, const SilhouetteAgreement& b) { return a.iou < b.iou; });
   return all;
 }
 

@@ -26,7 +26,8 @@ Image rgb_of(const Image& picture) {
   Image out(picture.width, picture.height, 3);
   const std::size_t channels = static_cast<std::size_t>(picture.channels);
   for (std::size_t p = 0; p < out.pixels.size() / 3; ++p)
-    for (std::size_t c = 0; c < 3; ++c) out.pixels[3 * p + c] = picture.pixels[p * channels + (channels == 1 ? 0 : c)];
+    for (std::size_t c = 0; c < 3; ++c)
+      out.pixels[3 * p + c] = picture.pixels[p * channels + (channels == 1 ? 0 : c)];
   return out;
 }
 
@@ -52,14 +53,17 @@ Result<MatteStroke> click_at(const std::string& place, MatteLabel label, const I
     fits = error == std::errc() && end == parts[i].data() + parts[i].size();
   }
   if (!fits || !(at[0] >= 0 && at[0] < picture.width && at[1] >= 0 && at[1] < picture.height))
-    return fail(ErrorCode::InvalidArgument, text("'", place, "' is no place in the picture of ", picture.width, "x", picture.height, "; write a click as x,y in pixels"));
+    return fail(ErrorCode::InvalidArgument,
+                text("'", place, "' is no place in the picture of ", picture.width, "x", picture.height,
+                     "; write a click as x,y in pixels"));
   return MatteStroke{label, std::max(2.0, std::max(picture.width, picture.height) / 200.0), {{at[0], at[1]}}};
 }
 
 Result<void> run(const Options& given) {
   Result<Image> picture = load_png(given.image);
   if (!picture) return forward(picture);
-  MatteImageOptions options{.method = given.method, .picture = rgb_of(*picture), .trimap = {}, .scribbled = {}};
+  MatteImageOptions options{
+      .method = given.method, .picture = rgb_of(*picture), .trimap = {}, .scribbled = {}};
   if (!given.trimap.empty()) {
     Result<Image> trimap = load_png(given.trimap);
     if (!trimap) return forward(trimap);
@@ -70,7 +74,8 @@ Result<void> run(const Options& given) {
     if (!scribbles) return forward(scribbles);
     options.scribbled = rgb_of(*scribbles);
   }
-  for (const auto& [places, label] : {std::pair{&given.subject, MatteLabel::Foreground}, {&given.background, MatteLabel::Background}})
+  for (const auto& [places, label] :
+       {std::pair{&given.subject, MatteLabel::Foreground}, {&given.background, MatteLabel::Background}})
     for (const std::string& place : *places) {
       Result<MatteStroke> click = click_at(place, label, options.picture);
       if (!click) return forward(click);
@@ -94,15 +99,21 @@ Result<void> run(const Options& given) {
 
 void add_matte_image(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth");
+  CLI::App* verb = app.add_subcommand(
+      "matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth");
   verb->add_option("image", options->image, "A PNG")->required();
-  verb->add_option("--scribbles", options->scribbles, "The same picture with subject painted white and background black (PNG)");
+  verb->add_option("--scribbles", options->scribbles,
+                   "The same picture with subject painted white and background black (PNG)");
   verb->add_option("--trimap", options->trimap, "Black background, white subject, grey unknown (PNG)");
-  verb->add_option("--method", options->method, "auto, chroma, closed-form or spectral")->capture_default_str()->check(CLI::IsMember({"auto", "chroma", "closed-form", "spectral"}));
-  verb->add_option("--subject", options->subject, "A click on the subject: x,y in pixels; may be given again");
+  verb->add_option("--method", options->method, "auto, chroma, closed-form or spectral")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"auto", "chroma", "closed-form", "spectral"}));
+  verb->add_option("--subject", options->subject,
+                   "A click on the subject: x,y in pixels; may be given again");
   verb->add_option("--background", options->background, "A click on the background: x,y");
   verb->add_option("--out", options->out, "Write the matte (PNG, one channel)")->required();
-  verb->add_option("--foreground", options->foreground, "Write the subject's own colours with straight alpha (PNG)");
+  verb->add_option("--foreground", options->foreground,
+                   "Write the subject's own colours with straight alpha (PNG)");
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

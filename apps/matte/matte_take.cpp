@@ -69,8 +69,10 @@ Result<std::vector<Job>> jobs_of(const TakeReader& take, const MatteTakeOptions&
   const std::vector<MatteMethod>& methods = matte_methods();
   std::string names;
   for (const MatteMethod& m : methods) names += text(names.empty() ? "" : ", ", m.name);
-  if (std::none_of(methods.begin(), methods.end(), [&](const MatteMethod& m) { return m.name == options.method; }))
-    return fail(ErrorCode::InvalidArgument, text("no method is called '", options.method, "'; there are ", names));
+  if (std::none_of(methods.begin(), methods.end(),
+                   [&](const MatteMethod& m) { return m.name == options.method; }))
+    return fail(ErrorCode::InvalidArgument,
+                text("no method is called '", options.method, "'; there are ", names));
   std::vector<Job> jobs;
   const auto add = [&](int camera) {
     Job job;
@@ -82,24 +84,31 @@ Result<std::vector<Job>> jobs_of(const TakeReader& take, const MatteTakeOptions&
     for (std::size_t i = 0; i < take.rig().cameras.size(); ++i) add(static_cast<int>(i));
   for (const std::string& serial : options.cameras) {
     const int camera = camera_index(take.rig(), serial);
-    if (camera < 0) return fail(ErrorCode::InvalidArgument, text(take.layout().folder().string(), " has no camera '", serial, "'"));
+    if (camera < 0)
+      return fail(ErrorCode::InvalidArgument,
+                  text(take.layout().folder().string(), " has no camera '", serial, "'"));
     add(camera);
   }
   return jobs;
 }
 
 // Mattes that are there were made as this run would make them, or --redo lets them be cleared.
-Result<void> settle(const TakeReader& take, Job& job, const std::map<std::string, CameraRecord>& before, bool redo) {
+Result<void> settle(const TakeReader& take, Job& job, const std::map<std::string, CameraRecord>& before,
+                    bool redo) {
   const fs::path folder = take.layout().mattes() / job.serial;
   std::error_code none;
   const bool there = fs::exists(folder) && !fs::is_empty(folder, none);
   const auto old = before.find(job.serial);
-  const bool same = old != before.end() && old->second.method == job.record.method && old->second.guide == job.record.guide && old->second.edits == job.record.edits;
+  const bool same = old != before.end() && old->second.method == job.record.method &&
+                    old->second.guide == job.record.guide && old->second.edits == job.record.edits;
   if (same) job.record = old->second, job.old_key = old->second.key;
   job.clear = there && !same;
   if (job.clear && !redo)
-    return fail(ErrorCode::AlreadyExists, text(folder.string(), " was made otherwise (", old == before.end() ? "not by `matte`" : text("method ", old->second.method, ", or other edits or guide"),
-                                                 "); add --redo to make it again"));
+    return fail(ErrorCode::AlreadyExists,
+                text(folder.string(), " was made otherwise (",
+                     old == before.end() ? "not by `matte`"
+                                         : text("method ", old->second.method, ", or other edits or guide"),
+                     "); add --redo to make it again"));
   return {};
 }
 
@@ -121,11 +130,15 @@ Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const Ma
   const MatteEffort effort = effort_of(mine);
   job.report.keyframes = effort.keyframes;
   job.report.clicks = effort.clicks + effort.scribbles;
-  Result<CameraKey> key = CameraKey::for_method(take, job.camera, options.method, options.guide, mine, [] { return !interrupted(); });
+  Result<CameraKey> key = CameraKey::for_method(take, job.camera, options.method, options.guide, mine,
+                                                [] { return !interrupted(); });
   if (!key) return forward(key);
-  if (!job.old_key.empty() && job.old_key != key->spec()) {  // a plate was shot since, or this program keys otherwise now
+  if (!job.old_key.empty() &&
+      job.old_key != key->spec()) {  // a plate was shot since, or this program keys otherwise now
     if (!options.redo)
-      return fail(ErrorCode::AlreadyExists, text("the mattes of camera '", job.serial, "' were made from the key ", job.old_key, ", which is now ", key->spec(), "; add --redo to make them again"));
+      return fail(ErrorCode::AlreadyExists,
+                  text("the mattes of camera '", job.serial, "' were made from the key ", job.old_key,
+                       ", which is now ", key->spec(), "; add --redo to make them again"));
     job.clear = true;
     job.record.chosen.clear();
     job.record.stale.clear();
@@ -164,14 +177,16 @@ Image make(const TakeReader& take, Run& run, Job& job, int frame, const Image& p
 // Spectral matting works through a camera as a whole and uses all threads for it.
 void make_spectral(TakeReader& take, Run& run, Job& job, int threads) {
   bool all_there = true;
-  for (int f = 0; f < take.frame_count(); ++f) all_there = all_there && fs::exists(take.layout().matte(job.serial, f));
+  for (int f = 0; f < take.frame_count(); ++f)
+    all_there = all_there && fs::exists(take.layout().matte(job.serial, f));
   if (all_there) {
     job.report.kept = take.frame_count();
     return;
   }
   Progress progress(text("mattes of ", job.serial), static_cast<std::size_t>(take.frame_count()));
   const auto make_all = [&]() -> Result<void> {
-    Result<SpectralTake> spectral = SpectralTake::create(take, job.camera, job.matter->key(), spectral_cache(take.layout(), job.serial), threads);
+    Result<SpectralTake> spectral = SpectralTake::create(take, job.camera, job.matter->key(),
+                                                         spectral_cache(take.layout(), job.serial), threads);
     if (!spectral) return forward(spectral);
     if (Result<void> ok = spectral->say(*job.matter); !ok) return ok;
     const auto go_on = [](int) { return !interrupted(); };
@@ -221,10 +236,11 @@ void make_items(const TakeReader& take, Run& run, std::vector<Job>& jobs, int th
       if (!run.stopped()) make(take, run, job, items[i].frame, {});
       return progress.advance();
     }
-    job.matter->follow([&] { return !run.stopped(); }, [&](int frame, const CameraMatter::Link& previous) {
-      progress.advance();
-      return CameraMatter::Link{make(take, run, job, frame, previous.matte)};
-    });
+    job.matter->follow([&] { return !run.stopped(); },
+                       [&](int frame, const CameraMatter::Link& previous) {
+                         progress.advance();
+                         return CameraMatter::Link{make(take, run, job, frame, previous.matte)};
+                       });
   });
 }
 
@@ -236,7 +252,8 @@ double flicker_of(const TakeReader& take, const std::string& serial) {
     Result<Image> now = load_png(take.layout().matte(serial, f));
     if (now && now->pixels.size() == before.pixels.size()) {
       double change = 0;
-      for (std::size_t p = 0; p < now->pixels.size(); ++p) change += std::abs(now->pixels[p] - before.pixels[p]);
+      for (std::size_t p = 0; p < now->pixels.size(); ++p)
+        change += std::abs(now->pixels[p] - before.pixels[p]);
       sum += change / (255.0 * static_cast<double>(now->pixels.size()));
       ++pairs;
     }
@@ -245,7 +262,8 @@ double flicker_of(const TakeReader& take, const std::string& serial) {
   return pairs ? sum / pairs : 0;
 }
 
-Result<void> check_against_hull(const TakeReader& take, const MatteTakeOptions& options, MatteReport& report) {
+Result<void> check_against_hull(const TakeReader& take, const MatteTakeOptions& options,
+                                MatteReport& report) {
   const int count = take.frame_count(), wanted = std::min(options.hull_frames, count);
   std::vector<int> frames;
   for (int i = 0; i < wanted; ++i) frames.push_back(static_cast<int>((2L * i + 1) * count / (2L * wanted)));
@@ -266,8 +284,10 @@ Result<void> check_against_hull(const TakeReader& take, const MatteTakeOptions& 
 // What the other verbs read: with chroma keys they can take the spill off the photographs.
 Result<void> save_keying_of(const TakeReader& take, const std::vector<Job>& jobs, const std::string& method) {
   KeyingRecord record{"matte:" + method, {}};
-  const bool all_chroma = jobs.size() == take.rig().cameras.size() &&
-                          std::all_of(jobs.begin(), jobs.end(), [](const Job& j) { return j.matter->key().kind() == CameraKey::Kind::Chroma; });
+  const bool all_chroma =
+      jobs.size() == take.rig().cameras.size() && std::all_of(jobs.begin(), jobs.end(), [](const Job& j) {
+        return j.matter->key().kind() == CameraKey::Kind::Chroma;
+      });
   if (all_chroma)
     for (const Job& job : jobs) record.specs.push_back(job.record.key);
   return save_keying(record, take.layout(), take.rig());
@@ -277,7 +297,9 @@ Result<void> save_keying_of(const TakeReader& take, const std::vector<Job>& jobs
 
 const std::vector<MatteMethod>& matte_methods() {
   static const std::vector<MatteMethod> methods = {
-      {"auto", "what explains a few photographs best: the key alone or closed form around it; spectral without a key"},
+      {"auto",
+       "what explains a few photographs best: the key alone or closed form around it; spectral without a "
+       "key"},
       {"chroma", "green or blue cloth"},
       {"plate", "against plates/, or the backdrop found behind the performance"},
       {"closed-form", "closed-form matting in the band around the key"},
@@ -296,15 +318,19 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   if (!edits) return forward(edits);
   for (const auto& [serial, camera] : edits->cameras)
     if (camera_index(take.rig(), serial) < 0)
-      return fail(ErrorCode::BadData, text(take.layout().edits().string(), " speaks of a camera '", serial, "' that the take does not have"));
+      return fail(ErrorCode::BadData, text(take.layout().edits().string(), " speaks of a camera '", serial,
+                                           "' that the take does not have"));
   Result<std::map<std::string, CameraRecord>> record = load_matting(take.layout());
   if (!record && !options.redo) return forward(record);
-  std::map<std::string, CameraRecord> all = record ? std::move(*record) : std::map<std::string, CameraRecord>();
+  std::map<std::string, CameraRecord> all =
+      record ? std::move(*record) : std::map<std::string, CameraRecord>();
 
   const auto begin = std::chrono::steady_clock::now();
   sweep_temporaries(take.layout().mattes());
   for (Job& job : *jobs) {
-    job.record = {options.method, "", "", options.guide.string(), fingerprint(edits->cameras.count(job.serial) ? edits->cameras.at(job.serial) : CameraEdits())};
+    job.record = {
+        options.method, "", "", options.guide.string(),
+        fingerprint(edits->cameras.count(job.serial) ? edits->cameras.at(job.serial) : CameraEdits())};
     if (Result<void> ok = settle(take, job, all, options.redo); !ok) return forward(ok);
   }
   Run run;
@@ -318,7 +344,8 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   // Only now that every camera has a key may old mattes go.
   for (Job& job : *jobs) {
     const fs::path folder = take.layout().mattes() / job.serial;
-    if (Result<void> ok = job.clear ? clear_for_redo(folder) : remove_stale(take, job); !ok) return forward(ok);
+    if (Result<void> ok = job.clear ? clear_for_redo(folder) : remove_stale(take, job); !ok)
+      return forward(ok);
     if (Result<void> ok = make_folder(folder); !ok) return forward(ok);
     all[job.serial] = job.record;
   }
@@ -332,7 +359,8 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   MatteReport report;
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   std::vector<double> flicker(jobs->size());
-  parallel_for(jobs->size(), options.threads, [&](std::size_t i) { flicker[i] = flicker_of(take, (*jobs)[i].serial); });
+  parallel_for(jobs->size(), options.threads,
+               [&](std::size_t i) { flicker[i] = flicker_of(take, (*jobs)[i].serial); });
   for (std::size_t i = 0; i < jobs->size(); ++i) {
     Job& job = (*jobs)[i];
     std::sort(job.failures.begin(), job.failures.end());

@@ -12,12 +12,12 @@ namespace floatstage {
 
 struct MatteTakeOptions {
   std::filesystem::path take;
-  std::string method = "auto";       ///< one of matte_methods()
-  std::filesystem::path guide = {};  ///< others' mattes to start from: <serial>/<frame>.png; empty: none
+  std::string method = "auto";            ///< one of matte_methods()
+  std::filesystem::path guide = {};       ///< others' mattes to start from: <serial>/<frame>.png; empty: none
   std::vector<std::string> cameras = {};  ///< serials; empty: all
-  int threads = 0;                   ///< 0: one per core
-  bool redo = false;                 ///< make the cameras again that were made otherwise (method, guide, edits)
-  int hull_frames = 8;               ///< instants, spread over the take, at which silhouettes are checked; 0: none
+  int threads = 0;                        ///< 0: one per core
+  bool redo = false;    ///< make the cameras again that were made otherwise (method, guide, edits)
+  int hull_frames = 8;  ///< instants, spread over the take, at which silhouettes are checked; 0: none
 };
 
 struct MatteMethod {
@@ -44,13 +44,13 @@ struct MatteReport {
   double seconds_per_frame = 0;  ///< of wall time, a photograph made in this run; 0 when none was
 };
 
-/// Mattes of a take's cameras, each written to mattes/<serial>/<frame>.png when it is finished. What is there is kept, so
-/// a run that was interrupted goes on. mattes/edits.json is replayed: masks outrank everything, a click chooses among a
-/// key's separate parts, which are then followed from frame to frame, both ways. One bad photograph does not stop the
-/// others. Memory: some photographs a thread, and about 400 MB while a plate is learnt. Errors, when nothing can go on: those
-/// of TakeReader::open(); InvalidArgument for a method or camera that there is not; AlreadyExists when mattes were made
-/// otherwise, without `redo`; NotFound or Unsupported when a camera has no key; Io (disk full: what was finished stays);
-/// Cancelled.
+/// Mattes of a take's cameras, each written to mattes/<serial>/<frame>.png when it is finished. What is there
+/// is kept, so a run that was interrupted goes on. mattes/edits.json is replayed: masks outrank everything, a
+/// click chooses among a key's separate parts, which are then followed from frame to frame, both ways. One
+/// bad photograph does not stop the others. Memory: some photographs a thread, and about 400 MB while a plate
+/// is learnt. Errors, when nothing can go on: those of TakeReader::open(); InvalidArgument for a method or
+/// camera that there is not; AlreadyExists when mattes were made otherwise, without `redo`; NotFound or
+/// Unsupported when a camera has no key; Io (disk full: what was finished stays); Cancelled.
 Result<MatteReport> matte_take(const MatteTakeOptions& options);
 
 }  // namespace floatstage

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -18,8 +19,11 @@ std::filesystem::path file_of(const TakeLayout& layout) { return layout.mattes()
 constexpr struct {
   const char* name;
   std::string CameraRecord::*field;
-} kFields[] = {{"method", &CameraRecord::method}, {"chosen", &CameraRecord::chosen}, {"key", &CameraRecord::key},
-               {"guide", &CameraRecord::guide}, {"edits", &CameraRecord::edits}};
+} kFields[] = {{"method", &CameraRecord::method},
+               {"chosen", &CameraRecord::chosen},
+               {"key", &CameraRecord::key},
+               {"guide", &CameraRecord::guide},
+               {"edits", &CameraRecord::edits}};
 
 }  // namespace
 
@@ -30,7 +34,9 @@ Result<std::map<std::string, CameraRecord>> load_matting(const TakeLayout& layou
   if (!bytes) return forward(bytes);
   const json j = json::parse(*bytes, nullptr, false);
   const auto bad = [&] {
-    return fail(ErrorCode::BadData, text(file_of(layout).string(), " does not say how the mattes were made; run `floatstage matte` with --redo"));
+    return fail(ErrorCode::BadData,
+                text(file_of(layout).string(),
+                     " does not say how the mattes were made; run `floatstage matte` with --redo"));
   };
   if (!j.is_object()) return bad();
   for (const auto& [serial, camera] : j.items()) {
@@ -42,7 +48,9 @@ Result<std::map<std::string, CameraRecord>> load_matting(const TakeLayout& layou
     if (!camera.contains("stale")) continue;
     if (!camera["stale"].is_array()) return bad();
     for (const json& frame : camera["stale"]) {
-      if (!frame.is_number_integer() || frame.get<std::int64_t>() < 0 || frame.get<std::int64_t>() > std::numeric_limits<int>::max()) return bad();
+      if (!frame.is_number_integer() || frame.get<std::int64_t>() < 0 ||
+          frame.get<std::int64_t>() > std::numeric_limits<int>::max())
+        return bad();
       record[serial].stale.insert(frame.get<int>());
     }
   }
@@ -60,7 +68,8 @@ Result<void> save_matting(const std::map<std::string, CameraRecord>& record, con
 
 std::string fingerprint(const CameraEdits& edits) {
   std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
-  for (const char c : to_json(MatteEdits{{{"", edits}}})) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+  for (const char c : to_json(MatteEdits{{{"", edits}}}))
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
   char digits[17];
   std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
   return digits;

@@ -19,7 +19,8 @@ struct CameraRecord {
   std::string key;     ///< what first told the subject
   std::string guide;   ///< the folder of others' mattes, or nothing
   std::string edits;   ///< fingerprint of the camera's part of edits.json
-  std::set<int> stale = {};  ///< frames whose mattes are there but were made before these edits: an editor was interrupted
+  std::set<int> stale =
+      {};  ///< frames whose mattes are there but were made before these edits: an editor was interrupted
   bool operator==(const CameraRecord&) const = default;
 };
 
@@ -28,7 +29,9 @@ Result<std::map<std::string, CameraRecord>> load_matting(const TakeLayout& layou
 Result<void> save_matting(const std::map<std::string, CameraRecord>& record, const TakeLayout& layout);
 
 /// Where `spectral` keeps the matting components of a camera.
-inline std::filesystem::path spectral_cache(const TakeLayout& layout, const std::string& serial) { return layout.mattes() / "spectral" / serial; }
+inline std::filesystem::path spectral_cache(const TakeLayout& layout, const std::string& serial) {
+  return layout.mattes() / "spectral" / serial;
+}
 
 /// The same for equal edits, in hexadecimal.
 std::string fingerprint(const CameraEdits& edits);

@@ -30,7 +30,8 @@ Result<void> save_exr(const Image& rgba, const std::filesystem::path& file) {
       const std::uint8_t* s = rgba.pixels.data() + 4 * p;
       pixels[p] = Imf::Rgba(linear(s[0]), linear(s[1]), linear(s[2]), static_cast<float>(s[3]) / 255);
     }
-    Imf::RgbaOutputFile out(temporary.c_str(), rgba.width, rgba.height, Imf::WRITE_RGBA, 1, {0, 0}, 1, Imf::INCREASING_Y, Imf::ZIP_COMPRESSION, 1);
+    Imf::RgbaOutputFile out(temporary.c_str(), rgba.width, rgba.height, Imf::WRITE_RGBA, 1, {0, 0}, 1,
+                            Imf::INCREASING_Y, Imf::ZIP_COMPRESSION, 1);
     out.setFrameBuffer(pixels.data(), 1, static_cast<std::size_t>(rgba.width));
     out.writePixels(rgba.height);
   } catch (const std::exception& e) {

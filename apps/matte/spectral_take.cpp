@@ -6,7 +6,8 @@
 
 namespace floatstage {
 
-Result<SpectralTake> SpectralTake::create(TakeReader& take, int camera, const CameraKey& key, const std::filesystem::path& cache, int threads) {
+Result<SpectralTake> SpectralTake::create(TakeReader& take, int camera, const CameraKey& key,
+                                          const std::filesystem::path& cache, int threads) {
   MattingClip clip = clip_of(take, camera);
   if (key.kind() != CameraKey::Kind::None)
     clip.likelihood = [&take, camera, key](int frame) -> Result<MatteOpinion> {
@@ -29,13 +30,17 @@ Result<void> SpectralTake::say(const CameraMatter& matter) {
   std::vector<MatteKeyframe> wanted;
   for (const MatteKeyframe& k : matter.edits().keyframes)
     if (!k.strokes.empty()) wanted.push_back(k);
-  const auto has = [](const std::vector<MatteKeyframe>& all, const auto& fits) { return std::any_of(all.begin(), all.end(), fits); };
+  const auto has = [](const std::vector<MatteKeyframe>& all, const auto& fits) {
+    return std::any_of(all.begin(), all.end(), fits);
+  };
   for (const MatteKeyframe& old : said_)
-    if (!has(wanted, [&](const MatteKeyframe& k) { return k.frame == old.frame; })) video_.remove_keyframe(old.frame);
+    if (!has(wanted, [&](const MatteKeyframe& k) { return k.frame == old.frame; }))
+      video_.remove_keyframe(old.frame);
   std::vector<MatteKeyframe> before = std::exchange(said_, {});
   for (const MatteKeyframe& k : wanted) {
     if (!has(before, [&](const MatteKeyframe& old) { return old == k; }))
-      if (Result<void> ok = video_.set_keyframe(k.frame, opinion_of(k, video_.width(), video_.height())); !ok) return ok;
+      if (Result<void> ok = video_.set_keyframe(k.frame, opinion_of(k, video_.width(), video_.height())); !ok)
+        return ok;
     said_.push_back(k);
   }
   return {};
@@ -55,7 +60,8 @@ Result<Image> SpectralTake::matte(const CameraMatter& matter, int frame) const {
   return matte;
 }
 
-Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame, const std::filesystem::path& cache) {
+Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame,
+                                              const std::filesystem::path& cache) {
   const MattingClip all = clip_of(take, camera);
   MattingClip clip;
   clip.frames = 1;

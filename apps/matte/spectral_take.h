@@ -8,13 +8,15 @@
 
 namespace floatstage {
 
-/// One camera's mattes by spectral video matting: the key is the likelihood, strokes are keyframes, masks outrank both.
-/// `cache` keeps the components, so that a second run only propagates. What was propagated is kept too: after other edits
-/// only what lies between the keyframes concerned is made again. `take` outlives it. Calls come from one thread.
+/// One camera's mattes by spectral video matting: the key is the likelihood, strokes are keyframes, masks
+/// outrank both. `cache` keeps the components, so that a second run only propagates. What was propagated is
+/// kept too: after other edits only what lies between the keyframes concerned is made again. `take` outlives
+/// it. Calls come from one thread.
 class SpectralTake {
  public:
   /// With `threads` workers of about 0.4 GB each. Errors: those of VideoMatting::create().
-  static Result<SpectralTake> create(TakeReader& take, int camera, const CameraKey& key, const std::filesystem::path& cache, int threads);
+  static Result<SpectralTake> create(TakeReader& take, int camera, const CameraKey& key,
+                                     const std::filesystem::path& cache, int threads);
 
   /// Components of all frames; `done` as in VideoMatting::prepare().
   Result<void> prepare(const std::function<bool(int frame)>& done) { return video_.prepare(done); }
@@ -29,7 +31,8 @@ class SpectralTake {
   Result<MattingComponents> components(int frame) const { return video_.components(frame); }
 
  private:
-  SpectralTake(TakeReader& take, int camera, VideoMatting video) : take_(&take), camera_(camera), video_(std::move(video)) {}
+  SpectralTake(TakeReader& take, int camera, VideoMatting video)
+      : take_(&take), camera_(camera), video_(std::move(video)) {}
 
   TakeReader* take_;
   int camera_;
@@ -38,6 +41,7 @@ class SpectralTake {
 };
 
 /// The components of one frame alone, where SpectralTake has not prepared it.
-Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame, const std::filesystem::path& cache);
+Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame,
+                                              const std::filesystem::path& cache);
 
 }  // namespace floatstage

@@ -31,7 +31,8 @@ MattingClip clip_of(TakeReader& take, int camera) {
 MatteOpinion opinion_of(const MatteKeyframe& keyframe, int width, int height) {
   MatteOpinion opinion{Image(width, height, 1, 128), Image(width, height, 1)};
   paint_strokes(keyframe.strokes, 1, opinion.opacity);
-  for (std::size_t p = 0; p < opinion.opacity.pixels.size(); ++p) opinion.weight.pixels[p] = opinion.opacity.pixels[p] == 128 ? 0 : 255;
+  for (std::size_t p = 0; p < opinion.opacity.pixels.size(); ++p)
+    opinion.weight.pixels[p] = opinion.opacity.pixels[p] == 128 ? 0 : 255;
   return opinion;
 }
 

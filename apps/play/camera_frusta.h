@@ -10,7 +10,8 @@ struct ImVec2;
 
 namespace floatstage {
 
-/// The rig's cameras drawn over the picture: wire frusta with thumbnails of their photographs. GL thread only.
+/// The rig's cameras drawn over the picture: wire frusta with thumbnails of their photographs. GL thread
+/// only.
 class CameraFrusta {
  public:
   CameraFrusta() = default;
@@ -20,10 +21,10 @@ class CameraFrusta {
 
   /// Makes small textures of these photographs.
   void upload(const FrameSet& images);
-  /// Draws onto `list`, where the view's picture stands at `origin`, `scale` screen px a view px. `used` cameras are
-  /// drawn stronger.
-  void draw(ImDrawList* list, const ImVec2& origin, float scale, const Rig& rig, const View& view, double depth,
-            const std::vector<int>& used) const;
+  /// Draws onto `list`, where the view's picture stands at `origin`, `scale` screen px a view px. `used`
+  /// cameras are drawn stronger.
+  void draw(ImDrawList* list, const ImVec2& origin, float scale, const Rig& rig, const View& view,
+            double depth, const std::vector<int>& used) const;
 
  private:
   std::vector<unsigned> thumbnails_;  ///< 0 where a camera has no photograph

@@ -1,24 +1,28 @@
 #include "apps/play/canvas.h"
 
-#include <imgui.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+
+#include <imgui.h>
 
 #include "apps/studio/live_view.h"
 
 namespace floatstage {
 namespace {
 
-ImTextureID texture_id(const RenderedView& view) { return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(view.texture)); }
+ImTextureID texture_id(const RenderedView& view) {
+  return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(view.texture));
+}
 
-bool same(const PathKey& a, const PathKey& b) { return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y == b.fov_y; }
+bool same(const PathKey& a, const PathKey& b) {
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y == b.fov_y;
+}
 
 bool same(const RendererOptions& a, const RendererOptions& b) {
-  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.depth_tolerance == b.depth_tolerance && a.flow == b.flow && a.sharp == b.sharp &&
-         a.background == b.background && a.output == b.output;
+  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.depth_tolerance == b.depth_tolerance &&
+         a.flow == b.flow && a.sharp == b.sharp && a.background == b.background && a.output == b.output;
 }
 
 }  // namespace
@@ -42,11 +46,12 @@ Result<void> Canvas::show(const LiveScene& scene) {
 
 bool Canvas::stale(const PlayerState& state, const PathKey& key, int width, int height) const {
   return !made_ || made_->width != width || made_->height != height || made_->left != state.left ||
-         made_->right != (state.split ? state.right : -1) || made_->scene != shown_ || !same(made_->key, key) ||
-         !same(made_->renderer, state.renderer);
+         made_->right != (state.split ? state.right : -1) || made_->scene != shown_ ||
+         !same(made_->key, key) || !same(made_->renderer, state.renderer);
 }
 
-Result<void> Canvas::render_side(Side& side, const std::string& method, const View& view, const RendererOptions& options) {
+Result<void> Canvas::render_side(Side& side, const std::string& method, const View& view,
+                                 const RendererOptions& options) {
   if (side.method != method) {
     Result<std::unique_ptr<ViewRenderer>> renderer = make_renderer(method);
     if (!renderer) return forward(renderer);
@@ -64,10 +69,17 @@ Result<void> Canvas::render(const PlayerState& state, const PathKey& key, int wi
   made_ = Made{width, height, state.left, state.split ? state.right : -1, shown_, key, state.renderer};
   const View view = view_of(key, width, height, subject_);
   view_ = view;
-  if (Result<void> ok = render_side(left_, state.methods[static_cast<std::size_t>(state.left)], view, state.renderer); !ok) return ok;
+  if (Result<void> ok =
+          render_side(left_, state.methods[static_cast<std::size_t>(state.left)], view, state.renderer);
+      !ok)
+    return ok;
   if (state.split)
-    if (Result<void> ok = render_side(right_, state.methods[static_cast<std::size_t>(state.right)], view, state.renderer); !ok) return ok;
-  render_milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    if (Result<void> ok =
+            render_side(right_, state.methods[static_cast<std::size_t>(state.right)], view, state.renderer);
+        !ok)
+      return ok;
+  render_milliseconds_ =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return {};
 }
 
@@ -83,23 +95,28 @@ void Canvas::take_mouse(PlayerState& state, float width, float height) {
     else
       state.camera.orbit(-dx * kTurn, dy * kTurn);
   }
-  if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Right)) state.camera.look(dx * kTurn, -dy * kTurn);
+  if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Right))
+    state.camera.look(dx * kTurn, -dy * kTurn);
   if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Middle)) state.camera.pan(-dx, dy);
   if (ImGui::IsItemHovered() && io.MouseWheel != 0) state.camera.zoom(std::pow(1.1, io.MouseWheel));
   if (io.WantTextInput) return;
   const double step = io.DeltaTime * (subject_.isEmpty() ? 1.0 : subject_.diagonal().norm());
   auto held = [](char key) { return ImGui::IsKeyDown(static_cast<int>(key)); };
-  state.camera.fly(step * (held('D') - held('A')), step * (held('E') - held('Q')), step * (held('W') - held('S')));
+  state.camera.fly(step * (held('D') - held('A')), step * (held('E') - held('Q')),
+                   step * (held('W') - held('S')));
 }
 
 Result<void> Canvas::draw(PlayerState& state) {
   const ImVec2 size = ImGui::GetContentRegionAvail(), origin = ImGui::GetCursorScreenPos();
   if (size.x < 8 || size.y < 8) return {};
-  ImGui::InvisibleButton("canvas", size, ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight | ImGuiButtonFlags_MouseButtonMiddle);
+  ImGui::InvisibleButton("canvas", size,
+                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                             ImGuiButtonFlags_MouseButtonMiddle);
   if (!state.follow_path) take_mouse(state, size.x, size.y);
   if (!drawable_) return {};
 
-  const PathKey key = state.follow_path && !state.path.empty() ? sample(state.path.path(), state.path_time) : state.camera.key();
+  const PathKey key = state.follow_path && !state.path.empty() ? sample(state.path.path(), state.path_time)
+                                                               : state.camera.key();
   const int width = std::max(1, static_cast<int>(std::lround(size.x * state.render_scale)));
   const int height = std::max(1, static_cast<int>(std::lround(size.y * state.render_scale)));
   Result<void> rendered;
@@ -108,18 +125,22 @@ Result<void> Canvas::draw(PlayerState& state) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 end(origin.x + size.x, origin.y + size.y);
   const float middle = state.split ? state.split_at : 1.f, x = origin.x + size.x * middle;
-  if (left_.view.texture) list->AddImage(texture_id(left_.view), origin, ImVec2(x, end.y), {0, 0}, {middle, 1});
+  if (left_.view.texture)
+    list->AddImage(texture_id(left_.view), origin, ImVec2(x, end.y), {0, 0}, {middle, 1});
   if (state.split && right_.view.texture) {
     list->AddImage(texture_id(right_.view), ImVec2(x, origin.y), end, {middle, 0}, {1, 1});
     list->AddLine(ImVec2(x, origin.y), ImVec2(x, end.y), IM_COL32(255, 190, 60, 255), 1.5f);
     const std::string& name = state.methods[static_cast<std::size_t>(state.left)];
-    list->AddText(ImVec2(x - 10 - ImGui::CalcTextSize(name.c_str()).x, origin.y + 8), IM_COL32_WHITE, name.c_str());
-    list->AddText(ImVec2(x + 10, origin.y + 8), IM_COL32_WHITE, state.methods[static_cast<std::size_t>(state.right)].c_str());
+    list->AddText(ImVec2(x - 10 - ImGui::CalcTextSize(name.c_str()).x, origin.y + 8), IM_COL32_WHITE,
+                  name.c_str());
+    list->AddText(ImVec2(x + 10, origin.y + 8), IM_COL32_WHITE,
+                  state.methods[static_cast<std::size_t>(state.right)].c_str());
   }
   if (state.show_cameras) {
     const double depth = subject_.isEmpty() ? 0.3 : subject_.diagonal().norm() * 0.15;
     list->PushClipRect(origin, end, true);
-    frusta_.draw(list, origin, size.x / static_cast<float>(width), rig_, view_of(key, width, height, subject_), depth, left_.view.cameras);
+    frusta_.draw(list, origin, size.x / static_cast<float>(width), rig_,
+                 view_of(key, width, height, subject_), depth, left_.view.cameras);
     list->PopClipRect();
   }
   return rendered;

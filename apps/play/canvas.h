@@ -12,8 +12,8 @@
 
 namespace floatstage {
 
-/// The picture in the middle of the player: draws the scene with one method or two side by side, and takes the mouse.
-/// A picture is rendered only when the scene, the camera or an option has changed. GL thread only.
+/// The picture in the middle of the player: draws the scene with one method or two side by side, and takes
+/// the mouse. A picture is rendered only when the scene, the camera or an option has changed. GL thread only.
 class Canvas {
  public:
   Canvas(const Rig& rig, const Eigen::AlignedBox3d& subject) : rig_(rig), subject_(subject) {}
@@ -46,7 +46,8 @@ class Canvas {
 
   bool stale(const PlayerState& state, const PathKey& key, int width, int height) const;
   Result<void> render(const PlayerState& state, const PathKey& key, int width, int height);
-  Result<void> render_side(Side& side, const std::string& method, const View& view, const RendererOptions& options);
+  Result<void> render_side(Side& side, const std::string& method, const View& view,
+                           const RendererOptions& options);
   void take_mouse(PlayerState& state, float width, float height);
 
   const Rig rig_;

@@ -19,7 +19,8 @@ class FilmJob {
   Result<FilmReport> result();  ///< once, when done()
 
  private:
-  Result<FilmReport> run(const std::filesystem::path& take, const CameraPath& path, const FilmOptions& options, const std::filesystem::path& out);
+  Result<FilmReport> run(const std::filesystem::path& take, const CameraPath& path,
+                         const FilmOptions& options, const std::filesystem::path& out);
 
   std::atomic<int> pictures_ = 0;
   std::atomic<bool> give_up_ = false;

@@ -5,7 +5,8 @@
 
 namespace floatstage {
 
-/// What draws itself into the three parts of the player's window, in this order; each into its own ImGui window.
+/// What draws itself into the three parts of the player's window, in this order; each into its own ImGui
+/// window.
 struct WindowParts {
   std::function<void()> controls;  ///< at the left
   std::function<void()> strip;     ///< along the bottom

@@ -41,7 +41,8 @@ void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
   if (ImGui::BeginChild("keys", ImVec2(0, 110), true)) {
     for (std::size_t i = 0; i < keys.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
-      if (ImGui::Selectable(text("key ", i, " at ", keys[i].time, " s").c_str(), false, 0, ImVec2(170, 0))) state.camera.set(keys[i]), state.follow_path = false;
+      if (ImGui::Selectable(text("key ", i, " at ", keys[i].time, " s").c_str(), false, 0, ImVec2(170, 0)))
+        state.camera.set(keys[i]), state.follow_path = false;
       ImGui::SameLine();
       if (ImGui::SmallButton("x")) state.path.remove(i);
       ImGui::PopID();
@@ -51,7 +52,8 @@ void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
   if (!state.path.empty()) {
     ImGui::Checkbox("follow the path", &state.follow_path);
     float t = static_cast<float>(state.path_time);
-    if (ImGui::SliderFloat("path time", &t, 0, static_cast<float>(state.path.path().duration()), "%.2f s")) state.path_time = t, state.follow_path = true;
+    if (ImGui::SliderFloat("path time", &t, 0, static_cast<float>(state.path.path().duration()), "%.2f s"))
+      state.path_time = t, state.follow_path = true;
   } else {
     state.follow_path = false;
   }
@@ -74,10 +76,12 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
   if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) draw_methods(state);
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) {
     ImGui::Checkbox("show the cameras (C)", &state.show_cameras);
-    requests.home = ImGui::Button("home (H)") || (!ImGui::GetIO().WantTextInput && ImGui::IsKeyPressed(GLFW_KEY_H, false));
+    requests.home = ImGui::Button("home (H)") ||
+                    (!ImGui::GetIO().WantTextInput && ImGui::IsKeyPressed(GLFW_KEY_H, false));
     ImGui::TextDisabled("drag: orbit   shift: pan\nright: look   wheel: zoom\nWASD QE: fly");
   }
-  if (ImGui::CollapsingHeader("Camera path", ImGuiTreeNodeFlags_DefaultOpen)) draw_path(state, requests, film_pictures);
+  if (ImGui::CollapsingHeader("Camera path", ImGuiTreeNodeFlags_DefaultOpen))
+    draw_path(state, requests, film_pictures);
   ImGui::Separator();
   ImGui::Text("%.0f ms a picture", render_milliseconds);
   ImGui::PopItemWidth();

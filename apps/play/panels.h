@@ -9,7 +9,8 @@ struct PanelRequests {
   bool save_path = false, load_path = false, render_film = false, quit = false, home = false;
 };
 
-/// The controls at the left: method and comparison, intermediates, cameras, camera path. Draws into the present ImGui window.
+/// The controls at the left: method and comparison, intermediates, cameras, camera path. Draws into the
+/// present ImGui window.
 PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int film_pictures);
 
 /// Does what was asked for the camera and its path; what came of it is the state's status.
@@ -18,7 +19,8 @@ void obey_camera_requests(const PanelRequests& requests, const PathKey& home, Pl
 /// The time line at the bottom: play, step, speed, frame slider, and the last message.
 void draw_time_line(PlayerState& state);
 
-/// Keys that work anywhere: space plays, arrows step, K sets a path key, C shows the cameras, X splits, 1…9 choose the method.
+/// Keys that work anywhere: space plays, arrows step, K sets a path key, C shows the cameras, X splits, 1…9
+/// choose the method.
 void take_shortcuts(PlayerState& state);
 
 }  // namespace floatstage

@@ -37,8 +37,10 @@ class PlayWindow {
     if (!take) return forward(take);
     take_ = std::move(*take);
     // What is wrong is said before a window opens.
-    if (Result<void> ok = editing_ ? open_editor(options_.frame) : Player::check(options_, *take_); !ok) return ok;
-    Result<std::unique_ptr<Window>> window = Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
+    if (Result<void> ok = editing_ ? open_editor(options_.frame) : Player::check(options_, *take_); !ok)
+      return ok;
+    Result<std::unique_ptr<Window>> window =
+        Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
     if (!window) return forward(window);
     window_ = std::move(*window);
     if (editing_) return {};
@@ -69,8 +71,12 @@ class PlayWindow {
  private:
   Result<void> open_editor(int frame) {
     MatteDeskOptions desk;
-    desk.camera = {.take = options_.take, .serial = options_.camera.empty() ? take_->rig().cameras.front().serial : options_.camera,
-                   .method = options_.matte_method, .guide = options_.guide, .threads = 0, .replace = options_.redo};
+    desk.camera = {.take = options_.take,
+                   .serial = options_.camera.empty() ? take_->rig().cameras.front().serial : options_.camera,
+                   .method = options_.matte_method,
+                   .guide = options_.guide,
+                   .threads = 0,
+                   .replace = options_.redo};
     desk.frame = frame;
     desk.view = options_.view;
     desk.automatic = options_.automatic;
@@ -91,7 +97,11 @@ class PlayWindow {
   void frame() {
     const std::vector<InputEvent> input = window_->take_input();
     if (!editing_) {
-      const auto pressed = [&](int key) { return std::any_of(input.begin(), input.end(), [&](const InputEvent& e) { return e.kind == InputEvent::Kind::Key && e.key == key && !e.control; }); };
+      const auto pressed = [&](int key) {
+        return std::any_of(input.begin(), input.end(), [&](const InputEvent& e) {
+          return e.kind == InputEvent::Kind::Key && e.key == key && !e.control;
+        });
+      };
       screenshot_ = pressed(kKeyF12);
       player_->frame();
       if (pressed('M')) to_editor();
@@ -105,7 +115,8 @@ class PlayWindow {
 
   void to_editor() {
     if (!editor_)
-      if (Result<void> ok = open_editor(player_->frame_number()); !ok) return player_->tell(ok.error().message);
+      if (Result<void> ok = open_editor(player_->frame_number()); !ok)
+        return player_->tell(ok.error().message);
     editor_->go_to(player_->frame_number());
     editing_ = true;
   }

@@ -1,10 +1,10 @@
 #include "apps/play/player.h"
 
-#include <imgui.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include <imgui.h>
 
 #include "apps/play/canvas.h"
 #include "apps/play/film_job.h"
@@ -28,8 +28,14 @@ Result<int> method_index(const std::vector<std::string>& methods, const std::str
 
 class WindowPlayer : public Player {
  public:
-  WindowPlayer(const PlayOptions& options, TakeReader& take, const Rig& rig, const Eigen::AlignedBox3d& subject, PlayerState state)
-      : options_(options), take_(take), home_(state.camera.key()), cache_(take), canvas_(rig, subject), state_(std::move(state)) {}
+  WindowPlayer(const PlayOptions& options, TakeReader& take, const Rig& rig,
+               const Eigen::AlignedBox3d& subject, PlayerState state)
+      : options_(options),
+        take_(take),
+        home_(state.camera.key()),
+        cache_(take),
+        canvas_(rig, subject),
+        state_(std::move(state)) {}
 
   void frame() override {
     state_.time.advance(ImGui::GetIO().DeltaTime);
@@ -65,7 +71,8 @@ class WindowPlayer : public Player {
       return;
     }
     if (!*scene) return;
-    if (Result<void> ok = canvas_.show(*scene); !ok) state_.status = text("frame ", frame, ": ", ok.error().message);
+    if (Result<void> ok = canvas_.show(*scene); !ok)
+      state_.status = text("frame ", frame, ": ", ok.error().message);
     shown_ = frame;
     if (state_.time.playing) cache_.prefetch((frame + 1) % state_.time.frames());
   }
@@ -73,11 +80,16 @@ class WindowPlayer : public Player {
   void lay_out() {
     PanelRequests requests;
     lay_out_window(kTimeLineHeight, state_.renderer.background,
-                   {.controls = [&] { requests = draw_controls(state_, canvas_.render_milliseconds(), film_ ? film_->pictures() : -1); },
+                   {.controls =
+                        [&] {
+                          requests = draw_controls(state_, canvas_.render_milliseconds(),
+                                                   film_ ? film_->pictures() : -1);
+                        },
                     .strip = [&] { draw_time_line(state_); },
-                    .stage = [&] {
-                      if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
-                    }});
+                    .stage =
+                        [&] {
+                          if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+                        }});
     obey_camera_requests(requests, home_, state_);
     if (requests.render_film) begin_film();
   }
@@ -87,7 +99,9 @@ class WindowPlayer : public Player {
       state_.status = "a film needs a path of two keys at least; walk and press K";
       return;
     }
-    FilmOptions film{.frames = {}, .methods = {state_.methods[static_cast<std::size_t>(state_.left)]}, .renderer = state_.renderer};
+    FilmOptions film{.frames = {},
+                     .methods = {state_.methods[static_cast<std::size_t>(state_.left)]},
+                     .renderer = state_.renderer};
     film.seconds = state_.path.path().duration();
     for (int f = 0; f < state_.time.frames(); ++f) film.frames.push_back(f);
     film_.emplace(options_.take, state_.path.path(), film, state_.film_file);
@@ -97,7 +111,8 @@ class WindowPlayer : public Player {
   void finish_film() {
     if (!film_ || !film_->done()) return;
     const Result<FilmReport> report = film_->result();
-    state_.status = report ? text(state_.film_file, ": ", report->pictures, " pictures") : report.error().message;
+    state_.status =
+        report ? text(state_.film_file, ": ", report->pictures, " pictures") : report.error().message;
     film_.reset();
   }
 
@@ -111,14 +126,18 @@ class WindowPlayer : public Player {
   int shown_ = -1;
 };
 
-Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& take, const Eigen::AlignedBox3d& subject) {
+Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& take,
+                                  const Eigen::AlignedBox3d& subject) {
   if (options.frame < 0 || options.frame >= take.frame_count())
-    return fail(ErrorCode::InvalidArgument, text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
+    return fail(ErrorCode::InvalidArgument,
+                text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
   // Home lies between two cameras: at a camera every method shows its photograph.
-  const PathKey home = sample(orbit_path(take.rig(), subject, 1), 0.5 / static_cast<double>(take.rig().cameras.size()));
+  const PathKey home =
+      sample(orbit_path(take.rig(), subject, 1), 0.5 / static_cast<double>(take.rig().cameras.size()));
   PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
   for (const RendererInfo& r : renderers()) state.methods.push_back(r.name);
-  Result<int> left = method_index(state.methods, options.method), right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
+  Result<int> left = method_index(state.methods, options.method),
+              right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
   if (!left) return forward(left);
   if (!right) return forward(right);
   state.left = *left;
@@ -128,7 +147,8 @@ Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& 
   state.show_cameras = options.show_cameras;
   state.time.seek(options.frame);
   state.time.playing = options.playing;
-  state.status = text(options.take.string(), ": ", take.frame_count(), " frames of ", take.rig().cameras.size(), " cameras");
+  state.status = text(options.take.string(), ": ", take.frame_count(), " frames of ",
+                      take.rig().cameras.size(), " cameras");
   if (!options.path_file.empty()) {
     Result<CameraPath> path = load_path(options.path_file);
     if (!path) return forward(path);

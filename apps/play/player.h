@@ -10,7 +10,8 @@ namespace floatstage {
 /// The player in its window: scene, controls, time line. GL thread only.
 class Player {
  public:
-  /// What of the options is wrong, before a window is there: InvalidArgument; NotFound when the take has no meshes.
+  /// What of the options is wrong, before a window is there: InvalidArgument; NotFound when the take has no
+  /// meshes.
   static Result<void> check(const PlayOptions& options, const TakeReader& take);
   /// In the window that is current. `options` and `take` outlive it. Errors: those of check().
   static Result<std::unique_ptr<Player>> open(const PlayOptions& options, TakeReader& take);

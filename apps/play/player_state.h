@@ -17,18 +17,18 @@ struct PlayerState {
   PathEditor path = {};
 
   std::vector<std::string> methods = {};  ///< every renderer's name
-  int left = 0, right = 0;           ///< methods shown; `right` only when split
+  int left = 0, right = 0;                ///< methods shown; `right` only when split
   bool split = false;
-  float split_at = 0.5f;             ///< where the picture changes from left to right, 0…1
+  float split_at = 0.5f;  ///< where the picture changes from left to right, 0…1
   RendererOptions renderer = {};
-  float render_scale = 1;            ///< pixels rendered per pixel shown, 0.25…1
+  float render_scale = 1;  ///< pixels rendered per pixel shown, 0.25…1
 
   bool show_cameras = false;
-  bool follow_path = false;          ///< the camera rides the path instead of the mouse
-  double path_time = 0;              ///< seconds
+  bool follow_path = false;  ///< the camera rides the path instead of the mouse
+  double path_time = 0;      ///< seconds
 
   std::string path_file = "path.json", film_file = "path.mp4";
-  std::string status = {};           ///< one line at the bottom: the last thing that happened
+  std::string status = {};  ///< one line at the bottom: the last thing that happened
 };
 
 }  // namespace floatstage

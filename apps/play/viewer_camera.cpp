@@ -8,8 +8,8 @@ namespace floatstage {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPole = 0.02;          // radians that the view stays away from straight up and down
-constexpr double kNearest = 0.05;       // metres
+constexpr double kPole = 0.02;     // radians that the view stays away from straight up and down
+constexpr double kNearest = 0.05;  // metres
 constexpr double kPi = std::numbers::pi;
 
 }  // namespace
@@ -27,16 +27,21 @@ ViewerCamera::Axes ViewerCamera::axes() const {
 }
 
 Vector3d ViewerCamera::turned(const Vector3d& direction, double right, double up) const {
-  const double length = direction.norm(), elevation = std::asin(std::clamp(direction.dot(key_.up) / length, -1.0, 1.0));
+  const double length = direction.norm(),
+               elevation = std::asin(std::clamp(direction.dot(key_.up) / length, -1.0, 1.0));
   const double wanted = std::clamp(elevation + up, -kPi / 2 + kPole, kPi / 2 - kPole);
   const Vector3d level = (direction - key_.up * direction.dot(key_.up)).normalized();
   const Vector3d heading = Eigen::AngleAxisd(right, key_.up) * level;
   return length * (std::cos(wanted) * heading + std::sin(wanted) * key_.up);
 }
 
-void ViewerCamera::orbit(double right, double up) { key_.eye = key_.target + turned(key_.eye - key_.target, right, up); }
+void ViewerCamera::orbit(double right, double up) {
+  key_.eye = key_.target + turned(key_.eye - key_.target, right, up);
+}
 
-void ViewerCamera::look(double right, double up) { key_.target = key_.eye + turned(key_.target - key_.eye, -right, up); }
+void ViewerCamera::look(double right, double up) {
+  key_.target = key_.eye + turned(key_.target - key_.eye, -right, up);
+}
 
 void ViewerCamera::pan(double right, double up) {
   const Axes a = axes();

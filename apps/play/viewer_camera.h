@@ -28,7 +28,8 @@ class ViewerCamera {
     Eigen::Vector3d right, up, forward;
   };
   Axes axes() const;
-  /// `direction` turned by `right` about the world's up and by `up` about the camera's right, kept off the poles.
+  /// `direction` turned by `right` about the world's up and by `up` about the camera's right, kept off the
+  /// poles.
   Eigen::Vector3d turned(const Eigen::Vector3d& direction, double right, double up) const;
 
   PathKey key_;

@@ -1,14 +1,13 @@
 #include "apps/play/window.h"
 
-#include <epoxy/gl.h>  // before GLFW, which would bring another GL header
+#include <cstring>
+#include <utility>
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>  // before GLFW, which would bring another GL header
 #include <imgui.h>
-
-#include <cstring>
-#include <utility>
 
 #include "core/text.h"
 
@@ -21,11 +20,14 @@ std::string glfw_error() {
   return what ? what : "no reason given";
 }
 
-static_assert(GLFW_KEY_ESCAPE == kKeyEscape && GLFW_KEY_ENTER == kKeyEnter && GLFW_KEY_TAB == kKeyTab && GLFW_KEY_DELETE == kKeyDelete &&
-              GLFW_KEY_RIGHT == kKeyRight && GLFW_KEY_LEFT == kKeyLeft && GLFW_KEY_HOME == kKeyHome && GLFW_KEY_END == kKeyEnd && GLFW_KEY_F12 == kKeyF12);
+static_assert(GLFW_KEY_ESCAPE == kKeyEscape && GLFW_KEY_ENTER == kKeyEnter && GLFW_KEY_TAB == kKeyTab &&
+              GLFW_KEY_DELETE == kKeyDelete && GLFW_KEY_RIGHT == kKeyRight && GLFW_KEY_LEFT == kKeyLeft &&
+              GLFW_KEY_HOME == kKeyHome && GLFW_KEY_END == kKeyEnd && GLFW_KEY_F12 == kKeyF12);
 static_assert(GLFW_MOUSE_BUTTON_LEFT == 0 && GLFW_MOUSE_BUTTON_RIGHT == 1 && GLFW_MOUSE_BUTTON_MIDDLE == 2);
 
-Window::Input& input_of(GLFWwindow* window) { return *static_cast<Window::Input*>(glfwGetWindowUserPointer(window)); }
+Window::Input& input_of(GLFWwindow* window) {
+  return *static_cast<Window::Input*>(glfwGetWindowUserPointer(window));
+}
 
 // Where the pointer is by now is another matter: a hand may have moved on before its button was heard of.
 InputEvent event_of(GLFWwindow* window, InputEvent::Kind kind, int mods) {
@@ -48,8 +50,11 @@ void Window::listen() {
     input_of(w).events.push_back(event_of(w, InputEvent::Kind::Move, 0));
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
-    if (action == GLFW_PRESS && ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) return;
-    InputEvent e = event_of(w, action == GLFW_PRESS ? InputEvent::Kind::Press : InputEvent::Kind::Release, mods);
+    if (action == GLFW_PRESS &&
+        ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel))
+      return;
+    InputEvent e =
+        event_of(w, action == GLFW_PRESS ? InputEvent::Kind::Press : InputEvent::Kind::Release, mods);
     e.button = button;
     input_of(w).events.push_back(e);
   });
@@ -70,13 +75,16 @@ std::vector<InputEvent> Window::take_input() { return std::exchange(input_.event
 
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
   if (!glfwInit())
-    return fail(ErrorCode::Unsupported, text("no window can be opened (", glfw_error(), "); run on a desktop, or `floatstage render` for a video"));
+    return fail(ErrorCode::Unsupported, text("no window can be opened (", glfw_error(),
+                                             "); run on a desktop, or `floatstage render` for a video"));
   std::unique_ptr<Window> window(new Window);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   window->window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
-  if (!window->window_) return fail(ErrorCode::Unsupported, text("no window with OpenGL 4.5 (", glfw_error(), "); see `floatstage check`"));
+  if (!window->window_)
+    return fail(ErrorCode::Unsupported,
+                text("no window with OpenGL 4.5 (", glfw_error(), "); see `floatstage check`"));
   glfwMakeContextCurrent(window->window_);
   glfwSwapInterval(1);
   Result<std::unique_ptr<GlContext>> gl = GlContext::adopt_current();
@@ -138,7 +146,8 @@ Image Window::grab(int width, int height) const {
   glReadBuffer(GL_BACK);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upside_down.pixels.data());
-  for (int y = 0; y < height; ++y) std::memcpy(image.at(0, y), upside_down.at(0, height - 1 - y), static_cast<std::size_t>(width) * 3);
+  for (int y = 0; y < height; ++y)
+    std::memcpy(image.at(0, y), upside_down.at(0, height - 1 - y), static_cast<std::size_t>(width) * 3);
   return image;
 }
 

@@ -24,12 +24,14 @@ class Window {
 
   bool should_close() const;
   void close();  ///< as if somebody had closed it
-  /// Takes events and begins a frame of the user interface; waits up to `patience` seconds for an event first.
+  /// Takes events and begins a frame of the user interface; waits up to `patience` seconds for an event
+  /// first.
   void begin_frame(double patience);
-  /// What hands did since the last call, in order; keys only while no text is being typed, and presses only where no menu is
-  /// open. Panels below still get all of it.
+  /// What hands did since the last call, in order; keys only while no text is being typed, and presses only
+  /// where no menu is open. Panels below still get all of it.
   std::vector<InputEvent> take_input();
-  /// Draws the user interface and shows it. `picture`, when not null, receives the whole window: RGB, top row first.
+  /// Draws the user interface and shows it. `picture`, when not null, receives the whole window: RGB, top row
+  /// first.
   void end_frame(Image* picture = nullptr);
 
   /// What was heard and not taken yet, and where the pointer was when it was heard.

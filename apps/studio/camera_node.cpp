@@ -49,16 +49,17 @@ Unexpected blame(const std::string& serial, const Error& error) {
 
 Result<void> check(const NodeQuality& quality) {
   if (quality.shrink < 1 || quality.shrink > kMostShrink)
-    return fail(ErrorCode::InvalidArgument,
-                text("keying at 1/", quality.shrink, " of the picture's size; 1 to ", kMostShrink, " are possible"));
+    return fail(
+        ErrorCode::InvalidArgument,
+        text("keying at 1/", quality.shrink, " of the picture's size; 1 to ", kMostShrink, " are possible"));
   if (!(quality.tolerance >= 0 && quality.tolerance <= 16))
     return fail(ErrorCode::InvalidArgument,
                 text("a contour tolerance of ", quality.tolerance, " px is not between 0 and 16"));
   return {};
 }
 
-Result<CameraNode> CameraNode::make(const std::string& serial, const CameraModel& model, const std::string& spec,
-                                    std::vector<Image> samples) {
+Result<CameraNode> CameraNode::make(const std::string& serial, const CameraModel& model,
+                                    const std::string& spec, std::vector<Image> samples) {
   CameraNode node;
   node.serial_ = serial;
   node.model_ = model;
@@ -106,8 +107,8 @@ Result<std::shared_ptr<const ForegroundTile>> CameraNode::tile_of(const Frame& f
   return std::shared_ptr<const ForegroundTile>(std::move(tile));
 }
 
-Result<CameraView> CameraNode::look(const Frame& frame, const Instant& instant, Timestamp produced, bool textured,
-                                    const NodeQuality& quality) {
+Result<CameraView> CameraNode::look(const Frame& frame, const Instant& instant, Timestamp produced,
+                                    bool textured, const NodeQuality& quality) {
   CameraView view;
   view.serial = serial_;
   view.epoch = instant.epoch;
@@ -118,8 +119,9 @@ Result<CameraView> CameraNode::look(const Frame& frame, const Instant& instant, 
   timings_ = {};
   if (frame.empty() || frame.info.status != FrameStatus::Ok) return view;
   if (frame.layout.width != model_.width || frame.layout.height != model_.height)
-    return fail(ErrorCode::BadData, text("camera '", serial_, "' delivers ", frame.layout.width, "x", frame.layout.height,
-                                         " and was calibrated at ", model_.width, "x", model_.height, "; set that size"));
+    return fail(ErrorCode::BadData,
+                text("camera '", serial_, "' delivers ", frame.layout.width, "x", frame.layout.height,
+                     " and was calibrated at ", model_.width, "x", model_.height, "; set that size"));
   view.exposed = frame.info.exposure_start;
 
   Stopwatch watch;
@@ -135,7 +137,8 @@ Result<CameraView> CameraNode::look(const Frame& frame, const Instant& instant, 
   SilhouetteOptions options;
   options.tolerance = quality.tolerance / factor;
   outline_of(*matte, shrunk(model_, factor), options, outlines_, view.outline);
-  const Eigen::Array2d size(model_.width, model_.height);  // the last shrunk pixel may reach beyond the picture
+  const Eigen::Array2d size(model_.width,
+                            model_.height);  // the last shrunk pixel may reach beyond the picture
   for (Eigen::Vector2d& p : view.outline.points) p = (p.array() * factor).min(size);
   view.known = true;
   timings_.outline = watch.lap();

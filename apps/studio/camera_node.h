@@ -35,23 +35,23 @@ struct Instant {
   Timestamp time;
 };
 
-/// One camera of a camera node: a frame in, the subject's outline and on request its texture out. Keys a down-sampled
-/// picture, and touches the photograph's own pixels only where the subject is. Used by one thread at a time; different
-/// nodes run side by side.
+/// One camera of a camera node: a frame in, the subject's outline and on request its texture out. Keys a
+/// down-sampled picture, and touches the photograph's own pixels only where the subject is. Used by one
+/// thread at a time; different nodes run side by side.
 class CameraNode {
  public:
-  /// `spec` as for make_keyer(); `samples` are whole photographs or the clean plate of this camera. Errors: those of
-  /// make_keyer(), with the camera's name.
+  /// `spec` as for make_keyer(); `samples` are whole photographs or the clean plate of this camera. Errors:
+  /// those of make_keyer(), with the camera's name.
   static Result<CameraNode> make(const std::string& serial, const CameraModel& model, const std::string& spec,
                                  std::vector<Image> samples);
 
-  /// Makes what look() needs to key at 1/`shrink`, which it otherwise does when that is first asked of it: keyers learn from
-  /// whole pictures, which takes longer than a frame. Errors: those of make_keyer().
+  /// Makes what look() needs to key at 1/`shrink`, which it otherwise does when that is first asked of it:
+  /// keyers learn from whole pictures, which takes longer than a frame. Errors: those of make_keyer().
   Result<void> prepare(int shrink);
 
-  /// `frame` as the source delivered it at `produced`; an empty or corrupt one makes a view that is not known. With
-  /// `textured`, the view has a tile when the subject is in the picture. Errors: those of shrink() and Keyer::key(),
-  /// and BadData for a frame of another size than the model's.
+  /// `frame` as the source delivered it at `produced`; an empty or corrupt one makes a view that is not
+  /// known. With `textured`, the view has a tile when the subject is in the picture. Errors: those of
+  /// shrink() and Keyer::key(), and BadData for a frame of another size than the model's.
   Result<CameraView> look(const Frame& frame, const Instant& instant, Timestamp produced, bool textured,
                           const NodeQuality& quality);
 
@@ -62,7 +62,8 @@ class CameraNode {
  private:
   CameraNode() = default;
   Result<const Keyer*> keyer_at(int shrink);
-  Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small, int shrink) const;
+  Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small,
+                                                        int shrink) const;
 
   std::string serial_;
   CameraModel model_;

@@ -6,11 +6,13 @@
 
 namespace floatstage {
 
-Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec, std::vector<std::vector<Image>> samples) {
+Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
+                                    std::vector<std::vector<Image>> samples) {
   FLOATSTAGE_CHECK(samples.size() == rig.cameras.size(), "samples of every camera");
   CameraRack rack;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-    Result<CameraNode> node = CameraNode::make(rig.cameras[i].serial, rig.cameras[i].model, spec, std::move(samples[i]));
+    Result<CameraNode> node =
+        CameraNode::make(rig.cameras[i].serial, rig.cameras[i].model, spec, std::move(samples[i]));
     if (!node) return forward(node);
     rack.nodes_.push_back(std::move(*node));
   }
@@ -23,7 +25,8 @@ Result<void> CameraRack::prepare(int shrink) {
   return {};
 }
 
-std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& set, const std::vector<bool>& textured,
+std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& set,
+                                                                const std::vector<bool>& textured,
                                                                 const NodeQuality& quality, int threads,
                                                                 SceneTimes& times) {
   const Timestamp begun = now();
@@ -31,7 +34,8 @@ std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& 
   std::vector<std::string> troubles(nodes_.size());
   parallel_for(nodes_.size(), threads, [&](std::size_t i) {
     const bool wanted = textured.empty() || textured[i];
-    Result<CameraView> view = nodes_[i].look(set.images.frames[i], set.instant, set.produced[i], wanted, quality);
+    Result<CameraView> view =
+        nodes_[i].look(set.images.frames[i], set.instant, set.produced[i], wanted, quality);
     if (view) {
       views[i] = std::make_shared<const CameraView>(std::move(*view));
     } else {

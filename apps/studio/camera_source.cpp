@@ -16,10 +16,12 @@ constexpr auto kPatience = std::chrono::seconds(10);  // for the first picture o
 
 }  // namespace
 
-Result<std::unique_ptr<CameraSource>> CameraSource::open(CaptureConfig config, const std::filesystem::path& plates) {
+Result<std::unique_ptr<CameraSource>> CameraSource::open(CaptureConfig config,
+                                                         const std::filesystem::path& plates) {
   if (config.rig.empty())
     return fail(ErrorCode::InvalidArgument,
-                "the studio's file names no rig: a live scene needs calibrated cameras; add rig = \"rig.json\" to [studio]");
+                "the studio's file names no rig: a live scene needs calibrated cameras; add rig = "
+                "\"rig.json\" to [studio]");
   Result<Rig> rig = load_rig(config.rig);
   if (!rig) return forward(rig);
   std::unique_ptr<CameraSource> source(new CameraSource);
@@ -61,11 +63,14 @@ void CameraSource::arrived(const Frame& frame) {
 
 Result<void> CameraSource::wait_for_pictures() {
   std::unique_lock lock(mutex_);
-  const auto all = [&] { return std::none_of(first_.begin(), first_.end(), [](const Frame& f) { return f.empty(); }); };
+  const auto all = [&] {
+    return std::none_of(first_.begin(), first_.end(), [](const Frame& f) { return f.empty(); });
+  };
   if (arrived_.wait_for(lock, kPatience, all)) return {};
   for (std::size_t i = 0; i < first_.size(); ++i)
     if (first_[i].empty())
-      return fail(ErrorCode::Timeout, text("camera '", rig_.cameras[i].serial, "' delivers no picture; check its trigger"));
+      return fail(ErrorCode::Timeout,
+                  text("camera '", rig_.cameras[i].serial, "' delivers no picture; check its trigger"));
   return {};
 }
 

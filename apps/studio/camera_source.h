@@ -9,14 +9,16 @@
 
 namespace floatstage {
 
-/// The cameras of a studio's TOML file, each on a thread of its own, as a live chain's source: GigE, V4L2, whatever
-/// open_source() knows. They can be recorded at the same time (control()).
+/// The cameras of a studio's TOML file, each on a thread of its own, as a live chain's source: GigE, V4L2,
+/// whatever open_source() knows. They can be recorded at the same time (control()).
 class CameraSource final : public LiveSource {
  public:
-  /// Starts the cameras and waits for a picture of each, from which its keyer learns unless `plates` has its clean plate
-  /// (<serial>.png). Errors: those of CaptureNode::open() and load_rig(); InvalidArgument for a config without a rig,
-  /// NotFound for a camera that the rig does not have, Timeout for one that delivers nothing.
-  static Result<std::unique_ptr<CameraSource>> open(CaptureConfig config, const std::filesystem::path& plates);
+  /// Starts the cameras and waits for a picture of each, from which its keyer learns unless `plates` has its
+  /// clean plate
+  /// (<serial>.png). Errors: those of CaptureNode::open() and load_rig(); InvalidArgument for a config
+  /// without a rig, NotFound for a camera that the rig does not have, Timeout for one that delivers nothing.
+  static Result<std::unique_ptr<CameraSource>> open(CaptureConfig config,
+                                                    const std::filesystem::path& plates);
   ~CameraSource() override { stop(); }
 
   const Rig& rig() const override { return rig_; }

@@ -9,7 +9,8 @@ namespace {
 
 constexpr int kBorder = 4;  // px: what a spline and the edge of the enlarged matte reach
 
-/// For each pixel of a line of the photograph: the two small pixels around it, and the share of the second in 256ths.
+/// For each pixel of a line of the photograph: the two small pixels around it, and the share of the second in
+/// 256ths.
 struct Tap {
   int low, high, share;
 };
@@ -44,8 +45,10 @@ PixelBox subject_box(const Matte& small, int factor, int width, int height) {
     for (int x = small.width; x > right; --x)
       if (row[x - 1] != 0) right = x;
   }
-  const int x0 = std::max(left * factor - kBorder - factor, 0), y0 = std::max(top * factor - kBorder - factor, 0);
-  const int x1 = std::min(right * factor + kBorder + factor, width), y1 = std::min(bottom * factor + kBorder + factor, height);
+  const int x0 = std::max(left * factor - kBorder - factor, 0),
+            y0 = std::max(top * factor - kBorder - factor, 0);
+  const int x1 = std::min(right * factor + kBorder + factor, width),
+            y1 = std::min(bottom * factor + kBorder + factor, height);
   return {x0, y0, x1 - x0, y1 - y0};
 }
 

@@ -10,8 +10,8 @@
 namespace floatstage {
 namespace {
 
-constexpr double kSmoothing = 0.2;       // weight of the newest duration
-constexpr double kMargin = 3;            // ms by which a scene should be early
+constexpr double kSmoothing = 0.2;               // weight of the newest duration
+constexpr double kMargin = 3;                    // ms by which a scene should be early
 constexpr Nanoseconds kLook = milliseconds(50);  // how often an idle chain looks whether it is to end
 
 std::chrono::steady_clock::time_point time_point(Timestamp t) {
@@ -31,7 +31,8 @@ Result<std::unique_ptr<LiveChain>> LiveChain::make(LiveSource& source, const Liv
   sync.frame_rate = source.frame_rate();
   sync.tolerance = std::min(options.tolerance, Nanoseconds{std::llround(4e8 / source.frame_rate())});
   sync.longest_wait = options.longest_wait;
-  Result<std::unique_ptr<SetBuilder>> sets = SetBuilder::make(static_cast<int>(source.rig().cameras.size()), sync);
+  Result<std::unique_ptr<SetBuilder>> sets =
+      SetBuilder::make(static_cast<int>(source.rig().cameras.size()), sync);
   if (!sets) return forward(sets);
   return std::unique_ptr<LiveChain>(new LiveChain(source, options, std::move(*rack), std::move(*sets)));
 }

@@ -17,18 +17,18 @@
 namespace floatstage {
 
 struct LiveChainOptions {
-  std::string key = "chroma";                ///< keyer spec
-  Nanoseconds tolerance = milliseconds(4);   ///< of the exposures of one instant
+  std::string key = "chroma";                   ///< keyer spec
+  Nanoseconds tolerance = milliseconds(4);      ///< of the exposures of one instant
   Nanoseconds longest_wait = milliseconds(30);  ///< for a camera that is late
-  int threads = 0;                           ///< of one stage; 0: one per core
+  int threads = 0;                              ///< of one stage; 0: one per core
 };
 
-/// Cameras in, scenes out, in one process: frames are grouped by instant, keyed by the camera nodes, and made into a
-/// surface on one thread of the chain (which uses all cores), while the caller draws the scene before.
+/// Cameras in, scenes out, in one process: frames are grouped by instant, keyed by the camera nodes, and made
+/// into a surface on one thread of the chain (which uses all cores), while the caller draws the scene before.
 ///
-/// Work is done on demand: the chain begins with the newest instant so that its scene is ready when the view has drawn
-/// the last one, and instants that come in between are left out and counted. Nothing waits in line, so pictures are as
-/// young as the machine allows, and no work is done for scenes that nobody would see.
+/// Work is done on demand: the chain begins with the newest instant so that its scene is ready when the view
+/// has drawn the last one, and instants that come in between are left out and counted. Nothing waits in line,
+/// so pictures are as young as the machine allows, and no work is done for scenes that nobody would see.
 class LiveChain final : public SceneFeed {
  public:
   /// The source outlives the chain. Errors: a keyer that cannot be made, the synchroniser's options.
@@ -38,8 +38,8 @@ class LiveChain final : public SceneFeed {
   void begin();
   void end() override;
 
-  /// The newest scene that was not handed out yet; waits for one until `deadline`. Null then, and when the source is
-  /// over and everything was handed out.
+  /// The newest scene that was not handed out yet; waits for one until `deadline`. Null then, and when the
+  /// source is over and everything was handed out.
   std::shared_ptr<const LiveScene> newest(Timestamp deadline) override;
   /// The source is over and every scene was handed out.
   bool over() const override;
@@ -60,8 +60,12 @@ class LiveChain final : public SceneFeed {
   std::string remark() const override;  ///< what is wrong with the scene at present; empty when nothing is
 
  private:
-  LiveChain(LiveSource& source, const LiveChainOptions& options, CameraRack rack, std::unique_ptr<SetBuilder> sets)
-      : source_(source), options_(options), rack_(std::move(rack)), sets_(std::move(sets)),
+  LiveChain(LiveSource& source, const LiveChainOptions& options, CameraRack rack,
+            std::unique_ptr<SetBuilder> sets)
+      : source_(source),
+        options_(options),
+        rack_(std::move(rack)),
+        sets_(std::move(sets)),
         reconstruction_(source.rig(), "") {}
   void run();
   bool wait_for_demand();
@@ -71,7 +75,7 @@ class LiveChain final : public SceneFeed {
 
   LiveSource& source_;
   const LiveChainOptions options_;
-  CameraRack rack_;                     // the chain's thread only, as the next
+  CameraRack rack_;  // the chain's thread only, as the next
   std::unique_ptr<SetBuilder> sets_;
   Reconstruction reconstruction_;
   std::thread thread_;

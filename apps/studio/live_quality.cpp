@@ -7,10 +7,10 @@
 namespace floatstage {
 namespace {
 
-constexpr double kSlow = 0.97;         // of the target: below it a window is too slow
-constexpr int kSlowWindows = 2;        // in a row
-constexpr double kRoom = 1.3;          // times the target: there is room for a better quality
-constexpr double kEasy = 0.6;          // of the time at work, when every instant is shown: there is room too
+constexpr double kSlow = 0.97;   // of the target: below it a window is too slow
+constexpr int kSlowWindows = 2;  // in a row
+constexpr double kRoom = 1.3;    // times the target: there is room for a better quality
+constexpr double kEasy = 0.6;    // of the time at work, when every instant is shown: there is room too
 constexpr double kLongestPatience = 120;
 
 FlowOptions flow(const char* preset, int shrink, int refinement) {
@@ -36,9 +36,11 @@ const std::vector<LiveQuality>& live_qualities() {
 }
 
 std::string describe(const LiveQuality& q) {
-  std::string line = text(q.name, ": keys at 1/", q.node.shrink, ", outlines within ", q.node.tolerance, " px, ", q.method);
+  std::string line =
+      text(q.name, ": keys at 1/", q.node.shrink, ", outlines within ", q.node.tolerance, " px, ", q.method);
   if (q.method == "floating")
-    line += text(", ", q.flow.preset, " flow at 1/", q.flow.shrink, " with ", q.flow.refinement, " refinements");
+    line +=
+        text(", ", q.flow.preset, " flow at 1/", q.flow.shrink, " with ", q.flow.refinement, " refinements");
   if (!q.sharp) line += ", bilinear";
   return line;
 }
@@ -51,7 +53,8 @@ std::optional<std::size_t> QualityControl::judge(Timestamp time, double fps, dou
     if (++slow_ < kSlowWindows || level_ + 1 >= live_qualities().size()) return std::nullopt;
     slow_ = 0;
     // A better quality that did not last is tried less often.
-    if (rose_ && seconds(time - *rose_) < patience_s_) patience_s_ = std::min(2 * patience_s_, kLongestPatience);
+    if (rose_ && seconds(time - *rose_) < patience_s_)
+      patience_s_ = std::min(2 * patience_s_, kLongestPatience);
     return ++level_;
   }
   slow_ = 0;

@@ -20,8 +20,7 @@ constexpr const char* kNames[kStages] = {"wait",   "nodes",    "hull",    "hando
 class Run {
  public:
   Run(SceneFeed& chain, const LiveRunOptions& options)
-      : chain_(chain), options_(options), view_(chain.rig()),
-        control_(options.target_fps, options.quality) {
+      : chain_(chain), options_(options), view_(chain.rig()), control_(options.target_fps, options.quality) {
     for (const char* name : kNames) report_.stages.emplace_back(name, Series());
   }
 
@@ -57,11 +56,12 @@ void Run::use_quality(double fps) {
   chain_.set_quality(quality().node);
   const double time = at(now());
   report_.qualities.push_back({time, describe(quality()), fps});
-  log::info(text("live quality after ", std::lround(time), " s at ", std::round(10 * fps) / 10, " scenes a second: ",
-                 describe(quality())));
+  log::info(text("live quality after ", std::lround(time), " s at ", std::round(10 * fps) / 10,
+                 " scenes a second: ", describe(quality())));
 }
 
-// The shaders of the methods that other qualities have: a change of quality must not wait for them to be compiled.
+// The shaders of the methods that other qualities have: a change of quality must not wait for them to be
+// compiled.
 Result<void> Run::warm_up(const View& view) {
   for (const LiveQuality& other : live_qualities()) {
     if (other.method == quality().method) continue;
@@ -109,8 +109,8 @@ Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const V
   Result<std::optional<RenderedView>> rendered = view_.render(view, quality(), options_.renderer);
   if (!rendered) return forward(rendered);
   const Timestamp drawn = now();
-  LivePicture out{*rendered ? download(**rendered) : Image(options_.width, options_.height, 4), view, &scene, at(begun),
-                  fresh == nullptr};
+  LivePicture out{*rendered ? download(**rendered) : Image(options_.width, options_.height, 4), view, &scene,
+                  at(begun), fresh == nullptr};
   const Timestamp done = now();
   chain_.drawn(done);
   if (warm(begun)) report_.pictures.add(at(done) - kWarmUp);
@@ -118,9 +118,16 @@ Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const V
   if (fresh) {
     ++shown_in_window_;
     const SceneTimes& t = scene.times;
-    const double ms[kStages] = {t.wait, t.nodes, t.hull, milliseconds_of(begun - scene.ready),
-                                milliseconds_of(uploaded - begun), milliseconds_of(drawn - uploaded),
-                                milliseconds_of(done - drawn), t.key, t.outline, t.tile};
+    const double ms[kStages] = {t.wait,
+                                t.nodes,
+                                t.hull,
+                                milliseconds_of(begun - scene.ready),
+                                milliseconds_of(uploaded - begun),
+                                milliseconds_of(drawn - uploaded),
+                                milliseconds_of(done - drawn),
+                                t.key,
+                                t.outline,
+                                t.tile};
     if (warm(begun)) measure(scene, ms, done);
   }
   judge(done);
@@ -161,14 +168,16 @@ Result<LiveReport> run_live(SceneFeed& scenes, const LiveRunOptions& options, co
   if (options.quality >= live_qualities().size())
     return fail(ErrorCode::InvalidArgument,
                 text("live quality ", options.quality, "; there are 0 to ", live_qualities().size() - 1));
-  if (!(options.view_fps > 0)) return fail(ErrorCode::InvalidArgument, "the view needs a rate above 0 pictures a second");
+  if (!(options.view_fps > 0))
+    return fail(ErrorCode::InvalidArgument, "the view needs a rate above 0 pictures a second");
   if (Result<void> ok = check(options.renderer); !ok) return forward(ok);
   Run run(scenes, options);
   return run.draw(view_at, stop, visit);
 }
 
-Result<LiveReport> run_live(LiveSource& source, const LiveChainOptions& chain_options, const LiveRunOptions& options,
-                            const ViewAt& view_at, const std::function<bool()>& stop,
+Result<LiveReport> run_live(LiveSource& source, const LiveChainOptions& chain_options,
+                            const LiveRunOptions& options, const ViewAt& view_at,
+                            const std::function<bool()>& stop,
                             const std::function<Result<void>(const LivePicture&)>& visit) {
   Result<std::unique_ptr<LiveChain>> chain = LiveChain::make(source, chain_options);
   if (!chain) return forward(chain);

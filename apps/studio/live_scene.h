@@ -19,7 +19,8 @@ struct SceneTimes {
 /// A surface and the textures that belong to it: what a view is drawn from. Immutable once published.
 struct LiveScene {
   StudioScene scene;
-  std::vector<std::shared_ptr<const CameraView>> views;  ///< in the rig's order; null: the camera missed the instant
+  std::vector<std::shared_ptr<const CameraView>>
+      views;  ///< in the rig's order; null: the camera missed the instant
   SceneTimes times;
   Timestamp ready;  ///< when it was complete
 };

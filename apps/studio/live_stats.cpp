@@ -7,7 +7,9 @@
 namespace floatstage {
 
 double Series::mean() const {
-  return values_.empty() ? 0 : std::accumulate(values_.begin(), values_.end(), 0.0) / static_cast<double>(values_.size());
+  return values_.empty()
+             ? 0
+             : std::accumulate(values_.begin(), values_.end(), 0.0) / static_cast<double>(values_.size());
 }
 
 double Series::percentile(double share) const {

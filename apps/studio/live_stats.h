@@ -25,7 +25,9 @@ class Rate {
  public:
   void add(double second) { seconds_.push_back(second); }
   std::size_t count() const { return seconds_.size(); }
-  double mean(double duration) const { return duration > 0 ? static_cast<double>(seconds_.size()) / duration : 0; }
+  double mean(double duration) const {
+    return duration > 0 ? static_cast<double>(seconds_.size()) / duration : 0;
+  }
   /// Of all whole windows of that many seconds that begin on a second: the fewest a second.
   double slowest(double duration, int window) const;
 

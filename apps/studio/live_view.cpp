@@ -7,7 +7,8 @@ Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textu
   for (const std::shared_ptr<const CameraView>& view : scene.views) {
     if (!view || !view->tile) continue;
     const int camera = camera_index(rig, view->serial);
-    if (camera >= 0) tiles.push_back({camera, view->tile->x, view->tile->y, &view->tile->picture, &view->tile->matte});
+    if (camera >= 0)
+      tiles.push_back({camera, view->tile->x, view->tile->y, &view->tile->picture, &view->tile->matte});
   }
   if (tiles.empty() || scene.scene.mesh.empty()) return false;
   if (Result<void> ok = textures.upload(rig, scene.scene.mesh, tiles); !ok) return forward(ok);

@@ -12,7 +12,8 @@
 
 namespace floatstage {
 
-/// Brings a scene's surface and textures to the GPU. False when there is nothing to draw: no subject, or no texture of it.
+/// Brings a scene's surface and textures to the GPU. False when there is nothing to draw: no subject, or no
+/// texture of it.
 Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textures);
 
 /// Draws live scenes. GL thread only.
@@ -22,9 +23,10 @@ class LiveView {
 
   /// From now on this scene is drawn.
   Result<void> show(const std::shared_ptr<const LiveScene>& scene);
-  /// The scene from a view; nothing when there is nothing to draw. `options` but for method and flow, which are the
-  /// quality's.
-  Result<std::optional<RenderedView>> render(const View& view, const LiveQuality& quality, RendererOptions options);
+  /// The scene from a view; nothing when there is nothing to draw. `options` but for method and flow, which
+  /// are the quality's.
+  Result<std::optional<RenderedView>> render(const View& view, const LiveQuality& quality,
+                                             RendererOptions options);
 
   const LiveScene* scene() const { return scene_.get(); }
   const SceneTextures& textures() const { return textures_; }

@@ -6,7 +6,8 @@
 
 namespace floatstage {
 
-Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const CameraView>> views, int threads) {
+Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const CameraView>> views,
+                                         int threads) {
   StudioScene scene;
   scene.rig_sha256 = rig_sha256_;
   outlines_.resize(rig_.cameras.size());
@@ -18,9 +19,10 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
     if (camera < 0) continue;
     const CameraModel& model = rig_.cameras[static_cast<std::size_t>(camera)].model;
     if (view->width != model.width || view->height != model.height)
-      return fail(ErrorCode::InvalidArgument,
-                  text("camera '", view->serial, "' sends outlines of ", view->width, "x", view->height,
-                       " pictures and was calibrated at ", model.width, "x", model.height, "; set that size"));
+      return fail(
+          ErrorCode::InvalidArgument,
+          text("camera '", view->serial, "' sends outlines of ", view->width, "x", view->height,
+               " pictures and was calibrated at ", model.width, "x", model.height, "; set that size"));
     scene.epoch = std::max(scene.epoch, view->epoch);
     scene.instant = view->instant;
     if (!view->known) continue;
@@ -33,7 +35,8 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
   options.threads = threads;
   options.quality = false;
   options.contour_tolerance = 0;  // the outlines have theirs already
-  const Result<void> hull = visual_hull(rig_, std::span<const Silhouette>(outlines_), options, workspace_, report_);
+  const Result<void> hull =
+      visual_hull(rig_, std::span<const Silhouette>(outlines_), options, workspace_, report_);
   if (!hull && hull.error().code != ErrorCode::BadData) return forward(hull);
   if (hull) {
     scene.mesh = std::move(report_.mesh);

@@ -20,14 +20,14 @@ struct TimedSet {
   Timestamp first_produced;         ///< of the frames there are: latency counts from here
 };
 
-/// Frames from the cameras' threads in, the newest whole instant out. Instants that nobody fetched in time are left out
-/// and counted: what is shown live is never old.
+/// Frames from the cameras' threads in, the newest whole instant out. Instants that nobody fetched in time
+/// are left out and counted: what is shown live is never old.
 class SetBuilder {
  public:
   struct Counters {
-    std::uint64_t frames = 0;      ///< pushed
-    std::uint64_t sets = 0;        ///< instants that were ready
-    std::uint64_t overtaken = 0;   ///< of them: a newer one was ready before anybody had time
+    std::uint64_t frames = 0;     ///< pushed
+    std::uint64_t sets = 0;       ///< instants that were ready
+    std::uint64_t overtaken = 0;  ///< of them: a newer one was ready before anybody had time
     SyncStats sync;
   };
 

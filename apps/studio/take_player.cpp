@@ -66,7 +66,8 @@ Result<void> TakePlayer::load_samples() {
     }
     const int wanted = samples.empty() ? std::min(kPhotographs, rows()) : 0;
     for (int i = 0; i < wanted; ++i) {
-      const Result<Frame> frame = take_->frame(static_cast<int>(c), static_cast<int>(static_cast<long>(rows()) * i / wanted));
+      const Result<Frame> frame =
+          take_->frame(static_cast<int>(c), static_cast<int>(static_cast<long>(rows()) * i / wanted));
       if (!frame) return forward(frame);
       if (frame->empty()) continue;
       Result<Image> picture = to_rgb(*frame);
@@ -110,10 +111,11 @@ std::vector<Frame> TakePlayer::row(int index) {
 }
 
 std::string TakePlayer::description() const {
-  return text(take_->layout().folder().string(), ": ", rows(), " instants of ", rig().cameras.size(), " cameras at ", rate_,
-              " a second", options_.loop ? ", again and again, " : ", ",
-              preloaded_.empty() ? "decoded while it plays: decoding is part of the load and latency counts from its end"
-                                 : "decoded beforehand: latency counts from each frame's time of exposure");
+  return text(take_->layout().folder().string(), ": ", rows(), " instants of ", rig().cameras.size(),
+              " cameras at ", rate_, " a second", options_.loop ? ", again and again, " : ", ",
+              preloaded_.empty()
+                  ? "decoded while it plays: decoding is part of the load and latency counts from its end"
+                  : "decoded beforehand: latency counts from each frame's time of exposure");
 }
 
 void TakePlayer::begin(Tap tap) {
@@ -122,13 +124,16 @@ void TakePlayer::begin(Tap tap) {
 
 bool TakePlayer::sleep_until(Timestamp time) {
   std::unique_lock lock(mutex_);
-  wake_.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(time.ns)), [&] { return stopping_; });
+  wake_.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(time.ns)),
+                   [&] { return stopping_; });
   return !stopping_;
 }
 
 void TakePlayer::run(const Tap& tap) {
   const Timestamp start = now() + kSettling, first = times_.front();
-  const auto scaled = [&](Nanoseconds d) { return Nanoseconds{std::llround(static_cast<double>(d.count) / speed_)}; };
+  const auto scaled = [&](Nanoseconds d) {
+    return Nanoseconds{std::llround(static_cast<double>(d.count) / speed_)};
+  };
   const Nanoseconds once = scaled(times_.back() - first) + Nanoseconds{std::llround(1e9 / rate_)};
   std::future<std::vector<Frame>> next;  // decoded one instant ahead
   const auto fetch = [&](int k) { return std::async(std::launch::async, [this, k] { return row(k); }); };

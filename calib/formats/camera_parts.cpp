@@ -1,9 +1,10 @@
 #include "calib/formats/camera_parts.h"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cctype>
 #include <cmath>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include "core/text.h"
 
@@ -22,7 +23,8 @@ Result<Eigen::Quaterniond> rotation_from_matrix(const Eigen::Matrix3d& matrix) {
                 text("the rotation is not orthonormal (off by ", error, ", at most ", kLargestRotationError,
                      " is taken for rounding); it may be scaled, transposed wrongly or damaged"));
   if (matrix.determinant() < 0)
-    return fail(ErrorCode::BadData, "the rotation is a mirror (determinant -1); the file's handedness is wrong");
+    return fail(ErrorCode::BadData,
+                "the rotation is a mirror (determinant -1); the file's handedness is wrong");
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())).normalized();
 }

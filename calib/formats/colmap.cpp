@@ -13,7 +13,7 @@ namespace floatstage {
 namespace {
 
 constexpr auto kOrigin = PixelOrigin::ImageCorner;
-constexpr long kLargestImage = 1 << 20;         // px a side; more is a damaged file
+constexpr long kLargestImage = 1 << 20;           // px a side; more is a damaged file
 constexpr double kLargestQuaternionError = 1e-3;  // of its length from 1
 
 // Which parameters a model of COLMAP has, in the file's order.
@@ -34,25 +34,30 @@ Result<Lens> lens_of(std::string_view model, const std::vector<double>& c) {
   if (model == "RADIAL") return Lens(BrownConrady{.k1 = c[0], .k2 = c[1]});
   if (model == "OPENCV") return Lens(BrownConrady{c[0], c[1], c[2], c[3]});
   if (c[5] != 0 || c[6] != 0 || c[7] != 0)
-    return fail(ErrorCode::Unsupported,
-                "FULL_OPENCV with k4, k5 or k6 other than 0 is a rational lens, which Floatstage does not have; "
-                "calibrate again with OPENCV or FULL_OPENCV without them");
+    return fail(
+        ErrorCode::Unsupported,
+        "FULL_OPENCV with k4, k5 or k6 other than 0 is a rational lens, which Floatstage does not have; "
+        "calibrate again with OPENCV or FULL_OPENCV without them");
   return Lens(BrownConrady{c[0], c[1], c[2], c[3], c[4]});
 }
 
 Result<CameraModel> parse_model(const TextLines& lines, const TextLine& line, const std::string& who) {
-  if (line.words.size() < 4) return lines.bad(text(who, " needs CAMERA_ID MODEL WIDTH HEIGHT and parameters"));
+  if (line.words.size() < 4)
+    return lines.bad(text(who, " needs CAMERA_ID MODEL WIDTH HEIGHT and parameters"));
   const std::string_view name = line.words[1];
-  const auto shape = std::find_if(kModels.begin(), kModels.end(), [&](const ModelShape& m) { return name == m.name; });
+  const auto shape =
+      std::find_if(kModels.begin(), kModels.end(), [&](const ModelShape& m) { return name == m.name; });
   if (shape == kModels.end())
-    return fail(ErrorCode::Unsupported, text(lines.bad(who).error_value.message, ": the camera model ", name,
-                                             " is not supported; convert the model to OPENCV or OPENCV_FISHEYE"));
+    return fail(ErrorCode::Unsupported,
+                text(lines.bad(who).error_value.message, ": the camera model ", name,
+                     " is not supported; convert the model to OPENCV or OPENCV_FISHEYE"));
   const std::optional<long> width = parse_integer(line.words[2]), height = parse_integer(line.words[3]);
   if (!width || !height || *width < 1 || *height < 1 || *width > kLargestImage || *height > kLargestImage)
     return lines.bad(text(who, ": the image size is not a pair of positive whole numbers"));
   const std::size_t count = shape->focals + 2 + shape->lens;
   if (line.words.size() != 4 + count)
-    return lines.bad(text(who, ": ", name, " has ", count, " parameters, but ", line.words.size() - 4, " are here"));
+    return lines.bad(
+        text(who, ": ", name, " has ", count, " parameters, but ", line.words.size() - 4, " are here"));
   const Result<std::vector<double>> p = numbers(lines, line, 4, count, who);
   if (!p) return forward(p);
   CameraModel model;
@@ -66,7 +71,8 @@ Result<CameraModel> parse_model(const TextLines& lines, const TextLine& line, co
   if (Result<void> ok = set_k(model, k, kOrigin); !ok) return lines.bad(text(who, ": ", ok.error().message));
   const auto first_of_lens = p->begin() + static_cast<std::ptrdiff_t>(shape->focals + 2);
   const Result<Lens> lens = lens_of(name, {first_of_lens, p->end()});
-  if (!lens) return fail(lens.error().code, text(lines.bad(who).error_value.message, ": ", lens.error().message));
+  if (!lens)
+    return fail(lens.error().code, text(lines.bad(who).error_value.message, ": ", lens.error().message));
   model.lens = *lens;
   return model;
 }
@@ -129,8 +135,8 @@ std::string image_line(std::size_t id, const Rigid3& pose, const std::string& im
 
 }  // namespace
 
-Result<ForeignRig> parse_colmap(std::string_view cameras, std::string_view images, std::string_view cameras_name,
-                                std::string_view images_name) {
+Result<ForeignRig> parse_colmap(std::string_view cameras, std::string_view images,
+                                std::string_view cameras_name, std::string_view images_name) {
   const Result<std::map<long, CameraModel>> models = parse_models(cameras, cameras_name);
   if (!models) return forward(models);
   TextLines lines(images, images_name);
@@ -145,12 +151,14 @@ Result<ForeignRig> parse_colmap(std::string_view cameras, std::string_view image
     const std::optional<long> id = parse_integer(line->words[8]);
     const auto model = id ? models->find(*id) : models->end();
     if (model == models->end())
-      return lines.bad(text(who, " names camera ", line->words[8], ", which ", cameras_name, " does not have"));
+      return lines.bad(
+          text(who, " names camera ", line->words[8], ", which ", cameras_name, " does not have"));
     foreign.rig.cameras.push_back({serial_from_name(image), model->second, *pose, {}});
     foreign.image_names.push_back(image);
     // The line after it holds the image's points, three words each; it is there even when it is empty.
     if (const std::optional<TextLine> points = lines.next(); points && points->words.size() % 3 != 0)
-      return lines.bad(text("the points of ", who, " should stand here as triples X Y POINT3D_ID, or an empty line"));
+      return lines.bad(
+          text("the points of ", who, " should stand here as triples X Y POINT3D_ID, or an empty line"));
   }
   return checked(std::move(foreign), images_name);
 }
@@ -167,7 +175,8 @@ Result<void> write_colmap(const Rig& rig, const std::vector<std::string>& image_
                           const std::filesystem::path& folder) {
   if (Result<void> ok = check_writable(rig, image_names, folder.string()); !ok) return ok;
   std::string cameras = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n";
-  std::string images = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points: X Y POINT3D_ID …\n";
+  std::string images =
+      "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points: X Y POINT3D_ID …\n";
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const RigCamera& c = rig.cameras[i];
     if (c.model.skew != 0)
@@ -178,7 +187,8 @@ Result<void> write_colmap(const Rig& rig, const std::vector<std::string>& image_
   }
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) return fail(ErrorCode::Io, text(folder.string(), ": cannot make this folder: ", error.message()));
+  if (error)
+    return fail(ErrorCode::Io, text(folder.string(), ": cannot make this folder: ", error.message()));
   // COLMAP opens a text model only with all three files.
   for (const auto& [file, content] : {std::pair<const char*, std::string>{"cameras.txt", cameras},
                                       {"images.txt", images},

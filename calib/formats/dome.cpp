@@ -25,7 +25,8 @@ Result<Eigen::Matrix<double, 3, Columns>> read_rows(TextLines& lines, const std:
     const std::optional<TextLine> line = lines.next_filled();
     if (!line) return lines.cut_off(text("row ", r + 1, " of ", what));
     if (line->words.size() != Columns)
-      return lines.bad(text("row ", r + 1, " of ", what, " needs ", Columns, " numbers, but ", line->words.size(), " are here"));
+      return lines.bad(text("row ", r + 1, " of ", what, " needs ", Columns, " numbers, but ",
+                            line->words.size(), " are here"));
     const Result<std::vector<double>> row = numbers(lines, *line, 0, Columns, what);
     if (!row) return forward(row);
     for (int c = 0; c < Columns; ++c) m(r, c) = (*row)[static_cast<std::size_t>(c)];
@@ -46,7 +47,8 @@ Result<RigCamera> read_camera(TextLines& lines, long index, double metres_per_un
   if (lens->words.size() != 2) return lines.bad(text("k1 k2 of ", who, " must be two numbers"));
   const Result<std::vector<double>> k1k2 = numbers(lines, *lens, 0, 2, text("k1 k2 of ", who));
   if (!k1k2) return forward(k1k2);
-  if ((*k1k2)[0] != 0 || (*k1k2)[1] != 0) camera.model.lens = BrownConrady{.k1 = (*k1k2)[0], .k2 = (*k1k2)[1]};
+  if ((*k1k2)[0] != 0 || (*k1k2)[1] != 0)
+    camera.model.lens = BrownConrady{.k1 = (*k1k2)[0], .k2 = (*k1k2)[1]};
   const Result<Eigen::Matrix<double, 3, 4>> rt = read_rows<4>(lines, text("R|t of ", who));
   if (!rt) return forward(rt);
   const Result<Eigen::Quaterniond> rotation = rotation_from_matrix(rt->leftCols<3>());
@@ -59,7 +61,8 @@ Result<RigCamera> read_camera(TextLines& lines, long index, double metres_per_un
 
 Result<ForeignRig> parse_dome(std::string_view content, double metres_per_unit, std::string_view name) {
   if (!std::isfinite(metres_per_unit) || metres_per_unit <= 0)
-    return fail(ErrorCode::InvalidArgument, text(metres_per_unit, " metres per unit is not a positive number"));
+    return fail(ErrorCode::InvalidArgument,
+                text(metres_per_unit, " metres per unit is not a positive number"));
   TextLines lines(content, name);
   ForeignRig foreign;
   while (const std::optional<TextLine> head = lines.next_filled()) {

@@ -25,8 +25,12 @@ Result<Lens> read_lens(const OpenCvYaml& intri, const std::string& key) {
     return intri.bad(key, text("has ", d.size(), " coefficients; OpenCV has 4, 5, 8, 12 or 14"));
   for (std::size_t i = 5; i < d.size(); ++i)
     if (d[i] != 0)
-      return fail(ErrorCode::Unsupported, intri.bad(key, "has rational, prism or tilt terms (after k3), which Floatstage does "
-                                                         "not have; calibrate again with five coefficients").error_value.message);
+      return fail(ErrorCode::Unsupported,
+                  intri
+                      .bad(key,
+                           "has rational, prism or tilt terms (after k3), which Floatstage does "
+                           "not have; calibrate again with five coefficients")
+                      .error_value.message);
   d.resize(5);
   const BrownConrady lens{d[0], d[1], d[2], d[3], d[4]};
   return lens == BrownConrady{} ? Lens{} : Lens(lens);
@@ -37,7 +41,8 @@ Result<CameraModel> read_model(const OpenCvYaml& intri, const std::string& camer
   const std::string key = "K_" + camera;
   const Result<std::vector<double>> k = intri.matrix(key, 3, 3);
   if (!k) return forward(k);
-  if (Result<void> ok = set_k(model, row_major(*k), kOrigin); !ok) return intri.bad(key, text("is wrong: ", ok.error().message));
+  if (Result<void> ok = set_k(model, row_major(*k), kOrigin); !ok)
+    return intri.bad(key, text("is wrong: ", ok.error().message));
   const Result<Lens> lens = read_lens(intri, "dist_" + camera);
   if (!lens) return forward(lens);
   model.lens = *lens;
@@ -66,11 +71,13 @@ Result<Eigen::Quaterniond> read_rotation(const OpenCvYaml& extri, const std::str
   const Eigen::Vector3d axis((*v)[0], (*v)[1], (*v)[2]);
   const double angle = axis.norm();
   if (!std::isfinite(angle)) return extri.bad(vector_key, "is not a rotation vector");
-  return angle == 0 ? Eigen::Quaterniond::Identity() : Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis / angle));
+  return angle == 0 ? Eigen::Quaterniond::Identity()
+                    : Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis / angle));
 }
 
 std::string yaml_matrix(const std::string& key, int rows, int cols, const std::vector<double>& values) {
-  std::string out = text(key, ": !!opencv-matrix\n   rows: ", rows, "\n   cols: ", cols, "\n   dt: d\n   data: [ ");
+  std::string out =
+      text(key, ": !!opencv-matrix\n   rows: ", rows, "\n   cols: ", cols, "\n   dt: d\n   data: [ ");
   for (std::size_t i = 0; i < values.size(); ++i) {
     // As OpenCV writes it: the point keeps readers from taking "1" for an integer.
     std::string number = to_text(values[i]);
@@ -86,8 +93,8 @@ std::vector<double> by_rows(const Eigen::Matrix3d& m) {
 
 }  // namespace
 
-Result<ForeignRig> parse_easymocap(std::string_view intri_text, std::string_view extri_text, std::string_view intri_name,
-                                   std::string_view extri_name) {
+Result<ForeignRig> parse_easymocap(std::string_view intri_text, std::string_view extri_text,
+                                   std::string_view intri_name, std::string_view extri_name) {
   const Result<OpenCvYaml> intri = OpenCvYaml::parse(intri_text, intri_name);
   if (!intri) return forward(intri);
   const Result<OpenCvYaml> extri = OpenCvYaml::parse(extri_text, extri_name);
@@ -102,7 +109,8 @@ Result<ForeignRig> parse_easymocap(std::string_view intri_text, std::string_view
     if (!rotation) return forward(rotation);
     const Result<std::vector<double>> t = extri->matrix("T_" + camera, 3, 1);
     if (!t) return forward(t);
-    foreign.rig.cameras.push_back({serial_from_name(camera), *model, {rotation->normalized(), {(*t)[0], (*t)[1], (*t)[2]}}, {}});
+    foreign.rig.cameras.push_back(
+        {serial_from_name(camera), *model, {rotation->normalized(), {(*t)[0], (*t)[1], (*t)[2]}}, {}});
     foreign.image_names.push_back(camera);
   }
   return checked(std::move(foreign), intri_name);
@@ -117,12 +125,14 @@ Result<ForeignRig> read_easymocap(const std::filesystem::path& folder) {
 }
 
 Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder) {
-  if (Result<void> ok = check(rig); !ok) return fail(ok.error().code, text(folder.string(), ": ", ok.error().message));
+  if (Result<void> ok = check(rig); !ok)
+    return fail(ok.error().code, text(folder.string(), ": ", ok.error().message));
   std::string intri = "%YAML:1.0\n---\nnames:\n", extri = intri;
   for (const RigCamera& c : rig.cameras) {
     if (std::holds_alternative<KannalaBrandt>(c.model.lens))
-      return fail(ErrorCode::Unsupported, text(folder.string(), ": camera '", c.serial,
-                                               "' has a fisheye lens, which this format cannot hold; write COLMAP instead"));
+      return fail(ErrorCode::Unsupported,
+                  text(folder.string(), ": camera '", c.serial,
+                       "' has a fisheye lens, which this format cannot hold; write COLMAP instead"));
     intri += "   - \"" + c.serial + "\"\n";
     extri += "   - \"" + c.serial + "\"\n";
   }
@@ -140,7 +150,8 @@ Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder
   }
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) return fail(ErrorCode::Io, text(folder.string(), ": cannot make this folder: ", error.message()));
+  if (error)
+    return fail(ErrorCode::Io, text(folder.string(), ": cannot make this folder: ", error.message()));
   if (Result<void> ok = write_file(folder / "intri.yml", intri); !ok) return ok;
   return write_file(folder / "extri.yml", extri);
 }

@@ -35,9 +35,10 @@ Result<ForeignRig> parse_middlebury(std::string_view content, std::string_view n
     if (!line) return lines.cut_off(text("camera ", i + 1, " of ", *count));
     const std::string image(line->words[0]);
     if (line->words.size() != kWordsPerCamera)
-      return lines.bad(text("camera '", image, "' needs a name, K, R and t: ", kWordsPerCamera, " words, but ",
-                            line->words.size(), " are here"));
-    const Result<std::vector<double>> values = numbers(lines, *line, 1, kWordsPerCamera - 1, text("camera '", image, "'"));
+      return lines.bad(text("camera '", image, "' needs a name, K, R and t: ", kWordsPerCamera,
+                            " words, but ", line->words.size(), " are here"));
+    const Result<std::vector<double>> values =
+        numbers(lines, *line, 1, kWordsPerCamera - 1, text("camera '", image, "'"));
     if (!values) return forward(values);
     RigCamera camera;
     camera.serial = serial_from_name(image);
@@ -49,7 +50,8 @@ Result<ForeignRig> parse_middlebury(std::string_view content, std::string_view n
     foreign.rig.cameras.push_back(camera);
     foreign.image_names.push_back(image);
   }
-  if (lines.next_filled()) return lines.bad(text("more cameras than the ", *count, " that the first line announces"));
+  if (lines.next_filled())
+    return lines.bad(text("more cameras than the ", *count, " that the first line announces"));
   return checked(std::move(foreign), name);
 }
 
@@ -66,12 +68,14 @@ Result<void> write_middlebury(const Rig& rig, const std::vector<std::string>& im
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const RigCamera& c = rig.cameras[i];
     if (!std::holds_alternative<std::monostate>(c.model.lens))
-      return fail(ErrorCode::Unsupported, text(par_txt.string(), ": camera '", c.serial,
-                                               "' has lens distortion, which this format cannot hold; undistort the "
-                                               "pictures first or write COLMAP or OpenCV"));
+      return fail(ErrorCode::Unsupported,
+                  text(par_txt.string(), ": camera '", c.serial,
+                       "' has lens distortion, which this format cannot hold; undistort the "
+                       "pictures first or write COLMAP or OpenCV"));
     if (image_names[i].find_first_of(" \t\r\n") != std::string::npos)
-      return fail(ErrorCode::Unsupported, text(par_txt.string(), ": the image name '", image_names[i],
-                                               "' holds a blank, which this format cannot hold; rename the image"));
+      return fail(ErrorCode::Unsupported,
+                  text(par_txt.string(), ": the image name '", image_names[i],
+                       "' holds a blank, which this format cannot hold; rename the image"));
     out += image_names[i];
     append_row_major(out, k_with_origin(c.model, kOrigin));
     append_row_major(out, c.cam_from_world.rotation.toRotationMatrix());

@@ -15,7 +15,8 @@ std::string_view trimmed(std::string_view s) {
 }
 
 std::string unquoted(std::string_view s) {
-  if (s.size() >= 2 && (s.front() == '"' || s.front() == '\'') && s.back() == s.front()) s = s.substr(1, s.size() - 2);
+  if (s.size() >= 2 && (s.front() == '"' || s.front() == '\'') && s.back() == s.front())
+    s = s.substr(1, s.size() - 2);
   return std::string(s);
 }
 
@@ -46,7 +47,8 @@ class OpenCvYamlParser {
   Result<std::pair<std::string, std::string_view>> key_and_value() {
     const std::size_t colon = line_->whole.find(':');
     if (colon == std::string_view::npos) return lines_.bad("'key: value' should stand here");
-    return std::pair(unquoted(trimmed(line_->whole.substr(0, colon))), trimmed(line_->whole.substr(colon + 1)));
+    return std::pair(unquoted(trimmed(line_->whole.substr(0, colon))),
+                     trimmed(line_->whole.substr(colon + 1)));
   }
 
   Result<void> parse_entry() {
@@ -71,7 +73,8 @@ class OpenCvYamlParser {
       advance();
     }
     if (!ok) return ok;
-    if (!entries_.emplace(key, std::move(entry)).second) return lines_.bad(text(key, " is here a second time"));
+    if (!entries_.emplace(key, std::move(entry)).second)
+      return lines_.bad(text(key, " is here a second time"));
     return {};
   }
 
@@ -117,7 +120,8 @@ class OpenCvYamlParser {
       if (!pair) return forward(pair);
       const auto& [key, value] = *pair;
       if (key == "data") {
-        if (has_data || value.empty() || value.front() != '[') return lines_.bad("data should be one list in [ ]");
+        if (has_data || value.empty() || value.front() != '[')
+          return lines_.bad("data should be one list in [ ]");
         has_data = true;
         if (Result<void> ok = parse_brackets(value, entry.items); !ok) return ok;
       } else {
@@ -175,7 +179,8 @@ Result<std::vector<double>> OpenCvYaml::data(const std::string& key, long& rows,
 Result<std::vector<double>> OpenCvYaml::matrix(const std::string& key, int rows, int cols) const {
   long r = 0, c = 0;
   Result<std::vector<double>> values = data(key, r, c);
-  if (values && (r != rows || c != cols)) return bad(key, text("should be ", rows, "×", cols, " numbers, but is ", r, "×", c));
+  if (values && (r != rows || c != cols))
+    return bad(key, text("should be ", rows, "×", cols, " numbers, but is ", r, "×", c));
   return values;
 }
 

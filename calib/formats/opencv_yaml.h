@@ -9,14 +9,15 @@
 
 namespace floatstage {
 
-/// The part of YAML that OpenCV's FileStorage writes: after %YAML, top-level keys with a scalar, a list ("- a" lines or
-/// [ a, b ]) or an !!opencv-matrix of one channel. Anything else is BadData with its line.
+/// The part of YAML that OpenCV's FileStorage writes: after %YAML, top-level keys with a scalar, a list ("-
+/// a" lines or [ a, b ]) or an !!opencv-matrix of one channel. Anything else is BadData with its line.
 class OpenCvYaml {
  public:
   static Result<OpenCvYaml> parse(std::string_view text, std::string_view name);
 
   bool has(const std::string& key) const { return entries_.contains(key); }
-  /// A matrix of exactly `rows`×`cols`, row by row. All of these say which entry is missing or wrong, and its line.
+  /// A matrix of exactly `rows`×`cols`, row by row. All of these say which entry is missing or wrong, and its
+  /// line.
   Result<std::vector<double>> matrix(const std::string& key, int rows, int cols) const;
   /// A matrix of one row or one column.
   Result<std::vector<double>> vector(const std::string& key) const;
@@ -31,7 +32,7 @@ class OpenCvYaml {
   struct Entry {
     int line = 0;
     std::string scalar;
-    std::vector<std::string> items;        // of a list, or a matrix' data
+    std::vector<std::string> items;                // of a list, or a matrix' data
     std::map<std::string, std::string> of_matrix;  // rows, cols, dt
     bool is_list = false, is_matrix = false;
   };

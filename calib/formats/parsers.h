@@ -10,10 +10,10 @@ namespace floatstage {
 
 Result<ForeignRig> parse_middlebury(std::string_view text, std::string_view name);
 Result<ForeignRig> parse_dome(std::string_view text, double metres_per_unit, std::string_view name);
-Result<ForeignRig> parse_colmap(std::string_view cameras, std::string_view images, std::string_view cameras_name,
-                                std::string_view images_name);
-Result<ForeignRig> parse_easymocap(std::string_view intri, std::string_view extri, std::string_view intri_name,
-                                   std::string_view extri_name);
+Result<ForeignRig> parse_colmap(std::string_view cameras, std::string_view images,
+                                std::string_view cameras_name, std::string_view images_name);
+Result<ForeignRig> parse_easymocap(std::string_view intri, std::string_view extri,
+                                   std::string_view intri_name, std::string_view extri_name);
 Result<ForeignRig> parse_kalibr(std::string_view yaml, std::string_view name);
 Result<ForeignRig> parse_qualisys(std::string_view xml, std::string_view name);
 
@@ -21,6 +21,7 @@ Result<ForeignRig> parse_qualisys(std::string_view xml, std::string_view name);
 Result<ForeignRig> checked(ForeignRig foreign, std::string_view name);
 
 /// What every writer begins with: the rig is sound and has one image name a camera.
-Result<void> check_writable(const Rig& rig, const std::vector<std::string>& image_names, std::string_view name);
+Result<void> check_writable(const Rig& rig, const std::vector<std::string>& image_names,
+                            std::string_view name);
 
 }  // namespace floatstage

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+
 #include <pugixml.hpp>
 
 #include "calib/formats/camera_parts.h"
@@ -22,7 +23,9 @@ struct Place {
 
   Unexpected bad(const pugi::xml_node& node, const std::string& what) const {
     const auto offset = static_cast<std::size_t>(std::max<std::ptrdiff_t>(node.offset_debug(), 0));
-    const auto line = 1 + std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(std::min(offset, xml.size())), '\n');
+    const auto line =
+        1 + std::count(xml.begin(), xml.begin() + static_cast<std::ptrdiff_t>(std::min(offset, xml.size())),
+                       '\n');
     return fail(ErrorCode::BadData, text(file, ": line ", line, ": ", who, ": ", what));
   }
 };
@@ -40,8 +43,9 @@ Result<double> number(const Place& place, const pugi::xml_node& node, const char
   if (!attribute && absent) return *absent;
   if (!attribute) return place.bad(node, text(name, " is missing from <", node.name(), ">"));
   const std::optional<double> value = parse_number(attribute.value());
-  if (!value) return place.bad(node, text(name, "=\"", std::string_view(attribute.value()).substr(0, 40),
-                                          "\" is not a finite number"));
+  if (!value)
+    return place.bad(node, text(name, "=\"", std::string_view(attribute.value()).substr(0, 40),
+                                "\" is not a finite number"));
   return *value;
 }
 
@@ -61,11 +65,13 @@ Result<std::vector<double>> attributes(const Place& place, const pugi::xml_node&
 Result<CameraModel> parse_model(const Place& place, const pugi::xml_node& camera) {
   const Result<pugi::xml_node> intrinsic = child(place, camera, "intrinsic");
   if (!intrinsic) return forward(intrinsic);
-  const auto k = attributes(place, *intrinsic, {"focalLengthU", "focalLengthV", "centerPointU", "centerPointV"});
+  const auto k =
+      attributes(place, *intrinsic, {"focalLengthU", "focalLengthV", "centerPointU", "centerPointV"});
   if (!k) return forward(k);
   const auto d = attributes(place, *intrinsic,
                             {"skew", "radialDistortion1", "radialDistortion2", "radialDistortion3",
-                             "tangentalDistortion1", "tangentalDistortion2"}, 0.0);
+                             "tangentalDistortion1", "tangentalDistortion2"},
+                            0.0);
   if (!d) return forward(d);
   // The picture may be a part of the sensor; its borders are inclusive pixel numbers of the sensor.
   double left = 0, top = 0;
@@ -100,7 +106,8 @@ Result<Rigid3> parse_pose(const Place& place, const pugi::xml_node& camera) {
   const auto v = attributes(place, *transform,
                             {"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33", "x", "y", "z"});
   if (!v) return forward(v);
-  // Its rows are the camera's axes in the room (x right, y up, z backwards); x, y, z is where the camera stands.
+  // Its rows are the camera's axes in the room (x right, y up, z backwards); x, y, z is where the camera
+  // stands.
   const Eigen::Matrix3d axes = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(v->data());
   const Eigen::Vector3d center = Eigen::Map<const Eigen::Vector3d>(v->data() + 9) * kMetresPerUnit;
   const Result<Eigen::Quaterniond> rotation = rotation_from_matrix(axes);
@@ -116,9 +123,11 @@ Result<ForeignRig> parse_qualisys(std::string_view xml, std::string_view name) {
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(xml.data(), xml.size());
   if (!parsed) {
-    const auto end = xml.begin() + std::clamp<std::ptrdiff_t>(parsed.offset, 0, static_cast<std::ptrdiff_t>(xml.size()));
-    return fail(ErrorCode::BadData, text(name, ": line ", 1 + std::count(xml.begin(), end, '\n'),
-                                         ": not well-formed XML (", parsed.description(), "); the file may be cut off"));
+    const auto end =
+        xml.begin() + std::clamp<std::ptrdiff_t>(parsed.offset, 0, static_cast<std::ptrdiff_t>(xml.size()));
+    return fail(ErrorCode::BadData,
+                text(name, ": line ", 1 + std::count(xml.begin(), end, '\n'), ": not well-formed XML (",
+                     parsed.description(), "); the file may be cut off"));
   }
   ForeignRig foreign;
   for (const pugi::xml_node& node : document.child("calibration").child("cameras").children("camera")) {
@@ -134,7 +143,8 @@ Result<ForeignRig> parse_qualisys(std::string_view xml, std::string_view name) {
     foreign.image_names.push_back(serial);
   }
   if (foreign.rig.cameras.empty())
-    return fail(ErrorCode::BadData, text(name, ": no active <camera> in <calibration><cameras>; is it a Qualisys calibration?"));
+    return fail(ErrorCode::BadData,
+                text(name, ": no active <camera> in <calibration><cameras>; is it a Qualisys calibration?"));
   return checked(std::move(foreign), name);
 }
 

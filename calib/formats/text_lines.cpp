@@ -39,7 +39,8 @@ std::optional<TextLine> TextLines::next() {
   line.number = ++line_;
   line.whole = text_.substr(position_, end == std::string_view::npos ? end : end - position_);
   position_ = end == std::string_view::npos ? text_.size() : end + 1;
-  if (end != std::string_view::npos && text_[end] == '\r' && position_ < text_.size() && text_[position_] == '\n')
+  if (end != std::string_view::npos && text_[end] == '\r' && position_ < text_.size() &&
+      text_[position_] == '\n')
     ++position_;
   line.words = cut_at_blanks(line.whole);
   return line;
@@ -58,8 +59,8 @@ Unexpected TextLines::bad(const std::string& what) const {
 }
 
 Unexpected TextLines::cut_off(const std::string& what) const {
-  return fail(ErrorCode::BadData,
-              text(name_, ": ends after line ", line_, ", but ", what, " should follow; the file is cut off"));
+  return fail(ErrorCode::BadData, text(name_, ": ends after line ", line_, ", but ", what,
+                                       " should follow; the file is cut off"));
 }
 
 std::optional<double> parse_number(std::string_view word) {
@@ -78,8 +79,8 @@ std::optional<long> parse_integer(std::string_view word) {
   return value;
 }
 
-Result<std::vector<double>> numbers(const TextLines& lines, const TextLine& line, std::size_t first, std::size_t count,
-                                    const std::string& what) {
+Result<std::vector<double>> numbers(const TextLines& lines, const TextLine& line, std::size_t first,
+                                    std::size_t count, const std::string& what) {
   if (line.words.size() < first + count)
     return lines.bad(text(what, " needs ", count, " numbers, but ",
                           line.words.size() > first ? line.words.size() - first : 0, " are here"));
@@ -88,7 +89,8 @@ Result<std::vector<double>> numbers(const TextLines& lines, const TextLine& line
   for (std::size_t i = first; i < first + count; ++i) {
     const std::optional<double> value = parse_number(line.words[i]);
     if (!value)
-      return lines.bad(text("'", line.words[i].substr(0, kLongestQuote), "' in ", what, " is not a finite number"));
+      return lines.bad(
+          text("'", line.words[i].substr(0, kLongestQuote), "' in ", what, " is not a finite number"));
     values.push_back(*value);
   }
   return values;

@@ -1,10 +1,10 @@
 #include "calib/solver/bundle.h"
 
-#include <ceres/ceres.h>
-
 #include <algorithm>
 #include <array>
 #include <memory>
+
+#include <ceres/ceres.h>
 
 #include "core/parallel.h"
 
@@ -116,8 +116,9 @@ struct Workspace {
   Scene& scene;
   const BundleOptions& options;
   std::vector<Pose> cameras;
-  // Boards (13 numbers each, the last six only where motion is solved for) and behind them markers. Ceres orders the blocks of a
-  // group by their addresses: in one array these do not depend on the heap, and so neither do the sums.
+  // Boards (13 numbers each, the last six only where motion is solved for) and behind them markers. Ceres
+  // orders the blocks of a group by their addresses: in one array these do not depend on the heap, and so
+  // neither do the sums.
   std::vector<double> objects;
   std::vector<std::size_t> marker_begin;
   std::vector<int> views;  // the usable ones
@@ -136,7 +137,8 @@ struct Workspace {
     }
     for (std::size_t i = 0; i < s.views.size(); ++i) {
       const SceneView& v = s.views[i];
-      const bool any = std::any_of(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
+      const bool any =
+          std::any_of(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
       if (any && usable(s, v)) views.push_back(static_cast<int>(i));
     }
     linear.resize(views.size());
@@ -145,7 +147,8 @@ struct Workspace {
   double* board(std::size_t i) { return objects.data() + kBoardSize * i; }
   double* markers(std::size_t i) { return objects.data() + marker_begin[i]; }
   double* object_of(const SceneView& v) {
-    return v.board >= 0 ? board(static_cast<std::size_t>(v.board)) : markers(static_cast<std::size_t>(v.markers));
+    return v.board >= 0 ? board(static_cast<std::size_t>(v.board))
+                        : markers(static_cast<std::size_t>(v.markers));
   }
 
   void to_scene() {
@@ -165,7 +168,8 @@ struct Workspace {
   }
 };
 
-// Projects all views on all threads before Ceres asks for them one by one: the same sums at any number of threads.
+// Projects all views on all threads before Ceres asks for them one by one: the same sums at any number of
+// threads.
 class ProjectViews final : public ceres::EvaluationCallback {
  public:
   explicit ProjectViews(Workspace& w) : w_(w) {}
@@ -173,7 +177,8 @@ class ProjectViews final : public ceres::EvaluationCallback {
     if (!new_point && (have_derivatives_ || !with_derivatives)) return;
     w_.to_scene();
     parallel_for(w_.views.size(), w_.options.threads, [&](std::size_t i) {
-      linearize(w_.scene, w_.scene.views[static_cast<std::size_t>(w_.views[i])], w_.options.loss, with_derivatives, w_.linear[i]);
+      linearize(w_.scene, w_.scene.views[static_cast<std::size_t>(w_.views[i])], w_.options.loss,
+                with_derivatives, w_.linear[i]);
     });
     have_derivatives_ = with_derivatives;
   }
@@ -187,7 +192,10 @@ class ViewCost final : public ceres::CostFunction {
  public:
   ViewCost(Workspace& w, std::size_t index) : w_(w), index_(index) {
     const SceneView& v = view();
-    const int markers = v.board >= 0 ? 0 : 3 * static_cast<int>(w.scene.markers[static_cast<std::size_t>(v.markers)].positions.size());
+    const int markers =
+        v.board >= 0
+            ? 0
+            : 3 * static_cast<int>(w.scene.markers[static_cast<std::size_t>(v.markers)].positions.size());
     set_num_residuals(v.board >= 0 ? kBoardRows : 2 * static_cast<int>(v.points.size()));
     const bool moves = v.board >= 0 && w.scene.boards[static_cast<std::size_t>(v.board)].free_motion;
     *mutable_parameter_block_sizes() = {kIntrinsics, 7, v.board >= 0 ? (moves ? 13 : 7) : markers, 1};
@@ -199,8 +207,11 @@ class ViewCost final : public ceres::CostFunction {
     if (!jacobians) return true;
     const SceneView& v = view();
     const Eigen::Index height = linear.residual.size();
-    if (jacobians[0]) Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kIntrinsics, Eigen::RowMajor>>(jacobians[0], height, kIntrinsics) = linear.by_intrinsics;
-    if (jacobians[1]) spread(linear.by_camera, w_.cameras[static_cast<std::size_t>(v.camera)].data(), jacobians[1]);
+    if (jacobians[0])
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kIntrinsics, Eigen::RowMajor>>(
+          jacobians[0], height, kIntrinsics) = linear.by_intrinsics;
+    if (jacobians[1])
+      spread(linear.by_camera, w_.cameras[static_cast<std::size_t>(v.camera)].data(), jacobians[1]);
     if (jacobians[2]) {
       if (v.board >= 0)
         spread(linear.by_object, w_.object_of(v), jacobians[2]);
@@ -225,7 +236,8 @@ class IntrinsicsPrior final : public ceres::SizedCostFunction<kIntrinsics, kIntr
     Eigen::Map<Intrinsics> r(residuals);
     r = (Eigen::Map<const Intrinsics>(parameters[0]) - start_).cwiseQuotient(sigma_);
     if (jacobians && jacobians[0])
-      Eigen::Map<RowMajor>(jacobians[0], kIntrinsics, kIntrinsics) = sigma_.cwiseInverse().asDiagonal().toDenseMatrix();
+      Eigen::Map<RowMajor>(jacobians[0], kIntrinsics, kIntrinsics) =
+          sigma_.cwiseInverse().asDiagonal().toDenseMatrix();
     return true;
   }
 
@@ -236,7 +248,9 @@ class IntrinsicsPrior final : public ceres::SizedCostFunction<kIntrinsics, kIntr
 // What neighbouring frames say of a board's motion.
 class MotionPrior final : public ceres::SizedCostFunction<6, 13> {
  public:
-  explicit MotionPrior(const SceneBoard& b) : weights_(motion_weights(b)) { likely_ << b.likely_spin, b.likely_velocity; }
+  explicit MotionPrior(const SceneBoard& b) : weights_(motion_weights(b)) {
+    likely_ << b.likely_spin, b.likely_velocity;
+  }
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     Eigen::Map<Vector6> r(residuals, 6);
     r = (Eigen::Map<const Vector6>(parameters[0] + 7) - likely_).cwiseProduct(weights_);
@@ -290,7 +304,8 @@ class MarkerKnowledge final : public ceres::CostFunction {
     Eigen::MatrixXd by_positions;
     const Eigen::VectorXd r = marker_residual(here, target_, &by_positions);
     Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
-    if (jacobians && jacobians[0]) Eigen::Map<RowMajor>(jacobians[0], by_positions.rows(), by_positions.cols()) = by_positions;
+    if (jacobians && jacobians[0])
+      Eigen::Map<RowMajor>(jacobians[0], by_positions.rows(), by_positions.cols()) = by_positions;
     return true;
   }
 
@@ -310,7 +325,8 @@ void add_cameras(ceres::Problem& problem, Workspace& w, const std::vector<bool>&
     if (still.size() == kIntrinsics) {
       problem.SetParameterBlockConstant(c.intrinsics.data());
     } else {
-      if (!still.empty()) problem.SetManifold(c.intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, still));
+      if (!still.empty())
+        problem.SetManifold(c.intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, still));
       problem.AddResidualBlock(new IntrinsicsPrior(c), nullptr, c.intrinsics.data());
     }
     problem.SetManifold(w.cameras[i].data(), new PoseManifold);
@@ -367,8 +383,8 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
     const SceneView& v = scene.views[static_cast<std::size_t>(w.views[i])];
     const auto camera = static_cast<std::size_t>(v.camera);
     const auto object = static_cast<std::size_t>(v.board >= 0 ? v.board : v.markers);
-    problem.AddResidualBlock(new ViewCost(w, i), nullptr, scene.cameras[camera].intrinsics.data(), w.cameras[camera].data(), w.object_of(v),
-                             &scene.cameras[camera].offset);
+    problem.AddResidualBlock(new ViewCost(w, i), nullptr, scene.cameras[camera].intrinsics.data(),
+                             w.cameras[camera].data(), w.object_of(v), &scene.cameras[camera].offset);
     cameras[camera] = true;
     (v.board >= 0 ? boards : markers)[object] = true;
   }
@@ -390,18 +406,21 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
     const Target& target = scene.targets[static_cast<std::size_t>(scene.markers[i].target)];
     ordering->AddElementToGroup(w.markers(i), 0);
     if (marker_residual(scene.markers[i], target, nullptr).size() > 0)
-      // Lengths that contradict the boards must not drag markers off their rays: then nobody could say which is wrong.
-      problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target), new ceres::CauchyLoss(kDoubtfulLength), w.markers(i));
+      // Lengths that contradict the boards must not drag markers off their rays: then nobody could say which
+      // is wrong.
+      problem.AddResidualBlock(new MarkerKnowledge(scene.markers[i], target),
+                               new ceres::CauchyLoss(kDoubtfulLength), w.markers(i));
   }
   for (const SceneDistance& d : scene.distances) {
     const auto a = static_cast<std::size_t>(d.a), b = static_cast<std::size_t>(d.b);
     if (options.cameras_move && cameras[a] && cameras[b])
-      problem.AddResidualBlock(new DistanceCost(d), new ceres::CauchyLoss(kDoubtfulDistance), w.cameras[a].data(), w.cameras[b].data());
+      problem.AddResidualBlock(new DistanceCost(d), new ceres::CauchyLoss(kDoubtfulDistance),
+                               w.cameras[a].data(), w.cameras[b].data());
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     if (!cameras[i]) continue;
-    // Ceres orders the blocks of a group by their addresses, so blocks of different arrays are in different groups: the
-    // sums must not depend on where the heap put an array.
+    // Ceres orders the blocks of a group by their addresses, so blocks of different arrays are in different
+    // groups: the sums must not depend on where the heap put an array.
     ordering->AddElementToGroup(scene.cameras[i].intrinsics.data(), 1);
     ordering->AddElementToGroup(&scene.cameras[i].offset, 1);
     ordering->AddElementToGroup(w.cameras[i].data(), 2);
@@ -423,7 +442,8 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
     return {};
   }
   w.to_scene();
-  return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()), summary.final_cost};
+  return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size()),
+          summary.final_cost};
 }
 
 }  // namespace floatstage::solver

@@ -7,8 +7,8 @@ namespace floatstage::solver {
 
 /// Which intrinsics of the cameras whose intrinsics are not fixed are solved for.
 enum class Freedom {
-  None,      ///< only poses
-  Focal,     ///< focal lengths and the first radial coefficient
+  None,   ///< only poses
+  Focal,  ///< focal lengths and the first radial coefficient
   All,
 };
 
@@ -27,11 +27,13 @@ struct BundleSummary {
   double cost = 0;  ///< half the sum of squares, weak priors included
 };
 
-/// One joint least-squares solution (Ceres, Levenberg-Marquardt, Schur complement over boards and markers) over all usable
-/// views. Changes the scene in place; when a step cannot be taken the scene stays as good as it was.
+/// One joint least-squares solution (Ceres, Levenberg-Marquardt, Schur complement over boards and markers)
+/// over all usable views. Changes the scene in place; when a step cannot be taken the scene stays as good as
+/// it was.
 BundleSummary solve(Scene& scene, const BundleOptions& options);
 
-/// Which of a camera's parameters are solved for: kIntrinsics, then rotation and translation (6), then the offset.
+/// Which of a camera's parameters are solved for: kIntrinsics, then rotation and translation (6), then the
+/// offset.
 inline constexpr int kCameraParameters = kIntrinsics + 6 + 1;
 using CameraMask = Eigen::Matrix<bool, kCameraParameters, 1>;
 CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& options);
@@ -39,7 +41,8 @@ CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& 
 /// One over the sigmas of what is likely of a board's spin and velocity.
 Eigen::Matrix<double, 6, 1> motion_weights(const SceneBoard& board);
 
-/// Sigmas of the weak priors that keep a poor capture solvable: far wider than any useful capture's own knowledge.
+/// Sigmas of the weak priors that keep a poor capture solvable: far wider than any useful capture's own
+/// knowledge.
 Intrinsics prior_sigmas(const SceneCamera& camera);
 
 }  // namespace floatstage::solver

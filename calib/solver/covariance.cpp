@@ -1,9 +1,10 @@
 #include "calib/solver/covariance.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 namespace floatstage::solver {
 namespace {
@@ -19,7 +20,8 @@ bool has_kept(const SceneView& v) {
 std::map<std::pair<bool, int>, std::vector<const SceneView*>> by_object(const Scene& scene) {
   std::map<std::pair<bool, int>, std::vector<const SceneView*>> groups;
   for (const SceneView& v : scene.views)
-    if (usable(scene, v) && has_kept(v)) groups[{v.board >= 0, v.board >= 0 ? v.board : v.markers}].push_back(&v);
+    if (usable(scene, v) && has_kept(v))
+      groups[{v.board >= 0, v.board >= 0 ? v.board : v.markers}].push_back(&v);
   return groups;
 }
 
@@ -34,8 +36,10 @@ MatrixXd inverse(const MatrixXd& m) {
   const Eigen::VectorXd scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * m * scale.asDiagonal());
   const double smallest = 1e-13 * eigen.eigenvalues().cwiseAbs().maxCoeff();
-  const Eigen::VectorXd inverted = eigen.eigenvalues().unaryExpr([&](double v) { return v > smallest ? 1 / v : 1 / smallest; });
-  return scale.asDiagonal() * eigen.eigenvectors() * inverted.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+  const Eigen::VectorXd inverted =
+      eigen.eigenvalues().unaryExpr([&](double v) { return v > smallest ? 1 / v : 1 / smallest; });
+  return scale.asDiagonal() * eigen.eigenvectors() * inverted.asDiagonal() *
+         eigen.eigenvectors().transpose() * scale.asDiagonal();
 }
 
 }  // namespace
@@ -52,16 +56,23 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
   MatrixXd information = MatrixXd::Zero(size, size);
   for (const SceneDistance& d : scene.distances) {
     const Eigen::Matrix<double, 1, 12> row =
-        linearize_distance(d, scene.cameras[static_cast<std::size_t>(d.a)].cam_from_world, scene.cameras[static_cast<std::size_t>(d.b)].cam_from_world).by_poses;
+        linearize_distance(d, scene.cameras[static_cast<std::size_t>(d.a)].cam_from_world,
+                           scene.cameras[static_cast<std::size_t>(d.b)].cam_from_world)
+            .by_poses;
     const Index at[] = {kCameraParameters * d.a + kIntrinsics, kCameraParameters * d.b + kIntrinsics};
     for (int i = 0; i < 2; ++i)
-      for (int k = 0; k < 2; ++k) information.block<6, 6>(at[i], at[k]) += row.segment<6>(6 * i).transpose() * row.segment<6>(6 * k);
+      for (int k = 0; k < 2; ++k)
+        information.block<6, 6>(at[i], at[k]) += row.segment<6>(6 * i).transpose() * row.segment<6>(6 * k);
   }
   for (const auto& [object, views] : by_object(scene)) {
-    const SceneMarkers* markers = object.first ? nullptr : &scene.markers[static_cast<std::size_t>(object.second)];
+    const SceneMarkers* markers =
+        object.first ? nullptr : &scene.markers[static_cast<std::size_t>(object.second)];
     const SceneBoard* board = markers ? nullptr : &scene.boards[static_cast<std::size_t>(object.second)];
-    if (markers && views.size() < 2) continue;  // one ray says nothing of its camera, and cannot place its points
-    const Index width = markers ? 3 * static_cast<Index>(markers->positions.size()) : board->free_motion ? 12 : 6;
+    if (markers && views.size() < 2)
+      continue;  // one ray says nothing of its camera, and cannot place its points
+    const Index width = markers              ? 3 * static_cast<Index>(markers->positions.size())
+                        : board->free_motion ? 12
+                                             : 6;
     MatrixXd own = MatrixXd::Zero(width, width);
     std::vector<std::pair<Index, MatrixXd>> shared;  // camera's first row, its block with the object
     for (const SceneView* v : views) {
@@ -85,7 +96,8 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
     for (const auto& [at, block] : shared) eliminated.push_back(solved.solve(block.transpose()));
     for (const auto& [row, block] : shared)
       for (std::size_t k = 0; k < shared.size(); ++k)
-        information.block(row, shared[k].first, kCameraParameters, kCameraParameters) -= block * eliminated[k];
+        information.block(row, shared[k].first, kCameraParameters, kCameraParameters) -=
+            block * eliminated[k];
   }
   for (std::size_t c = 0; c < scene.cameras.size(); ++c)
     information.diagonal().segment<kIntrinsics>(kCameraParameters * static_cast<Index>(c)) +=
@@ -102,17 +114,20 @@ Redundancy redundancy(const Scene& scene, const BundleOptions& options) {
   Redundancy r;
   for (const auto& [object, views] : by_object(scene)) {
     for (const SceneView* v : views)
-      r.rows += 2.0 * static_cast<double>(std::count_if(v->points.begin(), v->points.end(), [](const ScenePoint& p) { return p.kept; }));
+      r.rows += 2.0 * static_cast<double>(std::count_if(v->points.begin(), v->points.end(),
+                                                        [](const ScenePoint& p) { return p.kept; }));
     if (object.first) {
       r.unknowns += 6;  // a motion that is solved for is measured by its neighbours: one row an unknown
       continue;
     }
     const SceneMarkers& markers = scene.markers[static_cast<std::size_t>(object.second)];
     r.unknowns += 3.0 * static_cast<double>(markers.positions.size());
-    r.rows += static_cast<double>(marker_residual(markers, scene.targets[static_cast<std::size_t>(markers.target)], nullptr).size());
+    r.rows += static_cast<double>(
+        marker_residual(markers, scene.targets[static_cast<std::size_t>(markers.target)], nullptr).size());
   }
   for (std::size_t c = 0; c < scene.cameras.size(); ++c)
-    if (scene.cameras[c].placed) r.unknowns += static_cast<double>(free_parameters(scene, static_cast<int>(c), options).count());
+    if (scene.cameras[c].placed)
+      r.unknowns += static_cast<double>(free_parameters(scene, static_cast<int>(c), options).count());
   return r;
 }
 

@@ -6,8 +6,9 @@
 
 namespace floatstage::solver {
 
-/// Covariance of all cameras' parameters at a solution, kCameraParameters rows a camera, zero for what was not solved for:
-/// the inverse of the Schur complement of boards and markers, weak priors included. Positive semidefinite.
+/// Covariance of all cameras' parameters at a solution, kCameraParameters rows a camera, zero for what was
+/// not solved for: the inverse of the Schur complement of boards and markers, weak priors included. Positive
+/// semidefinite.
 Eigen::MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options);
 
 /// Numbers measured and numbers solved for: what the sum of squares is expected to be.

@@ -1,8 +1,9 @@
 #include "calib/solver/gauge.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Dense>
 
 #include "calib/solver/bundle.h"
 #include "core/rig.h"
@@ -41,15 +42,18 @@ Result<Rigid3> from_floor(const Scene& scene, const FloorBoard& floor) {
   for (const SceneView& v : scene.views) {
     if (v.board < 0 || !usable(scene, v)) continue;
     const SceneBoard& b = scene.boards[at(v.board)];
-    if (b.target != floor.target || (b.frame != floor.frame && !scene.targets[at(b.target)].is_static)) continue;
+    if (b.target != floor.target || (b.frame != floor.frame && !scene.targets[at(b.target)].is_static))
+      continue;
     Vector3d up = b.world_from_target.rotation * Vector3d::UnitZ();
-    const Vector3d to_camera = scene.cameras[at(v.camera)].cam_from_world.center() - b.world_from_target.translation;
+    const Vector3d to_camera =
+        scene.cameras[at(v.camera)].cam_from_world.center() - b.world_from_target.translation;
     if (up.dot(to_camera) < 0) up = -up;
     const Vector3d along = b.world_from_target.rotation * Vector3d::UnitX();
     return to_axes(b.world_from_target.translation - floor.height * up, axes(along, up));
   }
-  return fail(ErrorCode::BadData, text("the floor is to be set by target '", scene.targets[at(floor.target)].name, "' in frame ", floor.frame,
-                                       ", which no camera saw well; choose a frame in which it lies in view"));
+  return fail(ErrorCode::BadData,
+              text("the floor is to be set by target '", scene.targets[at(floor.target)].name, "' in frame ",
+                   floor.frame, ", which no camera saw well; choose a frame in which it lies in view"));
 }
 
 // Upright and centred as far as cameras alone can tell.
@@ -61,12 +65,13 @@ Rigid3 from_cameras(const Scene& scene) {
   return to_axes(focus, axes(along, up));
 }
 
-// The motion that takes the solved cameras nearest to where they started: most of a rig has not moved, so what has moved is
-// weighted down.
+// The motion that takes the solved cameras nearest to where they started: most of a rig has not moved, so
+// what has moved is weighted down.
 Rigid3 to_start(const Scene& scene, const Observations& o) {
   std::vector<std::pair<Rigid3, Rigid3>> pairs;  // world_from_cam, before and now
   for (std::size_t c = 0; c < o.cameras.size(); ++c)
-    if (o.cameras[c].pose == Prior::Start) pairs.emplace_back(o.cameras[c].cam_from_world.inverse(), scene.cameras[c].cam_from_world.inverse());
+    if (o.cameras[c].pose == Prior::Start)
+      pairs.emplace_back(o.cameras[c].cam_from_world.inverse(), scene.cameras[c].cam_from_world.inverse());
   Rigid3 motion;
   double depth = 1;  // metres ahead of a camera: what it looks at should stay as its centre does
   std::vector<double> weights(pairs.size(), 1);
@@ -74,7 +79,8 @@ Rigid3 to_start(const Scene& scene, const Observations& o) {
     std::vector<Vector3d> from, to;
     std::vector<double> w;
     for (std::size_t i = 0; i < pairs.size(); ++i)
-      for (const Vector3d& p : {Vector3d(0, 0, 0), Vector3d(depth, 0, depth), Vector3d(-depth, 0, depth), Vector3d(0, depth, depth)}) {
+      for (const Vector3d& p : {Vector3d(0, 0, 0), Vector3d(depth, 0, depth), Vector3d(-depth, 0, depth),
+                                Vector3d(0, depth, depth)}) {
         from.push_back(pairs[i].second * p);
         to.push_back(pairs[i].first * p);
         w.push_back(weights[i]);
@@ -89,7 +95,8 @@ Rigid3 to_start(const Scene& scene, const Observations& o) {
     mean_from /= total;
     mean_to /= total;
     Matrix3d cross = Matrix3d::Zero();
-    for (std::size_t i = 0; i < from.size(); ++i) cross += w[i] * (to[i] - mean_to) * (from[i] - mean_from).transpose();
+    for (std::size_t i = 0; i < from.size(); ++i)
+      cross += w[i] * (to[i] - mean_to) * (from[i] - mean_from).transpose();
     const Eigen::JacobiSVD<Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
     const Matrix3d turn = svd.matrixU() * Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
@@ -131,7 +138,8 @@ void move_world(Scene& scene, const Rigid3& new_from_old, Eigen::MatrixXd& covar
 
 }  // namespace
 
-Result<void> set_gauge(Scene& scene, const Observations& o, Eigen::MatrixXd& covariance, std::vector<std::string>& remarks) {
+Result<void> set_gauge(Scene& scene, const Observations& o, Eigen::MatrixXd& covariance,
+                       std::vector<std::string>& remarks) {
   Rigid3 new_from_old;
   if (const auto* floor = std::get_if<FloorBoard>(&o.gauge)) {
     const Result<Rigid3> found = from_floor(scene, *floor);
@@ -141,12 +149,14 @@ Result<void> set_gauge(Scene& scene, const Observations& o, Eigen::MatrixXd& cov
     new_from_old = hand->cam_from_world.inverse() * scene.cameras[at(hand->camera)].cam_from_world;
   } else if (scene.reference < 0) {
     return {};  // fixed poses or surveyed markers are the world
-  } else if (std::any_of(o.cameras.begin(), o.cameras.end(), [](const CalibrationCamera& c) { return c.pose == Prior::Start; })) {
+  } else if (std::any_of(o.cameras.begin(), o.cameras.end(),
+                         [](const CalibrationCamera& c) { return c.pose == Prior::Start; })) {
     new_from_old = to_start(scene, o);
   } else {
     new_from_old = from_cameras(scene);
     remarks.push_back(
-        "the world is set by the cameras alone: z is their mean up, and where the floor is remains unknown; lay the board on the "
+        "the world is set by the cameras alone: z is their mean up, and where the floor is remains unknown; "
+        "lay the board on the "
         "floor in one frame and name it, or set a camera's pose by hand");
   }
   move_world(scene, new_from_old, covariance);

@@ -15,7 +15,9 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-bool moves(const Scene& scene, const SceneBoard& b) { return b.placed && !scene.targets[at(b.target)].is_static; }
+bool moves(const Scene& scene, const SceneBoard& b) {
+  return b.placed && !scene.targets[at(b.target)].is_static;
+}
 
 bool moves(const Scene& scene, const SceneMarkers& m) {
   return m.placed && scene.targets[at(m.target)].kind == TargetKind::Wand;
@@ -43,13 +45,14 @@ Scene solved_without(const Scene& solved, const std::set<int>& fold, const Calib
   return scene;
 }
 
-// Places the boards and markers that were held out, with cameras that stay where they are. Frames that were solved for only
-// say how boards were moving.
+// Places the boards and markers that were held out, with cameras that stay where they are. Frames that were
+// solved for only say how boards were moving.
 void predict(Scene& scene, const CalibrationOptions& options) {
   ViewPoses poses(scene.views.size());
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
     SceneView& v = scene.views[i];
-    const bool held = v.board >= 0 ? scene.boards[at(v.board)].held_out : scene.markers[at(v.markers)].held_out;
+    const bool held =
+        v.board >= 0 ? scene.boards[at(v.board)].held_out : scene.markers[at(v.markers)].held_out;
     if (!held) continue;
     v.jitter = 0;
     for (ScenePoint& p : v.points) p.kept = true;
@@ -67,18 +70,24 @@ void predict(Scene& scene, const CalibrationOptions& options) {
   }
   for (SceneBoard& b : scene.boards) b.placed = b.placed && b.held_out;
   select_inliers(scene, 1e12);  // what is behind a camera
-  solve(scene, {.loss = {2}, .intrinsics = Freedom::None, .cameras_move = false, .iterations = 20, .threads = options.threads});
+  solve(scene, {.loss = {2},
+                .intrinsics = Freedom::None,
+                .cameras_move = false,
+                .iterations = 20,
+                .threads = options.threads});
   for (int round = 0; round < 2; ++round) {
     estimate_jitter(scene);
     select_inliers(scene, options.outlier_sigmas);
-    solve(scene, {.intrinsics = Freedom::None, .cameras_move = false, .iterations = 20, .threads = options.threads});
+    solve(scene,
+          {.intrinsics = Freedom::None, .cameras_move = false, .iterations = 20, .threads = options.threads});
   }
   estimate_jitter(scene);
 }
 
 }  // namespace
 
-std::vector<double> holdout_errors(const Scene& solved, const Observations& observations, const CalibrationOptions& options) {
+std::vector<double> holdout_errors(const Scene& solved, const Observations& observations,
+                                   const CalibrationOptions& options) {
   const std::set<int> frames = moving_frames(solved);
   constexpr std::size_t kFewestFrames = 15, kEnoughFrames = 40;
   const int folds = options.holdout_every;
@@ -102,7 +111,8 @@ std::vector<double> holdout_errors(const Scene& solved, const Observations& obse
     }
   }
   std::vector<double> rms;
-  for (std::size_t c = 0; c < squares.size(); ++c) rms.push_back(counts[c] > 0 ? std::sqrt(squares[c] / counts[c]) : 0);
+  for (std::size_t c = 0; c < squares.size(); ++c)
+    rms.push_back(counts[c] > 0 ? std::sqrt(squares[c] / counts[c]) : 0);
   return rms;
 }
 

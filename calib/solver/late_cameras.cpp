@@ -60,10 +60,13 @@ std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOpti
   estimate_motion(moving);
   const std::vector<double> suspected = suspected_offsets(moving);
   constexpr double kSuspicious = 0.12;  // of a frame: the boards have followed a late camera part of the way
-  if (std::none_of(suspected.begin(), suspected.end(), [&](double s) { return std::abs(s) > kSuspicious * scene.period; })) return {};
+  if (std::none_of(suspected.begin(), suspected.end(),
+                   [&](double s) { return std::abs(s) > kSuspicious * scene.period; }))
+    return {};
 
   const double before = cost_of(moving);
-  // A late camera's intrinsics have bent to its errors; all is solved again, while the motion and the noise follow.
+  // A late camera's intrinsics have bent to its errors; all is solved again, while the motion and the noise
+  // follow.
   BundleOptions bundle{.loss = {3}, .offsets = true, .iterations = 8, .threads = options.threads};
   constexpr int kRounds = 12;
   for (int round = 0; round < kRounds; ++round) {
@@ -72,7 +75,8 @@ std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOpti
     estimate_motion(moving);
     measure_noise(moving, bundle);
     double change = 0;
-    for (std::size_t c = 0; c < last.size(); ++c) change = std::max(change, std::abs(moving.cameras[c].offset - last[c]));
+    for (std::size_t c = 0; c < last.size(); ++c)
+      change = std::max(change, std::abs(moving.cameras[c].offset - last[c]));
     if (change < 0.01 * scene.period) break;
   }
   constexpr double kConvincing = 0.9;  // of the errors' cost before
@@ -85,8 +89,10 @@ std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOpti
     const double frames = (c.offset - middle) / scene.period;
     if (std::abs(frames) < options.late_frames) continue;
     out.push_back({CalibrationFailure::LateCamera, c.serial,
-                   text("camera '", c.serial, "' is ", std::fixed, std::setprecision(2), std::abs(frames), " frames ", frames < 0 ? "late" : "early",
-                        ": its errors follow the target's motion; repair its synchronisation (or, for a steady lag, let the session solve for "
+                   text("camera '", c.serial, "' is ", std::fixed, std::setprecision(2), std::abs(frames),
+                        " frames ", frames < 0 ? "late" : "early",
+                        ": its errors follow the target's motion; repair its synchronisation (or, for a "
+                        "steady lag, let the session solve for "
                         "time offsets) and record again")});
   }
   return out;

@@ -1,8 +1,9 @@
-#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
+
+#include <Eigen/Dense>
 
 #include "calib/solver/quality.h"
 
@@ -22,8 +23,8 @@ struct Sight {
   double sigma;
 };
 
-// Where the rays of one point meet: first the point nearest to them, then least squares in pixels. Absent when they are nearly
-// parallel.
+// Where the rays of one point meet: first the point nearest to them, then least squares in pixels. Absent
+// when they are nearly parallel.
 std::optional<Vector3d> meet(const std::vector<Sight>& sights) {
   Matrix3d normal = Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
@@ -37,7 +38,8 @@ std::optional<Vector3d> meet(const std::vector<Sight>& sights) {
     right += across * s.cam_from_world.center();
   }
   constexpr double kLeastParallax = 0.03;  // about 20° between two rays: below it, depth is mostly noise
-  if (!(Eigen::SelfAdjointEigenSolver<Matrix3d>(normal).eigenvalues()[0] > kLeastParallax)) return std::nullopt;
+  if (!(Eigen::SelfAdjointEigenSolver<Matrix3d>(normal).eigenvalues()[0] > kLeastParallax))
+    return std::nullopt;
   Vector3d x = normal.ldlt().solve(right);
   for (int i = 0; i < 4; ++i) {
     normal.setZero();
@@ -63,7 +65,8 @@ std::vector<TargetLength> known_lengths(const Target& t) {
   std::vector<TargetLength> out;
   const auto add = [&](int a, int b) {
     const int ia = point_index(t, a), ib = point_index(t, b);
-    if (ia >= 0 && ib >= 0) out.push_back({a, b, (t.points[at(ia)].position - t.points[at(ib)].position).norm(), 1e-4});
+    if (ia >= 0 && ib >= 0)
+      out.push_back({a, b, (t.points[at(ia)].position - t.points[at(ib)].position).norm(), 1e-4});
   };
   if (t.grid) {
     for (int r = 0; r < t.grid->rows; ++r)
@@ -99,8 +102,9 @@ std::vector<LengthQuality> measure_lengths(const Scene& scene) {
     for (const ScenePoint& p : v.points) {
       if (!p.kept) continue;
       const int index = markers ? markers->indices[at(p.index)] : p.index;
-      seen[target][{markers ? 1 : 0, markers ? v.markers : v.board}][scene.targets[at(target)].points[at(index)].id].push_back(
-          {&camera, pose, p.pixel, p.sigma});
+      seen[target][{markers ? 1 : 0, markers ? v.markers : v.board}]
+          [scene.targets[at(target)].points[at(index)].id]
+              .push_back({&camera, pose, p.pixel, p.sigma});
     }
   }
   std::vector<LengthQuality> out;

@@ -1,8 +1,9 @@
 #include "calib/solver/linearize.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/QR>
 
 namespace floatstage::solver {
 namespace {
@@ -34,7 +35,8 @@ void apply(const Robust& r, const Vector2d& residual, Row&& derivative) {
   derivative += r.bend * residual * along;
 }
 
-// The triangle of the QR decomposition of `rows`, which is overwritten; zeros below when there are fewer rows.
+// The triangle of the QR decomposition of `rows`, which is overwritten; zeros below when there are fewer
+// rows.
 using Compressed = Eigen::Matrix<double, kBoardRows, kBoardRows>;
 Compressed compress(Eigen::Matrix<double, Eigen::Dynamic, kBoardRows>& rows) {
   Compressed out = Compressed::Zero();
@@ -49,11 +51,12 @@ Matrix3d left_jacobian(const Vector3d& v) {
   const double angle = v.norm();
   const Matrix3d x = cross_matrix(v);
   if (angle < 1e-6) return Matrix3d::Identity() + 0.5 * x;
-  return Matrix3d::Identity() + (1 - std::cos(angle)) / (angle * angle) * x + (angle - std::sin(angle)) / (angle * angle * angle) * x * x;
+  return Matrix3d::Identity() + (1 - std::cos(angle)) / (angle * angle) * x +
+         (angle - std::sin(angle)) / (angle * angle * angle) * x * x;
 }
 
-// Instead of a number more to solve for, its direction counts less: of rows r + j (τ - τ₀) with τ ~ N(0, σ²) what is left
-// without τ has the covariance I + σ² j jᵀ, by whose root rows are divided.
+// Instead of a number more to solve for, its direction counts less: of rows r + j (τ - τ₀) with τ ~ N(0, σ²)
+// what is left without τ has the covariance I + σ² j jᵀ, by whose root rows are divided.
 void eliminate_jitter(const SceneView& v, double sigma, LinearView& out) {
   const double square = out.by_offset.squaredNorm(), known = 1 + sigma * sigma * square;
   out.jitter = 0;
@@ -72,7 +75,8 @@ void eliminate_jitter(const SceneView& v, double sigma, LinearView& out) {
   divide(out.by_offset);
 }
 
-void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool with_derivatives, LinearView& out) {
+void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool with_derivatives,
+                     LinearView& out) {
   const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
   const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
   const Target& target = scene.targets[static_cast<std::size_t>(board.target)];
@@ -81,7 +85,8 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
   const Rigid3 from_target = camera.cam_from_world * world_from_target;
   const Matrix3d turn = from_target.rotation.toRotationMatrix();
 
-  const auto kept = std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
+  const auto kept =
+      std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
   Eigen::Matrix<double, Eigen::Dynamic, kBoardRows> rows(2 * kept, kBoardRows);
   const bool jitters = board.has_motion && scene.jitter_sigma > 0;
   const bool needs_rows = with_derivatives || jitters;
@@ -90,7 +95,8 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
   Projected projected;
   for (const ScenePoint& p : v.points) {
     if (!p.kept) continue;
-    const Vector3d in_camera = turn * target.points[static_cast<std::size_t>(p.index)].position + from_target.translation;
+    const Vector3d in_camera =
+        turn * target.points[static_cast<std::size_t>(p.index)].position + from_target.translation;
     if (!project(camera.intrinsics, camera.lens, in_camera, projected)) return;
     const double weight = 1 / (p.sigma * camera.noise);
     const Vector2d residual = (projected.pixel - p.pixel) * weight;
@@ -161,7 +167,8 @@ void linearize_markers(const Scene& scene, const SceneView& v, Loss loss, Linear
     const auto i = static_cast<std::size_t>(p.index);
     const Vector3d velocity = markers.has_motion ? markers.velocities[i] : Vector3d(Vector3d::Zero());
     const Vector3d turned = rotation * (markers.positions[i] + velocity * dt);
-    if (!project(camera.intrinsics, camera.lens, turned + camera.cam_from_world.translation, projected)) return;
+    if (!project(camera.intrinsics, camera.lens, turned + camera.cam_from_world.translation, projected))
+      return;
     const double weight = 1 / (p.sigma * camera.noise);
     const Vector2d residual = (projected.pixel - p.pixel) * weight;
     const Robust r = robust(loss, residual.squaredNorm());
@@ -206,7 +213,8 @@ LinearDistance linearize_distance(const SceneDistance& known, const Rigid3& a, c
   return out;
 }
 
-Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& target, Eigen::MatrixXd* by_positions) {
+Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& target,
+                                Eigen::MatrixXd* by_positions) {
   const auto place = [&](int id) {
     const auto found = std::find(markers.indices.begin(), markers.indices.end(), point_index(target, id));
     return found == markers.indices.end() ? -1 : static_cast<int>(found - markers.indices.begin());
@@ -215,13 +223,15 @@ Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& targe
   for (const TargetLength& l : target.lengths)
     if (place(l.a) >= 0 && place(l.b) >= 0) lengths.push_back(&l);
   const auto count = static_cast<Eigen::Index>(markers.positions.size());
-  const auto surveyed = target.positions_sigma ? 3 * count : 0, known = static_cast<Eigen::Index>(lengths.size());
+  const auto surveyed = target.positions_sigma ? 3 * count : 0,
+             known = static_cast<Eigen::Index>(lengths.size());
   Eigen::VectorXd r(known + surveyed);
   if (by_positions) by_positions->setZero(r.size(), 3 * count);
   for (Eigen::Index i = 0; i < known; ++i) {
     const TargetLength& l = *lengths[static_cast<std::size_t>(i)];
     const int a = place(l.a), b = place(l.b);
-    const Vector3d between = markers.positions[static_cast<std::size_t>(a)] - markers.positions[static_cast<std::size_t>(b)];
+    const Vector3d between =
+        markers.positions[static_cast<std::size_t>(a)] - markers.positions[static_cast<std::size_t>(b)];
     const double length = std::max(between.norm(), 1e-9);
     r[i] = (length - l.metres) / l.sigma;
     if (!by_positions) continue;
@@ -231,7 +241,9 @@ Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& targe
   for (Eigen::Index i = 0; i < surveyed / 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double weight = 1 / *target.positions_sigma;
-    r.segment<3>(known + 3 * i) = weight * (markers.positions[k] - target.points[static_cast<std::size_t>(markers.indices[k])].position);
+    r.segment<3>(known + 3 * i) =
+        weight *
+        (markers.positions[k] - target.points[static_cast<std::size_t>(markers.indices[k])].position);
     if (by_positions) by_positions->block<3, 3>(known + 3 * i, 3 * i) = weight * Eigen::Matrix3d::Identity();
   }
   return r;

@@ -5,7 +5,8 @@
 namespace floatstage::solver {
 namespace {
 
-// A point on the plane z = 1 after the lens, its derivative by the point before it, and by the lens' coefficients.
+// A point on the plane z = 1 after the lens, its derivative by the point before it, and by the lens'
+// coefficients.
 struct Bent {
   Eigen::Vector2d point;
   Eigen::Matrix2d by_point;
@@ -17,7 +18,8 @@ Bent brown(const Intrinsics& in, double x, double y) {
   const double r2 = x * x + y * y, r4 = r2 * r2;
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)), slope = k1 + r2 * (2 * k2 + 3 * r2 * k3);
   Bent b;
-  b.point = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  b.point = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
+             y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
   const double cross = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
   b.by_point << radial + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x, cross, cross,
       radial + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x;
@@ -37,7 +39,8 @@ Bent fisheye(const Intrinsics& in, double x, double y) {
   }
   const double theta = std::atan(r), q = theta * theta;
   const double bent = theta * (1 + q * (in[4] + q * (in[5] + q * (in[6] + q * in[7]))));
-  const double slope = (1 + q * (3 * in[4] + q * (5 * in[5] + q * (7 * in[6] + q * 9 * in[7])))) / (1 + r * r);  // by r
+  const double slope =
+      (1 + q * (3 * in[4] + q * (5 * in[5] + q * (7 * in[6] + q * 9 * in[7])))) / (1 + r * r);  // by r
   const Eigen::Vector2d n(x / r, y / r);
   b.point = bent * n;
   b.by_point = (bent / r) * Eigen::Matrix2d::Identity() + (slope - bent / r) * n * n.transpose();
@@ -48,7 +51,9 @@ Bent fisheye(const Intrinsics& in, double x, double y) {
 
 }  // namespace
 
-int coefficient_count(LensKind lens) { return lens == LensKind::BrownConrady ? 5 : lens == LensKind::KannalaBrandt ? 4 : 0; }
+int coefficient_count(LensKind lens) {
+  return lens == LensKind::BrownConrady ? 5 : lens == LensKind::KannalaBrandt ? 4 : 0;
+}
 
 Intrinsics pack(const CameraModel& m) {
   Intrinsics v = Intrinsics::Zero();

@@ -6,7 +6,8 @@
 
 namespace floatstage::solver {
 
-/// fx fy cx cy, then the lens' coefficients in the order of its struct; those that a lens lacks are 0 and stay so.
+/// fx fy cx cy, then the lens' coefficients in the order of its struct; those that a lens lacks are 0 and
+/// stay so.
 inline constexpr int kIntrinsics = 9;
 using Intrinsics = Eigen::Matrix<double, kIntrinsics, 1>;
 
@@ -16,8 +17,8 @@ int coefficient_count(LensKind lens);
 Intrinsics pack(const CameraModel& model);
 CameraModel unpack(const Intrinsics& intrinsics, LensKind lens, int width, int height);
 
-/// A pixel and how it changes. Unlike core's project(), Brown-Conrady is the bare polynomial here: while it is being
-/// solved for, a lens may fold over where it will not in the end.
+/// A pixel and how it changes. Unlike core's project(), Brown-Conrady is the bare polynomial here: while it
+/// is being solved for, a lens may fold over where it will not in the end.
 struct Projected {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;  ///< by the point in camera coordinates

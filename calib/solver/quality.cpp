@@ -36,7 +36,8 @@ double tilt_of(const Scene& scene, int camera) {
   if (mean.norm() == 0) return 0;
   mean.normalize();
   std::vector<double> angles;
-  for (const Eigen::Vector3d& n : normals) angles.push_back(std::acos(std::clamp(n.dot(mean), -1.0, 1.0)) * kDegrees);
+  for (const Eigen::Vector3d& n : normals)
+    angles.push_back(std::acos(std::clamp(n.dot(mean), -1.0, 1.0)) * kDegrees);
   return percentile(std::move(angles), 0.95);
 }
 
@@ -54,9 +55,11 @@ std::vector<PointError> point_errors(const Scene& scene, const Observations& o) 
     for (std::size_t i = 0; i < errors.size(); ++i) {
       const ScenePoint& p = v.points[i];
       const auto index = at(v.board >= 0 ? p.index : scene.markers[at(v.markers)].indices[at(p.index)]);
-      const Eigen::Vector3d x = v.board >= 0 ? from_target * target.points[index].position
-                                             : camera.cam_from_world * scene.markers[at(v.markers)].positions[at(p.index)];
-      out.push_back({v.camera, source.frame, target.points[index].id, source.target, p.pixel, errors[i], x.z(), p.kept});
+      const Eigen::Vector3d x =
+          v.board >= 0 ? from_target * target.points[index].position
+                       : camera.cam_from_world * scene.markers[at(v.markers)].positions[at(p.index)];
+      out.push_back({v.camera, source.frame, target.points[index].id, source.target, p.pixel, errors[i],
+                     x.z(), p.kept});
     }
   }
   return out;
@@ -73,7 +76,8 @@ double rms_of(const std::vector<PointError>& errors, int camera) {
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
-std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vector<PointError>& errors, const Eigen::MatrixXd& covariance) {
+std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vector<PointError>& errors,
+                                            const Eigen::MatrixXd& covariance) {
   std::vector<CameraQuality> out;
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
     const SceneCamera& camera = scene.cameras[c];
@@ -91,7 +95,8 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
       if (std::isfinite(e.error.norm())) lengths.push_back(e.error.norm());
       if (!e.kept) continue;
       if (scene.targets[at(e.target)].kind == TargetKind::Board) depths.push_back(e.depth);
-      const int column = static_cast<int>(e.pixel.x() / camera.width * kColumns), row = static_cast<int>(e.pixel.y() / camera.height * kRows);
+      const int column = static_cast<int>(e.pixel.x() / camera.width * kColumns),
+                row = static_cast<int>(e.pixel.y() / camera.height * kRows);
       if (column >= 0 && column < kColumns && row >= 0 && row < kRows) cells.insert(row * kColumns + column);
     }
     q.views = static_cast<int>(frames.size());
@@ -108,7 +113,10 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
     Eigen::Matrix<double, 3, 6> center;
     const Eigen::Matrix3d turn = camera.cam_from_world.rotation.conjugate().toRotationMatrix();
     center << -turn * cross_matrix(camera.cam_from_world.translation), -turn;
-    q.position_sigma_mm = 1e3 * std::sqrt((center * covariance.block<6, 6>(row + kIntrinsics, row + kIntrinsics) * center.transpose()).trace());
+    q.position_sigma_mm =
+        1e3 *
+        std::sqrt((center * covariance.block<6, 6>(row + kIntrinsics, row + kIntrinsics) * center.transpose())
+                      .trace());
     q.time_offset_ms = 1e3 * camera.offset;
     q.time_offset_sigma_ms = 1e3 * std::sqrt(variance[kIntrinsics + 6]);
     out.push_back(std::move(q));

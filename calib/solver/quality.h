@@ -11,8 +11,10 @@ namespace floatstage::solver {
 /// Every point of every usable view with its error and depth.
 std::vector<PointError> point_errors(const Scene& scene, const Observations& observations);
 
-/// What the errors say of each camera, and the sigmas of its parameters; covariance as camera_covariance() gives it.
-std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vector<PointError>& errors, const Eigen::MatrixXd& covariance);
+/// What the errors say of each camera, and the sigmas of its parameters; covariance as camera_covariance()
+/// gives it.
+std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vector<PointError>& errors,
+                                            const Eigen::MatrixXd& covariance);
 
 /// RMS of the kept points' errors of one camera, in px.
 double rms_of(const std::vector<PointError>& errors, int camera);

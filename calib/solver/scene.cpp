@@ -52,7 +52,8 @@ std::map<int, std::vector<Object*>> tracks(std::vector<Object>& objects) {
 }
 
 // Velocity and acceleration of a parabola through three instants, at the middle one.
-std::pair<Eigen::Vector3d, Eigen::Vector3d> parabola(const Eigen::Vector3d& before, const Eigen::Vector3d& here,
+std::pair<Eigen::Vector3d, Eigen::Vector3d> parabola(const Eigen::Vector3d& before,
+                                                     const Eigen::Vector3d& here,
                                                      const Eigen::Vector3d& after, double back, double on) {
   const Eigen::Vector3d v0 = (here - before) / back, v1 = (after - here) / on;
   return {(v0 * on + v1 * back) / (back + on), 2 * (v1 - v0) / (back + on)};
@@ -110,7 +111,8 @@ Scene make_scene(const Observations& o) {
     const Target& target = o.targets[static_cast<std::size_t>(target_index)];
     const bool is_board = target.kind == TargetKind::Board;
     std::vector<double> times;
-    for (const int i : members) times.push_back(1e-9 * static_cast<double>(o.views[static_cast<std::size_t>(i)].time.ns - first));
+    for (const int i : members)
+      times.push_back(1e-9 * static_cast<double>(o.views[static_cast<std::size_t>(i)].time.ns - first));
     const double time = median(times);
     if (frame != kAlways) frame_times.emplace(frame, time);
     SceneMarkers markers;
@@ -124,7 +126,8 @@ Scene make_scene(const Observations& o) {
       // A marker needs two rays.
       std::map<int, int> seen;
       for (const int i : members)
-        for (const SeenPoint& p : o.views[static_cast<std::size_t>(i)].points) ++seen[point_index(target, p.id)];
+        for (const SeenPoint& p : o.views[static_cast<std::size_t>(i)].points)
+          ++seen[point_index(target, p.id)];
       for (const auto& [index, count] : seen)
         if (count >= 2) markers.indices.push_back(index);
       markers.target = target_index;
@@ -139,7 +142,8 @@ Scene make_scene(const Observations& o) {
       view.camera = from.camera;
       view.source = i;
       view.lag = frame == kAlways ? 0 : 1e-9 * static_cast<double>(from.time.ns - first) - time;
-      (is_board ? view.board : view.markers) = static_cast<int>(is_board ? scene.boards.size() : scene.markers.size()) - 1;
+      (is_board ? view.board : view.markers) =
+          static_cast<int>(is_board ? scene.boards.size() : scene.markers.size()) - 1;
       for (const SeenPoint& p : from.points) {
         int index = point_index(target, p.id);
         if (!is_board) {
@@ -155,7 +159,8 @@ Scene make_scene(const Observations& o) {
   std::vector<double> steps;
   for (auto a = frame_times.begin(); a != frame_times.end(); ++a)
     if (const auto b = std::next(a); b != frame_times.end() && b->first > a->first)
-      if (const double step = (b->second - a->second) / (b->first - a->first); step > 0) steps.push_back(step);  // stills have no times
+      if (const double step = (b->second - a->second) / (b->first - a->first); step > 0)
+        steps.push_back(step);  // stills have no times
   scene.period = std::max(0.0, median(steps));
   return scene;
 }
@@ -208,9 +213,11 @@ void estimate_motion(Scene& scene) {
       SceneBoard& here = *track[i];
       const double back = here.time - before.time, on = after.time - here.time;
       if (!(back > 0 && on > 0 && back <= longest && on <= longest)) continue;
-      std::tie(here.likely_velocity, here.acceleration) = parabola(before.world_from_target.translation, here.world_from_target.translation,
-                                                            after.world_from_target.translation, back, on);
-      const Eigen::Quaterniond turn = after.world_from_target.rotation * before.world_from_target.rotation.conjugate();
+      std::tie(here.likely_velocity, here.acceleration) =
+          parabola(before.world_from_target.translation, here.world_from_target.translation,
+                   after.world_from_target.translation, back, on);
+      const Eigen::Quaterniond turn =
+          after.world_from_target.rotation * before.world_from_target.rotation.conjugate();
       here.likely_spin = vector_from_rotation(turn) / (back + on);
       here.has_motion = here.has_neighbours = true;
       here.spin_doubt = scene.spin_doubt;
@@ -229,7 +236,8 @@ void estimate_motion(Scene& scene) {
       here.has_motion = before.indices == here.indices && after.indices == here.indices;
       if (!here.has_motion) continue;
       for (std::size_t k = 0; k < here.positions.size(); ++k)
-        here.velocities[k] = parabola(before.positions[k], here.positions[k], after.positions[k], back, on).first;
+        here.velocities[k] =
+            parabola(before.positions[k], here.positions[k], after.positions[k], back, on).first;
     }
 }
 

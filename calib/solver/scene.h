@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "calib/observations.h"
 #include "calib/solver/projection.h"
@@ -10,7 +11,8 @@
 
 namespace floatstage::solver {
 
-/// What is being solved for: cameras, where boards were, where markers were; and the views that tie them together.
+/// What is being solved for: cameras, where boards were, where markers were; and the views that tie them
+/// together.
 
 struct SceneCamera {
   std::string serial;
@@ -32,12 +34,12 @@ struct SceneBoard {
   Rigid3 world_from_target;
   bool placed = false, held_out = false;
   bool has_motion = false;
-  /// Spin and velocity are solved for: cameras that expose at different instants see them. Then the neighbouring frames only
-  /// say what they are likely to be.
+  /// Spin and velocity are solved for: cameras that expose at different instants see them. Then the
+  /// neighbouring frames only say what they are likely to be.
   bool free_motion = false;
   Eigen::Vector3d likely_spin = Eigen::Vector3d::Zero(), likely_velocity = Eigen::Vector3d::Zero();
-  double spin_doubt = 1, velocity_doubt = 1;  ///< sigmas of that (rad/s, m/s)
-  bool has_neighbours = false;                ///< near enough to say what is likely
+  double spin_doubt = 1, velocity_doubt = 1;               ///< sigmas of that (rad/s, m/s)
+  bool has_neighbours = false;                             ///< near enough to say what is likely
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();          ///< rad/s, in the world
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< m/s of the target's origin
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< m/s²
@@ -68,7 +70,7 @@ struct SceneView {
   int board = -1, markers = -1;  ///< one of them
   int source = 0;                ///< index into Observations::views
   double lag = 0;                ///< seconds after the time of its board or markers
-  double jitter = 0;             ///< seconds beyond its lag and its camera's offset, as far as is known; of board views
+  double jitter = 0;  ///< seconds beyond its lag and its camera's offset, as far as is known; of board views
   std::vector<ScenePoint> points;
 };
 
@@ -88,11 +90,14 @@ struct Scene {
   std::vector<SceneBoard> boards;
   std::vector<SceneMarkers> markers;
   std::vector<SceneView> views;
-  int reference = -1;  ///< the camera that stands still while the others are solved for; -1: fixed things hold the world
-  double period = 0;   ///< seconds from frame to frame; 0: unknown
-  /// Seconds that a picture strays from its camera's instant; each board view's own jitter is eliminated. 0: none does.
+  int reference =
+      -1;  ///< the camera that stands still while the others are solved for; -1: fixed things hold the world
+  double period = 0;  ///< seconds from frame to frame; 0: unknown
+  /// Seconds that a picture strays from its camera's instant; each board view's own jitter is eliminated. 0:
+  /// none does.
   double jitter_sigma = 0;
-  double spin_doubt = kSpinDoubt, velocity_doubt = kVelocityDoubt;  ///< how far motion strays from what neighbours say
+  double spin_doubt = kSpinDoubt,
+         velocity_doubt = kVelocityDoubt;  ///< how far motion strays from what neighbours say
 };
 
 /// Boards and markers made out of the views; nothing placed but what is known.

@@ -1,8 +1,9 @@
 #include "calib/solver/stages.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Cholesky>
 
 #include "calib/solver/covariance.h"
 #include "calib/solver/linearize.h"
@@ -35,8 +36,9 @@ bool drop_k3(Scene& scene) {
   return any;
 }
 
-// Of each camera's rows the share that the solution left free: without it the camera that boards follow most would seem the
-// best, be trusted more, and draw the boards to itself altogether (Förstner's estimate of variance components).
+// Of each camera's rows the share that the solution left free: without it the camera that boards follow most
+// would seem the best, be trusted more, and draw the boards to itself altogether (Förstner's estimate of
+// variance components).
 std::vector<double> free_shares(const Scene& scene, const BundleOptions& options) {
   std::vector<double> rows(scene.cameras.size()), taken(scene.cameras.size()), timed(scene.views.size());
   std::vector<Eigen::MatrixXd> boards(scene.boards.size()), own(scene.views.size());
@@ -59,7 +61,9 @@ std::vector<double> free_shares(const Scene& scene, const BundleOptions& options
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
     const SceneView& v = scene.views[i];
     if (!usable(scene, v)) continue;
-    rows[at(v.camera)] += 2.0 * static_cast<double>(std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; }));
+    rows[at(v.camera)] +=
+        2.0 * static_cast<double>(std::count_if(v.points.begin(), v.points.end(),
+                                                [](const ScenePoint& p) { return p.kept; }));
     if (own[i].size() > 0) taken[at(v.camera)] += timed[i] + boards[at(v.board)].ldlt().solve(own[i]).trace();
   }
   // Markers are a small part of any capture; they take theirs evenly.
@@ -72,9 +76,9 @@ std::vector<double> free_shares(const Scene& scene, const BundleOptions& options
   return shares;
 }
 
-constexpr int kTimedRounds = 12;     // how boards move follows where they are
+constexpr int kTimedRounds = 12;       // how boards move follows where they are
 constexpr double kFirstJitter = 0.05;  // periods
-constexpr int kRounds = 4;  // of leaving out and taking back; the set hardly changes after two
+constexpr int kRounds = 4;             // of leaving out and taking back; the set hardly changes after two
 
 void settle(Scene& scene, BundleOptions& bundle, const CalibrationOptions& options) {
   const int rounds = bundle.offsets ? kTimedRounds : kRounds;
@@ -89,7 +93,9 @@ void settle(Scene& scene, BundleOptions& bundle, const CalibrationOptions& optio
     measure_noise(scene, bundle);
     if (bundle.offsets && round > 0) measure_timing(scene);
     const bool other_lens = drop_k3(scene);
-    if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens && !(bundle.offsets && round < kTimedRounds / 2)) break;
+    if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens &&
+        !(bundle.offsets && round < kTimedRounds / 2))
+      break;
     bundle.iterations = 15;
   }
   solve(scene, bundle);
@@ -118,7 +124,8 @@ void measure_noise(Scene& scene, const BundleOptions& options) {
     if (!usable(scene, v)) continue;
     const std::vector<Eigen::Vector2d> errors = errors_of(scene, v);
     for (std::size_t i = 0; i < errors.size(); ++i)
-      if (std::isfinite(errors[i].norm())) squares[at(v.camera)].push_back(errors[i].squaredNorm() / (v.points[i].sigma * v.points[i].sigma));
+      if (std::isfinite(errors[i].norm()))
+        squares[at(v.camera)].push_back(errors[i].squaredNorm() / (v.points[i].sigma * v.points[i].sigma));
   }
   // What was solved for has taken up its share of the errors: of each board as much as a camera knew of it.
   const std::vector<double> shares = free_shares(scene, options);
@@ -127,7 +134,8 @@ void measure_noise(Scene& scene, const BundleOptions& options) {
     if (s.empty()) continue;
     const auto middle = s.begin() + static_cast<std::ptrdiff_t>(s.size() / 2);
     std::nth_element(s.begin(), middle, s.end());
-    // The median of a squared length of two normal numbers is 2 ln 2; from there the mean of what is no outlier.
+    // The median of a squared length of two normal numbers is 2 ln 2; from there the mean of what is no
+    // outlier.
     const double robust = *middle / (2 * std::log(2.0)), limit = 4.5 * 4.5 * robust;
     double sum = 0;
     int count = 0;
@@ -139,8 +147,9 @@ void measure_noise(Scene& scene, const BundleOptions& options) {
     const double variance = count > 0 ? sum / (2.0 * count * std::max(0.1, shares[c])) : 1;
     scene.cameras[c].noise = std::clamp(std::sqrt(variance), 0.02, 1000.0);
   }
-  // No camera is trusted more than is usual in its rig: where cameras contradict one another (they are not synchronous, say),
-  // one of them would otherwise win the boards for itself. One that is worse is trusted less.
+  // No camera is trusted more than is usual in its rig: where cameras contradict one another (they are not
+  // synchronous, say), one of them would otherwise win the boards for itself. One that is worse is trusted
+  // less.
   std::vector<double> all;
   for (std::size_t c = 0; c < squares.size(); ++c)
     if (!squares[c].empty()) all.push_back(scene.cameras[c].noise);

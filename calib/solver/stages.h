@@ -8,8 +8,9 @@
 
 namespace floatstage::solver {
 
-/// From a start to a solution: first loosely with few intrinsics, then all of them, leaving outliers out and taking them back
-/// until the set stays as it is. Measures the cameras' noise on the way. Returns the options that the last step used.
+/// From a start to a solution: first loosely with few intrinsics, then all of them, leaving outliers out and
+/// taking them back until the set stays as it is. Measures the cameras' noise on the way. Returns the options
+/// that the last step used.
 BundleOptions solve_in_stages(Scene& scene, const CalibrationOptions& options);
 
 /// The last stages only, from a solution to which frames were added.

@@ -20,7 +20,9 @@ std::vector<const SceneView*> choose(const Scene& scene, int camera, std::size_t
   for (std::size_t i = 0; i < most; ++i) {
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(i * all.size() / most);
     const auto end = all.begin() + static_cast<std::ptrdiff_t>((i + 1) * all.size() / most);
-    chosen.push_back(*std::max_element(begin, end, [](const SceneView* a, const SceneView* b) { return a->points.size() < b->points.size(); }));
+    chosen.push_back(*std::max_element(begin, end, [](const SceneView* a, const SceneView* b) {
+      return a->points.size() < b->points.size();
+    }));
   }
   return chosen;
 }
@@ -31,7 +33,8 @@ Intrinsics simple(const SceneCamera& c, double focal) {
   return in;
 }
 
-double score(const SceneCamera& c, const Intrinsics& in, const std::vector<std::vector<Correspondence>>& views) {
+double score(const SceneCamera& c, const Intrinsics& in,
+             const std::vector<std::vector<Correspondence>>& views) {
   constexpr double kWorst = 50;  // px: one hopeless view must not decide
   double sum = 0;
   for (const auto& points : views) {
@@ -52,7 +55,8 @@ void refine_alone(Scene& scene, int camera, const std::vector<const SceneView*>&
   alone.cameras[0].offset = 0;
   alone.reference = 0;
   for (const SceneView* v : views) {
-    const std::optional<ViewPose> pose = view_pose(c.intrinsics, c.lens, c.width, c.height, correspondences(scene, *v));
+    const std::optional<ViewPose> pose =
+        view_pose(c.intrinsics, c.lens, c.width, c.height, correspondences(scene, *v));
     if (!pose) continue;
     SceneView copy = *v;
     copy.camera = 0;
@@ -65,18 +69,24 @@ void refine_alone(Scene& scene, int camera, const std::vector<const SceneView*>&
     Projected ignored;
     for (ScenePoint& p : copy.points) {
       const Target& target = scene.targets[static_cast<std::size_t>(board.target)];
-      p.kept = project(c.intrinsics, c.lens, board.world_from_target * target.points[static_cast<std::size_t>(p.index)].position, ignored);
+      p.kept = project(c.intrinsics, c.lens,
+                       board.world_from_target * target.points[static_cast<std::size_t>(p.index)].position,
+                       ignored);
     }
     alone.boards.push_back(board);
     alone.views.push_back(std::move(copy));
   }
   constexpr double kLoose = 10;  // sigmas: a start may be several pixels off
   solve(alone, {.loss = {kLoose}, .intrinsics = Freedom::Focal, .iterations = 15, .threads = 1});
-  if (alone.views.size() >= 6) solve(alone, {.loss = {kLoose}, .intrinsics = Freedom::All, .iterations = 15, .threads = 1});
+  if (alone.views.size() >= 6)
+    solve(alone, {.loss = {kLoose}, .intrinsics = Freedom::All, .iterations = 15, .threads = 1});
   const Intrinsics& in = alone.cameras[0].intrinsics;
-  // A capture that says little about the lens may end anywhere; then the trial's focal length is the better start.
-  const bool sane = in.allFinite() && in[0] > 0.3 * c.start[0] && in[0] < 3 * c.start[0] && in[1] > 0.3 * c.start[1] &&
-                    in[1] < 3 * c.start[1] && std::abs(in[2] - c.start[2]) < 0.3 * c.width && std::abs(in[3] - c.start[3]) < 0.3 * c.height;
+  // A capture that says little about the lens may end anywhere; then the trial's focal length is the better
+  // start.
+  const bool sane = in.allFinite() && in[0] > 0.3 * c.start[0] && in[0] < 3 * c.start[0] &&
+                    in[1] > 0.3 * c.start[1] && in[1] < 3 * c.start[1] &&
+                    std::abs(in[2] - c.start[2]) < 0.3 * c.width &&
+                    std::abs(in[3] - c.start[3]) < 0.3 * c.height;
   if (sane) c.intrinsics = in;
 }
 
@@ -84,7 +94,8 @@ void refine_alone(Scene& scene, int camera, const std::vector<const SceneView*>&
 
 std::vector<Correspondence> correspondences(const Scene& scene, const SceneView& v) {
   std::vector<Correspondence> out;
-  const Target& target = scene.targets[static_cast<std::size_t>(scene.boards[static_cast<std::size_t>(v.board)].target)];
+  const Target& target =
+      scene.targets[static_cast<std::size_t>(scene.boards[static_cast<std::size_t>(v.board)].target)];
   for (const ScenePoint& p : v.points)
     if (p.kept) out.push_back({target.points[static_cast<std::size_t>(p.index)].position, p.pixel});
   return out;
@@ -97,7 +108,8 @@ Result<void> start_intrinsics(Scene& scene, int camera) {
   for (const SceneView* v : choose(scene, camera, kTried)) views.push_back(correspondences(scene, *v));
   if (views.empty())
     return fail(ErrorCode::BadData, text("camera '", c.serial, "': no picture shows ", kFewestPoints,
-                                         " points of a board, so its focal length cannot be found; show it the board, or give its intrinsics"));
+                                         " points of a board, so its focal length cannot be found; show it "
+                                         "the board, or give its intrinsics"));
   // From a 130° wide lens to a long one; neighbours differ by 12 %, which the refinement bridges.
   double best = 0, least = std::numeric_limits<double>::infinity();
   for (double factor = 0.2; factor < 8; factor *= 1.12) {

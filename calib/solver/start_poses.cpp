@@ -1,7 +1,8 @@
-#include <Eigen/Dense>
 #include <algorithm>
 #include <limits>
 #include <map>
+
+#include <Eigen/Dense>
 
 #include "calib/solver/start.h"
 #include "calib/solver/wand_start.h"
@@ -55,7 +56,8 @@ struct Shared {
 
 // What pairs of cameras saw together of boards, by pair.
 std::map<std::pair<int, int>, Shared> shared_boards(const Scene& scene, const ViewPoses& poses) {
-  std::vector<std::map<int, std::pair<const ViewPose*, std::size_t>>> by_board(scene.boards.size());  // camera → its best view
+  std::vector<std::map<int, std::pair<const ViewPose*, std::size_t>>> by_board(
+      scene.boards.size());  // camera → its best view
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
     const SceneView& v = scene.views[i];
     if (v.board < 0 || !poses[i]) continue;
@@ -92,7 +94,8 @@ void add_wand(const Scene& scene, std::map<std::pair<int, int>, Shared>& shared)
       s.pair.frames += overlap.frames;
       s.pair.points += overlap.points;
       if (scene.cameras[at(a)].placed && scene.cameras[at(b)].placed) continue;
-      if (!s.a_from_b.empty() || !scene.cameras[at(a)].has_intrinsics || !scene.cameras[at(b)].has_intrinsics) continue;
+      if (!s.a_from_b.empty() || !scene.cameras[at(a)].has_intrinsics || !scene.cameras[at(b)].has_intrinsics)
+        continue;
       if (const std::optional<Rigid3> pose = pose_from_wand(scene, a, b)) s.a_from_b.push_back(*pose);
     }
 }
@@ -105,9 +108,12 @@ void place_by_surveyed(Scene& scene) {
     const SceneMarkers& m = scene.markers[at(v.markers)];
     const Target& target = scene.targets[at(m.target)];
     SceneCamera& c = scene.cameras[at(v.camera)];
-    if (!target.positions_sigma || c.pose_fixed || !c.has_intrinsics || v.points.size() <= points[at(v.camera)]) continue;
+    if (!target.positions_sigma || c.pose_fixed || !c.has_intrinsics ||
+        v.points.size() <= points[at(v.camera)])
+      continue;
     std::vector<Correspondence> seen;
-    for (const ScenePoint& p : v.points) seen.push_back({target.points[at(m.indices[at(p.index)])].position, p.pixel});
+    for (const ScenePoint& p : v.points)
+      seen.push_back({target.points[at(m.indices[at(p.index)])].position, p.pixel});
     const std::optional<ViewPose> pose = view_pose(c.intrinsics, c.lens, c.width, c.height, seen);
     if (!pose) continue;
     points[at(v.camera)] = v.points.size();
@@ -121,7 +127,8 @@ int richest_camera(const Scene& scene, bool only_placed) {
   for (const SceneView& v : scene.views) points[at(v.camera)] += v.points.size();
   int best = -1;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if ((!only_placed || scene.cameras[i].placed) && (best < 0 || points[i] > points[at(best)])) best = static_cast<int>(i);
+    if ((!only_placed || scene.cameras[i].placed) && (best < 0 || points[i] > points[at(best)]))
+      best = static_cast<int>(i);
   return best;
 }
 
@@ -188,7 +195,8 @@ void place_markers(Scene& scene) {
         const SceneCamera& c = scene.cameras[at(v->camera)];
         for (const ScenePoint& p : v->points) {
           if (!c.placed || p.index != static_cast<int>(k)) continue;
-          const std::optional<Eigen::Vector3d> ray = unproject(unpack(c.intrinsics, c.lens, c.width, c.height), p.pixel);
+          const std::optional<Eigen::Vector3d> ray =
+              unproject(unpack(c.intrinsics, c.lens, c.width, c.height), p.pixel);
           if (!ray) continue;
           const Eigen::Vector3d d = (c.cam_from_world.rotation.conjugate() * *ray).normalized();
           const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
@@ -222,11 +230,14 @@ Result<std::vector<CameraPair>> start_poses(Scene& scene, int threads) {
   const ViewPoses poses = all_view_poses(scene, threads);
   std::map<std::pair<int, int>, Shared> shared = shared_boards(scene, poses);
   add_wand(scene, shared);
-  const bool any_placed = std::any_of(scene.cameras.begin(), scene.cameras.end(), [](const SceneCamera& c) { return c.placed; });
+  const bool any_placed =
+      std::any_of(scene.cameras.begin(), scene.cameras.end(), [](const SceneCamera& c) { return c.placed; });
   const int root = richest_camera(scene, any_placed);
   if (!any_placed) scene.cameras[at(root)].placed = true;
-  const bool held = std::any_of(scene.cameras.begin(), scene.cameras.end(), [](const SceneCamera& c) { return c.pose_fixed; }) ||
-                    std::any_of(scene.targets.begin(), scene.targets.end(), [](const Target& t) { return t.positions_sigma.has_value(); });
+  const bool held = std::any_of(scene.cameras.begin(), scene.cameras.end(),
+                                [](const SceneCamera& c) { return c.pose_fixed; }) ||
+                    std::any_of(scene.targets.begin(), scene.targets.end(),
+                                [](const Target& t) { return t.positions_sigma.has_value(); });
   scene.reference = held ? -1 : root;
 
   for (;;) {  // Prim: always the pair with most points that reaches a new camera
@@ -236,7 +247,8 @@ Result<std::vector<CameraPair>> start_poses(Scene& scene, int threads) {
           (!best || s.pair.points > best->pair.points))
         best = &s;
     if (!best) break;
-    const Rigid3& a_from_b = *consensus(best->a_from_b, best->depth / std::max<double>(1, static_cast<double>(best->a_from_b.size())));
+    const Rigid3& a_from_b = *consensus(
+        best->a_from_b, best->depth / std::max<double>(1, static_cast<double>(best->a_from_b.size())));
     SceneCamera &a = scene.cameras[at(best->pair.a)], &b = scene.cameras[at(best->pair.b)];
     if (a.placed)
       b.cam_from_world = a_from_b.inverse() * a.cam_from_world;
@@ -246,8 +258,9 @@ Result<std::vector<CameraPair>> start_poses(Scene& scene, int threads) {
     best->pair.in_tree = true;
   }
   if (const std::string lost = names_of_unplaced(scene); !lost.empty())
-    return fail(ErrorCode::BadData, text("no chain of targets joins ", lost, " to camera '", scene.cameras[at(root)].serial,
-                                         "': show the target to these cameras together with others at the same time"));
+    return fail(ErrorCode::BadData,
+                text("no chain of targets joins ", lost, " to camera '", scene.cameras[at(root)].serial,
+                     "': show the target to these cameras together with others at the same time"));
   place_boards(scene, poses);
   place_markers(scene);
   std::vector<CameraPair> pairs;

@@ -1,9 +1,10 @@
 #include "calib/solver/timing.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include <Eigen/Cholesky>
 
 #include "calib/solver/linearize.h"
 
@@ -26,7 +27,8 @@ int regroup(Scene& scene) {
   if (!(scene.period > 0)) return 0;
   std::map<int, std::map<double, int>> by_time;  // target → time → board
   for (std::size_t b = 0; b < scene.boards.size(); ++b)
-    if (!scene.targets[at(scene.boards[b].target)].is_static) by_time[scene.boards[b].target].emplace(scene.boards[b].time, static_cast<int>(b));
+    if (!scene.targets[at(scene.boards[b].target)].is_static)
+      by_time[scene.boards[b].target].emplace(scene.boards[b].time, static_cast<int>(b));
   int changed = 0;
   for (SceneView& v : scene.views) {
     if (v.board < 0 || scene.targets[at(scene.boards[at(v.board)].target)].is_static) continue;
@@ -35,10 +37,14 @@ int regroup(Scene& scene) {
     const auto distance = [&](const std::pair<const double, int>& t) { return std::abs(t.first - instant); };
     const std::map<double, int>& times = by_time.at(old.target);
     auto nearest = times.lower_bound(instant);
-    if (nearest == times.end() || (nearest != times.begin() && distance(*std::prev(nearest)) < distance(*nearest))) --nearest;
+    if (nearest == times.end() ||
+        (nearest != times.begin() && distance(*std::prev(nearest)) < distance(*nearest)))
+      --nearest;
     // Not back and forth for what lies in the middle.
     constexpr double kClearly = 0.05;  // periods
-    if (nearest->second == v.board || distance(*nearest) > std::abs(old.time - instant) - kClearly * scene.period) continue;
+    if (nearest->second == v.board ||
+        distance(*nearest) > std::abs(old.time - instant) - kClearly * scene.period)
+      continue;
     v.board = nearest->second;
     v.lag = taken - nearest->first;
     ++changed;
@@ -85,10 +91,12 @@ void measure_timing(Scene& scene) {
       jitter.squares += v.jitter * v.jitter + linear.jitter_sigma * linear.jitter_sigma;
       ++jitter.count;
     }
-    if (linear.by_object.cols() == 12) information[at(v.board)] += linear.by_object.transpose() * linear.by_object;
+    if (linear.by_object.cols() == 12)
+      information[at(v.board)] += linear.by_object.transpose() * linear.by_object;
   }
   constexpr int kFewest = 10;  // boards or views: fewer say nothing of how it usually is
-  if (jitter.count >= kFewest) scene.jitter_sigma = std::max(kLeastJitter * scene.period, std::sqrt(jitter.squares / jitter.count));
+  if (jitter.count >= kFewest)
+    scene.jitter_sigma = std::max(kLeastJitter * scene.period, std::sqrt(jitter.squares / jitter.count));
 
   for (std::size_t b = 0; b < scene.boards.size(); ++b) {
     const SceneBoard& board = scene.boards[b];
@@ -103,7 +111,8 @@ void measure_timing(Scene& scene) {
   if (spin.count < 3 * kFewest) return;
   // Never so small that the motion of neighbours is taken for exact, never more than a hand does.
   scene.spin_doubt = std::clamp(std::sqrt(spin.squares / spin.count), 0.01 * kSpinDoubt, kSpinDoubt);
-  scene.velocity_doubt = std::clamp(std::sqrt(velocity.squares / velocity.count), 0.01 * kVelocityDoubt, kVelocityDoubt);
+  scene.velocity_doubt =
+      std::clamp(std::sqrt(velocity.squares / velocity.count), 0.01 * kVelocityDoubt, kVelocityDoubt);
 }
 
 }  // namespace floatstage::solver

@@ -1,9 +1,10 @@
 #include "calib/solver/view_pose.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <Eigen/Dense>
 
 #include "calib/solver/scene.h"
 
@@ -35,7 +36,8 @@ Plane plane_of(const std::vector<Correspondence>& points) {
   p.center.setZero();
   for (const Correspondence& c : points) p.center += c.position / static_cast<double>(points.size());
   Matrix3d spread = Matrix3d::Zero();
-  for (const Correspondence& c : points) spread += (c.position - p.center) * (c.position - p.center).transpose();
+  for (const Correspondence& c : points)
+    spread += (c.position - p.center) * (c.position - p.center).transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(spread);  // ascending
   p.axes.col(0) = eigen.eigenvectors().col(2);
   p.axes.col(1) = eigen.eigenvectors().col(1);
@@ -95,7 +97,8 @@ std::optional<Matrix3d> fit_homography(const std::vector<Vector2d>& from, const 
       errors.push_back(p ? (*p - to[i]).norm() * b.scale : 1e3);
     }
     const double scale = std::max(3 * median(errors), 1e-6);
-    for (std::size_t i = 0; i < from.size(); ++i) weights[i] = 1 / std::pow(1 + std::pow(errors[i] / scale, 2), 2);
+    for (std::size_t i = 0; i < from.size(); ++i)
+      weights[i] = 1 / std::pow(1 + std::pow(errors[i] / scale, 2), 2);
   }
   if (!h.allFinite()) return std::nullopt;
   return h;
@@ -108,7 +111,8 @@ Matrix3d nearest_rotation(const Matrix3d& m) {
   return r;
 }
 
-std::optional<Rigid3> pose_of_flat(const Plane& plane, const std::vector<Vector3d>& positions, const std::vector<Vector2d>& rays) {
+std::optional<Rigid3> pose_of_flat(const Plane& plane, const std::vector<Vector3d>& positions,
+                                   const std::vector<Vector2d>& rays) {
   std::vector<Vector2d> flat;
   for (const Vector3d& p : positions) flat.push_back((plane.axes.transpose() * (p - plane.center)).head<2>());
   const std::optional<Matrix3d> h = fit_homography(flat, rays);
@@ -122,7 +126,8 @@ std::optional<Rigid3> pose_of_flat(const Plane& plane, const std::vector<Vector3
   return Rigid3{Eigen::Quaterniond(rotation).normalized(), t - rotation * plane.center};
 }
 
-std::optional<Rigid3> pose_of_solid(const Plane& plane, const std::vector<Vector3d>& positions, const std::vector<Vector2d>& rays) {
+std::optional<Rigid3> pose_of_solid(const Plane& plane, const std::vector<Vector3d>& positions,
+                                    const std::vector<Vector2d>& rays) {
   if (positions.size() < 6) return std::nullopt;
   Eigen::Matrix<double, 12, 12> normal = Eigen::Matrix<double, 12, 12>::Zero();
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -144,11 +149,13 @@ std::optional<Rigid3> pose_of_solid(const Plane& plane, const std::vector<Vector
   return Rigid3{Eigen::Quaterniond(rotation).normalized(), p.col(3) * scale - rotation * plane.center};
 }
 
-double median_error(const Intrinsics& in, LensKind lens, const std::vector<Correspondence>& points, const Rigid3& pose) {
+double median_error(const Intrinsics& in, LensKind lens, const std::vector<Correspondence>& points,
+                    const Rigid3& pose) {
   std::vector<double> errors;
   Projected projected;
   for (const Correspondence& c : points)
-    errors.push_back(project(in, lens, pose * c.position, projected) ? (projected.pixel - c.pixel).norm() : kInfinity);
+    errors.push_back(project(in, lens, pose * c.position, projected) ? (projected.pixel - c.pixel).norm()
+                                                                     : kInfinity);
   return median(std::move(errors));
 }
 
@@ -172,7 +179,8 @@ double homography_error(const std::vector<Correspondence>& points) {
   return median(std::move(errors));
 }
 
-ViewPose refine_pose(const Intrinsics& in, LensKind lens, const std::vector<Correspondence>& points, const Rigid3& start, int iterations) {
+ViewPose refine_pose(const Intrinsics& in, LensKind lens, const std::vector<Correspondence>& points,
+                     const Rigid3& start, int iterations) {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   Rigid3 pose = start;
@@ -223,7 +231,8 @@ ViewPose refine_pose(const Intrinsics& in, LensKind lens, const std::vector<Corr
   return {pose, median_error(in, lens, points, pose)};
 }
 
-std::optional<ViewPose> view_pose(const Intrinsics& in, LensKind lens, int width, int height, const std::vector<Correspondence>& points) {
+std::optional<ViewPose> view_pose(const Intrinsics& in, LensKind lens, int width, int height,
+                                  const std::vector<Correspondence>& points) {
   const CameraModel model = unpack(in, lens, width, height);
   std::vector<Vector3d> positions;
   std::vector<Vector2d> rays;
@@ -237,7 +246,8 @@ std::optional<ViewPose> view_pose(const Intrinsics& in, LensKind lens, int width
   if (used.size() < 4) return std::nullopt;
   const Plane plane = plane_of(used);
   if (plane.thin) return std::nullopt;
-  const std::optional<Rigid3> direct = plane.flat ? pose_of_flat(plane, positions, rays) : pose_of_solid(plane, positions, rays);
+  const std::optional<Rigid3> direct =
+      plane.flat ? pose_of_flat(plane, positions, rays) : pose_of_solid(plane, positions, rays);
   if (!direct || !direct->translation.allFinite()) return std::nullopt;
   ViewPose best = refine_pose(in, lens, points, *direct);
   if (plane.flat) {
@@ -246,7 +256,8 @@ std::optional<ViewPose> view_pose(const Intrinsics& in, LensKind lens, int width
     const Vector3d normal = best.cam_from_target.rotation * plane.axes.col(2);
     const Vector3d mirrored = 2 * normal.dot(sight) * sight - normal;
     const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(normal, mirrored);
-    const Rigid3 other{(turn * best.cam_from_target.rotation).normalized(), turn * (best.cam_from_target.translation - center) + center};
+    const Rigid3 other{(turn * best.cam_from_target.rotation).normalized(),
+                       turn * (best.cam_from_target.translation - center) + center};
     const ViewPose flipped = refine_pose(in, lens, points, other);
     if (flipped.error < best.error) best = flipped;
   }

@@ -1,11 +1,12 @@
 #include "calib/solver/wand_start.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Dense>
 
 namespace floatstage::solver {
 namespace {
@@ -19,7 +20,9 @@ std::map<Marker, Vector2d> pixels_of(const Scene& scene, int camera) {
   std::map<Marker, Vector2d> out;
   for (const SceneView& v : scene.views) {
     if (v.camera != camera || v.markers < 0) continue;
-    if (scene.targets[static_cast<std::size_t>(scene.markers[static_cast<std::size_t>(v.markers)].target)].kind != TargetKind::Wand) continue;
+    if (scene.targets[static_cast<std::size_t>(scene.markers[static_cast<std::size_t>(v.markers)].target)]
+            .kind != TargetKind::Wand)
+      continue;
     for (const ScenePoint& p : v.points) out[{v.markers, p.index}] = p.pixel;
   }
   return out;
@@ -31,8 +34,10 @@ struct Pair {
 };
 
 std::vector<Pair> pairs_of(const Scene& scene, int a, int b) {
-  const SceneCamera &ca = scene.cameras[static_cast<std::size_t>(a)], &cb = scene.cameras[static_cast<std::size_t>(b)];
-  const CameraModel ma = unpack(ca.intrinsics, ca.lens, ca.width, ca.height), mb = unpack(cb.intrinsics, cb.lens, cb.width, cb.height);
+  const SceneCamera &ca = scene.cameras[static_cast<std::size_t>(a)],
+                    &cb = scene.cameras[static_cast<std::size_t>(b)];
+  const CameraModel ma = unpack(ca.intrinsics, ca.lens, ca.width, ca.height),
+                    mb = unpack(cb.intrinsics, cb.lens, cb.width, cb.height);
   const std::map<Marker, Vector2d> in_b = pixels_of(scene, b);
   std::vector<Pair> out;
   for (const auto& [marker, pixel] : pixels_of(scene, a)) {
@@ -62,20 +67,25 @@ Matrix3d essential(const std::vector<Pair>& pairs) {
     e = svd.matrixU() * Vector3d(1, 1, 0).asDiagonal() * svd.matrixV().transpose();
     for (std::size_t i = 0; i < pairs.size(); ++i) {  // Sampson's distance
       const Vector3d ea = e * pairs[i].a, eb = e.transpose() * pairs[i].b;
-      errors[i] = std::abs(pairs[i].b.dot(ea)) / std::max(1e-12, std::sqrt(ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm()));
+      errors[i] = std::abs(pairs[i].b.dot(ea)) /
+                  std::max(1e-12, std::sqrt(ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm()));
     }
     std::vector<double> sorted = errors;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                     sorted.end());
     const double scale = std::max(1e-9, 3 * sorted[sorted.size() / 2]);
-    for (std::size_t i = 0; i < pairs.size(); ++i) weights[i] = 1 / std::pow(1 + std::pow(errors[i] / scale, 2), 2);
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      weights[i] = 1 / std::pow(1 + std::pow(errors[i] / scale, 2), 2);
   }
   return e;
 }
 
 // The point nearest to both rays, in a's frame, and whether it lies in front of both cameras.
 std::optional<Vector3d> intersect(const Pair& p, const Rigid3& b_from_a) {
-  const Vector3d from = b_from_a.center(), da = p.a.normalized(), db = (b_from_a.rotation.conjugate() * p.b).normalized();
-  const Matrix3d across_a = Matrix3d::Identity() - da * da.transpose(), across_b = Matrix3d::Identity() - db * db.transpose();
+  const Vector3d from = b_from_a.center(), da = p.a.normalized(),
+                 db = (b_from_a.rotation.conjugate() * p.b).normalized();
+  const Matrix3d across_a = Matrix3d::Identity() - da * da.transpose(),
+                 across_b = Matrix3d::Identity() - db * db.transpose();
   const Vector3d x = (across_a + across_b).ldlt().solve(across_b * from);
   if (!x.allFinite() || x.z() <= 0 || (b_from_a * x).z() <= 0) return std::nullopt;
   return x;
@@ -109,8 +119,8 @@ std::optional<Rigid3> pose_from_wand(const Scene& scene, int a, int b) {
     Matrix3d r = svd.matrixU() * (k < 2 ? w : Matrix3d(w.transpose())) * svd.matrixV().transpose();
     if (r.determinant() < 0) r = -r;
     const Rigid3 candidate{Eigen::Quaterniond(r).normalized(), (k % 2 ? 1.0 : -1.0) * svd.matrixU().col(2)};
-    const auto front = static_cast<std::size_t>(
-        std::count_if(pairs.begin(), pairs.end(), [&](const Pair& p) { return intersect(p, candidate).has_value(); }));
+    const auto front = static_cast<std::size_t>(std::count_if(
+        pairs.begin(), pairs.end(), [&](const Pair& p) { return intersect(p, candidate).has_value(); }));
     if (front > most) {
       most = front;
       best = candidate;
@@ -129,7 +139,8 @@ std::optional<Rigid3> pose_from_wand(const Scene& scene, int a, int b) {
         return places.find({static_cast<int>(m), static_cast<int>(found - markers.indices.begin())});
       };
       const auto from = place(l.a), to = place(l.b);
-      if (from != places.end() && to != places.end()) scales.push_back(l.metres / (from->second - to->second).norm());
+      if (from != places.end() && to != places.end())
+        scales.push_back(l.metres / (from->second - to->second).norm());
     }
   }
   if (scales.empty()) return std::nullopt;

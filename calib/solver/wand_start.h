@@ -6,9 +6,9 @@
 
 namespace floatstage::solver {
 
-/// Where camera b stands seen from a, by the wand markers that both saw: the essential matrix of all of them (eight points,
-/// weighted again by its own residuals), its scale from the wand's lengths. Both cameras need intrinsics. Absent with fewer
-/// than kFewestWandPoints or when no length was seen whole.
+/// Where camera b stands seen from a, by the wand markers that both saw: the essential matrix of all of them
+/// (eight points, weighted again by its own residuals), its scale from the wand's lengths. Both cameras need
+/// intrinsics. Absent with fewer than kFewestWandPoints or when no length was seen whole.
 std::optional<Rigid3> pose_from_wand(const Scene& scene, int a, int b);
 
 inline constexpr int kFewestWandPoints = 20;

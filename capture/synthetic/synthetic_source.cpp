@@ -43,7 +43,8 @@ class SyntheticSource final : public FrameSource {
   std::unique_ptr<SyntheticStudio> studio_;  // while started
   int next_ = 0;
   std::int64_t tick_ = 0;  // of a live camera: the next trigger, in periods of the studio's clock; 0: unknown
-  int pose_ = 0;          // which picture is due: at one time the same pose for all cameras, whenever they were started
+  int pose_ =
+      0;  // which picture is due: at one time the same pose for all cameras, whenever they were started
   Timestamp exposed_;
   std::vector<Frame> loop_;
   SourceMeter meter_;

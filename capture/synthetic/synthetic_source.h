@@ -15,8 +15,9 @@ inline constexpr const char* kSyntheticUsage =
 /// rate, on the studio's clock, triggered together with all others but `late-ms` later, with `loop` pictures
 /// that it shows again and again: at one time all cameras show the performer in the same pose, whenever they
 /// were started. frames=0 never ends; after `gone-after` frames it is unplugged until it is started again
-/// (0: never); `dropped` is the fraction of frames lost, `noise` in 8-bit steps, `jitter` in seconds. `options`
-/// is what follows "synthetic:"; all have the defaults of kSyntheticUsage. InvalidArgument names `uri`.
+/// (0: never); `dropped` is the fraction of frames lost, `noise` in 8-bit steps, `jitter` in seconds.
+/// `options` is what follows "synthetic:"; all have the defaults of kSyntheticUsage. InvalidArgument names
+/// `uri`.
 Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, const std::string& uri);
 
 }  // namespace floatstage

@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate_verbs.h"
@@ -19,7 +19,8 @@ Image wall(double shift) {
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) {
       const double u = x - shift;
-      const double v = std::sin(u * u / 900 + 0.11 * y) + std::sin(0.13 * u - y * y / 700.0) + std::sin(0.31 * u + 0.23 * y);
+      const double v = std::sin(u * u / 900 + 0.11 * y) + std::sin(0.13 * u - y * y / 700.0) +
+                       std::sin(0.31 * u + 0.23 * y);
       *image.at(x, y) = static_cast<std::uint8_t>(std::lround(128 + 30 * v));
     }
   return image;
@@ -37,13 +38,18 @@ Result<void> run(const std::string& arguments) {
 std::filesystem::path make_take(const TempFolder& folder, const std::string& name, double shift) {
   Rig rig;
   for (const char* serial : {"left", "right"})
-    rig.cameras.push_back({.serial = serial, .model = {.width = 320, .height = 240, .fx = 300, .fy = 300, .cx = 160, .cy = 120, .lens = {}}, .cam_from_world = {}, .color = {}});
+    rig.cameras.push_back(
+        {.serial = serial,
+         .model = {.width = 320, .height = 240, .fx = 300, .fy = 300, .cx = 160, .cy = 120, .lens = {}},
+         .cam_from_world = {},
+         .color = {}});
   const auto writer = TakeWriter::create(folder / name, rig, {.frame_rate = 1, .label = {}, .created = {}});
   EXPECT_THAT(writer, IsOk());
   for (int i = 0; i < 30; ++i)
     for (int camera = 0; camera < 2; ++camera) {
       FrameInfo info;
-      info.camera = camera, info.sequence = static_cast<std::uint64_t>(i), info.exposure_start = Timestamp{i * 1'000'000'000LL};
+      info.camera = camera, info.sequence = static_cast<std::uint64_t>(i),
+      info.exposure_start = Timestamp{i * 1'000'000'000LL};
       EXPECT_THAT((*writer)->write(make_frame(info, wall(camera == 1 && i >= 20 ? shift : 0))), IsOk());
     }
   EXPECT_THAT((*writer)->finish(), IsOk());
@@ -71,10 +77,12 @@ TEST(CalibrateDrift, SaysWhatIsMissing) {
   const TempFolder folder;
   const std::filesystem::path take = make_take(folder, "take", 0);
   EXPECT_THAT(run(take.string()), FailsWith(ErrorCode::InvalidArgument, "--make-reference"));
-  EXPECT_THAT(run(text(take.string(), " --reference ", (folder / "none.json").string())), FailsWith(ErrorCode::NotFound, "none.json"));
+  EXPECT_THAT(run(text(take.string(), " --reference ", (folder / "none.json").string())),
+              FailsWith(ErrorCode::NotFound, "none.json"));
   ASSERT_THAT(run(text(take.string(), " --make-reference ", (folder / "drift.json").string())), IsOk());
   ASSERT_THAT(write_file(take / "quality.json", "[1"), IsOk());
-  EXPECT_THAT(run(text(take.string(), " --reference ", (folder / "drift.json").string())), FailsWith(ErrorCode::BadData, "quality.json"));
+  EXPECT_THAT(run(text(take.string(), " --reference ", (folder / "drift.json").string())),
+              FailsWith(ErrorCode::BadData, "quality.json"));
   EXPECT_EQ(*read_file(take / "quality.json"), "[1") << "nothing is overwritten";
 }
 

@@ -1,8 +1,8 @@
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "apps/calibrate/live_run.h"
 #include "apps/calibrate/live_view.h"
@@ -30,7 +30,12 @@ Rig arc_rig() {
     const double angle = (35 * i - 35) * std::numbers::pi / 180;
     CameraModel model = test::simple_camera(640, 480, 56 + 3 * i, BrownConrady{.k1 = -0.1 + 0.03 * i});
     model.cx += 4 - 3 * i;
-    rig.cameras.push_back({.serial = text("cam", i), .model = model, .cam_from_world = look_at({2.6 * std::sin(angle), -2.6 * std::cos(angle), 1.2 + 0.15 * i}, {0, 0, 1}, {0, 0, 1}), .color = {}});
+    rig.cameras.push_back(
+        {.serial = text("cam", i),
+         .model = model,
+         .cam_from_world =
+             look_at({2.6 * std::sin(angle), -2.6 * std::cos(angle), 1.2 + 0.15 * i}, {0, 0, 1}, {0, 0, 1}),
+         .color = {}});
   }
   return rig;
 }
@@ -45,22 +50,29 @@ const std::filesystem::path& waved_take() {
     std::vector<Rigid3> places;
     for (int frame = 0; frame < kFrames; ++frame) {
       const auto tilt = [&](double most) { return random.uniform(-most, most) * std::numbers::pi / 180; };
-      const Eigen::Vector3d center(random.uniform(-0.7, 0.7), random.uniform(-0.8, 0.8), random.uniform(0.55, 1.55));
-      const Eigen::Quaterniond turned = Eigen::AngleAxisd(tilt(45), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(tilt(40), Eigen::Vector3d::UnitX()) *
-                                        Eigen::AngleAxisd(tilt(30), Eigen::Vector3d::UnitY()) * Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
+      const Eigen::Vector3d center(random.uniform(-0.7, 0.7), random.uniform(-0.8, 0.8),
+                                   random.uniform(0.55, 1.55));
+      const Eigen::Quaterniond turned =
+          Eigen::AngleAxisd(tilt(45), Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(tilt(40), Eigen::Vector3d::UnitX()) *
+          Eigen::AngleAxisd(tilt(30), Eigen::Vector3d::UnitY()) *
+          Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
       const std::vector<Eigen::Vector3d> points = target_points(design);
       places.push_back({turned, center - turned * (0.5 * (points.front() + points.back()))});
     }
     std::vector<Image> pictures(3 * kFrames);
     parallel_for(pictures.size(), 0, [&](std::size_t i) {
       const RigCamera& c = rig.cameras[i % 3];
-      pictures[i] = test::board_picture(design, c.model, c.cam_from_world * places[i / 3], {.samples = 3, .blur = 0.7, .noise = 2, .seed = i});
+      pictures[i] = test::board_picture(design, c.model, c.cam_from_world * places[i / 3],
+                                        {.samples = 3, .blur = 0.7, .noise = 2, .seed = i});
     });
-    const auto writer = TakeWriter::create(folder / "take", rig, {.frame_rate = 10, .label = {}, .created = {}});
+    const auto writer =
+        TakeWriter::create(folder / "take", rig, {.frame_rate = 10, .label = {}, .created = {}});
     EXPECT_THAT(writer, IsOk());
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       FrameInfo info;
-      info.camera = static_cast<int>(i % 3), info.sequence = i / 3, info.exposure_start = Timestamp{static_cast<std::int64_t>(i / 3) * 100'000'000};
+      info.camera = static_cast<int>(i % 3), info.sequence = i / 3,
+      info.exposure_start = Timestamp{static_cast<std::int64_t>(i / 3) * 100'000'000};
       EXPECT_THAT((*writer)->write(make_frame(info, pictures[i])), IsOk());
     }
     EXPECT_THAT((*writer)->finish(), IsOk());
@@ -72,7 +84,8 @@ const std::filesystem::path& waved_take() {
 CaptureConfig replayed() {
   CaptureConfig config;
   config.frame_rate = 10;
-  for (const char* serial : {"cam0", "cam1", "cam2"}) config.cameras.push_back({serial, text("take:", waved_take().string(), "#", serial)});
+  for (const char* serial : {"cam0", "cam1", "cam2"})
+    config.cameras.push_back({serial, text("take:", waved_take().string(), "#", serial)});
   return config;
 }
 
@@ -89,7 +102,8 @@ void nothing_known(Observations&) {}
 std::vector<TargetView> looked_at_one_by_one(int frames) {
   const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(waved_take());
   std::vector<CalibrationCamera> cameras;
-  for (const RigCamera& c : (*take)->rig().cameras) cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
+  for (const RigCamera& c : (*take)->rig().cameras)
+    cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
   LiveCalibration live(options().target, cameras);
   for (int i = 0; i < frames; ++i) {
     const FrameSet set = *(*take)->frame_set(i);
@@ -133,7 +147,8 @@ TEST(LiveCalibrationObject, AdviceChangesAsCoverageGrows) {
   const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(waved_take());
   ASSERT_THAT(take, IsOk());
   std::vector<CalibrationCamera> cameras;
-  for (const RigCamera& c : (*take)->rig().cameras) cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
+  for (const RigCamera& c : (*take)->rig().cameras)
+    cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
   LiveCalibration live(options().target, cameras);
   std::vector<std::string> advice;
   double before = completeness(coverage_of(live.observations()));
@@ -166,27 +181,35 @@ TEST(LiveCalibrationObject, AdviceChangesAsCoverageGrows) {
 
 TEST(CalibrateLive, GivesTheRigThatTheSessionGives) {
   const TempFolder folder;
-  std::string toml = "[studio]\nframe_rate = 10\n[recording]\nfolder = \"takes\"\n", session = text("target = \"", kTarget, "\"\nframe_rate = 10\n");
+  std::string toml = "[studio]\nframe_rate = 10\n[recording]\nfolder = \"takes\"\n",
+              session = text("target = \"", kTarget, "\"\nframe_rate = 10\n");
   for (const CaptureConfig::Camera& c : replayed().cameras) {
     toml += text("[[camera]]\nserial = \"", c.serial, "\"\nsource = \"", c.source, "\"\n");
-    session += text("[[cameras]]\nserial = \"", c.serial, "\"\nvideo = \"", (waved_take() / (c.serial + ".mkv")).string(), "\"\n");
+    session += text("[[cameras]]\nserial = \"", c.serial, "\"\nvideo = \"",
+                    (waved_take() / (c.serial + ".mkv")).string(), "\"\n");
   }
   const auto at = [&](const char* name) { return (folder / name).string(); };
   folder.write("studio.toml", toml);
   folder.write("session.toml", session);
   folder.write("again.toml", "observations = \"live.json\"\n");
-  (void)run(text("live ", at("studio.toml"), " --headless --least-move 0 --target '", kTarget, "' --observations ", at("live.json"), " --out ", at("live-rig.json"), " --json ", at("live-report.json"), " --keep-failed"));
+  (void)run(text("live ", at("studio.toml"), " --headless --least-move 0 --target '", kTarget,
+                 "' --observations ", at("live.json"), " --out ", at("live-rig.json"), " --json ",
+                 at("live-report.json"), " --keep-failed"));
   (void)run(text(at("again.toml"), " --out ", at("again-rig.json"), " --keep-failed"));
   (void)run(text(at("session.toml"), " --out ", at("session-rig.json"), " --keep-failed"));
-  EXPECT_EQ(read(at("live-rig.json")), read(at("again-rig.json"))) << "the same observations, the same rig, byte for byte";
+  EXPECT_EQ(read(at("live-rig.json")), read(at("again-rig.json")))
+      << "the same observations, the same rig, byte for byte";
   const Result<Rig> live = load_rig(at("live-rig.json")), offline = load_rig(at("session-rig.json"));
   ASSERT_THAT(live, IsOk());
   ASSERT_THAT(offline, IsOk());
   ASSERT_EQ(live->cameras.size(), 3u);
   for (std::size_t c = 0; c < 3; ++c) {
-    EXPECT_NEAR(live->cameras[c].model.fx, offline->cameras[c].model.fx, 1e-3) << "from the same pictures, but for the order of sums";
-    EXPECT_LT((live->cameras[c].cam_from_world.center() - offline->cameras[c].cam_from_world.center()).norm(), 1e-5);
-    EXPECT_NEAR(live->cameras[c].model.fx, arc_rig().cameras[c].model.fx, 0.01 * arc_rig().cameras[c].model.fx);
+    EXPECT_NEAR(live->cameras[c].model.fx, offline->cameras[c].model.fx, 1e-3)
+        << "from the same pictures, but for the order of sums";
+    EXPECT_LT((live->cameras[c].cam_from_world.center() - offline->cameras[c].cam_from_world.center()).norm(),
+              1e-5);
+    EXPECT_NEAR(live->cameras[c].model.fx, arc_rig().cameras[c].model.fx,
+                0.01 * arc_rig().cameras[c].model.fx);
   }
   EXPECT_EQ(nlohmann::json::parse(read(at("live-report.json")))["cameras"].size(), 3u);
 }
@@ -194,11 +217,14 @@ TEST(CalibrateLive, GivesTheRigThatTheSessionGives) {
 TEST(CalibrateLive, ShowsCoverageAndAdviceInAWindow) {
   const TempFolder folder;
   std::string toml = "[studio]\nframe_rate = 10\n";
-  for (const CaptureConfig::Camera& c : replayed().cameras) toml += text("[[camera]]\nserial = \"", c.serial, "\"\nsource = \"", c.source, "\"\n");
+  for (const CaptureConfig::Camera& c : replayed().cameras)
+    toml += text("[[camera]]\nserial = \"", c.serial, "\"\nsource = \"", c.source, "\"\n");
   folder.write("studio.toml", toml);
   const std::filesystem::path file = folder / "live.png";
-  const std::string command = text("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' ", FLOATSTAGE_PROGRAM, " calibrate live ", (folder / "studio.toml").string(), " --target '", kTarget,
-                                   "' --size 1100x700 --screenshot ", file.string(), " 2>&1");
+  const std::string command =
+      text("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' ", FLOATSTAGE_PROGRAM,
+           " calibrate live ", (folder / "studio.toml").string(), " --target '", kTarget,
+           "' --size 1100x700 --screenshot ", file.string(), " 2>&1");
   FILE* pipe = popen(command.c_str(), "r");
   ASSERT_TRUE(pipe);
   std::string said;
@@ -221,19 +247,25 @@ TEST(CalibrateLive, ShowsCoverageAndAdviceInAWindow) {
 
 TEST(CalibrateLive, SaysWhatIsWrongBeforeAnythingRuns) {
   const TempFolder folder;
-  folder.write("studio.toml", "[studio]\nframe_rate = 10\n[[camera]]\nserial = \"a\"\nsource = \"take:/no/such#a\"\n");
+  folder.write("studio.toml",
+               "[studio]\nframe_rate = 10\n[[camera]]\nserial = \"a\"\nsource = \"take:/no/such#a\"\n");
   const std::string config = (folder / "studio.toml").string();
-  EXPECT_THAT(run(text("live ", config, " --headless --target 'charuco colums=3'")), FailsWith(ErrorCode::BadData, "colums"));
-  EXPECT_THAT(run(text("live ", config, " --headless --target '", kTarget, "'")), FailsWith(ErrorCode::NotFound, "/no/such"));
-  EXPECT_THAT(run(text("live ", config, " --headless --lens zoom --target '", kTarget, "'")), FailsWith(ErrorCode::InvalidArgument, "'zoom'"));
+  EXPECT_THAT(run(text("live ", config, " --headless --target 'charuco colums=3'")),
+              FailsWith(ErrorCode::BadData, "colums"));
+  EXPECT_THAT(run(text("live ", config, " --headless --target '", kTarget, "'")),
+              FailsWith(ErrorCode::NotFound, "/no/such"));
+  EXPECT_THAT(run(text("live ", config, " --headless --lens zoom --target '", kTarget, "'")),
+              FailsWith(ErrorCode::InvalidArgument, "'zoom'"));
 }
 
 TEST(Thinned, KeepsFramesThatJoinCameras) {
   Observations o;
-  for (const char* serial : {"a", "b"}) o.cameras.push_back({.serial = serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
+  for (const char* serial : {"a", "b"})
+    o.cameras.push_back({.serial = serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
   for (int frame = 0; frame < 100; ++frame)
     for (int camera = 0; camera < 2; ++camera)
-      if (camera == 0 || frame % 10 == 0) o.views.push_back({.camera = camera, .target = 0, .frame = frame, .time = {}, .points = {}});
+      if (camera == 0 || frame % 10 == 0)
+        o.views.push_back({.camera = camera, .target = 0, .frame = frame, .time = {}, .points = {}});
   const Observations thin = thinned(o, 30);
   int joined = 0;
   for (const TargetView& v : thin.views) joined += v.camera == 1;

@@ -1,9 +1,9 @@
 // The sessions in config/calibration, run as an operator runs them.
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate_verbs.h"
@@ -26,13 +26,21 @@ Result<void> run(const std::string& session, const TempFolder& folder) {
   Chosen chosen;
   add_calibrate_session(app, chosen);
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  std::vector<std::string> arguments = {text(FLOATSTAGE_SOURCE_DIR, "/config/calibration/", session), "--out", in("rig.json"), "--report", in("report"), "--json", in("R.json")};
+  std::vector<std::string> arguments = {text(FLOATSTAGE_SOURCE_DIR, "/config/calibration/", session),
+                                        "--out",
+                                        in("rig.json"),
+                                        "--report",
+                                        in("report"),
+                                        "--json",
+                                        in("R.json")};
   std::reverse(arguments.begin(), arguments.end());
   app.parse(arguments);
   return chosen.run();
 }
 
-nlohmann::json report(const TempFolder& folder) { return nlohmann::json::parse(read_file(folder / "R.json").value()); }
+nlohmann::json report(const TempFolder& folder) {
+  return nlohmann::json::parse(read_file(folder / "R.json").value());
+}
 
 TEST(CalibrateReal, CaliscopePassesWithAllFourCamerasTogether) {
   FLOATSTAGE_NEEDS_DATA(real_data("caliscope-4cam"));
@@ -61,7 +69,8 @@ TEST(CalibrateReal, Pose2SimChessboardsAgreeWithItsOwnCalibration) {
   ASSERT_THAT(run("pose2sim-balancing.toml", folder), IsOk());
   const Result<Rig> rig = load_rig(folder / "rig.json");
   ASSERT_THAT(rig, IsOk());
-  const Result<ForeignRig> known = read_qualisys(real_data("pose2sim-balancing") / "calibration/Calib.qca.txt");
+  const Result<ForeignRig> known =
+      read_qualisys(real_data("pose2sim-balancing") / "calibration/Calib.qca.txt");
   ASSERT_THAT(known, IsOk());
   for (const RigCamera& c : rig->cameras) {
     const RigCamera& was = known->rig.cameras[static_cast<std::size_t>(camera_index(known->rig, c.serial))];

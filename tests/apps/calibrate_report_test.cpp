@@ -1,12 +1,11 @@
-#include "apps/calibrate/report.h"
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/collect.h"
+#include "apps/calibrate/report.h"
 #include "apps/calibrate/report_pictures.h"
 #include "apps/calibrate/scene_points.h"
 #include "core/file.h"
@@ -26,7 +25,9 @@ using testing::HasSubstr;
 using testing::Not;
 
 const CaptureOptions kCapture{.frames = 40, .frame_seconds = 0.2};
-Observations seen() { return capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(kCapture), kCapture); }
+Observations seen() {
+  return capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(kCapture), kCapture);
+}
 
 // Three cameras far apart know less of one another than the bars ask for.
 const CalibrationBars kBars{.rotation_sigma_degrees = 0.3};
@@ -60,7 +61,8 @@ TEST(CalibrationVerdict, FailsForANamedFailureAndForNumbersThatAreNone) {
 }
 
 TEST(CalibrationReport, HoldsTheNumbersAsJson) {
-  const nlohmann::json j = report_json(solved(), judge(solved(), kBars), {"test", {"camera 'cam0': 40 of 40"}, {"a remark"}, 1.5});
+  const nlohmann::json j =
+      report_json(solved(), judge(solved(), kBars), {"test", {"camera 'cam0': 40 of 40"}, {"a remark"}, 1.5});
   EXPECT_TRUE(j["pass"].get<bool>());
   ASSERT_EQ(j["cameras"].size(), 3u);
   EXPECT_EQ(j["cameras"][1]["serial"], "cam1");
@@ -79,10 +81,12 @@ TEST(CalibrationReport, IsOnePageThatNeedsNothingElse) {
   EXPECT_THAT(html, HasSubstr("PASS"));
   EXPECT_THAT(html, HasSubstr("&lt;b&gt;"));
   EXPECT_THAT(html, HasSubstr("found &amp; lost"));
-  for (const char* elsewhere : {"http://", "https://", "src=", "href=", "<script"}) EXPECT_THAT(html, Not(HasSubstr(elsewhere)));
+  for (const char* elsewhere : {"http://", "https://", "src=", "href=", "<script"})
+    EXPECT_THAT(html, Not(HasSubstr(elsewhere)));
   // Three pictures a camera and the graph.
   std::size_t pictures = 0;
-  for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at + 1)) ++pictures;
+  for (std::size_t at = html.find("<svg"); at != std::string::npos; at = html.find("<svg", at + 1))
+    ++pictures;
   EXPECT_EQ(pictures, 10u);
 }
 
@@ -104,7 +108,8 @@ TEST(ScenePoints, MeetInTheRigThatSawThem) {
   std::vector<SessionPoint> points;
   for (const Eigen::Vector3d& x : {Eigen::Vector3d(0.3, 0.2, 1), Eigen::Vector3d(-0.4, 0.1, 0.6)}) {
     SessionPoint p{text("mark ", points.size()), {}};
-    for (const RigCamera& c : rig.cameras) p.seen.push_back({c.serial, *project(c.model, c.cam_from_world * x)});
+    for (const RigCamera& c : rig.cameras)
+      p.seen.push_back({c.serial, *project(c.model, c.cam_from_world * x)});
     points.push_back(p);
   }
   const Result<ScenePoints> exact = measure_points(points, rig);
@@ -143,7 +148,8 @@ TEST(CalibrationKnown, AppliesWhatIsKnownToTheCamerasOfItsName) {
   EXPECT_EQ(o.cameras[2].intrinsics, Prior::Fixed);
   EXPECT_EQ(o.cameras[2].model, rig.cameras[2].model);
   EXPECT_EQ(o.cameras[2].pose, Prior::Start);
-  EXPECT_THAT(apply_known({"rig", "r.json", Prior::Fixed, Prior::Start}, ring_rig(2), o), FailsWith(ErrorCode::NotFound, "'cam2'"));
+  EXPECT_THAT(apply_known({"rig", "r.json", Prior::Fixed, Prior::Start}, ring_rig(2), o),
+              FailsWith(ErrorCode::NotFound, "'cam2'"));
 }
 
 TEST(CalibrationKnown, IsComparedWithWhereItIsNotTaken) {

@@ -1,6 +1,5 @@
 // The verb on real pictures, as people run it.
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate_verbs.h"
@@ -14,7 +13,8 @@
 namespace floatstage {
 namespace {
 
-const std::filesystem::path kSessions = std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "config" / "calibration";
+const std::filesystem::path kSessions =
+    std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "config" / "calibration";
 
 Result<void> run(const std::string& arguments) {
   CLI::App app;
@@ -28,7 +28,9 @@ TEST(CalibrateTemple, RingIsPlacedWithoutATargetAndAgainFromYesterday) {
   FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-ring"));
   const TempFolder folder;
   const std::string session = (kSessions / "temple-ring.toml").string();
-  ASSERT_THAT(run(text(session, " --out ", (folder / "rig.json").string(), " --json ", (folder / "r.json").string())), IsOk());
+  ASSERT_THAT(
+      run(text(session, " --out ", (folder / "rig.json").string(), " --json ", (folder / "r.json").string())),
+      IsOk());
   const nlohmann::json report = nlohmann::json::parse(*read_file(folder / "r.json"));
   EXPECT_EQ(report["pass"], true);
   double worst = 1e9;
@@ -43,17 +45,21 @@ TEST(CalibrateTemple, RingIsPlacedWithoutATargetAndAgainFromYesterday) {
   const Rigid3 turn{Eigen::Quaterniond(Eigen::AngleAxisd(0.002, Eigen::Vector3d::UnitY())), {0, 0, 0}};
   yesterday->cameras[5].cam_from_world = turn * yesterday->cameras[5].cam_from_world;
   ASSERT_THAT(save_rig(*yesterday, folder / "yesterday.json"), IsOk());
-  ASSERT_THAT(run(text(session, " --from ", (folder / "yesterday.json").string(), " --out ", (folder / "again.json").string(), " --json ", (folder / "again-r.json").string())), IsOk());
+  ASSERT_THAT(run(text(session, " --from ", (folder / "yesterday.json").string(), " --out ",
+                       (folder / "again.json").string(), " --json ", (folder / "again-r.json").string())),
+              IsOk());
   const nlohmann::json again = nlohmann::json::parse(*read_file(folder / "again-r.json"));
   EXPECT_NEAR(again["cameras"][5]["moved"]["degrees"].get<double>(), 0.1146, 0.03);
-  for (const std::size_t c : {std::size_t{0}, std::size_t{10}, std::size_t{18}}) EXPECT_LT(again["cameras"][c]["moved"]["degrees"].get<double>(), 0.03) << c;
+  for (const std::size_t c : {std::size_t{0}, std::size_t{10}, std::size_t{18}})
+    EXPECT_LT(again["cameras"][c]["moved"]["degrees"].get<double>(), 0.03) << c;
 }
 
 TEST(CalibrateTemple, SparseRingIsRefusedWithAReasonAndNothingIsWritten) {
   FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-sparse-ring"));
   const TempFolder folder;
-  EXPECT_THAT(run(text((kSessions / "temple-sparse-ring.toml").string(), " --out ", (folder / "rig.json").string())),
-              FailsWith(ErrorCode::BadData, "too little is seen by neighbouring cameras together"));
+  EXPECT_THAT(
+      run(text((kSessions / "temple-sparse-ring.toml").string(), " --out ", (folder / "rig.json").string())),
+      FailsWith(ErrorCode::BadData, "too little is seen by neighbouring cameras together"));
   EXPECT_FALSE(std::filesystem::exists(folder / "rig.json"));
 }
 

@@ -1,8 +1,7 @@
-#include "apps/calibrate/session.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/calibrate/session.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
@@ -12,7 +11,8 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const std::string kWhole = R"(target = "charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000 inverted"
+const std::string kWhole =
+    R"(target = "charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000 inverted"
 frame_rate = 30
 first_frame = 2
 every = 3
@@ -63,7 +63,8 @@ TEST(CalibrationSession, HoldsAllThatIsKnown) {
   EXPECT_TRUE(s->options.time_offsets);
   EXPECT_EQ(s->options.holdout_every, 7);
   EXPECT_EQ(s->bars.rms_px, 0.35);
-  EXPECT_EQ(s->bars.holdout_ratio, CalibrationBars{}.holdout_ratio) << "bars that are not given keep their defaults";
+  EXPECT_EQ(s->bars.holdout_ratio, CalibrationBars{}.holdout_ratio)
+      << "bars that are not given keep their defaults";
   ASSERT_EQ(s->cameras.size(), 2u);
   EXPECT_EQ(s->cameras[0].lens, LensKind::KannalaBrandt);
   EXPECT_EQ(s->cameras[0].video, "left.mp4");
@@ -78,9 +79,12 @@ TEST(CalibrationSession, HoldsPointsToCheckBy) {
   ASSERT_EQ(s->points.size(), 1u);
   EXPECT_EQ(s->points[0].seen[0].serial, "left");
   EXPECT_EQ(s->points[0].seen[0].pixel, Eigen::Vector2d(1.5, 2));
-  EXPECT_THAT(parse(kWhole + "[[points]]\nname = \"corner\"\nseen = { left = [1, 2] }\n"), FailsWith(ErrorCode::BadData, "'corner' is not seen by two cameras"));
-  EXPECT_THAT(parse(kWhole + "[[points]]\nseen = { left = [1, 2, 3], right = [1, 2] }\n"), FailsWith(ErrorCode::BadData, "[x, y]"));
-  EXPECT_THAT(parse(kWhole + "[[points]]\nseen = { left = [nan, 2], right = [1, 2] }\n"), FailsWith(ErrorCode::BadData, "'left'"));
+  EXPECT_THAT(parse(kWhole + "[[points]]\nname = \"corner\"\nseen = { left = [1, 2] }\n"),
+              FailsWith(ErrorCode::BadData, "'corner' is not seen by two cameras"));
+  EXPECT_THAT(parse(kWhole + "[[points]]\nseen = { left = [1, 2, 3], right = [1, 2] }\n"),
+              FailsWith(ErrorCode::BadData, "[x, y]"));
+  EXPECT_THAT(parse(kWhole + "[[points]]\nseen = { left = [nan, 2], right = [1, 2] }\n"),
+              FailsWith(ErrorCode::BadData, "'left'"));
 }
 
 TEST(CalibrationSession, FindsItsFilesBesideItself) {
@@ -93,28 +97,34 @@ TEST(CalibrationSession, FindsItsFilesBesideItself) {
 }
 
 TEST(CalibrationSession, NamesTheLineOfAMistake) {
-  EXPECT_THAT(with("every = 3", "evry = 3"), FailsWith(ErrorCode::BadData, "s.toml: line 4: unknown key 'evry'"));
+  EXPECT_THAT(with("every = 3", "evry = 3"),
+              FailsWith(ErrorCode::BadData, "s.toml: line 4: unknown key 'evry'"));
   EXPECT_THAT(with("every = 3", "every = 0"), FailsWith(ErrorCode::BadData, "line 4"));
   EXPECT_THAT(with("every = 3", "every = \"3\""), FailsWith(ErrorCode::BadData, "whole number"));
   EXPECT_THAT(with("frame_rate = 30", "frame_rate = nan"), FailsWith(ErrorCode::BadData, "line 2"));
   EXPECT_THAT(with("columns=4", "colums=4"), FailsWith(ErrorCode::BadData, "line 1"));
-  EXPECT_THAT(with("\"start\"", "\"begin\""), FailsWith(ErrorCode::BadData, "\"compare\", \"start\", \"fixed\""));
+  EXPECT_THAT(with("\"start\"", "\"begin\""),
+              FailsWith(ErrorCode::BadData, "\"compare\", \"start\", \"fixed\""));
   EXPECT_THAT(with("\"kannala-brandt\"", "\"fisheye\""), FailsWith(ErrorCode::BadData, "'lens' is one of"));
-  EXPECT_THAT(with("time_offsets = true", "time_offsets = 1"), FailsWith(ErrorCode::BadData, "true or false"));
+  EXPECT_THAT(with("time_offsets = true", "time_offsets = 1"),
+              FailsWith(ErrorCode::BadData, "true or false"));
   EXPECT_THAT(with("[bars]", "[bar]"), FailsWith(ErrorCode::BadData, "unknown key 'bar'"));
   EXPECT_THAT(with("\"right\"", "\"left\""), FailsWith(ErrorCode::BadData, "'left' stands there twice"));
   EXPECT_THAT(with("\"right\"", "\"../right\""), FailsWith(ErrorCode::BadData, "names a camera"));
-  EXPECT_THAT(with("[\"a.png\", \"b.png\"]", "[\"a.png\", 3]"), FailsWith(ErrorCode::BadData, "list of strings"));
+  EXPECT_THAT(with("[\"a.png\", \"b.png\"]", "[\"a.png\", 3]"),
+              FailsWith(ErrorCode::BadData, "list of strings"));
   EXPECT_THAT(with("end_frame = 100", "end_frame = 2"), FailsWith(ErrorCode::BadData, "not after"));
   EXPECT_THAT(with("\"yesterday.json\"", "\"\""), FailsWith(ErrorCode::BadData, "'file' is missing"));
   EXPECT_THAT(with("[floor]", "[floor"), FailsWith(ErrorCode::BadData, "not TOML"));
   EXPECT_THAT(with("video = \"left.mp4\"\n", ""), FailsWith(ErrorCode::BadData, "'left' has no pictures"));
-  EXPECT_THAT(with("video = \"left.mp4\"\n", "video = \"left.mp4\"\nimages = \"x\"\n"), FailsWith(ErrorCode::BadData, "give one of them"));
+  EXPECT_THAT(with("video = \"left.mp4\"\n", "video = \"left.mp4\"\nimages = \"x\"\n"),
+              FailsWith(ErrorCode::BadData, "give one of them"));
 }
 
 TEST(CalibrationSession, NeedsATargetAndACameraOrObservations) {
   EXPECT_THAT(parse(""), FailsWith(ErrorCode::BadData, "'target' is missing"));
-  EXPECT_THAT(parse("target = \"chessboard columns=8 rows=5 square=30mm\""), FailsWith(ErrorCode::BadData, "no camera"));
+  EXPECT_THAT(parse("target = \"chessboard columns=8 rows=5 square=30mm\""),
+              FailsWith(ErrorCode::BadData, "no camera"));
   EXPECT_THAT(parse("observations = \"o.json\""), IsOk());
   EXPECT_THAT(parse("observations = \"o.json\"\n" + kWhole), FailsWith(ErrorCode::BadData, "leave 'target'"));
 }
@@ -153,11 +163,15 @@ TEST(CalibrationSession, OfASceneNeedsNoTarget) {
     return parse(toml.replace(toml.find(from), from.size(), to));
   };
   EXPECT_THAT(changed("distance = 1.5\n", ""), FailsWith(ErrorCode::BadData, "belong together"));
-  EXPECT_THAT(changed("[\"a\", \"b\"]", "[\"a\", \"x\"]"), FailsWith(ErrorCode::BadData, "'between' names camera 'x'"));
+  EXPECT_THAT(changed("[\"a\", \"b\"]", "[\"a\", \"x\"]"),
+              FailsWith(ErrorCode::BadData, "'between' names camera 'x'"));
   EXPECT_THAT(changed("[\"a\", \"b\"]", "[\"a\"]"), FailsWith(ErrorCode::BadData, "two cameras"));
-  EXPECT_THAT(changed("scene = \"a.png\"", "video = \"a.mp4\""), FailsWith(ErrorCode::BadData, "'a', which has no picture"));
-  EXPECT_THAT(changed("scene = \"walk\"", "video = \"a.mp4\""), FailsWith(ErrorCode::BadData, "carried about"));
-  EXPECT_THAT(changed(kScene.substr(0, kScene.find("[known]")), ""), FailsWith(ErrorCode::BadData, "need a table [markerless]"));
+  EXPECT_THAT(changed("scene = \"a.png\"", "video = \"a.mp4\""),
+              FailsWith(ErrorCode::BadData, "'a', which has no picture"));
+  EXPECT_THAT(changed("scene = \"walk\"", "video = \"a.mp4\""),
+              FailsWith(ErrorCode::BadData, "carried about"));
+  EXPECT_THAT(changed(kScene.substr(0, kScene.find("[known]")), ""),
+              FailsWith(ErrorCode::BadData, "need a table [markerless]"));
 }
 
 TEST(CalibrationSession, CutOffAnywhereNeverCrashes) {
@@ -167,7 +181,9 @@ TEST(CalibrationSession, CutOffAnywhereNeverCrashes) {
   }
 }
 
-TEST(CalibrationSession, ThatIsNotThereIsNamed) { EXPECT_THAT(load_session("/no/such/session.toml"), FailsWith(ErrorCode::NotFound, "session.toml")); }
+TEST(CalibrationSession, ThatIsNotThereIsNamed) {
+  EXPECT_THAT(load_session("/no/such/session.toml"), FailsWith(ErrorCode::NotFound, "session.toml"));
+}
 
 }  // namespace
 }  // namespace floatstage

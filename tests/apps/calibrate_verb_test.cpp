@@ -1,9 +1,10 @@
-// `floatstage calibrate SESSION` as an operator meets it: what goes wrong is named, and nothing that was there is lost.
+// `floatstage calibrate SESSION` as an operator meets it: what goes wrong is named, and nothing that was
+// there is lost.
+
+#include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate_verbs.h"
@@ -30,7 +31,8 @@ class CalibrateVerb : public testing::Test {
  protected:
   CalibrateVerb() {
     std::filesystem::create_directory(folder_ / "report");
-    for (const char* name : {"rig.json", "R.json", "report/calibration.html", "report/calibration.json"}) folder_.write(name, kBefore);
+    for (const char* name : {"rig.json", "R.json", "report/calibration.html", "report/calibration.json"})
+      folder_.write(name, kBefore);
   }
 
   Result<void> run(const std::string& toml) {
@@ -39,7 +41,8 @@ class CalibrateVerb : public testing::Test {
     CLI::App app;
     Chosen chosen;
     add_calibrate_session(app, chosen);
-    std::vector<std::string> arguments = {session, "--out", in("rig.json"), "--report", in("report"), "--json", in("R.json")};
+    std::vector<std::string> arguments = {session,      "--out",  in("rig.json"), "--report",
+                                          in("report"), "--json", in("R.json")};
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
     app.parse(arguments);
     return chosen.run();
@@ -52,8 +55,11 @@ class CalibrateVerb : public testing::Test {
     const Result<void> result = run(toml);
     EXPECT_THAT(result, FailsWith(code, words));
     EXPECT_EQ(exit_code(code), exit);
-    for (const char* name : {"rig.json", "R.json", "report/calibration.html", "report/calibration.json"}) EXPECT_EQ(content(name), kBefore) << name << " was overwritten";
-    for (const std::string& name : folder_.names()) EXPECT_TRUE(name == "session.toml" || std::count(names.begin(), names.end(), name) == 1) << name << " was left behind";
+    for (const char* name : {"rig.json", "R.json", "report/calibration.html", "report/calibration.json"})
+      EXPECT_EQ(content(name), kBefore) << name << " was overwritten";
+    for (const std::string& name : folder_.names())
+      EXPECT_TRUE(name == "session.toml" || std::count(names.begin(), names.end(), name) == 1)
+          << name << " was left behind";
   }
 
   std::filesystem::path picture(const std::string& name, int width = 64) {
@@ -71,7 +77,8 @@ class CalibrateVerb : public testing::Test {
     for (int f = 0; f < frames; ++f) {
       Image image(64, 48, 3);
       for (int y = 0; y < 48; ++y)
-        for (int x = 0; x < 64; ++x) *image.at(x, y) = static_cast<std::uint8_t>((x * 5 + y * 3 + f * 20) % 256);
+        for (int x = 0; x < 64; ++x)
+          *image.at(x, y) = static_cast<std::uint8_t>((x * 5 + y * 3 + f * 20) % 256);
       EXPECT_THAT((*writer)->write(image), IsOk());
     }
     EXPECT_THAT((*writer)->finish(), IsOk());
@@ -80,7 +87,9 @@ class CalibrateVerb : public testing::Test {
 
   void cut(const std::filesystem::path& file, double share) {
     const std::string bytes = read_file(file).value();
-    EXPECT_THAT(write_file(file, bytes.substr(0, static_cast<std::size_t>(share * static_cast<double>(bytes.size())))), IsOk());
+    EXPECT_THAT(write_file(file, bytes.substr(
+                                     0, static_cast<std::size_t>(share * static_cast<double>(bytes.size())))),
+                IsOk());
   }
 
   TempFolder folder_;
@@ -88,7 +97,8 @@ class CalibrateVerb : public testing::Test {
 
 const std::string kTarget = "target = \"chessboard columns=8 rows=5 square=30mm\"\n";
 std::string two_cameras(const std::string& left, const std::string& right) {
-  return kTarget + "[[cameras]]\nserial = \"left\"\n" + left + "\n[[cameras]]\nserial = \"right\"\n" + right + "\n";
+  return kTarget + "[[cameras]]\nserial = \"left\"\n" + left + "\n[[cameras]]\nserial = \"right\"\n" + right +
+         "\n";
 }
 
 TEST_F(CalibrateVerb, NamesAMissingSession) {
@@ -101,14 +111,16 @@ TEST_F(CalibrateVerb, NamesAMissingSession) {
 }
 
 TEST_F(CalibrateVerb, NamesTheLineOfATypingMistake) {
-  expect_error("traget = \"chessboard columns=8 rows=5 square=30mm\"\n", ErrorCode::BadData, 6, "session.toml: line 1: unknown key 'traget'");
+  expect_error("traget = \"chessboard columns=8 rows=5 square=30mm\"\n", ErrorCode::BadData, 6,
+               "session.toml: line 1: unknown key 'traget'");
   expect_error(kTarget + "[[cameras]\n", ErrorCode::BadData, 6, "session.toml: line 2: not TOML");
 }
 
 TEST_F(CalibrateVerb, NamesTheCameraOfAnEmptyFolder) {
   std::filesystem::create_directory(folder_ / "a");
   std::filesystem::create_directory(folder_ / "b");
-  expect_error(two_cameras("images = \"a\"", "images = \"b\""), ErrorCode::NotFound, 4, "camera 'left': there is no picture in");
+  expect_error(two_cameras("images = \"a\"", "images = \"b\""), ErrorCode::NotFound, 4,
+               "camera 'left': there is no picture in");
 }
 
 TEST_F(CalibrateVerb, NamesTheCameraOfAMissingFile) {
@@ -133,17 +145,20 @@ TEST_F(CalibrateVerb, NamesAVideoThatIsCutOff) {
 
 TEST_F(CalibrateVerb, NamesVideosOfUnequalLength) {
   video("a.mp4", 6), video("b.mp4", 5);
-  expect_error(two_cameras("video = \"a.mp4\"", "video = \"b.mp4\""), ErrorCode::BadData, 6, "camera 'right' has 5 pictures, camera 'left' has 6");
+  expect_error(two_cameras("video = \"a.mp4\"", "video = \"b.mp4\""), ErrorCode::BadData, 6,
+               "camera 'right' has 5 pictures, camera 'left' has 6");
 }
 
 TEST_F(CalibrateVerb, NamesPicturesOfUnequalSize) {
   picture("a/1.png"), picture("a/2.png", 32);
-  expect_error(two_cameras("images = \"a\"", "images = \"a\""), ErrorCode::BadData, 6, "picture 1 is 32x48, but the first one is 64x48");
+  expect_error(two_cameras("images = \"a\"", "images = \"a\""), ErrorCode::BadData, 6,
+               "picture 1 is 32x48, but the first one is 64x48");
 }
 
 TEST_F(CalibrateVerb, SaysWhenNoPictureShowsTheTarget) {
   picture("a/1.png"), picture("b/1.png");
-  expect_error(two_cameras("images = \"a\"", "images = \"b\""), ErrorCode::BadData, 6, "no picture of any camera shows a target");
+  expect_error(two_cameras("images = \"a\"", "images = \"b\""), ErrorCode::BadData, 6,
+               "no picture of any camera shows a target");
 }
 
 TEST_F(CalibrateVerb, RefusesNumbersThatAreNone) {
@@ -160,29 +175,35 @@ TEST_F(CalibrateVerb, RefusesNumbersThatAreNone) {
   expect_error("observations = \"seen.json\"\n", ErrorCode::BadData, 6, "seen.json");
   folder_.write("seen.json", json);
   folder_.write("known.json", "{\"version\": 1, \"cameras\": [{\"serial\": \"cam0\", \"fx\": NaN}]}");
-  expect_error("observations = \"seen.json\"\n[known]\nfile = \"known.json\"\nposes = \"start\"\n", ErrorCode::BadData, 6, "known.json");
+  expect_error("observations = \"seen.json\"\n[known]\nfile = \"known.json\"\nposes = \"start\"\n",
+               ErrorCode::BadData, 6, "known.json");
   expect_error("observations = \"seen.json\"\n[bars]\nrms_px = nan\n", ErrorCode::BadData, 6, "line 3");
 }
 
 TEST_F(CalibrateVerb, WritesTheRigOfASoundCapture) {
   const Rig truth = ring_rig(3);
-  folder_.write("seen.json", to_json(capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(kStills), kStills)));
+  folder_.write("seen.json",
+                to_json(capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(kStills), kStills)));
   ASSERT_THAT(run("observations = \"seen.json\"\n[bars]\nrotation_sigma_degrees = 0.3\n"), IsOk());
   const nlohmann::json r = nlohmann::json::parse(content("R.json"));
   EXPECT_TRUE(r["pass"].get<bool>());
   for (const char* key : {"cameras", "scale", "failures", "seconds"}) EXPECT_TRUE(r.contains(key)) << key;
   for (const char* key : {"rms_mm", "bias_mm"}) EXPECT_TRUE(r["scale"].contains(key)) << key;
   ASSERT_EQ(r["cameras"].size(), 3u);
-  for (const char* key : {"serial", "rms_px", "p95_px", "holdout_px", "sigma"}) EXPECT_TRUE(r["cameras"][2].contains(key)) << key;
+  for (const char* key : {"serial", "rms_px", "p95_px", "holdout_px", "sigma"})
+    EXPECT_TRUE(r["cameras"][2].contains(key)) << key;
   EXPECT_EQ(content("report/calibration.json"), content("R.json"));
   EXPECT_THAT(content("rig.json"), HasSubstr("cam2"));
 }
 
-// Each of the failures that a small reprojection error hides: the verb fails, both reports name it, the rig stays.
+// Each of the failures that a small reprojection error hides: the verb fails, both reports name it, the rig
+// stays.
 class NamedByTheReport : public CalibrateVerb, public testing::WithParamInterface<CalibrationFailure> {};
 INSTANTIATE_TEST_SUITE_P(Failures, NamedByTheReport,
-                         testing::Values(CalibrationFailure::ConstantDepth, CalibrationFailure::PlanarMotion, CalibrationFailure::SwappedRowsColumns,
-                                         CalibrationFailure::WrongSquareSize, CalibrationFailure::MirroredBoard, CalibrationFailure::LateCamera),
+                         testing::Values(CalibrationFailure::ConstantDepth, CalibrationFailure::PlanarMotion,
+                                         CalibrationFailure::SwappedRowsColumns,
+                                         CalibrationFailure::WrongSquareSize,
+                                         CalibrationFailure::MirroredBoard, CalibrationFailure::LateCamera),
                          [](const auto& given) {
                            std::string name = name_of(given.param);
                            std::erase(name, '-');

@@ -1,9 +1,9 @@
 #include "apps/camera_path.h"
 
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <numbers>
 
 #include "tests/support/matchers.h"
 
@@ -26,7 +26,8 @@ Rig ring(int cameras, double arc, double radius) {
     const double a = arc * i / cameras;
     RigCamera c;
     c.serial = "c" + std::to_string(i);
-    c.model = {.width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 320, .cy = 240, .skew = 0, .lens = {}};
+    c.model = {
+        .width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 320, .cy = 240, .skew = 0, .lens = {}};
     c.cam_from_world = look_at({radius * std::cos(a), radius * std::sin(a), 1.5}, {0, 0, 1}, {0, 0, 1});
     rig.cameras.push_back(c);
   }
@@ -61,7 +62,8 @@ TEST(CameraPath, SurvivesItsFile) {
 
 TEST(CameraPath, RefusesFilesThatAreNoPathBySentence) {
   EXPECT_THAT(parse_path("{}", "p.json"), FailsWith(ErrorCode::BadData, "p.json"));
-  EXPECT_THAT(parse_path("{\"floatstage_path\": 1, \"keys\": []}", "p.json"), FailsWith(ErrorCode::BadData, "no keys"));
+  EXPECT_THAT(parse_path("{\"floatstage_path\": 1, \"keys\": []}", "p.json"),
+              FailsWith(ErrorCode::BadData, "no keys"));
   std::string twice = to_json({{key_at(0, {3, 0, 1}), key_at(0, {0, 3, 1})}});
   EXPECT_THAT(parse_path(twice, "p.json"), FailsWith(ErrorCode::BadData, "times must grow"));
   PathKey steep = key_at(0, {0, 0, 5});
@@ -70,7 +72,8 @@ TEST(CameraPath, RefusesFilesThatAreNoPathBySentence) {
 
 TEST(CameraPath, RefusesEveryTruncationOfAFile) {
   const std::string whole = to_json({{key_at(0, {3, 0, 1}), key_at(1, {0, 3, 1})}});
-  for (std::size_t n = 0; n + 2 < whole.size(); ++n) EXPECT_FALSE(parse_path(whole.substr(0, n), "p.json")) << n;
+  for (std::size_t n = 0; n + 2 < whole.size(); ++n)
+    EXPECT_FALSE(parse_path(whole.substr(0, n), "p.json")) << n;
 }
 
 TEST(OrbitPath, TurnsOnceAroundWhenCamerasSurroundTheStage) {

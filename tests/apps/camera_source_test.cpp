@@ -1,9 +1,9 @@
 #include "apps/studio/camera_source.h"
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <atomic>
+
+#include <gmock/gmock.h>
 
 #include "apps/studio/clock.h"
 #include "apps/studio/live_chain.h"
@@ -14,8 +14,8 @@
 namespace floatstage {
 namespace {
 
-// Six cameras of the embedded studio that run at their own pace, and the rig of a take that they made. They hold eight
-// pictures, so that even the slowest machine loses none.
+// Six cameras of the embedded studio that run at their own pace, and the rig of a take that they made. They
+// hold eight pictures, so that even the slowest machine loses none.
 class CamerasOfAStudio : public testing::Test {
  protected:
   CamerasOfAStudio() : rig_(small_take(folder_, 1) / "rig.json") {}
@@ -28,8 +28,9 @@ class CamerasOfAStudio : public testing::Test {
     config.folder = folder_ / "recorded";
     config.rig = rig_;
     for (int i = 0; i < 6; ++i)
-      config.cameras.push_back({text("cam0", i), text("synthetic:camera=", i, "&cameras=6&width=160&height=120&samples=4&rate=",
-                                                      kRate, "&frames=8&live=on")});
+      config.cameras.push_back(
+          {text("cam0", i), text("synthetic:camera=", i, "&cameras=6&width=160&height=120&samples=4&rate=",
+                                 kRate, "&frames=8&live=on")});
     return config;
   }
 
@@ -69,7 +70,8 @@ TEST_F(CamerasOfAStudio, BecomeASceneThatIsRecordedMeanwhile) {
   Result<std::unique_ptr<CameraSource>> source = CameraSource::open(config(), {});
   ASSERT_THAT(source, IsOk());
   // These cameras are programs: on a busy machine they are late, and a scene needs them all.
-  Result<std::unique_ptr<LiveChain>> chain = LiveChain::make(**source, {.longest_wait = milliseconds(30'000)});
+  Result<std::unique_ptr<LiveChain>> chain =
+      LiveChain::make(**source, {.longest_wait = milliseconds(30'000)});
   ASSERT_THAT(chain, IsOk());
   StudioControl* control = (*source)->control();
   ASSERT_NE(control, nullptr);
@@ -100,7 +102,8 @@ TEST_F(CamerasOfAStudio, BecomeASceneThatIsRecordedMeanwhile) {
 TEST_F(CamerasOfAStudio, NeedARigThatHasThemAll) {
   CaptureConfig without = config();
   without.rig.clear();
-  EXPECT_THAT(CameraSource::open(std::move(without), {}), FailsWith(ErrorCode::InvalidArgument, "rig = \"rig.json\""));
+  EXPECT_THAT(CameraSource::open(std::move(without), {}),
+              FailsWith(ErrorCode::InvalidArgument, "rig = \"rig.json\""));
   CaptureConfig stranger = config();
   stranger.cameras[2].serial = "cam77";
   EXPECT_THAT(CameraSource::open(std::move(stranger), {}), FailsWith(ErrorCode::NotFound, "cam77"));

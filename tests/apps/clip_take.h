@@ -12,11 +12,21 @@
 namespace floatstage {
 
 /// A clip with exact truth as a take of one camera, "cam0"; the truth lies in truth/mattes.
-inline std::filesystem::path clip_take(const TempFolder& folder, const MatteClip& clip, const std::string& name = "clip") {
+inline std::filesystem::path clip_take(const TempFolder& folder, const MatteClip& clip,
+                                       const std::string& name = "clip") {
   const Image& first = clip.frames.front();
   Rig rig;
-  rig.cameras.push_back({.serial = "cam0", .model = {.width = first.width, .height = first.height, .fx = 300, .fy = 300, .cx = first.width / 2.0, .cy = first.height / 2.0, .skew = 0, .lens = {}},
-                         .cam_from_world = {}, .color = {}});
+  rig.cameras.push_back({.serial = "cam0",
+                         .model = {.width = first.width,
+                                   .height = first.height,
+                                   .fx = 300,
+                                   .fy = 300,
+                                   .cx = first.width / 2.0,
+                                   .cy = first.height / 2.0,
+                                   .skew = 0,
+                                   .lens = {}},
+                         .cam_from_world = {},
+                         .color = {}});
   const std::filesystem::path take = folder / name;
   auto writer = TakeWriter::create(take, rig, {});
   EXPECT_THAT(writer, IsOk());

@@ -1,9 +1,9 @@
+#include <cstdio>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-
-#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
 
 #include "core/file.h"
 #include "tests/support/matchers.h"
@@ -36,8 +36,10 @@ TEST(CommandLine, ExplainsItself) {
   for (const char* verb : {"demo", "check", "synthesize", "import", "process", "render", "evaluate", "play"})
     EXPECT_THAT(help.output, HasSubstr(verb));
   EXPECT_EQ(floatstage("--version").code, 0);
-  EXPECT_THAT(floatstage("render --help").output, AllOf(HasSubstr("--orbit"), HasSubstr("floating"), HasSubstr("linear")));
-  EXPECT_THAT(floatstage("process --help").output, AllOf(HasSubstr("chroma"), HasSubstr("difference"), HasSubstr("luminance")));
+  EXPECT_THAT(floatstage("render --help").output,
+              AllOf(HasSubstr("--orbit"), HasSubstr("floating"), HasSubstr("linear")));
+  EXPECT_THAT(floatstage("process --help").output,
+              AllOf(HasSubstr("chroma"), HasSubstr("difference"), HasSubstr("luminance")));
 }
 
 TEST(CommandLine, EndsWithTheUsageCodeAfterATypo) {
@@ -77,7 +79,8 @@ TEST(CommandLine, SaysWhatAStudioOfSeveralMachinesNeeds) {
   const Ended both = floatstage("live --view tcp://127.0.0.1:5580 --source take");
   EXPECT_EQ(both.code, 2);
   EXPECT_THAT(both.output, HasSubstr("excludes"));
-  const Ended lost = floatstage("live --view tcp://127.0.0.1:5580 --nodes tcp://127.0.0.1:5570 --rig nowhere.json --headless");
+  const Ended lost = floatstage(
+      "live --view tcp://127.0.0.1:5580 --nodes tcp://127.0.0.1:5570 --rig nowhere.json --headless");
   EXPECT_EQ(lost.code, 4);
   EXPECT_THAT(lost.output, HasSubstr("nowhere.json"));
 }
@@ -97,7 +100,8 @@ TEST(CommandLine, LeavesAnUnwritableFolderAlone) {
 
 TEST(CommandLine, NeverWritesOverATake) {
   TempFolder folder;
-  const std::string out = (folder / "take").string(), verb = "synthesize --frames 1 --cameras 2 --size 64x48 --samples 1 --out " + out;
+  const std::string out = (folder / "take").string(),
+                    verb = "synthesize --frames 1 --cameras 2 --size 64x48 --samples 1 --out " + out;
   EXPECT_EQ(floatstage(verb).code, 0);
   const std::string before = *read_file(folder / "take/take.json");
   const Ended again = floatstage(verb);
@@ -121,8 +125,9 @@ TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
   ASSERT_EQ(floatstage("process --key chroma " + take).code, 0);
   const std::string json_file = (folder / "H.json").string();
   for (const char* mesh : {"hull.ply", "hull.glb"}) {
-    const Ended ended = floatstage("hull " + take + " --threads 1 --repeat 3 --collapse-slivers --smooth 2 --triangles 900 --json " +
-                                   json_file + " --out " + (folder / mesh).string());
+    const Ended ended = floatstage(
+        "hull " + take + " --threads 1 --repeat 3 --collapse-slivers --smooth 2 --triangles 900 --json " +
+        json_file + " --out " + (folder / mesh).string());
     ASSERT_EQ(ended.code, 0) << ended.output;
     EXPECT_THAT(ended.output, HasSubstr("care: "));
   }
@@ -140,7 +145,8 @@ TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
   EXPECT_EQ(report.at("escalations"), 0);
   const nlohmann::json& care = report.at("care");
   EXPECT_GT(care.at("triangles").at(0), care.at("triangles").at(1));
-  for (const char* list : {"vertex_move", "silhouette_shift", "iou_loss"}) EXPECT_EQ(care.at(list).size(), 6u) << list;
+  for (const char* list : {"vertex_move", "silhouette_shift", "iou_loss"})
+    EXPECT_EQ(care.at(list).size(), 6u) << list;
   EXPECT_EQ(read_file(folder / "hull.glb")->substr(0, 4), "glTF");
   EXPECT_EQ(read_file(folder / "hull.ply")->substr(0, 3), "ply");
 

@@ -1,8 +1,8 @@
 #include "apps/live/control_desk.h"
 
-#include <gmock/gmock.h>
-
 #include <mutex>
+
+#include <gmock/gmock.h>
 
 #include "core/text.h"
 #include "tests/support/matchers.h"
@@ -41,7 +41,9 @@ class Node final : public StudioControl {
     ++takes_;
     return {};
   }
-  Result<std::vector<NodeTake>> takes() const override { return std::vector<NodeTake>(static_cast<std::size_t>(takes_)); }
+  Result<std::vector<NodeTake>> takes() const override {
+    return std::vector<NodeTake>(static_cast<std::size_t>(takes_));
+  }
 
   void refuse(bool refuses) {
     const std::lock_guard lock(mutex_);

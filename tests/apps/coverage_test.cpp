@@ -11,7 +11,8 @@ namespace {
 using testing::HasSubstr;
 
 Observations ring_capture(int frames) {
-  const CaptureOptions options{.frames = frames, .noise_px = 0, .outliers = 0, .extent = 0.9, .frame_seconds = 0.2};
+  const CaptureOptions options{
+      .frames = frames, .noise_px = 0, .outliers = 0, .extent = 0.9, .frame_seconds = 0.2};
   return capture(ring_rig(4), two_sided_board(10, 8, 0.1, 0.006), wandering(options), options);
 }
 
@@ -54,7 +55,8 @@ TEST(Advice, BeginsWithTheCameraThatHasSeenNothing) {
 TEST(Advice, NamesThePairThatNothingJoins) {
   const Observations all = ring_capture(120);
   // Cameras 0 and 1 see even frames, 2 and 3 odd ones: two halves of a rig.
-  const Coverage halves = coverage_of(only(all, [](const TargetView& v) { return (v.camera < 2) == (v.frame % 2 == 0); }));
+  const Coverage halves =
+      coverage_of(only(all, [](const TargetView& v) { return (v.camera < 2) == (v.frame % 2 == 0); }));
   EXPECT_EQ(halves.group[0], halves.group[1]);
   EXPECT_EQ(halves.group[2], halves.group[3]);
   EXPECT_NE(halves.group[0], halves.group[2]);
@@ -71,10 +73,13 @@ TEST(Advice, NamesTheEmptyPartOfAPicture) {
   const Observations all = ring_capture(200);
   Observations half = all;  // camera 1 has points in the left half only
   for (TargetView& v : half.views)
-    if (v.camera == 1) std::erase_if(v.points, [&](const SeenPoint& p) { return p.pixel.x() > 0.5 * half.cameras[1].width; });
+    if (v.camera == 1)
+      std::erase_if(v.points, [&](const SeenPoint& p) { return p.pixel.x() > 0.5 * half.cameras[1].width; });
   std::erase_if(half.views, [](const TargetView& v) { return v.points.size() < 6; });
   const std::vector<Advice> advice = advise(coverage_of(half));
-  const auto found = std::find_if(advice.begin(), advice.end(), [&](const Advice& a) { return a.kind == AdviceKind::Region && a.camera == half.cameras[1].serial; });
+  const auto found = std::find_if(advice.begin(), advice.end(), [&](const Advice& a) {
+    return a.kind == AdviceKind::Region && a.camera == half.cameras[1].serial;
+  });
   ASSERT_NE(found, advice.end());
   EXPECT_THAT(found->sentence, HasSubstr("right"));
 }
@@ -82,22 +87,28 @@ TEST(Advice, NamesTheEmptyPartOfAPicture) {
 // A board before one camera at these distances (metres), turned and leaned by these degrees.
 Observations poses(const std::vector<Eigen::Vector3d>& distance_turn_lean) {
   Observations o;
-  const CameraModel model{.width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 320, .cy = 240, .lens = {}};
+  const CameraModel model{
+      .width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 320, .cy = 240, .lens = {}};
   o.cameras.push_back({.serial = "a", .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
   o.targets.push_back(grid_board(6, 5, 0.1));
   int frame = 0;
   for (const Eigen::Vector3d& p : distance_turn_lean) {
-    const Eigen::Quaterniond turn = Eigen::AngleAxisd(p[1] * 0.0174533, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(p[2] * 0.0174533, Eigen::Vector3d::UnitX());
+    const Eigen::Quaterniond turn = Eigen::AngleAxisd(p[1] * 0.0174533, Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(p[2] * 0.0174533, Eigen::Vector3d::UnitX());
     TargetView view{.camera = 0, .target = 0, .frame = frame++, .time = {}, .points = {}};
     for (const TargetPoint& t : o.targets[0].points)
-      view.points.push_back({t.id, *project(model, turn * (t.position - Eigen::Vector3d(0.25, 0.2, 0)) + Eigen::Vector3d(0, 0, p[0])), 0.2});
+      view.points.push_back(
+          {t.id,
+           *project(model, turn * (t.position - Eigen::Vector3d(0.25, 0.2, 0)) + Eigen::Vector3d(0, 0, p[0])),
+           0.2});
     o.views.push_back(std::move(view));
   }
   return o;
 }
 
 TEST(Coverage, TellsDistancesAndTiltsWithoutASolution) {
-  const CameraCoverage c = coverage_of(poses({{2, 0, 0}, {4, 5, 5}, {3, 35, 0}, {3, -40, 5}, {3, 0, 40}})).cameras[0];
+  const CameraCoverage c =
+      coverage_of(poses({{2, 0, 0}, {4, 5, 5}, {3, 35, 0}, {3, -40, 5}, {3, 0, 40}})).cameras[0];
   EXPECT_NEAR(c.depth_ratio(), 2, 0.1);
   EXPECT_EQ(c.facing, 2);
   EXPECT_EQ(c.turned, 2);
@@ -111,11 +122,15 @@ TEST(Advice, AsksForDepthAndTiltWhereTheyAreMissing) {
     return out;
   };
   std::vector<Eigen::Vector3d> flat(20, {4, 0, 0}), lively;
-  for (int i = 0; i < 20; ++i) lively.push_back({1.5 + 0.15 * i, i % 3 == 0 ? 35.0 : 0, i % 3 == 1 ? 35.0 : 0});
-  EXPECT_THAT(kinds(advise(coverage_of(poses(flat)))), testing::IsSupersetOf({AdviceKind::Nearer, AdviceKind::Turn, AdviceKind::Lean}));
-  EXPECT_THAT(kinds(advise(coverage_of(poses(std::vector<Eigen::Vector3d>(20, {0.8, 0, 0}))))), testing::Contains(AdviceKind::Farther));
+  for (int i = 0; i < 20; ++i)
+    lively.push_back({1.5 + 0.15 * i, i % 3 == 0 ? 35.0 : 0, i % 3 == 1 ? 35.0 : 0});
+  EXPECT_THAT(kinds(advise(coverage_of(poses(flat)))),
+              testing::IsSupersetOf({AdviceKind::Nearer, AdviceKind::Turn, AdviceKind::Lean}));
+  EXPECT_THAT(kinds(advise(coverage_of(poses(std::vector<Eigen::Vector3d>(20, {0.8, 0, 0}))))),
+              testing::Contains(AdviceKind::Farther));
   const std::vector<AdviceKind> after = kinds(advise(coverage_of(poses(lively))));
-  EXPECT_THAT(after, testing::Not(testing::Contains(testing::AnyOf(AdviceKind::Nearer, AdviceKind::Turn, AdviceKind::Lean))));
+  EXPECT_THAT(after, testing::Not(testing::Contains(
+                         testing::AnyOf(AdviceKind::Nearer, AdviceKind::Turn, AdviceKind::Lean))));
 }
 
 }  // namespace

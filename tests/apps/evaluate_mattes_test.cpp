@@ -61,7 +61,8 @@ TEST_F(EvaluateMattes, LeavesOutFramesWithoutATruthAndHasNoFlickerWithoutNeighbo
 
 TEST_F(EvaluateMattes, CountsTheOperatorsEffort) {
   MatteEdits edits;
-  edits.cameras["cam03"].keyframes.push_back({0, {{MatteLabel::Foreground, 3, {{80, 60}}}, {MatteLabel::Background, 3, {{5, 5}}}}});
+  edits.cameras["cam03"].keyframes.push_back(
+      {0, {{MatteLabel::Foreground, 3, {{80, 60}}}, {MatteLabel::Background, 3, {{5, 5}}}}});
   ASSERT_THAT(save_matte_edits(edits, take_->layout().edits()), IsOk());
   const auto all = scores();
   ASSERT_THAT(all, IsOk());

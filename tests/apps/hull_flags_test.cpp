@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "tests/support/matchers.h"
@@ -29,8 +28,9 @@ TEST(HullFlags, KnowWhetherAnythingWasSaid) {
 
 TEST(HullFlags, ComeBackFromTheirDescription) {
   for (const char* words :
-       {"", "--votes strict", "--votes 5 --contour-tolerance 0.25", "--method octree --resolution 96 --smoothing 0.25",
-        "--volume -1 -2 -3 1.5 2 3", "--collapse-slivers --smooth 3 --triangles 5000 --care-pixels 1 --care-loss 0.01"}) {
+       {"", "--votes strict", "--votes 5 --contour-tolerance 0.25",
+        "--method octree --resolution 96 --smoothing 0.25", "--volume -1 -2 -3 1.5 2 3",
+        "--collapse-slivers --smooth 3 --triangles 5000 --care-pixels 1 --care-loss 0.01"}) {
     const Result<HullOptions> options = hull_options(Parsed(words).flags);
     ASSERT_THAT(options, IsOk()) << words;
     const std::optional<HullOptions> back = parse_hull_options(describe(*options));

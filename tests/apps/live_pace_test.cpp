@@ -30,7 +30,8 @@ TEST(LivePace, TellsTheScenesOfTheLastSecond) {
 
 TEST(LivePace, DoesNotCountPicturesThatShowNothingNew) {
   LivePace pace(0, 1);
-  for (int i = 0; i < 20; ++i) pace.drew(ms(50 * i), ms(50 * i + 10), i % 2 == 0 ? std::optional(90.0) : std::nullopt);
+  for (int i = 0; i < 20; ++i)
+    pace.drew(ms(50 * i), ms(50 * i + 10), i % 2 == 0 ? std::optional(90.0) : std::nullopt);
   ASSERT_TRUE(pace.look(ms(1000), 25, true));
   EXPECT_DOUBLE_EQ(pace.fps(), 10);
 }

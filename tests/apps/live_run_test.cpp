@@ -1,8 +1,8 @@
 #include "apps/studio/live_run.h"
 
-#include <gmock/gmock.h>
-
 #include <set>
+
+#include <gmock/gmock.h>
 
 #include "apps/camera_path.h"
 #include "apps/film.h"
@@ -42,7 +42,9 @@ class ALiveRun : public testing::Test {
     LiveReport report;
   };
 
-  static View view(const Rig& rig) { return view_of(sample(orbit_path(rig, {}, 1), 0.29), kWidth, kHeight, {}); }
+  static View view(const Rig& rig) {
+    return view_of(sample(orbit_path(rig, {}, 1), 0.29), kWidth, kHeight, {});
+  }
 
   /// Slowly enough that any machine keeps up.
   static Ran run(std::size_t quality, double rate = 4) {
@@ -97,7 +99,8 @@ TEST_F(ALiveRun, ShowsWhatIsRenderedOfflineOfTheSameInstant) {
       covered += shown.picture.pixels[i] + shown.picture.pixels[i + 1] + shown.picture.pixels[i + 2] > 30;
       wanted += expected.pixels[i] + expected.pixels[i + 1] + expected.pixels[i + 2] > 30;
     }
-    EXPECT_NEAR(static_cast<double>(covered), static_cast<double>(wanted), 0.15 * static_cast<double>(wanted));
+    EXPECT_NEAR(static_cast<double>(covered), static_cast<double>(wanted),
+                0.15 * static_cast<double>(wanted));
   }
   EXPECT_EQ(instants.size(), static_cast<std::size_t>(kRows)) << "the machine had time for all of them";
 }
@@ -122,7 +125,8 @@ TEST_F(ALiveRun, WorksAtEveryQuality) {
     const Ran ran = run(quality, 20);
     ASSERT_FALSE(ran.pictures.empty()) << live_qualities()[quality].name;
     const Shown& last = ran.pictures.back();
-    EXPECT_GT(psnr(last.picture, offline(static_cast<int>(last.instant))), 17) << live_qualities()[quality].name;
+    EXPECT_GT(psnr(last.picture, offline(static_cast<int>(last.instant))), 17)
+        << live_qualities()[quality].name;
     ASSERT_EQ(ran.report.qualities.size(), 1U);
     EXPECT_THAT(ran.report.qualities[0].quality, HasSubstr(live_qualities()[quality].name));
   }
@@ -139,7 +143,8 @@ TEST_F(ALiveRun, CountsEveryInstantThatItCouldNotShow) {
 TEST_F(ALiveRun, RefusesWhatCannotBe) {
   auto player = std::move(*TakePlayer::open(take_, {}));
   const auto run_with = [&](const LiveChainOptions& chain, const LiveRunOptions& options) {
-    return run_live(*player, chain, options, [&](double) { return view(player->rig()); }, [] { return true; }, {});
+    return run_live(
+        *player, chain, options, [&](double) { return view(player->rig()); }, [] { return true; }, {});
   };
   LiveRunOptions options;
   options.quality = 99;

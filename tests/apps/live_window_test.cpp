@@ -1,7 +1,7 @@
+#include <cstdio>
+
 #include <gmock/gmock.h>
 #include <sys/wait.h>
-
-#include <cstdio>
 
 #include "core/png.h"
 #include "tests/apps/small_take.h"
@@ -29,9 +29,12 @@ Ended run(const std::string& command) {
 TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
   const TempFolder folder;
   const std::filesystem::path take = small_take(folder, 3), shot = folder / "shot.png";
-  // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from ours.
-  const Ended ended = run("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
-                          " live --source " + take.string() + " --seconds 60 --rate 8 --out-size 900x600 --screenshot " + shot.string());
+  // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from
+  // ours.
+  const Ended ended =
+      run("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
+          " live --source " +
+          take.string() + " --seconds 60 --rate 8 --out-size 900x600 --screenshot " + shot.string());
   ASSERT_EQ(ended.code, 0) << ended.output;
   const Result<Image> picture = load_png(shot);
   ASSERT_THAT(picture, IsOk());

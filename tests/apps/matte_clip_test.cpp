@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 double mean(const fs::path& take, int frames, double (*score)(const Image& matte, const Image& truth)) {
   double sum = 0;
   for (int f = 0; f < frames; ++f) {
-    const Result<Image> matte = load_png(TakeLayout(take).matte("cam0", f)), truth = load_png(TakeLayout(take / "truth").matte("cam0", f));
+    const Result<Image> matte = load_png(TakeLayout(take).matte("cam0", f)),
+                        truth = load_png(TakeLayout(take / "truth").matte("cam0", f));
     EXPECT_THAT(matte, IsOk());
     EXPECT_THAT(truth, IsOk());
     if (matte && truth) sum += score(*matte, *truth) / frames;
@@ -53,7 +54,8 @@ MatteTakeOptions options_for(const fs::path& take, const std::string& method) {
 }
 
 TEST(MatteClick, FindsTheDancerInAClutteredPlaceWithoutAPlate) {
-  const MatteClip clip = make_clip(studio_cutout(2), cluttered_place(270, 180, 2), {.width = 270, .height = 180, .frames = 16, .seed = 2});
+  const MatteClip clip = make_clip(studio_cutout(2), cluttered_place(270, 180, 2),
+                                   {.width = 270, .height = 180, .frames = 16, .seed = 2});
   TempFolder folder;
   const fs::path take = clip_take(folder, clip);
   const auto [x, y] = inside(clip.truth[0]);
@@ -77,25 +79,31 @@ TEST(MatteClick, FindsTheDancerInAClutteredPlaceWithoutAPlate) {
 }
 
 TEST(MatteClick, OnTheBackgroundAloneIsNoSubject) {
-  const MatteClip clip = make_clip(studio_cutout(1, 240, 240), cluttered_place(160, 120, 1), {.width = 160, .height = 120, .frames = 6});
+  const MatteClip clip = make_clip(studio_cutout(1, 240, 240), cluttered_place(160, 120, 1),
+                                   {.width = 160, .height = 120, .frames = 6});
   TempFolder folder;
   const fs::path take = clip_take(folder, clip);
   click(take, 0, 5, 5, MatteLabel::Background);
   const Result<MatteReport> report = matte_take(options_for(take, "closed-form"));
   ASSERT_THAT(report, IsOk());
-  EXPECT_EQ(report->cameras[0].key.substr(0, 5), "plate") << "found behind the performance, as without clicks";
+  EXPECT_EQ(report->cameras[0].key.substr(0, 5), "plate")
+      << "found behind the performance, as without clicks";
 }
 
 // Seeds that nothing was tuned on.
 class Auto : public testing::TestWithParam<std::uint64_t> {
  protected:
   static constexpr int kFrames = 5;
-  MatteClip clip(const Image& backdrop) const { return make_clip(studio_cutout(GetParam(), 320, 320), backdrop, {.width = 210, .height = 140, .frames = kFrames, .seed = GetParam()}); }
+  MatteClip clip(const Image& backdrop) const {
+    return make_clip(studio_cutout(GetParam(), 320, 320), backdrop,
+                     {.width = 210, .height = 140, .frames = kFrames, .seed = GetParam()});
+  }
 
   // Mean squared errors by method; every method sees the same take.
   static void expect_the_least_error(const fs::path& take, const std::string& key) {
     std::map<std::string, double> mse;
-    for (const std::string& method : {key, std::string("closed-form"), std::string("spectral"), std::string("auto")}) {
+    for (const std::string& method :
+         {key, std::string("closed-form"), std::string("spectral"), std::string("auto")}) {
       MatteTakeOptions options = options_for(take, method);
       options.redo = true;
       ASSERT_THAT(matte_take(options), IsOk()) << method;
@@ -138,7 +146,8 @@ TEST(AutoWithoutAKey, IsSpectral) {
   }
   TempFolder folder;
   const fs::path take = clip_take(folder, clip);
-  EXPECT_THAT(matte_take(options_for(take, "closed-form")), FailsWith(ErrorCode::Unsupported, "no backdrop that stands still"));
+  EXPECT_THAT(matte_take(options_for(take, "closed-form")),
+              FailsWith(ErrorCode::Unsupported, "no backdrop that stands still"));
   const Result<MatteReport> report = matte_take(options_for(take, "auto"));
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->cameras[0].method, "spectral");

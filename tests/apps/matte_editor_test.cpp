@@ -1,8 +1,8 @@
-#include <gmock/gmock.h>
-#include <sys/wait.h>
-
 #include <cstdio>
 #include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <sys/wait.h>
 
 #include "core/matte_edits.h"
 #include "core/png.h"
@@ -29,12 +29,17 @@ class MatteEditorUnderXvfb : public testing::Test {
   static void TearDownTestSuite() { delete shared_; }
   MatteEditorUnderXvfb() { fs::copy(*shared_ / "take", take_, fs::copy_options::recursive); }
 
-  // `hands` is bash: it may say `x <xdotool's words>`, `at <x> <y>` (photograph px), `said <words>` (waits until the
-  // editor has said a line with them), and must end the editor, by a key or otherwise. Returns the editor's exit code.
+  // `hands` is bash: it may say `x <xdotool's words>`, `at <x> <y>` (photograph px), `said <words>` (waits
+  // until the editor has said a line with them), and must end the editor, by a key or otherwise. Returns the
+  // editor's exit code.
   int edit(const std::string& arguments, const std::string& hands) {
-    const fs::path script = folder_.write("hands.sh", text(R"(
-cd ')", folder_.path().string(), R"('
-coproc EDITOR { exec )", FLOATSTAGE_PROGRAM, " play '", take_.string(), "' --mattes --camera ", kSerial, " --size 900x620 ", arguments, R"( 2>&1; }
+    const fs::path script =
+        folder_.write("hands.sh", text(R"(
+cd ')",
+                                       folder_.path().string(), R"('
+coproc EDITOR { exec )",
+                                       FLOATSTAGE_PROGRAM, " play '", take_.string(), "' --mattes --camera ",
+                                       kSerial, " --size 900x620 ", arguments, R"( 2>&1; }
 editor=$EDITOR_PID
 exec 3<&"${EDITOR[0]}"
 said() { while read -r -t 120 -u 3 line; do echo "$line"; case "$line" in *"$1"*) return 0;; esac; done; echo "never said: $1"; kill $editor; exit 99; }
@@ -46,12 +51,14 @@ said 'matte editor is open'
 window=$(xdotool search --sync --onlyvisible --name Floatstage | head -1)
 x windowmove --sync $window 0 0 2>/dev/null
 x windowfocus --sync $window
-)", hands, R"(
+)",
+                                       hands, R"(
 cat <&3
 wait $editor
 exit $?
 )"));
-    const std::string command = "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' bash " + script.string() + " 2>&1";
+    const std::string command = "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' bash " +
+                                script.string() + " 2>&1";
     FILE* pipe = popen(command.c_str(), "r");
     char buffer[4096];
     output_.clear();
@@ -76,7 +83,9 @@ exit $?
     return mattes_of(copy);
   }
   static int run_matte(const fs::path& take, const std::string& arguments) {
-    return WEXITSTATUS(std::system(text(FLOATSTAGE_PROGRAM, " matte '", take.string(), "' --cameras ", kSerial, " --hull-frames 0 ", arguments, " > /dev/null").c_str()));
+    return WEXITSTATUS(std::system(text(FLOATSTAGE_PROGRAM, " matte '", take.string(), "' --cameras ",
+                                        kSerial, " --hull-frames 0 ", arguments, " > /dev/null")
+                                       .c_str()));
   }
   CameraEdits edits() const {
     Result<MatteEdits> all = load_matte_edits(TakeLayout(take_).edits());
@@ -91,7 +100,9 @@ exit $?
 };
 TempFolder* MatteEditorUnderXvfb::shared_ = nullptr;
 
-void expect_near(const Eigen::Vector2d& p, double x, double y) { EXPECT_LT((p - Eigen::Vector2d(x, y)).norm(), 0.6) << p.transpose(); }
+void expect_near(const Eigen::Vector2d& p, double x, double y) {
+  EXPECT_LT((p - Eigen::Vector2d(x, y)).norm(), 0.6) << p.transpose();
+}
 
 TEST_F(MatteEditorUnderXvfb, TurnsWhatHandsDoIntoAFileThatTheVerbReplaysBitByBit) {
   ASSERT_EQ(edit("--matte-method closed-form --frame 2 --by-hand", R"(
@@ -108,7 +119,9 @@ said 'mattes changed'
 x key 4 F12
 said 'screenshot'
 x key ctrl+q
-)"), 0) << output_;
+)"),
+            0)
+      << output_;
   const CameraEdits made = edits();
   ASSERT_EQ(made.keyframes.size(), 2u) << output_;
   EXPECT_EQ(made.keyframes[0].frame, 2);
@@ -127,7 +140,8 @@ x key ctrl+q
   expect_near(made.masks[0].polygon.back(), 50, 100);
 
   const std::vector<Image> mine = mattes_of(take_), theirs = replayed("closed-form");
-  for (std::size_t f = 0; f < mine.size(); ++f) EXPECT_TRUE(!mine[f].empty() && mine[f] == theirs[f]) << "frame " << f;
+  for (std::size_t f = 0; f < mine.size(); ++f)
+    EXPECT_TRUE(!mine[f].empty() && mine[f] == theirs[f]) << "frame " << f;
 
   // The window as it stood at the end: the matte of frame 2, grey.
   const Result<Image> shot = load_png(folder_ / "floatstage-0.png");
@@ -136,8 +150,9 @@ x key ctrl+q
   int points = 0, same = 0, subject = 0;
   for (int y = 5; y < 120; y += 5)
     for (int x = 3; x < 160; x += 5) {
-      const int alpha = *mine[2].at(x, y), shown = shot->at(270 + static_cast<int>((x + 0.5) * 3.9375), static_cast<int>(27.75 + (y + 0.5) * 3.9375))[0];
-      ++points, same += std::abs(shown - alpha) < 12, subject += alpha > 200;
+      const int alpha = *mine[2].at(x, y), shown = shot->at(270 + static_cast<int>((x + 0.5) * 3.9375),
+                                                            static_cast<int>(27.75 + (y + 0.5) * 3.9375))[0];
+      ++points, same += std::abs(shown - alpha)<12, subject += alpha> 200;
     }
   EXPECT_GT(subject, 20);
   EXPECT_GT(same, points * 94 / 100) << "but for strokes and the brush above the matte";
@@ -150,7 +165,9 @@ said 'mattes changed'
 x key Right Right Right; at 80 64; x click 1
 said 'mattes changed'
 x key ctrl+q
-)"), 0) << output_;
+)"),
+            0)
+      << output_;
   EXPECT_EQ(edits().keyframes.size(), 2u);
   EXPECT_EQ(mattes_of(take_), replayed("spectral"));
 }
@@ -161,10 +178,13 @@ TEST_F(MatteEditorUnderXvfb, LeavesNothingHalfWrittenWhenTheWindowIsClosedInTheM
 x key h; at 20 60; x click 1
 x key g; at 80 60; x click 1
 x key ctrl+q
-)"), 0) << output_;
+)"),
+            0)
+      << output_;
   EXPECT_EQ(edits().masks.size(), 2u);
   for (const Image& matte : mattes_of(take_)) EXPECT_FALSE(matte.empty());
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(take_)) EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".tmp")));
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(take_))
+    EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".tmp")));
   // Closed before the second edit's work began, the record may speak of the first: then --redo is asked for.
   if (run_matte(take_, "--method closed-form") != 0) {
     EXPECT_EQ(run_matte(take_, "--method closed-form --redo"), 0);

@@ -10,7 +10,9 @@
 namespace floatstage {
 namespace {
 
-MatteImageOptions options_for(std::string method) { return {.method = std::move(method), .picture = photograph(Scene{}), .trimap = {}, .scribbled = {}}; }
+MatteImageOptions options_for(std::string method) {
+  return {.method = std::move(method), .picture = photograph(Scene{}), .trimap = {}, .scribbled = {}};
+}
 
 double error(const Result<Image>& matte) {
   EXPECT_THAT(matte, IsOk());
@@ -26,7 +28,9 @@ TEST(MatteImage, FollowsScribblesAndATrimap) {
   MatteImageOptions options = options_for("closed-form");
   options.scribbled = options.picture;
   for (int x = 60; x < 100; ++x)
-    for (int c = 0; c < 3; ++c) options.scribbled.at(x, 60)[c] = 255, options.scribbled.at(x, 5)[c] = 0, options.scribbled.at(x, 115)[c] = 0;
+    for (int c = 0; c < 3; ++c)
+      options.scribbled.at(x, 60)[c] = 255, options.scribbled.at(x, 5)[c] = 0,
+                              options.scribbled.at(x, 115)[c] = 0;
   EXPECT_LT(error(matte_image(options)), 0.05);
   options = options_for("auto");
   options.trimap = Image(160, 120, 1, 128);

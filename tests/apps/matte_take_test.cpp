@@ -33,7 +33,8 @@ Image matte_of(const fs::path& take, const char* serial, int frame) {
 }
 
 double iou_with_truth(const fs::path& take, const char* serial, int frame) {
-  return iou(make_matte({}, matte_of(take, serial, frame)), make_matte({}, matte_of(take / "truth", serial, frame)));
+  return iou(make_matte({}, matte_of(take, serial, frame)),
+             make_matte({}, matte_of(take / "truth", serial, frame)));
 }
 
 class EveryMethod : public testing::TestWithParam<std::string> {};
@@ -48,7 +49,8 @@ TEST_P(EveryMethod, MattesAllCamerasOfATakeInOneCall) {
   for (const CameraMattes& c : report->cameras) {
     EXPECT_EQ(c.made, 2) << c.serial;
     EXPECT_THAT(c.failures, testing::IsEmpty());
-    for (int f = 0; f < 2; ++f) EXPECT_GE(iou_with_truth(take, c.serial.c_str(), f), 0.9) << c.serial << " " << f;
+    for (int f = 0; f < 2; ++f)
+      EXPECT_GE(iou_with_truth(take, c.serial.c_str(), f), 0.9) << c.serial << " " << f;
     ASSERT_TRUE(c.hull_agreement) << c.serial;
     EXPECT_GT(*c.hull_agreement, 0.6);
   }
@@ -87,7 +89,8 @@ TEST(MatteTake, MakesAgainOnlyOnRequestAndOnlyWhatWasMadeOtherwise) {
   EXPECT_THAT(matte_take(other), FailsWith(ErrorCode::AlreadyExists, "--redo"));
   EXPECT_TRUE(fs::exists(TakeLayout(take).matte("cam00", 0)));
   MatteEdits edits;
-  edits.cameras["cam03"].masks.push_back({MatteLabel::Background, {{0, 0}, {160, 0}, {160, 120}, {0, 120}}, 0, {}});
+  edits.cameras["cam03"].masks.push_back(
+      {MatteLabel::Background, {{0, 0}, {160, 0}, {160, 120}, {0, 120}}, 0, {}});
   ASSERT_THAT(save_matte_edits(edits, TakeLayout(take).edits()), IsOk());
   MatteTakeOptions same = options_for(take, "chroma");
   EXPECT_THAT(matte_take(same), FailsWith(ErrorCode::AlreadyExists, "cam03"));
@@ -130,7 +133,8 @@ TEST(MatteTake, FollowsTheClickedPartBothWays) {
   options.guide = guide_with_a_stranger(folder, take);
   options.cameras = {"cam01"};
   MatteEdits edits;
-  edits.cameras["cam01"].keyframes.push_back({1, {{MatteLabel::Background, 2, {{14, 15}}}, {MatteLabel::Foreground, 1, {{80, 60}}}}});
+  edits.cameras["cam01"].keyframes.push_back(
+      {1, {{MatteLabel::Background, 2, {{14, 15}}}, {MatteLabel::Foreground, 1, {{80, 60}}}}});
   ASSERT_EQ(*matte_of(take / "truth", "cam01", 1).at(80, 60), 255) << "the click is on the dancer";
   ASSERT_THAT(make_folder(TakeLayout(take).mattes()), IsOk());
   ASSERT_THAT(save_matte_edits(edits, TakeLayout(take).edits()), IsOk());
@@ -149,7 +153,9 @@ TEST(MatteTake, TakesOthersMattesAsAGuideAndNamesTheOneThatDoesNotFit) {
   MatteTakeOptions options = options_for(take, "closed-form");
   options.guide = folder / "guide";
   fs::copy(TakeLayout(take).truth().mattes(), options.guide, fs::copy_options::recursive);
-  ASSERT_THAT(save_png(Image(80, 60, 1), options.guide / "cam04" / TakeLayout(take).matte("cam04", 1).filename()), IsOk());
+  ASSERT_THAT(
+      save_png(Image(80, 60, 1), options.guide / "cam04" / TakeLayout(take).matte("cam04", 1).filename()),
+      IsOk());
   const Result<MatteReport> report = matte_take(options);
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->made, 11);
@@ -225,7 +231,8 @@ fs::path flat_take(const TempFolder& folder, std::array<std::uint8_t, 3> color) 
 }
 
 TEST(MatteTake, SeesNobodyInPicturesOfOneColour) {
-  for (const std::array<std::uint8_t, 3> color : {std::array<std::uint8_t, 3>{40, 120, 50}, {90, 90, 90}, {0, 0, 0}, {255, 255, 255}}) {
+  for (const std::array<std::uint8_t, 3> color :
+       {std::array<std::uint8_t, 3>{40, 120, 50}, {90, 90, 90}, {0, 0, 0}, {255, 255, 255}}) {
     TempFolder folder;
     const fs::path take = flat_take(folder, color);
     const Result<MatteReport> report = matte_take(options_for(take));
@@ -235,7 +242,8 @@ TEST(MatteTake, SeesNobodyInPicturesOfOneColour) {
     EXPECT_THAT(report->worst, testing::IsEmpty()) << "no subject, no hull";
   }
   TempFolder folder;
-  EXPECT_THAT(matte_take(options_for(flat_take(folder, {90, 90, 90}), "chroma")), FailsWith(ErrorCode::NotFound, "camera 'cam00'"));
+  EXPECT_THAT(matte_take(options_for(flat_take(folder, {90, 90, 90}), "chroma")),
+              FailsWith(ErrorCode::NotFound, "camera 'cam00'"));
 }
 
 TEST(HullAgreement, PutsTheCameraFirstWhoseMatteIsWrong) {
@@ -247,7 +255,8 @@ TEST(HullAgreement, PutsTheCameraFirstWhoseMatteIsWrong) {
   const auto good = hull_agreement(**take, {0}, 1);
   ASSERT_THAT(good, IsOk());
   ASSERT_EQ(good->size(), 6u);
-  for (const SilhouetteAgreement& a : *good) EXPECT_LT(a.surplus, 0.1) << a.serial << ": the true matte lies inside the others' hull";
+  for (const SilhouetteAgreement& a : *good)
+    EXPECT_LT(a.surplus, 0.1) << a.serial << ": the true matte lies inside the others' hull";
   Image wrong = matte_of(path / "truth", "cam03", 0);
   for (int y = 0; y < 40; ++y) std::fill_n(wrong.at(100, y), 60, std::uint8_t{255});
   ASSERT_THAT(save_png(wrong, TakeLayout(path).matte("cam03", 0)), IsOk());
@@ -263,7 +272,8 @@ TEST(ExportLayers, WritesTheSubjectWithStraightAlpha) {
   MatteTakeOptions one = options_for(take, "chroma");
   one.cameras = {"cam01"};
   ASSERT_THAT(matte_take(one), IsOk());
-  const ExportOptions options{.take = take, .out = folder / "layers", .format = "png8", .cameras = {"cam01"}, .threads = 1};
+  const ExportOptions options{
+      .take = take, .out = folder / "layers", .format = "png8", .cameras = {"cam01"}, .threads = 1};
   EXPECT_THAT(export_layers(options), IsOkAnd(1));
   const Result<Image> layer = load_png(folder / "layers" / "cam01" / "000000.png");
   ASSERT_THAT(layer, IsOk());
@@ -283,12 +293,14 @@ TEST(ExportLayers, WritesSixteenBitsAndExr) {
   TempFolder folder;
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(matte_take(options_for(take, "chroma")), IsOk());
-  ExportOptions options{.take = take, .out = folder / "wide", .format = "png16", .cameras = {"cam01"}, .threads = 1};
+  ExportOptions options{
+      .take = take, .out = folder / "wide", .format = "png16", .cameras = {"cam01"}, .threads = 1};
   EXPECT_THAT(export_layers(options), IsOkAnd(1));
   const Result<std::string> bytes = read_file(folder / "wide" / "cam01" / "000000.png");
   ASSERT_THAT(bytes, IsOk());
   EXPECT_EQ((*bytes)[24], 16) << "bits a channel in the PNG header";
-  EXPECT_THAT(load_png(folder / "wide" / "cam01" / "000000.png"), IsOkAnd(testing::Field(&Image::channels, 4)));
+  EXPECT_THAT(load_png(folder / "wide" / "cam01" / "000000.png"),
+              IsOkAnd(testing::Field(&Image::channels, 4)));
   options.out = folder / "exr";
   options.format = "exr";
   EXPECT_THAT(export_layers(options), IsOkAnd(1));
@@ -303,16 +315,20 @@ TEST(ExportLayers, KeepWhatIsDoneAndFollowNewMattesAndFormats) {
   TempFolder folder;
   const fs::path take = small_take(folder, 2);
   ASSERT_THAT(matte_take(options_for(take, "chroma")), IsOk());
-  ExportOptions options{.take = take, .out = folder / "layers", .format = "png8", .cameras = {"cam01"}, .threads = 1};
-  const fs::path first = folder / "layers" / "cam01" / "000000.png", second = folder / "layers" / "cam01" / "000001.png";
+  ExportOptions options{
+      .take = take, .out = folder / "layers", .format = "png8", .cameras = {"cam01"}, .threads = 1};
+  const fs::path first = folder / "layers" / "cam01" / "000000.png",
+                 second = folder / "layers" / "cam01" / "000001.png";
   ASSERT_THAT(export_layers(options), IsOkAnd(2));
-  ASSERT_THAT(save_png(Image(1, 1, 4), second), IsOk());  // stands for what was exported: newer than its matte
+  ASSERT_THAT(save_png(Image(1, 1, 4), second),
+              IsOk());  // stands for what was exported: newer than its matte
   fs::remove(first);
   ASSERT_THAT(export_layers(options), IsOkAnd(2));
   EXPECT_THAT(load_png(first), IsOkAnd(testing::Field(&Image::width, 160))) << "was missing";
   EXPECT_THAT(load_png(second), IsOkAnd(testing::Field(&Image::width, 1))) << "was there";
   ASSERT_THAT(save_png(Image(160, 120, 1), TakeLayout(take).matte("cam01", 1)), IsOk());
-  fs::last_write_time(TakeLayout(take).matte("cam01", 1), fs::last_write_time(second) + std::chrono::seconds(1));
+  fs::last_write_time(TakeLayout(take).matte("cam01", 1),
+                      fs::last_write_time(second) + std::chrono::seconds(1));
   ASSERT_THAT(export_layers(options), IsOkAnd(2));
   EXPECT_THAT(load_png(second), IsOkAnd(testing::Field(&Image::width, 160))) << "its matte is newer";
   options.format = "png16";
@@ -322,7 +338,8 @@ TEST(ExportLayers, KeepWhatIsDoneAndFollowNewMattesAndFormats) {
 
 TEST(ExportLayers, AskForMattesFirst) {
   TempFolder folder;
-  const ExportOptions options{.take = small_take(folder, 1), .out = folder / "layers", .format = "png8", .cameras = {}, .threads = 1};
+  const ExportOptions options{
+      .take = small_take(folder, 1), .out = folder / "layers", .format = "png8", .cameras = {}, .threads = 1};
   EXPECT_THAT(export_layers(options), FailsWith(ErrorCode::NotFound, "floatstage matte"));
 }
 

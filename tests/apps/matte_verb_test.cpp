@@ -1,10 +1,10 @@
-#include <ImfRgbaFile.h>
-#include <gmock/gmock.h>
-#include <sys/wait.h>
-
 #include <cmath>
 #include <cstdio>
+
+#include <ImfRgbaFile.h>
+#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
 
 #include "core/file.h"
 #include "core/matte_edits.h"
@@ -46,7 +46,8 @@ class MatteVerb : public testing::Test {
 };
 
 TEST_F(MatteVerb, StartsFromOthersMattes) {
-  // Others say that the subject is a box at the left; it is nowhere near the dancer, so where a matte has it, it came from them.
+  // Others say that the subject is a box at the left; it is nowhere near the dancer, so where a matte has it,
+  // it came from them.
   Image box(160, 120, 1);
   for (int y = 40; y < 80; ++y) std::fill_n(box.at(20, y), 30, std::uint8_t{255});
   for (const char* name : {"000000.png", "000001.png"}) {
@@ -64,9 +65,13 @@ TEST_F(MatteVerb, StartsFromOthersMattes) {
 
 TEST_F(MatteVerb, ExportsTheSameStraightLayersInEveryFormat) {
   for (const char* format : {"png8", "png16", "exr"})
-    ASSERT_EQ(run(matte(text("--method closed-form --export '", (folder_ / format).string(), "' --export-format ", format))), 0) << output_;
+    ASSERT_EQ(run(matte(text("--method closed-form --export '", (folder_ / format).string(),
+                             "' --export-format ", format))),
+              0)
+        << output_;
   const fs::path png = fs::path("cam01") / "000001.png";
-  const Image narrow = picture(folder_ / "png8" / png), wide = picture(folder_ / "png16" / png), alpha = picture(TakeLayout(take_).matte("cam01", 1));
+  const Image narrow = picture(folder_ / "png8" / png), wide = picture(folder_ / "png16" / png),
+              alpha = picture(TakeLayout(take_).matte("cam01", 1));
   EXPECT_EQ(narrow, wide);
   const Result<std::string> bytes = read_file(folder_ / "png16" / png);
   ASSERT_THAT(bytes, IsOk());
@@ -90,14 +95,18 @@ TEST_F(MatteVerb, ExportsTheSameStraightLayersInEveryFormat) {
 
 TEST_F(MatteVerb, LetsEvaluatePrintWhatItCostAPerson) {
   CameraEdits edits;
-  edits.keyframes.push_back({0, {{MatteLabel::Foreground, 1, {{80, 60}}}, {MatteLabel::Background, 2, {{5, 5}}}, {MatteLabel::Background, 2, {{5, 100}, {20, 100}}}}});
+  edits.keyframes.push_back({0,
+                             {{MatteLabel::Foreground, 1, {{80, 60}}},
+                              {MatteLabel::Background, 2, {{5, 5}}},
+                              {MatteLabel::Background, 2, {{5, 100}, {20, 100}}}}});
   edits.keyframes.push_back({1, {{MatteLabel::Foreground, 1, {{80, 60}}}}});
   edits.masks.push_back({MatteLabel::Background, {{2, 2}}, 0, {}, 2});
   ASSERT_THAT(make_folder(TakeLayout(take_).mattes()), IsOk());
   ASSERT_THAT(save_matte_edits({{{"cam01", edits}}}, TakeLayout(take_).edits()), IsOk());
   ASSERT_EQ(run(matte("--method chroma")), 0) << output_;
   const fs::path report = folder_ / "scores.json";
-  ASSERT_EQ(run(text("evaluate '", take_.string(), "' --mattes --json '", report.string(), "'")), 0) << output_;
+  ASSERT_EQ(run(text("evaluate '", take_.string(), "' --mattes --json '", report.string(), "'")), 0)
+      << output_;
   EXPECT_THAT(output_, HasSubstr("effort"));
   EXPECT_THAT(output_, HasSubstr(" 2/5 ")) << "keyframes, and clicks, scribbles and masks";
   const Result<std::string> json = read_file(report);

@@ -54,9 +54,12 @@ TEST(PictureSink, WritesAVideoThatOthersRead) {
 TEST(PictureSink, RefusesToOverwriteAndSaysSo) {
   TempFolder folder;
   fs::create_directory(folder.path() / "film");
-  EXPECT_THAT(open_picture_sink(folder.path() / "film", 32, 16, 25), FailsWith(ErrorCode::AlreadyExists, "another --out"));
-  EXPECT_THAT(open_picture_sink(folder.path() / "film.gif", 32, 16, 25), FailsWith(ErrorCode::InvalidArgument, ".mp4"));
-  EXPECT_THAT(open_picture_sink(folder.path() / "no" / "such" / "film.mp4", 32, 16, 25), FailsWith(ErrorCode::Io, "film.mp4"));
+  EXPECT_THAT(open_picture_sink(folder.path() / "film", 32, 16, 25),
+              FailsWith(ErrorCode::AlreadyExists, "another --out"));
+  EXPECT_THAT(open_picture_sink(folder.path() / "film.gif", 32, 16, 25),
+              FailsWith(ErrorCode::InvalidArgument, ".mp4"));
+  EXPECT_THAT(open_picture_sink(folder.path() / "no" / "such" / "film.mp4", 32, 16, 25),
+              FailsWith(ErrorCode::Io, "film.mp4"));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
+#include <cstdio>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-
-#include <cstdio>
 
 #include "apps/process.h"
 #include "core/file.h"
@@ -31,8 +31,11 @@ class PlayUnderXvfb : public testing::Test {
   Image screenshot(const std::string& arguments) {
     const std::filesystem::path file = *folder_ / "shot.png";
     std::filesystem::remove(file);
-    // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from ours.
-    const std::string command = "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM " play " + take_.string() + " --size 900x600 --screenshot " + file.string() + " " + arguments + " 2>&1";
+    // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from
+    // ours.
+    const std::string command =
+        "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM " play " +
+        take_.string() + " --size 900x600 --screenshot " + file.string() + " " + arguments + " 2>&1";
     FILE* pipe = popen(command.c_str(), "r");
     char buffer[4096];
     output_.clear();
@@ -53,8 +56,8 @@ std::filesystem::path PlayUnderXvfb::take_;
 constexpr int kPanel = 270, kTimeLine = 62;  // px of the window that are not the stage
 
 struct Stage {
-  double coverage = 0;             ///< fraction of stage pixels that are not the background
-  double mean[3] = {0, 0, 0};      ///< colour of those
+  double coverage = 0;         ///< fraction of stage pixels that are not the background
+  double mean[3] = {0, 0, 0};  ///< colour of those
 };
 
 Stage look_at_stage(const Image& shot, int background) {
@@ -63,7 +66,9 @@ Stage look_at_stage(const Image& shot, int background) {
   for (int y = 0; y < shot.height - kTimeLine; ++y) {
     for (int x = kPanel; x < shot.width; ++x, ++all) {
       const std::uint8_t* p = shot.at(x, y);
-      if (std::abs(p[0] - background) <= 3 && std::abs(p[1] - background) <= 3 && std::abs(p[2] - background) <= 3) continue;
+      if (std::abs(p[0] - background) <= 3 && std::abs(p[1] - background) <= 3 &&
+          std::abs(p[2] - background) <= 3)
+        continue;
       ++covered;
       for (int c = 0; c < 3; ++c) stage.mean[c] += p[c];
     }
@@ -84,7 +89,8 @@ TEST_F(PlayUnderXvfb, ShowsThePerformerInTheMiddleAndThePanelsAround) {
   const double brightness = (stage.mean[0] + stage.mean[1] + stage.mean[2]) / 3;
   EXPECT_GT(brightness, 25);
   EXPECT_LT(brightness, 230);
-  EXPECT_LT(stage.mean[1], std::max(stage.mean[0], stage.mean[2]) + 25) << "a green performer: the cloth shows";
+  EXPECT_LT(stage.mean[1], std::max(stage.mean[0], stage.mean[2]) + 25)
+      << "a green performer: the cloth shows";
   long panel_light = 0;
   for (int y = 0; y < 300; ++y)
     for (int x = 0; x < kPanel; ++x) panel_light += shot.at(x, y)[0] > 150;
@@ -104,7 +110,8 @@ TEST_F(PlayUnderXvfb, StandsUprightOnTheScreen) {
     double sum = 0, count = 1;
     for (int y = from; y < to; ++y)
       for (int x = kPanel + 5; x < shot.width; ++x)
-        if (shot.at(x, y)[0] + shot.at(x, y)[1] + shot.at(x, y)[2] > 60) sum += shot.at(x, y)[0] - shot.at(x, y)[2], ++count;
+        if (shot.at(x, y)[0] + shot.at(x, y)[1] + shot.at(x, y)[2] > 60)
+          sum += shot.at(x, y)[0] - shot.at(x, y)[2], ++count;
     return sum / count;
   };
   const int height = bottom - top;
@@ -112,12 +119,14 @@ TEST_F(PlayUnderXvfb, StandsUprightOnTheScreen) {
 }
 
 TEST_F(PlayUnderXvfb, SplitsTheScreenBetweenTwoMethods) {
-  const Image whole = screenshot("--method floating --background 000000"), split = screenshot("--method linear --compare floating --background 000000");
+  const Image whole = screenshot("--method floating --background 000000"),
+              split = screenshot("--method linear --compare floating --background 000000");
   ASSERT_FALSE(whole.empty() || split.empty()) << output_;
   long right_differs = 0, line = 0;
   const int middle = kPanel + (900 - kPanel) / 2;
   for (int y = 40; y < 600 - kTimeLine; ++y) {
-    for (int x = middle + 40; x < 900; ++x) right_differs += std::abs(whole.at(x, y)[0] - split.at(x, y)[0]) > 3;
+    for (int x = middle + 40; x < 900; ++x)
+      right_differs += std::abs(whole.at(x, y)[0] - split.at(x, y)[0]) > 3;
     for (int x = middle - 2; x <= middle + 2; ++x) line += split.at(x, y)[0] > 200 && split.at(x, y)[2] < 130;
   }
   EXPECT_EQ(right_differs, 0) << "the right half is the floating picture";
@@ -126,7 +135,8 @@ TEST_F(PlayUnderXvfb, SplitsTheScreenBetweenTwoMethods) {
 
 TEST_F(PlayUnderXvfb, ShowsCamerasAndIntermediates) {
   const double plain = look_at_stage(screenshot("--background 000000"), 0).coverage;
-  EXPECT_GT(look_at_stage(screenshot("--background 000000 --show-cameras"), 0).coverage, plain) << "no frusta";
+  EXPECT_GT(look_at_stage(screenshot("--background 000000 --show-cameras"), 0).coverage, plain)
+      << "no frusta";
   const Stage weights = look_at_stage(screenshot("--background 000000 --output weights"), 0);
   EXPECT_GT(weights.coverage, plain / 2);
 }

@@ -57,7 +57,8 @@ TEST(Process, KeysTheSyntheticRoomNearlyAsTheTruthHasIt) {
   const TakeLayout layout(take);
   for (const fs::directory_entry& camera : fs::directory_iterator(layout.truth().mattes())) {
     const std::string serial = camera.path().filename();
-    const Matte made = make_matte({}, *load_png(layout.matte(serial, 0))), truth = make_matte({}, *load_png(layout.truth().matte(serial, 0)));
+    const Matte made = make_matte({}, *load_png(layout.matte(serial, 0))),
+                truth = make_matte({}, *load_png(layout.truth().matte(serial, 0)));
     EXPECT_GE(iou(made, truth), 0.93) << serial;
   }
 }
@@ -224,7 +225,8 @@ TEST(Process, NamesAMatteThatIsAllForeground) {
 
 TEST(Process, SaysWhichFolderIsNoTake) {
   TempFolder folder;
-  EXPECT_THAT(process_take(options_for(folder.path())), FailsWith(ErrorCode::NotFound, folder.path().string()));
+  EXPECT_THAT(process_take(options_for(folder.path())),
+              FailsWith(ErrorCode::NotFound, folder.path().string()));
   EXPECT_THAT(process_take(options_for(folder / "nowhere")), FailsWith(ErrorCode::NotFound, "nowhere"));
 }
 

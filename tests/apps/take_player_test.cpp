@@ -1,9 +1,9 @@
 #include "apps/studio/take_player.h"
 
-#include <gmock/gmock.h>
-
 #include <condition_variable>
 #include <mutex>
+
+#include <gmock/gmock.h>
 
 #include "tests/apps/small_take.h"
 
@@ -51,7 +51,8 @@ std::filesystem::path ATakePlayer::take_;
 TEST_F(ATakePlayer, DeliversEveryFrameOnceInOrderWithItsPixels) {
   for (const std::uint64_t memory : {std::uint64_t{1} << 30, std::uint64_t{0}}) {
     const auto player = open({.rate = 100, .preload_bytes = memory});
-    EXPECT_THAT(player->description(), HasSubstr(memory > 0 ? "decoded beforehand" : "decoded while it plays"));
+    EXPECT_THAT(player->description(),
+                HasSubstr(memory > 0 ? "decoded beforehand" : "decoded while it plays"));
     const std::vector<Frame> frames = played(*player, 18);
     ASSERT_THAT(frames, SizeIs(18));
     EXPECT_TRUE(player->over());
@@ -68,7 +69,8 @@ TEST_F(ATakePlayer, MovesTheExposuresToThePresentAtTheChosenRate) {
   EXPECT_EQ(player->frame_rate(), 100);
   const std::vector<Frame> frames = played(*player, 18);
   ASSERT_THAT(frames, SizeIs(18));
-  EXPECT_NEAR(static_cast<double>((frames[17].info.exposure_start - frames[0].info.exposure_start).count), 2e7, 1e3);
+  EXPECT_NEAR(static_cast<double>((frames[17].info.exposure_start - frames[0].info.exposure_start).count),
+              2e7, 1e3);
 }
 
 TEST_F(ATakePlayer, BeginsAnewWithGrowingNumbersAndTimes) {

@@ -17,7 +17,8 @@ TEST(ParseSize, ReadsWidthAndHeight) {
 }
 
 TEST(ParseSize, SaysHowToWriteASize) {
-  for (const char* wrong : {"", "640", "640x", "x480", "640x480x3", "-1x5", "0x480", "640X480", "640x480 ", "99999x4", "6.5x4"})
+  for (const char* wrong :
+       {"", "640", "640x", "x480", "640x480x3", "-1x5", "0x480", "640X480", "640x480 ", "99999x4", "6.5x4"})
     EXPECT_THAT(parse_size(wrong), FailsWith(ErrorCode::InvalidArgument, "640x480")) << wrong;
 }
 

@@ -1,8 +1,8 @@
 #include "apps/play/viewer_camera.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "apps/play/path_editor.h"
 #include "apps/play/time_line.h"

@@ -14,7 +14,8 @@ void solve_eight_cameras(benchmark::State& state) {
   // As many views as the goal names, of every camera.
   constexpr int kViews = 200;
   std::vector<int> views(8);
-  std::erase_if(seen.views, [&](const TargetView& v) { return ++views[static_cast<std::size_t>(v.camera)] > kViews; });
+  std::erase_if(seen.views,
+                [&](const TargetView& v) { return ++views[static_cast<std::size_t>(v.camera)] > kViews; });
   for (auto _ : state) {
     const Result<Calibration> solved = calibrate(seen, {.threads = static_cast<int>(state.range(0))});
     if (!solved) return state.SkipWithError("it was not solved");

@@ -1,7 +1,8 @@
-// Closed form and cuts on one core, at the sizes that takes have. Compare within one run; counters say how much was unknown.
-#include <benchmark/benchmark.h>
-
+// Closed form and cuts on one core, at the sizes that takes have. Compare within one run; counters say how
+// much was unknown.
 #include <algorithm>
+
+#include <benchmark/benchmark.h>
 
 #include "matting/clip_cut.h"
 #include "matting/closed_form_video.h"
@@ -11,7 +12,8 @@ namespace floatstage {
 namespace {
 
 MatteClip clip(int width, int height) {
-  return make_clip(studio_cutout(2), cluttered_place(width, height, 2), {.width = width, .height = height, .frames = 12, .seed = 2});
+  return make_clip(studio_cutout(2), cluttered_place(width, height, 2),
+                   {.width = width, .height = height, .frames = 12, .seed = 2});
 }
 
 // An edge refined against the photograph, as `matte --method closed-form` does with every key.
@@ -22,7 +24,8 @@ void refine(benchmark::State& state) {
   options.band.margin = std::max(3, std::max(width, height) / 400);
   const Image band = trimap_around(made.truth[0], options.band);
   for (auto _ : state) benchmark::DoNotOptimize(refine_matte(made.frames[0], made.truth[0], options));
-  state.counters["unknown"] = static_cast<double>(std::count_if(band.pixels.begin(), band.pixels.end(), [](int v) { return v != 0 && v != 255; }));
+  state.counters["unknown"] = static_cast<double>(
+      std::count_if(band.pixels.begin(), band.pixels.end(), [](int v) { return v != 0 && v != 255; }));
 }
 BENCHMARK(refine)->Args({360, 240})->Args({1024, 768})->Args({1920, 1088})->Unit(benchmark::kMillisecond);
 

@@ -36,7 +36,8 @@ double seconds_of(const MatteSet& set, const HullOptions& options, HullWorkspace
   return hull ? hull->seconds : std::numeric_limits<double>::quiet_NaN();
 }
 
-void measure(benchmark::State& state, const MatteSet& set, double tolerance, int threads, bool with_octree = true) {
+void measure(benchmark::State& state, const MatteSet& set, double tolerance, int threads,
+             bool with_octree = true) {
   HullOptions options;
   options.contour_tolerance = tolerance;
   options.threads = threads;

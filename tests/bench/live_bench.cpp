@@ -1,6 +1,6 @@
-// The live chain in one process: a synthetic take of 8 cameras 1024x768 at 25 instants a second in, 640x480 out, for ten
-// seconds at each quality. Prints scenes a second, latency and the mean milliseconds of every stage; docs/live.md has the
-// budget that they are compared with. Run: live_bench [--benchmark_filter=live/2]
+// The live chain in one process: a synthetic take of 8 cameras 1024x768 at 25 instants a second in, 640x480
+// out, for ten seconds at each quality. Prints scenes a second, latency and the mean milliseconds of every
+// stage; docs/live.md has the budget that they are compared with. Run: live_bench [--benchmark_filter=live/2]
 
 #include <cmath>
 
@@ -45,7 +45,8 @@ void live(benchmark::State& state) {
     auto player = std::move(*TakePlayer::open(recorded.folder / "take", {.loop = true}));
     const CameraPath path = orbit_path(player->rig(), {}, 20);
     const Result<LiveReport> report = run_live(
-        *player, {}, options, [&](double s) { return view_of(sample(path, std::fmod(s, 20)), kWidth, kHeight, {}); },
+        *player, {}, options,
+        [&](double s) { return view_of(sample(path, std::fmod(s, 20)), kWidth, kHeight, {}); },
         [] { return false; }, {});
     if (!report) return state.SkipWithError(report.error().message.c_str());
     state.counters["fps"] = report->shown.mean(report->seconds);
@@ -56,7 +57,11 @@ void live(benchmark::State& state) {
   state.SetLabel(describe(live_qualities()[options.quality]));
 }
 
-BENCHMARK(live)->DenseRange(0, static_cast<int>(live_qualities().size()) - 1)->Iterations(1)->UseRealTime()->Unit(benchmark::kSecond);
+BENCHMARK(live)
+    ->DenseRange(0, static_cast<int>(live_qualities().size()) - 1)
+    ->Iterations(1)
+    ->UseRealTime()
+    ->Unit(benchmark::kSecond);
 
 }  // namespace
 }  // namespace floatstage

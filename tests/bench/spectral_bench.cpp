@@ -1,11 +1,8 @@
-// Spectral matting at the working size of 360x240, one core unless the name says otherwise. Bars of the design, in
-// brackets the goals: cold <= 2.0 s (1.2) at a residual <= 1e-5, warm <= 1.2 s (0.8) with the first 25 vectors within
-// sin 0.05, a frame's preparation <= 3 s (1.5), 66 frames on two cores <= 100 s (50), online <= 40 ms a frame,
+// Spectral matting at the working size of 360x240, one core unless the name says otherwise. Bars of the
+// design, in brackets the goals: cold <= 2.0 s (1.2) at a residual <= 1e-5, warm <= 1.2 s (0.8) with the
+// first 25 vectors within sin 0.05, a frame's preparation <= 3 s (1.5), 66 frames on two cores <= 100 s (50),
+// online <= 40 ms a frame,
 // <= 0.6 GB a worker.
-#include <benchmark/benchmark.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -13,6 +10,9 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <benchmark/benchmark.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "core/text.h"
 #include "matting/frame_flow.h"
@@ -25,12 +25,14 @@ namespace {
 constexpr int kWidth = 360, kHeight = 240;
 
 const MatteClip& clip() {
-  static const MatteClip made = make_clip(studio_cutout(1), green_cloth(kWidth, kHeight, 1), {.frames = 66, .speed = 1.5});
+  static const MatteClip made =
+      make_clip(studio_cutout(1), green_cloth(kWidth, kHeight, 1), {.frames = 66, .speed = 1.5});
   return made;
 }
 
 const MatteClip& cluttered() {
-  static const MatteClip made = make_clip(studio_cutout(2), cluttered_place(kWidth, kHeight, 2), {.frames = 3});
+  static const MatteClip made =
+      make_clip(studio_cutout(2), cluttered_place(kWidth, kHeight, 2), {.frames = 3});
   return made;
 }
 
@@ -47,7 +49,8 @@ double peak_gigabytes() {
   return static_cast<double>(usage.ru_maxrss) / 1e6;
 }
 
-// The largest sine between the first 25 vectors and the space of the other's first 28 (near-equal values may swap).
+// The largest sine between the first 25 vectors and the space of the other's first 28 (near-equal values may
+// swap).
 double sine(const EigenPairs& a, const EigenPairs& b) {
   using Eigen::MatrixXd;
   const MatrixXd va = a.vectors.leftCols(25).cast<double>(), vb = b.vectors.leftCols(28).cast<double>();
@@ -118,7 +121,9 @@ void preparation(benchmark::State& state) {
   for (auto _ : state) {
     const auto pairs = solver->solve(clip().frames[1], warm ? &*before : nullptr);
     MattingComponents followed = *first;
-    if (warm) followed.alpha = carried(first->alpha, flow_between(clip().frames[0], clip().frames[1], CarryingFlow::Dis));
+    if (warm)
+      followed.alpha =
+          carried(first->alpha, flow_between(clip().frames[0], clip().frames[1], CarryingFlow::Dis));
     benchmark::DoNotOptimize(matting_components(*pairs, {}, warm ? &followed : nullptr));
   }
 }
@@ -132,9 +137,12 @@ void clip_of_frames(benchmark::State& state) {
     std::filesystem::remove_all(cache);
     VideoMattingOptions options;
     options.threads = static_cast<int>(state.range(0));
-    auto video = VideoMatting::create({static_cast<int>(state.range(1)), [](int f) -> Result<Image> { return clip().frames[static_cast<std::size_t>(f)]; }},
-                                      cache, options);
-    if (!video->prepare() || !video->set_keyframe(0, {clip().truth[0], {}})) state.SkipWithError("preparation failed");
+    auto video = VideoMatting::create(
+        {static_cast<int>(state.range(1)),
+         [](int f) -> Result<Image> { return clip().frames[static_cast<std::size_t>(f)]; }},
+        cache, options);
+    if (!video->prepare() || !video->set_keyframe(0, {clip().truth[0], {}}))
+      state.SkipWithError("preparation failed");
     const auto start = std::chrono::steady_clock::now();
     if (!video->propagate()) state.SkipWithError("propagation failed");
     online = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -143,7 +151,14 @@ void clip_of_frames(benchmark::State& state) {
   state.counters["online_ms_a_frame"] = online / static_cast<double>(state.range(1));
   state.counters["peak_GB"] = peak_gigabytes();
 }
-BENCHMARK(clip_of_frames)->ArgNames({"threads", "frames"})->Args({1, 24})->Args({2, 24})->Args({2, 66})->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime();
+BENCHMARK(clip_of_frames)
+    ->ArgNames({"threads", "frames"})
+    ->Args({1, 24})
+    ->Args({2, 24})
+    ->Args({2, 66})
+    ->Unit(benchmark::kSecond)
+    ->Iterations(1)
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace floatstage

@@ -35,9 +35,12 @@ TEST(TargetLine, KeepsEveryBitOfALength) {
 }
 
 TEST(TargetLine, UnderstandsUnitsAndOpenCvNames) {
-  EXPECT_EQ(target("chessboard columns=8 rows=5 square=3cm"), target("chessboard columns=8 rows=5 square=0.03m"));
+  EXPECT_EQ(target("chessboard columns=8 rows=5 square=3cm"),
+            target("chessboard columns=8 rows=5 square=0.03m"));
   EXPECT_DOUBLE_EQ(std::get<Chessboard>(target("chessboard columns=8 rows=5 square=1in")).square, 0.0254);
-  EXPECT_EQ(std::get<CharucoBoard>(target("charuco columns=4 rows=5 square=54mm marker=40mm dictionary=DICT_4X4_1000")).dictionary,
+  EXPECT_EQ(std::get<CharucoBoard>(
+                target("charuco columns=4 rows=5 square=54mm marker=40mm dictionary=DICT_4X4_1000"))
+                .dictionary,
             "4x4_1000");
 }
 
@@ -55,16 +58,21 @@ TEST(TargetLine, NamesTheWordThatIsWrong) {
       {"chessboard columns=2 rows=5 square=30mm", "not inner corners"},
       {"chessboard columns=100000 rows=5 square=30mm", "each must be"},
       {"charuco columns=4 rows=5 square=54mm marker=54mm dictionary=4x4_50", "does not fit into a square"},
-      {"charuco columns=4 rows=5 square=54mm marker=40mm dictionary=9x9_50", "dictionary '9x9_50' is not known"},
+      {"charuco columns=4 rows=5 square=54mm marker=40mm dictionary=9x9_50",
+       "dictionary '9x9_50' is not known"},
       {"charuco columns=40 rows=5 square=54mm marker=40mm dictionary=4x4_50", "take a larger dictionary"},
-      {"charuco columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50 first=-1", "10 markers from number -1"},
-      {"charuco columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50 inverted=yes", "'inverted' takes no value"},
-      {"two-sided columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50 thickness=4mm back-first=5", "share markers"},
+      {"charuco columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50 first=-1",
+       "10 markers from number -1"},
+      {"charuco columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50 inverted=yes",
+       "'inverted' takes no value"},
+      {"two-sided columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50 thickness=4mm back-first=5",
+       "share markers"},
       {"wand positions=0mm ball=25mm", "two or three positions"},
       {"wand positions=0mm,20mm,450mm ball=25mm", "must ascend"},
       {"wand positions=0mm,,450mm ball=25mm", "is no length"},
   };
-  for (const auto& [line, complaint] : wrong) EXPECT_THAT(parse_target(line), FailsWith(ErrorCode::BadData, complaint)) << line;
+  for (const auto& [line, complaint] : wrong)
+    EXPECT_THAT(parse_target(line), FailsWith(ErrorCode::BadData, complaint)) << line;
 }
 
 TEST(Ambiguity, IsToldOfTargetsThatLookTheSameFromTwoSides) {
@@ -85,7 +93,8 @@ TEST(TargetPoints, OfAChessboardAreItsInnerCornersFromTheUpperLeft) {
 }
 
 TEST(TargetPoints, OfTheBackLieBehindTheFrontAndRunTheOtherWay) {
-  const auto points = target_points(target("two-sided columns=3 rows=4 square=10mm marker=7mm dictionary=4x4_50 thickness=5mm"));
+  const auto points = target_points(
+      target("two-sided columns=3 rows=4 square=10mm marker=7mm dictionary=4x4_50 thickness=5mm"));
   ASSERT_EQ(points.size(), 12u);
   EXPECT_TRUE(points[0].isApprox(Eigen::Vector3d(0.01, 0.03, 0)));
   EXPECT_TRUE(points[6].isApprox(Eigen::Vector3d(0.02, 0.03, -0.005))) << points[6].transpose();
@@ -100,17 +109,20 @@ TEST(TargetPoints, OfTagsAreTheirCornersFromTheLowerLeft) {
 }
 
 TEST(MakeTarget, KnowsFacesLatticeAndLengths) {
-  const Target board = make_target(target("two-sided columns=3 rows=4 square=10mm marker=7mm dictionary=4x4_50 thickness=5mm"), "b");
+  const Target board = make_target(
+      target("two-sided columns=3 rows=4 square=10mm marker=7mm dictionary=4x4_50 thickness=5mm"), "b");
   EXPECT_EQ(board.kind, TargetKind::Board);
   EXPECT_TRUE(board.points[0].normal.isApprox(Eigen::Vector3d(0, 0, 1)));
   EXPECT_TRUE(board.points[6].normal.isApprox(Eigen::Vector3d(0, 0, -1)));
   EXPECT_EQ(board.points[6].id, 6);
-  EXPECT_EQ(make_target(target("charuco columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50"), "c").grid,
-            (TargetGrid{3, 4, 0.054}));
+  EXPECT_EQ(
+      make_target(target("charuco columns=4 rows=5 square=54mm marker=40mm dictionary=4x4_50"), "c").grid,
+      (TargetGrid{3, 4, 0.054}));
   const Target wand = make_target(target("wand positions=0mm,150mm,450mm ball=25mm"), "w", 2e-4);
   EXPECT_EQ(wand.kind, TargetKind::Wand);
-  EXPECT_THAT(wand.lengths, testing::UnorderedElementsAre(TargetLength{0, 1, 0.15, 2e-4}, TargetLength{0, 2, 0.45, 2e-4},
-                                                          TargetLength{1, 2, 0.45 - 0.15, 2e-4}));
+  EXPECT_THAT(wand.lengths,
+              testing::UnorderedElementsAre(TargetLength{0, 1, 0.15, 2e-4}, TargetLength{0, 2, 0.45, 2e-4},
+                                            TargetLength{1, 2, 0.45 - 0.15, 2e-4}));
 }
 
 TEST(Print, HoldsItsTarget) {
@@ -122,19 +134,22 @@ TEST(Print, HoldsItsTarget) {
       for (const auto& file : *files) EXPECT_THAT(load_target(file), IsOkAnd(target(line))) << file;
     }
   }
-  EXPECT_THAT(load_target(folder.write("other.svg", "<svg/>")), FailsWith(ErrorCode::BadData, "floatstage-target:"));
+  EXPECT_THAT(load_target(folder.write("other.svg", "<svg/>")),
+              FailsWith(ErrorCode::BadData, "floatstage-target:"));
 }
 
 TEST(Print, OfATwoSidedBoardIsTwoDrawingsOrTwoPages) {
   const TempFolder folder;
-  EXPECT_THAT(write_sheets(target(kLines[4]), folder / "b.svg"), IsOkAnd(ElementsAre(folder / "b-front.svg", folder / "b-back.svg")));
+  EXPECT_THAT(write_sheets(target(kLines[4]), folder / "b.svg"),
+              IsOkAnd(ElementsAre(folder / "b-front.svg", folder / "b-back.svg")));
   EXPECT_THAT(write_sheets(target(kLines[4]), folder / "b.pdf"), IsOkAnd(ElementsAre(folder / "b.pdf")));
   EXPECT_THAT(to_pdf(target_sheets(target(kLines[4]))), HasSubstr("/Count 2"));
 }
 
 TEST(Print, IsRefusedForWhatIsNoPrint) {
   const TempFolder folder;
-  EXPECT_THAT(write_sheets(target(kLines[0]), folder / "b.png"), FailsWith(ErrorCode::InvalidArgument, ".pdf or a .svg"));
+  EXPECT_THAT(write_sheets(target(kLines[0]), folder / "b.png"),
+              FailsWith(ErrorCode::InvalidArgument, ".pdf or a .svg"));
   EXPECT_THAT(write_sheets(Chessboard{}, folder / "b.pdf"), FailsWith(ErrorCode::InvalidArgument, "columns"));
   EXPECT_THAT(folder.names(), testing::IsEmpty());
 }

@@ -1,10 +1,10 @@
 // What makes a small reprojection error worthless is named; and a sound capture is not accused.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "calib/calibrate.h"
 #include "tests/calib/failing_captures.h"
@@ -13,7 +13,9 @@
 
 namespace floatstage {
 
-void PrintTo(const NamedFailure& f, std::ostream* out) { *out << name_of(f.kind) << " (" << f.camera << "): " << f.sentence; }
+void PrintTo(const NamedFailure& f, std::ostream* out) {
+  *out << name_of(f.kind) << " (" << f.camera << "): " << f.sentence;
+}
 
 namespace {
 
@@ -27,7 +29,8 @@ using testing::Not;
 
 auto named(CalibrationFailure kind) { return Field(&NamedFailure::kind, kind); }
 auto named(CalibrationFailure kind, const std::string& camera, const std::string& words) {
-  return AllOf(Field(&NamedFailure::kind, kind), Field(&NamedFailure::camera, camera), Field(&NamedFailure::sentence, HasSubstr(words)));
+  return AllOf(Field(&NamedFailure::kind, kind), Field(&NamedFailure::camera, camera),
+               Field(&NamedFailure::sentence, HasSubstr(words)));
 }
 
 std::vector<NamedFailure> failures_of(const Observations& seen, const CalibrationOptions& options = {}) {
@@ -38,7 +41,9 @@ std::vector<NamedFailure> failures_of(const Observations& seen, const Calibratio
 
 TEST(NamedFailures, AreNoneInASoundCapture) {
   const Rig rig = ring_rig(1);
-  EXPECT_THAT(failures_of(capture(rig, grid_board(7, 5, 0.06), in_front(rig.cameras[0], 1.2, 2.5, 35), kStills)), IsEmpty());
+  EXPECT_THAT(
+      failures_of(capture(rig, grid_board(7, 5, 0.06), in_front(rig.cameras[0], 1.2, 2.5, 35), kStills)),
+      IsEmpty());
 }
 
 TEST(NamedFailures, NameACaptureAtOneDistance) {
@@ -60,7 +65,8 @@ TEST(NamedFailures, DoNotBlameACaptureForIntrinsicsThatAreKnown) {
 }
 
 TEST(NamedFailures, NameRowsAndColumnsThatWereSwapped) {
-  EXPECT_THAT(failures_of(failing_capture(CalibrationFailure::SwappedRowsColumns)), ElementsAre(named(CalibrationFailure::SwappedRowsColumns, "", "7 columns and 5 rows")));
+  EXPECT_THAT(failures_of(failing_capture(CalibrationFailure::SwappedRowsColumns)),
+              ElementsAre(named(CalibrationFailure::SwappedRowsColumns, "", "7 columns and 5 rows")));
 }
 
 TEST(NamedFailures, NameASquareSizeThatAWandContradicts) {
@@ -81,11 +87,13 @@ TEST(NamedFailures, NameASquareSizeThatFixedPosesContradict) {
   }
   EXPECT_THAT(failures_of(seen), IsEmpty());
   seen.targets[0] = two_sided_board(7, 5, 0.084, 0.005);
-  EXPECT_THAT(failures_of(seen), Contains(named(CalibrationFailure::WrongSquareSize, "", "fixed camera poses")));
+  EXPECT_THAT(failures_of(seen),
+              Contains(named(CalibrationFailure::WrongSquareSize, "", "fixed camera poses")));
 }
 
 TEST(NamedFailures, NameAMirroredBoard) {
-  EXPECT_THAT(failures_of(failing_capture(CalibrationFailure::MirroredBoard)), ElementsAre(named(CalibrationFailure::MirroredBoard, "", "mirror")));
+  EXPECT_THAT(failures_of(failing_capture(CalibrationFailure::MirroredBoard)),
+              ElementsAre(named(CalibrationFailure::MirroredBoard, "", "mirror")));
 }
 
 TEST(NamedFailures, NameTheOneCameraThatIsAFrameLate) {
@@ -96,7 +104,8 @@ TEST(NamedFailures, NameTheOneCameraThatIsAFrameLate) {
 TEST(NamedFailures, DoNotCallPunctualCamerasLate) {
   const Rig rig = ring_rig(4);
   const CaptureOptions options{.frames = 150};
-  EXPECT_THAT(failures_of(capture(rig, two_sided_board(7, 5, 0.08, 0.005), wandering(options), options)), Not(Contains(named(CalibrationFailure::LateCamera))));
+  EXPECT_THAT(failures_of(capture(rig, two_sided_board(7, 5, 0.08, 0.005), wandering(options), options)),
+              Not(Contains(named(CalibrationFailure::LateCamera))));
 }
 
 TEST(NamedFailures, HaveStableNames) {

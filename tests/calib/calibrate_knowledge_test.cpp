@@ -1,10 +1,11 @@
-// What is known beforehand, what the world is, when cameras expose, and how well all of it is known afterwards.
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+// What is known beforehand, what the world is, when cameras expose, and how well all of it is known
+// afterwards.
 
 #include <cmath>
 #include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "calib/calibrate.h"
 #include "core/rig_io.h"
@@ -63,11 +64,13 @@ TEST(Calibrate, StandsInTheWorldOfSurveyedMarkers) {
     p.normal.setZero();
     p.position += Eigen::Vector3d(-0.5, -0.5, 0.5 + 0.11 * (p.id % 4));
   }
-  Observations seen = capture(truth, markers, [&](double) {
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (const TargetPoint& p : markers.points) middle += p.position / 9;
-    return Rigid3{Eigen::Quaterniond::Identity(), middle};
-  }, {.frames = 20});
+  Observations seen = capture(truth, markers,
+                              [&](double) {
+                                Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+                                for (const TargetPoint& p : markers.points) middle += p.position / 9;
+                                return Rigid3{Eigen::Quaterniond::Identity(), middle};
+                              },
+                              {.frames = 20});
   know(seen, truth, Prior::Fixed, Prior::Unknown);
   const Result<Calibration> solved = calibrate(seen);
   ASSERT_THAT(solved, IsOk());
@@ -84,19 +87,24 @@ TEST(Calibrate, StandsOnTheFloorBoard) {
   Observations seen = capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
   Target floor = grid_board(6, 5, 0.12);
   floor.name = "floor";
-  const Rigid3 lying{Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX())), {0.1, 0.2, 0.004}};
+  const Rigid3 lying{Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX())),
+                     {0.1, 0.2, 0.004}};
   CaptureOptions once = options;
   once.frames = 1;
   once.steepest_degrees = 80;
-  capture_more(seen, truth, floor, [&](double) { return lying; }, once);
+  capture_more(
+      seen, truth, floor, [&](double) { return lying; }, once);
   const int frame = seen.views.back().frame;
   seen.gauge = FloorBoard{1, frame, 0.004};
   const Result<Calibration> solved = calibrate(seen);
   ASSERT_THAT(solved, IsOk());
   for (std::size_t c = 0; c < 6; ++c) {
     const Eigen::Vector3d up = solved->rig.cameras[c].cam_from_world.rotation * Eigen::Vector3d::UnitZ();
-    EXPECT_LT(std::acos(up.dot(truth.cameras[c].cam_from_world.rotation * Eigen::Vector3d::UnitZ())) * kDegrees, 0.1);
-    EXPECT_NEAR(solved->rig.cameras[c].cam_from_world.center().z(), truth.cameras[c].cam_from_world.center().z(), 0.004);
+    EXPECT_LT(
+        std::acos(up.dot(truth.cameras[c].cam_from_world.rotation * Eigen::Vector3d::UnitZ())) * kDegrees,
+        0.1);
+    EXPECT_NEAR(solved->rig.cameras[c].cam_from_world.center().z(),
+                truth.cameras[c].cam_from_world.center().z(), 0.004);
   }
   seen.gauge = FloorBoard{1, frame + 1, 0};
   EXPECT_THAT(calibrate(seen), FailsWith(ErrorCode::BadData, "choose a frame"));
@@ -116,7 +124,8 @@ TEST(Calibrate, StandsWhereAHandSetIt) {
 
 TEST(Calibrate, SaysWhenNothingTellsWhereTheFloorIs) {
   const CaptureOptions options{.frames = 60, .frame_seconds = 0.2};
-  const Result<Calibration> solved = calibrate(capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options));
+  const Result<Calibration> solved =
+      calibrate(capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options));
   ASSERT_THAT(solved, IsOk());
   EXPECT_THAT(solved->remarks, Contains(HasSubstr("where the floor is remains unknown")));
   EXPECT_GT(mean_up(solved->rig).z(), 0.99);
@@ -139,7 +148,9 @@ TEST(Calibrate, StartsFromYesterdayAndSaysWhichCameraHasMoved) {
   const Rig yesterday = ring_rig(5);
   Rig today = yesterday;
   Rigid3& knocked = today.cameras[2].cam_from_world;
-  knocked = Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.4 / kDegrees, Eigen::Vector3d::UnitY())), {0.01, 0, 0}} * knocked;
+  knocked =
+      Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.4 / kDegrees, Eigen::Vector3d::UnitY())), {0.01, 0, 0}} *
+      knocked;
   const CaptureOptions options{.frames = 100, .extent = 0.9, .frame_seconds = 0.2};
   Observations seen = capture(today, two_sided_board(8, 6, 0.1, 0.005), wandering(options), options);
   know(seen, yesterday, Prior::Fixed, Prior::Start);
@@ -171,14 +182,18 @@ TEST(Calibrate, FindsWhenACameraExposes) {
 TEST(Calibrate, BearsPicturesTakenTooEarlyAndTooLate) {
   Rig truth = facing_rig();
   truth.cameras.resize(4);  // on one side: all see the board together
-  CaptureOptions options{.frames = 150, .frame_seconds = 1.0 / 6, .late_camera = 1, .late_frames = 0.8, .jitter_seconds = 0.01};
-  const Observations seen = capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(options, 0.15), options);
+  CaptureOptions options{
+      .frames = 150, .frame_seconds = 1.0 / 6, .late_camera = 1, .late_frames = 0.8, .jitter_seconds = 0.01};
+  const Observations seen =
+      capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(options, 0.15), options);
   const Result<Calibration> solved = calibrate(seen, {.time_offsets = true});
   ASSERT_THAT(solved, IsOk());
   const double others = solved->cameras[0].time_offset_ms;
   EXPECT_NEAR(solved->cameras[1].time_offset_ms - others, -0.8 * 1000 / 6, 6);
   EXPECT_NEAR(solved->cameras[2].time_offset_ms - others, 0, 6);
-  EXPECT_NEAR(solved->jitter_ms, 10, 5);  // too small rather than too large: boards follow what all cameras of a frame have in common
+  EXPECT_NEAR(
+      solved->jitter_ms, 10,
+      5);  // too small rather than too large: boards follow what all cameras of a frame have in common
   for (const CameraQuality& q : solved->cameras) {
     EXPECT_LT(q.rms_px, 0.2) << q.serial;
     EXPECT_LT(q.holdout_px, 1.3 * q.rms_px) << q.serial;
@@ -187,10 +202,12 @@ TEST(Calibrate, BearsPicturesTakenTooEarlyAndTooLate) {
   EXPECT_LT(compare(solved->rig, truth, options).grid_mm, 1);
 }
 
-// Noise in the pictures goes into the fit and into what the fit predicts alike; one lens term too many does not.
+// Noise in the pictures goes into the fit and into what the fit predicts alike; one lens term too many does
+// not.
 TEST(Calibrate, PredictsEveryFrameOfASmallCapture) {
   const CaptureOptions options{.frames = 30, .frame_seconds = 0.2};
-  const Observations seen = capture(ring_rig(4), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
+  const Observations seen =
+      capture(ring_rig(4), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
   const Result<Calibration> with = calibrate(seen), without = calibrate(seen, {.holdout_every = 0});
   ASSERT_THAT(with, IsOk());
   ASSERT_THAT(without, IsOk());
@@ -204,7 +221,8 @@ TEST(Calibrate, PredictsEveryFrameOfASmallCapture) {
 
 TEST(Calibrate, GivesTheSameBytesAtAnyNumberOfThreads) {
   const CaptureOptions options{.frames = 30, .frame_seconds = 0.2};
-  const Observations seen = capture(ring_rig(4), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
+  const Observations seen =
+      capture(ring_rig(4), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
   const Result<Calibration> one = calibrate(seen, {.threads = 1}), four = calibrate(seen, {.threads = 4});
   ASSERT_THAT(one, IsOk());
   ASSERT_THAT(four, IsOk());
@@ -237,36 +255,49 @@ TEST(Calibrate, NamesCamerasThatNoTargetJoins) {
   // The second half of the rig sees other frames.
   for (TargetView& v : seen.views)
     if (v.camera >= 4) v.frame += 1000;
-  EXPECT_THAT(calibrate(seen), FailsWith(ErrorCode::BadData, "'cam0', 'cam1', 'cam2', 'cam3' to camera 'cam7'"));
+  EXPECT_THAT(calibrate(seen),
+              FailsWith(ErrorCode::BadData, "'cam0', 'cam1', 'cam2', 'cam3' to camera 'cam7'"));
 }
 
 TEST(Calibrate, SaysWhenThereIsNothingToSolve) {
   Observations seen;
   EXPECT_THAT(calibrate(seen), FailsWith(ErrorCode::BadData, "no camera"));
-  seen = capture(ring_rig(2), grid_board(7, 5, 0.08), [](double) { return Rigid3{Eigen::Quaterniond::Identity(), {0, 0, 100}}; }, {.frames = 3});
+  seen = capture(ring_rig(2), grid_board(7, 5, 0.08),
+                 [](double) {
+                   return Rigid3{Eigen::Quaterniond::Identity(), {0, 0, 100}};
+                 },
+                 {.frames = 3});
   EXPECT_THAT(calibrate(seen), FailsWith(ErrorCode::BadData, "no picture of any camera shows a target"));
   EXPECT_THAT(calibrate(seen, {.outlier_sigmas = 0}), FailsWith(ErrorCode::InvalidArgument, "outliers"));
 }
 
-// The errors of many captures must be as large as was predicted of each: no camera's numbers look better than they are.
+// The errors of many captures must be as large as was predicted of each: no camera's numbers look better than
+// they are.
 TEST(Sigmas, AreTheSizeOfTheTrueErrors) {
   const Rig truth = ring_rig(3);
   double focal = 0, center = 0, rotation = 0, position = 0, projection = 0;
   int cameras = 0, poses = 0, points = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     const CaptureOptions options{.frames = 18, .seed = seed, .extent = 0.8, .frame_seconds = 0.4};
-    const Result<Calibration> solved = calibrate(capture(truth, two_sided_board(6, 4, 0.15, 0.005), wandering(options), options), {.holdout_every = 0});
+    const Result<Calibration> solved =
+        calibrate(capture(truth, two_sided_board(6, 4, 0.15, 0.005), wandering(options), options),
+                  {.holdout_every = 0});
     ASSERT_THAT(solved, IsOk());
     const auto reference = static_cast<std::size_t>(solved->reference);
     // Into the truth's world by the reference camera, in whose frame the sigmas are.
-    const Rigid3 solved_from_truth = solved->rig.cameras[reference].cam_from_world.inverse() * truth.cameras[reference].cam_from_world;
+    const Rigid3 solved_from_truth =
+        solved->rig.cameras[reference].cam_from_world.inverse() * truth.cameras[reference].cam_from_world;
     std::vector<Eigen::Vector3d> volume;
-    for (int i = 0; i < 27; ++i) volume.push_back(solved_from_truth * Eigen::Vector3d(0.6 * (i % 3 - 1), 0.6 * (i / 3 % 3 - 1), 1 + 0.6 * (i / 9 - 1)));
+    for (int i = 0; i < 27; ++i)
+      volume.push_back(solved_from_truth *
+                       Eigen::Vector3d(0.6 * (i % 3 - 1), 0.6 * (i / 3 % 3 - 1), 1 + 0.6 * (i / 9 - 1)));
     for (std::size_t c = 0; c < 3; ++c) {
       const CameraQuality& q = solved->cameras[c];
       const CameraModel &is = solved->rig.cameras[c].model, &was = truth.cameras[c].model;
-      focal += 0.5 * (std::pow((is.fx - was.fx) / q.intrinsics_sigma[0], 2) + std::pow((is.fy - was.fy) / q.intrinsics_sigma[1], 2));
-      center += 0.5 * (std::pow((is.cx - was.cx) / q.intrinsics_sigma[2], 2) + std::pow((is.cy - was.cy) / q.intrinsics_sigma[3], 2));
+      focal += 0.5 * (std::pow((is.fx - was.fx) / q.intrinsics_sigma[0], 2) +
+                      std::pow((is.fy - was.fy) / q.intrinsics_sigma[1], 2));
+      center += 0.5 * (std::pow((is.cx - was.cx) / q.intrinsics_sigma[2], 2) +
+                       std::pow((is.cy - was.cy) / q.intrinsics_sigma[3], 2));
       ++cameras;
       if (c == reference) continue;
       const Rigid3 pose = solved->rig.cameras[c].cam_from_world * solved_from_truth;
@@ -277,14 +308,17 @@ TEST(Sigmas, AreTheSizeOfTheTrueErrors) {
       const ProjectionUncertainty map(*solved, {});
       for (const Eigen::Vector3d& x : volume) {
         const Eigen::Vector3d true_x = solved_from_truth.inverse() * x;
-        const std::optional<Eigen::Vector2d> here = project(is, solved->rig.cameras[c].cam_from_world * x), there = project(was, truth.cameras[c].cam_from_world * true_x);
+        const std::optional<Eigen::Vector2d> here = project(is, solved->rig.cameras[c].cam_from_world * x),
+                                             there = project(was, truth.cameras[c].cam_from_world * true_x);
         if (!here || !there) continue;
-        projection += (*here - *there).squaredNorm() / (2 * std::pow(map.sigma_px(static_cast<int>(c), x), 2));
+        projection +=
+            (*here - *there).squaredNorm() / (2 * std::pow(map.sigma_px(static_cast<int>(c), x), 2));
         ++points;
       }
     }
   }
-  for (const double ratio : {focal / cameras, center / cameras, rotation / poses, position / poses, projection / points}) {
+  for (const double ratio :
+       {focal / cameras, center / cameras, rotation / poses, position / poses, projection / points}) {
     EXPECT_GE(ratio, 0.8);
     EXPECT_LE(ratio, 1.25);
   }
@@ -298,7 +332,8 @@ TEST(Uncertainty, IsLeastWhereTheBoardWasAndGrowsOutside) {
   const Result<Calibration> solved = calibrate(seen);
   ASSERT_THAT(solved, IsOk());
   std::vector<Eigen::Vector3d> volume;
-  for (int i = 0; i < 27; ++i) volume.push_back({0.3 * (i % 3 - 1), 0.3 * (i / 3 % 3 - 1), 1 + 0.3 * (i / 9 - 1)});
+  for (int i = 0; i < 27; ++i)
+    volume.push_back({0.3 * (i % 3 - 1), 0.3 * (i / 3 % 3 - 1), 1 + 0.3 * (i / 9 - 1)});
   const ProjectionUncertainty map(*solved, volume);
   for (int c = 0; c < 4; ++c) {
     EXPECT_LT(map.sigma_px(c, {0, 0, 1}), 0.1);

@@ -27,25 +27,29 @@ void expect_true(const Result<Calibration>& solved, const Rig& truth, const Capt
 TEST(Calibrate, FindsARingOfEight) {
   const Rig truth = ring_rig(8);
   const CaptureOptions options{.frames = 240, .extent = 0.9, .frame_seconds = 0.2};
-  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)), truth, options);
+  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)),
+              truth, options);
 }
 
 TEST(Calibrate, ChainsTwoGroupsWithoutACommonViewThroughATwoSidedBoard) {
   const Rig truth = facing_rig();
   const CaptureOptions options{.frames = 200, .extent = 0.9, .frame_seconds = 0.2};
-  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)), truth, options);
+  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)),
+              truth, options);
 }
 
 TEST(Calibrate, FindsFisheyesBesideALongLens) {
   const Rig truth = mixed_rig();
   const CaptureOptions options{.frames = 400, .extent = 0.6, .frame_seconds = 0.2};
-  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)), truth, options);
+  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)),
+              truth, options);
 }
 
 TEST(Calibrate, FindsADomeOfTwenty) {
   const Rig truth = dome_rig(20);
   const CaptureOptions options{.frames = 200, .extent = 0.9, .frame_seconds = 0.2};
-  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)), truth, options);
+  expect_true(calibrate(capture(truth, two_sided_board(10, 8, 0.1, 0.006), wandering(options), options)),
+              truth, options);
 }
 
 }  // namespace

@@ -67,38 +67,47 @@ TEST(Colmap, KnowsEveryLensItCanHold) {
 }
 
 TEST(Colmap, NamesTheModelThatItCannotHold) {
-  expect_error(parse(one_camera("THIN_PRISM_FISHEYE 4 4 3 3 2 2 1 2 3 4 5 6 7 8"), kOneImage), ErrorCode::Unsupported,
-               {"cameras.txt: line 1", "THIN_PRISM_FISHEYE"});
-  expect_error(parse(one_camera("FULL_OPENCV 4 4 3 3 2 2 1 2 3 4 5 0 6 0"), kOneImage), ErrorCode::Unsupported,
-               {"cameras.txt: line 1", "rational"});
+  expect_error(parse(one_camera("THIN_PRISM_FISHEYE 4 4 3 3 2 2 1 2 3 4 5 6 7 8"), kOneImage),
+               ErrorCode::Unsupported, {"cameras.txt: line 1", "THIN_PRISM_FISHEYE"});
+  expect_error(parse(one_camera("FULL_OPENCV 4 4 3 3 2 2 1 2 3 4 5 0 6 0"), kOneImage),
+               ErrorCode::Unsupported, {"cameras.txt: line 1", "rational"});
 }
 
 TEST(Colmap, SaysWhichLineIsWrong) {
-  expect_error(parse(replaced(kCameras, "3 4 1 1", "3 4 1"), kImages), ErrorCode::BadData, {"cameras.txt: line 2", "4 parameters"});
+  expect_error(parse(replaced(kCameras, "3 4 1 1", "3 4 1"), kImages), ErrorCode::BadData,
+               {"cameras.txt: line 2", "4 parameters"});
   expect_error(parse(replaced(kCameras, "-0.2", "nan"), kImages), ErrorCode::BadData, {"line 3", "nan"});
   expect_error(parse(replaced(kCameras, "640", "0"), kImages), ErrorCode::BadData, {"line 3", "size"});
-  expect_error(parse(replaced(kCameras, "7 OPENCV", "1 OPENCV"), kImages), ErrorCode::BadData, {"line 3", "second time"});
-  expect_error(parse(kCameras, replaced(kImages, "1 7 right", "1 8 right")), ErrorCode::BadData, {"images.txt: line 4", "camera 8", "cameras.txt"});
-  expect_error(parse(kCameras, replaced(kImages, "0.5 0.5 0.5 0.5", "0.5 0.5 0.5 0.6")), ErrorCode::BadData, {"line 4", "length"});
+  expect_error(parse(replaced(kCameras, "7 OPENCV", "1 OPENCV"), kImages), ErrorCode::BadData,
+               {"line 3", "second time"});
+  expect_error(parse(kCameras, replaced(kImages, "1 7 right", "1 8 right")), ErrorCode::BadData,
+               {"images.txt: line 4", "camera 8", "cameras.txt"});
+  expect_error(parse(kCameras, replaced(kImages, "0.5 0.5 0.5 0.5", "0.5 0.5 0.5 0.6")), ErrorCode::BadData,
+               {"line 4", "length"});
   expect_error(parse(kCameras, replaced(kImages, "-0.5 2", "inf 2")), ErrorCode::BadData, {"line 2", "inf"});
 }
 
 TEST(Colmap, NoticesThatTheLinesOfPointsWereLeftOut) {
-  expect_error(parse(kCameras, replaced(kImages, "left.png\n\n", "left.png\n")), ErrorCode::BadData, {"line 3", "points"});
+  expect_error(parse(kCameras, replaced(kImages, "left.png\n\n", "left.png\n")), ErrorCode::BadData,
+               {"line 3", "points"});
 }
 
 TEST(Colmap, RefusesEveryTruncation) {
-  expect_truncations_refused(replaced(kCameras, "0.002", "2"), 2, [](std::string_view cut) { return parse(cut, kImages); });
-  const std::string poses = kImages.substr(0, kImages.find("\n12.5"));  // a cut among the points loses nothing of ours
+  expect_truncations_refused(replaced(kCameras, "0.002", "2"), 2,
+                             [](std::string_view cut) { return parse(cut, kImages); });
+  const std::string poses =
+      kImages.substr(0, kImages.find("\n12.5"));  // a cut among the points loses nothing of ours
   for (std::size_t length = 0; length + 4 < poses.size(); ++length) {
     const Result<ForeignRig> rig = parse(kCameras, std::string_view(poses).substr(0, length));
-    EXPECT_TRUE(!rig.has_value() || rig->rig.cameras.size() < 2 || rig->image_names[1] != "right/first shot.png") << length;
+    EXPECT_TRUE(!rig.has_value() || rig->rig.cameras.size() < 2 ||
+                rig->image_names[1] != "right/first shot.png")
+        << length;
   }
 }
 
 TEST(Colmap, ComesBackFromTheWriterUnchanged) {
-  for (const Lens& lens : {Lens{}, Lens(BrownConrady{0.1, -0.2, 0.003, 0.004}), Lens(BrownConrady{0.1, 0, 0, 0, 0.2}),
-                           Lens(KannalaBrandt{0.1, 0.2, 0.3, 0.4})})
+  for (const Lens& lens : {Lens{}, Lens(BrownConrady{0.1, -0.2, 0.003, 0.004}),
+                           Lens(BrownConrady{0.1, 0, 0, 0, 0.2}), Lens(KannalaBrandt{0.1, 0.2, 0.3, 0.4})})
     for (bool tiny : {false, true}) {
       TempFolder folder;
       const Rig rig = sample_rig(lens, tiny);

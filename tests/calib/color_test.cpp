@@ -1,8 +1,8 @@
 #include "calib/color.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "tests/support/matchers.h"
@@ -54,7 +54,8 @@ const Published kSharma[] = {
 };
 
 TEST(DeltaE2000, AgreesWithThePublishedPairs) {
-  for (const Published& p : kSharma) EXPECT_NEAR(delta_e_2000(p.a, p.b), p.delta_e, 5e-5) << p.a.transpose() << " | " << p.b.transpose();
+  for (const Published& p : kSharma)
+    EXPECT_NEAR(delta_e_2000(p.a, p.b), p.delta_e, 5e-5) << p.a.transpose() << " | " << p.b.transpose();
 }
 
 TEST(DeltaE2000, IsSymmetricAndZeroForTheSame) {
@@ -70,7 +71,8 @@ TEST(Lab, OfWhiteBlackAndGreyIsOnTheGreyAxis) {
   EXPECT_NEAR(lab_from_srgb({0.5, 0.5, 0.5}).x(), 53.389, 0.01);
 }
 
-// A camera with its own white balance, crosstalk and gamma looks at a colour that an sRGB-like camera sees as `rgb`.
+// A camera with its own white balance, crosstalk and gamma looks at a colour that an sRGB-like camera sees as
+// `rgb`.
 struct OddCamera {
   Eigen::Vector3d gain, gamma;
   double crosstalk;
@@ -100,8 +102,10 @@ TEST(FitColor, BringsOddCamerasTogetherByTheChart) {
     Random random(3);
     double worst = 0, mean = 0;
     for (int i = 0; i < 200; ++i) {
-      const Eigen::Vector3d rgb(random.uniform(0.15, 0.95), random.uniform(0.15, 0.95), random.uniform(0.15, 0.95));
-      const double off = delta_e_2000(lab_from_srgb(apply(fit->transform, camera.see(rgb))), lab_from_srgb(rgb));
+      const Eigen::Vector3d rgb(random.uniform(0.15, 0.95), random.uniform(0.15, 0.95),
+                                random.uniform(0.15, 0.95));
+      const double off =
+          delta_e_2000(lab_from_srgb(apply(fit->transform, camera.see(rgb))), lab_from_srgb(rgb));
       worst = std::max(worst, off), mean += off / 200;
     }
     EXPECT_LE(mean, 0.7);
@@ -117,7 +121,8 @@ TEST(FitColor, BearsWrongPairsFromOverlap) {
     Eigen::Vector3d seen = kOdd[1].see(rgb);
     for (double& v : seen) v += 0.01 * random.normal();
     pairs.push_back({seen.cwiseMax(0.0), rgb});
-    if (i % 10 == 0) pairs.back().wanted = {random.uniform(), random.uniform(), random.uniform()};  // another surface
+    if (i % 10 == 0)
+      pairs.back().wanted = {random.uniform(), random.uniform(), random.uniform()};  // another surface
   }
   const Result<ColorFit> fit = fit_color(pairs);
   ASSERT_THAT(fit, IsOk());
@@ -128,20 +133,25 @@ TEST(FitColor, BearsWrongPairsFromOverlap) {
 }
 
 TEST(FitColor, RefusesWhatSaysTooLittle) {
-  EXPECT_THAT(fit_color(std::vector<ColorPair>(30, ColorPair{{1, 1, 1}, {0.5, 0.5, 0.5}})), FailsWith(ErrorCode::BadData, "exposed"));
-  EXPECT_THAT(fit_color(std::vector<ColorPair>(30, ColorPair{{0.4, 0.4, 0.4}, {0.5, 0.5, 0.5}})), FailsWith(ErrorCode::BadData, "too much alike"));
+  EXPECT_THAT(fit_color(std::vector<ColorPair>(30, ColorPair{{1, 1, 1}, {0.5, 0.5, 0.5}})),
+              FailsWith(ErrorCode::BadData, "exposed"));
+  EXPECT_THAT(fit_color(std::vector<ColorPair>(30, ColorPair{{0.4, 0.4, 0.4}, {0.5, 0.5, 0.5}})),
+              FailsWith(ErrorCode::BadData, "too much alike"));
   const double nan = std::nan("");
-  EXPECT_THAT(fit_color(std::vector<ColorPair>(30, ColorPair{{nan, 0.4, 0.4}, {0.5, 0.5, 0.5}})), FailsWith(ErrorCode::BadData, "0 of 30"));
+  EXPECT_THAT(fit_color(std::vector<ColorPair>(30, ColorPair{{nan, 0.4, 0.4}, {0.5, 0.5, 0.5}})),
+              FailsWith(ErrorCode::BadData, "0 of 30"));
 }
 
 Image chart_picture(const OddCamera* camera) {
   Image image(720, 520, 3, 25);
   for (int i = 0; i < 24; ++i) {
-    const Eigen::Vector3d rgb = chart_colors()[static_cast<std::size_t>(i)], seen = camera ? camera->see(rgb) : rgb;
+    const Eigen::Vector3d rgb = chart_colors()[static_cast<std::size_t>(i)],
+                          seen = camera ? camera->see(rgb) : rgb;
     for (int y = 0; y < 80; ++y)
       for (int x = 0; x < 80; ++x)
         for (int c = 0; c < 3; ++c)
-          image.at(70 + i % 6 * 100 + x, 70 + i / 6 * 100 + y)[c] = static_cast<std::uint8_t>(std::lround(255 * seen[c]));
+          image.at(70 + i % 6 * 100 + x, 70 + i / 6 * 100 + y)[c] =
+              static_cast<std::uint8_t>(std::lround(255 * seen[c]));
   }
   return image;
 }
@@ -153,7 +163,8 @@ TEST(ColorChart, IsFoundAndReadInAPicture) {
 }
 
 TEST(ColorChart, OfTwoCamerasMakesThemAgree) {
-  const auto plain = find_color_chart(chart_picture(nullptr)), odd = find_color_chart(chart_picture(&kOdd[0]));
+  const auto plain = find_color_chart(chart_picture(nullptr)),
+             odd = find_color_chart(chart_picture(&kOdd[0]));
   ASSERT_THAT(plain, IsOk());
   ASSERT_THAT(odd, IsOk());
   std::vector<ColorPair> pairs;

@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <map>
+
+#include <gtest/gtest.h>
 
 #include "calib/detect.h"
 #include "capture/media_file.h"
@@ -18,20 +18,23 @@ std::vector<Image> pictures(const std::filesystem::path& file) {
   Result<std::unique_ptr<MediaReader>> reader = MediaReader::open(file);
   EXPECT_THAT(reader, IsOk());
   if (!reader) return all;
-  for (Result<Image> image = (*reader)->next(); image; image = (*reader)->next()) all.push_back(*std::move(image));
+  for (Result<Image> image = (*reader)->next(); image; image = (*reader)->next())
+    all.push_back(*std::move(image));
   return all;
 }
 
 std::vector<Detection> detect_images(const TargetDesign& design, const std::vector<Image>& images) {
   std::vector<PictureToDetect> wanted;
-  for (std::size_t i = 0; i < images.size(); ++i) wanted.push_back({text(i), "", [&images, i]() -> Result<Image> { return images[i]; }});
+  for (std::size_t i = 0; i < images.size(); ++i)
+    wanted.push_back({text(i), "", [&images, i]() -> Result<Image> { return images[i]; }});
   return detect_all(design, wanted);
 }
 
 TEST(CaliscopeSet, ShowsTheInvertedBoardInAtLeastAsManyPicturesAsOpenCvFinds) {
   const auto folder = real_data("caliscope-4cam") / "charuco_calibration/calibration/extrinsic";
   FLOATSTAGE_NEEDS_DATA(folder);
-  const TargetDesign design = target("charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000 inverted");
+  const TargetDesign design =
+      target("charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000 inverted");
   constexpr int kBaseline[] = {46, 29, 43, 45};
   for (int camera = 0; camera < 4; ++camera) {
     const std::vector<Image> images = pictures(folder / text("cam_", camera, ".mp4"));
@@ -49,9 +52,13 @@ TEST(CaliscopeSet, ToldTheWrongWayIsDiagnosed) {
   const auto folder = real_data("caliscope-4cam") / "charuco_calibration/calibration/extrinsic";
   FLOATSTAGE_NEEDS_DATA(folder);
   const std::vector<Image> images = pictures(folder / "cam_2.mp4");
-  for (const auto& [line, advice] : {std::pair{"charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000", "add the word 'inverted'"},
-                                     std::pair{"charuco columns=5 rows=4 square=54mm marker=40.5mm dictionary=4x4_1000 inverted", "other way round"},
-                                     std::pair{"charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=5x5_50 inverted", "dictionary=4x4"}})
+  for (const auto& [line, advice] :
+       {std::pair{"charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000",
+                  "add the word 'inverted'"},
+        std::pair{"charuco columns=5 rows=4 square=54mm marker=40.5mm dictionary=4x4_1000 inverted",
+                  "other way round"},
+        std::pair{"charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=5x5_50 inverted",
+                  "dictionary=4x4"}})
     EXPECT_THAT(summary(detect_images(target(line), images)), testing::HasSubstr(advice)) << line;
 }
 

@@ -1,8 +1,8 @@
 #include "calib/detect.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 #include "tests/calib/detections.h"
 #include "tests/support/board_picture.h"
@@ -17,11 +17,14 @@ using test::simple_camera;
 
 constexpr const char* kChessboard = "chessboard columns=8 rows=5 square=60mm";
 constexpr const char* kCharuco = "charuco columns=5 rows=7 square=50mm marker=37.5mm dictionary=4x4_100";
-constexpr const char* kInverted = "charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000 inverted";
+constexpr const char* kInverted =
+    "charuco columns=4 rows=5 square=54mm marker=40.5mm dictionary=4x4_1000 inverted";
 constexpr const char* kTags = "apriltags columns=4 rows=3 tag=66mm gap=19.8mm";
-constexpr const char* kTwoSided = "two-sided columns=5 rows=6 square=50mm marker=37mm dictionary=5x5_100 thickness=5mm";
+constexpr const char* kTwoSided =
+    "two-sided columns=5 rows=6 square=50mm marker=37mm dictionary=5x5_100 thickness=5mm";
 
-const CameraModel kCamera = simple_camera(1280, 720, 60, BrownConrady{.k1 = -0.2, .k2 = 0.05, .p1 = 0.001, .p2 = -0.0005});
+const CameraModel kCamera =
+    simple_camera(1280, 720, 60, BrownConrady{.k1 = -0.2, .k2 = 0.05, .p1 = 0.001, .p2 = -0.0005});
 
 struct Pose {
   double distance;
@@ -36,7 +39,8 @@ const Pose kPoses[] = {{0.9, {0, 0, 0}},
 
 class EveryBoard : public testing::TestWithParam<const char*> {};
 
-INSTANTIATE_TEST_SUITE_P(Detect, EveryBoard, testing::Values(kChessboard, kCharuco, kInverted, kTags, kTwoSided));
+INSTANTIATE_TEST_SUITE_P(Detect, EveryBoard,
+                         testing::Values(kChessboard, kCharuco, kInverted, kTags, kTwoSided));
 
 TEST_P(EveryBoard, IsFoundWhereItIsWithoutBias) {
   const TargetDesign design = target(GetParam());
@@ -46,7 +50,8 @@ TEST_P(EveryBoard, IsFoundWhereItIsWithoutBias) {
     const Rigid3 at = before_camera(design, pose.distance, pose.degrees, pose.shift);
     const Image picture = board_picture(design, kCamera, at, {.samples = 6, .blur = 0.7, .noise = 2});
     const Detection found = detect(design, picture);
-    EXPECT_EQ(found.failure, DetectionFailure::None) << GetParam() << " at " << pose.degrees.transpose() << ": " << found.reason;
+    EXPECT_EQ(found.failure, DetectionFailure::None)
+        << GetParam() << " at " << pose.degrees.transpose() << ": " << found.reason;
     add_errors(all, found, test::true_pixels(design, kCamera, at));
     seen += found.points.size();
     visible += points_in_view(design, kCamera, at, 12);
@@ -60,7 +65,8 @@ TEST_P(EveryBoard, IsFoundWhereItIsWithoutBias) {
 
 TEST_P(EveryBoard, IsFoundAgainInAPictureThatSearchingLeavesAsItWas) {
   const TargetDesign design = target(GetParam());
-  const Image picture = board_picture(design, kCamera, before_camera(design, 0.9, {20, 15, 5}), {.blur = 0.7, .noise = 2});
+  const Image picture =
+      board_picture(design, kCamera, before_camera(design, 0.9, {20, 15, 5}), {.blur = 0.7, .noise = 2});
   const Image before = picture;
   const Detection first = detect(design, picture);
   EXPECT_EQ(picture, before);
@@ -107,12 +113,18 @@ TEST(Detect, FindsTheBackOfATwoSidedBoardAtItsPlaceBehindTheFront) {
 }
 
 TEST(Detect, FindsABoardThroughAFisheye) {
-  CameraModel camera{.width = 1280, .height = 960, .fx = 420, .fy = 420, .cx = 640, .cy = 480,
+  CameraModel camera{.width = 1280,
+                     .height = 960,
+                     .fx = 420,
+                     .fy = 420,
+                     .cx = 640,
+                     .cy = 480,
                      .lens = KannalaBrandt{.k1 = 0.02, .k2 = -0.01, .k3 = 0.002, .k4 = 0}};
   for (const char* line : {kCharuco, kTags, kChessboard}) {
     const TargetDesign design = target(line);
     const Rigid3 at = before_camera(design, 0.45, {15, -20, 5}, {0.2, 0.05, 0});
-    const Detection found = detect(design, board_picture(design, camera, at, {.samples = 6, .blur = 0.6, .noise = 2}));
+    const Detection found =
+        detect(design, board_picture(design, camera, at, {.samples = 6, .blur = 0.6, .noise = 2}));
     EXPECT_EQ(found.failure, DetectionFailure::None) << line << ": " << found.reason;
     Errors errors;
     add_errors(errors, found, test::true_pixels(design, camera, at));
@@ -124,7 +136,8 @@ TEST(Detect, ReadsColourPicturesLikeGreyOnes) {
   const TargetDesign design = target(kCharuco);
   const Image grey = board_picture(design, kCamera, before_camera(design, 0.9, {20, 10, 0}));
   Image rgb(grey.width, grey.height, 3);
-  for (std::size_t i = 0; i < grey.pixels.size(); ++i) rgb.pixels[3 * i] = rgb.pixels[3 * i + 1] = rgb.pixels[3 * i + 2] = grey.pixels[i];
+  for (std::size_t i = 0; i < grey.pixels.size(); ++i)
+    rgb.pixels[3 * i] = rgb.pixels[3 * i + 1] = rgb.pixels[3 * i + 2] = grey.pixels[i];
   EXPECT_EQ(detect(design, rgb), detect(design, grey));
 }
 
@@ -140,7 +153,8 @@ TEST(Detect, FindsMoreThanHalfOfABoardThatIsCutOff) {
 TEST(Wand, BallsAreToldApartByTheirDistances) {
   const TargetDesign design = target("wand positions=0mm,150mm,450mm ball=25mm");
   for (int degrees = 0; degrees < 360; degrees += 30) {
-    const Rigid3 at = before_camera(design, 2.0, {0, degrees % 60 == 0 ? 30.0 : -20.0, static_cast<double>(degrees)});
+    const Rigid3 at =
+        before_camera(design, 2.0, {0, degrees % 60 == 0 ? 30.0 : -20.0, static_cast<double>(degrees)});
     const Detection found = detect(design, board_picture(design, kCamera, at, {.blur = 0.8, .noise = 2}));
     ASSERT_EQ(found.points.size(), 3u) << degrees << ": " << found.reason;
     Errors errors;

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "calib/board.h"
 #include "calib/detect.h"
@@ -29,7 +29,8 @@ struct Errors {
   double rms() const { return std::sqrt(squares / std::max<double>(1, static_cast<double>(count))); }
 };
 
-inline void add_errors(Errors& errors, const Detection& found, const std::vector<std::optional<Eigen::Vector2d>>& truth) {
+inline void add_errors(Errors& errors, const Detection& found,
+                       const std::vector<std::optional<Eigen::Vector2d>>& truth) {
   for (const SeenPoint& p : found.points) {
     const auto& at = truth.at(static_cast<std::size_t>(p.id));
     ASSERT_TRUE(at) << "point " << p.id << " is behind the camera";
@@ -42,13 +43,16 @@ inline void add_errors(Errors& errors, const Detection& found, const std::vector
 }
 
 /// Points that face the camera and lie at least `rim` px inside the picture.
-inline std::size_t points_in_view(const TargetDesign& design, const CameraModel& model, const Rigid3& cam_from_target, double rim) {
+inline std::size_t points_in_view(const TargetDesign& design, const CameraModel& model,
+                                  const Rigid3& cam_from_target, double rim) {
   std::size_t count = 0;
   for (const TargetPoint& p : make_target(design, "").points) {
     const Eigen::Vector3d at = cam_from_target * p.position;
     if (p.normal != Eigen::Vector3d::Zero() && (cam_from_target.rotation * p.normal).dot(at) >= 0) continue;
     const auto pixel = project(model, at);
-    if (pixel && pixel->x() >= rim && pixel->y() >= rim && pixel->x() <= model.width - rim && pixel->y() <= model.height - rim) ++count;
+    if (pixel && pixel->x() >= rim && pixel->y() >= rim && pixel->x() <= model.width - rim &&
+        pixel->y() <= model.height - rim)
+      ++count;
   }
   return count;
 }

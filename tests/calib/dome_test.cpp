@@ -46,17 +46,22 @@ TEST(Dome, ScalesTranslationsToMetres) {
 }
 
 TEST(Dome, RefusesAScaleThatIsNoLength) {
-  for (double scale : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+  for (double scale :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
     expect_error(parse_dome(kTwoCameras, scale, "c"), ErrorCode::InvalidArgument, {"metres per unit"});
 }
 
 TEST(Dome, RefusesEveryTruncation) { expect_truncations_refused(kTwoCameras, 2, parse); }
 
 TEST(Dome, SaysWhichLineAndCameraIsWrong) {
-  expect_error(parse(replaced(kTwoCameras, "-0.04", "nan")), ErrorCode::BadData, {"calibration.txt: line 5", "'00'", "nan"});
-  expect_error(parse(replaced(kTwoCameras, "\t10\n", "\n")), ErrorCode::BadData, {"line 15", "R|t", "'01'", "4 numbers"});
-  expect_error(parse(replaced(kTwoCameras, "0.0\t0.0\t1.0", "0.0\t0.1\t1.0")), ErrorCode::BadData, {"line 4", "K"});
-  expect_error(parse(replaced(kTwoCameras, "-1\t0\t0\t20", "1\t0\t0\t20")), ErrorCode::BadData, {"line 17", "mirror"});
+  expect_error(parse(replaced(kTwoCameras, "-0.04", "nan")), ErrorCode::BadData,
+               {"calibration.txt: line 5", "'00'", "nan"});
+  expect_error(parse(replaced(kTwoCameras, "\t10\n", "\n")), ErrorCode::BadData,
+               {"line 15", "R|t", "'01'", "4 numbers"});
+  expect_error(parse(replaced(kTwoCameras, "0.0\t0.0\t1.0", "0.0\t0.1\t1.0")), ErrorCode::BadData,
+               {"line 4", "K"});
+  expect_error(parse(replaced(kTwoCameras, "-1\t0\t0\t20", "1\t0\t0\t20")), ErrorCode::BadData,
+               {"line 17", "mirror"});
   expect_error(parse(replaced(kTwoCameras, "\n\n1\n", "\n\nx\n")), ErrorCode::BadData, {"line 10", "index"});
   expect_error(parse(replaced(kTwoCameras, "\n\n1\n", "\n\n0\n")), ErrorCode::BadData, {"two cameras", "00"});
 }

@@ -8,16 +8,19 @@ namespace {
 
 const std::string kIntri =
     "%YAML:1.0\n---\nnames:\n   - \"01\"\n   - right\n"
-    "K_01: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 3., 0., 0.5, 0., 4., 0.5, 0., 0., 1. ]\n"
+    "K_01: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 3., 0., 0.5, 0., 4., 0.5, 0., 0., "
+    "1. ]\n"
     "dist_01: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ 0.1, -0.2, 0.001, 0.002, 0.05 ]\n"
-    "K_right: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 800., 0., 320., 0., 800., 240., 0., 0.,\n       1. ]\n"
+    "K_right: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 800., 0., 320., 0., 800., 240., "
+    "0., 0.,\n       1. ]\n"
     "H_right: 480\nW_right: 640\n";
 const std::string kExtri =
     "%YAML:1.0\n---\nnames:\n   - \"01\"\n   - right\n"
     "R_01: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0., 0., 1.5707963267948966 ]\n"
     "T_01: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 1., 2., 3. ]\n"
     "R_right: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0., 0., 0. ]\n"
-    "Rot_right: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0., -1., 0., 1., 0., 0., 0., 0., 1. ]\n"
+    "Rot_right: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0., -1., 0., 1., 0., 0., 0., "
+    "0., 1. ]\n"
     "T_right: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0., 0., 2. ]\n";
 
 Result<ForeignRig> parse(std::string_view intri, std::string_view extri) {
@@ -57,14 +60,21 @@ TEST(EasyMocap, ReadsRotationVectorsAndPrefersTheMatrix) {
 }
 
 TEST(EasyMocap, NamesTheEntryThatIsMissingOrWrong) {
-  expect_error(parse(replaced(kIntri, "K_01", "X_01"), kExtri), ErrorCode::BadData, {"intri.yml", "K_01", "missing"});
-  expect_error(parse(kIntri, replaced(kExtri, "T_right", "X_right")), ErrorCode::BadData, {"extri.yml", "T_right", "missing"});
-  expect_error(parse(kIntri, replaced(kExtri, "R_01", "X_01")), ErrorCode::BadData, {"extri.yml", "R_01", "missing"});
+  expect_error(parse(replaced(kIntri, "K_01", "X_01"), kExtri), ErrorCode::BadData,
+               {"intri.yml", "K_01", "missing"});
+  expect_error(parse(kIntri, replaced(kExtri, "T_right", "X_right")), ErrorCode::BadData,
+               {"extri.yml", "T_right", "missing"});
+  expect_error(parse(kIntri, replaced(kExtri, "R_01", "X_01")), ErrorCode::BadData,
+               {"extri.yml", "R_01", "missing"});
   expect_error(parse(replaced(kIntri, "names", "nomes"), kExtri), ErrorCode::BadData, {"intri.yml", "names"});
-  expect_error(parse(replaced(kIntri, "rows: 3", "rows: 4"), kExtri), ErrorCode::BadData, {"line 6", "K_01", "rows times its cols"});
-  expect_error(parse(replaced(kIntri, "3., 0., 0.5", ".nan, 0., 0.5"), kExtri), ErrorCode::BadData, {"intri.yml: line 6", "K_01", "finite"});
-  expect_error(parse(kIntri, replaced(kExtri, "1., 2., 3.", "1., .inf, 3.")), ErrorCode::BadData, {"extri.yml: line 11", "T_01", "finite"});
-  expect_error(parse(kIntri, replaced(kExtri, "0., -1., 0., 1.", "0., 1., 0., 1.")), ErrorCode::BadData, {"Rot_right", "mirror"});
+  expect_error(parse(replaced(kIntri, "rows: 3", "rows: 4"), kExtri), ErrorCode::BadData,
+               {"line 6", "K_01", "rows times its cols"});
+  expect_error(parse(replaced(kIntri, "3., 0., 0.5", ".nan, 0., 0.5"), kExtri), ErrorCode::BadData,
+               {"intri.yml: line 6", "K_01", "finite"});
+  expect_error(parse(kIntri, replaced(kExtri, "1., 2., 3.", "1., .inf, 3.")), ErrorCode::BadData,
+               {"extri.yml: line 11", "T_01", "finite"});
+  expect_error(parse(kIntri, replaced(kExtri, "0., -1., 0., 1.", "0., 1., 0., 1.")), ErrorCode::BadData,
+               {"Rot_right", "mirror"});
 }
 
 TEST(EasyMocap, RefusesALensWithMoreTermsThanOurs) {
@@ -75,7 +85,8 @@ TEST(EasyMocap, RefusesALensWithMoreTermsThanOurs) {
 }
 
 TEST(EasyMocap, RefusesSizesThatTheDataDoesNotHave) {
-  expect_error(parse(replaced(kIntri, "rows: 1\n   cols: 5", "rows: 1\n   cols: 2000000000"), kExtri), ErrorCode::BadData, {"dist_01"});
+  expect_error(parse(replaced(kIntri, "rows: 1\n   cols: 5", "rows: 1\n   cols: 2000000000"), kExtri),
+               ErrorCode::BadData, {"dist_01"});
 }
 
 TEST(EasyMocap, RefusesWhatIsNotYaml) {
@@ -86,13 +97,16 @@ TEST(EasyMocap, RefusesWhatIsNotYaml) {
 }
 
 TEST(EasyMocap, RefusesLinesThatBelongToNothing) {
-  expect_error(parse(replaced(kIntri, "---\n", "---\n   stray: 1\n"), kExtri), ErrorCode::BadData, {"intri.yml: line 3"});
-  expect_error(parse(replaced(kIntri, "H_right", "- right\nH_right"), kExtri), ErrorCode::BadData, {"intri.yml: line 22"});
+  expect_error(parse(replaced(kIntri, "---\n", "---\n   stray: 1\n"), kExtri), ErrorCode::BadData,
+               {"intri.yml: line 3"});
+  expect_error(parse(replaced(kIntri, "H_right", "- right\nH_right"), kExtri), ErrorCode::BadData,
+               {"intri.yml: line 22"});
   expect_error(parse(kIntri + "H_right: 480\n", kExtri), ErrorCode::BadData, {"H_right", "second time"});
 }
 
 TEST(EasyMocap, ReadsNamesInBracketsAndComments) {
-  const Result<ForeignRig> rig = parse(replaced(kIntri, "names:\n   - \"01\"\n   - right\n", "# two\nnames: [ \"01\",\n   right ]\n"), kExtri);
+  const Result<ForeignRig> rig = parse(
+      replaced(kIntri, "names:\n   - \"01\"\n   - right\n", "# two\nnames: [ \"01\",\n   right ]\n"), kExtri);
   ASSERT_TRUE(rig.has_value()) << rig.error().message;
   EXPECT_THAT(rig->image_names, testing::ElementsAre("01", "right"));
 }
@@ -119,7 +133,8 @@ TEST(EasyMocap, ComesBackFromTheWriterUnchanged) {
 
 TEST(EasyMocap, WriterRefusesAFisheyeAndLeavesNoFile) {
   TempFolder folder;
-  expect_error(write_easymocap(sample_rig(KannalaBrandt{0.1, 0, 0, 0}), folder / "c"), ErrorCode::Unsupported, {"cam0", "fisheye"});
+  expect_error(write_easymocap(sample_rig(KannalaBrandt{0.1, 0, 0, 0}), folder / "c"), ErrorCode::Unsupported,
+               {"cam0", "fisheye"});
   EXPECT_THAT(folder.names(), testing::IsEmpty());
 }
 

@@ -8,9 +8,12 @@ namespace floatstage {
 Path in_front(const RigCamera& camera, double nearest, double farthest, double tilt_degrees) {
   const Rigid3 world_from_cam = camera.cam_from_world.inverse();
   return [=](double t) {
-    const double distance = nearest + (farthest - nearest) * (0.5 + 0.5 * std::sin(1.3 * t)), tilt = tilt_degrees * std::numbers::pi / 180;
-    const Eigen::Vector3d place(0.25 * distance * std::sin(1.1 * t), 0.2 * distance * std::sin(1.7 * t), distance);
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(tilt * std::sin(2.3 * t), Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(tilt * std::cos(2.9 * t), Eigen::Vector3d::UnitY()));
+    const double distance = nearest + (farthest - nearest) * (0.5 + 0.5 * std::sin(1.3 * t)),
+                 tilt = tilt_degrees * std::numbers::pi / 180;
+    const Eigen::Vector3d place(0.25 * distance * std::sin(1.1 * t), 0.2 * distance * std::sin(1.7 * t),
+                                distance);
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(tilt * std::sin(2.3 * t), Eigen::Vector3d::UnitX()) *
+                                  Eigen::AngleAxisd(tilt * std::cos(2.9 * t), Eigen::Vector3d::UnitY()));
     return world_from_cam * Rigid3{turn, place};
   };
 }

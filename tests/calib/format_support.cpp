@@ -10,7 +10,13 @@ Rig sample_rig(const Lens& lens, bool tiny) {
     RigCamera c;
     c.serial = text("cam", i);
     c.model = tiny ? CameraModel{.width = 2, .height = 2, .fx = 3, .fy = 3, .cx = 1, .cy = 1, .lens = lens}
-                   : CameraModel{.width = 640, .height = 480, .fx = 800.25 + i, .fy = 801.0 / 3 + i, .cx = 322.7, .cy = 231.1, .lens = lens};
+                   : CameraModel{.width = 640,
+                                 .height = 480,
+                                 .fx = 800.25 + i,
+                                 .fy = 801.0 / 3 + i,
+                                 .cx = 322.7,
+                                 .cy = 231.1,
+                                 .lens = lens};
     c.cam_from_world = look_at({2.5 - i, -1.5 + 2 * i, 1.2}, {0.1, 0, 0.9}, Eigen::Vector3d::UnitZ());
     rig.cameras.push_back(c);
   }
@@ -28,7 +34,8 @@ void expect_same(const Rig& a, const Rig& b, double tolerance) {
     }
     EXPECT_TRUE(x.model.k().isApprox(y.model.k(), tolerance)) << x.model.k() << "\n" << y.model.k();
     EXPECT_EQ(x.model.lens, y.model.lens) << x.serial;
-    EXPECT_LT((x.cam_from_world.matrix() - y.cam_from_world.matrix()).cwiseAbs().maxCoeff(), tolerance) << x.serial;
+    EXPECT_LT((x.cam_from_world.matrix() - y.cam_from_world.matrix()).cwiseAbs().maxCoeff(), tolerance)
+        << x.serial;
   }
 }
 

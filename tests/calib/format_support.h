@@ -1,11 +1,11 @@
 #pragma once
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <functional>
 #include <string>
 #include <string_view>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "calib/rig_formats.h"
 
@@ -25,8 +25,9 @@ inline std::string replaced(std::string text, std::string_view from, std::string
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-/// Calls `parse` on every prefix of `whole` that lacks at least two of its characters (less than that is a shorter last
-/// number): each must come back as an error or as a rig with fewer cameras, and must never crash.
+/// Calls `parse` on every prefix of `whole` that lacks at least two of its characters (less than that is a
+/// shorter last number): each must come back as an error or as a rig with fewer cameras, and must never
+/// crash.
 inline void expect_truncations_refused(std::string_view whole, std::size_t cameras,
                                        const std::function<Result<ForeignRig>(std::string_view)>& parse) {
   const std::size_t last = whole.find_last_not_of(" \r\n") + 1;
@@ -36,8 +37,8 @@ inline void expect_truncations_refused(std::string_view whole, std::size_t camer
   }
 }
 
-/// Three cameras around a stage, every one different; 2×2 pixels big with the principal point at the exact centre
-/// when `tiny`, else 640×480 and off centre.
+/// Three cameras around a stage, every one different; 2×2 pixels big with the principal point at the exact
+/// centre when `tiny`, else 640×480 and off centre.
 Rig sample_rig(const Lens& lens, bool tiny = false);
 
 /// Same serials, and everything else within `tolerance`; sizes only where `b` states them.

@@ -57,11 +57,13 @@ TEST(Kalibr, ChainsTransformsFromCameraToCamera) {
   const Result<ForeignRig> rig = parse(kTwoCameras);
   ASSERT_THAT(rig, IsOk());
   EXPECT_EQ(rig->rig.cameras[0].cam_from_world.translation, Eigen::Vector3d::Zero());
-  EXPECT_TRUE((rig->rig.cameras[1].cam_from_world * Eigen::Vector3d(1, 2, 3)).isApprox(Eigen::Vector3d(1.89, -0.75, 3.5)));
+  EXPECT_TRUE((rig->rig.cameras[1].cam_from_world * Eigen::Vector3d(1, 2, 3))
+                  .isApprox(Eigen::Vector3d(1.89, -0.75, 3.5)));
 }
 
 TEST(Kalibr, SurvivesARoundTripRelativeToItsFirstCamera) {
-  for (const Lens& lens : {Lens{}, Lens(BrownConrady{-0.1, 0.02, 0.001, 0.002, 0}), Lens(KannalaBrandt{0.1, -0.02, 0.003, 0.004})}) {
+  for (const Lens& lens : {Lens{}, Lens(BrownConrady{-0.1, 0.02, 0.001, 0.002, 0}),
+                           Lens(KannalaBrandt{0.1, -0.02, 0.003, 0.004})}) {
     const TempFolder folder;
     Rig rig = sample_rig(lens);
     ASSERT_THAT(write_kalibr(rig, folder / "camchain.yaml"), IsOk());
@@ -82,7 +84,8 @@ TEST(Kalibr, WritesTheHalfPixelBetweenTheOrigins) {
 TEST(Kalibr, RefusesToWriteWhatItCannotHold) {
   const TempFolder folder;
   const std::filesystem::path kept = folder.write("c.yaml", "kept");
-  expect_error(write_kalibr(sample_rig(BrownConrady{.k3 = 0.1}), kept), ErrorCode::Unsupported, {"cam0", "k3"});
+  expect_error(write_kalibr(sample_rig(BrownConrady{.k3 = 0.1}), kept), ErrorCode::Unsupported,
+               {"cam0", "k3"});
   Rig skewed = sample_rig({});
   skewed.cameras[1].model.skew = 1;
   expect_error(write_kalibr(skewed, kept), ErrorCode::Unsupported, {"cam1", "skew"});
@@ -93,13 +96,17 @@ TEST(Kalibr, SaysWhichLineAndCameraIsWrong) {
   expect_error(parse(""), ErrorCode::BadData, {"camchain.yaml", "no camera"});
   expect_error(parse("left:\n  a: 1\n"), ErrorCode::BadData, {"line 1", "'left'"});
   expect_error(parse("  a: 1\n"), ErrorCode::BadData, {"line 1", "before this"});
-  expect_error(parse(replaced(kTwoCameras, "[3, 4,", "[3, nan,")), ErrorCode::BadData, {"line 6", "cam0", "nan"});
+  expect_error(parse(replaced(kTwoCameras, "[3, 4,", "[3, nan,")), ErrorCode::BadData,
+               {"line 6", "cam0", "nan"});
   expect_error(parse(replaced(kTwoCameras, "[3, 4,", "[3,")), ErrorCode::BadData, {"line 6", "3 numbers"});
   expect_error(parse(replaced(kTwoCameras, "pinhole", "omni")), ErrorCode::Unsupported, {"line 3", "'omni'"});
   expect_error(parse(replaced(kTwoCameras, "radtan", "fov")), ErrorCode::Unsupported, {"line 5", "'fov'"});
-  expect_error(parse(replaced(kTwoCameras, "[0.0, 1.0, 0.0, -0.11]", "[0.0, -1.0, 0.0, -0.11]")), ErrorCode::BadData, {"line 10", "mirror"});
-  expect_error(parse(replaced(kTwoCameras, "[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 0.0, 2.0]")), ErrorCode::BadData, {"cam1", "0 0 0 1"});
-  expect_error(parse(replaced(kTwoCameras, "T_cn_cnm1", "T_other")), ErrorCode::BadData, {"line 9", "T_cn_cnm1 is missing"});
+  expect_error(parse(replaced(kTwoCameras, "[0.0, 1.0, 0.0, -0.11]", "[0.0, -1.0, 0.0, -0.11]")),
+               ErrorCode::BadData, {"line 10", "mirror"});
+  expect_error(parse(replaced(kTwoCameras, "[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 0.0, 2.0]")),
+               ErrorCode::BadData, {"cam1", "0 0 0 1"});
+  expect_error(parse(replaced(kTwoCameras, "T_cn_cnm1", "T_other")), ErrorCode::BadData,
+               {"line 9", "T_cn_cnm1 is missing"});
   expect_error(parse(replaced(kTwoCameras, "[640, 480]", "[0, 480]")), ErrorCode::BadData, {"resolution"});
   expect_error(parse(replaced(kTwoCameras, "/right/", "/cam0/")), ErrorCode::BadData, {"cam0"});
 }
@@ -123,12 +130,14 @@ TEST(QualisysWriter, SurvivesARoundTrip) {
 TEST(QualisysWriter, PutsTheCentreOfATwoByTwoImageHalfAPixelFromItsFirst) {
   const TempFolder folder;
   ASSERT_THAT(write_qualisys(sample_rig({}, true), folder / "a.qca.txt"), IsOk());
-  EXPECT_THAT(*read_file(folder / "a.qca.txt"), testing::HasSubstr("centerPointU=\"32\" centerPointV=\"32\""));
+  EXPECT_THAT(*read_file(folder / "a.qca.txt"),
+              testing::HasSubstr("centerPointU=\"32\" centerPointV=\"32\""));
 }
 
 TEST(QualisysWriter, RefusesAFisheye) {
   const TempFolder folder;
-  expect_error(write_qualisys(sample_rig(KannalaBrandt{0.1, 0, 0, 0}), folder / "a.qca.txt"), ErrorCode::Unsupported, {"cam0", "fisheye"});
+  expect_error(write_qualisys(sample_rig(KannalaBrandt{0.1, 0, 0, 0}), folder / "a.qca.txt"),
+               ErrorCode::Unsupported, {"cam0", "fisheye"});
   EXPECT_TRUE(folder.names().empty());
 }
 

@@ -1,12 +1,12 @@
 // Derivatives written by hand, against differences.
 
 #include "calib/solver/linearize.h"
-#include "calib/solver/timing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calib/solver/projection.h"
+#include "calib/solver/timing.h"
 #include "tests/calib/synthetic_capture.h"
 
 namespace floatstage::solver {
@@ -21,11 +21,13 @@ Intrinsics sample(LensKind lens) {
 }
 
 class EveryLens : public testing::TestWithParam<LensKind> {};
-INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens, testing::Values(LensKind::None, LensKind::BrownConrady, LensKind::KannalaBrandt));
+INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens,
+                         testing::Values(LensKind::None, LensKind::BrownConrady, LensKind::KannalaBrandt));
 
 TEST_P(EveryLens, ProjectsAsCoreDoes) {
   const CameraModel model = unpack(sample(GetParam()), GetParam(), 640, 480);
-  for (const Eigen::Vector3d& x : {Eigen::Vector3d(0.2, -0.1, 1), Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(-0.9, 0.6, 1.5)}) {
+  for (const Eigen::Vector3d& x :
+       {Eigen::Vector3d(0.2, -0.1, 1), Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(-0.9, 0.6, 1.5)}) {
     Projected p;
     ASSERT_TRUE(project(sample(GetParam()), GetParam(), x, p));
     EXPECT_LT((p.pixel - *floatstage::project(model, x)).norm(), 1e-10);
@@ -48,7 +50,8 @@ TEST_P(EveryLens, KnowsHowAPixelChanges) {
     Intrinsics moved = sample(GetParam());
     moved[k] += kStep;
     project(moved, GetParam(), x, there);
-    EXPECT_LT(((there.pixel - here.pixel) / kStep - here.by_intrinsics.col(k)).norm(), 1e-3) << "parameter " << k;
+    EXPECT_LT(((there.pixel - here.pixel) / kStep - here.by_intrinsics.col(k)).norm(), 1e-3)
+        << "parameter " << k;
   }
 }
 
@@ -76,7 +79,8 @@ Scene scene_of(bool markers) {
     b.placed = true;
   }
   for (SceneMarkers& m : scene.markers) {
-    for (std::size_t i = 0; i < m.positions.size(); ++i) m.positions[i] = {0.1 * static_cast<double>(i), 0.05 * m.frame, 1};
+    for (std::size_t i = 0; i < m.positions.size(); ++i)
+      m.positions[i] = {0.1 * static_cast<double>(i), 0.05 * m.frame, 1};
     m.placed = true;
   }
   estimate_motion(scene);
@@ -95,7 +99,9 @@ struct Case {
   bool free_motion = false;
 };
 class EveryView : public testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(Views, EveryView, testing::Values(Case{false, 0}, Case{false, 2}, Case{true, 0}, Case{true, 2}, Case{false, 2, true}));
+INSTANTIATE_TEST_SUITE_P(Views, EveryView,
+                         testing::Values(Case{false, 0}, Case{false, 2}, Case{true, 0}, Case{true, 2},
+                                         Case{false, 2, true}));
 
 TEST_P(EveryView, HasTheGradientOfItsSumOfSquares) {
   Scene scene = scene_of(GetParam().markers);
@@ -110,7 +116,8 @@ TEST_P(EveryView, HasTheGradientOfItsSumOfSquares) {
     LinearView linear;
     linearize(scene, view, loss, true, linear);
     ASSERT_TRUE(linear.valid);
-    EXPECT_NEAR(0.5 * linear.residual.squaredNorm(), half_squares(scene, view, loss), 1e-9 * linear.residual.squaredNorm());
+    EXPECT_NEAR(0.5 * linear.residual.squaredNorm(), half_squares(scene, view, loss),
+                1e-9 * linear.residual.squaredNorm());
     SceneCamera& camera = scene.cameras[static_cast<std::size_t>(view.camera)];
     const auto slope = [&](double& value, double step) {
       const double kept = value;
@@ -132,9 +139,11 @@ TEST_P(EveryView, HasTheGradientOfItsSumOfSquares) {
       return (up - down) / (2 * kStep);
     };
     const double scale = 1e-4 * (1 + linear.residual.norm() * linear.by_camera.norm());
-    const Eigen::VectorXd by_intrinsics = linear.by_intrinsics.transpose() * linear.residual, by_camera = linear.by_camera.transpose() * linear.residual,
+    const Eigen::VectorXd by_intrinsics = linear.by_intrinsics.transpose() * linear.residual,
+                          by_camera = linear.by_camera.transpose() * linear.residual,
                           by_object = linear.by_object.transpose() * linear.residual;
-    for (int k = 0; k < kIntrinsics; ++k) EXPECT_NEAR(by_intrinsics[k], slope(camera.intrinsics[k], 1e-6), scale) << "parameter " << k;
+    for (int k = 0; k < kIntrinsics; ++k)
+      EXPECT_NEAR(by_intrinsics[k], slope(camera.intrinsics[k], 1e-6), scale) << "parameter " << k;
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(by_camera[k], turn(camera.cam_from_world, k), scale);
       EXPECT_NEAR(by_camera[3 + k], slope(camera.cam_from_world.translation[k], 1e-6), scale);
@@ -194,9 +203,11 @@ TEST(Regroup, PutsALateViewToTheFrameThatItShows) {
   const std::vector<SceneView> before = scene.views;
   ASSERT_GT(regroup(scene), 0);
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const SceneBoard &old = scene.boards[static_cast<std::size_t>(before[i].board)], &now = scene.boards[static_cast<std::size_t>(scene.views[i].board)];
+    const SceneBoard &old = scene.boards[static_cast<std::size_t>(before[i].board)],
+                     &now = scene.boards[static_cast<std::size_t>(scene.views[i].board)];
     EXPECT_EQ(now.frame, before[i].camera == 1 && old.frame > 0 ? old.frame - 1 : old.frame);
-    EXPECT_NEAR(now.time + scene.views[i].lag, old.time + before[i].lag, 1e-12);  // it was taken when it was taken
+    EXPECT_NEAR(now.time + scene.views[i].lag, old.time + before[i].lag,
+                1e-12);  // it was taken when it was taken
   }
   EXPECT_EQ(regroup(scene), 0);
 }

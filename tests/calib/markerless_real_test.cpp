@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
+#include <algorithm>
 
 #include <Eigen/Geometry>
-#include <algorithm>
+#include <gtest/gtest.h>
 
 #include "calib/markerless.h"
 #include "calib/rig_formats.h"
@@ -36,7 +36,8 @@ Temple temple(const std::filesystem::path& folder, const char* par) {
   return set;
 }
 
-// The largest distance of a camera's centre from the truth after the best similarity, as a share of the rig's radius.
+// The largest distance of a camera's centre from the truth after the best similarity, as a share of the rig's
+// radius.
 double worst_center(const Rig& rig, const Rig& truth) {
   const Eigen::Index n = static_cast<Eigen::Index>(rig.cameras.size());
   Eigen::Matrix3Xd a(3, n), b(3, n);
@@ -45,10 +46,12 @@ double worst_center(const Rig& rig, const Rig& truth) {
     b.col(i) = truth.cameras[static_cast<std::size_t>(i)].cam_from_world.center();
   }
   const Eigen::Matrix4d similarity = Eigen::umeyama(a, b);
-  const Eigen::Matrix3Xd off = (similarity.topLeftCorner<3, 3>() * a).colwise() + Eigen::Vector3d(similarity.topRightCorner<3, 1>());
+  const Eigen::Matrix3Xd off =
+      (similarity.topLeftCorner<3, 3>() * a).colwise() + Eigen::Vector3d(similarity.topRightCorner<3, 1>());
   const double radius = (b.colwise() - focus_point(truth)).colwise().norm().mean();
   const Eigen::VectorXd errors = (off - b).colwise().norm();
-  std::printf("camera centres: rms %.3f %%, worst %.3f %% of the radius of %.3f m\n", 100 * std::sqrt(errors.squaredNorm() / static_cast<double>(n)) / radius,
+  std::printf("camera centres: rms %.3f %%, worst %.3f %% of the radius of %.3f m\n",
+              100 * std::sqrt(errors.squaredNorm() / static_cast<double>(n)) / radius,
               100 * errors.maxCoeff() / radius, radius);
   return errors.maxCoeff() / radius;
 }
@@ -61,7 +64,8 @@ TEST(MarkerlessTemple, RingIsPlacedToThreeThousandthsOfItsRadius) {
   const TempFolder work;
   const Result<MarkerlessResult> result = calibrate_markerless(set.pictures, work / "colmap");
   ASSERT_THAT(result, IsOk());
-  std::printf("%zu points, %.2f pictures a point, %.3f px\n", result->features.size(), result->mean_track, result->rms_px);
+  std::printf("%zu points, %.2f pictures a point, %.3f px\n", result->features.size(), result->mean_track,
+              result->rms_px);
   ASSERT_EQ(result->rig.cameras.size(), 19u);
   EXPECT_LE(worst_center(result->rig, set.truth), 0.003);
   // COLMAP draws anew, which must not show.
@@ -77,12 +81,16 @@ TEST(MarkerlessTemple, KnownPosesStayAndAMovedCameraIsNamed) {
   set.pictures.resize(9);
   const Result<MarkerlessResult> result = triangulate_markerless(set.pictures, set.truth);
   ASSERT_THAT(result, IsOk());
-  EXPECT_EQ(result->rig.cameras[7].cam_from_world.translation, set.truth.cameras[7].cam_from_world.translation);
+  EXPECT_EQ(result->rig.cameras[7].cam_from_world.translation,
+            set.truth.cameras[7].cam_from_world.translation);
   EXPECT_GE(result->features.size(), 1000u);
   for (const SceneFeature& f : result->features) EXPECT_GE(f.seen.size(), 3u);
   Rig moved = set.truth;
-  moved.cameras[7].cam_from_world = Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), {0, 0, 0}} * moved.cameras[7].cam_from_world;
-  EXPECT_THAT(triangulate_markerless(set.pictures, moved), FailsWith(ErrorCode::BadData, "camera '" + moved.cameras[7].serial + "' shows only"));
+  moved.cameras[7].cam_from_world =
+      Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), {0, 0, 0}} *
+      moved.cameras[7].cam_from_world;
+  EXPECT_THAT(triangulate_markerless(set.pictures, moved),
+              FailsWith(ErrorCode::BadData, "camera '" + moved.cameras[7].serial + "' shows only"));
 }
 
 TEST(MarkerlessTemple, SparseRingIsRefusedWithAReasonOrAsGood) {

@@ -1,8 +1,8 @@
 #include "calib/markerless.h"
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
+
+#include <gtest/gtest.h>
 
 #include "calib/child_program.h"
 #include "tests/support/board_picture.h"
@@ -35,29 +35,35 @@ TEST(Markerless, SaysThatColmapIsNotInstalled) {
 
 TEST(Markerless, PassesOnTheStepItsCodeAndTheEndOfItsLog) {
   const TempFolder folder;
-  const auto failing = program(folder, "echo step $1; if [ $1 = mapper ]; then echo no good initial pair; exit 1; fi");
+  const auto failing =
+      program(folder, "echo step $1; if [ $1 = mapper ]; then echo no good initial pair; exit 1; fi");
   EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", {.program = failing}),
               FailsWith(ErrorCode::BadData, "COLMAP's mapper ended with code 1: too little is seen"));
-  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work2", {.program = failing}), FailsWith(ErrorCode::BadData, "no good initial pair"));
-  EXPECT_EQ(end_of_log(fs::path(folder / "work" / "colmap.log"), 9), "step feature_importer;step matches_importer;step mapper;no good initial pair");
+  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work2", {.program = failing}),
+              FailsWith(ErrorCode::BadData, "no good initial pair"));
+  EXPECT_EQ(end_of_log(fs::path(folder / "work" / "colmap.log"), 9),
+            "step feature_importer;step matches_importer;step mapper;no good initial pair");
 }
 
 TEST(Markerless, SurvivesACrash) {
   const TempFolder folder;
-  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", {.program = program(folder, "kill -ABRT $$")}),
+  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work",
+                                   {.program = program(folder, "kill -ABRT $$")}),
               FailsWith(ErrorCode::BadData, "feature_importer was ended by signal 6"));
 }
 
 TEST(Markerless, EndsAProgramThatHangs) {
   const TempFolder folder;
-  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", {.program = program(folder, "sleep 600 & wait"), .timeout = 0.2}),
+  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work",
+                                   {.program = program(folder, "sleep 600 & wait"), .timeout = 0.2}),
               FailsWith(ErrorCode::Timeout, "took longer than 0.2 s"));
 }
 
 TEST(Markerless, RefusesAnEmptyModelFolder) {
   const TempFolder folder;
-  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", {.program = program(folder, "exit 0")}),
-              FailsWith(ErrorCode::BadData, "COLMAP found no model"));
+  EXPECT_THAT(
+      calibrate_markerless(two_pictures(folder), folder / "work", {.program = program(folder, "exit 0")}),
+      FailsWith(ErrorCode::BadData, "COLMAP found no model"));
 }
 
 TEST(Markerless, RunsWithoutADisplayOrAGraphicsCard) {
@@ -71,26 +77,38 @@ TEST(Markerless, RunsWithoutADisplayOrAGraphicsCard) {
 TEST(Markerless, ChecksWhatItIsGivenBeforeItTouchesAnything) {
   const TempFolder folder;
   auto pictures = two_pictures(folder);
-  EXPECT_THAT(calibrate_markerless({pictures[0]}, folder / "w", {}), FailsWith(ErrorCode::InvalidArgument, "two cameras"));
-  EXPECT_THAT(calibrate_markerless(pictures, folder.path(), {}), FailsWith(ErrorCode::AlreadyExists, "new folder"));
+  EXPECT_THAT(calibrate_markerless({pictures[0]}, folder / "w", {}),
+              FailsWith(ErrorCode::InvalidArgument, "two cameras"));
+  EXPECT_THAT(calibrate_markerless(pictures, folder.path(), {}),
+              FailsWith(ErrorCode::AlreadyExists, "new folder"));
   pictures[1].file = folder / "none.png";
   EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}), FailsWith(ErrorCode::NotFound, "none.png"));
   pictures[1].pixels = Image(64, 47, 1);
-  EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}), FailsWith(ErrorCode::InvalidArgument, "has 64x47 pixels"));
-  EXPECT_THAT(triangulate_markerless(pictures, {}), FailsWith(ErrorCode::InvalidArgument, "has 64x47 pixels"));
+  EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}),
+              FailsWith(ErrorCode::InvalidArgument, "has 64x47 pixels"));
+  EXPECT_THAT(triangulate_markerless(pictures, {}),
+              FailsWith(ErrorCode::InvalidArgument, "has 64x47 pixels"));
   pictures[1].serial = "a";
-  EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}), FailsWith(ErrorCode::InvalidArgument, "twice"));
+  EXPECT_THAT(calibrate_markerless(pictures, folder / "w", {}),
+              FailsWith(ErrorCode::InvalidArgument, "twice"));
   EXPECT_FALSE(fs::exists(folder / "w"));
 }
 
 TEST(ScaleTo, PutsTwoCamerasAtTheirDistance) {
   Rig rig;
   for (const double x : {0.0, 1.0, 4.0})
-    rig.cameras.push_back({.serial = text("c", x), .model = test::simple_camera(64, 48, 50), .cam_from_world = look_at({x, 0, 1}, {x, 2, 1}, {0, 0, 1}), .color = {}});
+    rig.cameras.push_back({.serial = text("c", x),
+                           .model = test::simple_camera(64, 48, 50),
+                           .cam_from_world = look_at({x, 0, 1}, {x, 2, 1}, {0, 0, 1}),
+                           .color = {}});
   const Result<Rig> scaled = scale_to(rig, "c0", "c4", 2);
   ASSERT_THAT(scaled, IsOk());
-  EXPECT_NEAR((scaled->cameras[0].cam_from_world.center() - scaled->cameras[2].cam_from_world.center()).norm(), 2, 1e-12);
-  EXPECT_NEAR((scaled->cameras[0].cam_from_world.center() - scaled->cameras[1].cam_from_world.center()).norm(), 0.5, 1e-12);
+  EXPECT_NEAR(
+      (scaled->cameras[0].cam_from_world.center() - scaled->cameras[2].cam_from_world.center()).norm(), 2,
+      1e-12);
+  EXPECT_NEAR(
+      (scaled->cameras[0].cam_from_world.center() - scaled->cameras[1].cam_from_world.center()).norm(), 0.5,
+      1e-12);
   EXPECT_THAT(scale_to(rig, "c0", "x", 2), FailsWith(ErrorCode::NotFound, "'x'"));
   EXPECT_THAT(scale_to(rig, "c0", "c0", 2), FailsWith(ErrorCode::InvalidArgument, "cannot be 2 m apart"));
   EXPECT_THAT(scale_to(rig, "c0", "c1", -1), FailsWith(ErrorCode::InvalidArgument, "-1 m"));

@@ -44,9 +44,12 @@ TEST(Middlebury, NamesCamerasAfterTheirImagesAndLeavesSizesUnstated) {
 TEST(Middlebury, RefusesEveryTruncation) { expect_truncations_refused(kTwoCameras, 2, parse); }
 
 TEST(Middlebury, SaysWhichLineAndCameraIsWrong) {
-  expect_error(parse(replaced(kTwoCameras, "0.2 0.3", "0.2 nan")), ErrorCode::BadData, {"x_par.txt: line 2", "a.png", "nan"});
-  expect_error(parse(replaced(kTwoCameras, "0 0 2\n", "0 0 inf\n")), ErrorCode::BadData, {"line 3", "b.png", "inf"});
-  expect_error(parse(replaced(kTwoCameras, "0.1 0.2", "0.1")), ErrorCode::BadData, {"line 2", "22 words", "21"});
+  expect_error(parse(replaced(kTwoCameras, "0.2 0.3", "0.2 nan")), ErrorCode::BadData,
+               {"x_par.txt: line 2", "a.png", "nan"});
+  expect_error(parse(replaced(kTwoCameras, "0 0 2\n", "0 0 inf\n")), ErrorCode::BadData,
+               {"line 3", "b.png", "inf"});
+  expect_error(parse(replaced(kTwoCameras, "0.1 0.2", "0.1")), ErrorCode::BadData,
+               {"line 2", "22 words", "21"});
   expect_error(parse(replaced(kTwoCameras, "b.png 3", "b.png -3")), ErrorCode::BadData, {"line 3", "focal"});
 }
 
@@ -58,12 +61,15 @@ TEST(Middlebury, RefusesACountThatTheFileDoesNotKeep) {
 }
 
 TEST(Middlebury, RefusesMirrorsAndScaledRotations) {
-  expect_error(parse(replaced(kTwoCameras, "0 1 0 -1 0 0", "0 1 0 1 0 0")), ErrorCode::BadData, {"line 2", "mirror"});
-  expect_error(parse(replaced(kTwoCameras, "0 1 0 -1 0 0", "0 1.01 0 -1 0 0")), ErrorCode::BadData, {"orthonormal"});
+  expect_error(parse(replaced(kTwoCameras, "0 1 0 -1 0 0", "0 1 0 1 0 0")), ErrorCode::BadData,
+               {"line 2", "mirror"});
+  expect_error(parse(replaced(kTwoCameras, "0 1 0 -1 0 0", "0 1.01 0 -1 0 0")), ErrorCode::BadData,
+               {"orthonormal"});
 }
 
 TEST(Middlebury, RefusesTwoCamerasOfOneName) {
-  expect_error(parse(replaced(kTwoCameras, "b.png", "a.png")), ErrorCode::BadData, {"x_par.txt", "two cameras", "a.png"});
+  expect_error(parse(replaced(kTwoCameras, "b.png", "a.png")), ErrorCode::BadData,
+               {"x_par.txt", "two cameras", "a.png"});
 }
 
 TEST(Middlebury, ComesBackFromTheWriterUnchanged) {

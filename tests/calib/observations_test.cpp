@@ -1,9 +1,9 @@
 #include "calib/observations.h"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include "core/file.h"
 #include "tests/calib/format_support.h"
@@ -23,7 +23,13 @@ Observations sample() {
   right.lens = LensKind::KannalaBrandt;
   right.intrinsics = Prior::Start;
   right.pose = Prior::Fixed;
-  right.model = {.width = 640, .height = 480, .fx = 500.1, .fy = 501, .cx = 320, .cy = 240, .lens = KannalaBrandt{0.1, 0.2, 0.3, 0.4}};
+  right.model = {.width = 640,
+                 .height = 480,
+                 .fx = 500.1,
+                 .fy = 501,
+                 .cx = 320,
+                 .cy = 240,
+                 .lens = KannalaBrandt{0.1, 0.2, 0.3, 0.4}};
   right.cam_from_world = {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {0.1, 0.2, 1.0 / 3}};
   o.cameras = {left, right};
   Target board;
@@ -116,39 +122,72 @@ TEST(Observations, CutOffAnywhereAreRefused) {
 }
 
 TEST(Observations, SayWhichCameraOrTargetIsWrong) {
-  EXPECT_THAT(check_after([](Observations& o) { o.cameras[0].serial = "a/b"; }), FailsWith(ErrorCode::BadData, "camera 'a/b'"));
-  EXPECT_THAT(check_after([](Observations& o) { o.cameras[0].serial = "right"; }), FailsWith(ErrorCode::BadData, "twice"));
-  EXPECT_THAT(check_after([](Observations& o) { o.cameras[0].width = 0; }), FailsWith(ErrorCode::BadData, "camera 'left'"));
-  EXPECT_THAT(check_after([](Observations& o) { o.cameras[1].width = 320; }), FailsWith(ErrorCode::BadData, "intrinsics are for"));
-  EXPECT_THAT(check_after([](Observations& o) { o.cameras[1].lens = LensKind::BrownConrady; }), FailsWith(ErrorCode::BadData, "another kind"));
-  EXPECT_THAT(check_after([](Observations& o) { o.cameras[1].cam_from_world.rotation.w() = 3; }), FailsWith(ErrorCode::BadData, "pose"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[0].points.clear(); }), FailsWith(ErrorCode::BadData, "'board' has no points"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[0].points[1].id = 0; }), FailsWith(ErrorCode::BadData, "twice"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[0].points[1].normal = {0, 0, 2}; }), FailsWith(ErrorCode::BadData, "point 1"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[0].grid->pitch = 0; }), FailsWith(ErrorCode::BadData, "grid"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].lengths[0].b = 8; }), FailsWith(ErrorCode::BadData, "7 and 8"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].lengths[0].sigma = 0; }), FailsWith(ErrorCode::BadData, "sigma"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].lengths.clear(); }), FailsWith(ErrorCode::BadData, "without lengths"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[2].positions_sigma = -1; }), FailsWith(ErrorCode::BadData, "'markers'"));
-  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].name = "board"; }), FailsWith(ErrorCode::BadData, "twice"));
+  EXPECT_THAT(check_after([](Observations& o) { o.cameras[0].serial = "a/b"; }),
+              FailsWith(ErrorCode::BadData, "camera 'a/b'"));
+  EXPECT_THAT(check_after([](Observations& o) { o.cameras[0].serial = "right"; }),
+              FailsWith(ErrorCode::BadData, "twice"));
+  EXPECT_THAT(check_after([](Observations& o) { o.cameras[0].width = 0; }),
+              FailsWith(ErrorCode::BadData, "camera 'left'"));
+  EXPECT_THAT(check_after([](Observations& o) { o.cameras[1].width = 320; }),
+              FailsWith(ErrorCode::BadData, "intrinsics are for"));
+  EXPECT_THAT(check_after([](Observations& o) { o.cameras[1].lens = LensKind::BrownConrady; }),
+              FailsWith(ErrorCode::BadData, "another kind"));
+  EXPECT_THAT(check_after([](Observations& o) { o.cameras[1].cam_from_world.rotation.w() = 3; }),
+              FailsWith(ErrorCode::BadData, "pose"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[0].points.clear(); }),
+              FailsWith(ErrorCode::BadData, "'board' has no points"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[0].points[1].id = 0; }),
+              FailsWith(ErrorCode::BadData, "twice"));
+  EXPECT_THAT(check_after([](Observations& o) {
+                o.targets[0].points[1].normal = {0, 0, 2};
+              }),
+              FailsWith(ErrorCode::BadData, "point 1"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[0].grid->pitch = 0; }),
+              FailsWith(ErrorCode::BadData, "grid"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].lengths[0].b = 8; }),
+              FailsWith(ErrorCode::BadData, "7 and 8"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].lengths[0].sigma = 0; }),
+              FailsWith(ErrorCode::BadData, "sigma"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].lengths.clear(); }),
+              FailsWith(ErrorCode::BadData, "without lengths"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[2].positions_sigma = -1; }),
+              FailsWith(ErrorCode::BadData, "'markers'"));
+  EXPECT_THAT(check_after([](Observations& o) { o.targets[1].name = "board"; }),
+              FailsWith(ErrorCode::BadData, "twice"));
 }
 
 TEST(Observations, SayWhichViewIsWrong) {
-  EXPECT_THAT(check_after([](Observations& o) { o.views[0].camera = 2; }), FailsWith(ErrorCode::BadData, "view 0"));
-  EXPECT_THAT(check_after([](Observations& o) { o.views[2].target = -1; }), FailsWith(ErrorCode::BadData, "view 2"));
-  EXPECT_THAT(check_after([](Observations& o) { o.views[1].camera = 0; }), FailsWith(ErrorCode::BadData, "frame 5"));
-  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[1].id = 6; }), FailsWith(ErrorCode::BadData, "no point 6"));
-  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[1].id = 0; }), FailsWith(ErrorCode::BadData, "seen twice"));
-  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[0].pixel.y() = kNan; }), FailsWith(ErrorCode::BadData, "camera 'left', frame 5"));
-  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[0].sigma = 0; }), FailsWith(ErrorCode::BadData, "sigma"));
-  EXPECT_THAT(check_after([](Observations& o) { o.gauge = FloorBoard{1, 5, 0}; }), FailsWith(ErrorCode::BadData, "floor"));
-  EXPECT_THAT(check_after([](Observations& o) { o.gauge = HandSet{2, {}}; }), FailsWith(ErrorCode::BadData, "camera 2"));
+  EXPECT_THAT(check_after([](Observations& o) { o.views[0].camera = 2; }),
+              FailsWith(ErrorCode::BadData, "view 0"));
+  EXPECT_THAT(check_after([](Observations& o) { o.views[2].target = -1; }),
+              FailsWith(ErrorCode::BadData, "view 2"));
+  EXPECT_THAT(check_after([](Observations& o) { o.views[1].camera = 0; }),
+              FailsWith(ErrorCode::BadData, "frame 5"));
+  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[1].id = 6; }),
+              FailsWith(ErrorCode::BadData, "no point 6"));
+  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[1].id = 0; }),
+              FailsWith(ErrorCode::BadData, "seen twice"));
+  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[0].pixel.y() = kNan; }),
+              FailsWith(ErrorCode::BadData, "camera 'left', frame 5"));
+  EXPECT_THAT(check_after([](Observations& o) { o.views[0].points[0].sigma = 0; }),
+              FailsWith(ErrorCode::BadData, "sigma"));
+  EXPECT_THAT(check_after([](Observations& o) {
+                o.gauge = FloorBoard{1, 5, 0};
+              }),
+              FailsWith(ErrorCode::BadData, "floor"));
+  EXPECT_THAT(check_after([](Observations& o) {
+                o.gauge = HandSet{2, {}};
+              }),
+              FailsWith(ErrorCode::BadData, "camera 2"));
 }
 
 TEST(Observations, RefuseWhatTheyDoNotKnow) {
   const std::string good = to_json(sample());
-  const auto parse = [&](std::string_view from, std::string_view to) { return parse_observations(replaced(good, from, to), "o.json"); };
-  EXPECT_THAT(parse("\"floatstage_observations\":1", "\"floatstage_observations\":2"), FailsWith(ErrorCode::Unsupported, "format 2"));
+  const auto parse = [&](std::string_view from, std::string_view to) {
+    return parse_observations(replaced(good, from, to), "o.json");
+  };
+  EXPECT_THAT(parse("\"floatstage_observations\":1", "\"floatstage_observations\":2"),
+              FailsWith(ErrorCode::Unsupported, "format 2"));
   EXPECT_THAT(parse("\"wand\",\"static\"", "\"wand\",\"statik\""), FailsWith(ErrorCode::BadData, "static"));
   EXPECT_THAT(parse("kannala-brandt", "fisheye"), FailsWith(ErrorCode::BadData, "'fisheye'"));
   EXPECT_THAT(parse("[7,9,0.5", "[7.5,9,0.5"), FailsWith(ErrorCode::BadData, "lengths"));

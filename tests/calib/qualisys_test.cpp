@@ -4,17 +4,20 @@
 namespace floatstage {
 namespace {
 
-// One camera 2 m up and 4 m along -y that looks along +y, level; its picture is a 2×2 part of the sensor that begins
-// at column 10 and row 20, with the principal point at its exact centre.
+// One camera 2 m up and 4 m along -y that looks along +y, level; its picture is a 2×2 part of the sensor that
+// begins at column 10 and row 20, with the principal point at its exact centre.
 const std::string kLevel =
     "<?xml version=\"1.0\"?>\n"
     "<calibration>\n"
     " <cameras>\n"
     "  <camera active=\"1\" serial=\"A1\">\n"
     "   <fov_video left=\"10\" top=\"20\" right=\"11\" bottom=\"21\"/>\n"
-    "   <transform x=\"0\" y=\"-4000\" z=\"2000\" r11=\"1\" r12=\"0\" r13=\"0\" r21=\"0\" r22=\"0\" r23=\"1\" r31=\"0\" r32=\"-1\" r33=\"0\"/>\n"
-    "   <intrinsic focalLengthU=\"192\" focalLengthV=\"256\" centerPointU=\"672\" centerPointV=\"1312\" skew=\"0\""
-    " radialDistortion1=\"-0.04\" radialDistortion2=\"0.1\" radialDistortion3=\"0.01\" tangentalDistortion1=\"0.001\" tangentalDistortion2=\"0.002\"/>\n"
+    "   <transform x=\"0\" y=\"-4000\" z=\"2000\" r11=\"1\" r12=\"0\" r13=\"0\" r21=\"0\" r22=\"0\" "
+    "r23=\"1\" r31=\"0\" r32=\"-1\" r33=\"0\"/>\n"
+    "   <intrinsic focalLengthU=\"192\" focalLengthV=\"256\" centerPointU=\"672\" centerPointV=\"1312\" "
+    "skew=\"0\""
+    " radialDistortion1=\"-0.04\" radialDistortion2=\"0.1\" radialDistortion3=\"0.01\" "
+    "tangentalDistortion1=\"0.001\" tangentalDistortion2=\"0.002\"/>\n"
     "  </camera>\n"
     " </cameras>\n"
     "</calibration>\n";
@@ -61,12 +64,17 @@ TEST(Qualisys, LeavesTheSizeOpenWithoutAFieldOfView) {
 }
 
 TEST(Qualisys, SaysWhichLineAndCameraIsWrong) {
-  expect_error(parse(replaced(kLevel, "x=\"0\"", "x=\"nan\"")), ErrorCode::BadData, {"Calib.qca.txt: line 6", "A1", "nan"});
-  expect_error(parse(replaced(kLevel, "focalLengthU", "focal")), ErrorCode::BadData, {"line 7", "focalLengthU", "missing"});
+  expect_error(parse(replaced(kLevel, "x=\"0\"", "x=\"nan\"")), ErrorCode::BadData,
+               {"Calib.qca.txt: line 6", "A1", "nan"});
+  expect_error(parse(replaced(kLevel, "focalLengthU", "focal")), ErrorCode::BadData,
+               {"line 7", "focalLengthU", "missing"});
   expect_error(parse(replaced(kLevel, "r11=\"1\"", "r11=\"-1\"")), ErrorCode::BadData, {"line 6", "mirror"});
-  expect_error(parse(replaced(kLevel, "r11=\"1\"", "r11=\"0.9\"")), ErrorCode::BadData, {"line 6", "orthonormal"});
-  expect_error(parse(replaced(kLevel, "<transform", "<other")), ErrorCode::BadData, {"line 4", "<transform> is missing"});
-  expect_error(parse(replaced(kLevel, "right=\"11\"", "right=\"9\"")), ErrorCode::BadData, {"line 5", "fov_video"});
+  expect_error(parse(replaced(kLevel, "r11=\"1\"", "r11=\"0.9\"")), ErrorCode::BadData,
+               {"line 6", "orthonormal"});
+  expect_error(parse(replaced(kLevel, "<transform", "<other")), ErrorCode::BadData,
+               {"line 4", "<transform> is missing"});
+  expect_error(parse(replaced(kLevel, "right=\"11\"", "right=\"9\"")), ErrorCode::BadData,
+               {"line 5", "fov_video"});
   expect_error(parse("<calibration/>"), ErrorCode::BadData, {"Calib.qca.txt", "no active"});
 }
 

@@ -1,7 +1,8 @@
-#include <Eigen/Geometry>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+
+#include <Eigen/Geometry>
 
 #include "tests/calib/format_support.h"
 #include "tests/support/real_data.h"
@@ -52,7 +53,8 @@ TEST(DomeReal, TwentyCamerasStandOnARingEighteenDegreesApart) {
       const Vector3d v = c.cam_from_world.center() - focus;
       return v - up * up.dot(v);
     };
-    const Vector3d here = on_floor(rig.cameras[i]), there = on_floor(rig.cameras[(i + 1) % rig.cameras.size()]);
+    const Vector3d here = on_floor(rig.cameras[i]),
+                   there = on_floor(rig.cameras[(i + 1) % rig.cameras.size()]);
     const double degrees = std::acos(here.normalized().dot(there.normalized())) * 180 / std::numbers::pi;
     EXPECT_NEAR(degrees, 18, 4) << "from camera " << i << " to the next";
     turned += degrees;
@@ -85,8 +87,8 @@ Vector3d triangulate(const Rig& rig, const std::vector<std::optional<Eigen::Vect
   return a.inverse() * b;
 }
 
-// White marks on the platform that the person walks on, read by eye (to about half a pixel) in the four photographs
-// of calibration/extrinsics, which show the same as the videos.
+// White marks on the platform that the person walks on, read by eye (to about half a pixel) in the four
+// photographs of calibration/extrinsics, which show the same as the videos.
 const std::vector<std::vector<std::optional<Eigen::Vector2d>>> kMarks{
     {{{110.1, 1061.4}}, {{442.6, 1041.9}}, {{873.7, 1234.8}}, {{836.8, 1410.8}}},
     {{{320.1, 1338.8}}, {{328.1, 1209.8}}, {{516.6, 1091.7}}, {{890.1, 1069.9}}},
@@ -100,7 +102,8 @@ double residual_of_marks(const Rig& rig) {
     const Vector3d mark = triangulate(rig, seen);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!seen[i]) continue;
-      const std::optional<Eigen::Vector2d> pixel = project(rig.cameras[i].model, rig.cameras[i].cam_from_world * mark);
+      const std::optional<Eigen::Vector2d> pixel =
+          project(rig.cameras[i].model, rig.cameras[i].cam_from_world * mark);
       sum += pixel ? (*pixel - *seen[i]).squaredNorm() : 1e6;
       ++count;
     }
@@ -143,7 +146,8 @@ TEST(QualisysReal, MarksDoNotMeetUnderAnyOtherReadingOfTheRotation) {
   FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   const Rig rig = balancing_rig();
   ASSERT_EQ(rig.cameras.size(), 4u);
-  for (const Eigen::Quaterniond& turn : {Eigen::Quaterniond(0, 1, 0, 0), Eigen::Quaterniond(0, 0, 1, 0), Eigen::Quaterniond(0, 0, 0, 1)}) {
+  for (const Eigen::Quaterniond& turn :
+       {Eigen::Quaterniond(0, 1, 0, 0), Eigen::Quaterniond(0, 0, 1, 0), Eigen::Quaterniond(0, 0, 0, 1)}) {
     Rig other = rig;
     for (RigCamera& c : other.cameras) {
       const Vector3d center = c.cam_from_world.center();

@@ -1,9 +1,9 @@
 #include "calib/scene_features.h"
 
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <numbers>
 
 #include "calib/calibrate.h"
 #include "tests/calib/synthetic_capture.h"
@@ -24,8 +24,11 @@ std::vector<SceneFeature> features_of(const Rig& truth, int count) {
     const int first = i % static_cast<int>(truth.cameras.size());
     for (int k = 0; k < 3; ++k) {
       const auto c = static_cast<std::size_t>((first + k) % static_cast<int>(truth.cameras.size()));
-      const std::optional<Eigen::Vector2d> p = project(truth.cameras[c].model, truth.cameras[c].cam_from_world * x);
-      if (p) f.seen.emplace_back(static_cast<int>(c), *p + 0.3 * Eigen::Vector2d(random.normal(), random.normal()));
+      const std::optional<Eigen::Vector2d> p =
+          project(truth.cameras[c].model, truth.cameras[c].cam_from_world * x);
+      if (p)
+        f.seen.emplace_back(static_cast<int>(c),
+                            *p + 0.3 * Eigen::Vector2d(random.normal(), random.normal()));
     }
     features.push_back(std::move(f));
   }
@@ -35,11 +38,14 @@ std::vector<SceneFeature> features_of(const Rig& truth, int count) {
 // The rig in another world and unit, each camera a little off: what COLMAP might give.
 Rig elsewhere(const Rig& truth, double scale, double off_degrees) {
   Rig rig = truth;
-  const Rigid3 motion{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized())), {3, -1, 2}};
+  const Rigid3 motion{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized())),
+                      {3, -1, 2}};
   Random random(9);
   for (RigCamera& c : rig.cameras) {
     const Eigen::Vector3d axis(random.normal(), random.normal(), random.normal());
-    c.cam_from_world = Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(off_degrees / kDegrees, axis.normalized())), {0, 0, 0}} * c.cam_from_world * motion;
+    c.cam_from_world =
+        Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(off_degrees / kDegrees, axis.normalized())), {0, 0, 0}} *
+        c.cam_from_world * motion;
     c.cam_from_world.translation *= scale;
   }
   return rig;
@@ -48,8 +54,14 @@ Rig elsewhere(const Rig& truth, double scale, double off_degrees) {
 Observations observe(const Rig& truth) {
   Observations o;
   for (const RigCamera& c : truth.cameras)
-    o.cameras.push_back({.serial = c.serial, .width = c.model.width, .height = c.model.height, .lens = static_cast<LensKind>(c.model.lens.index()), .intrinsics = Prior::Fixed,
-                         .pose = Prior::Unknown, .model = c.model, .cam_from_world = {}});
+    o.cameras.push_back({.serial = c.serial,
+                         .width = c.model.width,
+                         .height = c.model.height,
+                         .lens = static_cast<LensKind>(c.model.lens.index()),
+                         .intrinsics = Prior::Fixed,
+                         .pose = Prior::Unknown,
+                         .model = c.model,
+                         .cam_from_world = {}});
   return o;
 }
 
@@ -59,7 +71,9 @@ std::vector<int> one_to_one(const Rig& rig) {
   return all;
 }
 
-double distance(const Rig& rig, std::size_t a, std::size_t b) { return (rig.cameras[a].cam_from_world.center() - rig.cameras[b].cam_from_world.center()).norm(); }
+double distance(const Rig& rig, std::size_t a, std::size_t b) {
+  return (rig.cameras[a].cam_from_world.center() - rig.cameras[b].cam_from_world.center()).norm();
+}
 
 TEST(SceneFeatures, PlaceARigWhoseScaleIsOneKnownDistance) {
   const Rig truth = ring_rig(8);
@@ -132,20 +146,25 @@ TEST(SceneFeatures, OfYesterdaysRigNameTheCameraThatMoved) {
       EXPECT_LT(*solved->cameras[c].moved_mm, 3) << solved->cameras[c].serial;
     }
   }
-  EXPECT_THAT(solved->remarks, testing::Contains(testing::HasSubstr("camera '" + today.cameras[3].serial + "' has moved")));
+  EXPECT_THAT(solved->remarks,
+              testing::Contains(testing::HasSubstr("camera '" + today.cameras[3].serial + "' has moved")));
 }
 
 TEST(AddFeatures, TakesThoseThatMostCamerasSee) {
   const Rig truth = ring_rig(4);
   Observations o = observe(truth);
-  const std::vector<SceneFeature> features = {{{0, 0, 0}, {{0, {1, 1}}, {1, {2, 2}}}}, {{0, 0, 0}, {{2, {9, 9}}}}, {{0, 0, 1}, {{0, {3, 3}}, {1, {4, 4}}, {3, {5, 5}}}}};
+  const std::vector<SceneFeature> features = {{{0, 0, 0}, {{0, {1, 1}}, {1, {2, 2}}}},
+                                              {{0, 0, 0}, {{2, {9, 9}}}},
+                                              {{0, 0, 1}, {{0, {3, 3}}, {1, {4, 4}}, {3, {5, 5}}}}};
   add_features(o, features, one_to_one(truth), 1);
   ASSERT_EQ(o.views.size(), 3u);
   EXPECT_EQ(o.views[2].camera, 3);
   EXPECT_EQ(o.views[2].points[0].pixel, Eigen::Vector2d(5, 5));
 }
 
-TEST(MetresPerUnit, AreUnknownWithoutATargetInTwoCameras) { EXPECT_FALSE(metres_per_unit(observe(ring_rig(4)), ring_rig(4))); }
+TEST(MetresPerUnit, AreUnknownWithoutATargetInTwoCameras) {
+  EXPECT_FALSE(metres_per_unit(observe(ring_rig(4)), ring_rig(4)));
+}
 
 TEST(OntoKnown, BringsARigBackWhateverOneCameraDid) {
   const Rig known = ring_rig(8);
@@ -154,7 +173,8 @@ TEST(OntoKnown, BringsARigBackWhateverOneCameraDid) {
   const std::optional<Rig> back = onto_known(rig, known);
   ASSERT_TRUE(back);
   for (std::size_t c = 0; c < 8; ++c) {
-    const double off = (back->cameras[c].cam_from_world.center() - known.cameras[c].cam_from_world.center()).norm();
+    const double off =
+        (back->cameras[c].cam_from_world.center() - known.cameras[c].cam_from_world.center()).norm();
     if (c == 2) {
       EXPECT_NEAR(off, 5 * std::hypot(0.1, 0.2), 1e-6);
     } else {
@@ -172,7 +192,8 @@ TEST(Agreement, IsAShareOfTheRadiusAndNamesTheWorst) {
   const RigAgreement exact = *agreement(rig, known);
   EXPECT_LT(exact.worst_percent, 1e-9);
   EXPECT_NEAR(exact.scale, 2, 1e-9);
-  rig.cameras[5].cam_from_world.translation.x() += 0.5 * 0.03;  // 30 mm at 3 m: 1 %, a part of which the similarity takes up
+  rig.cameras[5].cam_from_world.translation.x() +=
+      0.5 * 0.03;  // 30 mm at 3 m: 1 %, a part of which the similarity takes up
   const RigAgreement off = *agreement(rig, known);
   EXPECT_EQ(off.worst, known.cameras[5].serial);
   EXPECT_GT(off.worst_percent, 0.5);

@@ -1,8 +1,8 @@
 #include "calib/scene_keypoints.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 namespace floatstage {
 namespace {
@@ -13,7 +13,9 @@ Image spots(const std::vector<Eigen::Vector2d>& places, double radius) {
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
       double value = 60;
-      for (const Eigen::Vector2d& p : places) value += 150 * std::exp(-(p - Eigen::Vector2d(x + 0.5, y + 0.5)).squaredNorm() / (2 * radius * radius));
+      for (const Eigen::Vector2d& p : places)
+        value +=
+            150 * std::exp(-(p - Eigen::Vector2d(x + 0.5, y + 0.5)).squaredNorm() / (2 * radius * radius));
       *picture.at(x, y) = static_cast<std::uint8_t>(std::lround(std::min(value, 255.0)));
     }
   return picture;
@@ -21,11 +23,13 @@ Image spots(const std::vector<Eigen::Vector2d>& places, double radius) {
 
 TEST(SceneKeypoints, LieWhereTheSpotIsFromThePicturesCorner) {
   for (const double radius : {2.0, 4.0})
-    for (const Eigen::Vector2d& place : {Eigen::Vector2d(80, 60), Eigen::Vector2d(60.3, 70.8), Eigen::Vector2d(90.5, 50.5)}) {
+    for (const Eigen::Vector2d& place :
+         {Eigen::Vector2d(80, 60), Eigen::Vector2d(60.3, 70.8), Eigen::Vector2d(90.5, 50.5)}) {
       const SceneKeypoints found = find_keypoints(spots({place}, radius));
       ASSERT_FALSE(found.keypoints.empty());
       double nearest = 1e9;
-      for (const SceneKeypoints::Keypoint& k : found.keypoints) nearest = std::min(nearest, (k.pixel - place).norm());
+      for (const SceneKeypoints::Keypoint& k : found.keypoints)
+        nearest = std::min(nearest, (k.pixel - place).norm());
       EXPECT_LT(nearest, 0.06) << place.transpose() << " radius " << radius;
     }
 }
@@ -47,7 +51,9 @@ TEST(SceneKeypoints, AreTheSameAgainAndOnesDescriptorIsLong) {
   }
 }
 
-TEST(SceneKeypoints, OfAnEmptyPictureAreNone) { EXPECT_TRUE(find_keypoints(Image(64, 48, 3, 128)).keypoints.empty()); }
+TEST(SceneKeypoints, OfAnEmptyPictureAreNone) {
+  EXPECT_TRUE(find_keypoints(Image(64, 48, 3, 128)).keypoints.empty());
+}
 
 }  // namespace
 }  // namespace floatstage

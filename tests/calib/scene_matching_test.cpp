@@ -1,9 +1,9 @@
 #include "calib/scene_matching.h"
 
-#include <gtest/gtest.h>
+#include <cmath>
 
 #include <Eigen/Geometry>
-#include <cmath>
+#include <gtest/gtest.h>
 
 #include "core/random.h"
 #include "tests/calib/synthetic_capture.h"
@@ -21,7 +21,8 @@ SceneKeypoints::Descriptor some_descriptor(Random& random) {
     squares += x * x;
   }
   SceneKeypoints::Descriptor out{};
-  for (std::size_t i = 0; i < v.size(); ++i) out[i] = static_cast<std::int16_t>(std::min(255L, std::lround(512 * v[i] / std::sqrt(squares))));
+  for (std::size_t i = 0; i < v.size(); ++i)
+    out[i] = static_cast<std::int16_t>(std::min(255L, std::lround(512 * v[i] / std::sqrt(squares))));
   return out;
 }
 
@@ -29,10 +30,12 @@ SceneKeypoints::Descriptor some_descriptor(Random& random) {
 std::vector<SceneKeypoints> sights(const Rig& rig, Random& random) {
   std::vector<SceneKeypoints> pictures(rig.cameras.size());
   for (int p = 0; p < kPoints; ++p) {
-    const Eigen::Vector3d place(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.5, 1.5));
+    const Eigen::Vector3d place(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5),
+                                random.uniform(0.5, 1.5));
     const SceneKeypoints::Descriptor looks = some_descriptor(random);
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-      pictures[c].keypoints.push_back({*project(rig.cameras[c].model, rig.cameras[c].cam_from_world * place), 2, 0});
+      pictures[c].keypoints.push_back(
+          {*project(rig.cameras[c].model, rig.cameras[c].cam_from_world * place), 2, 0});
       pictures[c].descriptors.push_back(looks);
     }
   }
@@ -57,9 +60,11 @@ TEST(SceneMatching, TakesNothingThatLooksLikeTwoThings) {
   const Rig rig = ring_rig(3);
   std::vector<SceneKeypoints> pictures = sights(rig, random);
   for (SceneKeypoints& picture : pictures) picture.descriptors[1] = picture.descriptors[0];
-  for (const SceneMatches& pair : match_pictures(pictures, 1)) EXPECT_EQ(pair.matches.size(), static_cast<std::size_t>(kPoints - 2));
+  for (const SceneMatches& pair : match_pictures(pictures, 1))
+    EXPECT_EQ(pair.matches.size(), static_cast<std::size_t>(kPoints - 2));
   // Where cameras are says which of the two it is.
-  for (const SceneMatches& pair : match_along_lines(pictures, rig, 0.5, 1)) EXPECT_GE(pair.matches.size(), static_cast<std::size_t>(kPoints - 1));
+  for (const SceneMatches& pair : match_along_lines(pictures, rig, 0.5, 1))
+    EXPECT_GE(pair.matches.size(), static_cast<std::size_t>(kPoints - 1));
 }
 
 TEST(SceneMatching, AlongLinesIsTheSameAtAnyThreadCountAndNamesNothingOffItsLine) {
@@ -67,7 +72,8 @@ TEST(SceneMatching, AlongLinesIsTheSameAtAnyThreadCountAndNamesNothingOffItsLine
   const Rig rig = ring_rig(5);
   std::vector<SceneKeypoints> pictures = sights(rig, random);
   pictures[2].keypoints[7].pixel += Eigen::Vector2d(30, 40);  // on one line it may stay, not on all
-  const std::vector<SceneMatches> one = match_along_lines(pictures, rig, 2, 1), many = match_along_lines(pictures, rig, 2, 4);
+  const std::vector<SceneMatches> one = match_along_lines(pictures, rig, 2, 1),
+                                  many = match_along_lines(pictures, rig, 2, 4);
   ASSERT_EQ(one.size(), many.size());
   int of_seven = 0;
   for (std::size_t p = 0; p < one.size(); ++p) {

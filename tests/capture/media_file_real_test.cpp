@@ -16,9 +16,7 @@ namespace {
 
 class RealMedia : public testing::Test {
  protected:
-  void SetUp() override {
-    FLOATSTAGE_NEEDS_DATA(data_);
-  }
+  void SetUp() override { FLOATSTAGE_NEEDS_DATA(data_); }
   const std::filesystem::path data_ = real_data("");
 };
 

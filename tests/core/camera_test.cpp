@@ -5,7 +5,9 @@
 namespace floatstage {
 namespace {
 
-CameraModel model_with(Lens lens) { return {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 321, .cy = 239, .skew = 0.7, .lens = lens}; }
+CameraModel model_with(Lens lens) {
+  return {.width = 640, .height = 480, .fx = 500, .fy = 510, .cx = 321, .cy = 239, .skew = 0.7, .lens = lens};
+}
 
 class EveryLens : public testing::TestWithParam<Lens> {};
 
@@ -23,7 +25,8 @@ TEST_P(EveryLens, UnprojectsWhatItProjects) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens,
-                         testing::Values(Lens{}, Lens{BrownConrady{-0.1, 0.03, 1e-3, -2e-3, 0.001}}, Lens{BrownConrady{0.1, -0.03, 0, 0, 0}},
+                         testing::Values(Lens{}, Lens{BrownConrady{-0.1, 0.03, 1e-3, -2e-3, 0.001}},
+                                         Lens{BrownConrady{0.1, -0.03, 0, 0, 0}},
                                          Lens{KannalaBrandt{0.02, -0.005, 0.001, 0}}));
 
 TEST(Project, SeesNothingBehindTheCamera) {

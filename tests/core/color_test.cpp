@@ -1,8 +1,8 @@
 #include "core/color.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+
+#include <gtest/gtest.h>
 
 namespace floatstage {
 namespace {
@@ -26,7 +26,8 @@ TEST(ColorTransform, RaisesMixesAndRaisesBack) {
   t.matrix = Eigen::Vector3d(0.5, 1, 2).asDiagonal();
   t.decode.setConstant(2);
   t.encode = 2;
-  EXPECT_TRUE(apply(t, {0.4, 0.4, 0.9}).isApprox(Eigen::Vector3d(0.4 * std::sqrt(0.5), 0.4, 1), 1e-12)) << "clamped at 1";
+  EXPECT_TRUE(apply(t, {0.4, 0.4, 0.9}).isApprox(Eigen::Vector3d(0.4 * std::sqrt(0.5), 0.4, 1), 1e-12))
+      << "clamped at 1";
 }
 
 TEST(ColorTable, AgreesWithTheFormulaToOneLevel) {
@@ -35,7 +36,8 @@ TEST(ColorTable, AgreesWithTheFormulaToOneLevel) {
     for (int r = 0; r < 256; r += 15) {
       for (int g = 0; g < 256; g += 15) {
         for (int b = 0; b < 256; b += 15) {
-          std::uint8_t rgb[3] = {static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b)};
+          std::uint8_t rgb[3] = {static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g),
+                                 static_cast<std::uint8_t>(b)};
           const Eigen::Vector3d exact = 255 * apply(t, Eigen::Vector3d(r, g, b) / 255);
           table.apply(rgb, rgb);
           for (int i = 0; i < 3; ++i) ASSERT_NEAR(rgb[i], exact[i], 1.01) << r << ' ' << g << ' ' << b;

@@ -1,11 +1,11 @@
 #include "core/file.h"
 
+#include <csignal>
+#include <cstdlib>
+
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#include <csignal>
-#include <cstdlib>
 
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -32,7 +32,9 @@ TEST(File, ReplacesAnOlderOneWhole) {
   EXPECT_THAT(read_file(folder / "a.txt"), IsOkAnd(Eq("new")));
 }
 
-TEST(File, ThatIsNotThereIsNotFound) { EXPECT_THAT(read_file("/nowhere/a"), FailsWith(ErrorCode::NotFound, "/nowhere/a")); }
+TEST(File, ThatIsNotThereIsNotFound) {
+  EXPECT_THAT(read_file("/nowhere/a"), FailsWith(ErrorCode::NotFound, "/nowhere/a"));
+}
 
 TEST(File, ThatIsAFolderIsAnIoError) {
   const TempFolder folder;

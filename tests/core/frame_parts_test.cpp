@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <cstring>
+
+#include <gtest/gtest.h>
 
 #include "core/frame.h"
 #include "core/random.h"
@@ -9,8 +9,8 @@
 namespace floatstage {
 namespace {
 
-constexpr PixelFormat kFormats[] = {PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Nv12,
-                                    PixelFormat::BayerRggb8};
+constexpr PixelFormat kFormats[] = {PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Yuyv,
+                                    PixelFormat::Nv12, PixelFormat::BayerRggb8};
 
 /// Random bytes in rows with some padding, as drivers deliver them.
 Frame noise(PixelFormat format, int width, int height, std::uint64_t seed = 7) {
@@ -20,7 +20,8 @@ Frame noise(PixelFormat format, int width, int height, std::uint64_t seed = 7) {
   layout.size_bytes = tight.size_bytes / tight.stride * layout.stride;
   auto bytes = std::make_shared<std::byte[]>(layout.size_bytes);
   Random random(seed);
-  for (std::size_t i = 0; i < layout.size_bytes; ++i) bytes[i] = static_cast<std::byte>(static_cast<int>(random.uniform(16, 235)));
+  for (std::size_t i = 0; i < layout.size_bytes; ++i)
+    bytes[i] = static_cast<std::byte>(static_cast<int>(random.uniform(16, 235)));
   FrameInfo info;
   info.camera = 3;
   return {info, layout, std::move(bytes)};
@@ -30,7 +31,8 @@ Frame noise(PixelFormat format, int width, int height, std::uint64_t seed = 7) {
 int block_mean(const Image& whole, int x, int y, int factor, int channel) {
   int sum = 0, count = 0;
   for (int v = y * factor; v < std::min((y + 1) * factor, whole.height); ++v)
-    for (int u = x * factor; u < std::min((x + 1) * factor, whole.width); ++u, ++count) sum += whole.at(u, v)[channel];
+    for (int u = x * factor; u < std::min((x + 1) * factor, whole.width); ++u, ++count)
+      sum += whole.at(u, v)[channel];
   return (sum + count / 2) / count;
 }
 
@@ -44,7 +46,8 @@ TEST(Shrink, IsTheMeanOfEveryBlockOfAnRgbPictureItsBordersToo) {
     ASSERT_EQ(small->height, (14 + factor - 1) / factor);
     for (int y = 0; y < small->height; ++y)
       for (int x = 0; x < small->width; ++x)
-        for (int c = 0; c < 3; ++c) EXPECT_EQ(small->at(x, y)[c], block_mean(whole, x, y, factor, c)) << x << "," << y;
+        for (int c = 0; c < 3; ++c)
+          EXPECT_EQ(small->at(x, y)[c], block_mean(whole, x, y, factor, c)) << x << "," << y;
   }
 }
 
@@ -60,12 +63,14 @@ TEST(Shrink, AgreesWithTheMeanOfTheColoursInEveryFormat) {
   for (const PixelFormat format : {PixelFormat::Yuyv, PixelFormat::Nv12, PixelFormat::BayerRggb8}) {
     Frame frame = noise(format, 16, 8);
     auto flat = std::make_shared<std::byte[]>(frame.layout.size_bytes);
-    for (std::size_t i = 0; i < frame.layout.size_bytes; ++i) flat[i] = static_cast<std::byte>(i % 2 ? 140 : 120);
+    for (std::size_t i = 0; i < frame.layout.size_bytes; ++i)
+      flat[i] = static_cast<std::byte>(i % 2 ? 140 : 120);
     frame.pixels = flat;
     const Image whole = *to_rgb(frame);
     const Result<Image> small = shrink(frame, 4);
     ASSERT_THAT(small, IsOk());
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(small->at(1, 1)[c], block_mean(whole, 1, 1, 4, c), 3) << name_of(format);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(small->at(1, 1)[c], block_mean(whole, 1, 1, 4, c), 3) << name_of(format);
   }
 }
 
@@ -73,7 +78,8 @@ TEST(Shrink, TakesEachBayerColourWhereItWasMeasured) {
   Frame frame = noise(PixelFormat::BayerRggb8, 4, 2);
   auto bytes = std::make_shared<std::byte[]>(frame.layout.size_bytes);
   const auto set = [&](int x, int y, int v) {
-    bytes[static_cast<std::size_t>(y) * frame.layout.stride + static_cast<std::size_t>(x)] = static_cast<std::byte>(v);
+    bytes[static_cast<std::size_t>(y) * frame.layout.stride + static_cast<std::size_t>(x)] =
+        static_cast<std::byte>(v);
   };
   set(0, 0, 200), set(1, 0, 90), set(0, 1, 110), set(1, 1, 30);
   frame.pixels = bytes;
@@ -110,7 +116,8 @@ TEST(Crop, HoldsThePixelsOfThePictureInEveryFormat) {
     const int rim = format == PixelFormat::BayerRggb8 ? 1 : 0;  // demosaicing mirrors at the part's border
     for (int y = rim; y < box.height - rim; ++y)
       for (int x = rim; x < box.width - rim; ++x)
-        EXPECT_EQ(0, std::memcmp(got->at(x, y), whole.at(box.x + x, box.y + y), 3)) << name_of(format) << " " << x << "," << y;
+        EXPECT_EQ(0, std::memcmp(got->at(x, y), whole.at(box.x + x, box.y + y), 3))
+            << name_of(format) << " " << x << "," << y;
   }
 }
 

@@ -1,9 +1,9 @@
 #include "core/frame.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <cstring>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/matchers.h"
 
@@ -36,8 +36,9 @@ struct Yuv {
   int y, u, v;
   Rgb rgb;
 };
-constexpr Yuv kColours[] = {{16, 128, 128, {0, 0, 0}},   {235, 128, 128, {255, 255, 255}}, {81, 90, 240, {255, 0, 0}},
-                            {145, 54, 34, {0, 255, 0}}, {41, 240, 110, {0, 0, 255}},      {126, 128, 128, {128, 128, 128}}};
+constexpr Yuv kColours[] = {{16, 128, 128, {0, 0, 0}},   {235, 128, 128, {255, 255, 255}},
+                            {81, 90, 240, {255, 0, 0}},  {145, 54, 34, {0, 255, 0}},
+                            {41, 240, 110, {0, 0, 255}}, {126, 128, 128, {128, 128, 128}}};
 
 void expect_colour(const Rgb& actual, const Rgb& expected) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(actual[c], expected[c], 2) << "channel " << c;
@@ -64,7 +65,9 @@ TEST(ToRgb, GivesOddYuyvAndNv12TheirLastColumnAndRow) {
   ASSERT_THAT(yuyv, IsOk());
   expect_colour(at(yuyv, 2, 0), {255, 0, 0});
   // 3x3: rows of four bytes, three of luma and two of chroma; the last chroma pair is red.
-  const Result<Image> nv12 = to_rgb(packed(PixelFormat::Nv12, 3, 3, {16, 16, 16, 0, 16, 16, 16, 0, 16, 16, 81, 0, 128, 128, 128, 128, 128, 128, 90, 240}));
+  const Result<Image> nv12 =
+      to_rgb(packed(PixelFormat::Nv12, 3, 3,
+                    {16, 16, 16, 0, 16, 16, 16, 0, 16, 16, 81, 0, 128, 128, 128, 128, 128, 128, 90, 240}));
   ASSERT_THAT(nv12, IsOk());
   expect_colour(at(nv12, 2, 2), {255, 0, 0});
   expect_colour(at(nv12, 0, 0), {0, 0, 0});
@@ -112,14 +115,16 @@ TEST_P(EveryRawFormat, RefusesABufferShorterThanItsLayout) {
     EXPECT_THAT(to_rgb(frame_of(layout, bytes)), FailsWith(ErrorCode::BadData, "camera 4"));
     layout.size_bytes += 1;
     layout.stride -= 1;
-    EXPECT_THAT(to_rgb(frame_of(layout, bytes)), FailsWith(ErrorCode::BadData, "camera 4")) << "rows that overlap";
+    EXPECT_THAT(to_rgb(frame_of(layout, bytes)), FailsWith(ErrorCode::BadData, "camera 4"))
+        << "rows that overlap";
   }
 }
 
 TEST_P(EveryRawFormat, IsFoundByItsName) { EXPECT_EQ(pixel_format_named(name_of(GetParam())), GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Formats, EveryRawFormat,
-                         testing::Values(PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Yuyv, PixelFormat::Nv12, PixelFormat::BayerRggb8),
+                         testing::Values(PixelFormat::Gray8, PixelFormat::Rgb8, PixelFormat::Yuyv,
+                                         PixelFormat::Nv12, PixelFormat::BayerRggb8),
                          [](const auto& p) {
                            std::string name = name_of(p.param);
                            std::erase(name, '-');
@@ -131,7 +136,9 @@ TEST(ToRgb, LeavesMjpegToTheCaptureSource) {
   EXPECT_THAT(to_rgb(frame_of(layout, {1, 2, 3})), FailsWith(ErrorCode::Unsupported, "MJPEG"));
 }
 
-TEST(ToRgb, OfAMissedInstantIsNotFound) { EXPECT_THAT(to_rgb(Frame{}), FailsWith(ErrorCode::NotFound, "no picture")); }
+TEST(ToRgb, OfAMissedInstantIsNotFound) {
+  EXPECT_THAT(to_rgb(Frame{}), FailsWith(ErrorCode::NotFound, "no picture"));
+}
 
 TEST(ToRgb, RefusesAPictureOfNoSize) {
   const ImageLayout layout{PixelFormat::Gray8, 0, 3, 0, 4};
@@ -147,12 +154,15 @@ TEST(Frame, OwnsACopyOfTheImageItWasMadeFrom) {
   EXPECT_EQ(at(back, 1, 0), (Rgb{50, 50, 50}));
 }
 
-TEST(Frame, MadeFromGreyIsGrey) { EXPECT_EQ(make_frame({}, Image(2, 2, 1)).layout.format, PixelFormat::Gray8); }
+TEST(Frame, MadeFromGreyIsGrey) {
+  EXPECT_EQ(make_frame({}, Image(2, 2, 1)).layout.format, PixelFormat::Gray8);
+}
 
 TEST(Frame, IsNotMadeFromTransparency) { EXPECT_THROW(make_frame({}, Image(2, 2, 4)), CheckFailure); }
 
 TEST(FrameStatus, IsFoundByItsName) {
-  for (FrameStatus s : {FrameStatus::Ok, FrameStatus::Warmup, FrameStatus::Corrupt, FrameStatus::Lost}) EXPECT_EQ(frame_status_named(name_of(s)), s);
+  for (FrameStatus s : {FrameStatus::Ok, FrameStatus::Warmup, FrameStatus::Corrupt, FrameStatus::Lost})
+    EXPECT_EQ(frame_status_named(name_of(s)), s);
   EXPECT_FALSE(frame_status_named("OK"));
   EXPECT_FALSE(pixel_format_named(""));
 }

@@ -1,10 +1,10 @@
 #include "core/log.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include "core/text.h"
 #include "core/time.h"
@@ -35,7 +35,9 @@ TEST(Log, KeepsBelowItsLevelSilent) {
   EXPECT_EQ(std::count(written.begin(), written.end(), '\n'), 1);
 }
 
-TEST(Text, WritesItsPartsOneAfterTheOther) { EXPECT_EQ(text("camera ", 3, " of ", 8u, '.'), "camera 3 of 8."); }
+TEST(Text, WritesItsPartsOneAfterTheOther) {
+  EXPECT_EQ(text("camera ", 3, " of ", 8u, '.'), "camera 3 of 8.");
+}
 
 TEST(Time, SubtractsInstantsToSpans) {
   constexpr Timestamp start{1'000}, end{41'000'000};

@@ -12,7 +12,9 @@ namespace {
 
 MatteEdits some_edits() {
   CameraEdits camera;
-  camera.keyframes.push_back({3, {{MatteLabel::Foreground, 2.5, {{10.5, 20.25}}}, {MatteLabel::Background, 4, {{0, 0}, {5, 5}, {9, 1}}}}});
+  camera.keyframes.push_back({3,
+                              {{MatteLabel::Foreground, 2.5, {{10.5, 20.25}}},
+                               {MatteLabel::Background, 4, {{0, 0}, {5, 5}, {9, 1}}}}});
   camera.keyframes.push_back({17, {}});
   camera.masks.push_back({MatteLabel::Background, {{0, 0}, {10, 0}, {10, 8}}, 2, 9});
   camera.masks.push_back({MatteLabel::Foreground, {{1, 1}, {2, 1}, {2, 2}, {1, 2}}, 0, std::nullopt});
@@ -20,7 +22,9 @@ MatteEdits some_edits() {
   return {{{"cam01", camera}, {"cam02", {}}}};
 }
 
-int count(const Image& map, int value) { return static_cast<int>(std::count(map.pixels.begin(), map.pixels.end(), value)); }
+int count(const Image& map, int value) {
+  return static_cast<int>(std::count(map.pixels.begin(), map.pixels.end(), value));
+}
 
 TEST(MatteEdits, ComeBackFromTheirFileAsTheyWere) {
   TempFolder folder;
@@ -50,25 +54,39 @@ struct Fault {
 
 TEST(MatteEdits, NameTheCameraAndTheFault) {
   const Fault faults[] = {
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "hair", "points": [[1, 2]]}]}]}}})", "hair"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "points": []}]}]}}})", "at least 1"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": -1, "strokes": []}]}}})", "negative"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 4, "strokes": []}, {"frame": 4, "strokes": []}]}}})", "order"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1]]}]}}})", "at least 3"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1], [1, 1e9]]}]}}})", "far outside"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1], [0, 1]], "first": 5, "last": 4}]}}})", "before it begins"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": []}]}}})", "at least 1"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]]}]}}})", "radius"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]], "radius": -1}]}}})", "radius"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]], "radius": 1, "polygon": []}]}}})", "polygon"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "hair", "points": [[1, 2]]}]}]}}})",
+       "hair"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "points": []}]}]}}})",
+       "at least 1"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": -1, "strokes": []}]}}})",
+       "negative"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 4, "strokes": []}, {"frame": 4, "strokes": []}]}}})",
+       "order"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1]]}]}}})",
+       "at least 3"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1], [1, 1e9]]}]}}})",
+       "far outside"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "polygon": [[0, 0], [1, 1], [0, 1]], "first": 5, "last": 4}]}}})",
+       "before it begins"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": []}]}}})",
+       "at least 1"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]]}]}}})",
+       "radius"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]], "radius": -1}]}}})",
+       "radius"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]], "radius": 1, "polygon": []}]}}})",
+       "polygon"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"keyfarmes": []}}})", "keyfarmes"},
-      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "radius": 0, "points": [[1, 2]]}]}]}}})", "radius"}};
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "radius": 0, "points": [[1, 2]]}]}]}}})",
+       "radius"}};
   for (const Fault& fault : faults) {
     EXPECT_THAT(parse_matte_edits(fault.json, "edits.json"), FailsWith(ErrorCode::BadData, fault.complaint));
     EXPECT_THAT(parse_matte_edits(fault.json, "edits.json"), FailsWith(ErrorCode::BadData, "camera 'a'"));
   }
-  EXPECT_THAT(parse_matte_edits(R"({"floatstage_edits": 1, "cameras": [)", "edits.json"), FailsWith(ErrorCode::BadData, "edits.json"));
-  EXPECT_THAT(parse_matte_edits(R"({"floatstage_edits": 9, "cameras": {}})", "edits.json"), FailsWith(ErrorCode::Unsupported, "format 9"));
+  EXPECT_THAT(parse_matte_edits(R"({"floatstage_edits": 1, "cameras": [)", "edits.json"),
+              FailsWith(ErrorCode::BadData, "edits.json"));
+  EXPECT_THAT(parse_matte_edits(R"({"floatstage_edits": 9, "cameras": {}})", "edits.json"),
+              FailsWith(ErrorCode::Unsupported, "format 9"));
 }
 
 TEST(PaintStrokes, FillsTheDiscOfAClickAndTheLineOfAScribble) {
@@ -85,12 +103,14 @@ TEST(PaintStrokes, CoverAPixelAtAnyScaleAndNothingOutside) {
   paint_strokes({{MatteLabel::Foreground, 0.5, {{200.5, 100.5}}}}, 0.1, map);
   EXPECT_EQ(count(map, 255), 1);
   EXPECT_EQ(*map.at(20, 10), 255);
-  paint_strokes({{MatteLabel::Foreground, 3, {{-500, 10}}}, {MatteLabel::Foreground, 3, {{10, 1e6}}}}, 1, map);
+  paint_strokes({{MatteLabel::Foreground, 3, {{-500, 10}}}, {MatteLabel::Foreground, 3, {{10, 1e6}}}}, 1,
+                map);
   EXPECT_EQ(count(map, 255), 1);
 }
 
 TEST(PaintMasks, FillsThePolygonInItsFramesOnly) {
-  const std::vector<MatteMask> masks = {{MatteLabel::Background, {{10, 5}, {20, 5}, {20, 15}, {10, 15}}, 2, 4}};
+  const std::vector<MatteMask> masks = {
+      {MatteLabel::Background, {{10, 5}, {20, 5}, {20, 15}, {10, 15}}, 2, 4}};
   for (const int frame : {1, 2, 4, 5}) {
     Image map(40, 30, 1, 128);
     paint_masks(masks, frame, 1, map);
@@ -103,7 +123,8 @@ TEST(PaintMasks, FillsThePolygonInItsFramesOnly) {
 
 TEST(PaintMasks, CutsAPolygonOffAtThePicturesEdge) {
   Image map(10, 10, 1, 128);
-  paint_masks({{MatteLabel::Foreground, {{-100, -100}, {100, -100}, {100, 100}, {-100, 100}}, 0, {}}}, 0, 1, map);
+  paint_masks({{MatteLabel::Foreground, {{-100, -100}, {100, -100}, {100, 100}, {-100, 100}}, 0, {}}}, 0, 1,
+              map);
   EXPECT_EQ(count(map, 255), 100);
 }
 

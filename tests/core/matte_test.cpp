@@ -37,7 +37,9 @@ TEST(Matte, ThatDoesNotKnowIsEmpty) {
 
 TEST(Matte, HasOneChannel) { EXPECT_THROW(make_matte({}, Image(2, 2, 3)), CheckFailure); }
 
-TEST(Coverage, CountsPixelsThatAreHalfSubjectOrMore) { EXPECT_DOUBLE_EQ(coverage(row_of({0, 127, 128, 255})), 0.5); }
+TEST(Coverage, CountsPixelsThatAreHalfSubjectOrMore) {
+  EXPECT_DOUBLE_EQ(coverage(row_of({0, 127, 128, 255})), 0.5);
+}
 
 TEST(Iou, IsTheCommonShareOfBothSubjects) {
   EXPECT_DOUBLE_EQ(iou(row_of({255, 255, 0, 0}), row_of({0, 255, 255, 0})), 1.0 / 3);

@@ -1,16 +1,20 @@
 #include "core/mesh.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+
+#include <gtest/gtest.h>
 
 namespace floatstage {
 namespace {
 
 // A corner of a cube with edges of 2 m, moved away from the origin.
-Mesh tetrahedron() { return {{{10, 5, 1}, {12, 5, 1}, {10, 7, 1}, {10, 5, 3}}, {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2}}; }
+Mesh tetrahedron() {
+  return {{{10, 5, 1}, {12, 5, 1}, {10, 7, 1}, {10, 5, 3}}, {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2}};
+}
 
-TEST(SignedVolume, OfATetrahedronIsASixthOfItsBoxWhereverItStands) { EXPECT_NEAR(signed_volume(tetrahedron()), 8.0 / 6, 1e-9); }
+TEST(SignedVolume, OfATetrahedronIsASixthOfItsBoxWhereverItStands) {
+  EXPECT_NEAR(signed_volume(tetrahedron()), 8.0 / 6, 1e-9);
+}
 
 TEST(SignedVolume, IsNegativeWhenTheMeshIsInsideOut) {
   Mesh mesh = tetrahedron();

@@ -17,7 +17,9 @@ Image noise(int width, int height, int channels) {
   return image;
 }
 
-Result<Image> decode(std::string_view bytes) { return decode_png(std::as_bytes(std::span(bytes)), "test.png"); }
+Result<Image> decode(std::string_view bytes) {
+  return decode_png(std::as_bytes(std::span(bytes)), "test.png");
+}
 
 class EveryChannelCount : public testing::TestWithParam<int> {};
 
@@ -38,18 +40,22 @@ TEST_P(EveryChannelCount, CutOffAnywhereIsRefusedByName) {
   ASSERT_THAT(whole, IsOk());
   constexpr std::size_t kEndChunk = 12;  // without it, every pixel is there and libpng is content
   for (std::size_t length = 0; length + kEndChunk < whole->size(); ++length)
-    EXPECT_THAT(decode(std::string_view(*whole).substr(0, length)), FailsWith(ErrorCode::BadData, "test.png")) << length;
+    EXPECT_THAT(decode(std::string_view(*whole).substr(0, length)), FailsWith(ErrorCode::BadData, "test.png"))
+        << length;
 }
 
 INSTANTIATE_TEST_SUITE_P(Channels, EveryChannelCount, testing::Values(1, 3, 4));
 
-std::filesystem::path seed(const char* name) { return std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "tests/fuzz/corpus/png" / name; }
+std::filesystem::path seed(const char* name) {
+  return std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "tests/fuzz/corpus/png" / name;
+}
 
 TEST(Png, ExpandsOneBitToBlackAndWhite) {
   const Result<Image> image = load_png(seed("bit.png"));
   ASSERT_THAT(image, IsOk());
   EXPECT_EQ(image->channels, 1);
-  EXPECT_THAT(image->pixels, testing::ElementsAre(255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255));
+  EXPECT_THAT(image->pixels, testing::ElementsAre(255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 0, 255, 0, 255, 0,
+                                                  255, 0, 255, 0, 255));
 }
 
 TEST(Png, ExpandsPalettes) {
@@ -71,7 +77,8 @@ TEST(Png, ReadsItsOwnSixteenBitsBackAsTheyWere) {
     Image ramp(64, 16, channels);
     for (std::size_t i = 0; i < ramp.pixels.size(); ++i) ramp.pixels[i] = static_cast<std::uint8_t>(i * 7);
     ASSERT_THAT(save_png16(ramp, folder / "ramp.png"), IsOk());
-    EXPECT_THAT(load_png(folder / "ramp.png"), IsOkAnd(ramp)) << channels << ": not taken for linear light, nor multiplied by opacity";
+    EXPECT_THAT(load_png(folder / "ramp.png"), IsOkAnd(ramp))
+        << channels << ": not taken for linear light, nor multiplied by opacity";
   }
 }
 
@@ -94,9 +101,13 @@ TEST(Png, ThatClaimsFarMoreThanItsBytesCanHoldIsRefusedBeforeMemoryIsTaken) {
   EXPECT_THAT(load_png(seed("huge.png")), FailsWith(ErrorCode::BadData, "far shorter than its picture"));
 }
 
-TEST(Png, ThatIsNoPngIsRefused) { EXPECT_THAT(decode("GIF89a, or so it says"), FailsWith(ErrorCode::BadData, "not a whole PNG")); }
+TEST(Png, ThatIsNoPngIsRefused) {
+  EXPECT_THAT(decode("GIF89a, or so it says"), FailsWith(ErrorCode::BadData, "not a whole PNG"));
+}
 
-TEST(Png, ThatIsNotThereIsNotFound) { EXPECT_THAT(load_png("/nowhere/a.png"), FailsWith(ErrorCode::NotFound, "/nowhere/a.png")); }
+TEST(Png, ThatIsNotThereIsNotFound) {
+  EXPECT_THAT(load_png("/nowhere/a.png"), FailsWith(ErrorCode::NotFound, "/nowhere/a.png"));
+}
 
 TEST(Png, IsNotMadeOfNothing) { EXPECT_THROW((void)save_png(Image{}, "a.png"), CheckFailure); }
 

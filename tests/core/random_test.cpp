@@ -1,11 +1,11 @@
 #include "core/random.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <set>
 #include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace floatstage {
 namespace {
@@ -14,7 +14,8 @@ TEST(Random, GivesSplitMix64sPublishedSequence) {
   Random random(0);
   std::vector<std::uint64_t> first;
   for (int i = 0; i < 5; ++i) first.push_back(random.next());
-  EXPECT_THAT(first, testing::ElementsAre(0xE220A8397B1DCDAFu, 0x6E789E6AA1B965F4u, 0x06C45D188009454Fu, 0xF88BB8A8724C81ECu, 0x1B39896A51A8749Bu));
+  EXPECT_THAT(first, testing::ElementsAre(0xE220A8397B1DCDAFu, 0x6E789E6AA1B965F4u, 0x06C45D188009454Fu,
+                                          0xF88BB8A8724C81ECu, 0x1B39896A51A8749Bu));
 }
 
 TEST(Random, IsUniformInItsInterval) {

@@ -1,9 +1,9 @@
 #include "core/result.h"
 
-#include <gtest/gtest.h>
-
 #include <memory>
 #include <set>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/matchers.h"
 
@@ -26,7 +26,9 @@ TEST(Result, HoldsAValueOrAnError) {
   EXPECT_THAT(half(7), FailsWith(ErrorCode::InvalidArgument, "an odd number"));
 }
 
-TEST(Result, ForwardsTheErrorOfAnotherType) { EXPECT_THAT(half_in_words(7), FailsWith(ErrorCode::InvalidArgument, "an odd number")); }
+TEST(Result, ForwardsTheErrorOfAnotherType) {
+  EXPECT_THAT(half_in_words(7), FailsWith(ErrorCode::InvalidArgument, "an odd number"));
+}
 
 TEST(Result, GivesItsValueAwayWhenMovedFrom) {
   Result<std::unique_ptr<int>> r = std::make_unique<int>(5);
@@ -58,7 +60,8 @@ TEST(Result, OfVoidIsSuccessOrAnError) {
 
 TEST(ErrorCode, HasANameOfItsOwn) {
   std::set<std::string> names;
-  for (int i = 0; i <= static_cast<int>(ErrorCode::Cancelled); ++i) names.insert(name_of(static_cast<ErrorCode>(i)));
+  for (int i = 0; i <= static_cast<int>(ErrorCode::Cancelled); ++i)
+    names.insert(name_of(static_cast<ErrorCode>(i)));
   EXPECT_EQ(names.size(), static_cast<std::size_t>(ErrorCode::Cancelled) + 1);
   EXPECT_FALSE(names.contains("unknown"));
   EXPECT_TRUE(names.contains("bad-data"));
@@ -70,7 +73,9 @@ TEST(Check, NamesConditionPlaceAndContext) {
     FLOATSTAGE_CHECK(cameras == 4, "cameras: " + std::to_string(cameras));
     FAIL() << "a false check went through";
   } catch (const CheckFailure& e) {
-    EXPECT_THAT(e.what(), testing::AllOf(testing::HasSubstr("cameras == 4"), testing::HasSubstr("result_test.cpp"), testing::HasSubstr("cameras: 3")));
+    EXPECT_THAT(e.what(),
+                testing::AllOf(testing::HasSubstr("cameras == 4"), testing::HasSubstr("result_test.cpp"),
+                               testing::HasSubstr("cameras: 3")));
   }
 }
 

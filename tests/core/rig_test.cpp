@@ -1,9 +1,9 @@
 #include "core/rig.h"
 
-#include <gtest/gtest.h>
-
 #include <functional>
 #include <limits>
+
+#include <gtest/gtest.h>
 
 #include "tests/core/rigs.h"
 #include "tests/support/matchers.h"
@@ -43,27 +43,39 @@ TEST_P(FaultyRig, IsRefusedByACheckThatNamesTheCamera) {
 
 INSTANTIATE_TEST_SUITE_P(
     Faults, FaultyRig,
-    testing::Values(Fault{"NanFocal", [](RigCamera& c) { c.model.fx = kNaN; }, "not a finite number"},
-                    Fault{"InfiniteCentre", [](RigCamera& c) { c.model.cy = kInfinity; }, "not a finite number"},
-                    Fault{"NanSkew", [](RigCamera& c) { c.model.skew = kNaN; }, "not a finite number"},
-                    Fault{"ZeroFocal", [](RigCamera& c) { c.model.fy = 0; }, "not positive"},
-                    Fault{"NoSize", [](RigCamera& c) { c.model.width = 0; }, "image size 0x480"},
-                    Fault{"NanBrown", [](RigCamera& c) { c.model.lens = BrownConrady{0, 0, kNaN, 0, 0}; }, "lens coefficient"},
-                    Fault{"InfiniteFisheye", [](RigCamera& c) { c.model.lens = KannalaBrandt{0, 0, 0, -kInfinity}; }, "lens coefficient"},
-                    Fault{"NanRotation", [](RigCamera& c) { c.cam_from_world.rotation.x() = kNaN; }, "not finite"},
-                    Fault{"NanPlace", [](RigCamera& c) { c.cam_from_world.translation.z() = kNaN; }, "not finite"},
-                    Fault{"LongRotation", [](RigCamera& c) { c.cam_from_world.rotation.coeffs() *= 1.001; }, "unit length"},
-                    Fault{"NanColour", [](RigCamera& c) { c.color.matrix(1, 1) = kNaN; }, "colour matrix"},
-                    Fault{"NoSerial", [](RigCamera& c) { c.serial.clear(); }, "a serial must be"},
-                    Fault{"HiddenSerial", [](RigCamera& c) { c.serial = ".left"; }, "a serial must be"},
-                    Fault{"PathSerial", [](RigCamera& c) { c.serial = "a/b"; }, "a serial must be"},
-                    Fault{"AccentSerial", [](RigCamera& c) { c.serial = "caf\xc3\xa9"; }, "a serial must be"},
-                    Fault{"TwiceTheSerial", [](RigCamera& c) { c.serial = "cam0"; }, "two cameras"}),
+    testing::Values(
+        Fault{"NanFocal", [](RigCamera& c) { c.model.fx = kNaN; }, "not a finite number"},
+        Fault{"InfiniteCentre", [](RigCamera& c) { c.model.cy = kInfinity; }, "not a finite number"},
+        Fault{"NanSkew", [](RigCamera& c) { c.model.skew = kNaN; }, "not a finite number"},
+        Fault{"ZeroFocal", [](RigCamera& c) { c.model.fy = 0; }, "not positive"},
+        Fault{"NoSize", [](RigCamera& c) { c.model.width = 0; }, "image size 0x480"},
+        Fault{"NanBrown",
+              [](RigCamera& c) {
+                c.model.lens = BrownConrady{0, 0, kNaN, 0, 0};
+              },
+              "lens coefficient"},
+        Fault{"InfiniteFisheye",
+              [](RigCamera& c) {
+                c.model.lens = KannalaBrandt{0, 0, 0, -kInfinity};
+              },
+              "lens coefficient"},
+        Fault{"NanRotation", [](RigCamera& c) { c.cam_from_world.rotation.x() = kNaN; }, "not finite"},
+        Fault{"NanPlace", [](RigCamera& c) { c.cam_from_world.translation.z() = kNaN; }, "not finite"},
+        Fault{"LongRotation", [](RigCamera& c) { c.cam_from_world.rotation.coeffs() *= 1.001; },
+              "unit length"},
+        Fault{"NanColour", [](RigCamera& c) { c.color.matrix(1, 1) = kNaN; }, "colour matrix"},
+        Fault{"NoSerial", [](RigCamera& c) { c.serial.clear(); }, "a serial must be"},
+        Fault{"HiddenSerial", [](RigCamera& c) { c.serial = ".left"; }, "a serial must be"},
+        Fault{"PathSerial", [](RigCamera& c) { c.serial = "a/b"; }, "a serial must be"},
+        Fault{"AccentSerial", [](RigCamera& c) { c.serial = "caf\xc3\xa9"; }, "a serial must be"},
+        Fault{"TwiceTheSerial", [](RigCamera& c) { c.serial = "cam0"; }, "two cameras"}),
     [](const auto& p) { return p.param.name; });
 
 TEST(Rig, WithoutCamerasIsRefused) { EXPECT_THAT(check(Rig{}), FailsWith(ErrorCode::BadData, "no camera")); }
 
-TEST(FocusPoint, IsWhereTheAxesMeet) { EXPECT_LT((focus_point(ring(8)) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9); }
+TEST(FocusPoint, IsWhereTheAxesMeet) {
+  EXPECT_LT((focus_point(ring(8)) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);
+}
 
 TEST(FocusPoint, OfTwoCamerasThatFaceEachOtherIsBetweenThem) {
   EXPECT_LT((focus_point(ring(2)) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-9);
@@ -80,8 +92,10 @@ TEST(FocusPoint, OfSkewAxesIsHalfWayBetweenThem) {
 TEST(FocusPoint, OfParallelAxesLiesAheadOfTheRig) {
   Rig rig = ring(1);
   rig.cameras.assign(3, rig.cameras[0]);
-  for (int i = 0; i < 3; ++i) rig.cameras[i].cam_from_world = look_at({2.0 * i, 0, 1}, {2.0 * i, 5, 1}, {0, 0, 1});
-  EXPECT_LT((focus_point(rig) - Eigen::Vector3d(2, 2, 1)).norm(), 1e-9) << "the centroid, moved by the spread of 2 m";
+  for (int i = 0; i < 3; ++i)
+    rig.cameras[i].cam_from_world = look_at({2.0 * i, 0, 1}, {2.0 * i, 5, 1}, {0, 0, 1});
+  EXPECT_LT((focus_point(rig) - Eigen::Vector3d(2, 2, 1)).norm(), 1e-9)
+      << "the centroid, moved by the spread of 2 m";
 }
 
 TEST(FocusPoint, OfOneCameraLiesAheadOfIt) {
@@ -89,12 +103,15 @@ TEST(FocusPoint, OfOneCameraLiesAheadOfIt) {
   EXPECT_LT((focus_point(rig) - Eigen::Vector3d(2, 0, 1)).norm(), 1e-9);
 }
 
-TEST(MeanUp, IsTheWorldsUpForLevelCameras) { EXPECT_LT((mean_up(ring(5)) - Eigen::Vector3d::UnitZ()).norm(), 1e-12); }
+TEST(MeanUp, IsTheWorldsUpForLevelCameras) {
+  EXPECT_LT((mean_up(ring(5)) - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+}
 
 TEST(MeanUp, FollowsATiltedWorld) {
   Rig rig = ring(5);
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
-  for (RigCamera& c : rig.cameras) c.cam_from_world = c.cam_from_world * Rigid3{tilt.conjugate(), Eigen::Vector3d::Zero()};
+  for (RigCamera& c : rig.cameras)
+    c.cam_from_world = c.cam_from_world * Rigid3{tilt.conjugate(), Eigen::Vector3d::Zero()};
   EXPECT_LT((mean_up(rig) - tilt * Eigen::Vector3d::UnitZ()).norm(), 1e-12);
 }
 

@@ -19,9 +19,15 @@ TEST(TakeLayout, NamesFramesWithSixDigits) {
 }
 
 TakeManifest manifest() {
-  return {.version = 1, .label = "Probe \"eins\"", .created = "2026-11-20T10:00:00Z", .writer = "floatstage 0.1.0", .frame_rate = 29.97,
-          .rig_sha256 = std::string(64, 'a'), .complete = true,
-          .cameras = {{"left", "left.mkv", "ffv1", PixelFormat::Nv12, 640, 480}, {"right", "right.mkv", "raw", PixelFormat::BayerRggb8, 0, 0}}};
+  return {.version = 1,
+          .label = "Probe \"eins\"",
+          .created = "2026-11-20T10:00:00Z",
+          .writer = "floatstage 0.1.0",
+          .frame_rate = 29.97,
+          .rig_sha256 = std::string(64, 'a'),
+          .complete = true,
+          .cameras = {{"left", "left.mkv", "ffv1", PixelFormat::Nv12, 640, 480},
+                      {"right", "right.mkv", "raw", PixelFormat::BayerRggb8, 0, 0}}};
 }
 
 TEST(TakeManifest, ComesBackAsItWas) {
@@ -33,13 +39,16 @@ TEST(TakeManifest, ComesBackAsItWas) {
 TEST(TakeManifest, KeepsALabelThatIsNotUtf8Readable) {
   TakeManifest m = manifest();
   m.label = "caf\xe9";
-  EXPECT_THAT(parse_manifest(to_json(m), "take.json"), IsOkAnd(testing::Field(&TakeManifest::label, "caf\xEF\xBF\xBD")));
+  EXPECT_THAT(parse_manifest(to_json(m), "take.json"),
+              IsOkAnd(testing::Field(&TakeManifest::label, "caf\xEF\xBF\xBD")));
 }
 
 TEST(TakeManifest, CutOffAnywhereIsRefused) {
   const std::string whole = to_json(manifest());
   for (std::size_t length = 0; length + 2 < whole.size(); ++length)
-    EXPECT_THAT(parse_manifest(std::string_view(whole).substr(0, length), "take.json"), FailsWith(ErrorCode::BadData, "take.json")) << length;
+    EXPECT_THAT(parse_manifest(std::string_view(whole).substr(0, length), "take.json"),
+                FailsWith(ErrorCode::BadData, "take.json"))
+        << length;
 }
 
 struct Damage {
@@ -64,11 +73,16 @@ INSTANTIATE_TEST_SUITE_P(
     Damages, DamagedManifest,
     testing::Values(Damage{"\"left.mkv\"", "\"../left.mkv\"", "not the name of a file inside the take"},
                     Damage{"\"left.mkv\"", "\"..\"", "not the name of a file inside the take"},
-                    Damage{"\"right.mkv\"", "\"left.mkv\"", "listed twice"}, Damage{"\"right\"", "\"left\"", "listed twice"},
-                    Damage{"\"left\"", "\"le/ft\"", "cannot be a camera serial"}, Damage{"\"nv12\"", "\"nv99\"", "unknown pixel format 'nv99'"},
-                    Damage{"29.97", "-1", "'frame_rate' is negative"}, Damage{"aaaa", "AAAA", "'rig_sha256' is not 64"},
-                    Damage{"aaaa", "", "'rig_sha256' is not 64"}, Damage{"true", "1", "'complete' is neither true nor false"},
-                    Damage{"\"label\"", "\"lable\"", "'label' is missing"}, Damage{"640", "-640", "is negative"}));
+                    Damage{"\"right.mkv\"", "\"left.mkv\"", "listed twice"},
+                    Damage{"\"right\"", "\"left\"", "listed twice"},
+                    Damage{"\"left\"", "\"le/ft\"", "cannot be a camera serial"},
+                    Damage{"\"nv12\"", "\"nv99\"", "unknown pixel format 'nv99'"},
+                    Damage{"29.97", "-1", "'frame_rate' is negative"},
+                    Damage{"aaaa", "AAAA", "'rig_sha256' is not 64"},
+                    Damage{"aaaa", "", "'rig_sha256' is not 64"},
+                    Damage{"true", "1", "'complete' is neither true nor false"},
+                    Damage{"\"label\"", "\"lable\"", "'label' is missing"},
+                    Damage{"640", "-640", "is negative"}));
 
 TEST(TakeManifest, OfALaterFormatIsUnsupported) {
   TakeManifest m = manifest();
@@ -83,14 +97,23 @@ TEST(TakeManifest, WithoutCamerasIsRefused) {
 }
 
 FrameRow full_row() {
-  return {.info = {.camera = 3, .sequence = 18446744073709551615u, .exposure_start = {-5}, .exposure = Nanoseconds{8'000'000},
-                   .device_time = Nanoseconds{9'000'000'000'000'000'001}, .status = FrameStatus::Warmup},
+  return {.info = {.camera = 3,
+                   .sequence = 18446744073709551615u,
+                   .exposure_start = {-5},
+                   .exposure = Nanoseconds{8'000'000},
+                   .device_time = Nanoseconds{9'000'000'000'000'000'001},
+                   .status = FrameStatus::Warmup},
           .media_index = 0};
 }
 
 FrameRow gap_row() {
   FrameRow row;
-  row.info = {.camera = 3, .sequence = 1, .exposure_start = {40'000'000}, .exposure = {}, .device_time = {}, .status = FrameStatus::Lost};
+  row.info = {.camera = 3,
+              .sequence = 1,
+              .exposure_start = {40'000'000},
+              .exposure = {},
+              .device_time = {},
+              .status = FrameStatus::Lost};
   return row;
 }
 
@@ -104,13 +127,17 @@ TEST(FramesCsv, WritesAbsentValuesAsEmptyFields) { EXPECT_EQ(to_csv(gap_row()), 
 TEST(FramesCsv, IgnoresALastLineThatWasCutOff) {
   const std::string one = frames_csv_header() + to_csv(full_row()), two = one + to_csv(gap_row());
   for (std::size_t length = one.size(); length < two.size(); ++length)
-    EXPECT_THAT(parse_frames_csv(std::string_view(two).substr(0, length), 3, "x"), IsOkAnd(ElementsAre(full_row()))) << length;
+    EXPECT_THAT(parse_frames_csv(std::string_view(two).substr(0, length), 3, "x"),
+                IsOkAnd(ElementsAre(full_row())))
+        << length;
 }
 
 TEST(FramesCsv, CutOffInTheHeaderHasNoRows) {
   const std::string header = frames_csv_header();
   for (std::size_t length = 0; length <= header.size(); ++length)
-    EXPECT_THAT(parse_frames_csv(std::string_view(header).substr(0, length), 0, "x"), IsOkAnd(testing::IsEmpty())) << length;
+    EXPECT_THAT(parse_frames_csv(std::string_view(header).substr(0, length), 0, "x"),
+                IsOkAnd(testing::IsEmpty()))
+        << length;
 }
 
 class DamagedFramesCsv : public testing::TestWithParam<std::pair<const char*, const char*>> {};
@@ -124,13 +151,17 @@ TEST_P(DamagedFramesCsv, NamesTheLine) {
 
 INSTANTIATE_TEST_SUITE_P(
     Lines, DamagedFramesCsv,
-    testing::Values(std::pair{"", "not 6 fields"}, std::pair{"1,,2,,ok,0,", "not 6 fields"}, std::pair{"-1,,2,,ok,0", "the sequence"},
-                    std::pair{"1,,,,ok,0", "the studio time"}, std::pair{"1,x,2,,ok,0", "the device time"}, std::pair{"1,,2,0.5,ok,0", "the exposure"},
-                    std::pair{"1,,2,,fine,0", "unknown status 'fine'"}, std::pair{"1,,2,,ok,-1", "the media index"},
-                    std::pair{"1,,99999999999999999999,,ok,0", "the studio time"}, std::pair{"1,,2,,lost,0", "a lost frame has a picture"}));
+    testing::Values(std::pair{"", "not 6 fields"}, std::pair{"1,,2,,ok,0,", "not 6 fields"},
+                    std::pair{"-1,,2,,ok,0", "the sequence"}, std::pair{"1,,,,ok,0", "the studio time"},
+                    std::pair{"1,x,2,,ok,0", "the device time"}, std::pair{"1,,2,0.5,ok,0", "the exposure"},
+                    std::pair{"1,,2,,fine,0", "unknown status 'fine'"},
+                    std::pair{"1,,2,,ok,-1", "the media index"},
+                    std::pair{"1,,99999999999999999999,,ok,0", "the studio time"},
+                    std::pair{"1,,2,,lost,0", "a lost frame has a picture"}));
 
 TEST(FramesCsv, OfAnotherKindIsRefusedAtItsFirstLine) {
-  EXPECT_THAT(parse_frames_csv("time,frame\n1,2\n", 0, "x.csv"), FailsWith(ErrorCode::BadData, "x.csv: line 1"));
+  EXPECT_THAT(parse_frames_csv("time,frame\n1,2\n", 0, "x.csv"),
+              FailsWith(ErrorCode::BadData, "x.csv: line 1"));
 }
 
 }  // namespace

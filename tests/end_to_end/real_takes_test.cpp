@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <cstdlib>
+
+#include <gtest/gtest.h>
 
 #include "apps/evaluate/evaluate.h"
 #include "apps/import/import.h"
@@ -8,8 +8,8 @@
 #include "core/png.h"
 #include "render/gl_context.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temp_folder.h"
 #include "tests/support/real_data.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
@@ -40,11 +40,15 @@ class RealTake : public testing::Test {
     const double n = static_cast<double>(views.size());
     EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};
     options.hull.method = HullMethod::Octree;
-    EXPECT_THAT(evaluate_take(**reader, options, [&](HeldOutView view) {
-      for (const auto& [method, s] : view.scores)
-        for (double Scores::*m : {&Scores::psnr, &Scores::ssim, &Scores::cw_ssim, &Scores::psnr_shift, &Scores::sharpness}) mean[method].*m += s.*m / n;
-      return Result<void>();
-    }), IsOk());
+    EXPECT_THAT(evaluate_take(**reader, options,
+                              [&](HeldOutView view) {
+                                for (const auto& [method, s] : view.scores)
+                                  for (double Scores::*m : {&Scores::psnr, &Scores::ssim, &Scores::cw_ssim,
+                                                            &Scores::psnr_shift, &Scores::sharpness})
+                                    mean[method].*m += s.*m / n;
+                                return Result<void>();
+                              }),
+                IsOk());
     return mean;
   }
 
@@ -56,8 +60,9 @@ TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
   data_ = real_data("middlebury-temple-ring");
   FLOATSTAGE_NEEDS_DATA(data_);
   make_take(CalibrationFormat::Middlebury, "luminance:12");
-  const auto mean = leave_out({"templeR0014.png", "templeR0016.png", "templeR0018.png", "templeR0020.png", "templeR0022.png",
-                               "templeR0024.png", "templeR0026.png", "templeR0028.png", "templeR0030.png"});
+  const auto mean = leave_out({"templeR0014.png", "templeR0016.png", "templeR0018.png", "templeR0020.png",
+                               "templeR0022.png", "templeR0024.png", "templeR0026.png", "templeR0028.png",
+                               "templeR0030.png"});
   EXPECT_GE(mean.at("floating").psnr, 22.0);
   EXPECT_GE(mean.at("floating").psnr, mean.at("linear").psnr + 2.8);
   EXPECT_GE(mean.at("floating").ssim, mean.at("linear").ssim + 0.08);
@@ -67,8 +72,10 @@ TEST_F(RealTake, TempleSparseRingIsBetterFloatingInEveryMetric) {
   data_ = real_data("middlebury-temple-sparse-ring");
   FLOATSTAGE_NEEDS_DATA(data_);
   make_take(CalibrationFormat::Middlebury, "luminance:12");
-  const auto mean = leave_out({"templeSR0002.png", "templeSR0003.png", "templeSR0004.png", "templeSR0005.png", "templeSR0006.png", "templeSR0007.png", "templeSR0008.png",
-                               "templeSR0009.png", "templeSR0010.png", "templeSR0011.png", "templeSR0012.png", "templeSR0013.png", "templeSR0014.png", "templeSR0015.png"});
+  const auto mean = leave_out({"templeSR0002.png", "templeSR0003.png", "templeSR0004.png", "templeSR0005.png",
+                               "templeSR0006.png", "templeSR0007.png", "templeSR0008.png", "templeSR0009.png",
+                               "templeSR0010.png", "templeSR0011.png", "templeSR0012.png", "templeSR0013.png",
+                               "templeSR0014.png", "templeSR0015.png"});
   const Scores &linear = mean.at("linear"), &floating = mean.at("floating");
   EXPECT_GT(floating.psnr, linear.psnr);
   EXPECT_GT(floating.ssim, linear.ssim);

@@ -1,15 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/demo.h"
 #include "apps/evaluate/evaluate.h"
 #include "apps/process.h"
 #include "apps/synthesize.h"
+#include "capture/media_file.h"
 #include "core/file.h"
 #include "core/png.h"
-#include "capture/media_file.h"
 #include "render/gl_context.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -49,7 +48,10 @@ class SyntheticTake : public testing::Test {
     options.hull.method = HullMethod::Octree;
     options.hull.resolution = 160;
     std::vector<HeldOutView> views;
-    EXPECT_THAT(evaluate_take(**take, options, [&](HeldOutView view) { return views.push_back(std::move(view)), Result<void>(); }), IsOk());
+    EXPECT_THAT(
+        evaluate_take(**take, options,
+                      [&](HeldOutView view) { return views.push_back(std::move(view)), Result<void>(); }),
+        IsOk());
     return views;
   }
 
@@ -87,7 +89,8 @@ TEST_F(SyntheticTake, NeverUsesTheHeldOutPhotograph) {
   ASSERT_THAT(write_file(matte, kept), IsOk());
   ASSERT_EQ(before.size(), 1u);
   ASSERT_EQ(after.size(), 1u);
-  for (const char* method : {"nearest", "linear", "floating"}) EXPECT_EQ(before[0].rendered.at(method), after[0].rendered.at(method)) << method;
+  for (const char* method : {"nearest", "linear", "floating"})
+    EXPECT_EQ(before[0].rendered.at(method), after[0].rendered.at(method)) << method;
 }
 
 TEST_F(SyntheticTake, RefusesToHoldOutACameraThatIsNotThere) {
@@ -96,7 +99,8 @@ TEST_F(SyntheticTake, RefusesToHoldOutACameraThatIsNotThere) {
   ASSERT_THAT(take, IsOk());
   ASSERT_THAT(gl, IsOk());
   EvaluateOptions options{.hold_out = {"cam99"}, .renderer = {}, .hull = {}};
-  EXPECT_THAT(evaluate_take(**take, options, [](HeldOutView) { return Result<void>(); }), FailsWith(ErrorCode::NotFound, "cam99"));
+  EXPECT_THAT(evaluate_take(**take, options, [](HeldOutView) { return Result<void>(); }),
+              FailsWith(ErrorCode::NotFound, "cam99"));
 }
 
 TEST(Demo, MakesBothVideosAndAReportOfScoresAgainstTruth) {

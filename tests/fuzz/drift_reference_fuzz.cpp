@@ -7,11 +7,14 @@
 // Whatever parses has whole patches and is written and read back the same.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
-  const Result<DriftReference> reference = parse_drift_reference({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const Result<DriftReference> reference =
+      parse_drift_reference({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (!reference) return 0;
   for (const auto& patches : reference->patches)
     for (const DriftPatch& p : patches)
-      FLOATSTAGE_CHECK(p.grey.size() == static_cast<std::size_t>(kDriftPatch) * kDriftPatch && p.at.allFinite(), "half a patch");
+      FLOATSTAGE_CHECK(
+          p.grey.size() == static_cast<std::size_t>(kDriftPatch) * kDriftPatch && p.at.allFinite(),
+          "half a patch");
   const Result<DriftReference> again = parse_drift_reference(to_json(*reference), "again");
   FLOATSTAGE_CHECK(again && *again == *reference, "a reference that changes when it is written");
   return 0;

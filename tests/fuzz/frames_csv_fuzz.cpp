@@ -6,7 +6,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
-  const Result<std::vector<FrameRow>> rows = parse_frames_csv({reinterpret_cast<const char*>(data), size}, 2, "fuzz");
+  const Result<std::vector<FrameRow>> rows =
+      parse_frames_csv({reinterpret_cast<const char*>(data), size}, 2, "fuzz");
   if (!rows) return 0;
   std::string written = frames_csv_header();
   for (const FrameRow& row : *rows) written += to_csv(row);

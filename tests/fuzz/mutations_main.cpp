@@ -1,9 +1,6 @@
 // Runs a fuzzer's entry over seeds and their mutations, with any compiler: `<program> <folder of seeds>`.
 // After a failure, `<program> <file>` runs the one input that was written to the working folder.
 
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -11,6 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <vector>
+
+#include <signal.h>
+#include <unistd.h>
 
 #include "core/file.h"
 #include "tests/fuzz/mutations.h"
@@ -36,7 +36,8 @@ bool run(const std::string& input, const char* seed, std::size_t index) {
     LLVMFuzzerTestOneInput(exact.data(), exact.size());
     return true;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "mutation %zu of seed %s: %s\nthe input is in failing-input\n", index, seed, e.what());
+    std::fprintf(stderr, "mutation %zu of seed %s: %s\nthe input is in failing-input\n", index, seed,
+                 e.what());
   } catch (...) {
     std::fprintf(stderr, "mutation %zu of seed %s threw\nthe input is in failing-input\n", index, seed);
   }

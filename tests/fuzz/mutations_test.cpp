@@ -1,8 +1,8 @@
 #include "tests/fuzz/mutations.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
+
+#include <gtest/gtest.h>
 
 namespace floatstage {
 namespace {

@@ -1,8 +1,7 @@
-#include "calib/observations.h"
-
 #include <cstdint>
 #include <string_view>
 
+#include "calib/observations.h"
 #include "core/check.h"
 
 // Whatever parses passes its own check and is written as a document that parses to the same.

@@ -7,9 +7,10 @@
 #include "recon/mesh_check.h"
 #include "recon/visual_hull.h"
 
-// Any outlines from any directions, as a wire may bring them: a closed, manifold mesh or a sentence about the input.
-// Byte 0 says how many cameras and whether they have lenses and a volume; then six bytes place a camera, and the rest,
-// read in a circle, are its polygons: a count, then per polygon a count and points in quarters of a pixel.
+// Any outlines from any directions, as a wire may bring them: a closed, manifold mesh or a sentence about the
+// input. Byte 0 says how many cameras and whether they have lenses and a volume; then six bytes place a
+// camera, and the rest, read in a circle, are its polygons: a count, then per polygon a count and points in
+// quarters of a pixel.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
   if (size < 2) return 0;
@@ -37,7 +38,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (int k = 0; k < polygons; ++k) {
       outline.starts.push_back(static_cast<int>(outline.points.size()));
       const int points = byte(at++) % 24;
-      for (int p = 0; p < points; ++p, at += 2) outline.points.emplace_back(byte(at) / 4.0 - 8, byte(at + 1) / 4.0 - 8);
+      for (int p = 0; p < points; ++p, at += 2)
+        outline.points.emplace_back(byte(at) / 4.0 - 8, byte(at + 1) / 4.0 - 8);
     }
     if (polygons > 0) outline.starts.push_back(static_cast<int>(outline.points.size()) + (head & 64 ? 1 : 0));
     outlines.push_back(std::move(outline));

@@ -13,6 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   FLOATSTAGE_CHECK(check(*target), "a parsed target that does not pass check()");
   const Result<TargetDesign> again = parse_target(to_text(*target));
   FLOATSTAGE_CHECK(again && *again == *target, "a target that changes when it is written");
-  for (const Eigen::Vector3d& p : target_points(*target)) FLOATSTAGE_CHECK(p.allFinite(), "a point that is not finite");
+  for (const Eigen::Vector3d& p : target_points(*target))
+    FLOATSTAGE_CHECK(p.allFinite(), "a point that is not finite");
   return 0;
 }

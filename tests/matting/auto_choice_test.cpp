@@ -9,7 +9,8 @@
 #include "tests/support/matte_clips.h"
 #include "tests/support/temp_folder.h"
 
-// What `auto` chooses by, against the truth: on every clip the candidate of least score is the best of key, closed form and spectral.
+// What `auto` chooses by, against the truth: on every clip the candidate of least score is the best of key,
+// closed form and spectral.
 namespace floatstage {
 namespace {
 
@@ -28,7 +29,8 @@ std::vector<Image> keyed(const MatteClip& clip, const char* spec, const std::vec
 
 std::vector<Image> refined(const MatteClip& clip, const std::vector<Image>& mattes) {
   std::vector<Image> out;
-  for (std::size_t f = 0; f < mattes.size(); ++f) out.push_back(*refine_matte(clip.frames[f], mattes[f], key_refinement()));
+  for (std::size_t f = 0; f < mattes.size(); ++f)
+    out.push_back(*refine_matte(clip.frames[f], mattes[f], key_refinement()));
   return out;
 }
 
@@ -49,7 +51,8 @@ void expect_the_best(const MatteClip& clip, const std::vector<Candidate>& candid
     mse.push_back(s.mse);
     std::cout << "  " << candidates[i].name << ": score " << comparison.scores()[i] << ", " << s << "\n";
   }
-  EXPECT_LE(mse[comparison.best(1)], *std::min_element(mse.begin(), mse.end())) << "chose " << candidates[comparison.best(1)].name;
+  EXPECT_LE(mse[comparison.best(1)], *std::min_element(mse.begin(), mse.end()))
+      << "chose " << candidates[comparison.best(1)].name;
 }
 
 // Spectral video matting led by the same key.
@@ -57,7 +60,9 @@ std::vector<Image> spectral(const MatteClip& clip, const std::vector<Image>& key
   MattingClip frames;
   frames.frames = static_cast<int>(clip.frames.size());
   frames.photograph = [&](int f) -> Result<Image> { return clip.frames[static_cast<std::size_t>(f)]; };
-  frames.likelihood = [&](int f) -> Result<MatteOpinion> { return MatteOpinion{key[static_cast<std::size_t>(f)], {}}; };
+  frames.likelihood = [&](int f) -> Result<MatteOpinion> {
+    return MatteOpinion{key[static_cast<std::size_t>(f)], {}};
+  };
   TempFolder cache;
   VideoMattingOptions options;
   options.likelihood_is_matte = true;
@@ -79,14 +84,17 @@ class AutoChoice : public testing::TestWithParam<std::uint64_t> {
 TEST_P(AutoChoice, IsNeverWorseThanTheBestOverGreenCloth) {
   const MatteClip clip = make_clip(studio_cutout(GetParam()), green_cloth(240, 160, GetParam()), options());
   const std::vector<Image> key = keyed(clip, "chroma", {clip.frames[0]});
-  expect_the_best(clip, {{"key", key}, {"closed form", refined(clip, key)}, {"spectral", spectral(clip, key)}}, nullptr);
+  expect_the_best(
+      clip, {{"key", key}, {"closed form", refined(clip, key)}, {"spectral", spectral(clip, key)}}, nullptr);
 }
 
 TEST_P(AutoChoice, IsNeverWorseThanTheBestBeforeACleanPlate) {
-  const MatteClip clip = make_clip(studio_cutout(GetParam()), cluttered_place(240, 160, GetParam()), options());
+  const MatteClip clip =
+      make_clip(studio_cutout(GetParam()), cluttered_place(240, 160, GetParam()), options());
   const std::vector<Image> key = keyed(clip, "plate", {clip.plate});
   const Plate plate = *learn_plate({clip.plate});
-  expect_the_best(clip, {{"key", key}, {"closed form", refined(clip, key)}, {"spectral", spectral(clip, key)}}, &plate);
+  expect_the_best(
+      clip, {{"key", key}, {"closed form", refined(clip, key)}, {"spectral", spectral(clip, key)}}, &plate);
 }
 
 INSTANTIATE_TEST_SUITE_P(Tuned, AutoChoice, testing::Values(1, 2, 3));

@@ -25,7 +25,9 @@ Image said(int x, int y, std::uint8_t value) {
 bool left(const Image& m) { return *m.at(18, 35) == 255; }
 bool right(const Image& m) { return *m.at(62, 35) == 255; }
 
-TEST(ChooseIslands, KeepsEverythingWhenNobodySaysAnything) { EXPECT_EQ(choose_islands(two_people(), {}, {}, 5), two_people()); }
+TEST(ChooseIslands, KeepsEverythingWhenNobodySaysAnything) {
+  EXPECT_EQ(choose_islands(two_people(), {}, {}, 5), two_people());
+}
 
 TEST(ChooseIslands, KeepsWhatAClickTouches) {
   const Image kept = choose_islands(two_people(), {}, said(18, 35, 255), 5);

@@ -23,7 +23,9 @@ MatteOpinion dots(int width, int height, const std::vector<std::array<int, 3>>& 
   MatteOpinion o{Image(width, height, 1), Image(width, height, 1)};
   for (const auto& [x, y, opacity] : x_y_opacity)
     for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx) *o.opacity.at(x + dx, y + dy) = static_cast<std::uint8_t>(opacity), *o.weight.at(x + dx, y + dy) = 255;
+      for (int dx = -1; dx <= 1; ++dx)
+        *o.opacity.at(x + dx, y + dy) = static_cast<std::uint8_t>(opacity),
+                                  *o.weight.at(x + dx, y + dy) = 255;
   return o;
 }
 
@@ -33,7 +35,9 @@ MatteOpinion click_on(const Image& truth) {
   for (int y = 8; y < truth.height - 8; ++y)
     for (int x = 8; x < truth.width - 8; ++x) {
       int inside = 0;
-      for (int r = 1; r <= 8; ++r) inside += *truth.at(x + r, y) == 255 && *truth.at(x - r, y) == 255 && *truth.at(x, y + r) == 255 && *truth.at(x, y - r) == 255;
+      for (int r = 1; r <= 8; ++r)
+        inside += *truth.at(x + r, y) == 255 && *truth.at(x - r, y) == 255 && *truth.at(x, y + r) == 255 &&
+                  *truth.at(x, y - r) == 255;
       if (inside > best) best = inside, bx = x, by = y;
     }
   return dots(truth.width, truth.height, {{bx, by, 255}});
@@ -42,7 +46,8 @@ MatteOpinion click_on(const Image& truth) {
 class ClipCutClips : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(ClipCutClips, FollowADancerThroughAClutteredPlaceFromOneClick) {
-  const MatteClip clip = make_clip(studio_cutout(GetParam()), cluttered_place(360, 240, GetParam()), {.frames = 24, .seed = GetParam()});
+  const MatteClip clip = make_clip(studio_cutout(GetParam()), cluttered_place(360, 240, GetParam()),
+                                   {.frames = 24, .seed = GetParam()});
   const Result<std::vector<Image>> cut = cut_clip(as_clip(clip.frames), {{0, click_on(clip.truth[0])}});
   ASSERT_THAT(cut, IsOk());
   const ClipScores s = score_clip(*cut, clip.truth, 0);
@@ -68,8 +73,10 @@ std::vector<Image> discs(const std::vector<Disc>& all) {
         std::array<double, 3> c = {60.0 + 50 * (x / 11 % 2), 110.0 + 30 * (y / 13 % 2), 90};
         for (const Disc& d : all)
           if (std::hypot(x - d.x - d.speed * f, y - d.y) < d.radius)
-            c = {d.color[0] + 2.0 * (y - d.y), d.color[1] + (x - d.x - d.speed * f), static_cast<double>(d.color[2])};
-        for (std::size_t k = 0; k < 3; ++k) frame.at(x, y)[k] = static_cast<std::uint8_t>(std::clamp(c[k] + 2 * random.normal(), 0.0, 255.0));
+            c = {d.color[0] + 2.0 * (y - d.y), d.color[1] + (x - d.x - d.speed * f),
+                 static_cast<double>(d.color[2])};
+        for (std::size_t k = 0; k < 3; ++k)
+          frame.at(x, y)[k] = static_cast<std::uint8_t>(std::clamp(c[k] + 2 * random.normal(), 0.0, 255.0));
       }
     frames.push_back(std::move(frame));
   }
@@ -86,7 +93,8 @@ constexpr Disc kSubject{45, 50, 18, 1.5, {200, 120, 90}};
 
 TEST(ClipCut, LeavesOthersWhoMoveAlone) {
   const std::vector<Image> frames = discs({kSubject, {140, 20, 12, -1, {60, 60, 200}}});
-  const Result<std::vector<Image>> cut = cut_clip(as_clip(frames), {{12, dots(kWidth, kHeight, {{63, 50, 255}})}});
+  const Result<std::vector<Image>> cut =
+      cut_clip(as_clip(frames), {{12, dots(kWidth, kHeight, {{63, 50, 255}})}});
   ASSERT_THAT(cut, IsOk());
   for (const int f : {0, 12, 23}) {
     EXPECT_GE(share_of((*cut)[static_cast<std::size_t>(f)], 45 + 1.5 * f, 50, 17), 0.97) << f;
@@ -97,7 +105,8 @@ TEST(ClipCut, LeavesOthersWhoMoveAlone) {
 TEST(ClipCut, HoldsSomebodyWhoHardlyMoves) {
   Disc resting = kSubject;
   resting.speed = 0.4;
-  const Result<std::vector<Image>> cut = cut_clip(as_clip(discs({resting})), {{0, dots(kWidth, kHeight, {{45, 50, 255}, {100, 50, 0}})}});
+  const Result<std::vector<Image>> cut =
+      cut_clip(as_clip(discs({resting})), {{0, dots(kWidth, kHeight, {{45, 50, 255}, {100, 50, 0}})}});
   ASSERT_THAT(cut, IsOk());
   for (const int f : {0, 12, 23}) {
     EXPECT_GE(share_of((*cut)[static_cast<std::size_t>(f)], 45 + 0.4 * f, 50, 16), 0.97) << f;
@@ -108,7 +117,8 @@ TEST(ClipCut, HoldsSomebodyWhoHardlyMoves) {
 TEST(ClipCut, ObeysStrokesInAnyFrame) {
   const std::vector<Image> frames = discs({kSubject});
   const Result<std::vector<Image>> cut =
-      cut_clip(as_clip(frames), {{0, dots(kWidth, kHeight, {{45, 50, 255}})}, {10, dots(kWidth, kHeight, {{60, 50, 0}, {140, 90, 255}})}});
+      cut_clip(as_clip(frames), {{0, dots(kWidth, kHeight, {{45, 50, 255}})},
+                                 {10, dots(kWidth, kHeight, {{60, 50, 0}, {140, 90, 255}})}});
   ASSERT_THAT(cut, IsOk());
   EXPECT_EQ(*(*cut)[10].at(60, 50), 0);
   EXPECT_EQ(*(*cut)[10].at(140, 90), 255);
@@ -119,7 +129,8 @@ TEST(ClipCut, GivesTheSameBytesAgainAndWorksSmall) {
   ClipCutOptions options;
   options.working_pixels = 5000;
   const std::map<int, MatteOpinion> click = {{0, dots(kWidth, kHeight, {{45, 50, 255}})}};
-  const Result<std::vector<Image>> once = cut_clip(as_clip(frames), click, options), again = cut_clip(as_clip(frames), click, options);
+  const Result<std::vector<Image>> once = cut_clip(as_clip(frames), click, options),
+                                   again = cut_clip(as_clip(frames), click, options);
   ASSERT_THAT(once, IsOk());
   ASSERT_THAT(again, IsOk());
   EXPECT_EQ(*once, *again);
@@ -130,19 +141,25 @@ TEST(ClipCut, GivesTheSameBytesAgainAndWorksSmall) {
 TEST(ClipCut, NamesWhatIsWrong) {
   std::vector<Image> frames = discs({kSubject});
   const MatteOpinion click = dots(kWidth, kHeight, {{45, 50, 255}});
-  EXPECT_THAT(cut_clip(as_clip(frames), {}), FailsWith(ErrorCode::InvalidArgument, "no stroke marks the subject"));
-  EXPECT_THAT(cut_clip(as_clip(frames), {{0, dots(kWidth, kHeight, {{45, 50, 0}})}}), FailsWith(ErrorCode::InvalidArgument, "no stroke marks the subject"));
+  EXPECT_THAT(cut_clip(as_clip(frames), {}),
+              FailsWith(ErrorCode::InvalidArgument, "no stroke marks the subject"));
+  EXPECT_THAT(cut_clip(as_clip(frames), {{0, dots(kWidth, kHeight, {{45, 50, 0}})}}),
+              FailsWith(ErrorCode::InvalidArgument, "no stroke marks the subject"));
   EXPECT_THAT(cut_clip(as_clip(frames), {{99, click}}), FailsWith(ErrorCode::InvalidArgument, "no frame 99"));
-  EXPECT_THAT(cut_clip(as_clip(frames), {{0, click}}, {.rounds = 0}), FailsWith(ErrorCode::InvalidArgument, "rounds"));
-  EXPECT_THAT(cut_clip(as_clip(frames), {{0, click}}, {}, [](int, int frame) { return frame < 5; }), FailsWith(ErrorCode::Cancelled, "stopped"));
+  EXPECT_THAT(cut_clip(as_clip(frames), {{0, click}}, {.rounds = 0}),
+              FailsWith(ErrorCode::InvalidArgument, "rounds"));
+  EXPECT_THAT(cut_clip(as_clip(frames), {{0, click}}, {}, [](int, int frame) { return frame < 5; }),
+              FailsWith(ErrorCode::Cancelled, "stopped"));
   frames[7] = Image(kWidth / 2, kHeight, 3);
-  EXPECT_THAT(cut_clip(as_clip(frames), {{0, click}}), FailsWith(ErrorCode::BadData, "frame 7: the photograph is 80x100"));
+  EXPECT_THAT(cut_clip(as_clip(frames), {{0, click}}),
+              FailsWith(ErrorCode::BadData, "frame 7: the photograph is 80x100"));
 }
 
 TEST(BackdropMemory, KnowsShadowsAndNothingOfPlacesItNeverSaw) {
   BackdropMemory memory(2, 1);
   Image picture(2, 1, 3), near(2, 1, 1);
-  for (std::size_t c = 0; c < 3; ++c) picture.pixels[c] = picture.pixels[3 + c] = static_cast<std::uint8_t>(100 + 40 * c);
+  for (std::size_t c = 0; c < 3; ++c)
+    picture.pixels[c] = picture.pixels[3 + c] = static_cast<std::uint8_t>(100 + 40 * c);
   near.pixels[1] = 255;
   for (int i = 0; i < 8; ++i) memory.observe(picture, near);
   const std::uint8_t same[] = {100, 140, 180}, shadow[] = {88, 123, 158}, other[] = {180, 140, 100};

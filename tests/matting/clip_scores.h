@@ -14,7 +14,8 @@ struct ClipScores {
   double mse = 0, iou = 0, dtssd = 0;
 };
 
-inline ClipScores score_clip(const std::vector<Image>& mattes, const std::vector<Image>& truth, std::size_t first = 1) {
+inline ClipScores score_clip(const std::vector<Image>& mattes, const std::vector<Image>& truth,
+                             std::size_t first = 1) {
   ClipScores s;
   const double n = static_cast<double>(truth.size() - first);
   for (std::size_t f = first; f < truth.size(); ++f) {
@@ -22,7 +23,8 @@ inline ClipScores score_clip(const std::vector<Image>& mattes, const std::vector
     s.iou += matte_iou(mattes[f], truth[f]) / n;
   }
   for (std::size_t f = 1; f < truth.size(); ++f)
-    s.dtssd += matte_dtssd(mattes[f - 1], mattes[f], truth[f - 1], truth[f]) / static_cast<double>(truth.size() - 1);
+    s.dtssd +=
+        matte_dtssd(mattes[f - 1], mattes[f], truth[f - 1], truth[f]) / static_cast<double>(truth.size() - 1);
   return s;
 }
 

@@ -17,7 +17,8 @@ namespace {
 Image rgb_of(const Image& picture) {
   if (picture.channels == 3) return picture;
   Image out(picture.width, picture.height, 3);
-  for (std::size_t p = 0; p < out.pixels.size() / 3; ++p) std::copy_n(picture.pixels.data() + 4 * p, 3, out.pixels.data() + 3 * p);
+  for (std::size_t p = 0; p < out.pixels.size() / 3; ++p)
+    std::copy_n(picture.pixels.data() + 4 * p, 3, out.pixels.data() + 3 * p);
   return out;
 }
 
@@ -28,7 +29,9 @@ class Lemur : public testing::TestWithParam<std::uint64_t> {
     cutout_ = {rgb_of(*load_png(folder() / "lemur_foreground.png")), *load_png(folder() / "lemur_alpha.png")};
   }
   static std::filesystem::path folder() { return real_data("lemur-pymatting"); }
-  MatteClip clip(const Image& backdrop) const { return make_clip(cutout_, backdrop, {.seed = GetParam(), .scale = 0.4}); }
+  MatteClip clip(const Image& backdrop) const {
+    return make_clip(cutout_, backdrop, {.seed = GetParam(), .scale = 0.4});
+  }
   static ClipScores carried(const MatteClip& clip) {
     Result<ClosedFormVideo> video = ClosedFormVideo::create();
     EXPECT_THAT(video->keyframe(clip.frames[0], clip.truth[0]), IsOk());
@@ -51,7 +54,8 @@ TEST_P(Lemur, IsCarriedOverTheBeachFromTheFirstFrame) {
   const Image beach = rgb_of(*load_png(folder() / "beach.png"));
   Image plate(360, 240, 3);  // a window of the beach, at half its size where it is large enough
   for (int y = 0; y < 240; ++y)
-    for (int x = 0; x < 360; ++x) std::copy_n(beach.at(x * beach.width / 360, y * beach.height / 240), 3, plate.at(x, y));
+    for (int x = 0; x < 360; ++x)
+      std::copy_n(beach.at(x * beach.width / 360, y * beach.height / 240), 3, plate.at(x, y));
   const ClipScores s = carried(clip(plate));
   std::cout << "lemur, beach, seed " << GetParam() << ": " << s << "\n";
   EXPECT_LE(s.mse, 8.8e-3);
@@ -61,14 +65,17 @@ TEST_P(Lemur, IsCarriedOverTheBeachFromTheFirstFrame) {
 // What `auto` chooses by: the truth agrees with it.
 TEST_P(Lemur, IsMattedBestByWhatExplainsThePictureBest) {
   for (const bool green : {true, false}) {
-    const MatteClip c = clip(green ? green_cloth(360, 240, GetParam()) : cluttered_place(360, 240, GetParam()));
+    const MatteClip c =
+        clip(green ? green_cloth(360, 240, GetParam()) : cluttered_place(360, 240, GetParam()));
     const auto keyer = green ? make_keyer("chroma", {c.frames[0]}) : make_keyer("plate", {c.plate});
     const Plate plate = *learn_plate({c.plate});
     for (std::size_t f = 0; f < c.frames.size(); f += 4) {
       const Image key = to_image(*(*keyer)->key(make_frame({}, c.frames[f])));
       const Image refined = *refine_matte(c.frames[f], key, key_refinement());
-      const std::vector<double> r = composite_residuals(c.frames[f], {key, refined}, green ? nullptr : &plate);
-      EXPECT_EQ(r[1] < r[0], matte_mse(refined, c.truth[f]) < matte_mse(key, c.truth[f])) << green << " frame " << f;
+      const std::vector<double> r =
+          composite_residuals(c.frames[f], {key, refined}, green ? nullptr : &plate);
+      EXPECT_EQ(r[1] < r[0], matte_mse(refined, c.truth[f]) < matte_mse(key, c.truth[f]))
+          << green << " frame " << f;
     }
   }
 }

@@ -51,7 +51,8 @@ TEST_F(Dandelion, IsMattedAsByMatlabFromScribbles) {
 
 TEST_F(Dandelion, HasTheForegroundColoursThatMatlabFinds) {
   FLOATSTAGE_NEEDS_DATA(real_data("levin-dandelion"));
-  const Image alpha = load("matlab_alpha.png"), matlab = load("matlab_foreground.png"), source = load("source.png");
+  const Image alpha = load("matlab_alpha.png"), matlab = load("matlab_foreground.png"),
+              source = load("source.png");
   const Result<Layers> layers = estimate_foreground(source, alpha);
   ASSERT_THAT(layers, IsOk());
   double ours = 0, naive = 0, weight = 0;
@@ -63,7 +64,8 @@ TEST_F(Dandelion, HasTheForegroundColoursThatMatlabFinds) {
       weight += a;
     }
   }
-  std::cout << "foreground: mean difference " << ours / weight << " of 255, of the photograph itself " << naive / weight << "\n";
+  std::cout << "foreground: mean difference " << ours / weight << " of 255, of the photograph itself "
+            << naive / weight << "\n";
   EXPECT_LE(ours, 0.5 * naive);
 }
 

@@ -11,11 +11,14 @@ namespace floatstage {
 namespace {
 
 // The truth's trimap: unknown within about `margin` px of where it is neither 0 nor 255.
-Image trimap_of(const Image& alpha, int margin) { return trimap_around(alpha, {.margin = margin, .soft_from = 1, .soft_to = 254}); }
+Image trimap_of(const Image& alpha, int margin) {
+  return trimap_around(alpha, {.margin = margin, .soft_from = 1, .soft_to = 254});
+}
 
 double worst_difference(const Image& a, const Image& b) {
   double worst = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i) worst = std::max(worst, std::abs(a.pixels[i] - b.pixels[i]) / 255.0);
+  for (std::size_t i = 0; i < a.pixels.size(); ++i)
+    worst = std::max(worst, std::abs(a.pixels[i] - b.pixels[i]) / 255.0);
   return worst;
 }
 
@@ -85,7 +88,8 @@ TEST(ClosedForm, SolvesAPictureThatIsTooLargeCoarseToFine) {
   const Image alpha = to_image(truth(scene)), trimap = trimap_of(alpha, 20);
   ClosedFormOptions options;
   options.most_unknown = 6000;
-  const Result<Image> coarse = closed_form_matte(photograph(scene), trimap, options), whole = closed_form_matte(photograph(scene), trimap);
+  const Result<Image> coarse = closed_form_matte(photograph(scene), trimap, options),
+                      whole = closed_form_matte(photograph(scene), trimap);
   ASSERT_THAT(coarse, IsOk());
   ASSERT_THAT(whole, IsOk());
   EXPECT_LE(worst_difference(*coarse, *whole), 0.06);
@@ -103,12 +107,16 @@ TEST(ClosedForm, GivesTheSameBytesAgain) {
 
 TEST(ClosedForm, RefusesWhatDoesNotFit) {
   const Image picture = photograph(Scene{});
-  EXPECT_THAT(closed_form_matte(picture, Image(80, 60, 1, 128)), FailsWith(ErrorCode::InvalidArgument, "80x60"));
-  EXPECT_THAT(closed_form_matte(picture, Image(160, 120, 1, 128)), FailsWith(ErrorCode::InvalidArgument, "nothing in the trimap is known"));
-  EXPECT_THAT(closed_form_matte(Image(2, 2, 3), Image(2, 2, 1)), FailsWith(ErrorCode::InvalidArgument, "2x2"));
+  EXPECT_THAT(closed_form_matte(picture, Image(80, 60, 1, 128)),
+              FailsWith(ErrorCode::InvalidArgument, "80x60"));
+  EXPECT_THAT(closed_form_matte(picture, Image(160, 120, 1, 128)),
+              FailsWith(ErrorCode::InvalidArgument, "nothing in the trimap is known"));
+  EXPECT_THAT(closed_form_matte(Image(2, 2, 3), Image(2, 2, 1)),
+              FailsWith(ErrorCode::InvalidArgument, "2x2"));
   ClosedFormOptions options;
   options.constraint = 0;
-  EXPECT_THAT(closed_form_matte(picture, Image(160, 120, 1, 0), options), FailsWith(ErrorCode::InvalidArgument, "constraint"));
+  EXPECT_THAT(closed_form_matte(picture, Image(160, 120, 1, 0), options),
+              FailsWith(ErrorCode::InvalidArgument, "constraint"));
 }
 
 TEST(TrimapAround, MarksSoftPixelsAndHardEdgesWithAMargin) {
@@ -135,7 +143,8 @@ TEST(TrimapFromScribbles, KnowsWhatWasPainted) {
   EXPECT_EQ(*trimap->at(4, 5), 255);
   EXPECT_EQ(*trimap->at(6, 7), 0);
   EXPECT_EQ(std::count(trimap->pixels.begin(), trimap->pixels.end(), 128), 160 * 120 - 2);
-  EXPECT_THAT(trimap_from_scribbles(picture, Image(160, 120, 1)), FailsWith(ErrorCode::InvalidArgument, "channels"));
+  EXPECT_THAT(trimap_from_scribbles(picture, Image(160, 120, 1)),
+              FailsWith(ErrorCode::InvalidArgument, "channels"));
 }
 
 TEST(RefineMatte, BringsASmallMatteToTheLargePicturesEdges) {
@@ -171,11 +180,14 @@ TEST(RefineMatte, KeepsWhatAPersonSaid) {
 }
 
 TEST(RefineMatte, LeavesAnEmptyAndAFullMatteAlone) {
-  for (const std::uint8_t value : {0, 255}) EXPECT_THAT(refine_matte(photograph(Scene{}), Image(160, 120, 1, value)), IsOkAnd(Image(160, 120, 1, value)));
+  for (const std::uint8_t value : {0, 255})
+    EXPECT_THAT(refine_matte(photograph(Scene{}), Image(160, 120, 1, value)),
+                IsOkAnd(Image(160, 120, 1, value)));
 }
 
 TEST(RefineMatte, RefusesAnotherShape) {
-  EXPECT_THAT(refine_matte(photograph(Scene{}), Image(40, 60, 1)), FailsWith(ErrorCode::InvalidArgument, "shape"));
+  EXPECT_THAT(refine_matte(photograph(Scene{}), Image(40, 60, 1)),
+              FailsWith(ErrorCode::InvalidArgument, "shape"));
 }
 
 }  // namespace

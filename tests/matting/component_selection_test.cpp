@@ -57,7 +57,8 @@ TEST(SelectComponents, FindsTheSubsetThatMadeTheMatte) {
 TEST(SelectComponents, IsAsGoodAsTheBestOfAllSubsets) {
   Random random(5);
   MattingComponents c{16, 10, Eigen::MatrixXf(160, 7)};
-  for (Eigen::Index i = 0; i < c.alpha.size(); ++i) c.alpha(i) = static_cast<float>(random.uniform(-0.1, 0.6));
+  for (Eigen::Index i = 0; i < c.alpha.size(); ++i)
+    c.alpha(i) = static_cast<float>(random.uniform(-0.1, 0.6));
   std::vector<SelectionTerm> terms(2, {{Image(16, 10, 1), Image(16, 10, 1)}, 1});
   for (auto& t : terms) {
     for (auto& byte : t.opinion.opacity.pixels) byte = static_cast<std::uint8_t>(random.next());
@@ -88,8 +89,10 @@ TEST(SelectComponents, TakesAClickForItsComponentOnly) {
 
 TEST(SelectComponents, LetsTheStrongerOpinionWin) {
   const MattingComponents c = stripes(3);
-  const MatteOpinion first{picture_of(c, {true, false, false}), {}}, second{picture_of(c, {false, true, false}), {}};
-  const auto a = select_components(c, {{first, 1}, {second, 0.3}}), b = select_components(c, {{first, 0.3}, {second, 1}});
+  const MatteOpinion first{picture_of(c, {true, false, false}), {}},
+      second{picture_of(c, {false, true, false}), {}};
+  const auto a = select_components(c, {{first, 1}, {second, 0.3}}),
+             b = select_components(c, {{first, 0.3}, {second, 1}});
   ASSERT_THAT(a, IsOk());
   ASSERT_THAT(b, IsOk());
   EXPECT_THAT(a->chosen, ElementsAre(true, false, false));
@@ -123,11 +126,13 @@ TEST(SelectComponents, SaysWhatDoesNotFit) {
   EXPECT_THAT(select_components(c, {}), FailsWith(ErrorCode::InvalidArgument, "nothing says"));
   EXPECT_THAT(select_components(c, {{{Image(16, 5, 1), Image(16, 5, 1, 0)}, 1}}),
               FailsWith(ErrorCode::InvalidArgument, "nothing says"));
-  EXPECT_THAT(select_components(c, {{{Image(15, 5, 1), {}}, 1}}), FailsWith(ErrorCode::InvalidArgument, "15x5"));
+  EXPECT_THAT(select_components(c, {{{Image(15, 5, 1), {}}, 1}}),
+              FailsWith(ErrorCode::InvalidArgument, "15x5"));
   EXPECT_THAT(select_components(c, {{{Image(16, 5, 1), Image(16, 4, 1)}, 1}}),
               FailsWith(ErrorCode::InvalidArgument, "weight"));
   EXPECT_THAT(select_components(c, {{good, -1}}), FailsWith(ErrorCode::InvalidArgument, "strength"));
-  EXPECT_THAT(select_components(c, {{good, 1}}, {true}, 1), FailsWith(ErrorCode::InvalidArgument, "previous"));
+  EXPECT_THAT(select_components(c, {{good, 1}}, {true}, 1),
+              FailsWith(ErrorCode::InvalidArgument, "previous"));
 }
 
 TEST(GuessSelection, FindsADiscBeforeFields) {
@@ -142,7 +147,8 @@ TEST(GuessSelection, FindsADiscBeforeFields) {
   const auto guess = guess_selection(*components, *laplacian);
   ASSERT_THAT(guess, IsOk());
   EXPECT_LT(mean_square(matte_of(*components, guess->chosen), scene.alpha), 0.01);
-  EXPECT_THAT(guess_selection(*components, Eigen::SparseMatrix<double>(9, 9)), FailsWith(ErrorCode::InvalidArgument, "9 pixels"));
+  EXPECT_THAT(guess_selection(*components, Eigen::SparseMatrix<double>(9, 9)),
+              FailsWith(ErrorCode::InvalidArgument, "9 pixels"));
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ Image disc(double radius) {
 TEST(CompositeResiduals, AreLeastForTheTruth) {
   Scene scene;
   scene.noise = 2;
-  const std::vector<double> r = composite_residuals(photograph(scene), {disc(27), disc(30), disc(33), disc(30.7)});
+  const std::vector<double> r =
+      composite_residuals(photograph(scene), {disc(27), disc(30), disc(33), disc(30.7)});
   EXPECT_LT(r[1], r[0]);
   EXPECT_LT(r[1], r[2]);
   EXPECT_LT(r[1], r[3]);
@@ -36,14 +37,17 @@ TEST(CompositeResiduals, UseThePlateWhereTheBackgroundChangesColour) {
   Image empty = empty_stage(scene), picture = photograph(scene);
   for (int y = 0; y < 120; ++y)  // a red curtain begins right beside the subject
     for (int x = 112; x < 160; ++x)
-      for (Image* image : {&empty, &picture}) image->at(x, y)[0] = 170, image->at(x, y)[1] = 60, image->at(x, y)[2] = 60;
+      for (Image* image : {&empty, &picture})
+        image->at(x, y)[0] = 170, image->at(x, y)[1] = 60, image->at(x, y)[2] = 60;
   const Plate plate = *learn_plate({empty});
   const Image fooled = disc(36);
-  EXPECT_LT(composite_residuals(picture, {disc(30), fooled}, &plate)[0], composite_residuals(picture, {disc(30), fooled}, &plate)[1]);
+  EXPECT_LT(composite_residuals(picture, {disc(30), fooled}, &plate)[0],
+            composite_residuals(picture, {disc(30), fooled}, &plate)[1]);
 }
 
 TEST(CompositeResiduals, RefuseAnEmptyCandidateBesideOneWithASubject) {
-  const std::vector<double> r = composite_residuals(photograph(Scene{}), {Image(160, 120, 1), disc(30), Image(80, 60, 1)});
+  const std::vector<double> r =
+      composite_residuals(photograph(Scene{}), {Image(160, 120, 1), disc(30), Image(80, 60, 1)});
   EXPECT_TRUE(std::isinf(r[0]));
   EXPECT_TRUE(std::isfinite(r[1]));
   EXPECT_TRUE(std::isinf(r[2]));
@@ -75,7 +79,9 @@ TEST(MethodComparison, TakesTheUsualOneWhereScoresHardlyDiffer) {
 TEST(MethodComparison, NeverPrefersNobodyHoweverCalm) {
   const Image picture(80, 60, 3, 100), nobody(80, 60, 1);
   Image somebody(80, 60, 1), moved(80, 60, 1);
-  for (int y = 20; y < 40; ++y) std::fill_n(somebody.at(20, y), 20, std::uint8_t{255}), std::fill_n(moved.at(30, y), 20, std::uint8_t{255});
+  for (int y = 20; y < 40; ++y)
+    std::fill_n(somebody.at(20, y), 20, std::uint8_t{255}),
+        std::fill_n(moved.at(30, y), 20, std::uint8_t{255});
   MethodComparison comparison(2);
   comparison.add(picture, {nobody, somebody});
   comparison.add_pair(picture, {nobody, moved}, picture, {nobody, somebody});

@@ -67,8 +67,10 @@ Reference spectra(const Image& picture, int count) {
 
 // The largest sine between a vector of one space and the other space.
 double sine_between(const MatrixXd& a, const MatrixXd& b) {
-  const MatrixXd qa = Eigen::HouseholderQR<MatrixXd>(a).householderQ() * MatrixXd::Identity(a.rows(), a.cols());
-  const MatrixXd qb = Eigen::HouseholderQR<MatrixXd>(b).householderQ() * MatrixXd::Identity(b.rows(), b.cols());
+  const MatrixXd qa =
+      Eigen::HouseholderQR<MatrixXd>(a).householderQ() * MatrixXd::Identity(a.rows(), a.cols());
+  const MatrixXd qb =
+      Eigen::HouseholderQR<MatrixXd>(b).householderQ() * MatrixXd::Identity(b.rows(), b.cols());
   return (qa - qb * (qb.transpose() * qa)).jacobiSvd().singularValues()(0);
 }
 
@@ -82,7 +84,8 @@ double measured_residual(const Image& picture, const EigenPairs& pairs, int coun
   return worst;
 }
 
-EigenPairs solve(const Image& picture, const SpectralOptions& options = {}, const EigenPairs* previous = nullptr) {
+EigenPairs solve(const Image& picture, const SpectralOptions& options = {},
+                 const EigenPairs* previous = nullptr) {
   auto solver = EigenSolver::create(picture.width, picture.height, options);
   EXPECT_THAT(solver, IsOk());
   auto pairs = solver->solve(picture, previous);
@@ -143,15 +146,19 @@ TEST(EigenSolver, AgreesWithSpectraWhenAskedForEverything) {
 }
 
 TEST(EigenSolver, AgreesWithSpectraAfterTenStepsOnAFrameOfAClip) {
-  const Image frame = make_clip(studio_cutout(1), green_cloth(120, 80, 1), {.width = 120, .height = 80, .frames = 1}).frames[0];
+  const Image frame =
+      make_clip(studio_cutout(1), green_cloth(120, 80, 1), {.width = 120, .height = 80, .frames = 1})
+          .frames[0];
   const EigenPairs pairs = solve(frame, {.krylov_block = 25, .krylov_steps = 10, .tolerance = 0});
   const Reference reference = spectra(frame, 50);
-  for (int i = 1; i < 50; ++i) EXPECT_NEAR(pairs.values(i) / reference.values(i), 1, 1e-8) << "eigenvalue " << i;
+  for (int i = 1; i < 50; ++i)
+    EXPECT_NEAR(pairs.values(i) / reference.values(i), 1, 1e-8) << "eigenvalue " << i;
 }
 
 TEST(EigenSolver, StopsAtTheToleranceAndSaysHowFarItGot) {
   const Image picture = disc_picture(120, 80, 0, 3).rgb;
-  const EigenPairs coarse = solve(picture, {.tolerance = 1e-4}), fine = solve(picture, {.krylov_steps = 20, .tolerance = 1e-6});
+  const EigenPairs coarse = solve(picture, {.tolerance = 1e-4}),
+                   fine = solve(picture, {.krylov_steps = 20, .tolerance = 1e-6});
   EXPECT_LE(coarse.residual, 1e-4);
   EXPECT_LE(fine.residual, 1e-6);
   EXPECT_LT(fine.residual, coarse.residual);
@@ -164,7 +171,8 @@ TEST(EigenSolver, StartsTheNextFrameFromThePrevious) {
   const EigenPairs previous = solve(first);
   const EigenPairs warm = solve(second, {}, &previous), longer = solve(second, {.warm_steps = 4}, &previous);
   const EigenPairs exact = solve(second, {.krylov_block = 25, .krylov_steps = 12, .tolerance = 0});
-  EXPECT_LT(sine_between(warm.vectors.leftCols(25).cast<double>(), exact.vectors.leftCols(28).cast<double>()), 0.05);
+  EXPECT_LT(sine_between(warm.vectors.leftCols(25).cast<double>(), exact.vectors.leftCols(28).cast<double>()),
+            0.05);
   EXPECT_LT(longer.residual, warm.residual);
   EXPECT_NEAR(measured_residual(second, warm, 50) / warm.residual, 1, 0.05);
 }
@@ -200,14 +208,17 @@ TEST(EigenSolver, SaysWhatItCannotDo) {
   EXPECT_THAT(EigenSolver::create(8, 8), FailsWith(ErrorCode::InvalidArgument, "too small"));
   EXPECT_THAT(EigenSolver::create(-5, 100), FailsWith(ErrorCode::InvalidArgument, "too small"));
   EXPECT_THAT(EigenSolver::create(9000, 9000), FailsWith(ErrorCode::InvalidArgument, "too large"));
-  EXPECT_THAT(EigenSolver::create(90, 90, {.components = 1}), FailsWith(ErrorCode::InvalidArgument, "components"));
-  EXPECT_THAT(EigenSolver::create(90, 90, {.krylov_steps = 3}), FailsWith(ErrorCode::InvalidArgument, "Krylov"));
+  EXPECT_THAT(EigenSolver::create(90, 90, {.components = 1}),
+              FailsWith(ErrorCode::InvalidArgument, "components"));
+  EXPECT_THAT(EigenSolver::create(90, 90, {.krylov_steps = 3}),
+              FailsWith(ErrorCode::InvalidArgument, "Krylov"));
   auto solver = EigenSolver::create(40, 30);
   ASSERT_THAT(solver, IsOk());
   EXPECT_THAT(solver->solve(Image(40, 30, 3, 77)), FailsWith(ErrorCode::BadData, "one colour"));
   EXPECT_THAT(solver->solve(disc_picture(41, 30).rgb), FailsWith(ErrorCode::InvalidArgument, "41x30"));
   const EigenPairs other = solve(disc_picture(50, 30).rgb);
-  EXPECT_THAT(solver->solve(disc_picture(40, 30).rgb, &other), FailsWith(ErrorCode::InvalidArgument, "50x30"));
+  EXPECT_THAT(solver->solve(disc_picture(40, 30).rgb, &other),
+              FailsWith(ErrorCode::InvalidArgument, "50x30"));
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ TEST(Foreground, ComposesToThePictureAgain) {
   double sum = 0;
   for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
     const double a = matte.pixels[i / 3] / 255.0;
-    sum += std::abs(a * layers->foreground.pixels[i] + (1 - a) * layers->background.pixels[i] - picture.pixels[i]);
+    sum += std::abs(a * layers->foreground.pixels[i] + (1 - a) * layers->background.pixels[i] -
+                    picture.pixels[i]);
   }
   EXPECT_LT(sum / static_cast<double>(picture.pixels.size()), 1.0);
 }
@@ -60,9 +61,11 @@ Image without_spill(Image image, BackingChannel channel, double average = 0, boo
 TEST(Despill, LimitsTheClothsChannelToTheOthers) {
   EXPECT_EQ(without_spill(one_pixel(120, 180, 90), BackingChannel::Green), one_pixel(120, 120, 90));
   EXPECT_EQ(without_spill(one_pixel(120, 90, 180), BackingChannel::Blue), one_pixel(120, 90, 120));
-  EXPECT_EQ(without_spill(one_pixel(120, 180, 90), BackingChannel::Blue), one_pixel(120, 180, 90)) << "a green shirt on blue cloth";
+  EXPECT_EQ(without_spill(one_pixel(120, 180, 90), BackingChannel::Blue), one_pixel(120, 180, 90))
+      << "a green shirt on blue cloth";
   EXPECT_EQ(without_spill(one_pixel(120, 180, 90), BackingChannel::Green, 1), one_pixel(120, 105, 90));
-  EXPECT_EQ(without_spill(one_pixel(200, 150, 130), BackingChannel::Green), one_pixel(200, 150, 130)) << "skin";
+  EXPECT_EQ(without_spill(one_pixel(200, 150, 130), BackingChannel::Green), one_pixel(200, 150, 130))
+      << "skin";
 }
 
 TEST(Despill, GivesTheLightBackToAllChannelsOnRequest) {

@@ -20,7 +20,10 @@ double energy(const Image& picture, const CutEvidence& e, double smooth, unsigne
   const int w = picture.width, h = picture.height;
   const auto square = [&](int p, int q) {
     double sum = 0;
-    for (int c = 0; c < 3; ++c) sum += std::pow(picture.pixels[static_cast<std::size_t>(3 * p + c)] - picture.pixels[static_cast<std::size_t>(3 * q + c)], 2);
+    for (int c = 0; c < 3; ++c)
+      sum += std::pow(picture.pixels[static_cast<std::size_t>(3 * p + c)] -
+                          picture.pixels[static_cast<std::size_t>(3 * q + c)],
+                      2);
     return sum;
   };
   double contrast = 0, cost = 0;
@@ -32,9 +35,12 @@ double energy(const Image& picture, const CutEvidence& e, double smooth, unsigne
         if (dx > 1 || dy > 1) continue;
         if (pass == 0) contrast += square(p, q), ++pairs;
         if (pass == 1 && (labels >> p & 1) != (labels >> q & 1))
-          cost += smooth * std::max(0.05, std::exp(-pairs / (2 * contrast) * square(p, q))) / std::hypot(dx, dy);
+          cost +=
+              smooth * std::max(0.05, std::exp(-pairs / (2 * contrast) * square(p, q))) / std::hypot(dx, dy);
       }
-  for (int p = 0; p < w * h; ++p) cost += (labels >> p & 1) ? std::max(0.0f, -e.odds[static_cast<std::size_t>(p)]) : std::max(0.0f, e.odds[static_cast<std::size_t>(p)]);
+  for (int p = 0; p < w * h; ++p)
+    cost += (labels >> p & 1) ? std::max(0.0f, -e.odds[static_cast<std::size_t>(p)])
+                              : std::max(0.0f, e.odds[static_cast<std::size_t>(p)]);
   return cost;
 }
 
@@ -46,7 +52,8 @@ TEST(FrameCut, FindsTheCheapestOfAllSplits) {
     for (float& o : e.odds) o = static_cast<float>(4 * random.uniform() - 2);
     const double smooth = 1.5;
     double least = 1e9;
-    for (unsigned labels = 0; labels < 1u << 12; ++labels) least = std::min(least, energy(picture, e, smooth, labels));
+    for (unsigned labels = 0; labels < 1u << 12; ++labels)
+      least = std::min(least, energy(picture, e, smooth, labels));
     const Image cut = cut_frame(picture, e, smooth);
     unsigned found = 0;
     for (unsigned p = 0; p < 12; ++p) found |= cut.pixels[p] ? 1u << p : 0;
@@ -64,7 +71,8 @@ TEST(FrameCut, WhoIsNotAskedIsBackground) {
 }
 
 TEST(FrameCut, TheBackdropsOwnEdgesDoNotAttractTheOutline) {
-  // Columns 0-3 dark, 4-7 bright; certain background at the left, certain subject at the right, the rest is open.
+  // Columns 0-3 dark, 4-7 bright; certain background at the left, certain subject at the right, the rest is
+  // open.
   Image picture(8, 6, 3, 40);
   CutEvidence e{std::vector<float>(48), std::vector<std::uint8_t>(48, 1), std::vector<float>(48, 1)};
   for (int y = 0; y < 6; ++y)

@@ -18,8 +18,9 @@ Image texture(int width, int height, double shift) {
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < 3; ++c) {
         const double u = x - shift;
-        out.at(x, y)[c] = static_cast<std::uint8_t>(
-            std::lround(127 + 50 * std::sin(0.31 * u + 0.2 * y + c) + 40 * std::sin(0.17 * y - 0.23 * u) + 25 * std::cos(0.6 * y)));
+        out.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(127 + 50 * std::sin(0.31 * u + 0.2 * y + c) +
+                                                                40 * std::sin(0.17 * y - 0.23 * u) +
+                                                                25 * std::cos(0.6 * y)));
       }
   return out;
 }

@@ -9,8 +9,9 @@
 
 namespace floatstage {
 
-/// Frame `frame` of a clip under a blown-out sky: most of it is exactly white, the rest goes there in steps of one
-/// channel, with a roof line that moves. Such windows show one line in colour space, or no colour at all.
+/// Frame `frame` of a clip under a blown-out sky: most of it is exactly white, the rest goes there in steps
+/// of one channel, with a roof line that moves. Such windows show one line in colour space, or no colour at
+/// all.
 inline Image saturated_sky(int width, int height, int frame) {
   Image picture(width, height, 3);
   for (int y = 0; y < height; ++y) {
@@ -32,7 +33,8 @@ inline Image saturated_sky(int width, int height, int frame) {
   return picture;
 }
 
-/// Frame `frame` of a clip before synthetic green that has one value in every pixel; a disc with a gradient moves.
+/// Frame `frame` of a clip before synthetic green that has one value in every pixel; a disc with a gradient
+/// moves.
 inline Image flat_green(int width, int height, int frame) {
   Image picture(width, height, 3);
   for (int y = 0; y < height; ++y) {

@@ -79,7 +79,8 @@ TEST(MattingComponents, SumToOneAndAreMostlyZeroOrOne) {
   const MattingComponents components = components_of(disc_picture(kWidth, kHeight).rgb);
   ASSERT_EQ(components.count(), 10);
   EXPECT_LT((components.alpha.rowwise().sum().array() - 1).abs().maxCoeff(), 2e-3f);
-  const auto decided = (components.alpha.array().abs() < 0.05f || (components.alpha.array() - 1).abs() < 0.05f);
+  const auto decided =
+      (components.alpha.array().abs() < 0.05f || (components.alpha.array() - 1).abs() < 0.05f);
   EXPECT_GT(static_cast<double>(decided.count()), 0.85 * static_cast<double>(components.alpha.size()));
 }
 
@@ -109,7 +110,8 @@ TEST(MattingComponents, SayWhatDoesNotFit) {
   EXPECT_THAT(matting_components(pairs, {.sparsity = 1}), FailsWith(ErrorCode::InvalidArgument, "sparsity"));
   const auto ten = matting_components(pairs);
   ASSERT_THAT(ten, IsOk());
-  EXPECT_THAT(matting_components(pairs, {.components = 6}, &*ten), FailsWith(ErrorCode::InvalidArgument, "10 components"));
+  EXPECT_THAT(matting_components(pairs, {.components = 6}, &*ten),
+              FailsWith(ErrorCode::InvalidArgument, "10 components"));
 }
 
 }  // namespace

@@ -57,7 +57,8 @@ TEST(MattingLaplacian, IsTheDefinitionOfClosedFormMatting) {
     for (const double epsilon : {1e-7, 1e-4}) {
       const auto laplacian = matting_laplacian(picture, {.epsilon = epsilon});
       ASSERT_THAT(laplacian, IsOk());
-      EXPECT_LT((Eigen::MatrixXd(*laplacian) - dense_reference(picture, epsilon)).cwiseAbs().maxCoeff(), 1e-11)
+      EXPECT_LT((Eigen::MatrixXd(*laplacian) - dense_reference(picture, epsilon)).cwiseAbs().maxCoeff(),
+                1e-11)
           << width << "x" << height << ", epsilon " << epsilon;
     }
   }
@@ -97,14 +98,16 @@ TEST(MattingLaplacian, LeavesOutWindowsThatAreAllKnown) {
     for (int x = 0; x < 14; ++x) *known.at(x, y) = x < 6 || y > 8 ? 255 : 0;
   const auto laplacian = matting_laplacian(picture, {}, known);
   ASSERT_THAT(laplacian, IsOk());
-  EXPECT_LT((Eigen::MatrixXd(*laplacian) - dense_reference(picture, 1e-7, known)).cwiseAbs().maxCoeff(), 1e-11);
+  EXPECT_LT((Eigen::MatrixXd(*laplacian) - dense_reference(picture, 1e-7, known)).cwiseAbs().maxCoeff(),
+            1e-11);
   const auto whole = matting_laplacian(picture);
   ASSERT_THAT(whole, IsOk());
   EXPECT_LT(laplacian->nonZeros(), whole->nonZeros() * 3 / 4);
 }
 
 TEST(MattingLaplacian, HasOnePatternForOneSize) {
-  const auto busy = matting_laplacian(random_picture(12, 9, 1)), flat = matting_laplacian(Image(12, 9, 3, 40));
+  const auto busy = matting_laplacian(random_picture(12, 9, 1)),
+             flat = matting_laplacian(Image(12, 9, 3, 40));
   ASSERT_THAT(busy, IsOk());
   ASSERT_THAT(flat, IsOk());
   ASSERT_EQ(busy->nonZeros(), flat->nonZeros());
@@ -112,21 +115,21 @@ TEST(MattingLaplacian, HasOnePatternForOneSize) {
     ASSERT_EQ(busy->innerIndexPtr()[i], flat->innerIndexPtr()[i]);
 }
 
-// The 3x3 picture has one window, so its Laplacian is one block. With an inverse of the covariance one block in
-// a hundred of such pictures has an eigenvalue of -1e-3.
+// The 3x3 picture has one window, so its Laplacian is one block. With an inverse of the covariance one block
+// in a hundred of such pictures has an eigenvalue of -1e-3.
 TEST(MattingLaplacian, IsPositiveSemidefiniteInEveryWindowOfSaturatedSkyAndFlatGreen) {
   double worst = 0;
   for (const Image& picture : {saturated_sky(96, 64, 0), flat_green(96, 64, 0), one_colour_line(96, 64)}) {
     for (int y = 0; y + 3 <= picture.height; ++y) {
       for (int x = 0; x + 3 <= picture.width; ++x) {
         Image window(3, 3, 3);
-        for (int i = 0; i < 9; ++i)
-          std::copy_n(picture.at(x + i % 3, y + i / 3), 3, window.at(i % 3, i / 3));
+        for (int i = 0; i < 9; ++i) std::copy_n(picture.at(x + i % 3, y + i / 3), 3, window.at(i % 3, i / 3));
         const auto block = matting_laplacian(window);
         ASSERT_THAT(block, IsOk());
         const Eigen::Matrix<double, 9, 9> dense = Eigen::MatrixXd(*block);
-        worst = std::min(worst, Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(
-                                    dense, Eigen::EigenvaluesOnly).eigenvalues()(0));
+        worst = std::min(
+            worst, Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(dense, Eigen::EigenvaluesOnly)
+                       .eigenvalues()(0));
       }
     }
   }

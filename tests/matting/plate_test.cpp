@@ -63,8 +63,10 @@ TEST(Plate, OfSomebodyWhoStaysIsLearntAgainFromMattes) {
 TEST(Plate, RefusesWhatIsNoSet) {
   EXPECT_THAT(learn_plate({}), FailsWith(ErrorCode::InvalidArgument, "at least one"));
   EXPECT_THAT(learn_plate({Image(4, 4, 3), Image(5, 4, 3)}), FailsWith(ErrorCode::InvalidArgument, "5x4"));
-  EXPECT_THAT(learn_plate({Image(4, 4, 3)}, {}, {Image(3, 3, 1)}), FailsWith(ErrorCode::InvalidArgument, "3x3"));
-  EXPECT_THAT(learn_plate({Image(4, 4, 3)}, {}, {Image(4, 4, 1), Image(4, 4, 1)}), FailsWith(ErrorCode::InvalidArgument, "2 mattes"));
+  EXPECT_THAT(learn_plate({Image(4, 4, 3)}, {}, {Image(3, 3, 1)}),
+              FailsWith(ErrorCode::InvalidArgument, "3x3"));
+  EXPECT_THAT(learn_plate({Image(4, 4, 3)}, {}, {Image(4, 4, 1), Image(4, 4, 1)}),
+              FailsWith(ErrorCode::InvalidArgument, "2 mattes"));
 }
 
 TEST(PlateKey, TellsShadowReflexAndSubjectApart) {
@@ -73,7 +75,8 @@ TEST(PlateKey, TellsShadowReflexAndSubjectApart) {
   const auto paint = [&](int x, double light) {
     for (int y = 40; y < 60; ++y)
       for (int u = x; u < x + 10; ++u)
-        for (int c = 0; c < 3; ++c) picture.at(u, y)[c] = static_cast<std::uint8_t>(std::min(255.0, light * plate.color.at(u, y)[c]));
+        for (int c = 0; c < 3; ++c)
+          picture.at(u, y)[c] = static_cast<std::uint8_t>(std::min(255.0, light * plate.color.at(u, y)[c]));
   };
   paint(20, 0.65);
   paint(40, 1.14);
@@ -105,7 +108,9 @@ TEST(PlateKey, IsAsTolerantAsAPixelIsNoisy) {
   const auto flicker = [&](Image& image) {
     for (int y = 0; y < 30; ++y)
       for (int x = 0; x < 30; ++x)
-        for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<std::uint8_t>(std::clamp(image.at(x, y)[c] + 5 * random.normal(), 0.0, 255.0));
+        for (int c = 0; c < 3; ++c)
+          image.at(x, y)[c] =
+              static_cast<std::uint8_t>(std::clamp(image.at(x, y)[c] + 5 * random.normal(), 0.0, 255.0));
   };
   for (Image& s : stages) flicker(s);
   Image now = empty_stage(noisy(), 999);
@@ -121,8 +126,10 @@ TEST(PlateKey, IsAsTolerantAsAPixelIsNoisy) {
 TEST(PlateKey, SaysWhichThresholdIsWrong) {
   const Plate plate = *learn_plate(empty_stages(2));
   EXPECT_THAT(make_plate_keyer(plate, {.sigmas = 0}), FailsWith(ErrorCode::InvalidArgument, "plate:0"));
-  EXPECT_THAT(make_plate_keyer(plate, {.least = 50, .most = 20}), FailsWith(ErrorCode::InvalidArgument, "50"));
-  EXPECT_THAT(make_plate_keyer(plate, {.darkest_shadow = 1.5}), FailsWith(ErrorCode::InvalidArgument, "shadow"));
+  EXPECT_THAT(make_plate_keyer(plate, {.least = 50, .most = 20}),
+              FailsWith(ErrorCode::InvalidArgument, "50"));
+  EXPECT_THAT(make_plate_keyer(plate, {.darkest_shadow = 1.5}),
+              FailsWith(ErrorCode::InvalidArgument, "shadow"));
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 
 namespace floatstage {
 
-/// A picture that spectral matting can take apart, with the truth: a soft-edged disc with a gradient before four
-/// fields of other colours. `shift` moves the disc to the right, in px.
+/// A picture that spectral matting can take apart, with the truth: a soft-edged disc with a gradient before
+/// four fields of other colours. `shift` moves the disc to the right, in px.
 struct DiscPicture {
   Image rgb, alpha;
 };

@@ -13,7 +13,8 @@ EigenPairs some_pairs() {
   Random random(4);
   EigenPairs pairs{7, 5, Eigen::VectorXd(3), Eigen::MatrixXf(35, 3), 1.25e-6};
   for (Eigen::Index i = 0; i < 3; ++i) pairs.values(i) = random.uniform();
-  for (Eigen::Index i = 0; i < pairs.vectors.size(); ++i) pairs.vectors(i) = static_cast<float>(random.uniform(-1, 1));
+  for (Eigen::Index i = 0; i < pairs.vectors.size(); ++i)
+    pairs.vectors(i) = static_cast<float>(random.uniform(-1, 1));
   pairs.vectors.col(2).setZero();
   return pairs;
 }
@@ -47,7 +48,8 @@ TEST(SpectralCache, RefusesEveryTruncation) {
   const std::string bytes = to_bytes(some_pairs(), 1);
   std::uint64_t key = 0;
   for (std::size_t size = 0; size < bytes.size(); ++size)
-    ASSERT_THAT(parse_eigenpairs(std::string_view(bytes).substr(0, size), key, "a.eigen"), FailsWith(ErrorCode::BadData, "a.eigen"));
+    ASSERT_THAT(parse_eigenpairs(std::string_view(bytes).substr(0, size), key, "a.eigen"),
+                FailsWith(ErrorCode::BadData, "a.eigen"));
   EXPECT_THAT(parse_eigenpairs(bytes + "x", key, "a.eigen"), FailsWith(ErrorCode::BadData, "cut off"));
 }
 
@@ -63,7 +65,8 @@ TEST(SpectralCache, RefusesEveryFlippedBit) {
 
 TEST(SpectralCache, TellsKindsApart) {
   std::uint64_t key = 0;
-  EXPECT_THAT(parse_components(to_bytes(some_pairs(), 1), key, "file"), FailsWith(ErrorCode::BadData, "kind"));
+  EXPECT_THAT(parse_components(to_bytes(some_pairs(), 1), key, "file"),
+              FailsWith(ErrorCode::BadData, "kind"));
 }
 
 }  // namespace

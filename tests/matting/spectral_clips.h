@@ -11,8 +11,8 @@
 
 namespace floatstage {
 
-/// The mattes of a clip by spectral video matting when only the first frame's matte is known. `fitting` counts the frames
-/// that components made, the others were carried by closed form.
+/// The mattes of a clip by spectral video matting when only the first frame's matte is known. `fitting`
+/// counts the frames that components made, the others were carried by closed form.
 struct SpectralResult {
   std::vector<Image> mattes;
   int fitting = 0;

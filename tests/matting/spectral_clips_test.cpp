@@ -1,17 +1,19 @@
+#include "tests/matting/spectral_clips.h"
+
 #include <iostream>
 
 #include <gtest/gtest.h>
 
-#include "tests/matting/spectral_clips.h"
-
-// The dancer of the embedded studio with her loose hair, moved and turned; her matte is known in the first frame only.
+// The dancer of the embedded studio with her loose hair, moved and turned; her matte is known in the first
+// frame only.
 namespace floatstage {
 namespace {
 
 class SpectralClips : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(SpectralClips, FollowTheDancerOverGreenClothFromTheFirstFrame) {
-  const MatteClip clip = make_clip(studio_cutout(GetParam()), green_cloth(360, 240, GetParam()), {.seed = GetParam()});
+  const MatteClip clip =
+      make_clip(studio_cutout(GetParam()), green_cloth(360, 240, GetParam()), {.seed = GetParam()});
   const SpectralResult result = spectral_mattes(clip);
   const ClipScores s = score_clip(result.mattes, clip.truth);
   std::cout << "green cloth, seed " << GetParam() << ": " << s << ", " << result.fitting << " frames fit\n";
@@ -22,10 +24,12 @@ TEST_P(SpectralClips, FollowTheDancerOverGreenClothFromTheFirstFrame) {
 }
 
 TEST_P(SpectralClips, FollowTheDancerThroughAClutteredPlaceFromTheFirstFrame) {
-  const MatteClip clip = make_clip(studio_cutout(GetParam()), cluttered_place(360, 240, GetParam()), {.seed = GetParam()});
+  const MatteClip clip =
+      make_clip(studio_cutout(GetParam()), cluttered_place(360, 240, GetParam()), {.seed = GetParam()});
   const SpectralResult result = spectral_mattes(clip);
   const ClipScores s = score_clip(result.mattes, clip.truth);
-  std::cout << "cluttered place, seed " << GetParam() << ": " << s << ", " << result.fitting << " frames fit\n";
+  std::cout << "cluttered place, seed " << GetParam() << ": " << s << ", " << result.fitting
+            << " frames fit\n";
   EXPECT_LE(s.mse, 8.8e-3);
   EXPECT_GE(s.iou, 0.93);
 }

@@ -24,7 +24,8 @@ MattingClip clip_of(int frames) {
   return {frames, [](int frame) -> Result<Image> { return frame_of(frame).rgb; }};
 }
 
-VideoMatting open(const std::filesystem::path& cache, MattingClip clip, const VideoMattingOptions& options = {}) {
+VideoMatting open(const std::filesystem::path& cache, MattingClip clip,
+                  const VideoMattingOptions& options = {}) {
   auto video = VideoMatting::create(std::move(clip), cache, options);
   EXPECT_THAT(video, IsOk());
   return std::move(*video);
@@ -75,7 +76,8 @@ TempFolder* VideoMattingOfADisc::folder_ = nullptr;
 TEST_F(VideoMattingOfADisc, CarriesOneMatteThroughTheClip) {
   for (const CarryingFlow flow : {CarryingFlow::Dis, CarryingFlow::BlockMatching}) {
     TempFolder own;
-    VideoMatting video = open(flow == CarryingFlow::Dis ? folder_->path() : own.path(), clip_of(kFrames), {.flow = flow});
+    VideoMatting video =
+        open(flow == CarryingFlow::Dis ? folder_->path() : own.path(), clip_of(kFrames), {.flow = flow});
     ASSERT_THAT(video.prepare(), IsOk());
     ASSERT_THAT(video.set_keyframe(0, {frame_of(0).alpha, {}}), IsOk());
     EXPECT_THAT(video.propagate(), IsOkAnd(testing::Eq(range(0, kFrames - 1))));
@@ -121,7 +123,8 @@ TEST_F(VideoMattingOfADisc, MakesASpanAloneAsItMakesItWithTheOthers) {
   for (int frame = 6; frame <= 10; ++frame) EXPECT_EQ(matte_at(part, frame), matte_at(whole, frame)) << frame;
   EXPECT_THAT(part.working_matte(3), FailsWith(ErrorCode::NotFound, "frame 3"));
   ASSERT_THAT(part.propagate(), IsOk());
-  for (int frame = 0; frame < kFrames; ++frame) EXPECT_EQ(matte_at(part, frame), matte_at(whole, frame)) << frame;
+  for (int frame = 0; frame < kFrames; ++frame)
+    EXPECT_EQ(matte_at(part, frame), matte_at(whole, frame)) << frame;
 }
 
 TEST_F(VideoMattingOfADisc, StopsOnTheWayAndGoesOn) {
@@ -135,7 +138,8 @@ TEST_F(VideoMattingOfADisc, StopsOnTheWayAndGoesOn) {
 
 TEST(MatteFlicker, SeesAMatteJumpButNotTheSubjectMove) {
   const DiscPicture a = disc_picture(kWidth, kHeight, 0), b = disc_picture(kWidth, kHeight, 3);
-  const Result<double> moved = matte_flicker(a.rgb, a.alpha, b.rgb, b.alpha), still = matte_flicker(a.rgb, a.alpha, a.rgb, a.alpha);
+  const Result<double> moved = matte_flicker(a.rgb, a.alpha, b.rgb, b.alpha),
+                       still = matte_flicker(a.rgb, a.alpha, a.rgb, a.alpha);
   const Result<double> gone = matte_flicker(a.rgb, a.alpha, b.rgb, Image(kWidth, kHeight, 1));
   ASSERT_THAT(moved, IsOk());
   ASSERT_THAT(still, IsOk());
@@ -143,7 +147,8 @@ TEST(MatteFlicker, SeesAMatteJumpButNotTheSubjectMove) {
   EXPECT_LT(*still, 1e-3);
   EXPECT_LT(*moved, 0.02);
   EXPECT_GT(*gone, 5 * *moved);
-  EXPECT_THAT(matte_flicker(a.rgb, a.alpha, b.rgb, Image(3, 3, 1)), FailsWith(ErrorCode::InvalidArgument, "one size"));
+  EXPECT_THAT(matte_flicker(a.rgb, a.alpha, b.rgb, Image(3, 3, 1)),
+              FailsWith(ErrorCode::InvalidArgument, "one size"));
 }
 
 TEST_F(VideoMattingOfADisc, DoesNotDependOnTheOrderOfEdits) {
@@ -154,7 +159,8 @@ TEST_F(VideoMattingOfADisc, DoesNotDependOnTheOrderOfEdits) {
     ASSERT_THAT(one_by_one.set_keyframe(frame, {frame_of(frame).alpha, {}}), IsOk());
     ASSERT_THAT(one_by_one.propagate(), IsOk());
   }
-  for (int frame = 0; frame < kFrames; ++frame) EXPECT_EQ(matte_at(together, frame), matte_at(one_by_one, frame)) << frame;
+  for (int frame = 0; frame < kFrames; ++frame)
+    EXPECT_EQ(matte_at(together, frame), matte_at(one_by_one, frame)) << frame;
 }
 
 TEST_F(VideoMattingOfADisc, LetsAKeyerSpeakForTheSubject) {
@@ -168,13 +174,18 @@ TEST_F(VideoMattingOfADisc, LetsAKeyerSpeakForTheSubject) {
 
 TEST_F(VideoMattingOfADisc, GoesOnFromAKeyThatNoComponentsCameNear) {
   MattingClip clip = clip_of(kFrames);
-  Image slanted(kWidth, kHeight, 1);  // a key that went wrong in the first frame: no component ends along its edge
-  for (int y = 0; y < kHeight; ++y) std::fill_n(slanted.at(0, y), kWidth * (y + 1) / kHeight, std::uint8_t{255});
-  clip.likelihood = [&](int frame) -> Result<MatteOpinion> { return MatteOpinion{frame == 0 ? slanted : frame_of(frame).alpha, {}}; };
+  Image slanted(kWidth, kHeight,
+                1);  // a key that went wrong in the first frame: no component ends along its edge
+  for (int y = 0; y < kHeight; ++y)
+    std::fill_n(slanted.at(0, y), kWidth * (y + 1) / kHeight, std::uint8_t{255});
+  clip.likelihood = [&](int frame) -> Result<MatteOpinion> {
+    return MatteOpinion{frame == 0 ? slanted : frame_of(frame).alpha, {}};
+  };
   VideoMatting video = prepared({.likelihood_is_matte = true}, std::move(clip));
   ASSERT_THAT(video.propagate(), IsOk());
   EXPECT_EQ(matte_at(video, 0), slanted);
-  EXPECT_FALSE(video.report(1).fits) << "components are the disc, the carried key is not: closed form begins at the key";
+  EXPECT_FALSE(video.report(1).fits)
+      << "components are the disc, the carried key is not: closed form begins at the key";
 }
 
 TEST_F(VideoMattingOfADisc, GuessesWhenNobodySaysAnything) {
@@ -185,21 +196,28 @@ TEST_F(VideoMattingOfADisc, GuessesWhenNobodySaysAnything) {
 
 TEST_F(VideoMattingOfADisc, RefusesKeyframesThatSayNothing) {
   VideoMatting video = prepared();
-  EXPECT_THAT(video.set_keyframe(0, {Image(kWidth, kHeight, 1, 0), {}}), FailsWith(ErrorCode::InvalidArgument, "all background"));
-  EXPECT_THAT(video.set_keyframe(0, {Image(kWidth, kHeight, 1, 255), {}}), FailsWith(ErrorCode::InvalidArgument, "all subject"));
-  EXPECT_THAT(video.set_keyframe(0, {Image(kWidth, kHeight, 1), Image(kWidth, kHeight, 1)}), FailsWith(ErrorCode::InvalidArgument, "says nothing"));
-  EXPECT_THAT(video.set_keyframe(99, {frame_of(0).alpha, {}}), FailsWith(ErrorCode::InvalidArgument, "frame 99"));
-  EXPECT_THAT(video.set_keyframe(0, {frame_of(0).rgb, {}}), FailsWith(ErrorCode::InvalidArgument, "one channel"));
+  EXPECT_THAT(video.set_keyframe(0, {Image(kWidth, kHeight, 1, 0), {}}),
+              FailsWith(ErrorCode::InvalidArgument, "all background"));
+  EXPECT_THAT(video.set_keyframe(0, {Image(kWidth, kHeight, 1, 255), {}}),
+              FailsWith(ErrorCode::InvalidArgument, "all subject"));
+  EXPECT_THAT(video.set_keyframe(0, {Image(kWidth, kHeight, 1), Image(kWidth, kHeight, 1)}),
+              FailsWith(ErrorCode::InvalidArgument, "says nothing"));
+  EXPECT_THAT(video.set_keyframe(99, {frame_of(0).alpha, {}}),
+              FailsWith(ErrorCode::InvalidArgument, "frame 99"));
+  EXPECT_THAT(video.set_keyframe(0, {frame_of(0).rgb, {}}),
+              FailsWith(ErrorCode::InvalidArgument, "one channel"));
   ASSERT_THAT(video.set_keyframe(0, click(5, 5, 0)), IsOk());
   EXPECT_THAT(video.propagate(), FailsWith(ErrorCode::InvalidArgument, "background only"));
 }
 
 TEST(VideoMatting, GivesTheSameBytesAtAnyThreadCount) {
   TempFolder one, two;
-  VideoMatting a = open(one.path(), clip_of(kFrames), {.threads = 1}), b = open(two.path(), clip_of(kFrames), {.threads = 3});
+  VideoMatting a = open(one.path(), clip_of(kFrames), {.threads = 1}),
+               b = open(two.path(), clip_of(kFrames), {.threads = 3});
   ASSERT_THAT(a.prepare(), IsOk());
   ASSERT_THAT(b.prepare(), IsOk());
-  for (int frame = 0; frame < kFrames; ++frame) EXPECT_EQ(a.components(frame)->alpha, b.components(frame)->alpha) << frame;
+  for (int frame = 0; frame < kFrames; ++frame)
+    EXPECT_EQ(a.components(frame)->alpha, b.components(frame)->alpha) << frame;
 }
 
 TEST(VideoMatting, GoesOnWhereItWasStoppedWithTheSameBytes) {
@@ -208,7 +226,8 @@ TEST(VideoMatting, GoesOnWhereItWasStoppedWithTheSameBytes) {
   ASSERT_THAT(reference.prepare(), IsOk());
   {
     VideoMatting video = open(cut.path(), clip_of(5), {.threads = 1});
-    EXPECT_THAT(video.prepare([](int frame) { return frame < 2; }), FailsWith(ErrorCode::Cancelled, "stopped"));
+    EXPECT_THAT(video.prepare([](int frame) { return frame < 2; }),
+                FailsWith(ErrorCode::Cancelled, "stopped"));
   }
   // What was being written is cut off.
   const auto last = cut.path() / "000002.components";
@@ -218,7 +237,8 @@ TEST(VideoMatting, GoesOnWhereItWasStoppedWithTheSameBytes) {
   VideoMatting video = open(cut.path(), clip_of(5));
   ASSERT_THAT(video.prepare(), IsOk());
   EXPECT_EQ(std::filesystem::last_write_time(cut.path() / "000000.components"), first) << "not made again";
-  for (int frame = 0; frame < 5; ++frame) EXPECT_EQ(video.components(frame)->alpha, reference.components(frame)->alpha) << frame;
+  for (int frame = 0; frame < 5; ++frame)
+    EXPECT_EQ(video.components(frame)->alpha, reference.components(frame)->alpha) << frame;
 }
 
 TEST(VideoMatting, MakesStaleFilesAgain) {
@@ -244,9 +264,11 @@ TEST(VideoMatting, KeepsFinishedFramesWhenAFrameIsBad) {
     Result<Image> picture;
     ErrorCode code;
     const char* says;
-  } cases[] = {{Image(kWidth, kHeight, 3, 9), ErrorCode::BadData, "frame 3: the 90x60 picture has one colour"},
-               {disc_picture(kWidth - 2, kHeight).rgb, ErrorCode::BadData, "frame 3: the photograph is 88x60"},
-               {fail(ErrorCode::EndOfStream, "the video is cut off"), ErrorCode::EndOfStream, "frame 3: the video is cut off"}};
+  } cases[] = {
+      {Image(kWidth, kHeight, 3, 9), ErrorCode::BadData, "frame 3: the 90x60 picture has one colour"},
+      {disc_picture(kWidth - 2, kHeight).rgb, ErrorCode::BadData, "frame 3: the photograph is 88x60"},
+      {fail(ErrorCode::EndOfStream, "the video is cut off"), ErrorCode::EndOfStream,
+       "frame 3: the video is cut off"}};
   for (const auto& c : cases) {
     VideoMatting video = open(folder.path(), broken(3, c.picture));
     EXPECT_THAT(video.prepare(), FailsWith(c.code, c.says));
@@ -259,9 +281,12 @@ TEST(VideoMatting, KeepsFinishedFramesWhenAFrameIsBad) {
 
 TEST(VideoMatting, SaysWhatItCannotOpen) {
   TempFolder folder;
-  EXPECT_THAT(VideoMatting::create(clip_of(0), folder.path()), FailsWith(ErrorCode::InvalidArgument, "no frame"));
-  EXPECT_THAT(VideoMatting::create(clip_of(1), folder.path(), {.temporal_filter = 2}), FailsWith(ErrorCode::InvalidArgument, "temporal_filter"));
-  EXPECT_THAT(VideoMatting::create({2, [](int) -> Result<Image> { return fail(ErrorCode::NotFound, "gone"); }}, folder.path()),
+  EXPECT_THAT(VideoMatting::create(clip_of(0), folder.path()),
+              FailsWith(ErrorCode::InvalidArgument, "no frame"));
+  EXPECT_THAT(VideoMatting::create(clip_of(1), folder.path(), {.temporal_filter = 2}),
+              FailsWith(ErrorCode::InvalidArgument, "temporal_filter"));
+  EXPECT_THAT(VideoMatting::create(
+                  {2, [](int) -> Result<Image> { return fail(ErrorCode::NotFound, "gone"); }}, folder.path()),
               FailsWith(ErrorCode::NotFound, "gone"));
   ASSERT_THAT(write_file(folder.path() / "file", "x"), IsOk());
   EXPECT_THAT(VideoMatting::create(clip_of(1), folder.path() / "file"), FailsWith(ErrorCode::Io, "file"));
@@ -272,7 +297,8 @@ TEST(VideoMatting, SaysWhatItCannotOpen) {
 TEST(VideoMatting, ScalesLargePhotographsDownAndMattesUp) {
   TempFolder folder;
   const DiscPicture large = disc_picture(360, 240);
-  VideoMatting video = open(folder.path(), {1, [&](int) -> Result<Image> { return large.rgb; }}, {.working_pixels = 8000});
+  VideoMatting video =
+      open(folder.path(), {1, [&](int) -> Result<Image> { return large.rgb; }}, {.working_pixels = 8000});
   EXPECT_EQ(video.width(), 360);
   EXPECT_LE(video.working_width() * video.working_height(), 8200);
   ASSERT_THAT(video.prepare(), IsOk());

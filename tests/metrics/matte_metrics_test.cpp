@@ -65,7 +65,8 @@ TEST(MatteGradientError, IsBlindToAnEvenErrorAndSeesARampAsItsSlope) {
 TEST(MatteConnectivityError, CountsAnIslandAndForgivesASmallLoss) {
   Image island = box();
   for (int i = 0; i < 3; ++i) *island.at(i, 0) = 255;
-  EXPECT_NEAR(matte_connectivity_error(island, box()), 3, 1e-9) << "three opaque pixels that hang together with nothing";
+  EXPECT_NEAR(matte_connectivity_error(island, box()), 3, 1e-9)
+      << "three opaque pixels that hang together with nothing";
   Image paler = box();
   *paler.at(20, 15) = 235;  // 0.92: connected up to 0.9, the truth is 0.1 above that
   EXPECT_NEAR(matte_connectivity_error(paler, box()), 0, 1e-9);
@@ -94,7 +95,8 @@ TEST(MatteBoundaryF, ForgivesOnePixelAndNoMore) {
 TEST(MatteDtssd, SeesFlickerAndNotMotionOrAConstantError) {
   EXPECT_EQ(matte_dtssd(flat(10), flat(60), flat(0), flat(50)), 0) << "moves as the truth does";
   EXPECT_NEAR(matte_dtssd(flat(0), flat(51), flat(0), flat(0)), 0.2, 1e-12);
-  EXPECT_NEAR(matte_dtssd(flat(0), flat(0), flat(0), flat(51)), 0.2, 1e-12) << "standing still is flicker too";
+  EXPECT_NEAR(matte_dtssd(flat(0), flat(0), flat(0), flat(51)), 0.2, 1e-12)
+      << "standing still is flicker too";
 }
 
 TEST(MatteScores, RefusePicturesThatAreNoPair) {

@@ -34,7 +34,8 @@ Cut cut(const Stage& stage, int camera, int border = 4) {
   return out;
 }
 
-Image rendered_from(const Stage& stage, const std::vector<Cut>& cuts, const View& view, const RendererOptions& options) {
+Image rendered_from(const Stage& stage, const std::vector<Cut>& cuts, const View& view,
+                    const RendererOptions& options) {
   std::vector<PictureTile> tiles;
   for (const Cut& c : cuts) tiles.push_back(c.tile());
   SceneTextures textures;
@@ -64,7 +65,8 @@ TEST_F(Tiles, OfTheNeededCamerasDrawWhatAllPhotographsDraw) {
 TEST_F(Tiles, OfTheLastInstantStillDrawAViewThatHasMovedOn) {
   const Stage stage = photographed(arc(8, 20), ball(0.25F, 48), ball(0.25F, 24));
   std::vector<Cut> cuts;
-  for (int camera : needed_cameras(stage.rig, stage.scene.mesh, view_at(0), 3)) cuts.push_back(cut(stage, camera));
+  for (int camera : needed_cameras(stage.rig, stage.scene.mesh, view_at(0), 3))
+    cuts.push_back(cut(stage, camera));
   const View moved = view_at(35);
   const Image whole = rendered(stage, moved, "floating"), live = rendered_from(stage, cuts, moved, {});
   EXPECT_GT(psnr(live, whole, [&](int x, int y) { return well_inside(whole, x, y, 2); }), 14);
@@ -83,7 +85,8 @@ TEST_F(Tiles, MayChangeTheirSizeFromInstantToInstant) {
     ASSERT_THAT(textures.upload(stage.rig, stage.scene.mesh, tiles), IsOk());
     const Image picture = download(*renderer->render(textures, view_at(5), {}));
     if (first.empty()) first = picture;
-    EXPECT_GT(psnr(picture, first, [](int, int) { return true; }), 50) << "with a border of " << border << " px";
+    EXPECT_GT(psnr(picture, first, [](int, int) { return true; }), 50)
+        << "with a border of " << border << " px";
   }
 }
 
@@ -98,11 +101,14 @@ TEST_F(Tiles, ThatFitNoPhotographAreRefused) {
   torn.matte = &small;
   for (const PictureTile& bad : {outside, unknown, torn}) {
     const std::vector<PictureTile> tiles = {bad};
-    EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, tiles), FailsWith(ErrorCode::InvalidArgument, "tile"));
+    EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, tiles),
+                FailsWith(ErrorCode::InvalidArgument, "tile"));
   }
   const std::vector<PictureTile> twice = {good.tile(), good.tile()};
-  EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, twice), FailsWith(ErrorCode::InvalidArgument, "has one already"));
-  EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, {}), FailsWith(ErrorCode::InvalidArgument, "no camera"));
+  EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, twice),
+              FailsWith(ErrorCode::InvalidArgument, "has one already"));
+  EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, {}),
+              FailsWith(ErrorCode::InvalidArgument, "no camera"));
 }
 
 TEST_F(Tiles, WithAFlowAtHalfSizeStayNearTheFullOne) {
@@ -128,7 +134,8 @@ TEST(NeededCameras, AreTheNearestByAngleStrongestFirst) {
   const std::vector<int> needed = needed_cameras(rig, ball(0.25F), view_at(-45), 3);
   EXPECT_EQ(needed, (std::vector<int>{1, 2, 0}));
   EXPECT_THAT(needed_cameras(rig, ball(0.25F), view_at(0), 20), SizeIs(8)) << "never more than there are";
-  EXPECT_THAT(needed_cameras(rig, Mesh{}, view_at(0), 3), SizeIs(3)) << "before there is a subject, any will do";
+  EXPECT_THAT(needed_cameras(rig, Mesh{}, view_at(0), 3), SizeIs(3))
+      << "before there is a subject, any will do";
 }
 
 TEST(ProjectedImages, ShrunkPixelsAreOwnOnlyWhereAllOfThemAre) {

@@ -19,7 +19,8 @@ class ACameraNode : public testing::Test {
     EXPECT_THAT(made, IsOk());
     return std::move(*made);
   }
-  CameraView look(CameraNode& at, const Frame& frame, bool textured = false, const NodeQuality& quality = {}) {
+  CameraView look(CameraNode& at, const Frame& frame, bool textured = false,
+                  const NodeQuality& quality = {}) {
     Result<CameraView> view = at.look(frame, kInstant, kProduced, textured, quality);
     EXPECT_THAT(view, IsOk());
     return view ? std::move(*view) : CameraView{};
@@ -32,7 +33,8 @@ class ACameraNode : public testing::Test {
 TEST_F(ACameraNode, FindsTheOutlineOfTheSubjectAtAnyScaleOfTheKey) {
   CameraNode at = node();
   double before = 1;
-  for (const auto& [shrink, least] : {std::pair(1, 0.97), std::pair(2, 0.95), std::pair(3, 0.92), std::pair(4, 0.89)}) {
+  for (const auto& [shrink, least] :
+       {std::pair(1, 0.97), std::pair(2, 0.95), std::pair(3, 0.92), std::pair(4, 0.89)}) {
     const CameraView view = look(at, shot_.frame, false, {.shrink = shrink, .tolerance = 0.5});
     ASSERT_TRUE(view.known);
     const double agreement = iou(filled(view.outline, view.width, view.height), shot_.matte);
@@ -122,7 +124,8 @@ TEST_F(ACameraNode, SeesThatNobodyIsThere) {
 
 TEST_F(ACameraNode, GivesTheSameViewFromTheSameFrame) {
   CameraNode one = node(), other = node();
-  look(one, shots_.studio.shoot(0, 9).frame, true, {.shrink = 4, .tolerance = 1});  // what it saw before does not matter
+  look(one, shots_.studio.shoot(0, 9).frame, true,
+       {.shrink = 4, .tolerance = 1});  // what it saw before does not matter
   const CameraView a = look(one, shot_.frame, true), b = look(other, shot_.frame, true);
   EXPECT_EQ(a.outline.points, b.outline.points);
   EXPECT_EQ(a.tile->picture, b.tile->picture);
@@ -133,7 +136,8 @@ TEST_F(ACameraNode, SeesTheSameWhetherItWasPreparedOrNot) {
   CameraNode prepared = node(), surprised = node();
   ASSERT_THAT(prepared.prepare(3), IsOk());
   const NodeQuality quality{.shrink = 3, .tolerance = 1};
-  const CameraView a = look(prepared, shot_.frame, false, quality), b = look(surprised, shot_.frame, false, quality);
+  const CameraView a = look(prepared, shot_.frame, false, quality),
+                   b = look(surprised, shot_.frame, false, quality);
   EXPECT_FALSE(a.outline.empty());
   EXPECT_EQ(a.outline.points, b.outline.points);
 }
@@ -150,9 +154,12 @@ TEST_F(ACameraNode, NamesTheCameraWhenSomethingIsWrong) {
 
 TEST(NodeQuality, IsCheckedWithASentence) {
   EXPECT_THAT(check(NodeQuality{}), IsOk());
-  EXPECT_THAT(check(NodeQuality{.shrink = 0, .tolerance = 0.5}), FailsWith(ErrorCode::InvalidArgument, "1/0"));
-  EXPECT_THAT(check(NodeQuality{.shrink = 9, .tolerance = 0.5}), FailsWith(ErrorCode::InvalidArgument, "1/9"));
-  EXPECT_THAT(check(NodeQuality{.shrink = 2, .tolerance = -1}), FailsWith(ErrorCode::InvalidArgument, "tolerance"));
+  EXPECT_THAT(check(NodeQuality{.shrink = 0, .tolerance = 0.5}),
+              FailsWith(ErrorCode::InvalidArgument, "1/0"));
+  EXPECT_THAT(check(NodeQuality{.shrink = 9, .tolerance = 0.5}),
+              FailsWith(ErrorCode::InvalidArgument, "1/9"));
+  EXPECT_THAT(check(NodeQuality{.shrink = 2, .tolerance = -1}),
+              FailsWith(ErrorCode::InvalidArgument, "tolerance"));
 }
 
 }  // namespace

@@ -26,7 +26,9 @@ TEST(SubjectBox, HoldsTheSubjectWithABorderAndEndsAtThePicture) {
   EXPECT_EQ(corner, (PixelBox{0, 0, 79, 59}));
 }
 
-TEST(SubjectBox, IsEmptyWithoutASubject) { EXPECT_TRUE(subject_box(small_matte(40, 30, {}), 2, 80, 60).empty()); }
+TEST(SubjectBox, IsEmptyWithoutASubject) {
+  EXPECT_TRUE(subject_box(small_matte(40, 30, {}), 2, 80, 60).empty());
+}
 
 TEST(SubjectBox, SeesFaintHairToo) {
   Image alpha(40, 30, 1);

@@ -12,7 +12,8 @@ using testing::Optional;
 
 Timestamp at(double s) { return {static_cast<std::int64_t>(s * 1e9)}; }
 
-/// Judges windows of a second from `begin` on until the level changes, and says after how many; 0: not within `most`.
+/// Judges windows of a second from `begin` on until the level changes, and says after how many; 0: not within
+/// `most`.
 int windows_until_change(QualityControl& control, double begin, double fps, double busy, int most = 400) {
   for (int i = 1; i <= most; ++i)
     if (control.judge(at(begin + i), fps, 25, busy)) return i;
@@ -54,7 +55,8 @@ TEST(QualityControl, ForgetsOneSlowWindow) {
 
 TEST(QualityControl, AsksNoMoreThanTheCamerasDeliver) {
   QualityControl control(12, 1);
-  for (int i = 1; i < 20; ++i) EXPECT_EQ(control.judge(at(i), 5, 5, 0.9), std::nullopt) << "the cameras run at 5 a second";
+  for (int i = 1; i < 20; ++i)
+    EXPECT_EQ(control.judge(at(i), 5, 5, 0.9), std::nullopt) << "the cameras run at 5 a second";
 }
 
 TEST(QualityControl, EndsAtTheFastest) {

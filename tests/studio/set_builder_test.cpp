@@ -11,7 +11,8 @@ namespace {
 constexpr std::int64_t kPeriod = 40'000'000;  // ns
 
 std::unique_ptr<SetBuilder> builder(int cameras, Nanoseconds longest_wait = milliseconds(100)) {
-  Result<std::unique_ptr<SetBuilder>> made = SetBuilder::make(cameras, {.frame_rate = 25, .longest_wait = longest_wait});
+  Result<std::unique_ptr<SetBuilder>> made =
+      SetBuilder::make(cameras, {.frame_rate = 25, .longest_wait = longest_wait});
   EXPECT_THAT(made, IsOk());
   return std::move(*made);
 }

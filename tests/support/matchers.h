@@ -1,14 +1,15 @@
 #pragma once
 
-// The words our tests are written in: EXPECT_THAT(load_rig(file), FailsWith(ErrorCode::BadData, "camera 'left'")).
-
-#include <gmock/gmock.h>
+// The words our tests are written in: EXPECT_THAT(load_rig(file), FailsWith(ErrorCode::BadData, "camera
+// 'left'")).
 
 #include <cmath>
 #include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
+
+#include <gmock/gmock.h>
 
 #include "core/image.h"
 #include "core/result.h"
@@ -34,8 +35,11 @@ MATCHER(IsOk, negation ? "is an error" : "is no error") {
   return arg.has_value();
 }
 
-/// The Result holds a value that `inner` matches: EXPECT_THAT(parse_ply(…), IsOkAnd(Field(&Mesh::positions, SizeIs(3)))).
-MATCHER_P(IsOkAnd, inner, "holds a value that " + testing::DescribeMatcher<typename std::decay_t<arg_type>::value_type>(inner, negation)) {
+/// The Result holds a value that `inner` matches: EXPECT_THAT(parse_ply(…), IsOkAnd(Field(&Mesh::positions,
+/// SizeIs(3)))).
+MATCHER_P(IsOkAnd, inner,
+          "holds a value that " +
+              testing::DescribeMatcher<typename std::decay_t<arg_type>::value_type>(inner, negation)) {
   if (!arg) {
     describe(arg.error(), result_listener);
     return false;
@@ -44,7 +48,8 @@ MATCHER_P(IsOkAnd, inner, "holds a value that " + testing::DescribeMatcher<typen
 }
 
 /// The Result is an error of that code whose sentence contains `part`.
-MATCHER_P2(FailsWith, code, part, text(negation ? "does not fail" : "fails", " with ", name_of(code), " saying \"", part, '"')) {
+MATCHER_P2(FailsWith, code, part,
+           text(negation ? "does not fail" : "fails", " with ", name_of(code), " saying \"", part, '"')) {
   if (arg) {
     *result_listener << "which succeeded";
     return false;
@@ -66,9 +71,11 @@ inline double psnr(const Image& a, const Image& b) {
 }
 
 /// The image has the size of `expected` and differs from it by at least `decibels` of PSNR (more is nearer).
-MATCHER_P2(ImageNear, expected, decibels, text(negation ? "is not" : "is", " within ", decibels, " dB of the expected image")) {
+MATCHER_P2(ImageNear, expected, decibels,
+           text(negation ? "is not" : "is", " within ", decibels, " dB of the expected image")) {
   const double actual = psnr(arg, expected);
-  *result_listener << "a " << arg.width << "x" << arg.height << "x" << arg.channels << " image of " << actual << " dB";
+  *result_listener << "a " << arg.width << "x" << arg.height << "x" << arg.channels << " image of " << actual
+                   << " dB";
   return actual >= decibels;
 }
 

@@ -37,10 +37,14 @@ class Lattice {
   double at(double x, double y) const {
     const double fx = std::floor(x), fy = std::floor(y), u = ease(x - fx), v = ease(y - fy);
     const auto h = [&](double a, double b) {
-      return static_cast<double>(mix(seed_ ^ mix(static_cast<std::uint64_t>(static_cast<std::int64_t>(a)) * 0x9e3779b97f4a7c15ULL +
-                                                 static_cast<std::uint64_t>(static_cast<std::int64_t>(b)))) >> 11) / 9007199254740992.0;
+      return static_cast<double>(mix(seed_ ^ mix(static_cast<std::uint64_t>(static_cast<std::int64_t>(a)) *
+                                                     0x9e3779b97f4a7c15ULL +
+                                                 static_cast<std::uint64_t>(static_cast<std::int64_t>(b)))) >>
+                                 11) /
+             9007199254740992.0;
     };
-    return (h(fx, fy) * (1 - u) + h(fx + 1, fy) * u) * (1 - v) + (h(fx, fy + 1) * (1 - u) + h(fx + 1, fy + 1) * u) * v;
+    return (h(fx, fy) * (1 - u) + h(fx + 1, fy) * u) * (1 - v) +
+           (h(fx, fy + 1) * (1 - u) + h(fx + 1, fy + 1) * u) * v;
   }
 
  private:
@@ -85,16 +89,20 @@ Image cluttered_place(int width, int height, std::uint64_t seed) {
   const Lattice grain(seed + 1), shade(seed + 2);
   Image out(width, height, 3);
   const auto paint = [&](int x, int y, const std::array<double, 3>& color, double texture) {
-    const double t = 1 + texture * (grain.at(x / 3.0, y / 3.0) - 0.5) + 0.5 * (shade.at(x / 60.0, y / 60.0) - 0.5);
+    const double t =
+        1 + texture * (grain.at(x / 3.0, y / 3.0) - 0.5) + 0.5 * (shade.at(x / 60.0, y / 60.0) - 0.5);
     for (int c = 0; c < 3; ++c) out.at(x, y)[c] = byte(color[c] * t);
   };
-  const auto any_color = [&] { return std::array<double, 3>{random.uniform(40, 220), random.uniform(40, 200), random.uniform(30, 190)}; };
+  const auto any_color = [&] {
+    return std::array<double, 3>{random.uniform(40, 220), random.uniform(40, 200), random.uniform(30, 190)};
+  };
   const std::array<double, 3> wall = any_color(), floor = any_color();
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) paint(x, y, y < height * 6 / 10 ? wall : floor, 0.25);
   for (int k = 0; k < 26; ++k) {  // furniture: rectangles and discs
     const std::array<double, 3> color = any_color();
-    const double cx = random.uniform(0, width), cy = random.uniform(0, height), rx = random.uniform(6, 50), ry = random.uniform(6, 50), texture = random.uniform(0, 0.8);
+    const double cx = random.uniform(0, width), cy = random.uniform(0, height), rx = random.uniform(6, 50),
+                 ry = random.uniform(6, 50), texture = random.uniform(0, 0.8);
     const bool round = random.uniform() < 0.4;
     for (int y = std::max(0, static_cast<int>(cy - ry)); y < std::min<double>(height, cy + ry); ++y)
       for (int x = std::max(0, static_cast<int>(cx - rx)); x < std::min<double>(width, cx + rx); ++x)
@@ -105,14 +113,16 @@ Image cluttered_place(int width, int height, std::uint64_t seed) {
 
 MatteClip make_clip(const Cutout& cutout, const Image& backdrop, const ClipOptions& options) {
   Random random(options.seed);
-  const double direction = random.uniform(0, 2 * kPi), turn = (random.uniform() < 0.5 ? -1 : 1) * options.turn * kPi / 180;
+  const double direction = random.uniform(0, 2 * kPi),
+               turn = (random.uniform() < 0.5 ? -1 : 1) * options.turn * kPi / 180;
   const double begin = random.uniform(-0.15, 0.15), swing = random.uniform(0, 2 * kPi);
   MatteClip clip;
   clip.plate = backdrop;
   const double middle = 0.5 * (options.frames - 1);
   for (int f = 0; f < options.frames; ++f) {
     const double angle = begin + turn * (f - middle);
-    const double px = options.width / 2.0 + options.speed * (f - middle) * std::cos(direction) + 2 * std::sin(swing + 0.7 * f);
+    const double px = options.width / 2.0 + options.speed * (f - middle) * std::cos(direction) +
+                      2 * std::sin(swing + 0.7 * f);
     const double py = options.height / 2.0 + 0.6 * options.speed * (f - middle) * std::sin(direction);
     const double c = std::cos(angle) / options.scale, s = std::sin(angle) / options.scale;
     Image picture(options.width, options.height, 3), truth(options.width, options.height, 1);
@@ -120,13 +130,16 @@ MatteClip make_clip(const Cutout& cutout, const Image& backdrop, const ClipOptio
       for (int x = 0; x < options.width; ++x) {
         std::array<double, 4> sum{};
         for (int k = 0; k < kAcross * kAcross; ++k) {
-          const double dx = x + (k % kAcross + 0.5) / kAcross - px, dy = y + (k / kAcross + 0.5) / kAcross - py;
-          const std::array<double, 4> v = sample(cutout, cutout.alpha.width / 2.0 + c * dx + s * dy, cutout.alpha.height / 2.0 - s * dx + c * dy);
+          const double dx = x + (k % kAcross + 0.5) / kAcross - px,
+                       dy = y + (k / kAcross + 0.5) / kAcross - py;
+          const std::array<double, 4> v = sample(cutout, cutout.alpha.width / 2.0 + c * dx + s * dy,
+                                                 cutout.alpha.height / 2.0 - s * dx + c * dy);
           for (int i = 0; i < 4; ++i) sum[i] += v[i] / (kAcross * kAcross);
         }
         *truth.at(x, y) = byte(255 * sum[0]);
         for (int i = 0; i < 3; ++i)
-          picture.at(x, y)[i] = byte(sum[i + 1] + (1 - sum[0]) * backdrop.at(x, y)[i] + options.noise * random.normal());
+          picture.at(x, y)[i] =
+              byte(sum[i + 1] + (1 - sum[0]) * backdrop.at(x, y)[i] + options.noise * random.normal());
       }
     }
     clip.frames.push_back(std::move(picture));

@@ -1,15 +1,17 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 
+#include <gtest/gtest.h>
+
 namespace floatstage {
 
 /// A set of the recorded data beside the checkout (tests labelled `real`).
-inline std::filesystem::path real_data(const std::string& set) { return std::filesystem::path(FLOATSTAGE_DATA_DIR) / set; }
+inline std::filesystem::path real_data(const std::string& set) {
+  return std::filesystem::path(FLOATSTAGE_DATA_DIR) / set;
+}
 
 inline bool on_ci() {
   const char* ci = std::getenv("CI");
@@ -18,12 +20,12 @@ inline bool on_ci() {
 
 }  // namespace floatstage
 
-/// Leaves the test (or SetUp) when the data is not on this machine. It may be absent on a laptop, never in the checks
-/// that guard the main branch: there it is a failure.
-#define FLOATSTAGE_NEEDS_DATA(folder)                              \
-  do {                                                             \
-    if (!std::filesystem::exists(folder)) {                        \
+/// Leaves the test (or SetUp) when the data is not on this machine. It may be absent on a laptop, never in
+/// the checks that guard the main branch: there it is a failure.
+#define FLOATSTAGE_NEEDS_DATA(folder)                                 \
+  do {                                                                \
+    if (!std::filesystem::exists(folder)) {                           \
       if (::floatstage::on_ci()) FAIL() << (folder) << " is missing"; \
-      GTEST_SKIP() << (folder) << " is not on this machine";       \
-    }                                                              \
+      GTEST_SKIP() << (folder) << " is not on this machine";          \
+    }                                                                 \
   } while (false)

@@ -25,7 +25,8 @@ std::filesystem::path TempFolder::write(const std::string& name, std::string_vie
 
 std::vector<std::string> TempFolder::names() const {
   std::vector<std::string> found;
-  for (const auto& entry : std::filesystem::directory_iterator(path_)) found.push_back(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::directory_iterator(path_))
+    found.push_back(entry.path().filename().string());
   std::sort(found.begin(), found.end());
   return found;
 }

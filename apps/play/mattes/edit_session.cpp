@@ -6,7 +6,7 @@
 namespace floatstage {
 namespace {
 
-constexpr double kStep = 1;  // px between the points of a scribble
+constexpr double kStep = 1;             // px between the points of a scribble
 constexpr double kLeastFlicker = 0.05;  // of the worst
 
 // A quarter of a pixel is finer than a hand, and short in the file.
@@ -19,7 +19,9 @@ EditSession::EditSession(CameraEdits edits, int frames, int width, int height)
   radius = std::max(1.5, std::round(std::max(width, height) / 50.0) / 4);
 }
 
-void EditSession::grow(double factor) { radius = std::clamp(std::round(radius * factor * 4) / 4, 0.5, 500.0); }
+void EditSession::grow(double factor) {
+  radius = std::clamp(std::round(radius * factor * 4) / 4, 0.5, 500.0);
+}
 
 void EditSession::change(CameraEdits edits) {
   past_.push_back(std::exchange(edits_, std::move(edits)));
@@ -57,7 +59,8 @@ bool EditSession::press(int frame, const Eigen::Vector2d& point, bool second) {
 }
 
 void EditSession::drag(const Eigen::Vector2d& point) {
-  if (drawing_ && (point - drawing_->points.back()).norm() >= kStep) drawing_->points.push_back(rounded(point));
+  if (drawing_ && (point - drawing_->points.back()).norm() >= kStep)
+    drawing_->points.push_back(rounded(point));
 }
 
 bool EditSession::release() {
@@ -87,7 +90,8 @@ void EditSession::give_up() { drawing_.reset(); }
 
 bool EditSession::remove_keyframe(int frame) {
   CameraEdits edits = edits_;
-  if (std::erase_if(edits.keyframes, [&](const MatteKeyframe& k) { return k.frame == frame; }) == 0) return false;
+  if (std::erase_if(edits.keyframes, [&](const MatteKeyframe& k) { return k.frame == frame; }) == 0)
+    return false;
   change(std::move(edits));
   return true;
 }
@@ -147,8 +151,11 @@ std::vector<int> worst_frames(const std::vector<std::optional<double>>& flicker)
   double worst = 0;
   for (std::size_t f = 0; f < flicker.size(); ++f) worst = std::max(worst, at(f));
   for (std::size_t f = 0; f < flicker.size(); ++f)  // of equal neighbours the first
-    if (at(f) > 0 && at(f) >= kLeastFlicker * worst && (f == 0 || at(f) > at(f - 1)) && at(f) >= at(f + 1)) frames.push_back(static_cast<int>(f));
-  std::stable_sort(frames.begin(), frames.end(), [&](int a, int b) { return at(static_cast<std::size_t>(a)) > at(static_cast<std::size_t>(b)); });
+    if (at(f) > 0 && at(f) >= kLeastFlicker * worst && (f == 0 || at(f) > at(f - 1)) && at(f) >= at(f + 1))
+      frames.push_back(static_cast<int>(f));
+  std::stable_sort(frames.begin(), frames.end(), [&](int a, int b) {
+    return at(static_cast<std::size_t>(a)) > at(static_cast<std::size_t>(b));
+  });
   return frames;
 }
 

@@ -16,8 +16,8 @@ enum class EditTool {
 
 enum class MaskReach { WholeClip, FromHere, ThisFrame };
 
-/// One camera's edits while a person makes them: what is drawn, undo and redo, keyframes to jump to. Knows no window, no file
-/// and no mattes. Points are px of the photograph.
+/// One camera's edits while a person makes them: what is drawn, undo and redo, keyframes to jump to. Knows no
+/// window, no file and no mattes. Points are px of the photograph.
 class EditSession {
  public:
   EditSession(CameraEdits edits, int frames, int width, int height);
@@ -29,9 +29,9 @@ class EditSession {
   double radius = 4;  ///< of the strokes to come, px; kept within 0.5 … 500 by grow()
   void grow(double factor);
 
-  /// A stroke or brush mask begins, goes on and is finished; only then does it belong to the edits. One that never touched
-  /// the photograph is dropped. `second` is the right button. True when the edits have changed (a mask was removed; a stroke is
-  /// finished).
+  /// A stroke or brush mask begins, goes on and is finished; only then does it belong to the edits. One that
+  /// never touched the photograph is dropped. `second` is the right button. True when the edits have changed
+  /// (a mask was removed; a stroke is finished).
   bool press(int frame, const Eigen::Vector2d& point, bool second);
   void drag(const Eigen::Vector2d& point);
   bool release();
@@ -67,11 +67,12 @@ class EditSession {
   bool drawing_mask_ = false;
 };
 
-/// Frames by how much their mattes flicker, largest first; of neighbouring frames, which share a cause, only the worst.
-/// Unknown frames (no value) are left out, as are those under a twentieth of the worst.
+/// Frames by how much their mattes flicker, largest first; of neighbouring frames, which share a cause, only
+/// the worst. Unknown frames (no value) are left out, as are those under a twentieth of the worst.
 std::vector<int> worst_frames(const std::vector<std::optional<double>>& flicker);
 
-/// What to jump to from `frame`: the worst, or the next worse one after it when `frame` is among them. Absent without any.
+/// What to jump to from `frame`: the worst, or the next worse one after it when `frame` is among them. Absent
+/// without any.
 std::optional<int> next_worst(const std::vector<int>& worst, int frame);
 
 }  // namespace floatstage

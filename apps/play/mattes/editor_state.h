@@ -12,7 +12,8 @@
 
 namespace floatstage {
 
-/// Everything that hands can change in the matte editor, without a window: input and panels write it, the canvas reads it.
+/// Everything that hands can change in the matte editor, without a window: input and panels write it, the
+/// canvas reads it.
 struct EditorState {
   TimeLine time;
   EditSession session;
@@ -31,7 +32,7 @@ struct EditorState {
 
 /// What was asked for and is not done in the state itself.
 struct EditorRequests {
-  bool edited = false;      ///< the session's edits have changed
+  bool edited = false;  ///< the session's edits have changed
   bool remake = false, screenshot = false, next_camera = false, player = false, quit = false;
   void add(const EditorRequests& other) {
     edited |= other.edited, remake |= other.remake, screenshot |= other.screenshot;

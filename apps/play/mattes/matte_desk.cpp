@@ -23,34 +23,50 @@ Result<std::unique_ptr<MatteDesk>> MatteDesk::open(MatteDeskOptions options) {
   Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options.camera.take);
   if (!take) return forward(take);
   if (options.frame < 0 || options.frame >= (*take)->frame_count())
-    return fail(ErrorCode::InvalidArgument, text("frame ", options.frame, " is not in the take, which has ", (*take)->frame_count()));
+    return fail(ErrorCode::InvalidArgument,
+                text("frame ", options.frame, " is not in the take, which has ", (*take)->frame_count()));
   const int camera = camera_index((*take)->rig(), options.camera.serial);
   const CameraModel& model = (*take)->rig().cameras[static_cast<std::size_t>(camera)].model;
-  if (model.width < 1 || model.height < 1) return fail(ErrorCode::BadData, text("camera '", options.camera.serial, "' has no size in rig.json"));
+  if (model.width < 1 || model.height < 1)
+    return fail(ErrorCode::BadData, text("camera '", options.camera.serial, "' has no size in rig.json"));
   return std::unique_ptr<MatteDesk>(new MatteDesk(std::move(options), std::move(*take), std::move(*edited)));
 }
 
-MatteDesk::MatteDesk(MatteDeskOptions options, std::unique_ptr<TakeReader> take, std::unique_ptr<EditedCamera> edited)
-    : options_(std::move(options)), take_(std::move(take)), edited_(std::move(edited)), method_(edited_->method()),
-      camera_(camera_index(take_->rig(), options_.camera.serial)), last_edits_(edited_->edits()) {
+MatteDesk::MatteDesk(MatteDeskOptions options, std::unique_ptr<TakeReader> take,
+                     std::unique_ptr<EditedCamera> edited)
+    : options_(std::move(options)),
+      take_(std::move(take)),
+      edited_(std::move(edited)),
+      method_(edited_->method()),
+      camera_(camera_index(take_->rig(), options_.camera.serial)),
+      last_edits_(edited_->edits()) {
   const int frames = take_->frame_count();
   const CameraModel& model = take_->rig().cameras[static_cast<std::size_t>(camera_)].model;
-  state_.reset(new EditorState{TimeLine(frames, take_->manifest().frame_rate), EditSession(last_edits_, frames, model.width, model.height),
+  state_.reset(new EditorState{TimeLine(frames, take_->manifest().frame_rate),
+                               EditSession(last_edits_, frames, model.width, model.height),
                                PictureFit(model.width, model.height)});
   state_->time.seek(options_.frame);
   state_->view = options_.view;
   state_->automatic = options_.automatic;
   state_->flicker.resize(static_cast<std::size_t>(frames));
   state_->stale = edited_->stale(last_edits_);
-  state_->status = text("camera '", serial(), "', method ", method_, std::count(state_->stale.begin(), state_->stale.end(), true) > 0 ? "; Enter makes the mattes that are missing" : "");
+  state_->status = text("camera '", serial(), "', method ", method_,
+                        std::count(state_->stale.begin(), state_->stale.end(), true) > 0
+                            ? "; Enter makes the mattes that are missing"
+                            : "");
   unmetered_.assign(static_cast<std::size_t>(frames), true);
 }
 
 MatteDesk::~MatteDesk() { task_.stop(); }
 
-bool MatteDesk::matte_exists(int frame) const { return std::filesystem::exists(take_->layout().matte(serial(), frame)); }
+bool MatteDesk::matte_exists(int frame) const {
+  return std::filesystem::exists(take_->layout().matte(serial(), frame));
+}
 
-bool MatteDesk::busy() const { return task_.running() || pending_ || state_->time.playing || std::count(unmetered_.begin(), unmetered_.end(), true) > 0; }
+bool MatteDesk::busy() const {
+  return task_.running() || pending_ || state_->time.playing ||
+         std::count(unmetered_.begin(), unmetered_.end(), true) > 0;
+}
 
 std::optional<BackgroundTask::Progress> MatteDesk::progress() const {
   if (!task_.running()) return std::nullopt;
@@ -78,8 +94,9 @@ void MatteDesk::obey(const EditorRequests& requests) {
   if (requests.edited || !(edits == last_edits_)) {
     // Between two edits it does not matter what has been made of the first.
     const int frames = state_->time.frames();
-    const std::vector<bool> more = method_ == "spectral" ? frames_between_keyframes(last_edits_, edits, frames)
-                                                         : downstream_of(frames_chosen_otherwise(last_edits_, edits, frames), edits);
+    const std::vector<bool> more =
+        method_ == "spectral" ? frames_between_keyframes(last_edits_, edits, frames)
+                              : downstream_of(frames_chosen_otherwise(last_edits_, edits, frames), edits);
     for (std::size_t f = 0; f < more.size(); ++f) state_->stale[f] = state_->stale[f] || more[f];
     last_edits_ = edits;
     state_->status.clear();
@@ -101,7 +118,8 @@ void MatteDesk::collect_made() {
   for (const int frame : made) {
     const std::size_t f = static_cast<std::size_t>(frame);
     state_->stale[f] = false;
-    for (std::size_t g = f; g < std::min(f + 2, frames); ++g) state_->flicker[g].reset(), unmetered_[g] = true;
+    for (std::size_t g = f; g < std::min(f + 2, frames); ++g)
+      state_->flicker[g].reset(), unmetered_[g] = true;
     if (shown_ && (shown_->frame == frame || shown_->frame == frame + 1)) shown_.reset();
   }
   if (!made.empty()) state_->worst = worst_frames(state_->flicker);
@@ -110,7 +128,8 @@ void MatteDesk::collect_made() {
 void MatteDesk::end_job() {
   const Job ended = std::exchange(job_, Job::None);
   if (ended == Job::Remake) {
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - job_began_).count();
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - job_began_).count();
     const Result<std::vector<int>>& made = outcome_.remade;
     if (made) {
       state_->stale = edited_->stale(last_edits_);
@@ -123,12 +142,14 @@ void MatteDesk::end_job() {
     }
     shown_.reset();
   } else if (ended == Job::Components) {
-    components_frame_ = outcome_.frame;  // also when there are none: it is not tried again until the frame changes
+    components_frame_ =
+        outcome_.frame;  // also when there are none: it is not tried again until the frame changes
     components_ = outcome_.components ? std::move(*outcome_.components) : MattingComponents();
     if (!outcome_.components) state_->status = outcome_.components.error().message;
     shown_.reset();
   } else if (ended == Job::Flicker) {
-    for (const auto& [frame, value] : outcome_.flicker) state_->flicker[static_cast<std::size_t>(frame)] = value;
+    for (const auto& [frame, value] : outcome_.flicker)
+      state_->flicker[static_cast<std::size_t>(frame)] = value;
     for (const int frame : outcome_.unasked) unmetered_[static_cast<std::size_t>(frame)] = true;
     if (outcome_.flicker_error) state_->status = outcome_.flicker_error->message;
     state_->worst = worst_frames(state_->flicker);
@@ -165,7 +186,8 @@ bool MatteDesk::begin_flicker() {
   for (std::size_t f = 0; f < unmetered_.size() && frames.size() < kMeteredAtOnce; ++f) {
     if (!unmetered_[f]) continue;
     unmetered_[f] = false;
-    if (f > 0 && matte_exists(static_cast<int>(f)) && matte_exists(static_cast<int>(f) - 1)) frames.push_back(static_cast<int>(f));
+    if (f > 0 && matte_exists(static_cast<int>(f)) && matte_exists(static_cast<int>(f) - 1))
+      frames.push_back(static_cast<int>(f));
   }
   if (frames.empty()) return false;
   job_ = Job::Flicker;
@@ -189,7 +211,9 @@ bool MatteDesk::begin_flicker() {
 
 void MatteDesk::begin_job() {
   if (pending_) return begin_remake();
-  if (state_->view == MatteView::Components && components_frame_ != state_->time.frame() && !state_->time.playing) return begin_components();
+  if (state_->view == MatteView::Components && components_frame_ != state_->time.frame() &&
+      !state_->time.playing)
+    return begin_components();
   begin_flicker();
 }
 
@@ -221,7 +245,8 @@ void MatteDesk::show() {
     if (!frame || !rgb) state_->status = frame ? rgb.error().message : frame.error().message;
     if (rgb) photograph_ = std::move(*rgb);
   }
-  MatteViewInput in{.photograph = photograph_, .matte = load_matte(wanted.frame), .before = {}, .components = {}};
+  MatteViewInput in{
+      .photograph = photograph_, .matte = load_matte(wanted.frame), .before = {}, .components = {}};
   has_matte_ = !in.matte.empty();
   if (wanted.view == MatteView::Difference) in.before = load_matte(wanted.frame - 1);
   if (wanted.view == MatteView::Components && components_frame_ == wanted.frame) in.components = components_;

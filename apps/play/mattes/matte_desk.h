@@ -19,15 +19,16 @@ struct MatteDeskOptions {
   int frame = 0;
   MatteView view = MatteView::Checker;
   bool automatic = true;
-  std::function<void(const std::string& line)> say = [](const std::string&) {};  ///< what was finished, one line each
+  std::function<void(const std::string& line)> say = [](const std::string&) {
+  };  ///< what was finished, one line each
 };
 
-/// The matte editor without its window: input goes in, pictures come out, mattes/edits.json is written after every edit, and
-/// mattes are made again in the background. One camera. All calls come from one thread.
+/// The matte editor without its window: input goes in, pictures come out, mattes/edits.json is written after
+/// every edit, and mattes are made again in the background. One camera. All calls come from one thread.
 class MatteDesk {
  public:
-  /// Errors: those of EditedCamera::open() and TakeReader::open(); InvalidArgument for a frame that is not there; BadData for a
-  /// camera of which no size is known.
+  /// Errors: those of EditedCamera::open() and TakeReader::open(); InvalidArgument for a frame that is not
+  /// there; BadData for a camera of which no size is known.
   static Result<std::unique_ptr<MatteDesk>> open(MatteDeskOptions options);
   ~MatteDesk();
 
@@ -51,7 +52,8 @@ class MatteDesk {
   /// Mattes are being made again, or will be.
   bool remaking() const { return pending_ || job_ == Job::Remake; }
   std::optional<BackgroundTask::Progress> progress() const;
-  /// Until what runs beside has ended; update() takes its result. For those who have no window to draw meanwhile.
+  /// Until what runs beside has ended; update() takes its result. For those who have no window to draw
+  /// meanwhile.
   void wait() const { task_.wait(); }
 
  private:

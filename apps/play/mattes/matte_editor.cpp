@@ -1,9 +1,9 @@
 #include "apps/play/mattes/matte_editor.h"
 
+#include <cstdint>
+
 #include <epoxy/gl.h>
 #include <imgui.h>
-
-#include <cstdint>
 
 #include "apps/play/mattes/matte_panels.h"
 #include "core/text.h"
@@ -49,15 +49,18 @@ void MatteEditor::draw_canvas() {
   const Image& picture = desk_->picture();
   list->PushClipRect(origin, ImVec2(origin.x + size.x, origin.y + size.y), true);
   if (texture_) {
-    const Eigen::Vector2d a = state.fit.to_window({0, 0}), b = state.fit.to_window({picture.width, picture.height});
-    list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture_)), ImVec2(static_cast<float>(a.x()), static_cast<float>(a.y())),
+    const Eigen::Vector2d a = state.fit.to_window({0, 0}),
+                          b = state.fit.to_window({picture.width, picture.height});
+    list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture_)),
+                   ImVec2(static_cast<float>(a.x()), static_cast<float>(a.y())),
                    ImVec2(static_cast<float>(b.x()), static_cast<float>(b.y())));
   } else {
     list->AddText(ImVec2(origin.x + 20, origin.y + 20), IM_COL32_WHITE, "no photograph");
   }
   draw_edits(*desk_, state);
   if (texture_ && !desk_->has_matte() && state.view != MatteView::Photograph)
-    list->AddText(ImVec2(origin.x + 12, origin.y + 10), IM_COL32(255, 200, 80, 255), "no matte yet: Enter makes it");
+    list->AddText(ImVec2(origin.x + 12, origin.y + 10), IM_COL32(255, 200, 80, 255),
+                  "no matte yet: Enter makes it");
   list->PopClipRect();
 }
 
@@ -90,7 +93,8 @@ EditorRequests MatteEditor::frame(const std::vector<InputEvent>& input) {
   }
   desk_->update(ImGui::GetIO().DeltaTime);
 
-  constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
+  constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                      ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({kPanelWidth, whole.y - kTimeLineHeight});

@@ -28,7 +28,8 @@ class MatteEditor {
   void tell(std::string status) { desk_->state().status = std::move(status); }
 
  private:
-  explicit MatteEditor(MatteDeskOptions options, std::unique_ptr<MatteDesk> desk) : options_(std::move(options)), desk_(std::move(desk)) {}
+  explicit MatteEditor(MatteDeskOptions options, std::unique_ptr<MatteDesk> desk)
+      : options_(std::move(options)), desk_(std::move(desk)) {}
   void draw_canvas();
   void upload();
   void change_camera(const std::string& serial);

@@ -1,9 +1,9 @@
 #include "apps/play/mattes/matte_panels.h"
 
-#include <imgui.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include <imgui.h>
 
 #include "core/text.h"
 
@@ -11,10 +11,12 @@ namespace floatstage {
 namespace {
 
 constexpr ImU32 kSubject = IM_COL32(70, 230, 110, 255), kBackground = IM_COL32(255, 80, 70, 255);
-constexpr ImU32 kStale = IM_COL32(255, 170, 40, 255), kPlayhead = IM_COL32(255, 255, 255, 255), kFlicker = IM_COL32(120, 170, 255, 255);
+constexpr ImU32 kStale = IM_COL32(255, 170, 40, 255), kPlayhead = IM_COL32(255, 255, 255, 255),
+                kFlicker = IM_COL32(120, 170, 255, 255);
 
 ImU32 color_of(MatteLabel label, int alpha) {
-  return ((label == MatteLabel::Foreground ? kSubject : kBackground) & ~IM_COL32_A_MASK) | (static_cast<ImU32>(alpha) << IM_COL32_A_SHIFT);
+  return ((label == MatteLabel::Foreground ? kSubject : kBackground) & ~IM_COL32_A_MASK) |
+         (static_cast<ImU32>(alpha) << IM_COL32_A_SHIFT);
 }
 
 template <class Choice>
@@ -29,7 +31,8 @@ void draw_tools(EditSession& session) {
   choose("garbage brush (G)", session.tool, EditTool::Garbage);
   choose("hold-out brush (H)", session.tool, EditTool::HoldOut);
   float radius = static_cast<float>(session.radius);
-  if (ImGui::SliderFloat("radius []", &radius, 0.5f, 100, "%.1f px", ImGuiSliderFlags_Logarithmic)) session.grow(radius / session.radius);
+  if (ImGui::SliderFloat("radius []", &radius, 0.5f, 100, "%.1f px", ImGuiSliderFlags_Logarithmic))
+    session.grow(radius / session.radius);
   if (session.tool == EditTool::Stroke) {
     ImGui::TextDisabled("left: subject  right: background\ndrag: scribble");
     return;
@@ -54,7 +57,8 @@ EditorRequests draw_work(MatteDesk& desk) {
   ImGui::Checkbox("after every edit (A)", &state.automatic);
   if (ImGui::Button("worst frame (W)")) go_to_worst(state);
   const MatteEffort effort = effort_of(state.session.edits());
-  ImGui::Text("%d keyframes, %d clicks,\n%d scribbles, %d masks", effort.keyframes, effort.clicks, effort.scribbles, effort.masks);
+  ImGui::Text("%d keyframes, %d clicks,\n%d scribbles, %d masks", effort.keyframes, effort.clicks,
+              effort.scribbles, effort.masks);
   const long stale = std::count(state.stale.begin(), state.stale.end(), true);
   if (stale > 0)
     ImGui::TextColored(ImVec4(1, 0.67f, 0.16f, 1), "%ld of %d mattes to be made", stale, state.time.frames());
@@ -75,7 +79,8 @@ void draw_stroke(ImDrawList* list, const PictureFit& fit, const MatteStroke& str
     const Eigen::Vector2d q = fit.to_window(p);
     points.emplace_back(static_cast<float>(q.x()), static_cast<float>(q.y()));
   }
-  if (points.size() > 1) list->AddPolyline(points.data(), static_cast<int>(points.size()), color, ImDrawFlags_None, thickness);
+  if (points.size() > 1)
+    list->AddPolyline(points.data(), static_cast<int>(points.size()), color, ImDrawFlags_None, thickness);
   if (points.size() == 1) list->AddCircleFilled(points[0], thickness / 2, color);
   if (points.size() == 1) list->AddCircle(points[0], thickness / 2 + 1, IM_COL32_BLACK);
 }
@@ -87,7 +92,8 @@ void draw_mask(ImDrawList* list, const PictureFit& fit, const MatteMask& mask) {
     const Eigen::Vector2d q = fit.to_window(p);
     points.emplace_back(static_cast<float>(q.x()), static_cast<float>(q.y()));
   }
-  list->AddPolyline(points.data(), static_cast<int>(points.size()), color_of(mask.label, 160), ImDrawFlags_Closed, 2);
+  list->AddPolyline(points.data(), static_cast<int>(points.size()), color_of(mask.label, 160),
+                    ImDrawFlags_Closed, 2);
 }
 
 }  // namespace
@@ -98,7 +104,9 @@ MattePanelRequests draw_matte_controls(MatteDesk& desk) {
   ImGui::PushItemWidth(150);
   if (ImGui::BeginCombo("camera", desk.serial().c_str())) {
     for (const RigCamera& camera : desk.take().rig().cameras)
-      if (ImGui::Selectable(camera.serial.c_str(), camera.serial == desk.serial()) && camera.serial != desk.serial()) requests.camera = camera.serial;
+      if (ImGui::Selectable(camera.serial.c_str(), camera.serial == desk.serial()) &&
+          camera.serial != desk.serial())
+        requests.camera = camera.serial;
     ImGui::EndCombo();
   }
   ImGui::Text("method %s", desk.method().c_str());
@@ -113,7 +121,9 @@ MattePanelRequests draw_matte_controls(MatteDesk& desk) {
   ImGui::Separator();
   requests.editor = draw_work(desk);
   ImGui::Separator();
-  ImGui::TextDisabled(", .  keyframes   V  view\nCtrl-Z  undo\nCtrl-Shift-Z  redo\nwheel: zoom  middle: pan  0: all\nTab: camera  F12: screenshot\nM: player");
+  ImGui::TextDisabled(
+      ", .  keyframes   V  view\nCtrl-Z  undo\nCtrl-Shift-Z  redo\nwheel: zoom  middle: pan  0: all\nTab: "
+      "camera  F12: screenshot\nM: player");
   ImGui::PopItemWidth();
   return requests;
 }
@@ -127,14 +137,16 @@ void draw_matte_time_line(MatteDesk& desk) {
   ImGui::SameLine();
   if (ImGui::Button(">")) time.step(1);
   ImGui::SameLine();
-  ImGui::Text("frame %d of %d%s", time.frame(), time.frames(), state.session.keyframe(time.frame()) ? ", a keyframe" : "");
+  ImGui::Text("frame %d of %d%s", time.frame(), time.frames(),
+              state.session.keyframe(time.frame()) ? ", a keyframe" : "");
   ImGui::SameLine(330);
   ImGui::TextUnformatted(state.status.c_str());
 
   const ImVec2 origin = ImGui::GetCursorScreenPos(), size(ImGui::GetContentRegionAvail().x, 46);
   ImGui::InvisibleButton("line", size);
   const float step = size.x / static_cast<float>(time.frames());
-  if (ImGui::IsItemActive()) time.playing = false, time.seek(static_cast<int>((ImGui::GetIO().MousePos.x - origin.x) / step));
+  if (ImGui::IsItemActive())
+    time.playing = false, time.seek(static_cast<int>((ImGui::GetIO().MousePos.x - origin.x) / step));
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float bottom = origin.y + size.y;
   list->AddRectFilled(origin, ImVec2(origin.x + size.x, bottom), IM_COL32(40, 42, 48, 255));
@@ -142,12 +154,16 @@ void draw_matte_time_line(MatteDesk& desk) {
   for (const std::optional<double>& f : state.flicker) largest = std::max(largest, f.value_or(0));
   for (int f = 0; f < time.frames(); ++f) {
     const std::size_t i = static_cast<std::size_t>(f);
-    const float left = origin.x + step * static_cast<float>(f), right = std::max(left + 1, left + step - (step > 4 ? 1 : 0));
-    if (state.flicker[i]) list->AddRectFilled(ImVec2(left, bottom - 6 - 26 * static_cast<float>(*state.flicker[i] / largest)), ImVec2(right, bottom - 6), kFlicker);
+    const float left = origin.x + step * static_cast<float>(f),
+                right = std::max(left + 1, left + step - (step > 4 ? 1 : 0));
+    if (state.flicker[i])
+      list->AddRectFilled(ImVec2(left, bottom - 6 - 26 * static_cast<float>(*state.flicker[i] / largest)),
+                          ImVec2(right, bottom - 6), kFlicker);
     if (state.stale[i]) list->AddRectFilled(ImVec2(left, bottom - 5), ImVec2(right, bottom), kStale);
     if (!state.session.keyframe(f)) continue;
     const float middle = left + step / 2, y = origin.y + 7;
-    list->AddQuadFilled(ImVec2(middle, y - 6), ImVec2(middle + 6, y), ImVec2(middle, y + 6), ImVec2(middle - 6, y), kSubject);
+    list->AddQuadFilled(ImVec2(middle, y - 6), ImVec2(middle + 6, y), ImVec2(middle, y + 6),
+                        ImVec2(middle - 6, y), kSubject);
   }
   const float now = origin.x + step * (static_cast<float>(time.frame()) + 0.5f);
   list->AddLine(ImVec2(now, origin.y), ImVec2(now, bottom), kPlayhead, 2);

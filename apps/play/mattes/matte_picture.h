@@ -16,7 +16,8 @@ enum class MatteView {
   Checker,     ///< the subject over a chessboard
   Color,       ///< the subject over one colour, in which the old background shows
   Matte,       ///< opacity as grey
-  Difference,  ///< what came since the frame before in green, what went in red, over the matte at half its brightness
+  Difference,  ///< what came since the frame before in green, what went in red, over the matte at half its
+               ///< brightness
   Components,  ///< matting components, each in a colour of its own, over the photograph's brightness
 };
 
@@ -24,15 +25,16 @@ enum class MatteView {
 const std::vector<std::string>& matte_view_names();
 
 struct MatteViewInput {
-  Image photograph;             ///< RGB
-  Image matte;                  ///< 1 channel, of its size; empty: there is none
-  Image before;                 ///< the matte of the frame before; empty: there is none
+  Image photograph;              ///< RGB
+  Image matte;                   ///< 1 channel, of its size; empty: there is none
+  Image before;                  ///< the matte of the frame before; empty: there is none
   MattingComponents components;  ///< of any size; empty: not known yet
   std::array<std::uint8_t, 3> color = {255, 0, 255};
 };
 
-/// The picture of a view, RGB, of the photograph's size. What a view needs and does not have (a matte, components) is shown
-/// as the photograph at a third of its brightness; without a frame before, nothing has changed.
+/// The picture of a view, RGB, of the photograph's size. What a view needs and does not have (a matte,
+/// components) is shown as the photograph at a third of its brightness; without a frame before, nothing has
+/// changed.
 Image matte_picture(MatteView view, const MatteViewInput& input);
 
 /// The colour of a component in MatteView::Components.

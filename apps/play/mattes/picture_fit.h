@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
+
+#include <Eigen/Core>
 
 namespace floatstage {
 
@@ -21,8 +22,12 @@ class PictureFit {
 
   /// Window px a photograph px.
   double scale() const { return zoom_ * std::min(extent_.x() / size_.x(), extent_.y() / size_.y()); }
-  Eigen::Vector2d to_photograph(double x, double y) const { return middle_ + (Eigen::Vector2d(x, y) - area_ - extent_ / 2) / scale(); }
-  Eigen::Vector2d to_window(const Eigen::Vector2d& p) const { return area_ + extent_ / 2 + (p - middle_) * scale(); }
+  Eigen::Vector2d to_photograph(double x, double y) const {
+    return middle_ + (Eigen::Vector2d(x, y) - area_ - extent_ / 2) / scale();
+  }
+  Eigen::Vector2d to_window(const Eigen::Vector2d& p) const {
+    return area_ + extent_ / 2 + (p - middle_) * scale();
+  }
 
   /// The point under (x, y) stays there. The whole photograph is the smallest there is.
   void zoom(double x, double y, double factor) {
@@ -38,7 +43,10 @@ class PictureFit {
   void whole() { zoom_ = 1, middle_ = size_ / 2; }
 
  private:
-  void keep_inside() { middle_ = zoom_ <= 1 ? Eigen::Vector2d(size_ / 2) : middle_.cwiseMax(Eigen::Vector2d::Zero()).cwiseMin(size_); }
+  void keep_inside() {
+    middle_ =
+        zoom_ <= 1 ? Eigen::Vector2d(size_ / 2) : middle_.cwiseMax(Eigen::Vector2d::Zero()).cwiseMin(size_);
+  }
 
   Eigen::Vector2d size_, middle_, area_ = {0, 0}, extent_ = {1, 1};
   double zoom_ = 1;

@@ -25,8 +25,10 @@ TEST(EditSession, MakesAClickOfAPressAndAScribbleOfADrag) {
   const MatteKeyframe& k = s.edits().keyframes[0];
   EXPECT_EQ(k.frame, 7);
   ASSERT_EQ(k.strokes.size(), 2u);
-  EXPECT_EQ(k.strokes[0], (MatteStroke{MatteLabel::Foreground, s.radius, {{80, 60}}})) << "to a quarter of a pixel";
-  EXPECT_EQ(k.strokes[1], (MatteStroke{MatteLabel::Background, s.radius, {{10, 10}, {20, 10}, {30, 15}}})) << "points closer than a pixel say nothing";
+  EXPECT_EQ(k.strokes[0], (MatteStroke{MatteLabel::Foreground, s.radius, {{80, 60}}}))
+      << "to a quarter of a pixel";
+  EXPECT_EQ(k.strokes[1], (MatteStroke{MatteLabel::Background, s.radius, {{10, 10}, {20, 10}, {30, 15}}}))
+      << "points closer than a pixel say nothing";
 }
 
 TEST(EditSession, KeepsKeyframesInTheOrderOfTheirFrames) {
@@ -75,7 +77,8 @@ TEST(EditSession, PaintsGarbageForTheWholeClipOrFromHereOrHere) {
   s.tool = EditTool::HoldOut;
   draw(s, 4, {{90, 90}});
   EXPECT_THAT(s.edits().keyframes, IsEmpty());
-  EXPECT_THAT(s.edits().masks, ElementsAre(MatteMask{MatteLabel::Background, {{20, 20}, {40, 20}}, 0, {}, 6}, MatteMask{MatteLabel::Background, {{60, 20}}, 4, {}, 6},
+  EXPECT_THAT(s.edits().masks, ElementsAre(MatteMask{MatteLabel::Background, {{20, 20}, {40, 20}}, 0, {}, 6},
+                                           MatteMask{MatteLabel::Background, {{60, 20}}, 4, {}, 6},
                                            MatteMask{MatteLabel::Foreground, {{90, 90}}, 4, 4, 6}));
 }
 
@@ -131,7 +134,8 @@ TEST(EditSession, KeepsTheBrushWithinReason) {
 }
 
 TEST(WorstFrames, AreThePeaksOfTheFlickerWorstFirst) {
-  EXPECT_THAT(worst_frames({std::nullopt, 0.01, 0.05, 0.02, 0.02, 0.3, 0.25, std::nullopt, 0.1}), ElementsAre(5, 8, 2));
+  EXPECT_THAT(worst_frames({std::nullopt, 0.01, 0.05, 0.02, 0.02, 0.3, 0.25, std::nullopt, 0.1}),
+              ElementsAre(5, 8, 2));
   EXPECT_THAT(worst_frames({std::nullopt, 0.2, 0.2, 0.001}), ElementsAre(1)) << "of equal ones the first";
   EXPECT_THAT(worst_frames({0.0, 0.0}), IsEmpty());
   EXPECT_THAT(worst_frames({}), IsEmpty());

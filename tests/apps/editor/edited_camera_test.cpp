@@ -1,8 +1,8 @@
 #include "apps/matte/edited_camera.h"
 
-#include <unistd.h>
-
 #include <algorithm>
+
+#include <unistd.h>
 
 #include "apps/matte/matte_take.h"
 #include "core/file.h"
@@ -41,7 +41,11 @@ class Editing : public testing::Test {
   Editing() { fs::copy(*shared_ / "take", take_, fs::copy_options::recursive); }
 
   EditedCameraOptions options(std::string method, bool guided = false) const {
-    return {.take = take_, .serial = kSerial, .method = std::move(method), .guide = guided ? *shared_ / "guide" : fs::path(), .threads = 2};
+    return {.take = take_,
+            .serial = kSerial,
+            .method = std::move(method),
+            .guide = guided ? *shared_ / "guide" : fs::path(),
+            .threads = 2};
   }
   std::unique_ptr<EditedCamera> open(const EditedCameraOptions& o) const {
     Result<std::unique_ptr<EditedCamera>> camera = EditedCamera::open(o);
@@ -49,7 +53,8 @@ class Editing : public testing::Test {
     return camera ? std::move(*camera) : nullptr;
   }
   // As the editor does: the file first, then the mattes.
-  Result<std::vector<int>> edit(EditedCamera& camera, const CameraEdits& edits, const RemakeWatch& watch = {}) const {
+  Result<std::vector<int>> edit(EditedCamera& camera, const CameraEdits& edits,
+                                const RemakeWatch& watch = {}) const {
     EXPECT_THAT(make_folder(TakeLayout(take_).mattes()), IsOk());
     EXPECT_THAT(save_matte_edits({{{kSerial, edits}}}, TakeLayout(take_).edits()), IsOk());
     return camera.remake(edits, watch);
@@ -69,12 +74,24 @@ class Editing : public testing::Test {
     fs::copy(*shared_ / "take", copy, fs::copy_options::recursive);
     EXPECT_THAT(make_folder(TakeLayout(copy).mattes()), IsOk());
     fs::copy(TakeLayout(take_).edits(), TakeLayout(copy).edits());
-    EXPECT_THAT(matte_take({.take = copy, .method = o.method, .guide = o.guide, .cameras = {kSerial}, .threads = 2, .hull_frames = 0}), IsOk());
+    EXPECT_THAT(matte_take({.take = copy,
+                            .method = o.method,
+                            .guide = o.guide,
+                            .cameras = {kSerial},
+                            .threads = 2,
+                            .hull_frames = 0}),
+                IsOk());
     return mattes_of(copy);
   }
   // `floatstage matte` goes on where an editor stopped, without --redo.
   void continue_with_the_verb(const EditedCameraOptions& o) const {
-    EXPECT_THAT(matte_take({.take = take_, .method = o.method, .guide = o.guide, .cameras = {kSerial}, .threads = 2, .hull_frames = 0}), IsOk());
+    EXPECT_THAT(matte_take({.take = take_,
+                            .method = o.method,
+                            .guide = o.guide,
+                            .cameras = {kSerial},
+                            .threads = 2,
+                            .hull_frames = 0}),
+                IsOk());
   }
 
   static TempFolder* shared_;
@@ -85,15 +102,21 @@ TempFolder* Editing::shared_ = nullptr;
 
 MatteStroke on_dancer(double x = 80) { return {MatteLabel::Foreground, 1, {{x, 60}}}; }
 MatteStroke off_stranger() { return {MatteLabel::Background, 2, {{14, 15}}}; }
-MatteMask garbage(int first, std::optional<int> last) { return {MatteLabel::Background, {{60, 20}, {100, 30}}, first, last, 8}; }
+MatteMask garbage(int first, std::optional<int> last) {
+  return {MatteLabel::Background, {{60, 20}, {100, 30}}, first, last, 8};
+}
 
 // A person's work, step by step: choosing, a mask, taking back, another keyframe before the first.
 std::vector<CameraEdits> steps() {
   return {{},
           {{{2, {on_dancer(), off_stranger()}}}, {}},
           {{{2, {on_dancer(), off_stranger()}}}, {garbage(3, 4)}},
-          {{{2, {on_dancer(), off_stranger()}}, {4, {{MatteLabel::Background, 6, {{80, 60}, {82, 90}}}}}}, {garbage(3, 4)}},
-          {{{1, {on_dancer()}}, {2, {on_dancer(), off_stranger()}}, {4, {{MatteLabel::Background, 6, {{80, 60}, {82, 90}}}}}}, {garbage(3, {})}},
+          {{{2, {on_dancer(), off_stranger()}}, {4, {{MatteLabel::Background, 6, {{80, 60}, {82, 90}}}}}},
+           {garbage(3, 4)}},
+          {{{1, {on_dancer()}},
+            {2, {on_dancer(), off_stranger()}},
+            {4, {{MatteLabel::Background, 6, {{80, 60}, {82, 90}}}}}},
+           {garbage(3, {})}},
           {{{2, {on_dancer(), off_stranger()}}}, {}},
           {}};
 }
@@ -115,11 +138,12 @@ TEST_P(EditingBy, EveryStepMakesTheBytesThatTheVerbMakesFromTheFile) {
   EXPECT_THAT(camera->remake({}, {}), IsOkAnd(IsEmpty())) << "nothing is left to do";
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, EditingBy, testing::Values("auto", "chroma", "closed-form", "spectral"), [](const auto& suite) {
-  std::string name = suite.param;
-  std::erase(name, '-');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Methods, EditingBy, testing::Values("auto", "chroma", "closed-form", "spectral"),
+                         [](const auto& suite) {
+                           std::string name = suite.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 TEST_F(Editing, MakesAgainOnlyWhatAMaskConcerns) {
   const auto camera = open(options("closed-form"));
@@ -137,13 +161,15 @@ TEST_F(Editing, StopsFollowingWhereMattesComeOutAsTheyWere) {
   const CameraEdits chosen{{{1, {on_dancer(), off_stranger()}}}, {}};
   ASSERT_THAT(edit(*camera, chosen), IsOk());
   CameraEdits more = chosen;
-  more.keyframes.push_back({3, {{MatteLabel::Background, 1, {{150, 110}}}}});  // says again what is so: nothing changes
+  more.keyframes.push_back(
+      {3, {{MatteLabel::Background, 1, {{150, 110}}}}});  // says again what is so: nothing changes
   int visited = 0;
   RemakeWatch watch;
   watch.made = [&](int) { ++visited; };
   EXPECT_THAT(edit(*camera, more, watch), IsOkAnd(IsEmpty()));
   EXPECT_EQ(visited, 0);
-  more.keyframes[1].strokes = {on_dancer(), {MatteLabel::Background, 3, {{80, 70}}}};  // a hole for one frame, which does not last
+  more.keyframes[1].strokes = {
+      on_dancer(), {MatteLabel::Background, 3, {{80, 70}}}};  // a hole for one frame, which does not last
   EXPECT_THAT(edit(*camera, more), IsOkAnd(ElementsAre(3)));
 }
 
@@ -164,7 +190,8 @@ TEST_F(Editing, KnowsWhatIsStaleBeforeItIsMade) {
   EXPECT_EQ(camera->stale({}), std::vector<bool>(kFrames, true)) << "nothing has been made";
   ASSERT_THAT(edit(*camera, {}), IsOk());
   EXPECT_EQ(camera->stale({}), std::vector<bool>(kFrames, false));
-  EXPECT_EQ(camera->stale({{}, {garbage(3, 4)}}), (std::vector<bool>{false, false, false, true, true, false}));
+  EXPECT_EQ(camera->stale({{}, {garbage(3, 4)}}),
+            (std::vector<bool>{false, false, false, true, true, false}));
   fs::remove(TakeLayout(take_).matte(kSerial, 0));
   EXPECT_EQ(camera->stale({}), (std::vector<bool>{true, false, false, false, false, false}));
 }
@@ -218,7 +245,8 @@ TEST_P(InterruptedEditing, OfAKilledProgramLeavesNothingHalfWritten) {
   for (int f = 0; f < kFrames; ++f) EXPECT_EQ(mine[f], theirs[f]) << "frame " << f;
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, InterruptedEditing, testing::Values("chroma", "spectral"), [](const auto& suite) { return suite.param; });
+INSTANTIATE_TEST_SUITE_P(Methods, InterruptedEditing, testing::Values("chroma", "spectral"),
+                         [](const auto& suite) { return suite.param; });
 
 TEST_F(Editing, TakesBackTheInterruptedStep) {
   const EditedCameraOptions o = options("closed-form");
@@ -248,7 +276,8 @@ TEST_F(Editing, KeepsTheMattesWhenAKeyframeSaysNothing) {
   const auto camera = open(options("spectral"));
   ASSERT_THAT(edit(*camera, {}), IsOk());
   const std::vector<Image> before = mattes_of(take_);
-  EXPECT_THAT(edit(*camera, {{{2, {{MatteLabel::Background, 3, {{-90, -90}}}}}}, {}}), FailsWith(ErrorCode::InvalidArgument, "says nothing"));
+  EXPECT_THAT(edit(*camera, {{{2, {{MatteLabel::Background, 3, {{-90, -90}}}}}}, {}}),
+              FailsWith(ErrorCode::InvalidArgument, "says nothing"));
   EXPECT_EQ(mattes_of(take_), before);
   ASSERT_THAT(edit(*camera, {}), IsOk());
   EXPECT_EQ(mattes_of(take_), before);
@@ -277,9 +306,12 @@ TEST_F(Editing, MetersTheFlickerOfAFrame) {
 }
 
 TEST_F(Editing, NamesWhatIsNotThere) {
-  EXPECT_THAT(EditedCamera::open({.take = take_, .serial = "cam99"}), FailsWith(ErrorCode::InvalidArgument, "cam99"));
-  EXPECT_THAT(EditedCamera::open({.take = take_, .serial = kSerial, .method = "magic"}), FailsWith(ErrorCode::InvalidArgument, "magic"));
-  EXPECT_THAT(EditedCamera::open({.take = folder_ / "nowhere", .serial = kSerial}), FailsWith(ErrorCode::NotFound, "nowhere"));
+  EXPECT_THAT(EditedCamera::open({.take = take_, .serial = "cam99"}),
+              FailsWith(ErrorCode::InvalidArgument, "cam99"));
+  EXPECT_THAT(EditedCamera::open({.take = take_, .serial = kSerial, .method = "magic"}),
+              FailsWith(ErrorCode::InvalidArgument, "magic"));
+  EXPECT_THAT(EditedCamera::open({.take = folder_ / "nowhere", .serial = kSerial}),
+              FailsWith(ErrorCode::NotFound, "nowhere"));
   ASSERT_THAT(make_folder(TakeLayout(take_).mattes()), IsOk());
   ASSERT_THAT(write_file(TakeLayout(take_).edits(), "{\"floatstage_edits\": 1, \"cam"), IsOk());
   EXPECT_THAT(EditedCamera::open(options("chroma")), FailsWith(ErrorCode::BadData, "edits.json"));
@@ -298,7 +330,8 @@ TEST_F(Editing, KeepsTheMattesWhenTheDiskIsFull) {
   });
   EXPECT_EQ(child.wait(), 0);
   for (const Image& matte : mattes_of(take_)) EXPECT_FALSE(matte.empty());
-  ASSERT_THAT(matte_take({.take = take_, .method = "chroma", .cameras = {kSerial}, .hull_frames = 0}), IsOk()) << "room was made";
+  ASSERT_THAT(matte_take({.take = take_, .method = "chroma", .cameras = {kSerial}, .hull_frames = 0}), IsOk())
+      << "room was made";
   EXPECT_EQ(mattes_of(take_), replayed(o));
 }
 

@@ -23,7 +23,8 @@ std::vector<Image> mattes_of(const fs::path& take, int frames) {
 
 TEST(EditingACut, MakesTheBytesOfTheVerbAfterEveryStrokeAndMask) {
   constexpr int kFrames = 6;
-  const MatteClip clip = make_clip(studio_cutout(2, 240, 240), cluttered_place(180, 120, 2), {.width = 180, .height = 120, .frames = kFrames, .seed = 2});
+  const MatteClip clip = make_clip(studio_cutout(2, 240, 240), cluttered_place(180, 120, 2),
+                                   {.width = 180, .height = 120, .frames = kFrames, .seed = 2});
   TempFolder folder;
   const fs::path take = clip_take(folder, clip), replay = clip_take(folder, clip, "replay");
   CameraEdits edits;
@@ -36,7 +37,8 @@ TEST(EditingACut, MakesTheBytesOfTheVerbAfterEveryStrokeAndMask) {
   steps.push_back(edits);
   edits.keyframes.clear();
   steps.push_back(edits);
-  Result<std::unique_ptr<EditedCamera>> camera = EditedCamera::open({.take = take, .serial = "cam0", .method = "closed-form", .threads = 2});
+  Result<std::unique_ptr<EditedCamera>> camera =
+      EditedCamera::open({.take = take, .serial = "cam0", .method = "closed-form", .threads = 2});
   ASSERT_THAT(camera, IsOk());
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (i == 2) {  // another session goes on
@@ -49,8 +51,12 @@ TEST(EditingACut, MakesTheBytesOfTheVerbAfterEveryStrokeAndMask) {
     }
     const Result<std::vector<int>> changed = (*camera)->remake(steps[i], {});
     ASSERT_THAT(changed, IsOk());
-    if (i == 1) { EXPECT_LE(changed->size(), 3u) << "a mask changes its frames only"; }
-    ASSERT_THAT(matte_take({.take = replay, .method = "closed-form", .threads = 2, .redo = true, .hull_frames = 0}), IsOk());
+    if (i == 1) {
+      EXPECT_LE(changed->size(), 3u) << "a mask changes its frames only";
+    }
+    ASSERT_THAT(
+        matte_take({.take = replay, .method = "closed-form", .threads = 2, .redo = true, .hull_frames = 0}),
+        IsOk());
     EXPECT_EQ(mattes_of(take, kFrames), mattes_of(replay, kFrames)) << "step " << i;
   }
 }

@@ -1,8 +1,8 @@
 #include "apps/play/mattes/matte_desk.h"
 
-#include <gmock/gmock.h>
-
 #include <functional>
+
+#include <gmock/gmock.h>
 
 #include "apps/matte/matte_take.h"
 #include "core/file.h"
@@ -24,7 +24,12 @@ class AMatteDesk : public testing::Test {
   static void SetUpTestSuite() {
     shared_ = new TempFolder;
     small_take(*shared_, kFrames);
-    ASSERT_THAT(matte_take({.take = *shared_ / "take", .method = "chroma", .cameras = {kSerial}, .threads = 2, .hull_frames = 0}), IsOk());
+    ASSERT_THAT(matte_take({.take = *shared_ / "take",
+                            .method = "chroma",
+                            .cameras = {kSerial},
+                            .threads = 2,
+                            .hull_frames = 0}),
+                IsOk());
   }
   static void TearDownTestSuite() { delete shared_; }
   AMatteDesk() { fs::copy(*shared_ / "take", take_, fs::copy_options::recursive); }
@@ -94,7 +99,8 @@ TEST_F(AMatteDesk, WritesEveryEditAndMakesItsMattes) {
   key(*desk, 'Z', true);
   settle(*desk);
   EXPECT_EQ(matte(0).pixels[static_cast<std::size_t>(60 * 160 + 20)], 0);
-  EXPECT_THAT(load_matte_edits(TakeLayout(take_).edits()), IsOkAnd(MatteEdits())) << "nothing was said in the end";
+  EXPECT_THAT(load_matte_edits(TakeLayout(take_).edits()), IsOkAnd(MatteEdits()))
+      << "nothing was said in the end";
 }
 
 TEST_F(AMatteDesk, WaitsForEnterWhenToldTo) {
@@ -158,7 +164,8 @@ TEST_F(AMatteDesk, MetersTheClipAndJumpsToItsWorstFrame) {
   for (int f = 1; f < kFrames; ++f) EXPECT_TRUE(desk->state().flicker[static_cast<std::size_t>(f)]) << f;
   desk->state().time.seek(0);
   key(*desk, 'W');
-  EXPECT_TRUE(desk->state().time.frame() == 2 || desk->state().time.frame() == 3) << "where the dancer is cut off, or back again";
+  EXPECT_TRUE(desk->state().time.frame() == 2 || desk->state().time.frame() == 3)
+      << "where the dancer is cut off, or back again";
 }
 
 TEST_F(AMatteDesk, KeepsWhatWasSaidOfOtherCameras) {
@@ -197,11 +204,15 @@ TEST_F(AMatteDesk, SaysThatATakeCannotBeWritten) {
     draw(**desk, {{80, 60}});
     const std::string status = (*desk)->state().status;
     settle(**desk);
-    return status.find("not saved") != std::string::npos && status.find("edits.json") != std::string::npos && !(*desk)->remaking() ? 0 : 2;
+    return status.find("not saved") != std::string::npos && status.find("edits.json") != std::string::npos &&
+                   !(*desk)->remaking()
+               ? 0
+               : 2;
   });
   EXPECT_EQ(child.wait(), 0);
   EXPECT_FALSE(fs::exists(TakeLayout(take_).edits()));
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(take_)) EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".tmp")));
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(take_))
+    EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".tmp")));
 }
 
 TEST_F(AMatteDesk, MayBeClosedInTheMiddle) {
@@ -212,7 +223,13 @@ TEST_F(AMatteDesk, MayBeClosedInTheMiddle) {
     for (int i = 0; i <= frames_first; ++i) desk->update(0);
   }  // closed here, while mattes are being made
   for (int f = 0; f < kFrames; ++f) EXPECT_FALSE(matte(f).empty());
-  ASSERT_THAT(matte_take({.take = take_, .method = "chroma", .cameras = {kSerial}, .threads = 1, .redo = true, .hull_frames = 0}), IsOk());
+  ASSERT_THAT(matte_take({.take = take_,
+                          .method = "chroma",
+                          .cameras = {kSerial},
+                          .threads = 1,
+                          .redo = true,
+                          .hull_frames = 0}),
+              IsOk());
   for (int f = 0; f < kFrames; ++f) EXPECT_EQ(*matte(f).at(22, 60), 255);
 }
 

@@ -1,9 +1,9 @@
 #include "apps/play/mattes/matte_picture.h"
 
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <set>
 
 namespace floatstage {
 namespace {
@@ -15,7 +15,8 @@ std::vector<int> pixel(const Image& image, int x, int y) {
   return {p[0], p[1], p[2]};
 }
 
-// 32x16 of one colour; opacity 0 at the left, 128 in the middle, 255 at the right. Before, all of it was half opaque.
+// 32x16 of one colour; opacity 0 at the left, 128 in the middle, 255 at the right. Before, all of it was half
+// opaque.
 MatteViewInput stripes() {
   MatteViewInput in;
   in.photograph = Image(32, 16, 3);
@@ -29,14 +30,18 @@ MatteViewInput stripes() {
   return in;
 }
 
-TEST(MattePicture, ShowsThePhotographAsItIs) { EXPECT_EQ(matte_picture(MatteView::Photograph, stripes()), stripes().photograph); }
+TEST(MattePicture, ShowsThePhotographAsItIs) {
+  EXPECT_EQ(matte_picture(MatteView::Photograph, stripes()), stripes().photograph);
+}
 
 TEST(MattePicture, LaysTheSubjectOverAChessboard) {
   const Image out = matte_picture(MatteView::Checker, stripes());
   EXPECT_THAT(pixel(out, 0, 0), ElementsAre(96, 96, 96));
   EXPECT_THAT(pixel(out, 8, 0), ElementsAre(160, 160, 160));
   EXPECT_THAT(pixel(out, 8, 8), ElementsAre(96, 96, 96));
-  EXPECT_THAT(pixel(out, 16, 0), ElementsAre((128 * 200 + 127 * 96 + 127) / 255, (128 * 100 + 127 * 96 + 127) / 255, (128 * 50 + 127 * 96 + 127) / 255));
+  EXPECT_THAT(pixel(out, 16, 0),
+              ElementsAre((128 * 200 + 127 * 96 + 127) / 255, (128 * 100 + 127 * 96 + 127) / 255,
+                          (128 * 50 + 127 * 96 + 127) / 255));
   EXPECT_THAT(pixel(out, 31, 15), ElementsAre(200, 100, 50));
 }
 
@@ -45,7 +50,8 @@ TEST(MattePicture, LaysTheSubjectOverAColour) {
   in.color = {0, 0, 255};
   const Image out = matte_picture(MatteView::Color, in);
   EXPECT_THAT(pixel(out, 0, 0), ElementsAre(0, 0, 255));
-  EXPECT_THAT(pixel(out, 15, 5), ElementsAre((128 * 200 + 127) / 255, (128 * 100 + 127) / 255, (128 * 50 + 127 * 255 + 127) / 255));
+  EXPECT_THAT(pixel(out, 15, 5), ElementsAre((128 * 200 + 127) / 255, (128 * 100 + 127) / 255,
+                                             (128 * 50 + 127 * 255 + 127) / 255));
   EXPECT_THAT(pixel(out, 25, 5), ElementsAre(200, 100, 50));
 }
 
@@ -63,16 +69,19 @@ TEST(MattePicture, ShowsWhatCameInGreenAndWhatWentInRed) {
   EXPECT_THAT(pixel(out, 15, 0), ElementsAre(64, 64, 64)) << "stayed";
   EXPECT_THAT(pixel(out, 25, 0), ElementsAre(64, 191, 64)) << "came";
   in.before = {};
-  EXPECT_THAT(pixel(matte_picture(MatteView::Difference, in), 25, 0), ElementsAre(127, 127, 127)) << "the first frame";
+  EXPECT_THAT(pixel(matte_picture(MatteView::Difference, in), 25, 0), ElementsAre(127, 127, 127))
+      << "the first frame";
 }
 
 TEST(MattePicture, DimsThePhotographWhereThereIsNoMatteYet) {
   MatteViewInput in = stripes();
   in.matte = {};
-  for (MatteView view : {MatteView::Checker, MatteView::Color, MatteView::Matte, MatteView::Difference, MatteView::Components})
+  for (MatteView view :
+       {MatteView::Checker, MatteView::Color, MatteView::Matte, MatteView::Difference, MatteView::Components})
     EXPECT_THAT(pixel(matte_picture(view, in), 3, 3), ElementsAre(66, 33, 16));
   in.matte = Image(4, 4, 1);
-  EXPECT_THAT(pixel(matte_picture(MatteView::Matte, in), 3, 3), ElementsAre(66, 33, 16)) << "a matte of another picture is none";
+  EXPECT_THAT(pixel(matte_picture(MatteView::Matte, in), 3, 3), ElementsAre(66, 33, 16))
+      << "a matte of another picture is none";
 }
 
 TEST(MattePicture, GivesEveryComponentItsColour) {
@@ -83,9 +92,12 @@ TEST(MattePicture, GivesEveryComponentItsColour) {
   const Image out = matte_picture(MatteView::Components, in);
   const double brightness = 0.35 + 0.65 * (200 + 2 * 100 + 50) / 1020.0;
   for (int c = 0; c < 3; ++c) {
-    EXPECT_EQ(out.at(0, 0)[c], static_cast<int>(component_color(0)[static_cast<std::size_t>(c)] * brightness));
-    EXPECT_EQ(out.at(15, 15)[c], static_cast<int>(component_color(0)[static_cast<std::size_t>(c)] * brightness));
-    EXPECT_EQ(out.at(16, 0)[c], static_cast<int>(component_color(2)[static_cast<std::size_t>(c)] * brightness));
+    EXPECT_EQ(out.at(0, 0)[c],
+              static_cast<int>(component_color(0)[static_cast<std::size_t>(c)] * brightness));
+    EXPECT_EQ(out.at(15, 15)[c],
+              static_cast<int>(component_color(0)[static_cast<std::size_t>(c)] * brightness));
+    EXPECT_EQ(out.at(16, 0)[c],
+              static_cast<int>(component_color(2)[static_cast<std::size_t>(c)] * brightness));
   }
   std::set<std::array<std::uint8_t, 3>> colors;
   for (int k = 0; k < 16; ++k) colors.insert(component_color(k));

@@ -1,13 +1,13 @@
-#include <gmock/gmock.h>
-
 #include <cstdlib>
+
+#include <gmock/gmock.h>
 
 #include "apps/import/import.h"
 #include "core/matte.h"
 #include "core/png.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temp_folder.h"
 #include "tests/support/real_data.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
@@ -58,16 +58,19 @@ TEST(ImportReal, DomeComesWithItsMattes) {
   }
 }
 
-// The videos of cam01 and cam02 were scaled to another size than their calibration's, so they must be refused.
+// The videos of cam01 and cam02 were scaled to another size than their calibration's, so they must be
+// refused.
 TEST(ImportReal, QualisysVideosOfAnotherSizeAreRefusedAndTheOthersTaken) {
   FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {CalibrationFormat::Qualisys, real_data("pose2sim-balancing/calibration/Calib.qca.txt")};
+  options.calibration = {CalibrationFormat::Qualisys,
+                         real_data("pose2sim-balancing/calibration/Calib.qca.txt")};
   options.pictures = real_data("pose2sim-balancing/videos");
   options.frames = {.first = 4, .end = 6};
   options.out = folder / "Q";
-  EXPECT_THAT(import_take(options), FailsWith(ErrorCode::BadData, "camera 'cam01': its pictures are 1080x1920"));
+  EXPECT_THAT(import_take(options),
+              FailsWith(ErrorCode::BadData, "camera 'cam01': its pictures are 1080x1920"));
   EXPECT_THAT(folder.names(), testing::IsEmpty());
   options.cameras = {"cam03", "cam04"};
   const Result<ImportReport> report = import_take(options);

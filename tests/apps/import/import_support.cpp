@@ -1,8 +1,8 @@
 #include "tests/apps/import/import_support.h"
 
-#include <gtest/gtest.h>
-
 #include <cstdio>
+
+#include <gtest/gtest.h>
 
 #include "core/png.h"
 

@@ -162,8 +162,9 @@ TEST_F(Import, ReadsVideosWithTheirOwnRate) {
   ASSERT_THAT(write_colmap(rig, {"a.png", "b.png"}, folder_ / "in"), IsOk());
   fs::create_directories(folder_ / "in" / "images");
   for (int camera = 0; camera < 2; ++camera) {
-    auto video = VideoWriter::create(folder_ / "in" / "images" / (rig.cameras[static_cast<std::size_t>(camera)].serial + ".mp4"),
-                                     kImportWidth, kImportHeight, 30);
+    auto video = VideoWriter::create(
+        folder_ / "in" / "images" / (rig.cameras[static_cast<std::size_t>(camera)].serial + ".mp4"),
+        kImportWidth, kImportHeight, 30);
     ASSERT_THAT(video, IsOk());
     for (int frame = 0; frame < 4; ++frame) ASSERT_THAT((*video)->write(test_picture(camera, frame)), IsOk());
     ASSERT_THAT((*video)->finish(), IsOk());

@@ -1,8 +1,8 @@
 #include "apps/import/media_files.h"
 
-#include <gmock/gmock.h>
-
 #include <fstream>
+
+#include <gmock/gmock.h>
 
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -47,7 +47,8 @@ TEST(MediaFiles, TakesTheImageThatTheCalibrationNames) {
 
 TEST(MediaFiles, TakesAllPicturesOfAFolderNamedAfterTheCameraInNaturalOrder) {
   TempFolder folder;
-  for (const char* file : {"a/f10.png", "a/f9.png", "a/f1.png", "a/notes.txt", "a/.hidden.png"}) touch(folder / file);
+  for (const char* file : {"a/f10.png", "a/f9.png", "a/f1.png", "a/notes.txt", "a/.hidden.png"})
+    touch(folder / file);
   const Result<MediaSearch> found = find_media(folder.path(), named({"a"}, {"a"}));
   ASSERT_THAT(found, IsOk());
   EXPECT_THAT(names(found->cameras[0]), ElementsAre("f1.png", "f9.png", "f10.png"));
@@ -57,7 +58,8 @@ TEST(MediaFiles, TakesAllPicturesOfAFolderNamedAfterTheCameraInNaturalOrder) {
 TEST(MediaFiles, TakesTheFilmAroundACalibratedPictureInAFolderOfItsOwn) {
   TempFolder folder;
   for (const char* file : {"a/1.png", "a/2.png", "b/1.png", "b/2.png"}) touch(folder / file);
-  const Result<MediaSearch> found = find_media(folder.path(), named({"a/1.png", "b/1.png"}, {"a_1.png", "b_1.png"}));
+  const Result<MediaSearch> found =
+      find_media(folder.path(), named({"a/1.png", "b/1.png"}, {"a_1.png", "b_1.png"}));
   ASSERT_THAT(found, IsOk());
   EXPECT_THAT(names(found->cameras[1]), ElementsAre("1.png", "2.png"));
 }
@@ -65,7 +67,8 @@ TEST(MediaFiles, TakesTheFilmAroundACalibratedPictureInAFolderOfItsOwn) {
 TEST(MediaFiles, KeepsCamerasThatShareAFolderAtOnePictureEach) {
   TempFolder folder;
   for (const char* file : {"all/1.png", "all/2.png"}) touch(folder / file);
-  const Result<MediaSearch> found = find_media(folder.path(), named({"all/1.png", "all/2.png"}, {"all_1.png", "all_2.png"}));
+  const Result<MediaSearch> found =
+      find_media(folder.path(), named({"all/1.png", "all/2.png"}, {"all_1.png", "all_2.png"}));
   ASSERT_THAT(found, IsOk());
   EXPECT_THAT(names(found->cameras[0]), ElementsAre("1.png"));
   EXPECT_THAT(names(found->cameras[1]), ElementsAre("2.png"));
@@ -74,7 +77,8 @@ TEST(MediaFiles, KeepsCamerasThatShareAFolderAtOnePictureEach) {
 TEST(MediaFiles, TakesVideosNamedAfterTheSerialOrEndingInIt) {
   TempFolder folder;
   for (const char* file : {"cam1.mp4", "walk_Miqus_1_23087.avi"}) touch(folder / file);
-  const Result<MediaSearch> found = find_media(folder.path(), named({"cam1", "23087", "7"}, {"cam1", "23087", "7"}));
+  const Result<MediaSearch> found =
+      find_media(folder.path(), named({"cam1", "23087", "7"}, {"cam1", "23087", "7"}));
   ASSERT_THAT(found, IsOk());
   EXPECT_THAT(names(found->cameras[0]), ElementsAre("cam1.mp4"));
   EXPECT_THAT(names(found->cameras[1]), ElementsAre("walk_Miqus_1_23087.avi"));
@@ -85,7 +89,8 @@ TEST(MediaFiles, RefusesToGuessBetweenTwo) {
   TempFolder folder;
   touch(folder / "a.png");
   touch(folder / "a.mp4");
-  EXPECT_THAT(find_media(folder.path(), named({"a"}, {"a"})), FailsWith(ErrorCode::InvalidArgument, "camera 'a'"));
+  EXPECT_THAT(find_media(folder.path(), named({"a"}, {"a"})),
+              FailsWith(ErrorCode::InvalidArgument, "camera 'a'"));
 }
 
 TEST(MediaFiles, NamesAFolderThatIsNotThere) {
