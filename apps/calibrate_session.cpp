@@ -9,6 +9,7 @@
 #include "apps/calibrate/scene_points.h"
 #include "apps/calibrate/session.h"
 #include "apps/calibrate_verbs.h"
+#include "apps/interrupt.h"
 #include "calib/calibrate.h"
 #include "core/log.h"
 #include "core/text.h"
@@ -69,10 +70,12 @@ Result<void> run(const Options& given) {
     const Workspace workspace(given.workspace);
     if (!workspace.ready()) return forward(workspace.ready());
     if (Result<void> ok = add_scene(*session, workspace.folder(), given.threads, *collected); !ok) {
+      if (ok.error().code == ErrorCode::Cancelled) return cancelled_unwritten();
       workspace.keep();
       return fail(ok.error().code, text(given.session.string(), ": ", ok.error().message));
     }
   }
+  if (interrupted()) return cancelled_unwritten();
   for (const std::string& sentence : collected->detection) log::info(sentence);
   if (!given.observations.empty()) {
     if (Result<void> ok = save_observations(collected->observations, given.observations); !ok) return ok;
@@ -80,6 +83,7 @@ Result<void> run(const Options& given) {
   const Result<Calibration> solved = calibrate(collected->observations, session->options);
   if (!solved) return fail(solved.error().code, text(given.session.string(), ": ", solved.error().message));
 
+  if (interrupted()) return cancelled_unwritten();
   ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
                         collected->seconds};
   std::vector<BarCheck> checks;

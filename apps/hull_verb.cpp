@@ -132,7 +132,7 @@ Result<void> run(const Options& given) {
   options->quality = false;
   std::optional<Progress> progress(std::in_place, "hulls", static_cast<std::size_t>(given.repeat));
   for (int k = 0; k < given.repeat; ++k) {
-    if (interrupted()) return fail(ErrorCode::Cancelled, "interrupted; nothing was written");
+    if (interrupted()) return cancelled_unwritten();
     const auto begin = std::chrono::steady_clock::now();
     if (Result<void> ok = visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok)
       return ok;

@@ -29,4 +29,6 @@ Unexpected cancelled() {
               "interrupted; what was finished is kept, and the same command goes on from there");
 }
 
+Unexpected cancelled_unwritten() { return fail(ErrorCode::Cancelled, "interrupted; nothing was written"); }
+
 }  // namespace floatstage

@@ -12,5 +12,7 @@ bool interrupted();
 
 /// Cancelled, in the words users see.
 Unexpected cancelled();
+/// The same of work that leaves nothing behind.
+Unexpected cancelled_unwritten();
 
 }  // namespace floatstage

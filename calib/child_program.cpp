@@ -43,15 +43,16 @@ ProgramEnd reap(pid_t child) {
   return {.code = WEXITSTATUS(status), .signal = 0};
 }
 
-// Whether the program ended within that time.
-bool wait_for_end(pid_t child, double seconds) {
+// Whether the program ended within that time, and nobody cancelled it.
+bool wait_for_end(pid_t child, double seconds, const std::function<bool()>& cancelled) {
+  const double glance = cancelled ? 0.2 : 3600;  // seconds
   const OpenFile handle(static_cast<int>(syscall(SYS_pidfd_open, child, 0)));
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   for (;;) {
     const double left = std::chrono::duration<double>(until - std::chrono::steady_clock::now()).count();
-    if (left <= 0) return false;
+    if (left <= 0 || (cancelled && cancelled())) return false;
     pollfd waiting{.fd = handle.get(), .events = POLLIN, .revents = 0};
-    const int ready = poll(&waiting, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1000)));
+    const int ready = poll(&waiting, 1, static_cast<int>(std::ceil(std::min(left, glance) * 1000)));
     if (ready > 0) return true;
     if (ready < 0 && errno != EINTR) return false;
   }
@@ -60,7 +61,7 @@ bool wait_for_end(pid_t child, double seconds) {
 }  // namespace
 
 Result<ProgramEnd> run_program(const std::vector<std::string>& arguments, const std::filesystem::path& log,
-                               double seconds) {
+                               double seconds, const std::function<bool()>& cancelled) {
   FLOATSTAGE_CHECK(!arguments.empty(), "no program");
   const OpenFile output(open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
   if (output.get() < 0)
@@ -87,9 +88,11 @@ Result<ProgramEnd> run_program(const std::vector<std::string>& arguments, const 
   if (failed != 0)
     return fail(ErrorCode::Io,
                 text("the program '", arguments[0], "' cannot be started: ", std::strerror(failed)));
-  if (!wait_for_end(child, seconds)) {
+  if (!wait_for_end(child, seconds, cancelled)) {
     kill(-child, SIGKILL);
     reap(child);
+    if (cancelled && cancelled())
+      return fail(ErrorCode::Cancelled, text("'", arguments[0], "' was interrupted"));
     return fail(ErrorCode::Timeout,
                 text("'", arguments[0], arguments.size() > 1 ? " " + arguments[1] : "", "' took longer than ",
                      seconds, " s and was ended; its log is ", log.string()));

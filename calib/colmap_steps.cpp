@@ -71,7 +71,7 @@ Result<void> Colmap::run(const std::string& step, std::vector<std::string> argum
                          const std::string& advice) const {
   std::vector<std::string> all = {options_.program, step};
   all.insert(all.end(), arguments.begin(), arguments.end());
-  const Result<ProgramEnd> end = run_program(all, log_, options_.timeout);
+  const Result<ProgramEnd> end = run_program(all, log_, options_.timeout, options_.cancelled);
   if (!end && end.error().code == ErrorCode::NotFound)
     return fail(
         ErrorCode::NotFound,

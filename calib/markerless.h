@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +27,7 @@ struct MarkerlessOptions {
   std::string program = "colmap";  ///< COLMAP 3.8's command line program
   double timeout = 3600;           ///< seconds, for each of its steps: only what hangs takes that long
   int threads = 0;                 ///< 0: one a core
+  std::function<bool()> cancelled = nullptr;  ///< asked while COLMAP works
   /// Bars below which the result is refused: its reprojection error would look fine all the same.
   double least_track = 4;  ///< pictures that show a point, on average
   int least_points = 60;   ///< points that a picture shows

@@ -6,6 +6,7 @@
 
 #include "apps/import/media_files.h"
 #include "apps/import/picture_stream.h"
+#include "apps/interrupt.h"
 #include "apps/progress.h"
 #include "calib/detect.h"
 #include "core/text.h"
@@ -194,6 +195,7 @@ Result<Collected> collect(const Session& s, const std::filesystem::path& cache, 
     for (const SessionCamera& camera : s.cameras) {
       std::size_t count = 0;
       if (camera.carried) continue;
+      if (interrupted()) return cancelled_unwritten();
       if (Result<void> ok = collect_camera(s, camera, options, next_alone, out, count); !ok)
         return forward(ok);
       progress.advance();

@@ -143,7 +143,7 @@ std::string uncertainty_picture(const Calibration& c, const ProjectionUncertaint
                   text(std::setprecision(2), sigma, " px"));
     }
   std::vector<std::pair<std::string, double>> shades;
-  for (const double px : {0.0, 0.05, 0.1, 0.25, 0.5, kDarkest})
+  for (const double px : {0.0, 0.1, 0.3, kDarkest})
     shades.emplace_back(text(px < kDarkest ? "" : "≥ ", px, " px"), std::sqrt(px / kDarkest));
   return out + legend(height, shades) + "</svg>";
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/import/picture_stream.h"
+#include "apps/interrupt.h"
 #include "calib/scene_features.h"
 #include "core/text.h"
 
@@ -150,6 +151,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
 
   MarkerlessOptions options{.timeout = s.markerless->timeout,
                             .threads = threads,
+                            .cancelled = interrupted,
                             .least_track = s.markerless->least_track,
                             .least_points = s.markerless->least_points};
   std::optional<MarkerlessResult> found;

@@ -3,10 +3,11 @@
 #include <cstring>
 #include <utility>
 
+#define GLFW_INCLUDE_NONE  // epoxy brings OpenGL
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
-#include <epoxy/gl.h>  // before GLFW, which would bring another GL header
+#include <epoxy/gl.h>
 #include <imgui.h>
 
 #include "core/text.h"

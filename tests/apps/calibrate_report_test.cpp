@@ -92,7 +92,7 @@ TEST(CalibrationReport, IsOnePageThatNeedsNothingElse) {
 
 TEST(CalibrationReport, SaysWhatItsShadesMean) {
   const std::string html = report_html(solved(), judge(solved(), kBars), {});
-  for (const char* words : {">0.25 px<", ">≥ 1 px<", ">0 points<"}) EXPECT_THAT(html, HasSubstr(words));
+  for (const char* words : {">0.3 px<", ">≥ 1 px<", ">0 points<"}) EXPECT_THAT(html, HasSubstr(words));
 }
 
 TEST(CalibrationVerdict, FailsByANumberOfTheSessionAbove) {

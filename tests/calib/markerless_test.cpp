@@ -59,6 +59,15 @@ TEST(Markerless, EndsAProgramThatHangs) {
               FailsWith(ErrorCode::Timeout, "took longer than 0.2 s"));
 }
 
+TEST(Markerless, EndsItsProgramWhenItIsInterrupted) {
+  const TempFolder folder;
+  int asked = 0;
+  MarkerlessOptions options{.program = program(folder, "sleep 600 & wait")};
+  options.cancelled = [&] { return ++asked > 2; };
+  EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", options),
+              FailsWith(ErrorCode::Cancelled, "was interrupted"));
+}
+
 TEST(Markerless, RefusesAnEmptyModelFolder) {
   const TempFolder folder;
   EXPECT_THAT(
