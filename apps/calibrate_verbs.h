@@ -8,6 +8,7 @@ namespace floatstage {
 void add_calibrate_session(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_color(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen);
+void add_calibrate_export(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_live(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen);
 
