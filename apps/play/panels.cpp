@@ -101,14 +101,18 @@ void obey_camera_requests(const PanelRequests& requests, const PathKey& home, Pl
   }
 }
 
-void draw_time_line(PlayerState& state) {
-  TimeLine& time = state.time;
+void draw_transport(TimeLine& time) {
   if (ImGui::Button(time.playing ? "pause" : "play ")) time.playing = !time.playing;
   ImGui::SameLine();
   if (ImGui::Button("<")) time.step(-1);
   ImGui::SameLine();
   if (ImGui::Button(">")) time.step(1);
   ImGui::SameLine();
+}
+
+void draw_time_line(PlayerState& state) {
+  TimeLine& time = state.time;
+  draw_transport(time);
   ImGui::Checkbox("loop", &time.loop);
   ImGui::SameLine();
   float speed = static_cast<float>(time.speed);

@@ -16,6 +16,9 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
 /// Does what was asked for the camera and its path; what came of it is the state's status.
 void obey_camera_requests(const PanelRequests& requests, const PathKey& home, PlayerState& state);
 
+/// The buttons that play and step; what follows stands beside them.
+void draw_transport(TimeLine& time);
+
 /// The time line at the bottom: play, step, speed, frame slider, and the last message.
 void draw_time_line(PlayerState& state);
 

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/calibrate/calibrate_verbs.h"
 #include "apps/calibrate/surface_colors.h"
-#include "apps/calibrate_verbs.h"
 #include "apps/scene_loader.h"
 #include "capture/take.h"
 #include "core/file.h"

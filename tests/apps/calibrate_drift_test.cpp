@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/calibrate_verbs.h"
+#include "apps/calibrate/calibrate_verbs.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/text.h"

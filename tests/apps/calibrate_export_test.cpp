@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/calibrate_verbs.h"
+#include "apps/calibrate/calibrate_verbs.h"
 #include "calib/rig_formats.h"
 #include "core/file.h"
 #include "core/rig_io.h"

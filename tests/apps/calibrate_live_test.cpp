@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/calibrate/calibrate_verbs.h"
 #include "apps/calibrate/live_run.h"
 #include "apps/calibrate/live_view.h"
-#include "apps/calibrate_verbs.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/parallel.h"

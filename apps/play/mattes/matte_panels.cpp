@@ -5,6 +5,7 @@
 
 #include <imgui.h>
 
+#include "apps/play/panels.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -131,12 +132,7 @@ MattePanelRequests draw_matte_controls(MatteDesk& desk) {
 void draw_matte_time_line(MatteDesk& desk) {
   EditorState& state = desk.state();
   TimeLine& time = state.time;
-  if (ImGui::Button(time.playing ? "pause" : "play ")) time.playing = !time.playing;
-  ImGui::SameLine();
-  if (ImGui::Button("<")) time.step(-1);
-  ImGui::SameLine();
-  if (ImGui::Button(">")) time.step(1);
-  ImGui::SameLine();
+  draw_transport(time);
   ImGui::Text("frame %d of %d%s", time.frame(), time.frames(),
               state.session.keyframe(time.frame()) ? ", a keyframe" : "");
   ImGui::SameLine(330);

@@ -1,4 +1,4 @@
-#include "apps/live_recon.h"
+#include "apps/live/live_recon.h"
 
 #include <chrono>
 #include <cmath>

@@ -5,9 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/calibrate/calibrate_verbs.h"
 #include "apps/calibrate/report_pictures.h"
 #include "apps/calibrate/surface_colors.h"
-#include "apps/calibrate_verbs.h"
 #include "apps/json_report.h"
 #include "apps/progress.h"
 #include "calib/color_balance.h"

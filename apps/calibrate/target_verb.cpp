@@ -1,6 +1,6 @@
 #include <cstdio>
 
-#include "apps/calibrate_verbs.h"
+#include "apps/calibrate/calibrate_verbs.h"
 #include "calib/board.h"
 #include "calib/target_sheet.h"
 

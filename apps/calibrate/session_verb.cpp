@@ -2,13 +2,13 @@
 #include <cstdlib>
 #include <iomanip>
 
+#include "apps/calibrate/calibrate_verbs.h"
 #include "apps/calibrate/collect.h"
 #include "apps/calibrate/conclude.h"
 #include "apps/calibrate/report.h"
 #include "apps/calibrate/scene.h"
 #include "apps/calibrate/scene_points.h"
 #include "apps/calibrate/session.h"
-#include "apps/calibrate_verbs.h"
 #include "apps/interrupt.h"
 #include "calib/calibrate.h"
 #include "core/log.h"

@@ -1,4 +1,4 @@
-#include "apps/live_remote.h"
+#include "apps/live/live_remote.h"
 
 #include "core/rig_io.h"
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/calibrate_verbs.h"
+#include "apps/calibrate/calibrate_verbs.h"
 #include "apps/json_report.h"
 #include "apps/progress.h"
 #include "calib/drift.h"

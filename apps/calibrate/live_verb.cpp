@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <thread>
 
+#include "apps/calibrate/calibrate_verbs.h"
 #include "apps/calibrate/collect.h"
 #include "apps/calibrate/conclude.h"
 #include "apps/calibrate/live_view.h"
-#include "apps/calibrate_verbs.h"
 #include "apps/interrupt.h"
 #include "apps/text_options.h"
 #include "core/text.h"

@@ -1,4 +1,4 @@
-#include "apps/calibrate_verbs.h"
+#include "apps/calibrate/calibrate_verbs.h"
 
 namespace floatstage {
 

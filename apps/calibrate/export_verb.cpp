@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "apps/calibrate_verbs.h"
+#include "apps/calibrate/calibrate_verbs.h"
 #include "calib/rig_formats.h"
 #include "core/rig_io.h"
 #include "core/take_layout.h"
