@@ -7,10 +7,10 @@
 
 #include "apps/calibrate/calibrate_verbs.h"
 #include "apps/calibrate/report_pictures.h"
-#include "apps/calibrate/surface_colors.h"
 #include "apps/json_report.h"
 #include "apps/progress.h"
 #include "calib/color_balance.h"
+#include "calib/surface_colors.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/mesh_io.h"

@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
-#include "apps/calibrate/live_calibration.h"
 #include "apps/capture/capture_config.h"
+#include "calib/live_calibration.h"
 #include "core/bounded_queue.h"
 #include "core/result.h"
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/calibrate/surface_colors.h"
 #include "apps/scene_loader.h"
+#include "calib/surface_colors.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/mesh_io.h"

@@ -1,4 +1,4 @@
-#include "apps/calibrate/coverage.h"
+#include "calib/coverage.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/calibrate/coverage.h"
 #include "calib/board.h"
 #include "calib/calibrate.h"
+#include "calib/coverage.h"
 #include "calib/detect.h"
 #include "core/frame.h"
 

@@ -1,4 +1,4 @@
-#include "apps/calibrate/surface_colors.h"
+#include "calib/surface_colors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "apps/calibrate/live_calibration.h"
+#include "calib/live_calibration.h"
 
 #include <algorithm>
 #include <map>
