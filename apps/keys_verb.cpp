@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "apps/studio/wire/keys.h"
 #include "apps/verbs.h"
+#include "studio/network/keys.h"
 
 namespace floatstage {
 namespace {

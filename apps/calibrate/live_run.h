@@ -10,10 +10,10 @@
 #include <thread>
 #include <vector>
 
-#include "apps/capture/capture_config.h"
 #include "calib/live_calibration.h"
 #include "core/bounded_queue.h"
 #include "core/result.h"
+#include "studio/node/capture_config.h"
 
 namespace floatstage {
 

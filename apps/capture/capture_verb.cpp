@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "apps/capture/capture_session.h"
-#include "apps/capture/publishing.h"
 #include "apps/interrupt.h"
 #include "apps/json_report.h"
 #include "apps/verbs.h"
 #include "core/text.h"
+#include "studio/node/capture_session.h"
+#include "studio/node/publishing.h"
 
 namespace floatstage {
 namespace {

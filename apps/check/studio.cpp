@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "apps/capture/capture_config.h"
 #include "capture/frame_source.h"
 #include "core/rig_io.h"
 #include "core/text.h"
+#include "studio/node/capture_config.h"
 
 namespace floatstage {
 namespace {

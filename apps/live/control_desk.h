@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "apps/studio/studio_control.h"
 #include "core/time.h"
+#include "studio/messages/studio_control.h"
 
 namespace floatstage {
 

@@ -3,7 +3,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
-#include "apps/studio/live_quality.h"
+#include "studio/live/live_quality.h"
 
 namespace floatstage {
 namespace {

@@ -8,21 +8,21 @@
 #include "apps/film.h"
 #include "apps/interrupt.h"
 #include "apps/json_report.h"
-#include "apps/live/live_recon.h"
-#include "apps/live/live_remote.h"
 #include "apps/live/live_window.h"
 #include "apps/renderer_options.h"
-#include "apps/studio/camera_source.h"
-#include "apps/studio/clock.h"
-#include "apps/studio/live_chain.h"
-#include "apps/studio/live_run.h"
-#include "apps/studio/take_player.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "render/gl_context.h"
+#include "studio/live/camera_source.h"
+#include "studio/live/live_chain.h"
+#include "studio/live/live_recon.h"
+#include "studio/live/live_remote.h"
+#include "studio/live/live_run.h"
+#include "studio/live/take_player.h"
+#include "studio/messages/clock.h"
 
 namespace floatstage {
 namespace {
@@ -171,9 +171,17 @@ Result<void> reconstruct(const Options& o) {
   recon.nodes = o.remote.nodes;
   recon.rig = o.remote.rig;
   recon.keys = o.remote.keys;
-  recon.json = o.json;
   recon.seconds = o.run.seconds;
-  return run_live_recon(recon);
+  const Result<LiveReconReport> report = run_live_recon(recon, interrupted);
+  if (!report) return forward(report);
+  const ReconCounters& counters = report->counters;
+  std::printf("%.1f scenes a second over %.0f s, hull p50 %.0f ms; %.1f kB a second came, %.1f kB went\n",
+              static_cast<double>(counters.scenes) / report->seconds, report->seconds,
+              counters.hull_ms.percentile(0.5),
+              1e-3 * static_cast<double>(counters.from_nodes.bytes) / report->seconds,
+              1e-3 * static_cast<double>(counters.to_viewers.scene_bytes) / report->seconds);
+  if (o.json.empty()) return {};
+  return save_json(to_json(*report), o.json);
 }
 
 Result<void> run(const Options& given) {

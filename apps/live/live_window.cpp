@@ -7,16 +7,16 @@
 #include <imgui.h>
 
 #include "apps/interrupt.h"
-#include "apps/live/live_pace.h"
 #include "apps/live/live_panel.h"
 #include "apps/play/canvas.h"
 #include "apps/play/layout.h"
 #include "apps/play/panels.h"
 #include "apps/play/window.h"
-#include "apps/studio/clock.h"
 #include "core/log.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "studio/live/live_pace.h"
+#include "studio/messages/clock.h"
 
 namespace floatstage {
 namespace {

@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "apps/live/control_desk.h"
-#include "apps/studio/live_run.h"
-#include "apps/studio/scene_feed.h"
+#include "studio/live/live_run.h"
+#include "studio/live/scene_feed.h"
 
 namespace floatstage {
 

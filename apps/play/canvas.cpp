@@ -7,7 +7,7 @@
 
 #include <imgui.h>
 
-#include "apps/studio/live_view.h"
+#include "studio/live/live_view.h"
 
 namespace floatstage {
 namespace {

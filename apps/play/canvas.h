@@ -6,9 +6,9 @@
 
 #include "apps/play/camera_frusta.h"
 #include "apps/play/player_state.h"
-#include "apps/studio/live_scene.h"
 #include "core/rig.h"
 #include "render/scene_textures.h"
+#include "studio/live/live_scene.h"
 
 namespace floatstage {
 

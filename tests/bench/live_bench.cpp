@@ -7,10 +7,10 @@
 #include <benchmark/benchmark.h>
 
 #include "apps/camera_path.h"
-#include "apps/studio/live_run.h"
-#include "apps/studio/take_player.h"
 #include "apps/synthesize.h"
 #include "render/gl_context.h"
+#include "studio/live/live_run.h"
+#include "studio/live/take_player.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage {

@@ -1,10 +1,10 @@
 #include <cstdint>
 #include <string_view>
 
-#include "apps/studio/wire/control_message.h"
-#include "apps/studio/wire/scene_message.h"
-#include "apps/studio/wire/view_message.h"
 #include "core/check.h"
+#include "studio/messages/control_message.h"
+#include "studio/messages/scene_message.h"
+#include "studio/messages/view_message.h"
 
 using namespace floatstage;
 

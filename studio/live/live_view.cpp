@@ -1,0 +1,41 @@
+#include "studio/live/live_view.h"
+
+namespace floatstage {
+
+Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textures) {
+  std::vector<PictureTile> tiles;
+  for (const std::shared_ptr<const CameraView>& view : scene.views) {
+    if (!view || !view->tile) continue;
+    const int camera = camera_index(rig, view->serial);
+    if (camera >= 0)
+      tiles.push_back({camera, view->tile->x, view->tile->y, &view->tile->picture, &view->tile->matte});
+  }
+  if (tiles.empty() || scene.scene.mesh.empty()) return false;
+  if (Result<void> ok = textures.upload(rig, scene.scene.mesh, tiles); !ok) return forward(ok);
+  return true;
+}
+
+Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
+  scene_ = scene;
+  const Result<bool> uploaded = upload(*scene, rig_, textures_);
+  drawable_ = uploaded && *uploaded;
+  return uploaded ? Result<void>() : forward(uploaded);
+}
+
+Result<std::optional<RenderedView>> LiveView::render(const View& view, const LiveQuality& quality,
+                                                     RendererOptions options) {
+  if (!drawable_) return std::optional<RenderedView>();
+  std::unique_ptr<ViewRenderer>& renderer = renderers_[quality.method];
+  if (!renderer) {
+    Result<std::unique_ptr<ViewRenderer>> made = make_renderer(quality.method);
+    if (!made) return forward(made);
+    renderer = std::move(*made);
+  }
+  options.flow = quality.flow;
+  options.sharp = quality.sharp;
+  Result<RenderedView> picture = renderer->render(textures_, view, options);
+  if (!picture) return forward(picture);
+  return std::optional<RenderedView>(*picture);
+}
+
+}  // namespace floatstage

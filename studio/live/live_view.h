@@ -1,0 +1,44 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/rig.h"
+#include "render/renderer.h"
+#include "studio/live/live_quality.h"
+#include "studio/live/live_scene.h"
+
+namespace floatstage {
+
+/// Brings a scene's surface and textures to the GPU. False when there is nothing to draw: no subject, or no
+/// texture of it.
+Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textures);
+
+/// Draws live scenes. GL thread only.
+class LiveView {
+ public:
+  explicit LiveView(Rig rig) : rig_(std::move(rig)) {}
+
+  /// From now on this scene is drawn.
+  Result<void> show(const std::shared_ptr<const LiveScene>& scene);
+  /// The scene from a view; nothing when there is nothing to draw. `options` but for method and flow, which
+  /// are the quality's.
+  Result<std::optional<RenderedView>> render(const View& view, const LiveQuality& quality,
+                                             RendererOptions options);
+
+  const LiveScene* scene() const { return scene_.get(); }
+  const SceneTextures& textures() const { return textures_; }
+  bool has_subject() const { return drawable_; }
+  const Rig& rig() const { return rig_; }
+
+ private:
+  const Rig rig_;
+  std::shared_ptr<const LiveScene> scene_;
+  SceneTextures textures_;
+  std::map<std::string, std::unique_ptr<ViewRenderer>> renderers_;
+  bool drawable_ = false;
+};
+
+}  // namespace floatstage

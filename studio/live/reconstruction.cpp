@@ -1,0 +1,50 @@
+#include "studio/live/reconstruction.h"
+
+#include <algorithm>
+
+#include "core/text.h"
+
+namespace floatstage {
+
+Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const CameraView>> views,
+                                         int threads) {
+  StudioScene scene;
+  scene.rig_sha256 = rig_sha256_;
+  outlines_.resize(rig_.cameras.size());
+  for (Silhouette& outline : outlines_) outline.clear();
+  remark_.clear();
+  bool any = false;
+  for (const std::shared_ptr<const CameraView>& view : views) {
+    const int camera = view ? camera_index(rig_, view->serial) : -1;
+    if (camera < 0) continue;
+    const CameraModel& model = rig_.cameras[static_cast<std::size_t>(camera)].model;
+    if (view->width != model.width || view->height != model.height)
+      return fail(
+          ErrorCode::InvalidArgument,
+          text("camera '", view->serial, "' sends outlines of ", view->width, "x", view->height,
+               " pictures and was calibrated at ", model.width, "x", model.height, "; set that size"));
+    scene.epoch = std::max(scene.epoch, view->epoch);
+    scene.instant = view->instant;
+    if (!view->known) continue;
+    scene.produced = any ? std::min(scene.produced, view->produced) : view->produced;
+    any = true;
+    scene.cameras.push_back({view->serial, view->exposed});
+    outlines_[static_cast<std::size_t>(camera)] = view->outline;
+  }
+  HullOptions options;
+  options.threads = threads;
+  options.quality = false;
+  options.contour_tolerance = 0;  // the outlines have theirs already
+  const Result<void> hull =
+      visual_hull(rig_, std::span<const Silhouette>(outlines_), options, workspace_, report_);
+  if (!hull && hull.error().code != ErrorCode::BadData) return forward(hull);
+  if (hull) {
+    scene.mesh = std::move(report_.mesh);
+    if (!report_.remarks.empty()) remark_ = report_.remarks.front();
+  } else {
+    remark_ = hull.error().message;
+  }
+  return scene;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,57 @@
+#include "studio/node/camera_rack.h"
+
+#include "core/check.h"
+#include "core/parallel.h"
+#include "studio/messages/clock.h"
+
+namespace floatstage {
+
+Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
+                                    std::vector<std::vector<Image>> samples) {
+  FLOATSTAGE_CHECK(samples.size() == rig.cameras.size(), "samples of every camera");
+  CameraRack rack;
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    Result<CameraNode> node =
+        CameraNode::make(rig.cameras[i].serial, rig.cameras[i].model, spec, std::move(samples[i]));
+    if (!node) return forward(node);
+    rack.nodes_.push_back(std::move(*node));
+  }
+  return rack;
+}
+
+Result<void> CameraRack::prepare(int shrink) {
+  for (CameraNode& node : nodes_)
+    if (Result<void> ok = node.prepare(shrink); !ok) return ok;
+  return {};
+}
+
+std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& set,
+                                                                const std::vector<bool>& textured,
+                                                                const NodeQuality& quality, int threads,
+                                                                SceneTimes& times) {
+  const Timestamp begun = now();
+  std::vector<std::shared_ptr<const CameraView>> views(nodes_.size());
+  std::vector<std::string> troubles(nodes_.size());
+  parallel_for(nodes_.size(), threads, [&](std::size_t i) {
+    const bool wanted = textured.empty() || textured[i];
+    Result<CameraView> view =
+        nodes_[i].look(set.images.frames[i], set.instant, set.produced[i], wanted, quality);
+    if (view) {
+      views[i] = std::make_shared<const CameraView>(std::move(*view));
+    } else {
+      troubles[i] = view.error().message;
+    }
+  });
+  trouble_.clear();
+  for (const std::string& trouble : troubles)
+    if (trouble_.empty()) trouble_ = trouble;
+  for (const CameraNode& node : nodes_) {
+    times.key += node.timings().key;
+    times.outline += node.timings().outline;
+    times.tile += node.timings().tile;
+  }
+  times.nodes = milliseconds_of(now() - begun);
+  return views;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/rig.h"
+#include "studio/messages/camera_view.h"
+#include "studio/messages/scene_times.h"
+#include "studio/node/camera_node.h"
+#include "studio/node/set_builder.h"
+
+namespace floatstage {
+
+/// The camera nodes of one machine: a set of frames in, all their views out.
+class CameraRack {
+ public:
+  /// One node for each of the rig's cameras. `spec`: the keyer. `samples` are per camera. Errors name the
+  /// camera.
+  static Result<CameraRack> make(const Rig& rig, const std::string& spec,
+                                 std::vector<std::vector<Image>> samples);
+
+  /// CameraNode::prepare() of all.
+  Result<void> prepare(int shrink);
+
+  /// views[i] is of rig.cameras[i]. `textured[i]`: somebody wants its texture; empty: of all. A camera whose
+  /// picture cannot be used is a view that knows nothing, and trouble() says why. Adds what it took to
+  /// `times`.
+  std::vector<std::shared_ptr<const CameraView>> look(const TimedSet& set, const std::vector<bool>& textured,
+                                                      const NodeQuality& quality, int threads,
+                                                      SceneTimes& times);
+
+  const std::string& trouble() const { return trouble_; }  ///< of the last look(); empty when all went well
+
+ private:
+  std::vector<CameraNode> nodes_;
+  std::string trouble_;
+};
+
+}  // namespace floatstage

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "capture/recorder.h"
+#include "core/result.h"
+
+namespace floatstage {
+
+/// What a studio is: which cameras, how a recording is made and what it must keep to. A TOML file, for
+/// people:
+///
+///   [studio]     frame_rate = 30, rig = "rig.json" (optional: without it a take is recorded uncalibrated),
+///                name = "stage left"
+///   [recording]  folder = "takes", label = "rehearsal", codec = "ffv1" | "raw" | "h264", queue_frames = 64,
+///                preroll_seconds = 2, keep_free_mb = 256, disagreement = "warn" | "refuse"
+///   [limits]     skips = 0, duplicates = 0, spread_ms = 1.0, rate_deviation = 0.01
+///   [web]        port = 8470, address = "127.0.0.1", token_file = "token" (no table: no page)
+///   [publish]    address = "tcp://127.0.0.1:5570", control = "tcp://127.0.0.1:5571", keys = "studio.keys",
+///                key = "chroma", plates = "plates", shrink = 2, tiles = "jpeg" | "raw", jpeg_quality = 90
+///                (no table: nothing goes to the network)
+///   [[camera]]   serial = "FAKE1", source = "gige:FAKE1?address=127.0.0.1"
+///
+/// Relative paths are relative to the file.
+struct CaptureConfig {
+  struct Camera {
+    std::string serial;
+    std::string source;  ///< a URI of open_source()
+  };
+  /// The node's page.
+  struct Web {
+    int port = 8470;  ///< 0: any that is free
+    std::string address = "127.0.0.1";
+    std::filesystem::path token_file;  ///< holds the token; empty: a new one each time, which the log tells
+  };
+  /// What the node tells the studio's other machines (studio/node/publishing_node.h). Needs a rig.
+  struct Publish {
+    std::string address = "tcp://127.0.0.1:5570";  ///< of outlines, tiles and status
+    std::string control = "tcp://127.0.0.1:5571";  ///< of requests
+    std::filesystem::path keys;                    ///< the studio's; needed off 127.0.0.1
+    std::string key = "chroma";                    ///< keyer spec
+    std::filesystem::path plates;                  ///< clean plates, <serial>.png
+    int shrink = 2;                                ///< photograph pixels per keyed pixel, along each side
+    bool raw_tiles = false;
+    int jpeg_quality = 90;
+  };
+  std::string name = "studio";
+  double frame_rate = 0;  ///< of every camera, frames a second
+  std::filesystem::path rig;
+  std::filesystem::path folder = "takes";
+  RecorderOptions recorder;
+  /// How much earlier than asked a take begins. Costs (preroll_seconds + 0.5) * frame_rate * 1.1 + 2 pictures
+  /// of memory a camera: 8 cameras of 640x480 grey at 30 a second, 2 s: 208 MB.
+  double preroll_seconds = 0;
+  std::uint64_t keep_free_bytes = 256'000'000;  ///< a take is ended well before the disk is full
+  bool refuse_disagreement = false;             ///< no take begins while the synchroniser complains
+  std::optional<Web> web;
+  std::optional<Publish> publish;
+  std::vector<Camera> cameras;
+};
+
+/// Reads strictly: an unknown key is an error, so that a typing mistake never becomes a default. BadData
+/// names the file, the line and what is understood. `base` is what relative paths are relative to.
+Result<CaptureConfig> parse_capture_config(std::string_view toml, std::string_view name_for_errors,
+                                           const std::filesystem::path& base);
+Result<CaptureConfig> load_capture_config(const std::filesystem::path& file);
+
+}  // namespace floatstage

@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include "studio/node/capture_config.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage {
+namespace {
+
+constexpr const char* kWhole = R"(
+[studio]
+frame_rate = 30
+rig = "rig.json"
+[recording]
+folder = "takes"
+label = "rehearsal"
+codec = "raw"
+queue_frames = 12
+[limits]
+skips = 2
+duplicates = 1
+spread_ms = 0.5
+rate_deviation = 0.02
+[[camera]]
+serial = "left"
+source = "v4l2:/dev/video0"
+[[camera]]
+serial = "right"
+source = "gige:A1?rate=30"
+)";
+
+Result<CaptureConfig> parsed(const std::string& toml) {
+  return parse_capture_config(toml, "studio.toml", "/studio");
+}
+
+TEST(CaptureConfig, SaysEverythingThatAStudioIs) {
+  const Result<CaptureConfig> config = parsed(kWhole);
+  ASSERT_THAT(config, IsOk());
+  EXPECT_EQ(config->frame_rate, 30);
+  EXPECT_EQ(config->rig, "/studio/rig.json");
+  EXPECT_EQ(config->folder, "/studio/takes");
+  EXPECT_EQ(config->recorder.take.label, "rehearsal");
+  EXPECT_EQ(config->recorder.take.codec, TakeCodec::Raw);
+  EXPECT_EQ(config->recorder.take.frame_rate, 30);
+  EXPECT_EQ(config->recorder.queue_frames, 12u);
+  EXPECT_EQ(config->recorder.limits.skips, 2u);
+  EXPECT_EQ(config->recorder.limits.duplicates, 1u);
+  EXPECT_EQ(config->recorder.limits.spread_ms, 0.5);
+  EXPECT_EQ(config->recorder.limits.rate_deviation, 0.02);
+  ASSERT_EQ(config->cameras.size(), 2u);
+  EXPECT_EQ(config->cameras[1].serial, "right");
+  EXPECT_EQ(config->cameras[1].source, "gige:A1?rate=30");
+}
+
+TEST(CaptureConfig, HasDefaultsForAllButTheRateAndTheCameras) {
+  const Result<CaptureConfig> config =
+      parsed("[studio]\nframe_rate = 25\n[[camera]]\nserial = 'a'\nsource = 'v4l2:/dev/video0'\n");
+  ASSERT_THAT(config, IsOk());
+  EXPECT_EQ(config->recorder.take.codec, TakeCodec::Ffv1);
+  EXPECT_EQ(config->recorder.limits.skips, 0u);
+  EXPECT_EQ(config->recorder.limits.spread_ms, 1);
+  EXPECT_TRUE(config->rig.empty());
+}
+
+TEST(CaptureConfig, RefusesWhatItDoesNotUnderstandWithItsLine) {
+  const struct {
+    const char *from, *to, *says;
+  } cases[] = {
+      {"frame_rate = 30", "frame_rat = 30",
+       "line 3: [studio]: 'frame_rat' is not understood; there are frame_rate, rig"},
+      {"frame_rate = 30", "frame_rate = 'fast'", "line 3: [studio]: frame_rate must be a number"},
+      {"frame_rate = 30", "", "frame_rate is missing"},
+      {"codec = \"raw\"", "codec = \"zip\"", "codec must be ffv1, raw or h264"},
+      {"skips = 2", "skips = 0.5", "skips must be a whole number"},
+      {"skips = 2", "skips = -1", "skips must be a whole number from 0"},
+      {"serial = \"left\"", "serial = \"a/b\"", "serial must be of letters"},
+      {"serial = \"right\"", "serial = \"left\"", "serial 'left' is there twice"},
+      {"source = \"v4l2:/dev/video0\"", "", "[[camera]] 1: source is missing"},
+      {"[limits]", "[limit]", "'limit' is not understood; there are [studio]"},
+      {"[studio]", "[studio", "no TOML"},
+  };
+  for (const auto& c : cases) {
+    std::string toml = kWhole;
+    toml.replace(toml.find(c.from), std::string(c.from).size(), c.to);
+    EXPECT_THAT(parsed(toml), FailsWith(ErrorCode::BadData, c.says)) << c.to;
+    EXPECT_THAT(parsed(toml), FailsWith(ErrorCode::BadData, "studio.toml"));
+  }
+  EXPECT_THAT(parsed("[studio]\nframe_rate = 25\n"), FailsWith(ErrorCode::BadData, "names no [[camera]]"));
+}
+
+TEST(CaptureConfig, SurvivesEveryTruncation) {
+  const std::string whole = kWhole;
+  for (std::size_t cut = 0; cut < whole.size(); ++cut) {
+    const Result<CaptureConfig> config = parsed(whole.substr(0, cut));
+    EXPECT_TRUE(config || config.error().code == ErrorCode::BadData) << cut;
+  }
+}
+
+TEST(CaptureConfig, OfTheProjectIsUnderstood) {
+  const Result<CaptureConfig> config = load_capture_config(FLOATSTAGE_SOURCE_DIR "/config/fake-gige-8.toml");
+  ASSERT_THAT(config, IsOk());
+  EXPECT_EQ(config->cameras.size(), 8u);
+}
+
+}  // namespace
+}  // namespace floatstage
