@@ -1,7 +1,7 @@
 #include <cstdio>
 
-#include "apps/demo.h"
 #include "apps/verbs.h"
+#include "pipeline/demo/demo.h"
 
 namespace floatstage {
 namespace {

@@ -1,11 +1,6 @@
 #include "apps/hull_flags.h"
 
 #include <algorithm>
-#include <charconv>
-
-#include <nlohmann/json.hpp>
-
-#include "core/text.h"
 
 namespace floatstage {
 
@@ -56,94 +51,6 @@ void add_hull_flags(CLI::App& verb, HullFlags& flags) {
 
 bool HullFlags::given() const {
   return std::any_of(words.begin(), words.end(), [](const CLI::Option* word) { return word->count() > 0; });
-}
-
-Result<HullOptions> hull_options(const HullFlags& flags) {
-  HullOptions options = flags.options;
-  if (flags.method == "exact") {
-    options.method = HullMethod::Exact;
-  } else if (flags.method == "octree") {
-    options.method = HullMethod::Octree;
-  } else {
-    return fail(ErrorCode::InvalidArgument,
-                text("--method '", flags.method, "' is neither exact nor octree"));
-  }
-  if (flags.votes == "strict") {
-    options.voting = HullVoting::Strict;
-  } else if (flags.votes == "auto") {
-    options.voting = HullVoting::Auto;
-  } else {
-    options.voting = HullVoting::MofN;
-    const char* end = flags.votes.data() + flags.votes.size();
-    const auto [stop, error] = std::from_chars(flags.votes.data(), end, options.votes);
-    if (error != std::errc() || stop != end || options.votes < 2) {
-      return fail(
-          ErrorCode::InvalidArgument,
-          text("--votes '", flags.votes, "' is neither strict, auto nor a number of at least 2 cameras"));
-    }
-  }
-  if (!flags.volume.empty()) {
-    options.volume = Eigen::AlignedBox3d(Eigen::Vector3d(flags.volume[0], flags.volume[1], flags.volume[2]),
-                                         Eigen::Vector3d(flags.volume[3], flags.volume[4], flags.volume[5]));
-  }
-  if (Result<void> ok = check(options); !ok) return forward(ok);
-  return options;
-}
-
-nlohmann::json describe(const HullOptions& options) {
-  nlohmann::json j;
-  if (options.method == HullMethod::Octree) {
-    j = {{"method", "octree"}, {"resolution", options.resolution}, {"smoothing", options.smoothing}};
-  } else {
-    j = {{"method", "exact"}, {"contour_tolerance", options.contour_tolerance}};
-    if (options.voting == HullVoting::MofN) {
-      j["votes"] = options.votes;
-    } else {
-      j["votes"] = options.voting == HullVoting::Auto ? "auto" : "strict";
-    }
-  }
-  if (options.volume) {
-    const Eigen::Vector3d a = options.volume->min(), b = options.volume->max();
-    j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
-  }
-  if (options.care.wanted()) {
-    const HullCare& care = options.care;
-    j["care"] = {{"collapse_slivers", care.collapse_slivers},
-                 {"smooth", care.smooth},
-                 {"triangles", care.triangles},
-                 {"pixels", care.largest_move},
-                 {"loss", care.largest_loss}};
-  }
-  return j;
-}
-
-std::optional<HullOptions> parse_hull_options(const nlohmann::json& description) {
-  try {
-    const nlohmann::json& j = description;
-    HullFlags flags;
-    flags.method = j.at("method").get<std::string>();
-    flags.options.resolution = j.value("resolution", flags.options.resolution);
-    flags.options.smoothing = j.value("smoothing", flags.options.smoothing);
-    flags.options.contour_tolerance = j.value("contour_tolerance", flags.options.contour_tolerance);
-    if (j.contains("votes"))
-      flags.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
-    if (j.contains("volume")) flags.volume = j["volume"].get<std::vector<double>>();
-    if (j.contains("care")) {
-      HullCare& care = flags.options.care;
-      const nlohmann::json& c = j["care"];
-      care.collapse_slivers = c.value("collapse_slivers", care.collapse_slivers);
-      care.smooth = c.value("smooth", care.smooth);
-      care.triangles = c.value("triangles", care.triangles);
-      care.largest_move = c.value("pixels", care.largest_move);
-      care.largest_loss = c.value("loss", care.largest_loss);
-    }
-    if (!flags.volume.empty() && flags.volume.size() != 6) return std::nullopt;
-    Result<HullOptions> options = hull_options(flags);
-    if (!options) return std::nullopt;
-    return *options;
-  } catch (const nlohmann::json::exception&) {
-    return std::nullopt;  // a word that is missing or of another kind
-  }
 }
 
 }  // namespace floatstage

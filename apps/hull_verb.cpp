@@ -8,13 +8,13 @@
 
 #include "apps/hull_flags.h"
 #include "apps/interrupt.h"
-#include "apps/json_report.h"
 #include "apps/progress.h"
-#include "apps/scene_loader.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/mesh_io.h"
 #include "core/text.h"
+#include "pipeline/json_report.h"
+#include "pipeline/scene_loader.h"
 #include "recon/mesh_check.h"
 
 namespace floatstage {

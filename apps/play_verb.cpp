@@ -1,10 +1,10 @@
 #include <algorithm>
 
-#include "apps/matte/matte_take.h"
 #include "apps/play/play.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
+#include "pipeline/matte/matte_take.h"
 
 namespace floatstage {
 namespace {

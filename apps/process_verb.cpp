@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/hull_flags.h"
-#include "apps/json_report.h"
-#include "apps/process.h"
 #include "apps/verbs.h"
 #include "core/take_layout.h"
 #include "core/text.h"
 #include "matting/keyer.h"
+#include "pipeline/json_report.h"
+#include "pipeline/process/process.h"
 
 namespace floatstage {
 namespace {

@@ -2,14 +2,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/film.h"
-#include "apps/json_report.h"
-#include "apps/picture_sink.h"
 #include "apps/renderer_options.h"
-#include "apps/scene_loader.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/text.h"
+#include "pipeline/film.h"
+#include "pipeline/json_report.h"
+#include "pipeline/picture_sink.h"
+#include "pipeline/scene_loader.h"
 #include "render/gl_context.h"
 
 namespace floatstage {

@@ -1,9 +1,9 @@
 #include <cstdio>
 
-#include "apps/synthesize.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/text.h"
+#include "pipeline/synthesize.h"
 
 namespace floatstage {
 namespace {

@@ -121,20 +121,20 @@ TEST(Layering, KeepsTheSyntheticStudioFromStages) {
   EXPECT_THAT(layering("matting/keyer.cpp", studio), ElementsAre(HasSubstr("core/synthetic is for")));
   EXPECT_THAT(layering("core/rig.cpp", studio), ElementsAre(HasSubstr("core/synthetic is for")));
   EXPECT_THAT(layering("capture/synthetic_source.cpp", studio), IsEmpty());
-  EXPECT_THAT(layering("apps/synthesize.cpp", studio), IsEmpty());
+  EXPECT_THAT(layering("pipeline/synthesize.cpp", studio), IsEmpty());
 }
 
 TEST(Layering, KeepsAppsToPublicHeaders) {
   EXPECT_THAT(
       layering("apps/main.cpp",
-               "#include \"matting/keyer.h\"\n#include \"apps/film.h\"\n#include \"core/json_fields.h\"\n"),
+               "#include \"matting/keyer.h\"\n#include \"pipeline/film.h\"\n#include \"core/json_fields.h\"\n"),
       IsEmpty());
   EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/backing.h\"\n"),
               ElementsAre(HasSubstr("does not name as public")));
 }
 
 TEST(Layering, KeepsAppsAndTestsOutOfTheStages) {
-  EXPECT_THAT(layering("render/ulr.cpp", "#include \"apps/film.h\"\n"),
+  EXPECT_THAT(layering("render/ulr.cpp", "#include \"pipeline/film.h\"\n"),
               ElementsAre(HasSubstr("only apps composes")));
   EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"),
               ElementsAre(HasSubstr("must not include tests")));

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/calibrate/report_pictures.h"
-#include "apps/json_report.h"
 #include "apps/progress.h"
 #include "calib/color_balance.h"
 #include "calib/surface_colors.h"
@@ -16,6 +14,8 @@
 #include "core/mesh_io.h"
 #include "core/rig_io.h"
 #include "core/text.h"
+#include "pipeline/calibrate/report_pictures.h"
+#include "pipeline/json_report.h"
 
 namespace floatstage {
 namespace {

@@ -4,13 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/json_report.h"
 #include "apps/progress.h"
 #include "calib/drift.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/json_report.h"
 
 namespace floatstage {
 namespace {

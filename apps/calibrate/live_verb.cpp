@@ -3,12 +3,12 @@
 #include <thread>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/calibrate/collect.h"
-#include "apps/calibrate/conclude.h"
 #include "apps/calibrate/live_view.h"
 #include "apps/interrupt.h"
 #include "apps/text_options.h"
 #include "core/text.h"
+#include "pipeline/calibrate/collect.h"
+#include "pipeline/calibrate/conclude.h"
 
 namespace floatstage {
 namespace {

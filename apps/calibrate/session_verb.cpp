@@ -3,16 +3,17 @@
 #include <iomanip>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/calibrate/collect.h"
-#include "apps/calibrate/conclude.h"
-#include "apps/calibrate/report.h"
-#include "apps/calibrate/scene.h"
-#include "apps/calibrate/scene_points.h"
-#include "apps/calibrate/session.h"
 #include "apps/interrupt.h"
+#include "apps/progress_bar.h"
 #include "calib/calibrate.h"
 #include "core/log.h"
 #include "core/text.h"
+#include "pipeline/calibrate/collect.h"
+#include "pipeline/calibrate/conclude.h"
+#include "pipeline/calibrate/report.h"
+#include "pipeline/calibrate/scene.h"
+#include "pipeline/calibrate/scene_points.h"
+#include "pipeline/calibrate/session.h"
 
 namespace floatstage {
 namespace {
@@ -64,12 +65,13 @@ Result<void> run(const Options& given) {
     session->known =
         SessionKnown{.format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = Prior::Start};
   }
-  Result<Collected> collected = collect(*session, given.cache, given.threads);
+  ProgressBar bar;
+  Result<Collected> collected = collect(*session, given.cache, given.threads, &bar);
   if (!collected) return forward(collected);
   if (session->markerless) {
     const Workspace workspace(given.workspace);
     if (!workspace.ready()) return forward(workspace.ready());
-    if (Result<void> ok = add_scene(*session, workspace.folder(), given.threads, *collected); !ok) {
+    if (Result<void> ok = add_scene(*session, workspace.folder(), given.threads, &bar, *collected); !ok) {
       if (ok.error().code == ErrorCode::Cancelled) return cancelled_unwritten();
       workspace.keep();
       return fail(ok.error().code, text(given.session.string(), ": ", ok.error().message));

@@ -4,9 +4,9 @@
 #include <unistd.h>
 
 #include "apps/interrupt.h"
-#include "apps/json_report.h"
 #include "apps/verbs.h"
 #include "core/text.h"
+#include "pipeline/json_report.h"
 #include "studio/node/capture_session.h"
 #include "studio/node/publishing.h"
 

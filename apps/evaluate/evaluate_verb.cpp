@@ -3,11 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/evaluate/evaluate.h"
-#include "apps/evaluate/evaluate_mattes.h"
-#include "apps/evaluate/picture_sheet.h"
 #include "apps/hull_flags.h"
-#include "apps/json_report.h"
 #include "apps/progress.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
@@ -15,6 +11,10 @@
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/evaluate/evaluate.h"
+#include "pipeline/evaluate/evaluate_mattes.h"
+#include "pipeline/evaluate/picture_sheet.h"
+#include "pipeline/json_report.h"
 #include "render/gl_context.h"
 
 namespace floatstage {

@@ -4,12 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/import/import.h"
-#include "apps/json_report.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/log.h"
 #include "core/text.h"
+#include "pipeline/import/import.h"
+#include "pipeline/json_report.h"
 
 namespace floatstage {
 namespace {

@@ -4,10 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/camera_path.h"
-#include "apps/film.h"
 #include "apps/interrupt.h"
-#include "apps/json_report.h"
 #include "apps/live/live_window.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
@@ -15,6 +12,9 @@
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/camera_path.h"
+#include "pipeline/film.h"
+#include "pipeline/json_report.h"
 #include "render/gl_context.h"
 #include "studio/live/camera_source.h"
 #include "studio/live/live_chain.h"

@@ -3,12 +3,12 @@
 #include <cstdio>
 #include <memory>
 
-#include "apps/matte/matte_image.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "matting/foreground.h"
+#include "pipeline/matte/matte_image.h"
 
 namespace floatstage {
 namespace {

@@ -3,13 +3,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/json_report.h"
-#include "apps/matte/export_layers.h"
-#include "apps/matte/matte_take.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/log.h"
 #include "core/text.h"
+#include "pipeline/json_report.h"
+#include "pipeline/matte/export_layers.h"
+#include "pipeline/matte/matte_take.h"
 
 namespace floatstage {
 namespace {

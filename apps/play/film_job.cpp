@@ -1,6 +1,6 @@
 #include "apps/play/film_job.h"
 
-#include "apps/picture_sink.h"
+#include "pipeline/picture_sink.h"
 #include "render/gl_context.h"
 
 namespace floatstage {

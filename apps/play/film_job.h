@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <future>
 
-#include "apps/film.h"
+#include "pipeline/film.h"
 
 namespace floatstage {
 

@@ -4,7 +4,7 @@
 #include <list>
 #include <memory>
 
-#include "apps/scene_loader.h"
+#include "pipeline/scene_loader.h"
 
 namespace floatstage {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/camera_path.h"
+#include "pipeline/camera_path.h"
 
 namespace floatstage {
 

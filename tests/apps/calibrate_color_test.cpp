@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/scene_loader.h"
 #include "calib/surface_colors.h"
 #include "capture/take.h"
 #include "core/file.h"
@@ -12,6 +11,7 @@
 #include "core/rig_io.h"
 #include "core/synthetic/synthetic_studio.h"
 #include "core/text.h"
+#include "pipeline/scene_loader.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 

@@ -4,7 +4,7 @@
 #include <sys/wait.h>
 
 #include "core/png.h"
-#include "tests/apps/small_take.h"
+#include "tests/support/small_take.h"
 
 namespace floatstage {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/png.h"
 #include "core/take_layout.h"
 #include "core/text.h"
-#include "tests/apps/small_take.h"
+#include "tests/support/small_take.h"
 
 namespace floatstage {
 namespace {

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "apps/process.h"
 #include "core/file.h"
 #include "core/png.h"
-#include "tests/apps/small_take.h"
+#include "pipeline/process/process.h"
+#include "tests/support/small_take.h"
 
 namespace floatstage {
 namespace {

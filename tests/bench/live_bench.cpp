@@ -6,8 +6,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "apps/camera_path.h"
-#include "apps/synthesize.h"
+#include "pipeline/camera_path.h"
+#include "pipeline/synthesize.h"
 #include "render/gl_context.h"
 #include "studio/live/live_run.h"
 #include "studio/live/take_player.h"

@@ -1,7 +1,7 @@
 #include <benchmark/benchmark.h>
 
-#include "apps/evaluate/metrics.h"
-#include "tests/metrics/textures.h"
+#include "pipeline/metrics/metrics.h"
+#include "tests/pipeline/metrics/textures.h"
 
 // Each score of one 640x480 picture pair whose mask is a person's size (a quarter of the width, four fifths
 // high).

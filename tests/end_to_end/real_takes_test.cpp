@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "apps/evaluate/evaluate.h"
-#include "apps/import/import.h"
-#include "apps/process.h"
 #include "core/png.h"
+#include "pipeline/evaluate/evaluate.h"
+#include "pipeline/import/import.h"
+#include "pipeline/process/process.h"
 #include "render/gl_context.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"

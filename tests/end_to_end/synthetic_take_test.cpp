@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/demo.h"
-#include "apps/evaluate/evaluate.h"
-#include "apps/process.h"
-#include "apps/synthesize.h"
 #include "capture/media_file.h"
 #include "core/file.h"
 #include "core/png.h"
+#include "pipeline/demo/demo.h"
+#include "pipeline/evaluate/evaluate.h"
+#include "pipeline/process/process.h"
+#include "pipeline/synthesize.h"
 #include "render/gl_context.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"

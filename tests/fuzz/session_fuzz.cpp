@@ -1,9 +1,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "apps/calibrate/session.h"
 #include "core/check.h"
 #include "core/rig.h"
+#include "pipeline/calibrate/session.h"
 
 // Whatever parses names its cameras so that files can be named after them, and says what to look at.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

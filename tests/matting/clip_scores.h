@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/evaluate/matte_metrics.h"
 #include "core/image.h"
+#include "pipeline/metrics/matte_metrics.h"
 
 namespace floatstage {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/matte/affected_frames.h"
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/matte/affected_frames.h"
 
 namespace floatstage {
 namespace {

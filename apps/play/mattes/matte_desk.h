@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/matte/edited_camera.h"
 #include "apps/play/background_task.h"
 #include "apps/play/mattes/editor_state.h"
+#include "pipeline/matte/edited_camera.h"
 
 namespace floatstage {
 

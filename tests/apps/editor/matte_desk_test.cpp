@@ -4,11 +4,11 @@
 
 #include <gmock/gmock.h>
 
-#include "apps/matte/matte_take.h"
 #include "core/file.h"
 #include "core/png.h"
-#include "tests/apps/small_take.h"
+#include "pipeline/matte/matte_take.h"
 #include "tests/support/child_process.h"
+#include "tests/support/small_take.h"
 
 namespace floatstage {
 namespace {

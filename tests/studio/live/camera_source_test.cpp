@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "studio/live/live_chain.h"
 #include "studio/messages/clock.h"
-#include "tests/apps/small_take.h"
+#include "tests/support/small_take.h"
 
 namespace floatstage {
 namespace {

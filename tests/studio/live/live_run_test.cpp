@@ -4,13 +4,13 @@
 
 #include <gmock/gmock.h>
 
-#include "apps/camera_path.h"
-#include "apps/film.h"
-#include "apps/process.h"
-#include "apps/scene_loader.h"
+#include "pipeline/camera_path.h"
+#include "pipeline/film.h"
+#include "pipeline/process/process.h"
+#include "pipeline/scene_loader.h"
 #include "render/gl_context.h"
 #include "studio/live/take_player.h"
-#include "tests/apps/small_take.h"
+#include "tests/support/small_take.h"
 
 namespace floatstage {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/apps/small_take.h"
+#include "tests/support/small_take.h"
 
 namespace floatstage {
 namespace {

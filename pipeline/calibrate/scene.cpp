@@ -1,0 +1,217 @@
+#include "pipeline/calibrate/scene.h"
+
+#include <algorithm>
+
+#include "calib/scene_features.h"
+#include "core/text.h"
+#include "pipeline/import/picture_stream.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+namespace {
+
+// How well yesterday's distances between cameras hold: enough for the scale, loose enough for those that have
+// moved.
+constexpr double kYesterday = 0.005;
+
+struct Scene {
+  std::vector<MarkerlessPicture> pictures;
+  std::vector<int> camera_of;  // of the observations
+};
+
+Result<Image> load_picture(const std::filesystem::path& file, const std::string& serial) {
+  Result<PictureStream> stream = PictureStream::open({{}, {file}}, {});
+  if (!stream) return fail(stream.error().code, text("camera '", serial, "': ", stream.error().message));
+  Result<std::optional<Image>> picture = stream->next();
+  if (!picture) return fail(picture.error().code, text("camera '", serial, "': ", picture.error().message));
+  return **std::move(picture);
+}
+
+// The pictures of a carried camera are cameras of their own.
+Result<void> add_carried(const SessionCamera& camera, const Rig& known, Collected& out, Scene& scene) {
+  const int index = camera_index(known, camera.serial);
+  if (index < 0)
+    return fail(ErrorCode::NotFound,
+                text("camera '", camera.serial, "': its intrinsics are not among the known ones"));
+  const Result<std::vector<std::filesystem::path>> files = pictures_of(camera.scene, camera.serial);
+  if (!files) return forward(files);
+  for (std::size_t i = 0; i < files->size(); ++i) {
+    Result<Image> pixels = load_picture((*files)[i], camera.serial);
+    if (!pixels) return forward(pixels);
+    CalibrationCamera c;
+    c.serial = text(camera.serial, "-", i + 1);
+    c.width = pixels->width;
+    c.height = pixels->height;
+    c.intrinsics = Prior::Fixed;
+    c.model = known.cameras[static_cast<std::size_t>(index)].model;
+    c.model.width = c.width;
+    c.model.height = c.height;
+    if (c.model.lens.index() != 0) c.lens = static_cast<LensKind>(c.model.lens.index());
+    scene.pictures.push_back({c.serial, (*files)[i], c.model, *std::move(pixels)});
+    scene.camera_of.push_back(static_cast<int>(out.observations.cameras.size()));
+    out.carried.push_back(c.serial);
+    out.observations.cameras.push_back(std::move(c));
+  }
+  return {};
+}
+
+Result<Scene> gather(const Session& s, const Rig& known, Collected& out) {
+  Scene scene;
+  for (const SessionCamera& camera : s.cameras) {
+    if (camera.scene.empty() || camera.carried) continue;
+    const auto& cameras = out.observations.cameras;
+    const auto found = std::find_if(cameras.begin(), cameras.end(),
+                                    [&](const CalibrationCamera& c) { return c.serial == camera.serial; });
+    const Result<std::vector<std::filesystem::path>> files = pictures_of(camera.scene, camera.serial);
+    if (!files) return forward(files);
+    if (files->size() != 1)
+      return fail(ErrorCode::BadData,
+                  text("camera '", camera.serial, "': 'scene' has ", files->size(),
+                       " pictures; give one, or say carried = true when it was carried about"));
+    if (found->intrinsics == Prior::Unknown)
+      return fail(ErrorCode::BadData, text("camera '", camera.serial,
+                                           "': markerless calibration needs known intrinsics; calibrate this "
+                                           "camera alone with a board, then give "
+                                           "[known] file = …, intrinsics = \"fixed\""));
+    Result<Image> pixels = load_picture(files->front(), camera.serial);
+    if (!pixels) return forward(pixels);
+    scene.pictures.push_back({camera.serial, files->front(), found->model, *std::move(pixels)});
+    scene.camera_of.push_back(static_cast<int>(found - cameras.begin()));
+  }
+  for (const SessionCamera& camera : s.cameras)
+    if (camera.carried)
+      if (Result<void> ok = add_carried(camera, known, out, scene); !ok) return forward(ok);
+  return scene;
+}
+
+// Cameras of the observations, as far as they are placed.
+Rig placed_rig(const Observations& o, const Scene& scene, const Rig& found) {
+  Rig rig;
+  for (std::size_t c = 0; c < o.cameras.size(); ++c) {
+    const auto at = std::find(scene.camera_of.begin(), scene.camera_of.end(), static_cast<int>(c));
+    if (at != scene.camera_of.end())
+      rig.cameras.push_back(found.cameras[static_cast<std::size_t>(at - scene.camera_of.begin())]);
+  }
+  return rig;
+}
+
+Result<double> scale_of(const Session& s, const Observations& o, const Scene& scene, const Rig& rig,
+                        Collected& out) {
+  if (!s.markerless->a.empty()) {
+    const Result<Rig> scaled = scale_to(rig, s.markerless->a, s.markerless->b, s.markerless->distance);
+    if (!scaled) return forward(scaled);
+    return scaled->cameras.front().cam_from_world.translation.norm() /
+           rig.cameras.front().cam_from_world.translation.norm();
+  }
+  if (rig.cameras.size() == o.cameras.size())
+    if (const std::optional<double> metres = metres_per_unit(o, placed_rig(o, scene, rig))) {
+      out.remarks.push_back("the scale is that of the target in the pictures");
+      return *metres;
+    }
+  return fail(ErrorCode::BadData,
+              "nothing says how large the scene is; give [markerless] between = [\"…\", \"…\"] and distance "
+              "= metres, show a target of known size to "
+              "two cameras at once, or start from a known rig");
+}
+
+// Yesterday's distances hold the scale where nothing else does.
+void hold_scale(const Rig& known, Observations& o) {
+  for (std::size_t a = 0; a < o.cameras.size(); ++a)
+    for (std::size_t b = a + 1; b < o.cameras.size(); ++b) {
+      const int i = camera_index(known, o.cameras[a].serial), k = camera_index(known, o.cameras[b].serial);
+      if (i < 0 || k < 0) continue;
+      const double metres = (known.cameras[static_cast<std::size_t>(i)].cam_from_world.center() -
+                             known.cameras[static_cast<std::size_t>(k)].cam_from_world.center())
+                                .norm();
+      if (metres > 0)
+        o.distances.push_back({static_cast<int>(a), static_cast<int>(b), metres, kYesterday * metres});
+    }
+}
+
+}  // namespace
+
+Result<void> add_scene(const Session& s, const std::filesystem::path& workspace, int threads,
+                       const Progress* watch, Collected& out) {
+  if (!s.markerless) return {};
+  if (!s.known)
+    return fail(
+        ErrorCode::BadData,
+        "markerless calibration needs known intrinsics: give [known] file = …, intrinsics = \"fixed\"");
+  const Result<Rig> known = load_known(*s.known);
+  if (!known) return forward(known);
+  Observations& o = out.observations;
+  const bool boards = !o.views.empty();
+  const Result<Scene> scene = gather(s, *known, out);
+  if (!scene) return forward(scene);
+  const bool carried = !out.carried.empty();
+  if (carried && s.known->poses == Prior::Fixed)
+    return fail(
+        ErrorCode::BadData,
+        "pictures of a carried camera have no known pose; say poses = \"start\" or \"compare\" in [known]");
+
+  MarkerlessOptions options{.timeout = s.markerless->timeout,
+                            .threads = threads,
+                            .cancelled = [watch] { return is_cancelled(watch); },
+                            .least_track = s.markerless->least_track,
+                            .least_points = s.markerless->least_points};
+  std::optional<MarkerlessResult> found;
+  bool kept = false;  // the known poses hold
+  if (s.known->poses != Prior::Unknown && !carried) {
+    options.least_track = 2;  // places are known: ties need not hold them
+    Result<MarkerlessResult> result = triangulate_markerless(scene->pictures, *known, options);
+    options.least_track = s.markerless->least_track;
+    if (result) {
+      found = *std::move(result);
+      kept = true;
+    } else if (s.known->poses == Prior::Fixed || result.error().code != ErrorCode::BadData) {
+      return forward(result);
+    } else {
+      out.remarks.push_back(
+          text("the known poses do not hold: ", result.error().message, "; all cameras were placed anew"));
+    }
+  }
+  if (!found) {
+    Result<MarkerlessResult> result = calibrate_markerless(scene->pictures, workspace, options);
+    if (!result) return forward(result);
+    found = *std::move(result);
+  }
+  Rig rig = found->settled;
+  const bool from_known = s.known->poses == Prior::Start;
+  if (from_known) {
+    const std::optional<Rig> moved = onto_known(rig, *known);
+    if (!moved)
+      return fail(
+          ErrorCode::BadData,
+          text(s.known->file.string(),
+               ": fewer than three of its cameras see the scene; nothing can be brought back onto it"));
+    rig = *moved;
+  } else if (!kept) {
+    const Result<double> metres = scale_of(s, o, *scene, rig, out);
+    if (!metres) return forward(metres);
+    for (RigCamera& c : rig.cameras) c.cam_from_world.translation *= *metres;
+  }
+  for (std::size_t i = 0; i < scene->camera_of.size() && s.known->poses != Prior::Fixed; ++i)
+    o.cameras[static_cast<std::size_t>(scene->camera_of[i])].found = rig.cameras[i].cam_from_world;
+  add_features(o, found->features, scene->camera_of);
+  if (!s.markerless->a.empty()) {
+    const auto index = [&](const std::string& serial) {
+      return static_cast<int>(std::find_if(o.cameras.begin(), o.cameras.end(),
+                                           [&](const CalibrationCamera& c) { return c.serial == serial; }) -
+                              o.cameras.begin());
+    };
+    o.distances.push_back(
+        {index(s.markerless->a), index(s.markerless->b), s.markerless->distance, s.markerless->sigma});
+  } else if (from_known && !boards) {
+    hold_scale(*known, o);
+    out.remarks.push_back("the scale is that of the known rig");
+  }
+  std::size_t sights = 0;
+  for (const SceneFeature& f : found->features) sights += f.seen.size();
+  out.detection.push_back(
+      text("the scene: ", found->features.size(), " points, each seen by ",
+           std::round(10 * static_cast<double>(sights) / static_cast<double>(found->features.size())) / 10,
+           " cameras on average", kept ? "; the known poses were kept as the start" : ""));
+  return {};
+}
+
+}  // namespace floatstage

@@ -1,0 +1,159 @@
+#include "pipeline/evaluate/evaluate.h"
+
+#include <algorithm>
+
+#include "core/text.h"
+#include "pipeline/evaluate/undistort.h"
+#include "pipeline/film.h"
+#include "pipeline/scene_loader.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+namespace {
+
+constexpr int kErode = 2;  // px: mixed pixels at the outline are not the renderer's fault
+
+Result<int> find_camera(const Rig& rig, const std::string& name) {
+  if (const int i = camera_index(rig, name); i >= 0) return i;
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
+    if (std::filesystem::path(rig.cameras[i].serial).stem() == name) return static_cast<int>(i);
+  std::string known;
+  for (const RigCamera& c : rig.cameras) known += (known.empty() ? "" : ", ") + c.serial;
+  return fail(ErrorCode::NotFound, text("the take has no camera '", name, "' to hold out; it has ", known));
+}
+
+Result<std::vector<int>> cameras_to_hold_out(const Rig& rig, const std::vector<std::string>& names) {
+  std::vector<int> cameras;
+  for (const std::string& name : names) {
+    Result<int> camera = find_camera(rig, name);
+    if (!camera) return forward(camera);
+    cameras.push_back(*camera);
+  }
+  if (names.empty())
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) cameras.push_back(static_cast<int>(i));
+  if (rig.cameras.size() < 3)
+    return fail(ErrorCode::InvalidArgument, "leave-one-out needs a take of three cameras at least");
+  return cameras;
+}
+
+Image cut_out(const Image& rgb, const Image& silhouette) {
+  Image cut = rgb;
+  for (int y = 0; y < cut.height; ++y)
+    for (int x = 0; x < cut.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        cut.at(x, y)[c] = static_cast<std::uint8_t>((rgb.at(x, y)[c] * silhouette.at(x, y)[0] + 127) / 255);
+  return cut;
+}
+
+Image both(const Image& silhouette, const Image& rgba) {
+  Image mask(silhouette.width, silhouette.height, 1);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      mask.at(x, y)[0] = silhouette.at(x, y)[0] >= 128 && rgba.at(x, y)[3] >= 128 ? 255 : 0;
+  return mask;
+}
+
+// What every held-out view of one instant shares.
+struct Instant {
+  FrameSet images;
+  std::vector<Matte> mattes;
+};
+
+Result<Instant> load_instant(TakeReader& take, int frame) {
+  Result<FrameSet> images = take.frame_set(frame);
+  if (!images) return forward(images);
+  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
+  if (!mattes) return forward(mattes);
+  if (std::all_of(mattes->begin(), mattes->end(), [](const Matte& m) { return m.empty(); }))
+    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", take.layout().folder().string(),
+                                          " has no mattes yet; run `floatstage process ",
+                                          take.layout().folder().string(), " --key …`"));
+  return Instant{std::move(*images), std::move(*mattes)};
+}
+
+struct Methods {
+  std::vector<std::string> names;
+  std::vector<std::unique_ptr<ViewRenderer>> renderers;
+  SceneTextures textures;
+};
+
+Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int held, Methods& methods,
+                                  const EvaluateOptions& options) {
+  const std::size_t h = static_cast<std::size_t>(held);
+  const RigCamera& camera = rig.cameras[h];
+  HeldOutView view{
+      .serial = camera.serial, .truth = {}, .silhouette = {}, .mask = {}, .rendered = {}, .scores = {}};
+  Result<Image> photograph = to_rgb(instant.images.frames[h]);
+  if (!photograph || instant.mattes[h].empty())
+    return fail(ErrorCode::NotFound, text("camera '", camera.serial,
+                                          "' has no photograph or matte to compare with at this instant"));
+  view.truth = undistorted(*photograph, camera.model);
+  view.silhouette = undistorted(to_image(instant.mattes[h]), camera.model);
+
+  // From here the held-out view does not exist: neither its silhouette nor its picture.
+  std::vector<Matte> mattes = instant.mattes;
+  mattes[h] = {};
+  SceneFrame scene{instant.images, mattes, {}};
+  scene.images.frames[h] = {};
+  Result<HullReport> hull = visual_hull(rig, mattes, options.hull);
+  if (!hull)
+    return fail(hull.error().code, text("without camera '", camera.serial, "': ", hull.error().message));
+  if (hull->mesh.empty())
+    return fail(ErrorCode::BadData, text("without camera '", camera.serial,
+                                         "' the hull is empty: the mattes contradict one another"));
+  scene.mesh = std::move(hull->mesh);
+  std::vector<bool> usable(rig.cameras.size(), true);
+  usable[h] = false;
+  if (Result<void> ok = methods.textures.upload(rig, scene, usable); !ok) return forward(ok);
+
+  const View from = view_of_camera(camera, scene.mesh);
+  for (std::size_t m = 0; m < methods.names.size(); ++m) {
+    Result<RenderedView> rendered = methods.renderers[m]->render(methods.textures, from, options.renderer);
+    if (!rendered) return forward(rendered);
+    const Image rgba = download(*rendered);
+    if (view.mask.empty()) view.mask = erode_mask(both(view.silhouette, rgba), kErode);
+    const Image rgb = over(rgba, {0, 0, 0});
+    view.scores[methods.names[m]] =
+        score(rgb, cut_out(view.truth, view.silhouette), view.mask, view.silhouette);
+    view.rendered[methods.names[m]] = rgb;
+  }
+  return view;
+}
+
+}  // namespace
+
+View view_of_camera(const RigCamera& camera, const Mesh& mesh) {
+  View view{.model = pinhole(camera.model), .view_from_world = camera.cam_from_world};
+  const Eigen::AlignedBox3d box = bounding_box(mesh).cast<double>();
+  const double distance = (box.center() - camera.cam_from_world.center()).norm(),
+               radius = box.diagonal().norm() / 2;
+  view.far_plane = distance + 1.5 * radius;
+  view.near_plane = std::max(distance - 1.5 * radius, view.far_plane * 1e-3);
+  return view;
+}
+
+Result<void> evaluate_take(TakeReader& take, const EvaluateOptions& options,
+                           const std::function<Result<void>(HeldOutView)>& report) {
+  Result<std::vector<int>> held = cameras_to_hold_out(take.rig(), options.hold_out);
+  if (!held) return forward(held);
+  Methods methods{options.methods, {}, {}};
+  for (const std::string& name : options.methods) {
+    Result<std::unique_ptr<ViewRenderer>> renderer = make_renderer(name);
+    if (!renderer) return forward(renderer);
+    methods.renderers.push_back(std::move(*renderer));
+  }
+  for (int frame : options.frames) {
+    Result<Instant> instant = load_instant(take, frame);
+    if (!instant) return forward(instant);
+    for (int camera : *held) {
+      if (is_cancelled(options.progress)) return cancelled();
+      Result<HeldOutView> view = evaluate_view(take.rig(), *instant, camera, methods, options);
+      if (!view) return fail(view.error().code, text("frame ", frame, ": ", view.error().message));
+      view->frame = frame;
+      if (Result<void> ok = report(std::move(*view)); !ok) return ok;
+    }
+  }
+  return {};
+}
+
+}  // namespace floatstage

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/result.h"
+#include "pipeline/metrics/metrics.h"
+#include "pipeline/progress.h"
+#include "recon/visual_hull.h"
+#include "render/renderer.h"
+
+namespace floatstage {
+
+struct EvaluateOptions {
+  std::vector<std::string>
+      hold_out;  ///< serials (an extension may be left out), each left out in turn; empty: every camera
+  std::vector<std::string> methods = {"nearest", "linear", "floating"};
+  std::vector<int> frames = {0};
+  RendererOptions renderer;
+  HullOptions hull;
+  Progress* progress = nullptr;  ///< null: unwatched
+};
+
+/// One held-out photograph against its reconstructions from the other cameras.
+struct HeldOutView {
+  std::string serial;
+  int frame = 0;
+  Image truth;                            ///< RGB, as a pinhole would have seen it
+  Image silhouette;                       ///< its matte, 1 channel
+  Image mask;                             ///< where scores are taken: truth silhouette AND proxy, eroded 2 px
+  std::map<std::string, Image> rendered;  ///< per method, RGB over black
+  std::map<std::string, Scores> scores;   ///< per method
+};
+
+/// Leave-one-out on a processed take: each held-out photograph is never used (not for the hull, colour or
+/// flow), every other view stays. Calls `report` once per view as soon as it is done. Needs a current GL
+/// context.
+Result<void> evaluate_take(TakeReader& take, const EvaluateOptions& options,
+                           const std::function<Result<void>(HeldOutView)>& report);
+
+/// A view as the camera sees it, its lens taken out; near and far around `mesh`.
+View view_of_camera(const RigCamera& camera, const Mesh& mesh);
+
+}  // namespace floatstage

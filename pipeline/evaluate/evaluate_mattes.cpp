@@ -1,0 +1,82 @@
+#include "pipeline/evaluate/evaluate_mattes.h"
+
+#include "core/png.h"
+#include "core/text.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<Image> load_matte(const fs::path& file) {
+  Result<Image> picture = load_png(file);
+  if (!picture) return forward(picture);
+  if (picture->channels != 1) return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture"));
+  return picture;
+}
+
+struct Pair {
+  int frame = -2;
+  Image matte, truth;
+};
+
+void add(MatteScores& sum, const MatteScores& s, double weight) {
+  for (double MatteScores::*score :
+       {&MatteScores::sad, &MatteScores::mad, &MatteScores::mse, &MatteScores::gradient,
+        &MatteScores::connectivity, &MatteScores::iou, &MatteScores::boundary_f})
+    sum.*score += weight * s.*score;
+}
+
+}  // namespace
+
+Result<std::vector<CameraMatteScores>> evaluate_mattes(const TakeReader& take, const fs::path& truth,
+                                                       const std::vector<int>& frames, Progress* watch) {
+  Result<MatteEdits> edits = load_matte_edits(take.layout().edits());
+  if (!edits) return forward(edits);
+  std::vector<CameraMatteScores> all;
+  ProgressPart progress(watch, "mattes", take.rig().cameras.size() * frames.size());
+  for (const RigCamera& camera : take.rig().cameras) {
+    CameraMatteScores scores{
+        .serial = camera.serial, .mean = {}, .dtssd = {}, .effort = effort_of(edits->cameras[camera.serial])};
+    Pair before;
+    double flicker = 0;
+    int pairs = 0;
+    for (const int frame : frames) {
+      progress.advance();
+      const fs::path matte_file = take.layout().matte(camera.serial, frame),
+                     truth_file = truth / camera.serial / matte_file.filename();
+      if (!fs::exists(matte_file) || !fs::exists(truth_file)) continue;
+      Result<Image> matte = load_matte(matte_file), real = load_matte(truth_file);
+      if (!matte) return forward(matte);
+      if (!real) return forward(real);
+      if (matte->width != real->width || matte->height != real->height)
+        return fail(ErrorCode::BadData, text(matte_file.string(), " is ", matte->width, "x", matte->height,
+                                             " but its truth is ", real->width, "x", real->height));
+      Pair now{frame, std::move(*matte), std::move(*real)};
+      const MatteScores s = score_matte(now.matte, now.truth);
+      add(scores.mean, s, 1);
+      ++scores.frames;
+      if (s.iou < scores.worst_iou || scores.worst_frame < 0)
+        scores.worst_iou = s.iou, scores.worst_frame = frame;
+      if (before.frame == frame - 1 && before.matte.width == now.matte.width &&
+          before.matte.height == now.matte.height) {
+        flicker += matte_dtssd(before.matte, now.matte, before.truth, now.truth);
+        ++pairs;
+      }
+      before = std::move(now);
+    }
+    if (scores.frames == 0) continue;
+    const MatteScores sum = std::exchange(scores.mean, {});
+    add(scores.mean, sum, 1.0 / scores.frames);
+    if (pairs > 0) scores.dtssd = flicker / pairs;
+    all.push_back(std::move(scores));
+  }
+  if (all.empty())
+    return fail(ErrorCode::NotFound,
+                text(truth.string(), " holds no true matte of a frame that ", take.layout().mattes().string(),
+                     " has; it needs <serial>/<frame>.png"));
+  return all;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "pipeline/evaluate/evaluate.h"
+
+namespace floatstage {
+
+/// One held-out view in a row: truth, each method, and the last method's difference to truth (three times as
+/// strong), cropped to the silhouette.
+Image sheet_row(const HeldOutView& view, const std::vector<std::string>& methods);
+
+}  // namespace floatstage

@@ -1,0 +1,150 @@
+#include "pipeline/film.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <future>
+
+#include "core/text.h"
+#include "pipeline/scene_loader.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+// Which frame of the take each picture of the film shows.
+std::vector<int> schedule(const FilmOptions& options, double take_rate, double path_seconds) {
+  const double n = static_cast<double>(options.frames.size());
+  const bool moving = options.frames.size() > 1 && take_rate > 0;
+  const double seconds = options.seconds > 0 ? options.seconds : moving ? n / take_rate : path_seconds;
+  const int pictures = std::max(1, static_cast<int>(std::lround(seconds * options.frame_rate)));
+  std::vector<int> frames(static_cast<std::size_t>(pictures), options.frames.front());
+  if (!moving) return frames;
+  for (std::size_t p = 0; p < frames.size(); ++p) {
+    const auto played =
+        static_cast<std::size_t>(static_cast<double>(p) / options.frame_rate * take_rate + 1e-6);
+    frames[p] = options.frames[played % options.frames.size()];
+  }
+  return frames;
+}
+
+Result<void> check(const TakeReader& take, const FilmOptions& options) {
+  if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "a film of no frames");
+  if (options.methods.empty())
+    return fail(ErrorCode::InvalidArgument, "a film needs a method; see `floatstage render --help`");
+  if (!(options.frame_rate > 0))
+    return fail(ErrorCode::InvalidArgument, "the film's frame rate must be positive");
+  for (int f : options.frames)
+    if (f < 0 || f >= take.frame_count())
+      return fail(ErrorCode::InvalidArgument,
+                  text("frame ", f, " is not in the take, which has ", take.frame_count()));
+  return floatstage::check(options.renderer);
+}
+
+// Decodes the next instant while the present one is drawn.
+class SceneStream {
+ public:
+  SceneStream(TakeReader& take, bool suppress_spill, const std::vector<int>& schedule)
+      : take_(take), suppress_spill_(suppress_spill), schedule_(schedule), next_(load(schedule.front())) {}
+
+  Result<SceneFrame> at(std::size_t picture) {
+    Result<SceneFrame> scene = next_.get();
+    std::size_t later = picture + 1;
+    while (later < schedule_.size() && schedule_[later] == schedule_[picture]) ++later;
+    if (later < schedule_.size()) next_ = load(schedule_[later]);
+    return scene;
+  }
+
+ private:
+  std::future<Result<SceneFrame>> load(int frame) {
+    return std::async(std::launch::async,
+                      [this, frame] { return load_scene(take_, frame, suppress_spill_); });
+  }
+
+  TakeReader& take_;
+  const bool suppress_spill_;
+  const std::vector<int>& schedule_;
+  std::future<Result<SceneFrame>> next_;
+};
+
+}  // namespace
+
+Image over(const Image& rgba, const std::array<float, 3>& background) {
+  Image rgb(rgba.width, rgba.height, 3);
+  const std::size_t pixels = rgba.pixels.size() / 4;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const int a = rgba.pixels[4 * i + 3];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int under = static_cast<int>(std::lround(background[c] * 255.f));
+      rgb.pixels[3 * i + c] =
+          static_cast<std::uint8_t>((rgba.pixels[4 * i + c] * a + under * (255 - a) + 127) / 255);
+    }
+  }
+  return rgb;
+}
+
+Image side_by_side(const std::vector<Image>& pictures) {
+  int width = 0;
+  for (const Image& p : pictures) width += p.width;
+  Image sheet(width, pictures.front().height, 3);
+  int left = 0;
+  for (const Image& p : pictures) {
+    for (int y = 0; y < p.height; ++y)
+      std::memcpy(sheet.at(left, y), p.at(0, y), static_cast<std::size_t>(p.width) * 3);
+    left += p.width;
+  }
+  return sheet;
+}
+
+Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const FilmOptions& options,
+                               const std::function<Result<void>(FilmPicture)>& visit) {
+  if (Result<void> ok = check(take, options); !ok) return forward(ok);
+  const Clock::time_point begin = Clock::now();
+  std::vector<std::unique_ptr<ViewRenderer>> renderers;
+  for (const std::string& method : options.methods) {
+    Result<std::unique_ptr<ViewRenderer>> r = make_renderer(method);
+    if (!r) return forward(r);
+    renderers.push_back(std::move(*r));
+  }
+  Result<Eigen::AlignedBox3d> box = subject_box(take);
+  if (!box) return forward(box);
+  const Result<Rig> rig = rig_with_colors(take);
+  if (!rig) return forward(rig);
+
+  const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
+  const double film_seconds = static_cast<double>(frames.size()) / options.frame_rate;
+  SceneStream scenes(take, options.suppress_spill, frames);
+  SceneTextures textures;
+  FilmReport report;
+  ProgressPart progress(options.progress, "pictures", frames.size());
+  for (std::size_t p = 0; p < frames.size(); ++p) {
+    if (is_cancelled(options.progress)) return cancelled();
+    auto in_frame = [&](const Error& e) { return fail(e.code, text("frame ", frames[p], ": ", e.message)); };
+    const Clock::time_point drawing = Clock::now();
+    if (p == 0 || frames[p] != frames[p - 1]) {
+      Result<SceneFrame> scene = scenes.at(p);
+      if (!scene) return forward(scene);
+      if (Result<void> ok = textures.upload(*rig, *scene); !ok) return in_frame(ok.error());
+    }
+    const double film_time = static_cast<double>(p) / options.frame_rate;
+    const PathKey key = sample(path, film_time / film_seconds * path.duration());
+    FilmPicture picture{
+        static_cast<int>(p), frames[p], view_of(key, options.width, options.height, *box), {}};
+    for (const std::unique_ptr<ViewRenderer>& renderer : renderers) {
+      Result<RenderedView> rendered = renderer->render(textures, picture.view, options.renderer);
+      if (!rendered) return in_frame(rendered.error());
+      picture.renders.push_back(download(*rendered));
+    }
+    report.render_seconds += since(drawing);
+    if (Result<void> ok = visit(std::move(picture)); !ok) return forward(ok);
+    ++report.pictures;
+    progress.advance();
+  }
+  report.seconds = since(begin);
+  return report;
+}
+
+}  // namespace floatstage

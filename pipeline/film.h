@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/result.h"
+#include "pipeline/camera_path.h"
+#include "pipeline/progress.h"
+#include "render/renderer.h"
+
+namespace floatstage {
+
+struct FilmOptions {
+  int width = 640, height = 480;  ///< of one picture
+  double frame_rate = 25;         ///< of the film
+  double seconds = 0;             ///< length; 0: the take's own, or the path's when the take is one instant
+  std::vector<int> frames;  ///< frames of the take to play, in order; begun again when the film is longer
+  std::vector<std::string> methods;  ///< renderers, each draws every picture
+  bool suppress_spill = true;
+  RendererOptions renderer;
+  Progress* progress = nullptr;  ///< null: unwatched
+};
+
+/// One picture of a film as it comes off the renderers.
+struct FilmPicture {
+  int index = 0;  ///< in the film
+  int frame = 0;  ///< of the take
+  View view;
+  std::vector<Image> renders;  ///< RGBA, one a method
+};
+
+struct FilmReport {
+  int pictures = 0;
+  double seconds = 0;         ///< that it took
+  double render_seconds = 0;  ///< of it in the renderers
+};
+
+/// Walks the virtual camera along `path` while the take plays and hands each picture to `visit`, in order, on
+/// the calling thread. Needs a current GL context. Stops at the first error of `visit`.
+Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const FilmOptions& options,
+                               const std::function<Result<void>(FilmPicture)>& visit);
+
+/// RGBA over a background colour (0…1).
+Image over(const Image& rgba, const std::array<float, 3>& background);
+
+/// RGB pictures of one height, left to right.
+Image side_by_side(const std::vector<Image>& pictures);
+
+}  // namespace floatstage

@@ -1,0 +1,99 @@
+#include "pipeline/hull_record.h"
+
+#include <charconv>
+
+#include <nlohmann/json.hpp>
+
+#include "core/text.h"
+
+namespace floatstage {
+
+Result<HullOptions> hull_options(const HullWords& words) {
+  HullOptions options = words.options;
+  if (words.method == "exact") {
+    options.method = HullMethod::Exact;
+  } else if (words.method == "octree") {
+    options.method = HullMethod::Octree;
+  } else {
+    return fail(ErrorCode::InvalidArgument,
+                text("--method '", words.method, "' is neither exact nor octree"));
+  }
+  if (words.votes == "strict") {
+    options.voting = HullVoting::Strict;
+  } else if (words.votes == "auto") {
+    options.voting = HullVoting::Auto;
+  } else {
+    options.voting = HullVoting::MofN;
+    const char* end = words.votes.data() + words.votes.size();
+    const auto [stop, error] = std::from_chars(words.votes.data(), end, options.votes);
+    if (error != std::errc() || stop != end || options.votes < 2) {
+      return fail(
+          ErrorCode::InvalidArgument,
+          text("--votes '", words.votes, "' is neither strict, auto nor a number of at least 2 cameras"));
+    }
+  }
+  if (!words.volume.empty()) {
+    options.volume = Eigen::AlignedBox3d(Eigen::Vector3d(words.volume[0], words.volume[1], words.volume[2]),
+                                         Eigen::Vector3d(words.volume[3], words.volume[4], words.volume[5]));
+  }
+  if (Result<void> ok = check(options); !ok) return forward(ok);
+  return options;
+}
+
+nlohmann::json describe(const HullOptions& options) {
+  nlohmann::json j;
+  if (options.method == HullMethod::Octree) {
+    j = {{"method", "octree"}, {"resolution", options.resolution}, {"smoothing", options.smoothing}};
+  } else {
+    j = {{"method", "exact"}, {"contour_tolerance", options.contour_tolerance}};
+    if (options.voting == HullVoting::MofN) {
+      j["votes"] = options.votes;
+    } else {
+      j["votes"] = options.voting == HullVoting::Auto ? "auto" : "strict";
+    }
+  }
+  if (options.volume) {
+    const Eigen::Vector3d a = options.volume->min(), b = options.volume->max();
+    j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
+  }
+  if (options.care.wanted()) {
+    const HullCare& care = options.care;
+    j["care"] = {{"collapse_slivers", care.collapse_slivers},
+                 {"smooth", care.smooth},
+                 {"triangles", care.triangles},
+                 {"pixels", care.largest_move},
+                 {"loss", care.largest_loss}};
+  }
+  return j;
+}
+
+std::optional<HullOptions> parse_hull_options(const nlohmann::json& description) {
+  try {
+    const nlohmann::json& j = description;
+    HullWords words;
+    words.method = j.at("method").get<std::string>();
+    words.options.resolution = j.value("resolution", words.options.resolution);
+    words.options.smoothing = j.value("smoothing", words.options.smoothing);
+    words.options.contour_tolerance = j.value("contour_tolerance", words.options.contour_tolerance);
+    if (j.contains("votes"))
+      words.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
+    if (j.contains("volume")) words.volume = j["volume"].get<std::vector<double>>();
+    if (j.contains("care")) {
+      HullCare& care = words.options.care;
+      const nlohmann::json& c = j["care"];
+      care.collapse_slivers = c.value("collapse_slivers", care.collapse_slivers);
+      care.smooth = c.value("smooth", care.smooth);
+      care.triangles = c.value("triangles", care.triangles);
+      care.largest_move = c.value("pixels", care.largest_move);
+      care.largest_loss = c.value("loss", care.largest_loss);
+    }
+    if (!words.volume.empty() && words.volume.size() != 6) return std::nullopt;
+    Result<HullOptions> options = hull_options(words);
+    if (!options) return std::nullopt;
+    return *options;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // a word that is missing or of another kind
+  }
+}
+
+}  // namespace floatstage

@@ -1,0 +1,318 @@
+#include "pipeline/import/import.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/file.h"
+#include "core/parallel.h"
+#include "core/text.h"
+#include "pipeline/import/matte_files.h"
+#include "pipeline/keying.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kFolderFrameRate = 25;  // of numbered pictures, which state none
+
+// The cameras that will be in the take, and where their pictures are.
+struct Plan {
+  ForeignRig foreign;
+  std::vector<CameraMedia> media;
+  std::vector<std::string> notes;
+};
+
+// "a, b, c and 17 more"
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 3;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) out += (i ? ", " : "") + names[i];
+  return names.size() > kShown ? text(out, " and ", names.size() - kShown, " more") : out;
+}
+
+// Keeps the cameras that the user named; all when none are named.
+Result<ForeignRig> chosen_cameras(const ForeignRig& all, const std::vector<std::string>& serials) {
+  if (serials.empty()) return all;
+  ForeignRig some;
+  for (const std::string& serial : serials)
+    if (camera_index(all.rig, serial) < 0) {
+      std::vector<std::string> known;
+      for (const RigCamera& c : all.rig.cameras) known.push_back(c.serial);
+      return fail(ErrorCode::InvalidArgument,
+                  text("the calibration has no camera '", serial, "'; it has ", listed(known)));
+    }
+  for (std::size_t i = 0; i < all.rig.cameras.size(); ++i) {
+    if (std::find(serials.begin(), serials.end(), all.rig.cameras[i].serial) == serials.end()) continue;
+    some.rig.cameras.push_back(all.rig.cameras[i]);
+    some.image_names.push_back(all.image_names[i]);
+  }
+  return some;
+}
+
+Result<Plan> make_plan(const ImportOptions& options) {
+  Result<LoadedCalibration> calibration = load_calibration(options.calibration);
+  if (!calibration) return forward(calibration);
+  std::error_code error;
+  // Mattes alone make a take for hulls; their own pictures are then all that there is to see.
+  const bool mattes_alone =
+      options.pictures.empty() && !options.mattes.empty() && !fs::exists(calibration->pictures, error);
+  const fs::path folder = mattes_alone               ? options.mattes
+                          : options.pictures.empty() ? calibration->pictures
+                                                     : options.pictures;
+  Result<MediaSearch> search = find_media(folder, calibration->foreign);
+  if (!search) return forward(search);
+  Result<ForeignRig> chosen = chosen_cameras(calibration->foreign, options.cameras);
+  if (!chosen) return forward(chosen);
+
+  Plan plan;
+  std::vector<std::string> without;
+  if (mattes_alone)
+    plan.notes.push_back(text("there are no pictures in ", calibration->pictures.string(),
+                              ": the mattes are shown in their place"));
+  for (std::size_t i = 0; i < chosen->rig.cameras.size(); ++i) {
+    const RigCamera& camera = chosen->rig.cameras[i];
+    const CameraMedia& media =
+        search->cameras[static_cast<std::size_t>(camera_index(calibration->foreign.rig, camera.serial))];
+    if (media.empty()) {
+      without.push_back(camera.serial);
+      continue;
+    }
+    plan.foreign.rig.cameras.push_back(camera);
+    plan.foreign.image_names.push_back(chosen->image_names[i]);
+    plan.media.push_back(media);
+  }
+  if (plan.media.empty())
+    return fail(
+        ErrorCode::NotFound,
+        text(folder.string(),
+             ": holds no picture, video or folder of pictures named after a camera of the calibration (",
+             listed(without), ")"));
+  if (!without.empty())
+    plan.notes.push_back(text(without.size(), " of ", chosen->rig.cameras.size(),
+                              " calibrated cameras have no pictures and are left out: ", listed(without)));
+  if (!search->unused.empty())
+    plan.notes.push_back(
+        text(search->unused.size(),
+             " of the pictures have no calibration and are left out: ", listed(search->unused)));
+  return plan;
+}
+
+Result<std::vector<PictureStream>> open_streams(const Plan& plan, const FrameRange& range, int threads) {
+  std::vector<std::optional<Result<PictureStream>>> opened(plan.media.size());
+  parallel_for(plan.media.size(), threads,
+               [&](std::size_t i) { opened[i] = PictureStream::open(plan.media[i], range); });
+  std::vector<PictureStream> streams;
+  for (std::size_t i = 0; i < opened.size(); ++i) {
+    if (!*opened[i])
+      return fail(opened[i]->error().code,
+                  text("camera '", plan.foreign.rig.cameras[i].serial, "': ", opened[i]->error().message));
+    streams.push_back(std::move(**opened[i]));
+  }
+  return streams;
+}
+
+// A camera whose pictures were scaled, each axis by itself. Corners stay corners, so no half pixels appear.
+CameraModel scaled(CameraModel m, int width, int height) {
+  const double x = static_cast<double>(width) / m.width, y = static_cast<double>(height) / m.height;
+  m.fx *= x, m.skew *= x, m.cx *= x;
+  m.fy *= y, m.cy *= y;
+  m.width = width, m.height = height;
+  return m;
+}
+
+// The pictures know their size; where the calibration states another one, only the user knows why.
+Result<Rig> sized_rig(const Rig& rig, const std::vector<PictureStream>& streams, OtherSize other,
+                      std::vector<std::string>& notes) {
+  Rig sized = rig;
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    CameraModel& m = sized.cameras[i].model;
+    const int width = streams[i].width(), height = streams[i].height();
+    if (m.width != 0 && (m.width != width || m.height != height)) {
+      const std::string sizes = text("camera '", sized.cameras[i].serial, "': its pictures are ", width, "x",
+                                     height, ", but it was calibrated for ", m.width, "x", m.height);
+      if (other == OtherSize::Refuse)
+        return fail(ErrorCode::BadData, text(sizes,
+                                             "; give the pictures that it was calibrated with, say with "
+                                             "--other-size whether they were scaled or cropped, "
+                                             "or leave it out with --cameras"));
+      if (other == OtherSize::Cropped && (width > m.width || height > m.height))
+        return fail(ErrorCode::BadData,
+                    text(sizes, ", which is less: they cannot have been cropped; try --other-size scaled"));
+      if (other == OtherSize::Scaled) m = scaled(m, width, height);
+      notes.push_back(text(sizes, other == OtherSize::Scaled
+                                      ? ": its calibration was scaled with them"
+                                      : ": taken for cropped at the right and the bottom"));
+    }
+    m.width = width;
+    m.height = height;
+  }
+  if (Result<void> ok = check(sized); !ok) return forward(ok);
+  return sized;
+}
+
+Result<double> frame_rate(const ImportOptions& options, const Plan& plan,
+                          const std::vector<PictureStream>& streams, std::vector<std::string>& notes) {
+  if (options.frame_rate) return *options.frame_rate;
+  constexpr double kSameRate = 1e-3;  // relative: 29.97 and 30000/1001
+  double rate = 0;
+  std::size_t from = 0;
+  bool folders = false;
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    folders = folders || plan.media[i].stills.size() > 1;
+    const double own = streams[i].frame_rate();
+    if (own <= 0) continue;
+    if (rate > 0 && std::abs(own - rate) > kSameRate * rate)
+      return fail(
+          ErrorCode::InvalidArgument,
+          text("camera '", plan.foreign.rig.cameras[i].serial, "' has ", own, " frames a second, but '",
+               plan.foreign.rig.cameras[from].serial, "' has ", rate, "; say with --fps which is right"));
+    if (rate == 0) from = i;
+    if (rate == 0) rate = own;
+  }
+  if (rate == 0 && folders) {
+    notes.push_back(text("folders of pictures state no frame rate: ", kFolderFrameRate,
+                         " frames a second are assumed (--fps)"));
+    rate = kFolderFrameRate;
+  }
+  return rate;  // 0: one instant
+}
+
+FrameInfo info_of(std::size_t camera, int frame, double rate) {
+  FrameInfo info;
+  info.camera = static_cast<int>(camera);
+  info.sequence = static_cast<std::uint64_t>(frame);
+  info.exposure_start = {rate > 0 ? std::llround(frame * 1e9 / rate) : 0};
+  return info;
+}
+
+// One camera from its first to its last picture; how many there were.
+Result<int> copy_pictures(PictureStream& stream, std::size_t camera, double rate, const Progress* watch,
+                          TakeWriter& writer) {
+  for (int frame = 0;; ++frame) {
+    if (is_cancelled(watch)) return cancelled();
+    Result<std::optional<Image>> picture = stream.next();
+    if (!picture) return forward(picture);
+    if (!*picture) return frame;
+    if (Result<void> ok = writer.write(make_frame(info_of(camera, frame, rate), **picture)); !ok)
+      return forward(ok);
+  }
+}
+
+// The folder that becomes the take: removed unless it was renamed.
+class UnfinishedTake {
+ public:
+  explicit UnfinishedTake(fs::path out) : out_(std::move(out)), folder_(temporary_name(out_)) {}
+  UnfinishedTake(const UnfinishedTake&) = delete;
+  UnfinishedTake& operator=(const UnfinishedTake&) = delete;
+  ~UnfinishedTake() {
+    if (!folder_.empty()) remove();
+  }
+
+  const fs::path& folder() const { return folder_; }
+
+  /// Clears what a killed import left and refuses an `out` that is in the way.
+  Result<void> prepare() {
+    std::error_code error;
+    if (fs::exists(out_, error) && !(fs::is_directory(out_, error) && fs::is_empty(out_, error)))
+      return fail(ErrorCode::AlreadyExists,
+                  text(out_.string(), " exists already and is never overwritten; choose another --out"));
+    remove();
+    return {};
+  }
+
+  Result<void> publish() {
+    std::error_code error;
+    fs::rename(folder_, out_, error);
+    if (error)
+      return fail(ErrorCode::Io,
+                  text("cannot name the finished take ", out_.string(), ": ", error.message()));
+    folder_.clear();
+    return {};
+  }
+
+ private:
+  void remove() const {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  fs::path out_, folder_;
+};
+
+Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
+                            const std::optional<MatteFiles>& mattes, double rate, const fs::path& folder,
+                            ImportReport& report) {
+  TakeWriterOptions take_options;
+  take_options.codec = options.codec;
+  take_options.frame_rate = rate;
+  take_options.label = options.label.empty() ? name_of(options.calibration.format) : options.label;
+  Result<std::unique_ptr<TakeWriter>> writer = TakeWriter::create(folder, rig, take_options);
+  if (!writer) return forward(writer);
+
+  std::vector<Result<int>> counts(streams.size(), Result<int>(0));
+  ProgressPart progress(options.progress, "import", streams.size());
+  parallel_for(streams.size(), options.threads, [&](std::size_t i) {
+    counts[i] = copy_pictures(streams[i], i, rate, options.progress, **writer);
+    if (counts[i] && mattes)
+      if (Result<void> ok = mattes->save(i, rig.cameras[i], *counts[i], folder); !ok) counts[i] = forward(ok);
+    progress.advance();
+  });
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (!counts[i])
+      return fail(counts[i].error().code,
+                  text("camera '", rig.cameras[i].serial, "': ", counts[i].error().message));
+    report.frames = std::max(report.frames, *counts[i]);
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (*counts[i] == report.frames) continue;
+    report.notes.push_back(text("camera '", rig.cameras[i].serial, "' has ", *counts[i], " of ",
+                                report.frames, " frames: the rest are gaps"));
+    for (int frame = *counts[i]; frame < report.frames; ++frame, ++report.gaps) {
+      Frame gap;
+      gap.info = info_of(i, frame, rate);
+      gap.info.status = FrameStatus::Lost;
+      if (Result<void> ok = (*writer)->write(gap); !ok) return ok;
+    }
+  }
+  if (mattes)
+    if (Result<void> ok = save_keying({"imported", {}}, TakeLayout(folder), rig); !ok) return ok;
+  return (*writer)->finish();
+}
+
+}  // namespace
+
+Result<ImportReport> import_take(const ImportOptions& options) {
+  fs::path out = options.out.lexically_normal();
+  if (!out.has_filename()) out = out.parent_path();  // "T/"
+  if (out.empty() || out == "." || out == "..")
+    return fail(ErrorCode::InvalidArgument,
+                text("'", options.out.string(), "' is no name for a new take; say --out <folder>"));
+  UnfinishedTake take(out);
+  if (Result<void> ok = take.prepare(); !ok) return forward(ok);
+  Result<Plan> plan = make_plan(options);
+  if (!plan) return forward(plan);
+  std::optional<MatteFiles> mattes;
+  if (!options.mattes.empty()) {
+    Result<MatteFiles> found = MatteFiles::find(options.mattes, plan->foreign, options.frames);
+    if (!found) return forward(found);
+    mattes = std::move(*found);
+  }
+  Result<std::vector<PictureStream>> streams = open_streams(*plan, options.frames, options.threads);
+  if (!streams) return forward(streams);
+  ImportReport report;
+  report.notes = plan->notes;
+  const Result<Rig> rig = sized_rig(plan->foreign.rig, *streams, options.other_size, report.notes);
+  if (!rig) return forward(rig);
+  report.mattes = mattes.has_value();
+  for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
+  const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);
+  if (!rate) return forward(rate);
+  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes, *rate, take.folder(), report); !ok)
+    return forward(ok);
+  if (Result<void> ok = take.publish(); !ok) return forward(ok);
+  return report;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/result.h"
+#include "pipeline/import/calibration_input.h"
+#include "pipeline/import/picture_stream.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+
+/// What to make of pictures whose size is not the one that their camera was calibrated for.
+enum class OtherSize {
+  Refuse,   ///< nobody can tell a smaller picture from a part of one
+  Scaled,   ///< the whole picture was scaled, each axis by itself
+  Cropped,  ///< columns at the right and rows at the bottom were cut off, as codecs do with their padding
+};
+
+struct ImportOptions {
+  CalibrationInput calibration;  ///< which format, and where
+  std::filesystem::path
+      pictures;  ///< folder of images, of folders of images, or of videos; empty: beside the calibration
+  std::filesystem::path mattes;  ///< the same for mattes that exist already; empty: none. They are also the
+                                 ///< pictures where `pictures` is empty and none are beside the calibration
+  std::filesystem::path out;     ///< the new take's folder
+  std::vector<std::string> cameras;  ///< serials to take; empty: all
+  OtherSize other_size = OtherSize::Refuse;
+  FrameRange frames;                 ///< of every video and folder, before they become frame 0, 1, …
+  std::optional<double> frame_rate;  ///< frames a second; absent: the videos' own, 25 for folders of images
+  TakeCodec codec = TakeCodec::Ffv1;
+  std::string label;  ///< empty: the name of the calibration's format
+  int threads = 0;    ///< 0: one per core
+  Progress* progress = nullptr;  ///< null: unwatched
+};
+
+struct ImportReport {
+  std::vector<std::string> serials;  ///< the take's cameras, in its order
+  int frames = 0;                    ///< instants
+  int gaps = 0;                      ///< frames missing because a camera has fewer than the others
+  bool mattes = false;
+  std::vector<std::string> notes;  ///< sentences about what was left out or assumed
+};
+
+/// Makes a take of others' pictures and calibration. Cameras without pictures and pictures without a camera
+/// are left out with a note. A still picture a camera makes a take of one instant. The rig gets the pictures'
+/// sizes; a calibration that states another size is BadData unless `other_size` says what happened, and then
+/// a note. Nothing is left behind when it fails: the take is made under a temporary name beside `out`, which
+/// must not exist (or be an empty folder), and renamed.
+Result<ImportReport> import_take(const ImportOptions& options);
+
+}  // namespace floatstage

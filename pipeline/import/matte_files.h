@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/rig.h"
+#include "pipeline/import/media_files.h"
+#include "pipeline/import/picture_stream.h"
+
+namespace floatstage {
+
+/// Others' mattes: PNG files named as the pictures are, in one folder or in a folder a camera.
+class MatteFiles {
+ public:
+  /// NotFound names the camera that has none: mattes are imported for all cameras or not at all. `range` is
+  /// that of the pictures.
+  static Result<MatteFiles> find(const std::filesystem::path& folder, const ForeignRig& foreign,
+                                 const FrameRange& range);
+
+  /// Writes mattes/<serial>/<frame>.png of the take for the first `count` frames of a camera. BadData for a
+  /// matte of another size than the picture, NotFound when there are fewer than `count`. Different cameras at
+  /// once are fine.
+  Result<void> save(std::size_t camera, const RigCamera& rig_camera, int count,
+                    const std::filesystem::path& take) const;
+
+ private:
+  std::vector<CameraMedia> cameras_;
+  FrameRange range_;
+};
+
+/// Opacity from a PNG: its alpha, or its grey where there is none. BadData for colours without alpha. Where
+/// the largest value is 1 it is a mask of 0 and 1 and becomes one of 0 and 255.
+Result<Image> matte_from_picture(const Image& picture);
+
+}  // namespace floatstage

@@ -1,0 +1,103 @@
+#include "pipeline/import/picture_stream.h"
+
+#include <charconv>
+
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+std::optional<int> whole_number(std::string_view s) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), value);
+  if (s.empty() || error != std::errc() || end != s.data() + s.size() || value < 0) return std::nullopt;
+  return value;
+}
+
+std::filesystem::path place_of(const CameraMedia& media) {
+  return media.video.empty() ? media.stills.at(0).parent_path() : media.video;
+}
+
+}  // namespace
+
+Result<FrameRange> parse_frame_range(std::string_view s) {
+  const std::size_t colon = s.find(':');
+  const auto bad = [&] {
+    return fail(
+        ErrorCode::InvalidArgument,
+        text("'", s, "' is not a range of frames; write 10:20, 10: or :20 (the end is not included)"));
+  };
+  if (colon == std::string_view::npos || s.size() == 1) return bad();
+  const std::string_view a = s.substr(0, colon), b = s.substr(colon + 1);
+  FrameRange range;
+  if (!a.empty()) {
+    const std::optional<int> first = whole_number(a);
+    if (!first) return bad();
+    range.first = *first;
+  }
+  if (!b.empty()) {
+    range.end = whole_number(b);
+    if (!range.end || *range.end <= range.first) return bad();
+  }
+  return range;
+}
+
+Result<PictureStream> PictureStream::open(const CameraMedia& media, const FrameRange& range) {
+  PictureStream stream;
+  stream.media_ = media;
+  stream.end_ = range.end;
+  if (!media.video.empty()) {
+    Result<std::unique_ptr<MediaReader>> video = MediaReader::open(media.video);
+    if (!video) return forward(video);
+    stream.video_ = std::move(*video);
+    stream.frame_rate_ = stream.video_->frame_rate();
+  }
+  // A camera of a single picture has it at every range's beginning: a range is about films.
+  const bool one_still = media.video.empty() && media.stills.size() == 1;
+  stream.next_still_ = one_still ? 0 : static_cast<std::size_t>(range.first);
+  stream.position_ = media.video.empty() && !one_still ? range.first : 0;
+  if (one_still) stream.end_.reset();
+  while (!media.video.empty() && stream.position_ < range.first) {
+    const Result<std::optional<Image>> skipped = stream.decode();
+    if (!skipped) return forward(skipped);
+    if (!*skipped) break;
+  }
+  Result<std::optional<Image>> first = stream.decode();
+  if (!first) return forward(first);
+  if (!*first)
+    return fail(ErrorCode::NotFound,
+                text(place_of(media).string(), ": holds no picture from number ", range.first, " on"));
+  stream.width_ = (*first)->width;
+  stream.height_ = (*first)->height;
+  stream.first_ = std::move(**first);
+  return stream;
+}
+
+Result<std::optional<Image>> PictureStream::next() {
+  if (first_) return std::exchange(first_, std::nullopt);
+  Result<std::optional<Image>> picture = decode();
+  if (picture && *picture && ((*picture)->width != width_ || (*picture)->height != height_))
+    return fail(ErrorCode::BadData,
+                text(place_of(media_).string(), ": picture ", position_ - 1, " is ", (*picture)->width, "x",
+                     (*picture)->height, ", but the first one is ", width_, "x", height_));
+  return picture;
+}
+
+Result<std::optional<Image>> PictureStream::decode() {
+  if (end_ && position_ >= *end_) return std::optional<Image>();
+  ++position_;
+  if (video_) {
+    Result<Image> picture = video_->next();
+    if (!picture && picture.error().code == ErrorCode::EndOfStream) return std::optional<Image>();
+    if (!picture) return forward(picture);
+    return std::optional<Image>(std::move(*picture));
+  }
+  if (next_still_ >= media_.stills.size()) return std::optional<Image>();
+  Result<std::unique_ptr<MediaReader>> reader = MediaReader::open(media_.stills[next_still_++]);
+  if (!reader) return forward(reader);
+  Result<Image> picture = (*reader)->next();
+  if (!picture) return forward(picture);
+  return std::optional<Image>(std::move(*picture));
+}
+
+}  // namespace floatstage

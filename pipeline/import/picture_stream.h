@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "capture/media_file.h"
+#include "core/image.h"
+#include "core/result.h"
+#include "pipeline/import/media_files.h"
+
+namespace floatstage {
+
+/// Frames [first, end) of a video or a folder.
+struct FrameRange {
+  int first = 0;
+  std::optional<int> end;
+};
+
+/// "A:B" (B not included), "A:" or ":B".
+Result<FrameRange> parse_frame_range(std::string_view text);
+
+/// One camera's pictures, one after the other, whether they lie in a video or in single files.
+class PictureStream {
+ public:
+  /// NotFound when the range holds no picture; errors of the media name their file. The first picture is
+  /// decoded here.
+  static Result<PictureStream> open(const CameraMedia& media, const FrameRange& range);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  double frame_rate() const { return frame_rate_; }  ///< the video's; 0 for single files
+  /// The next picture, 3 channels, always of the first one's size (BadData otherwise); nothing after the
+  /// last.
+  Result<std::optional<Image>> next();
+
+ private:
+  Result<std::optional<Image>> decode();
+
+  CameraMedia media_;
+  std::size_t next_still_ = 0;
+  int position_ = 0;  // of the next picture, in the video or folder
+  std::optional<int> end_;
+  std::unique_ptr<MediaReader> video_;
+  std::optional<Image> first_;
+  int width_ = 0, height_ = 0;
+  double frame_rate_ = 0;
+};
+
+}  // namespace floatstage

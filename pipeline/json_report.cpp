@@ -1,0 +1,13 @@
+#include "pipeline/json_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+
+namespace floatstage {
+
+Result<void> save_json(const nlohmann::json& report, const std::filesystem::path& file) {
+  return write_file(file, report.dump(2) + "\n");
+}
+
+}  // namespace floatstage

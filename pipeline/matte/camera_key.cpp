@@ -1,0 +1,283 @@
+#include "pipeline/matte/camera_key.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "core/png.h"
+#include "core/text.h"
+#include "matting/clip_cut.h"
+#include "pipeline/import/matte_files.h"
+#include "pipeline/keying.h"
+#include "pipeline/matte/take_clip.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Before clutter, clothes and skin look like the plate or its shadow in places: shadows are asked to be
+// lighter than on cloth, and the holes that remain inside a person are filled up to a fiftieth of him.
+constexpr PlateKeyOptions kBeforeClutter{.darkest_shadow = 0.72, .brightest_reflex = 1.12};
+// Behind a performance, the plate holds the middle of somebody who hardly moved it: a ring is keyed, which is
+// filled.
+CleanupOptions clean_up_for(const Image& picture, bool shot) {
+  return {.close_radius = std::max(1, std::max(picture.width, picture.height) / 320),
+          .smallest_island = 0.02,
+          .smallest_hole = shot ? 0.02 : 0.4};
+}
+constexpr int kLessons = 3;  // how often a plate is learnt again without what the last one keys
+constexpr double kStillShare =
+    0.55;                    // of the pixels must show one thing most of the time, or the camera moved
+constexpr int kAgree = 128;  // Plate::confidence from which a pixel does
+constexpr double kMostSubject = 0.6;            // of a picture that was taken before cloth
+constexpr std::size_t kMostBytes = 400u << 20;  // of photographs held at once to learn a plate
+
+// Photographs spread over the take.
+Result<std::vector<Image>> photographs_of(TakeReader& take, int camera, int wanted) {
+  const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
+  const std::size_t bytes =
+      static_cast<std::size_t>(model.width) * static_cast<std::size_t>(model.height) * 3;
+  const int room = std::max(5, static_cast<int>(kMostBytes / std::max<std::size_t>(bytes, 1)));
+  const int count = take.frame_count(),
+            step = std::max(1, (count + std::min(wanted, room) - 1) / std::min(wanted, room));
+  std::vector<Image> all;
+  for (int frame = 0; frame < count; frame += step) {
+    Result<Frame> photograph = take.frame(camera, frame);
+    if (!photograph) return forward(photograph);
+    if (photograph->empty()) continue;
+    Result<Image> rgb = to_rgb(*photograph);
+    if (!rgb) return forward(rgb);
+    all.push_back(std::move(*rgb));
+  }
+  return all;
+}
+
+std::vector<fs::path> plate_files(const TakeReader& take, int camera) {
+  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
+  std::vector<fs::path> files;
+  const fs::path one = take.layout().plate(serial), folder = one.parent_path() / serial;
+  if (fs::exists(one)) files.push_back(one);
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none))
+    if (entry.path().extension() == ".png") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool clicked(const CameraEdits& edits) {
+  for (const MatteKeyframe& k : edits.keyframes)
+    for (const MatteStroke& s : k.strokes)
+      if (s.label == MatteLabel::Foreground) return true;
+  return false;
+}
+
+Result<std::vector<Image>> plates_of(const TakeReader& take, int camera) {
+  std::vector<Image> plates;
+  for (const fs::path& file : plate_files(take, camera)) {
+    Result<Image> plate = load_png(file);
+    if (!plate) return forward(plate);
+    if (plate->channels != 3)
+      return fail(ErrorCode::BadData,
+                  text(file.string(), " is not an RGB picture; a plate is a photograph of the empty stage"));
+    plates.push_back(std::move(*plate));
+  }
+  return plates;
+}
+
+// A blue mat on the floor is no studio: there, most of the picture would be subject.
+Result<bool> mostly_backdrop(TakeReader& take, int camera, const CameraKey& key) {
+  for (int frame = 0; frame < take.frame_count(); ++frame) {
+    Result<Frame> photograph = take.frame(camera, frame);
+    if (!photograph) return forward(photograph);
+    if (photograph->empty()) continue;
+    Result<Image> matte = key.key(*photograph, frame);
+    if (!matte) return forward(matte);
+    return coverage(make_matte({}, *matte)) <= kMostSubject;
+  }
+  return true;
+}
+
+}  // namespace
+
+// Small mattes by frame, made by whoever asks first while the others wait.
+struct CameraKey::Cut {
+  std::function<Result<std::vector<Image>>()> make;
+  std::mutex mutex = {};
+  std::optional<Result<std::vector<Image>>> mattes = {};
+
+  const Result<std::vector<Image>>& get() {
+    std::lock_guard lock(mutex);
+    if (!mattes) mattes.emplace(make());
+    return *mattes;
+  }
+};
+
+CameraKey CameraKey::none() {
+  CameraKey key;
+  key.spec_ = "none";
+  return key;
+}
+
+Result<CameraKey> CameraKey::guided(const TakeReader& take, int camera, const fs::path& guide) {
+  CameraKey key;
+  key.kind_ = Kind::Guide;
+  key.spec_ = "guide";
+  key.serial_ = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
+  key.guide_ = guide;
+  if (!fs::is_directory(guide / key.serial_))
+    return fail(ErrorCode::NotFound,
+                text(guide.string(), " has no folder '", key.serial_, "' with mattes of that camera"));
+  return key;
+}
+
+Result<CameraKey> CameraKey::chroma(TakeReader& take, int camera) {
+  Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, camera, "chroma");
+  if (!keyer) return forward(keyer);
+  CameraKey key;
+  key.kind_ = Kind::Chroma;
+  key.spec_ = (*keyer)->spec();
+  key.keyer_ = std::move(*keyer);
+  return key;
+}
+
+Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs) {
+  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
+  Result<std::vector<Image>> plates = plates_of(take, camera);
+  if (!plates) return forward(plates);
+  Result<Plate> plate = Plate();
+  if (!plates->empty()) {
+    plate = learn_plate(*plates);
+  } else {
+    Result<std::vector<Image>> seen = photographs_of(take, camera, photographs);
+    if (!seen) return forward(seen);
+    plate = learn_plate(*seen);
+    if (plate) {
+      const long still = std::count_if(plate->confidence.pixels.begin(), plate->confidence.pixels.end(),
+                                       [](int c) { return c >= kAgree; });
+      if (seen->size() < 3 ||
+          static_cast<double>(still) < kStillShare * static_cast<double>(plate->confidence.pixels.size()))
+        return fail(ErrorCode::Unsupported,
+                    text("camera '", serial, "': no plate was shot, and its ", seen->size(),
+                         " photographs show no backdrop that stands still; shoot a plate or give mattes with "
+                         "--guide"));
+      // What a plate takes for subject is left out of the next.
+      for (int lesson = 0; lesson < kLessons && plate; ++lesson) {
+        Result<std::unique_ptr<Keyer>> last =
+            make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, false));
+        if (!last) return forward(last);
+        std::vector<Image> subjects;
+        for (const Image& photograph : *seen) {
+          Result<Matte> matte = (*last)->key(make_frame({}, photograph));
+          if (!matte) return forward(matte);
+          subjects.push_back(to_image(*matte));
+        }
+        plate = learn_plate(*seen, {}, subjects);
+      }
+    }
+  }
+  if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
+  Result<std::unique_ptr<Keyer>> keyer =
+      make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, !plates->empty()));
+  if (!keyer) return forward(keyer);
+  CameraKey key;
+  key.kind_ = Kind::Plate;
+  key.spec_ = (*keyer)->spec();
+  key.plate_ = std::make_shared<Plate>(std::move(*plate));
+  key.keyer_ = std::move(*keyer);
+  return key;
+}
+
+Result<CameraKey> CameraKey::cut(TakeReader& take, int camera, const CameraEdits& edits,
+                                 const std::function<bool()>& go_on) {
+  const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
+  std::map<int, MatteOpinion> strokes;
+  for (const MatteKeyframe& k : edits.keyframes)
+    if (!k.strokes.empty()) strokes[k.frame] = opinion_of(k, model.width, model.height);
+  const auto make = [&take, camera, strokes, go_on]() -> Result<std::vector<Image>> {
+    Result<std::vector<Image>> mattes =
+        cut_clip(clip_of(take, camera), strokes, {}, [&](int, int) { return go_on(); });
+    if (!mattes)
+      return fail(mattes.error().code,
+                  text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial,
+                       "': ", mattes.error().message));
+    return mattes;
+  };
+  CameraKey key;
+  key.kind_ = Kind::Cut;
+  key.heeds_strokes_ = true;
+  key.spec_ = "cut";
+  key.cut_ = std::make_shared<Cut>();
+  key.cut_->make = make;
+  return key;
+}
+
+Result<CameraKey> CameraKey::best(TakeReader& take, int camera, const fs::path& guide,
+                                  const CameraEdits& edits, const std::function<bool()>& go_on) {
+  if (!guide.empty()) return guided(take, camera, guide);
+  Result<CameraKey> by_chroma = chroma(take, camera);
+  if (!by_chroma && by_chroma.error().code != ErrorCode::NotFound) return by_chroma;
+  Result<bool> studio = by_chroma ? mostly_backdrop(take, camera, *by_chroma) : false;
+  if (!studio) return forward(studio);
+  if (*studio) return by_chroma;
+  const bool shot = !plate_files(take, camera).empty();
+  if (clicked(edits) && !shot) return cut(take, camera, edits, go_on);
+  Result<CameraKey> key = plate(take, camera);
+  if (!key && by_chroma) key = std::move(by_chroma);
+  if (key) key->heeds_strokes_ = !shot;
+  return key;
+}
+
+Result<CameraKey> CameraKey::for_method(TakeReader& take, int camera, const std::string& method,
+                                        const fs::path& guide, const CameraEdits& edits,
+                                        const std::function<bool()>& go_on) {
+  if (method == "chroma") return chroma(take, camera);
+  if (method == "plate") return plate(take, camera);
+  Result<CameraKey> key = best(take, camera, guide, edits, go_on);
+  // Spectral matting needs no key, and is what is left to auto where there is none.
+  const bool optional =
+      guide.empty() && !key &&
+      ((method == "spectral" && key.error().code == ErrorCode::NotFound) ||
+       ((method == "spectral" || method == "auto") && key.error().code == ErrorCode::Unsupported));
+  if (optional) {
+    key = none();
+    key->heeds_strokes_ = true;
+  }
+  return key;
+}
+
+Result<void> CameraKey::ready() const {
+  if (kind_ != Kind::Cut) return {};
+  const Result<std::vector<Image>>& mattes = cut_->get();
+  return mattes ? Result<void>() : Result<void>(forward(mattes));
+}
+
+Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
+  if (kind_ == Kind::None) return Image();
+  if (kind_ == Kind::Cut) {
+    Result<Image> rgb = to_rgb(photograph);
+    if (!rgb) return rgb;
+    const Result<std::vector<Image>>& mattes = cut_->get();
+    if (!mattes) return forward(mattes);
+    return carry_up(mattes->at(static_cast<std::size_t>(frame)), *rgb);
+  }
+  if (keyer_) {
+    Result<Matte> matte = keyer_->key(photograph);
+    if (!matte) return forward(matte);
+    return to_image(*matte);
+  }
+  const fs::path file = guide_ / serial_ / TakeLayout("").matte(serial_, frame).filename();
+  if (!fs::exists(file)) return Image();
+  Result<Image> picture = load_png(file);
+  if (!picture) return forward(picture);
+  Result<Image> matte = matte_from_picture(*picture);
+  if (!matte) return fail(matte.error().code, text(file.string(), " ", matte.error().message));
+  if (matte->width != photograph.layout.width || matte->height != photograph.layout.height)
+    return fail(ErrorCode::BadData,
+                text(file.string(), " is ", matte->width, "x", matte->height, " but the photograph is ",
+                     photograph.layout.width, "x", photograph.layout.height));
+  return matte;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "pipeline/matte/camera_matter.h"
+#include "pipeline/matte/matting_record.h"
+#include "pipeline/matte/spectral_take.h"
+
+namespace floatstage {
+
+struct EditedCameraOptions {
+  std::filesystem::path take;
+  std::string serial = {};
+  std::string method = {};           ///< empty: as the mattes were made, else auto
+  std::filesystem::path guide = {};  ///< likewise; used only with a method
+  int threads = 0;                   ///< of preparing spectral components
+  bool replace = false;              ///< mattes that `matte` did not make may be replaced
+};
+
+/// How long work is watched. Called from the thread that works.
+struct RemakeWatch {
+  std::function<bool()> stopped = [] { return false; };
+  std::function<void(const std::string& what, int done, int all)> progress = [](const std::string&, int,
+                                                                                int) {};
+  std::function<void(int frame)> made = [](int) {};  ///< a matte lies on disk under its name
+};
+
+/// One camera of a take whose mattes follow its edits: after each change only what the change concerns is
+/// made again, and the mattes are, byte for byte, those that `floatstage matte` makes from the same
+/// mattes/edits.json.
+///
+/// While it works, mattes/matting.json names the frames whose mattes are still those of before, so that
+/// whatever happens `matte` (or another EditedCamera) goes on from there. Every file is whole at any time.
+/// Calls come from one thread at a time; no other program works on the camera meanwhile.
+class EditedCamera {
+ public:
+  /// Errors: those of TakeReader::open(); InvalidArgument for a camera or method that there is not; those of
+  /// load_matting() and load_matte_edits(). Quick: the key is made by the first remake().
+  static Result<std::unique_ptr<EditedCamera>> open(const EditedCameraOptions& options);
+
+  /// Makes the mattes that `edits` asks for. Returns the frames that changed, in order of their making.
+  /// `edits` is what mattes/edits.json says of the camera (the caller wrote it). Errors: AlreadyExists when
+  /// mattes are there that `matte` did not make, without `replace`; Cancelled, when it was stopped; those of
+  /// CameraKey and VideoMatting; Io. After an error another call goes on. Photographs that cannot be matted
+  /// are in failures() and have no matte.
+  Result<std::vector<int>> remake(const CameraEdits& edits, const RemakeWatch& watch);
+  const std::vector<std::string>& failures() const { return failures_; }
+
+  /// Frames whose mattes `edits` would change, missing ones and those left over from an interruption
+  /// included.
+  std::vector<bool> stale(const CameraEdits& edits) const;
+
+  /// The matting components of a frame, whatever the method. Takes about a second where they are not kept.
+  Result<MattingComponents> components(int frame);
+  /// matte_flicker() of a frame against the one before; absent without two mattes and photographs.
+  Result<std::optional<double>> flicker(int frame);
+
+  const std::string& method() const { return record_.method; }
+  const CameraEdits& edits() const { return on_disk_; }  ///< as mattes/edits.json had them at open()
+  TakeReader& take() { return *take_; }
+
+ private:
+  EditedCamera(std::unique_ptr<TakeReader> take, int camera, EditedCameraOptions options);
+  Result<void> make_key(const CameraEdits& edits, const RemakeWatch& watch);
+  Result<void> begin(const CameraEdits& edits, const std::vector<bool>& stale);
+  Result<std::vector<int>> follow(const CameraMatter& matter, std::vector<bool> forced,
+                                  const RemakeWatch& watch);
+  Result<std::vector<int>> spectral(const CameraMatter& matter, const std::vector<bool>& stale,
+                                    const RemakeWatch& watch);
+  Result<bool> put(int frame, Result<Image> matte);
+  std::vector<bool> changed_since(const CameraEdits& edits) const;
+  Result<void> save_record();
+  std::filesystem::path file(int frame) const { return take_->layout().matte(options_.serial, frame); }
+
+  std::unique_ptr<TakeReader> take_;
+  int camera_;
+  EditedCameraOptions options_;
+  CameraEdits on_disk_;
+  CameraRecord record_;
+  bool by_matte_ = false;                // record_ is what matting.json says
+  std::optional<CameraEdits> made_for_;  // of the mattes that are not in record_.stale
+  std::optional<CameraKey> key_;
+  CameraEdits key_edits_;  // that it was made for
+  std::optional<SpectralTake> spectral_;
+  bool prepared_ = false;
+  std::vector<std::string> failures_;
+};
+
+}  // namespace floatstage

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "core/result.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+
+struct ExportOptions {
+  std::filesystem::path take, out;
+  std::string format = "png8";       ///< png8, png16, exr
+  std::vector<std::string> cameras;  ///< serials; empty: all
+  int threads = 0;
+  Progress* progress = nullptr;  ///< null: unwatched
+};
+
+/// The subject of every photograph that has a matte, for compositing elsewhere: <out>/<serial>/<frame>.png or
+/// .exr with the estimated colours of the subject (straight, not premultiplied) and its opacity; a cloth's
+/// light taken off where the take was keyed by chroma. Layers that are there in this format, newer than their
+/// mattes, are kept. Returns how many there are. Errors: InvalidArgument for a format that there is not;
+/// NotFound when the cameras have no mattes; those of files.
+Result<int> export_layers(const ExportOptions& options);
+
+/// RGBA, straight, as half-float EXR in linear light (sRGB's curve undone), ZIP-compressed; to a temporary
+/// name first.
+Result<void> save_exr(const Image& rgba, const std::filesystem::path& file);
+
+}  // namespace floatstage

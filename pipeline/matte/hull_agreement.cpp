@@ -1,0 +1,80 @@
+#include "pipeline/matte/hull_agreement.h"
+
+#include <algorithm>
+
+#include "core/parallel.h"
+#include "core/text.h"
+#include "pipeline/scene_loader.h"
+#include "recon/mesh_mask.h"
+#include "recon/visual_hull.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+namespace {
+
+bool shows_subject(const Matte& matte) { return !matte.empty() && coverage(matte) > 0; }
+
+// Share of `matte` outside `hull`.
+double surplus_of(const Matte& matte, const Matte& hull) {
+  std::size_t all = 0, outside = 0;
+  for (int y = 0; y < matte.height; ++y)
+    for (int x = 0; x < matte.width; ++x) {
+      if (matte.row(y)[x] < 128) continue;
+      ++all;
+      outside += hull.row(y)[x] < 128;
+    }
+  return all ? static_cast<double>(outside) / static_cast<double>(all) : 0;
+}
+
+Result<std::vector<SilhouetteAgreement>> agreement_of(const TakeReader& take, int frame) {
+  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
+  if (!mattes) return forward(mattes);
+  std::vector<SilhouetteAgreement> found;
+  for (std::size_t i = 0; i < mattes->size(); ++i) {
+    if ((*mattes)[i].empty()) continue;
+    std::vector<Matte> others = *mattes;
+    others[i] = {};
+    if (std::count_if(others.begin(), others.end(), shows_subject) < 2) continue;
+    HullOptions options;
+    options.quality = false;
+    options.threads = 1;
+    const Result<HullReport> hull = visual_hull(take.rig(), others, options);
+    SilhouetteAgreement a{take.rig().cameras[i].serial, frame, 0, 1};
+    if (hull && !hull->mesh.empty()) {
+      const Matte silhouette = mesh_mask(take.rig().cameras[i], hull->mesh);
+      a.iou = iou((*mattes)[i], silhouette);
+      a.surplus = surplus_of((*mattes)[i], silhouette);
+    } else if (hull) {
+      a.iou = shows_subject((*mattes)[i]) ? 0 : 1;  // the others agree on nothing at all
+    } else {
+      continue;  // the others bound no space: nothing to compare with
+    }
+    found.push_back(std::move(a));
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take,
+                                                        const std::vector<int>& frames, int threads,
+                                                        Progress* watch) {
+  std::vector<Result<std::vector<SilhouetteAgreement>>> by_frame(frames.size(),
+                                                                 std::vector<SilhouetteAgreement>());
+  ProgressPart progress(watch, "hull check", frames.size());
+  parallel_for(frames.size(), threads, [&](std::size_t i) {
+    if (!is_cancelled(watch)) by_frame[i] = agreement_of(take, frames[i]);
+    progress.advance();
+  });
+  if (is_cancelled(watch)) return cancelled();
+  std::vector<SilhouetteAgreement> all;
+  for (Result<std::vector<SilhouetteAgreement>>& found : by_frame) {
+    if (!found) return forward(found);
+    all.insert(all.end(), found->begin(), found->end());
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const SilhouetteAgreement& a, const SilhouetteAgreement& b) { return a.iou < b.iou; });
+  return all;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/result.h"
+#include "pipeline/progress.h"
+
+namespace floatstage {
+
+/// One silhouette against what the other cameras say.
+struct SilhouetteAgreement {
+  std::string serial;
+  int frame = 0;
+  double iou = 0;      ///< of the matte with the silhouette of the hull of all other cameras
+  double surplus = 0;  ///< share of the matte that lies outside that hull: what the others deny
+};
+
+/// Carves, for each camera with a matte, the hull of all the others, and compares its silhouette with the
+/// matte that it has not seen. A hull of few cameras is larger than the subject, so the figures tell cameras
+/// and frames apart rather than being good or bad by themselves. A camera is left out where fewer than two
+/// others have a matte with a subject. Sorted, least agreement first. Frames are carved in parallel; same
+/// result at any number of threads.
+Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take,
+                                                        const std::vector<int>& frames, int threads,
+                                                        Progress* watch = nullptr);
+
+}  // namespace floatstage

@@ -1,0 +1,84 @@
+#include "pipeline/matte/matte_image.h"
+
+#include <algorithm>
+
+#include "core/text.h"
+#include "matting/closed_form.h"
+#include "matting/consistency.h"
+#include "matting/keyer.h"
+#include "matting/spectral_matte.h"
+
+namespace floatstage {
+namespace {
+
+Result<Image> by_chroma(const Image& picture) {
+  Result<std::unique_ptr<Keyer>> keyer = make_keyer("chroma", {picture});
+  if (!keyer) return forward(keyer);
+  Result<Matte> matte = (*keyer)->key(make_frame({}, picture));
+  if (!matte) return forward(matte);
+  return to_image(*matte);
+}
+
+Result<Image> trimap_of(const MatteImageOptions& options) {
+  Image trimap = options.trimap;
+  if (!trimap.empty() && (trimap.width != options.picture.width || trimap.height != options.picture.height))
+    return fail(ErrorCode::InvalidArgument,
+                text("the trimap is ", trimap.width, "x", trimap.height, " but the picture is ",
+                     options.picture.width, "x", options.picture.height));
+  if (!options.scribbled.empty()) {
+    Result<Image> scribbles = trimap_from_scribbles(options.picture, options.scribbled);
+    if (!scribbles) return scribbles;
+    if (trimap.empty()) trimap = Image(scribbles->width, scribbles->height, 1, 128);
+    for (std::size_t p = 0; p < trimap.pixels.size(); ++p)
+      if (scribbles->pixels[p] != 128) trimap.pixels[p] = scribbles->pixels[p];
+  }
+  if (!options.clicks.empty() && trimap.empty())
+    trimap = Image(options.picture.width, options.picture.height, 1, 128);
+  if (!options.clicks.empty()) paint_strokes(options.clicks, 1, trimap);
+  return trimap;
+}
+
+// Everything that is 0 or 255 is known.
+MatteOpinion opinion_of(const Image& trimap) {
+  MatteOpinion said;
+  if (trimap.empty()) return said;
+  said = {trimap, trimap};
+  for (std::uint8_t& w : said.weight.pixels) w = w == 0 || w == 255 ? 255 : 0;
+  return said;
+}
+
+bool all_of_one(const Image& trimap) {
+  return !trimap.empty() && (trimap.pixels[0] == 0 || trimap.pixels[0] == 255) &&
+         std::all_of(trimap.pixels.begin(), trimap.pixels.end(),
+                     [&](int v) { return v == trimap.pixels[0]; });
+}
+
+}  // namespace
+
+Result<Image> matte_image(const MatteImageOptions& options) {
+  if (options.method != "auto" && options.method != "chroma" && options.method != "closed-form" &&
+      options.method != "spectral")
+    return fail(ErrorCode::InvalidArgument, text("no method is called '", options.method,
+                                                 "'; there are auto, chroma, closed-form, spectral"));
+  if (options.method == "chroma") return by_chroma(options.picture);
+  Result<Image> trimap = trimap_of(options);
+  if (!trimap) return trimap;
+  const bool clicks_alone = !options.clicks.empty() && options.trimap.empty() && options.scribbled.empty();
+  if (options.method == "spectral" || (options.method == "auto" && clicks_alone))
+    return all_of_one(*trimap) ? trimap : spectral_matte(options.picture, opinion_of(*trimap));
+  if (!trimap->empty()) return closed_form_matte(options.picture, *trimap);
+  if (options.method == "closed-form")
+    return fail(ErrorCode::InvalidArgument,
+                "closed-form matting of one picture needs --trimap, --scribbles or clicks");
+  Result<Image> key = by_chroma(options.picture);
+  if (!key)
+    return fail(key.error().code,
+                text(key.error().message,
+                     "; without cloth, mark subject and background with --scribbles, --trimap or --subject"));
+  Result<Image> refined = refine_matte(options.picture, *key, key_refinement());
+  if (!refined) return refined;
+  const std::vector<double> residuals = composite_residuals(options.picture, {*key, *refined});
+  return residuals[1] < residuals[0] ? refined : key;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "pipeline/matte/hull_agreement.h"
+
+namespace floatstage {
+
+struct MatteTakeOptions {
+  std::filesystem::path take;
+  std::string method = "auto";            ///< one of matte_methods()
+  std::filesystem::path guide = {};       ///< others' mattes to start from: <serial>/<frame>.png; empty: none
+  std::vector<std::string> cameras = {};  ///< serials; empty: all
+  int threads = 0;                        ///< 0: one per core
+  bool redo = false;    ///< make the cameras again that were made otherwise (method, guide, edits)
+  int hull_frames = 8;  ///< instants, spread over the take, at which silhouettes are checked; 0: none
+  Progress* progress = nullptr;  ///< null: unwatched
+};
+
+struct MatteMethod {
+  std::string name, help;
+};
+const std::vector<MatteMethod>& matte_methods();
+
+struct CameraMattes {
+  std::string serial;
+  std::string key;     ///< what first told the subject: "chroma:#2f7a45", "plate:6", "guide"
+  std::string method;  ///< what auto chose, or what was asked for
+  int made = 0, kept = 0, gaps = 0;
+  int keyframes = 0, clicks = 0;         ///< of a person; scribbles count as clicks
+  double flicker = 0;                    ///< mean |opacity - that of the frame before| over frames in a row
+  std::optional<double> hull_agreement;  ///< mean IoU with the hull of the others
+  std::vector<std::string> failures;     ///< one sentence each, in the order of the frames
+};
+
+struct MatteReport {
+  std::vector<CameraMattes> cameras;
+  std::vector<SilhouetteAgreement> worst;  ///< least agreement first
+  int made = 0;
+  double seconds = 0;            ///< of making mattes, the hull check left out
+  double seconds_per_frame = 0;  ///< of wall time, a photograph made in this run; 0 when none was
+};
+
+/// Mattes of a take's cameras, each written to mattes/<serial>/<frame>.png when it is finished. What is there
+/// is kept, so a run that was interrupted goes on. mattes/edits.json is replayed: masks outrank everything, a
+/// click chooses among a key's separate parts, which are then followed from frame to frame, both ways. One
+/// bad photograph does not stop the others. Memory: some photographs a thread, and about 400 MB while a plate
+/// is learnt. Errors, when nothing can go on: those of TakeReader::open(); InvalidArgument for a method or
+/// camera that there is not; AlreadyExists when mattes were made otherwise, without `redo`; NotFound or
+/// Unsupported when a camera has no key; Io (disk full: what was finished stays); Cancelled.
+Result<MatteReport> matte_take(const MatteTakeOptions& options);
+
+}  // namespace floatstage

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+#include "matting/video_matting.h"
+#include "pipeline/matte/camera_matter.h"
+
+namespace floatstage {
+
+/// One camera's mattes by spectral video matting: the key is the likelihood, strokes are keyframes, masks
+/// outrank both. `cache` keeps the components, so that a second run only propagates. What was propagated is
+/// kept too: after other edits only what lies between the keyframes concerned is made again. `take` outlives
+/// it. Calls come from one thread.
+class SpectralTake {
+ public:
+  /// With `threads` workers of about 0.4 GB each. Errors: those of VideoMatting::create().
+  static Result<SpectralTake> create(TakeReader& take, int camera, const CameraKey& key,
+                                     const std::filesystem::path& cache, int threads);
+
+  /// Components of all frames; `done` as in VideoMatting::prepare().
+  Result<void> prepare(const std::function<bool(int frame)>& done) { return video_.prepare(done); }
+  /// What is said now; another call replaces it.
+  Result<void> say(const CameraMatter& matter);
+  /// Makes the mattes from `first` to `last` that are stale.
+  Result<void> propagate(const std::function<bool(int frame)>& done, int first, int last);
+  /// In the photograph's size, masks and strokes written over it; empty for a gap.
+  Result<Image> matte(const CameraMatter& matter, int frame) const;
+
+  int usable() const { return video_.usable(); }
+  Result<MattingComponents> components(int frame) const { return video_.components(frame); }
+
+ private:
+  SpectralTake(TakeReader& take, int camera, VideoMatting video)
+      : take_(&take), camera_(camera), video_(std::move(video)) {}
+
+  TakeReader* take_;
+  int camera_;
+  VideoMatting video_;
+  std::vector<MatteKeyframe> said_;  // those with strokes
+};
+
+/// The components of one frame alone, where SpectralTake has not prepared it.
+Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame,
+                                              const std::filesystem::path& cache);
+
+}  // namespace floatstage

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <filesystem>
+
+#include "capture/take.h"
+#include "core/result.h"
+#include "pipeline/progress.h"
+#include "core/synthetic/synthetic_studio.h"
+
+namespace floatstage {
+
+struct SynthesizeOptions {
+  std::filesystem::path out;
+  SyntheticRigOptions rig;
+  StudioOptions studio;
+  int frames = 24;
+  bool depth = false;  ///< write the true depth too (large)
+  TakeWriterOptions take;
+  Progress* progress = nullptr;  ///< null: unwatched
+  int threads = 0;
+};
+
+/// Writes a take of the synthetic studio: the published rig, photographs, clean plates, and below truth/ the
+/// true rig, mattes, meshes and (on request) depth as PFM (metres, infinity where there is no performer).
+Result<void> synthesize_take(const SynthesizeOptions& options);
+
+/// The rig of `options` with the lens defect built in: what SyntheticStudio::create wants.
+Rig true_rig(const SynthesizeOptions& options);
+
+}  // namespace floatstage

@@ -1,0 +1,92 @@
+#include "pipeline/matte/matte_image.h"
+
+#include <cmath>
+
+#include "pipeline/metrics/matte_metrics.h"
+#include "tests/matting/pictures.h"
+#include "tests/matting/small_scenes.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage {
+namespace {
+
+MatteImageOptions options_for(std::string method) {
+  return {.method = std::move(method), .picture = photograph(Scene{}), .trimap = {}, .scribbled = {}};
+}
+
+double error(const Result<Image>& matte) {
+  EXPECT_THAT(matte, IsOk());
+  return matte ? matte_mad(*matte, to_image(truth(Scene{}))) : 1;
+}
+
+TEST(MatteImage, KeysClothWithoutBeingToldAnything) {
+  EXPECT_LT(error(matte_image(options_for("chroma"))), 0.01);
+  EXPECT_LE(error(matte_image(options_for("auto"))), 0.01);
+}
+
+TEST(MatteImage, FollowsScribblesAndATrimap) {
+  MatteImageOptions options = options_for("closed-form");
+  options.scribbled = options.picture;
+  for (int x = 60; x < 100; ++x)
+    for (int c = 0; c < 3; ++c)
+      options.scribbled.at(x, 60)[c] = 255, options.scribbled.at(x, 5)[c] = 0,
+                              options.scribbled.at(x, 115)[c] = 0;
+  EXPECT_LT(error(matte_image(options)), 0.05);
+  options = options_for("auto");
+  options.trimap = Image(160, 120, 1, 128);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const double d = std::hypot(x - 80.0, y - 60.0);
+      if (d < 24 || d > 38) *options.trimap.at(x, y) = d < 24 ? 255 : 0;
+    }
+  EXPECT_LT(error(matte_image(options)), 0.01);
+}
+
+TEST(MatteImage, ChoosesSpectralComponentsByClicksScribblesOrItsOwnGuess) {
+  const DiscPicture disc = disc_picture(120, 90);
+  MatteImageOptions options{.method = "spectral", .picture = disc.rgb, .trimap = {}, .scribbled = {}};
+  const auto off = [&] {
+    const Result<Image> matte = matte_image(options);
+    EXPECT_THAT(matte, IsOk());
+    return matte ? matte_mad(*matte, disc.alpha) : 1;
+  };
+  EXPECT_LT(off(), 0.05) << "its own guess";
+  options.clicks = {{MatteLabel::Foreground, 2, {{54, 45}}}};
+  EXPECT_LT(off(), 0.05);
+  const Image by_click = *matte_image(options);
+  options.method = "auto";
+  EXPECT_THAT(matte_image(options), IsOkAnd(by_click)) << "clicks alone";
+  options.method = "spectral";
+  options.clicks = {{MatteLabel::Background, 2, {{5, 5}}}};
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::InvalidArgument, "only background"));
+  options.clicks.clear();
+  options.scribbled = options.picture;
+  for (int x = 45; x < 62; ++x)
+    for (int c = 0; c < 3; ++c) options.scribbled.at(x, 45)[c] = 255, options.scribbled.at(x, 4)[c] = 0;
+  EXPECT_LT(off(), 0.05);
+  options.picture = Image(120, 90, 3, 80);
+  options.scribbled = {};
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::BadData, ""));
+}
+
+TEST(MatteImage, SaysWhatItNeeds) {
+  EXPECT_THAT(matte_image(options_for("closed-form")), FailsWith(ErrorCode::InvalidArgument, "--trimap"));
+  EXPECT_THAT(matte_image(options_for("magic")), FailsWith(ErrorCode::InvalidArgument, "closed-form"));
+  MatteImageOptions options = options_for("auto");
+  options.trimap = Image(10, 10, 1);
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::InvalidArgument, "10x10"));
+  options = options_for("auto");
+  options.picture = Image(40, 30, 3, 77);
+  EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::NotFound, "--scribbles"));
+}
+
+TEST(MatteImage, LeavesATrimapThatIsAllSubjectOrAllBackgroundAlone) {
+  for (const std::uint8_t value : {0, 255}) {
+    MatteImageOptions options = options_for("auto");
+    options.trimap = Image(160, 120, 1, value);
+    EXPECT_THAT(matte_image(options), IsOkAnd(options.trimap));
+  }
+}
+
+}  // namespace
+}  // namespace floatstage
