@@ -2,6 +2,7 @@
 
 #include "apps/verbs.h"
 #include "pipeline/demo/demo.h"
+#include "apps/progress_bar.h"
 
 namespace floatstage {
 namespace {
@@ -12,7 +13,9 @@ double mean_of(const std::vector<Scores>& scores, double Scores::*member) {
   return scores.empty() ? 0 : sum / static_cast<double>(scores.size());
 }
 
-Result<void> run(const DemoOptions& options) {
+Result<void> run(DemoOptions options) {
+  ProgressBar bar;
+  options.progress = &bar;
   Result<DemoReport> report = run_demo(options);
   if (!report) return forward(report);
   std::printf("%s: a take of %d frames from %d cameras became freeview.mp4 and compare.mp4 in %.1f s\n",

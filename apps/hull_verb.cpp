@@ -8,7 +8,6 @@
 
 #include "apps/hull_flags.h"
 #include "apps/interrupt.h"
-#include "apps/progress.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/mesh_io.h"
@@ -16,6 +15,8 @@
 #include "pipeline/json_report.h"
 #include "pipeline/scene_loader.h"
 #include "recon/mesh_check.h"
+#include "pipeline/progress.h"
+#include "apps/progress_bar.h"
 
 namespace floatstage {
 namespace {
@@ -130,7 +131,8 @@ Result<void> run(const Options& given) {
   HullReport repeated;
   const HullCare care = std::exchange(options->care, {});
   options->quality = false;
-  std::optional<Progress> progress(std::in_place, "hulls", static_cast<std::size_t>(given.repeat));
+  ProgressBar bar;
+  std::optional<ProgressPart> progress(std::in_place, &bar, "hulls", static_cast<std::size_t>(given.repeat));
   for (int k = 0; k < given.repeat; ++k) {
     if (interrupted()) return cancelled_unwritten();
     const auto begin = std::chrono::steady_clock::now();

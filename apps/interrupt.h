@@ -1,7 +1,5 @@
 #pragma once
 
-#include "core/result.h"
-
 namespace floatstage {
 
 /// From now on Ctrl-C and SIGTERM only set a flag that long work asks for between two items; a second Ctrl-C
@@ -9,10 +7,5 @@ namespace floatstage {
 /// else.)
 void watch_for_interrupts();
 bool interrupted();
-
-/// Cancelled, in the words users see.
-Unexpected cancelled();
-/// The same of work that leaves nothing behind.
-Unexpected cancelled_unwritten();
 
 }  // namespace floatstage

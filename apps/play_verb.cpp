@@ -1,10 +1,11 @@
 #include <algorithm>
 
-#include "apps/play/play.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
+#include "apps/viewer/play/play.h"
 #include "pipeline/matte/matte_take.h"
+#include "apps/interrupt.h"
 
 namespace floatstage {
 namespace {
@@ -27,6 +28,7 @@ Result<void> run(const Options& given) {
   const std::vector<std::string>& views = matte_view_names();
   options.view = static_cast<MatteView>(std::find(views.begin(), views.end(), given.view) - views.begin());
   options.automatic = !given.by_hand;
+  options.stop = interrupted;
   return play_take(options);
 }
 

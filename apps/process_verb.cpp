@@ -9,6 +9,7 @@
 #include "matting/keyer.h"
 #include "pipeline/json_report.h"
 #include "pipeline/process/process.h"
+#include "apps/progress_bar.h"
 
 namespace floatstage {
 namespace {
@@ -29,6 +30,8 @@ Result<void> run(const Options& given) {
   Result<HullOptions> hull = hull_options(given.hull);
   if (!hull) return forward(hull);
   if (given.hull.given()) options.hull = *hull;
+  ProgressBar bar;
+  options.progress = &bar;
   Result<ProcessReport> report = process_take(options);
   if (!report) return forward(report);
 

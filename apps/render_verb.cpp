@@ -11,6 +11,7 @@
 #include "pipeline/picture_sink.h"
 #include "pipeline/scene_loader.h"
 #include "render/gl_context.h"
+#include "apps/progress_bar.h"
 
 namespace floatstage {
 namespace {
@@ -57,6 +58,8 @@ Result<void> run(const Options& given) {
   Result<std::unique_ptr<PictureSink>> sink =
       open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
   if (!sink) return forward(sink);
+  ProgressBar bar;
+  film.progress = &bar;
   Result<FilmReport> report = render_film(**take, *path, film, [&](FilmPicture picture) {
     std::vector<Image> pictures;
     for (const Image& rgba : picture.renders) pictures.push_back(over(rgba, film.renderer.background));

@@ -4,6 +4,7 @@
 #include "apps/verbs.h"
 #include "core/text.h"
 #include "pipeline/synthesize.h"
+#include "apps/progress_bar.h"
 
 namespace floatstage {
 namespace {
@@ -24,6 +25,8 @@ Result<void> run(const Options& given) {
                        : given.codec == "raw" ? TakeCodec::Raw
                                               : TakeCodec::H264;
   options.studio.green_room = !given.black;
+  ProgressBar bar;
+  options.progress = &bar;
   if (Result<void> ok = synthesize_take(options); !ok) return ok;
   std::printf("%s: %d frames of %d cameras, %s\n", options.out.c_str(), options.frames, options.rig.cameras,
               given.size.c_str());

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/progress.h"
+#include "apps/progress_bar.h"
 #include "calib/color_balance.h"
 #include "calib/surface_colors.h"
 #include "capture/take.h"
@@ -72,7 +72,8 @@ Result<std::vector<ColorSight>> overlap(TakeReader& take, const Rig& rig, int wa
   std::vector<ColorSight> sights;
   const std::size_t step =
       std::max<std::size_t>(1, frames.size() / static_cast<std::size_t>(std::max(1, wanted)));
-  Progress progress("colours", (frames.size() + step - 1) / step);
+  ProgressBar bar;
+  ProgressPart progress(&bar, "colours", (frames.size() + step - 1) / step);
   int first_point = 0;
   constexpr int kMost = 6000;
   for (std::size_t k = 0; k < frames.size(); k += step, first_point += 2 * kMost) {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/progress.h"
+#include "apps/progress_bar.h"
 #include "calib/drift.h"
 #include "capture/take.h"
 #include "core/file.h"
@@ -78,7 +78,8 @@ Result<void> watch(TakeReader& take, const Options& given) {
   if (!drift) return forward(drift);
   nlohmann::json alarms = nlohmann::json::array(), cameras = nlohmann::json::array();
   const std::size_t count = take.rig().cameras.size();
-  Progress progress("watching for drift", count * static_cast<std::size_t>(take.frame_count()));
+  ProgressBar bar;
+  ProgressPart progress(&bar, "watching for drift", count * static_cast<std::size_t>(take.frame_count()));
   for (int c = 0; c < static_cast<int>(count); ++c) {
     const std::vector<FrameRow>& rows = take.rows(c);
     double largest = 0, parallax = 0, next = 0;

@@ -14,6 +14,7 @@
 #include "pipeline/calibrate/scene.h"
 #include "pipeline/calibrate/scene_points.h"
 #include "pipeline/calibrate/session.h"
+#include "pipeline/progress.h"
 
 namespace floatstage {
 namespace {

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/calibrate/live_run.h"
-#include "apps/calibrate/live_view.h"
+#include "apps/viewer/calibration/calibration_run.h"
+#include "apps/viewer/calibration/calibration_view.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/parallel.h"

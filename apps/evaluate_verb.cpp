@@ -1,0 +1,249 @@
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/hull_flags.h"
+#include "apps/progress_bar.h"
+#include "apps/renderer_options.h"
+#include "apps/text_options.h"
+#include "apps/verbs.h"
+#include "core/file.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "pipeline/evaluate/evaluate.h"
+#include "pipeline/evaluate/evaluate_mattes.h"
+#include "pipeline/evaluate/picture_sheet.h"
+#include "pipeline/json_report.h"
+#include "render/gl_context.h"
+
+namespace floatstage {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+  std::filesystem::path take, json_file, csv_file, sheet;
+  std::string hold_out, methods = "nearest,linear,floating", frames, hull_method = "octree";
+  bool mattes = false;
+  std::filesystem::path truth;
+  RendererFlags renderer;
+  HullOptions hull;
+};
+
+struct Column {
+  const char* name;
+  double Scores::*score;
+};
+constexpr Column kColumns[] = {{"psnr_mask", &Scores::psnr},       {"ssim_mask", &Scores::ssim},
+                               {"cw_ssim_mask", &Scores::cw_ssim}, {"psnr_shift_mask", &Scores::psnr_shift},
+                               {"sharpness", &Scores::sharpness},  {"psnr_full", &Scores::psnr_full}};
+
+struct Row {
+  std::string serial;
+  int frame;
+  std::map<std::string, Scores> scores;
+};
+
+json to_json(const Scores& s) {
+  json j;
+  for (const Column& c : kColumns) j[c.name] = s.*c.score;
+  return j;
+}
+
+Scores mean(const std::vector<Row>& rows, const std::string& method) {
+  Scores m;
+  for (const Column& c : kColumns) {
+    double sum = 0;
+    for (const Row& r : rows) sum += r.scores.at(method).*c.score;
+    m.*c.score = sum / static_cast<double>(rows.size());
+  }
+  return m;
+}
+
+std::string to_csv(const std::vector<Row>& rows, const std::vector<std::string>& methods) {
+  std::string csv = "frame,camera,method";
+  for (const Column& c : kColumns) csv += text(",", c.name);
+  csv += "\n";
+  for (const Row& r : rows) {
+    for (const std::string& m : methods) {
+      csv += text(r.frame, ",", r.serial, ",", m);
+      for (const Column& c : kColumns) csv += text(",", r.scores.at(m).*c.score);
+      csv += "\n";
+    }
+  }
+  return csv;
+}
+
+void print_table(const std::vector<Row>& rows, const std::vector<std::string>& methods) {
+  std::printf("%-10s", "mean of");
+  for (const Column& c : kColumns) std::printf(" %15s", c.name);
+  std::printf("\n");
+  for (const std::string& m : methods) {
+    const Scores s = mean(rows, m);
+    std::printf("%-10s", m.c_str());
+    for (const Column& c : kColumns) std::printf(" %15.4f", s.*c.score);
+    std::printf("\n");
+  }
+}
+
+Result<void> save_reports(const Options& given, const std::vector<Row>& rows,
+                          const std::vector<std::string>& methods) {
+  if (!given.json_file.empty()) {
+    json j = {{"take", given.take.string()}, {"views", json::array()}};
+    for (const std::string& m : methods) j["mean"][m] = to_json(mean(rows, m));
+    for (const Row& r : rows) {
+      json scores;
+      for (const std::string& m : methods) scores[m] = to_json(r.scores.at(m));
+      j["views"].push_back({{"camera", r.serial}, {"frame", r.frame}, {"scores", scores}});
+    }
+    if (Result<void> ok = save_json(j, given.json_file); !ok) return ok;
+  }
+  return given.csv_file.empty() ? Result<void>() : write_file(given.csv_file, to_csv(rows, methods));
+}
+
+struct MatteColumn {
+  const char* name;
+  double MatteScores::*score;
+};
+constexpr MatteColumn kMatteColumns[] = {{"sad", &MatteScores::sad},
+                                         {"mse", &MatteScores::mse},
+                                         {"mad", &MatteScores::mad},
+                                         {"grad", &MatteScores::gradient},
+                                         {"conn", &MatteScores::connectivity},
+                                         {"iou", &MatteScores::iou},
+                                         {"boundary_f", &MatteScores::boundary_f}};
+
+json to_json(const CameraMatteScores& c) {
+  json j = {{"frames", c.frames},
+            {"worst_frame", c.worst_frame},
+            {"worst_iou", c.worst_iou},
+            {"effort",
+             {{"keyframes", c.effort.keyframes},
+              {"clicks", c.effort.clicks},
+              {"scribbles", c.effort.scribbles},
+              {"masks", c.effort.masks}}}};
+  for (const MatteColumn& column : kMatteColumns) j[column.name] = c.mean.*column.score;
+  j["dtssd"] = c.dtssd ? json(*c.dtssd) : json();
+  return j;
+}
+
+// Each camera counts alike; dtSSD over those that have frames in a row.
+CameraMatteScores mean(const std::vector<CameraMatteScores>& cameras) {
+  CameraMatteScores m{.serial = "mean", .mean = {}, .dtssd = {}, .effort = {}};
+  double flicker = 0;
+  int flickering = 0;
+  for (const CameraMatteScores& c : cameras) {
+    for (const MatteColumn& column : kMatteColumns)
+      m.mean.*column.score += c.mean.*column.score / static_cast<double>(cameras.size());
+    if (c.dtssd) flicker += *c.dtssd, ++flickering;
+    if (c.worst_iou <= m.worst_iou) m.worst_iou = c.worst_iou, m.worst_frame = c.worst_frame;
+    m.frames += c.frames;
+    m.effort.keyframes += c.effort.keyframes, m.effort.clicks += c.effort.clicks;
+    m.effort.scribbles += c.effort.scribbles, m.effort.masks += c.effort.masks;
+  }
+  if (flickering) m.dtssd = flicker / flickering;
+  return m;
+}
+
+Result<void> run_mattes(const Options& given) {
+  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  if (!take) return forward(take);
+  Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
+  if (!frames) return forward(frames);
+  const std::filesystem::path truth = given.truth.empty() ? (*take)->layout().truth().mattes() : given.truth;
+  ProgressBar bar;
+  Result<std::vector<CameraMatteScores>> cameras = evaluate_mattes(**take, truth, *frames, &bar);
+  if (!cameras) return forward(cameras);
+  const CameraMatteScores total = mean(*cameras);
+  std::printf("%-12s", "camera");
+  for (const MatteColumn& column : kMatteColumns) std::printf(" %11s", column.name);
+  std::printf(" %11s %7s\n", "dtssd", "effort");
+  std::vector<CameraMatteScores> rows = *cameras;
+  rows.push_back(total);
+  for (const CameraMatteScores& c : rows) {
+    std::printf("%-12s", c.serial.c_str());
+    for (const MatteColumn& column : kMatteColumns) std::printf(" %11.5g", c.mean.*column.score);
+    std::printf(" %11.5g %3d/%-3d\n", c.dtssd.value_or(std::nan("")), c.effort.keyframes,
+                c.effort.clicks + c.effort.scribbles + c.effort.masks);
+  }
+  if (given.json_file.empty()) return {};
+  json j = {{"take", given.take.string()}, {"truth", truth.string()}, {"mean", to_json(total)}};
+  for (const CameraMatteScores& c : *cameras) j["per_camera"][c.serial] = to_json(c);
+  return save_json(j, given.json_file);
+}
+
+Result<void> run(const Options& given) {
+  if (given.mattes) return run_mattes(given);
+  EvaluateOptions options{.hold_out = split_list(given.hold_out),
+                          .methods = split_list(given.methods),
+                          .renderer = {},
+                          .hull = given.hull};
+  options.hull.method = given.hull_method == "octree" ? HullMethod::Octree : HullMethod::Exact;
+  if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "--methods names none; see --help");
+  Result<RendererOptions> renderer = renderer_options(given.renderer);
+  if (!renderer) return forward(renderer);
+  options.renderer = *renderer;
+  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  if (!take) return forward(take);
+  Result<std::vector<int>> frames =
+      parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
+  if (!frames) return forward(frames);
+  options.frames = std::move(*frames);
+  if (!given.sheet.empty())
+    if (Result<void> ok = make_folder(given.sheet); !ok) return ok;
+  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  if (!gl) return forward(gl);
+
+  std::vector<Row> rows;
+  const std::size_t held = options.hold_out.empty() ? (*take)->rig().cameras.size() : options.hold_out.size();
+  ProgressBar bar;
+  options.progress = &bar;
+  ProgressPart progress(&bar, "views", held * options.frames.size());
+  Result<void> done = evaluate_take(**take, options, [&](HeldOutView view) -> Result<void> {
+    progress.advance();
+    if (!given.sheet.empty()) {
+      const std::string name = text(view.serial, "-", view.frame, ".png");
+      if (Result<void> ok = save_png(sheet_row(view, options.methods), given.sheet / name); !ok) return ok;
+    }
+    rows.push_back({std::move(view.serial), view.frame, std::move(view.scores)});
+    return {};
+  });
+  if (!done) return done;
+  print_table(rows, options.methods);
+  return save_reports(given, rows, options.methods);
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "evaluate", "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones");
+  verb->add_option("take", options->take, "The take's folder")->required();
+  verb->add_option("--hold-out", options->hold_out,
+                   "Cameras, each left out in turn, separated by commas (default: every one)");
+  verb->add_option("--methods", options->methods, method_help())->capture_default_str();
+  verb->add_option("--frames", options->frames,
+                   "Frames of the take: 5, 2:10 or 2:10:4 (default: 0; with --mattes: all)");
+  verb->add_flag("--mattes", options->mattes,
+                 "Score the take's mattes against true ones instead of rendered views");
+  verb->add_option(
+      "--truth", options->truth,
+      "With --mattes: folder of true mattes, <serial>/<frame>.png (default: the take's truth/mattes)");
+  // The reference by default: it is soft, so scores do not hang on how the outlines were made polygons.
+  verb->add_option("--hull", options->hull_method, "Hull method: octree or exact")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"octree", "exact"}));
+  add_care_flags(*verb, options->hull.care);
+  verb->add_option("--resolution", options->hull.resolution, "Octree: voxels along the hull's longest side")
+      ->capture_default_str();
+  verb->add_option("--json", options->json_file, "Write the scores as JSON");
+  verb->add_option("--csv", options->csv_file, "Write the scores as CSV");
+  verb->add_option("--sheet", options->sheet,
+                   "Write a picture sheet a view to this folder: truth, methods, difference");
+  add_renderer_flags(*verb, options->renderer);
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage

@@ -1,0 +1,129 @@
+#include <cstdio>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/text_options.h"
+#include "apps/verbs.h"
+#include "core/log.h"
+#include "core/text.h"
+#include "pipeline/json_report.h"
+#include "pipeline/matte/export_layers.h"
+#include "pipeline/matte/matte_take.h"
+#include "apps/progress_bar.h"
+
+namespace floatstage {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kWorstShown = 5;
+
+struct Options {
+  MatteTakeOptions matte;
+  std::string cameras;
+  std::filesystem::path json_file;
+  ExportOptions layers;
+};
+
+json to_json(const MatteReport& report) {
+  json per_camera = json::object(), worst = json::array();
+  for (const CameraMattes& c : report.cameras)
+    per_camera[c.serial] = {{"key", c.key},
+                            {"method", c.method},
+                            {"made", c.made},
+                            {"kept", c.kept},
+                            {"gaps", c.gaps},
+                            {"keyframes", c.keyframes},
+                            {"clicks", c.clicks},
+                            {"flicker", c.flicker},
+                            {"hull_agreement", c.hull_agreement ? json(*c.hull_agreement) : json()},
+                            {"failures", c.failures}};
+  for (const SilhouetteAgreement& a : report.worst)
+    worst.push_back({{"camera", a.serial}, {"frame", a.frame}, {"iou", a.iou}, {"surplus", a.surplus}});
+  return {{"seconds_per_frame", report.seconds_per_frame},
+          {"seconds", report.seconds},
+          {"per_camera", per_camera},
+          {"worst", worst}};
+}
+
+Result<void> run(const Options& given) {
+  MatteTakeOptions options = given.matte;
+  options.cameras = split_list(given.cameras);
+  ProgressBar bar;
+  options.progress = &bar;
+  Result<MatteReport> report = matte_take(options);
+  if (!report) return forward(report);
+  std::size_t failures = 0;
+  for (const CameraMattes& c : report->cameras) {
+    std::printf("%s: %s by %s; %d made, %d kept, %d gaps", c.serial.c_str(), c.method.c_str(), c.key.c_str(),
+                c.made, c.kept, c.gaps);
+    if (c.hull_agreement) std::printf("; agrees %.3f with the others' hull", *c.hull_agreement);
+    std::printf("\n");
+    if (c.key == "none" && c.clicks == 0)
+      log::warning(text("camera '", c.serial,
+                        "' has no cloth, plate or backdrop that stands still, so the subject was guessed; "
+                        "look at it, and click on it (mattes/edits.json, or the editor in `play`)"));
+    for (const std::string& f : c.failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
+    failures += c.failures.size();
+  }
+  for (std::size_t i = 0; i < std::min(kWorstShown, report->worst.size()); ++i)
+    std::printf("worst: %s frame %d, IoU %.3f, %.1f %% outside\n", report->worst[i].serial.c_str(),
+                report->worst[i].frame, report->worst[i].iou, 100 * report->worst[i].surplus);
+  std::printf("%d mattes in %.1f s, %.3f s each\n", report->made, report->seconds, report->seconds_per_frame);
+  if (!given.json_file.empty())
+    if (Result<void> ok = save_json(to_json(*report), given.json_file); !ok) return ok;
+  if (!given.layers.out.empty()) {
+    ExportOptions layers = given.layers;
+    layers.take = options.take;
+    layers.cameras = options.cameras;
+    layers.threads = options.threads;
+    layers.progress = &bar;
+    Result<int> written = export_layers(layers);
+    if (!written) return forward(written);
+    std::printf("%s: %d pictures with straight alpha\n", layers.out.c_str(), *written);
+  }
+  if (failures)
+    return fail(ErrorCode::BadData,
+                text(failures, " photographs could not be matted; the mattes of the others are there"));
+  return {};
+}
+
+}  // namespace
+
+void add_matte(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "matte", "Mattes of all cameras of a take, refined and checked against one another; resumable");
+  std::string help = "How:";
+  std::vector<std::string> names;
+  for (const MatteMethod& m : matte_methods())
+    help += "\n  " + m.name + ": " + m.help, names.push_back(m.name);
+  verb->add_option("take", options->matte.take, "The take's folder; its mattes/edits.json is replayed")
+      ->required();
+  verb->add_option("--method", options->matte.method, help)
+      ->capture_default_str()
+      ->check(CLI::IsMember(names));
+  verb->add_option("--guide", options->matte.guide,
+                   "Others' mattes to start from: a folder with <serial>/<frame>.png");
+  verb->add_option("--cameras", options->cameras, "Only these serials: a,b,c");
+  verb->add_option("--threads", options->matte.threads, "Threads; 0: one per core")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  verb->add_option("--hull-frames", options->matte.hull_frames,
+                   "Check silhouettes against the others' hull at so many instants; 0: not at all")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  verb->add_flag("--redo", options->matte.redo,
+                 "Make again what was made with another method, guide or other edits");
+  verb->add_option("--json", options->json_file, "Write a report as JSON");
+  verb->add_option("--export", options->layers.out,
+                   "Write the subject with straight alpha to this folder: <serial>/<frame>");
+  verb->add_option("--export-format", options->layers.format,
+                   "png8, png16 (RGBA, sRGB) or exr (half floats, linear light)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"png8", "png16", "exr"}));
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage

@@ -1,0 +1,178 @@
+#include "apps/viewer/live/live_window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <imgui.h>
+
+#include "apps/viewer/live/live_panel.h"
+#include "apps/viewer/play/canvas.h"
+#include "apps/viewer/play/panels.h"
+#include "apps/viewer/window/layout.h"
+#include "apps/viewer/window/window.h"
+#include "core/log.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "studio/live/live_pace.h"
+#include "studio/messages/clock.h"
+
+namespace floatstage {
+namespace {
+
+constexpr float kStatusHeight = 28;
+constexpr int kScenesBeforeScreenshot = 8;           // until then the needed textures have come
+constexpr Nanoseconds kPatience = milliseconds(20);  // for a scene, before the window is drawn anyway
+
+class LiveWindow {
+ public:
+  LiveWindow(SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options)
+      : feed_(feed),
+        desk_(desk),
+        options_(options),
+        home_(home_of(feed.rig())),
+        canvas_(feed.rig(), {}),
+        pace_(options.run.target_fps, options.run.quality),
+        state_{TimeLine(1, 0), ViewerCamera(home_)} {
+    for (const RendererInfo& r : renderers()) state_.methods.push_back(r.name);
+    state_.renderer = options.run.renderer;
+    state_.show_cameras = options.show_cameras;
+    state_.status = feed.description();
+    state_.time.playing = true;
+    use_quality(options.run.quality);
+  }
+
+  Result<void> follow(const std::filesystem::path& file) {
+    Result<CameraPath> path = load_path(file);
+    if (!path) return forward(path);
+    state_.path.set(std::move(*path));
+    state_.path_file = file.string();
+    state_.follow_path = true;
+    return {};
+  }
+
+  /// One frame of the user interface. Errors are shown, not returned: the window stays.
+  void frame() {
+    feed_.look_after();
+    const std::shared_ptr<const LiveScene> fresh = feed_.newest(now() + kPatience);
+    const Timestamp begun = now();
+    feed_.drawing(begun);
+    const bool shown = fresh && state_.time.playing;
+    if (shown) show(fresh);
+    if (state_.follow_path) advance_path(ImGui::GetIO().DeltaTime);
+    take_shortcuts(state_);
+    lay_out();
+    if (scene_ && !scene_->scene.mesh.empty()) {
+      // Textures of other machines come only when they are asked for: before the first picture too.
+      const View view =
+          canvas_.view() ? *canvas_.view() : view_of(home_, options_.run.width, options_.run.height, {});
+      feed_.want(needed_cameras(feed_.rig(), scene_->scene.mesh, view, state_.renderer.cameras));
+    }
+    const Timestamp done = now();
+    feed_.drawn(done);
+    pace_.drew(begun, done,
+               shown ? std::optional(milliseconds_of(done - fresh->scene.produced)) : std::nullopt);
+    look_around(done);
+  }
+  bool stands() const { return shown_ >= kScenesBeforeScreenshot && canvas_.has_picture(); }
+
+ private:
+  // Between two cameras: at a camera every method shows its photograph.
+  static PathKey home_of(const Rig& rig) {
+    return sample(orbit_path(rig, {}, 1), 0.5 / static_cast<double>(rig.cameras.size()));
+  }
+
+  void advance_path(double seconds) {
+    const double duration = state_.path.path().duration();
+    if (duration > 0) state_.path_time = std::fmod(state_.path_time + seconds, duration);
+  }
+
+  void show(const std::shared_ptr<const LiveScene>& fresh) {
+    scene_ = fresh;
+    ++shown_;
+    if (Result<void> ok = canvas_.show(*fresh); !ok) state_.status = ok.error().message;
+  }
+
+  void use_quality(std::size_t level) {
+    const LiveQuality& quality = live_qualities()[level];
+    panel_.quality = level;
+    feed_.set_quality(quality.node);
+    state_.renderer.flow = quality.flow;
+    state_.renderer.sharp = quality.sharp;
+    const auto method = std::find(state_.methods.begin(), state_.methods.end(), quality.method);
+    if (method != state_.methods.end()) state_.left = static_cast<int>(method - state_.methods.begin());
+    log::info(
+        text("live quality at ", std::round(10 * pace_.fps()) / 10, " scenes a second: ", describe(quality)));
+  }
+
+  void look_around(Timestamp time) {
+    if (!pace_.look(time, feed_.frame_rate(), panel_.automatic && state_.time.playing)) return;
+    panel_.fps = pace_.fps();
+    panel_.latency_ms = pace_.latency_ms();
+    panel_.remark = feed_.remark();
+    if (feed_.over()) panel_.remark = "the source is over";
+    if (pace_.quality() != panel_.quality) use_quality(pace_.quality());
+  }
+
+  void draw_panels() {
+    if (ImGui::CollapsingHeader("Studio", ImGuiTreeNodeFlags_DefaultOpen)) draw_live_panel(panel_, desk_);
+    if (panel_.quality != pace_.quality()) {
+      pace_.choose(panel_.quality);
+      use_quality(panel_.quality);
+    }
+    const PanelRequests requests = draw_controls(state_, canvas_.render_milliseconds(), -1);
+    obey_camera_requests(requests, home_, state_);
+    if (requests.render_film)
+      state_.status = "a film is rendered of a take: record one, process it and play it";
+  }
+
+  void lay_out() {
+    panel_.hold = !state_.time.playing;
+    lay_out_window(kStatusHeight, state_.renderer.background,
+                   {.controls = [&] { draw_panels(); },
+                    .strip = [&] { ImGui::TextUnformatted(state_.status.c_str()); },
+                    .stage =
+                        [&] {
+                          if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+                        }});
+    state_.time.playing = !panel_.hold;
+  }
+
+  SceneFeed& feed_;
+  ControlDesk& desk_;
+  const LiveWindowOptions& options_;
+  const PathKey home_;
+  Canvas canvas_;
+  LivePace pace_;
+  PlayerState state_;
+  LivePanelState panel_;
+  std::shared_ptr<const LiveScene> scene_;
+  long shown_ = 0;
+};
+
+}  // namespace
+
+Result<void> run_live_window(SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options) {
+  if (options.run.quality >= live_qualities().size())
+    return fail(ErrorCode::InvalidArgument,
+                text("live quality ", options.run.quality, "; there are 0 to ", live_qualities().size() - 1));
+  Result<std::unique_ptr<Window>> window =
+      Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
+  if (!window) return forward(window);
+  LiveWindow live(feed, desk, options);
+  if (!options.path_file.empty())
+    if (Result<void> ok = live.follow(options.path_file); !ok) return ok;
+  const Timestamp begun = now();
+  Image picture;
+  while (!(*window)->should_close() && !(options.stop && options.stop()) && picture.empty()) {
+    if (options.run.seconds > 0 && seconds(now() - begun) > options.run.seconds) break;
+    (*window)->begin_frame(0);
+    live.frame();
+    (*window)->end_frame(!options.screenshot.empty() && live.stands() ? &picture : nullptr);
+  }
+  feed.end();
+  if (!picture.empty()) return save_png(picture, options.screenshot);
+  return {};
+}
+
+}  // namespace floatstage

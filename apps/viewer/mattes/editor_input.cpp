@@ -1,0 +1,162 @@
+#include <cmath>
+
+#include "apps/viewer/mattes/editor_state.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+constexpr int kLeft = 0, kRight = 1, kMiddle = 2;
+constexpr double kNotch = 1.2;  // of the wheel
+constexpr double kBrushStep = 1.25;
+
+EditorRequests press(const InputEvent& e, EditorState& state) {
+  EditorRequests requests;
+  if (!state.fit.holds(e.x, e.y) || state.held >= 0) return requests;
+  state.held = e.button;
+  if (e.button != kLeft && e.button != kRight) return requests;
+  state.time.playing = false;
+  requests.edited =
+      state.session.press(state.time.frame(), state.fit.to_photograph(e.x, e.y), e.button == kRight);
+  return requests;
+}
+
+void jump(EditorState& state, std::optional<int> frame, const char* otherwise) {
+  if (frame)
+    state.time.playing = false, state.time.seek(*frame);
+  else
+    state.status = otherwise;
+}
+
+EditorRequests control_key(const InputEvent& e, EditorState& state) {
+  EditorRequests requests;
+  EditSession& session = state.session;
+  const bool again = e.key == 'Y' || (e.key == 'Z' && e.shift);
+  if (e.key == 'Z' || e.key == 'Y') {
+    requests.edited = again ? session.redo() : session.undo();
+    if (!requests.edited) state.status = again ? "there is nothing to redo" : "there is nothing to undo";
+  }
+  requests.quit = e.key == 'Q';
+  return requests;
+}
+
+EditorRequests key(const InputEvent& e, EditorState& state) {
+  if (e.control) return control_key(e, state);
+  EditorRequests requests;
+  TimeLine& time = state.time;
+  EditSession& session = state.session;
+  const int views = static_cast<int>(matte_view_names().size());
+  if (e.key >= '1' && e.key < '1' + views) state.view = static_cast<MatteView>(e.key - '1');
+  switch (e.key) {
+    case ' ':
+      time.playing = !time.playing;
+      break;
+    case kKeyLeft:
+      time.step(-1);
+      break;
+    case kKeyRight:
+      time.step(1);
+      break;
+    case kKeyHome:
+      time.seek(0);
+      break;
+    case kKeyEnd:
+      time.seek(time.frames() - 1);
+      break;
+    case ',':
+      jump(state, session.keyframe_before(time.frame()), "there is no keyframe before this frame");
+      break;
+    case '.':
+      jump(state, session.keyframe_after(time.frame()), "there is no keyframe after this frame");
+      break;
+    case 'W':
+      go_to_worst(state);
+      break;
+    case 'V':
+      state.view = static_cast<MatteView>((static_cast<int>(state.view) + 1) % views);
+      break;
+    case 'F':
+      session.tool = EditTool::Stroke;
+      break;
+    case 'G':
+      session.tool = EditTool::Garbage;
+      break;
+    case 'H':
+      session.tool = EditTool::HoldOut;
+      break;
+    case '[':
+      session.grow(1 / kBrushStep);
+      break;
+    case ']':
+      session.grow(kBrushStep);
+      break;
+    case '0':
+      state.fit.whole();
+      break;
+    case 'A':
+      state.automatic = !state.automatic;
+      break;
+    case kKeyEscape:
+      session.give_up();
+      break;
+    case kKeyDelete:
+      requests.edited = session.remove_keyframe(time.frame());
+      if (!requests.edited) state.status = "this frame is no keyframe";
+      break;
+    case kKeyEnter:
+      requests.remake = true;
+      break;
+    case kKeyTab:
+      requests.next_camera = true;
+      break;
+    case 'M':
+      requests.player = true;
+      break;
+    case kKeyF12:
+      requests.screenshot = true;
+      break;
+    default:
+      break;
+  }
+  return requests;
+}
+
+}  // namespace
+
+void go_to_worst(EditorState& state) {
+  const std::optional<int> frame = next_worst(state.worst, state.time.frame());
+  jump(state, frame, "no frame flickers, as far as has been metered");
+  if (frame)
+    state.status =
+        text("frame ", *frame, " flickers by ",
+             std::round(state.flicker[static_cast<std::size_t>(*frame)].value_or(0) * 10000) / 100, " %");
+}
+
+EditorRequests take_input(const InputEvent& e, EditorState& state) {
+  EditorRequests requests;
+  switch (e.kind) {
+    case InputEvent::Kind::Press:
+      requests = press(e, state);
+      break;
+    case InputEvent::Kind::Move:
+      if (state.held == kMiddle) state.fit.pan(e.x - state.pointer_x, e.y - state.pointer_y);
+      if (state.held == kLeft || state.held == kRight) state.session.drag(state.fit.to_photograph(e.x, e.y));
+      break;
+    case InputEvent::Kind::Release:
+      if (e.button != state.held) break;
+      state.held = -1;
+      requests.edited = state.session.release();
+      break;
+    case InputEvent::Kind::Wheel:
+      if (state.fit.holds(e.x, e.y)) state.fit.zoom(e.x, e.y, std::pow(kNotch, e.wheel));
+      break;
+    case InputEvent::Kind::Key:
+      requests = key(e, state);
+      break;
+  }
+  state.pointer_x = e.kind == InputEvent::Kind::Key ? state.pointer_x : e.x;
+  state.pointer_y = e.kind == InputEvent::Kind::Key ? state.pointer_y : e.y;
+  return requests;
+}
+
+}  // namespace floatstage

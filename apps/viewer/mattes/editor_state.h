@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/viewer/mattes/edit_session.h"
+#include "apps/viewer/mattes/matte_picture.h"
+#include "apps/viewer/mattes/picture_fit.h"
+#include "apps/viewer/window/input_event.h"
+#include "apps/viewer/window/time_line.h"
+
+namespace floatstage {
+
+/// Everything that hands can change in the matte editor, without a window: input and panels write it, the
+/// canvas reads it.
+struct EditorState {
+  TimeLine time;
+  EditSession session;
+  PictureFit fit;
+  MatteView view = MatteView::Checker;
+  bool automatic = true;  ///< mattes are made again after every edit
+
+  std::vector<bool> stale = {};                     ///< a frame
+  std::vector<std::optional<double>> flicker = {};  ///< a frame; absent: not metered yet
+  std::vector<int> worst = {};                      ///< worst_frames(flicker)
+
+  double pointer_x = 0, pointer_y = 0;  ///< px of the window
+  int held = -1;                        ///< button that went down over the photograph
+  std::string status = {};
+};
+
+/// What was asked for and is not done in the state itself.
+struct EditorRequests {
+  bool edited = false;  ///< the session's edits have changed
+  bool remake = false, screenshot = false, next_camera = false, player = false, quit = false;
+  void add(const EditorRequests& other) {
+    edited |= other.edited, remake |= other.remake, screenshot |= other.screenshot;
+    next_camera |= other.next_camera, player |= other.player, quit |= other.quit;
+  }
+};
+
+/// Mouse and keys of the matte editor; docs/editing-mattes.md lists them.
+EditorRequests take_input(const InputEvent& event, EditorState& state);
+
+void go_to_worst(EditorState& state);
+
+}  // namespace floatstage

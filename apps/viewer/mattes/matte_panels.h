@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/viewer/mattes/matte_desk.h"
+
+namespace floatstage {
+
+/// What the panels ask for beside EditorRequests.
+struct MattePanelRequests {
+  EditorRequests editor;
+  std::string camera;  ///< serial to go to; empty: stay
+};
+
+// Each draws into the present ImGui window.
+
+/// Camera, view, tools, edits, work in progress.
+MattePanelRequests draw_matte_controls(MatteDesk& desk);
+/// Play, frame, and the line with keyframes, flicker and what is stale; a click seeks.
+void draw_matte_time_line(MatteDesk& desk);
+/// What lies over the photograph: strokes of this keyframe, masks, what is being drawn, the brush.
+void draw_edits(const MatteDesk& desk, const EditorState& state);
+
+}  // namespace floatstage

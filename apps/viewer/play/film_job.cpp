@@ -1,0 +1,42 @@
+#include "apps/viewer/play/film_job.h"
+
+#include "pipeline/picture_sink.h"
+#include "render/gl_context.h"
+
+namespace floatstage {
+
+FilmJob::FilmJob(std::filesystem::path take, CameraPath path, FilmOptions options,
+                 std::filesystem::path out) {
+  future_ = std::async(std::launch::async,
+                       [this, take = std::move(take), path = std::move(path), options = std::move(options),
+                        out = std::move(out)] { return run(take, path, options, out); });
+}
+
+FilmJob::~FilmJob() { give_up_ = true; }  // the future's destructor waits for the thread
+
+bool FilmJob::done() const {
+  return future_.valid() && future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+Result<FilmReport> FilmJob::result() { return future_.get(); }
+
+Result<FilmReport> FilmJob::run(const std::filesystem::path& folder, const CameraPath& path,
+                                const FilmOptions& options, const std::filesystem::path& out) {
+  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder);
+  if (!take) return forward(take);
+  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  if (!gl) return forward(gl);
+  Result<std::unique_ptr<PictureSink>> sink =
+      open_picture_sink(out, options.width, options.height, options.frame_rate);
+  if (!sink) return forward(sink);
+  Result<FilmReport> report = render_film(**take, path, options, [&](FilmPicture picture) -> Result<void> {
+    if (give_up_) return fail(ErrorCode::Cancelled, "the film was given up");
+    ++pictures_;
+    return (*sink)->write(over(picture.renders.front(), options.renderer.background));
+  });
+  if (!report) return report;
+  if (Result<void> ok = (*sink)->finish(); !ok) return forward(ok);
+  return report;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,133 @@
+#include "apps/viewer/play/panels.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include "core/text.h"
+#include "apps/viewer/window/transport.h"
+
+namespace floatstage {
+namespace {
+
+void choose(const char* label, const std::vector<std::string>& names, int& chosen) {
+  if (!ImGui::BeginCombo(label, names[static_cast<std::size_t>(chosen)].c_str())) return;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (ImGui::Selectable(names[i].c_str(), chosen == static_cast<int>(i))) chosen = static_cast<int>(i);
+  ImGui::EndCombo();
+}
+
+void draw_methods(PlayerState& state) {
+  choose(state.split ? "left" : "method", state.methods, state.left);
+  ImGui::Checkbox("split screen (X)", &state.split);
+  if (state.split) {
+    choose("right", state.methods, state.right);
+    ImGui::SliderFloat("split at", &state.split_at, 0.02f, 0.98f, "%.2f");
+  }
+  int output = static_cast<int>(state.renderer.output);
+  choose("show", render_output_names(), output);
+  state.renderer.output = static_cast<RenderOutput>(output);
+  ImGui::SliderInt("photographs", &state.renderer.cameras, 1, 6);
+  float radius = static_cast<float>(state.renderer.soft_radius);
+  if (ImGui::SliderFloat("soft radius", &radius, 0, 32, "%.0f px")) state.renderer.soft_radius = radius;
+  ImGui::SliderFloat("resolution", &state.render_scale, 0.25f, 1, "%.2f");
+  ImGui::ColorEdit3("background", state.renderer.background.data(), ImGuiColorEditFlags_NoInputs);
+}
+
+void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
+  if (ImGui::Button("add key (K)")) state.path.append(state.camera.key());
+  ImGui::SameLine();
+  if (ImGui::Button("clear")) state.path.clear(), state.follow_path = false;
+  const std::vector<PathKey> keys = state.path.path().keys;  // a copy: buttons below change the path
+  if (ImGui::BeginChild("keys", ImVec2(0, 110), true)) {
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::Selectable(text("key ", i, " at ", keys[i].time, " s").c_str(), false, 0, ImVec2(170, 0)))
+        state.camera.set(keys[i]), state.follow_path = false;
+      ImGui::SameLine();
+      if (ImGui::SmallButton("x")) state.path.remove(i);
+      ImGui::PopID();
+    }
+  }
+  ImGui::EndChild();
+  if (!state.path.empty()) {
+    ImGui::Checkbox("follow the path", &state.follow_path);
+    float t = static_cast<float>(state.path_time);
+    if (ImGui::SliderFloat("path time", &t, 0, static_cast<float>(state.path.path().duration()), "%.2f s"))
+      state.path_time = t, state.follow_path = true;
+  } else {
+    state.follow_path = false;
+  }
+  ImGui::InputText("path file", &state.path_file);
+  requests.save_path = ImGui::Button("save");
+  ImGui::SameLine();
+  requests.load_path = ImGui::Button("load");
+  ImGui::InputText("film", &state.film_file);
+  if (film_pictures >= 0)
+    ImGui::Text("rendering: %d pictures", film_pictures);
+  else
+    requests.render_film = ImGui::Button("render this path");
+}
+
+}  // namespace
+
+PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int film_pictures) {
+  PanelRequests requests;
+  ImGui::PushItemWidth(150);
+  if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) draw_methods(state);
+  if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) {
+    ImGui::Checkbox("show the cameras (C)", &state.show_cameras);
+    requests.home = ImGui::Button("home (H)") ||
+                    (!ImGui::GetIO().WantTextInput && ImGui::IsKeyPressed(GLFW_KEY_H, false));
+    ImGui::TextDisabled("drag: orbit   shift: pan\nright: look   wheel: zoom\nWASD QE: fly");
+  }
+  if (ImGui::CollapsingHeader("Camera path", ImGuiTreeNodeFlags_DefaultOpen))
+    draw_path(state, requests, film_pictures);
+  ImGui::Separator();
+  ImGui::Text("%.0f ms a picture", render_milliseconds);
+  ImGui::PopItemWidth();
+  return requests;
+}
+
+void obey_camera_requests(const PanelRequests& requests, const PathKey& home, PlayerState& state) {
+  if (requests.home) state.camera.set(home);
+  if (requests.save_path) {
+    const Result<void> ok = save_path(state.path.path(), state.path_file);
+    state.status = ok ? text("saved ", state.path_file) : ok.error().message;
+  }
+  if (requests.load_path) {
+    Result<CameraPath> path = load_path(state.path_file);
+    state.status = path ? text("loaded ", state.path_file) : path.error().message;
+    if (path) state.path.set(std::move(*path));
+  }
+}
+
+void draw_time_line(PlayerState& state) {
+  TimeLine& time = state.time;
+  draw_transport(time);
+  ImGui::Checkbox("loop", &time.loop);
+  ImGui::SameLine();
+  float speed = static_cast<float>(time.speed);
+  ImGui::SetNextItemWidth(110);
+  if (ImGui::SliderFloat("##speed", &speed, 0.1f, 2, "speed %.1f")) time.speed = speed;
+  ImGui::SameLine();
+  int frame = time.frame();
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderInt("##frame", &frame, 0, time.frames() - 1, "frame %d")) time.seek(frame);
+  ImGui::TextUnformatted(state.status.c_str());
+}
+
+void take_shortcuts(PlayerState& state) {
+  if (ImGui::GetIO().WantTextInput) return;
+  auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+  if (pressed(GLFW_KEY_SPACE)) state.time.playing = !state.time.playing;
+  if (ImGui::IsKeyPressed(GLFW_KEY_LEFT)) state.time.step(-1);
+  if (ImGui::IsKeyPressed(GLFW_KEY_RIGHT)) state.time.step(1);
+  if (pressed(GLFW_KEY_K)) state.path.append(state.camera.key());
+  if (pressed(GLFW_KEY_C)) state.show_cameras = !state.show_cameras;
+  if (pressed(GLFW_KEY_X)) state.split = !state.split;
+  for (int i = 0; i < static_cast<int>(state.methods.size()) && i < 9; ++i)
+    if (pressed(GLFW_KEY_1 + i)) state.left = i;
+}
+
+}  // namespace floatstage

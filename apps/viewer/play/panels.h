@@ -1,0 +1,26 @@
+#pragma once
+
+#include "apps/viewer/play/player_state.h"
+
+namespace floatstage {
+
+/// What the operator pressed in the panels and the player must do.
+struct PanelRequests {
+  bool save_path = false, load_path = false, render_film = false, quit = false, home = false;
+};
+
+/// The controls at the left: method and comparison, intermediates, cameras, camera path. Draws into the
+/// present ImGui window.
+PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int film_pictures);
+
+/// Does what was asked for the camera and its path; what came of it is the state's status.
+void obey_camera_requests(const PanelRequests& requests, const PathKey& home, PlayerState& state);
+
+/// The time line at the bottom: play, step, speed, frame slider, and the last message.
+void draw_time_line(PlayerState& state);
+
+/// Keys that work anywhere: space plays, arrows step, K sets a path key, C shows the cameras, X splits, 1…9
+/// choose the method.
+void take_shortcuts(PlayerState& state);
+
+}  // namespace floatstage

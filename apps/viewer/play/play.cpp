@@ -1,0 +1,155 @@
+#include "apps/viewer/play/play.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "apps/viewer/mattes/matte_editor.h"
+#include "apps/viewer/play/player.h"
+#include "apps/viewer/window/window.h"
+#include "core/png.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+
+void say(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+// The first of floatstage-0.png, floatstage-1.png … that is not there.
+fs::path free_screenshot_name() {
+  int number = 0;
+  while (fs::exists(text("floatstage-", number, ".png"))) ++number;
+  return text("floatstage-", number, ".png");
+}
+
+// One window with two modes. What is not open is null.
+class PlayWindow {
+ public:
+  explicit PlayWindow(const PlayOptions& options) : options_(options), editing_(options.mattes) {}
+
+  Result<void> open() {
+    Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options_.take);
+    if (!take) return forward(take);
+    take_ = std::move(*take);
+    // What is wrong is said before a window opens.
+    if (Result<void> ok = editing_ ? open_editor(options_.frame) : Player::check(options_, *take_); !ok)
+      return ok;
+    Result<std::unique_ptr<Window>> window =
+        Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
+    if (!window) return forward(window);
+    window_ = std::move(*window);
+    if (editing_) return {};
+    return open_player();
+  }
+
+  Result<void> run() {
+    constexpr double kIdle = 0.1;     // seconds to sleep while nothing moves
+    constexpr int kSettleFrames = 3;  // the user interface needs a few frames before its layout stands
+    int settled = 0;
+    bool said = false;
+    while (!window_->should_close() && !(options_.stop && options_.stop())) {
+      const bool busy = editing_ ? editor_->busy() : player_->busy();
+      window_->begin_frame(busy || !options_.screenshot.empty() ? 0 : kIdle);
+      frame();
+      settled = (editing_ ? editor_->stands() : player_->stands()) ? settled + 1 : 0;
+      const bool last = !options_.screenshot.empty() && settled >= kSettleFrames;
+      Image picture;
+      window_->end_frame(last || screenshot_ ? &picture : nullptr);
+      if (last) return save_png(picture, options_.screenshot);
+      if (std::exchange(screenshot_, false)) keep(picture);
+      if (editing_ && !said) say("the matte editor is open");
+      said = said || editing_;
+    }
+    return {};
+  }
+
+ private:
+  Result<void> open_editor(int frame) {
+    MatteDeskOptions desk;
+    desk.camera = {.take = options_.take,
+                   .serial = options_.camera.empty() ? take_->rig().cameras.front().serial : options_.camera,
+                   .method = options_.matte_method,
+                   .guide = options_.guide,
+                   .threads = 0,
+                   .replace = options_.redo};
+    desk.frame = frame;
+    desk.view = options_.view;
+    desk.automatic = options_.automatic;
+    desk.say = say;
+    Result<std::unique_ptr<MatteEditor>> editor = MatteEditor::open(std::move(desk));
+    if (!editor) return forward(editor);
+    editor_ = std::move(*editor);
+    return {};
+  }
+
+  Result<void> open_player() {
+    Result<std::unique_ptr<Player>> player = Player::open(options_, *take_);
+    if (!player) return forward(player);
+    player_ = std::move(*player);
+    return {};
+  }
+
+  void frame() {
+    const std::vector<InputEvent> input = window_->take_input();
+    if (!editing_) {
+      const auto pressed = [&](int key) {
+        return std::any_of(input.begin(), input.end(), [&](const InputEvent& e) {
+          return e.kind == InputEvent::Kind::Key && e.key == key && !e.control;
+        });
+      };
+      screenshot_ = pressed(kKeyF12);
+      player_->frame();
+      if (pressed('M')) to_editor();
+      return;
+    }
+    const EditorRequests requests = editor_->frame(input);
+    screenshot_ = requests.screenshot;
+    if (requests.quit) window_->close();
+    if (requests.player) to_player();
+  }
+
+  void to_editor() {
+    if (!editor_)
+      if (Result<void> ok = open_editor(player_->frame_number()); !ok)
+        return player_->tell(ok.error().message);
+    editor_->go_to(player_->frame_number());
+    editing_ = true;
+  }
+
+  void to_player() {
+    if (!player_)
+      if (Result<void> ok = open_player(); !ok) return editor_->tell(ok.error().message);
+    player_->forget_scenes();
+    player_->go_to(editor_->frame_number());
+    editing_ = false;
+  }
+
+  void keep(const Image& picture) {
+    const fs::path file = free_screenshot_name();
+    const Result<void> ok = save_png(picture, file);
+    const std::string line = ok ? text("screenshot ", file.string()) : ok.error().message;
+    say(line);
+    editing_ ? editor_->tell(line) : player_->tell(line);
+  }
+
+  const PlayOptions& options_;
+  bool editing_, screenshot_ = false;
+  std::unique_ptr<TakeReader> take_;
+  std::unique_ptr<Window> window_;  // outlives what draws in it
+  std::unique_ptr<Player> player_;
+  std::unique_ptr<MatteEditor> editor_;
+};
+
+}  // namespace
+
+Result<void> play_take(const PlayOptions& options) {
+  PlayWindow window(options);
+  if (Result<void> ok = window.open(); !ok) return ok;
+  return window.run();
+}
+
+}  // namespace floatstage

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "apps/viewer/mattes/matte_picture.h"
+#include "core/result.h"
+#include "render/renderer.h"
+
+namespace floatstage {
+
+struct PlayOptions {
+  std::filesystem::path take;
+  std::string method = "floating";
+  std::string compare;  ///< method of the right half; empty: no split
+  int frame = 0;
+  bool show_cameras = false, playing = false;
+  std::filesystem::path path_file;   ///< camera path to begin with; empty: none
+  int width = 1280, height = 800;    ///< window, px
+  std::filesystem::path screenshot;  ///< write the window to this PNG once the picture stands, then end
+  RendererOptions renderer = {};
+  std::function<bool()> stop;  ///< asked at every picture; absent: until the window is closed
+
+  bool mattes = false;  ///< begin in the matte editor, which needs no meshes
+  std::string camera;   ///< whose mattes; empty: the rig's first
+  MatteView view = MatteView::Checker;
+  std::string matte_method;     ///< as in `matte`; empty: as the mattes were made
+  std::filesystem::path guide;  ///< as in `matte`; used with a method
+  bool redo = false;            ///< mattes that `matte` did not make may be replaced
+  bool automatic = true;        ///< the editor makes mattes after every edit
+};
+
+/// The window: the interactive player on a processed take, and the matte editor. Returns when it is closed.
+Result<void> play_take(const PlayOptions& options);
+
+}  // namespace floatstage

@@ -1,0 +1,182 @@
+#include "apps/viewer/play/player.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <imgui.h>
+
+#include "apps/viewer/play/canvas.h"
+#include "apps/viewer/play/film_job.h"
+#include "apps/viewer/play/panels.h"
+#include "apps/viewer/play/scene_cache.h"
+#include "apps/viewer/window/layout.h"
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+constexpr float kTimeLineHeight = 62;
+
+Result<int> method_index(const std::vector<std::string>& methods, const std::string& name) {
+  const auto found = std::find(methods.begin(), methods.end(), name);
+  if (found != methods.end()) return static_cast<int>(found - methods.begin());
+  std::string known;
+  for (const std::string& m : methods) known += " " + m;
+  return fail(ErrorCode::InvalidArgument, text("there is no method '", name, "'; there are:", known));
+}
+
+class WindowPlayer : public Player {
+ public:
+  WindowPlayer(const PlayOptions& options, TakeReader& take, const Rig& rig,
+               const Eigen::AlignedBox3d& subject, PlayerState state)
+      : options_(options),
+        take_(take),
+        home_(state.camera.key()),
+        cache_(take),
+        canvas_(rig, subject),
+        state_(std::move(state)) {}
+
+  void frame() override {
+    state_.time.advance(ImGui::GetIO().DeltaTime);
+    if (state_.follow_path && state_.time.playing) advance_path(ImGui::GetIO().DeltaTime);
+    take_shortcuts(state_);
+    load();
+    lay_out();
+    finish_film();
+  }
+
+  bool stands() const override { return shown_ == state_.time.frame() && canvas_.has_picture(); }
+  bool busy() const override { return state_.time.playing || shown_ != state_.time.frame() || film_; }
+  int frame_number() const override { return state_.time.frame(); }
+  void go_to(int frame) override { state_.time.seek(frame); }
+  void tell(std::string status) override { state_.status = std::move(status); }
+  void forget_scenes() override {
+    cache_.clear();
+    shown_ = -1;
+  }
+
+ private:
+  void advance_path(double seconds) {
+    const double duration = state_.path.path().duration();
+    if (duration > 0) state_.path_time = std::fmod(state_.path_time + seconds, duration);
+  }
+
+  void load() {
+    const int frame = state_.time.frame();
+    Result<std::shared_ptr<const SceneFrame>> scene = cache_.get(frame);
+    if (!scene) {
+      state_.status = scene.error().message;
+      shown_ = frame;
+      return;
+    }
+    if (!*scene) return;
+    if (Result<void> ok = canvas_.show(*scene); !ok)
+      state_.status = text("frame ", frame, ": ", ok.error().message);
+    shown_ = frame;
+    if (state_.time.playing) cache_.prefetch((frame + 1) % state_.time.frames());
+  }
+
+  void lay_out() {
+    PanelRequests requests;
+    lay_out_window(kTimeLineHeight, state_.renderer.background,
+                   {.controls =
+                        [&] {
+                          requests = draw_controls(state_, canvas_.render_milliseconds(),
+                                                   film_ ? film_->pictures() : -1);
+                        },
+                    .strip = [&] { draw_time_line(state_); },
+                    .stage =
+                        [&] {
+                          if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+                        }});
+    obey_camera_requests(requests, home_, state_);
+    if (requests.render_film) begin_film();
+  }
+
+  void begin_film() {
+    if (state_.path.path().keys.size() < 2) {
+      state_.status = "a film needs a path of two keys at least; walk and press K";
+      return;
+    }
+    FilmOptions film{.frames = {},
+                     .methods = {state_.methods[static_cast<std::size_t>(state_.left)]},
+                     .renderer = state_.renderer};
+    film.seconds = state_.path.path().duration();
+    for (int f = 0; f < state_.time.frames(); ++f) film.frames.push_back(f);
+    film_.emplace(options_.take, state_.path.path(), film, state_.film_file);
+    state_.status = text("rendering ", state_.film_file);
+  }
+
+  void finish_film() {
+    if (!film_ || !film_->done()) return;
+    const Result<FilmReport> report = film_->result();
+    state_.status =
+        report ? text(state_.film_file, ": ", report->pictures, " pictures") : report.error().message;
+    film_.reset();
+  }
+
+  const PlayOptions& options_;
+  TakeReader& take_;
+  const PathKey home_;
+  SceneCache cache_;
+  Canvas canvas_;
+  PlayerState state_;
+  std::optional<FilmJob> film_;
+  int shown_ = -1;
+};
+
+Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& take,
+                                  const Eigen::AlignedBox3d& subject) {
+  if (options.frame < 0 || options.frame >= take.frame_count())
+    return fail(ErrorCode::InvalidArgument,
+                text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
+  // Home lies between two cameras: at a camera every method shows its photograph.
+  const PathKey home =
+      sample(orbit_path(take.rig(), subject, 1), 0.5 / static_cast<double>(take.rig().cameras.size()));
+  PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
+  for (const RendererInfo& r : renderers()) state.methods.push_back(r.name);
+  Result<int> left = method_index(state.methods, options.method),
+              right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
+  if (!left) return forward(left);
+  if (!right) return forward(right);
+  state.left = *left;
+  state.right = *right;
+  state.split = !options.compare.empty();
+  state.renderer = options.renderer;
+  state.show_cameras = options.show_cameras;
+  state.time.seek(options.frame);
+  state.time.playing = options.playing;
+  state.status = text(options.take.string(), ": ", take.frame_count(), " frames of ",
+                      take.rig().cameras.size(), " cameras");
+  if (!options.path_file.empty()) {
+    Result<CameraPath> path = load_path(options.path_file);
+    if (!path) return forward(path);
+    state.path.set(std::move(*path));
+    state.path_file = options.path_file;
+    state.follow_path = true;
+  }
+  return state;
+}
+
+}  // namespace
+
+Result<void> Player::check(const PlayOptions& options, const TakeReader& take) {
+  Result<Eigen::AlignedBox3d> subject = subject_box(take);
+  if (!subject) return forward(subject);
+  if (const Result<Rig> rig = rig_with_colors(take); !rig) return forward(rig);
+  const Result<PlayerState> state = initial_state(options, take, *subject);
+  return state ? Result<void>() : Result<void>(forward(state));
+}
+
+Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, TakeReader& take) {
+  Result<Eigen::AlignedBox3d> subject = subject_box(take);
+  if (!subject) return forward(subject);
+  const Result<Rig> rig = rig_with_colors(take);
+  if (!rig) return forward(rig);
+  Result<PlayerState> state = initial_state(options, take, *subject);
+  if (!state) return forward(state);
+  return std::unique_ptr<Player>(new WindowPlayer(options, take, *rig, *subject, std::move(*state)));
+}
+
+}  // namespace floatstage

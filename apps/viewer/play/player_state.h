@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/viewer/play/path_editor.h"
+#include "apps/viewer/play/viewer_camera.h"
+#include "apps/viewer/window/time_line.h"
+#include "render/renderer.h"
+
+namespace floatstage {
+
+/// Everything that the operator can change, without a window: panels write it, the canvas reads it.
+struct PlayerState {
+  TimeLine time;
+  ViewerCamera camera;
+  PathEditor path = {};
+
+  std::vector<std::string> methods = {};  ///< every renderer's name
+  int left = 0, right = 0;                ///< methods shown; `right` only when split
+  bool split = false;
+  float split_at = 0.5f;  ///< where the picture changes from left to right, 0…1
+  RendererOptions renderer = {};
+  float render_scale = 1;  ///< pixels rendered per pixel shown, 0.25…1
+
+  bool show_cameras = false;
+  bool follow_path = false;  ///< the camera rides the path instead of the mouse
+  double path_time = 0;      ///< seconds
+
+  std::string path_file = "path.json", film_file = "path.mp4";
+  std::string status = {};  ///< one line at the bottom: the last thing that happened
+};
+
+}  // namespace floatstage

@@ -1,0 +1,44 @@
+#include "apps/viewer/play/scene_cache.h"
+
+namespace floatstage {
+
+const SceneCache::Entry* SceneCache::find(int frame) {
+  for (auto it = entries_.begin(); it != entries_.end(); ++it) {
+    if (it->frame != frame) continue;
+    entries_.splice(entries_.begin(), entries_, it);
+    return &entries_.front();
+  }
+  return nullptr;
+}
+
+void SceneCache::collect() {
+  if (!loading_.valid() || loading_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  Result<SceneFrame> scene = loading_.get();
+  if (scene)
+    entries_.push_front({loading_frame_, std::make_shared<const SceneFrame>(std::move(*scene))});
+  else
+    entries_.push_front({loading_frame_, forward(scene)});
+  if (entries_.size() > capacity_) entries_.pop_back();
+}
+
+void SceneCache::prefetch(int frame) {
+  collect();
+  if (loading_.valid() || find(frame)) return;
+  loading_frame_ = frame;
+  loading_ = std::async(std::launch::async, [this, frame] { return load_scene(take_, frame, true); });
+}
+
+Result<std::shared_ptr<const SceneFrame>> SceneCache::get(int frame) {
+  collect();
+  if (const Entry* entry = find(frame)) return entry->scene;
+  prefetch(frame);
+  return std::shared_ptr<const SceneFrame>();
+}
+
+void SceneCache::clear() {
+  if (loading_.valid()) loading_.wait();
+  collect();
+  entries_.clear();
+}
+
+}  // namespace floatstage
