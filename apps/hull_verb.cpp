@@ -8,15 +8,15 @@
 
 #include "apps/hull_flags.h"
 #include "apps/interrupt.h"
+#include "apps/progress_bar.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/mesh_io.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
-#include "pipeline/scene_loader.h"
-#include "recon/mesh_check.h"
 #include "pipeline/progress.h"
-#include "apps/progress_bar.h"
+#include "pipeline/scene_loader.h"
+#include "recon/mesh/mesh_check.h"
 
 namespace floatstage {
 namespace {

@@ -3,13 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/hull_flags.h"
+#include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/take_layout.h"
 #include "core/text.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 #include "pipeline/json_report.h"
 #include "pipeline/process/process.h"
-#include "apps/progress_bar.h"
 
 namespace floatstage {
 namespace {

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "matting/affine_carry.h"
-#include "matting/video_matting.h"
+#include "matting/video/affine_carry.h"
+#include "matting/video/video_matting.h"
 
 namespace floatstage {
 namespace {

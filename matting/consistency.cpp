@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "matting/video_matting.h"
+#include "matting/video/video_matting.h"
 
 namespace floatstage {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/image.h"
-#include "matting/plate.h"
+#include "matting/keyers/plate.h"
 
 namespace floatstage {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/image.h"
-#include "matting/spectral_matting.h"
+#include "matting/spectral/spectral_matting.h"
 
 // Private to the stage.
 namespace floatstage {

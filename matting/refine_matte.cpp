@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "matting/affine_carry.h"
 #include "matting/closed_form.h"
+#include "matting/video/affine_carry.h"
 
 namespace floatstage {
 

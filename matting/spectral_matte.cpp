@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "matting/matte_propagation.h"
 #include "matting/picture_scale.h"
+#include "matting/video/matte_propagation.h"
 
 namespace floatstage {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "core/image.h"
 #include "core/result.h"
-#include "matting/video_matting.h"
+#include "matting/video/video_matting.h"
 
 namespace floatstage {
 

@@ -7,7 +7,7 @@
 
 #include "capture/take.h"
 #include "core/result.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 
 namespace floatstage {
 

@@ -7,13 +7,13 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "recon/bounding_volume.h"
-#include "recon/exact_method.h"
-#include "recon/hull_care.h"
+#include "recon/exact/exact_method.h"
 #include "recon/hull_input.h"
-#include "recon/mesh_care.h"
-#include "recon/mesh_mask.h"
-#include "recon/octree_carve.h"
-#include "recon/octree_surface.h"
+#include "recon/mesh/hull_care.h"
+#include "recon/mesh/mesh_care.h"
+#include "recon/mesh/mesh_mask.h"
+#include "recon/octree/octree_carve.h"
+#include "recon/octree/octree_surface.h"
 
 namespace floatstage {
 namespace {

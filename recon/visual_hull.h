@@ -34,7 +34,7 @@ enum class HullVoting {
 /// amounts that HullCareReport states; the mesh stays closed, manifold and oriented, with its shells and
 /// handles.
 struct HullCare {
-  /// Needles and caps (kSliver in recon/slivers.h) go, where no vertex of the hull has to move by more than
+  /// Needles and caps (kSliver in recon/mesh/slivers.h) go, where no vertex of the hull has to move by more than
   /// largest_move for it.
   bool collapse_slivers = false;
   int triangles = 0;  ///< budget: the least important edges are collapsed until so few are left; 0: none

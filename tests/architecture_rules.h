@@ -31,7 +31,7 @@ std::vector<Include> includes_of(std::string_view cpp);
 /// The headers named in the third column of architecture.md's table of folders: "core/rig.h", ….
 std::set<std::string> public_headers(std::string_view architecture_md);
 
-// Each returns sentences that begin with the place: "matting/keyer.cpp:3: …". Empty when the rule is kept.
+// Each returns sentences that begin with the place: "matting/keyers/keyer.cpp:3: …". Empty when the rule is kept.
 
 /// Stages include core and themselves; core only core; core/synthetic is for apps, tests and capture's
 /// synthetic source; nothing of the product includes tests; apps includes of a stage only what is public.

@@ -58,7 +58,7 @@ TEST(Architecture, IsReadFromTheWholeProject) {
   EXPECT_GT(project.files.size(), 50u);
   const std::set<std::string> headers = headers_of_the_table();
   for (const char* header : {"core/rig.h", "core/synthetic/synthetic_studio.h", "capture/take.h",
-                             "matting/keyer.h", "recon/visual_hull.h", "render/renderer.h"})
+                             "matting/keyers/keyer.h", "recon/visual_hull.h", "render/renderer.h"})
     EXPECT_TRUE(headers.contains(header)) << header;
 }
 
@@ -79,7 +79,7 @@ TEST(Architecture, KeepsFilesShort) { EXPECT_THAT(breaches_of_length(Project().f
 // From here on: the rules find what they are for.
 
 std::vector<std::string> layering(const char* path, const char* text) {
-  return breaches_of_layering({{path, text}}, {"matting/keyer.h"});
+  return breaches_of_layering({{path, text}}, {"matting/keyers/keyer.h"});
 }
 
 TEST(Architecture, KeepsLinesNarrow) { EXPECT_THAT(breaches_of_width(Project().files), IsEmpty()); }
@@ -103,14 +103,14 @@ TEST(PublicHeaders, AreTheThirdColumnOfTheTable) {
 }
 
 TEST(Layering, FindsAStageThatIncludesAnother) {
-  EXPECT_THAT(layering("recon/hull.cpp", "#include \"core/rig.h\"\n#include \"matting/keyer.h\"\n"),
-              ElementsAre(HasSubstr("recon/hull.cpp:2: includes matting/keyer.h: a stage must not")));
-  EXPECT_THAT(layering("recon/hull.cpp", "#include <matting/keyer.h>\n"), testing::SizeIs(1))
+  EXPECT_THAT(layering("recon/hull.cpp", "#include \"core/rig.h\"\n#include \"matting/keyers/keyer.h\"\n"),
+              ElementsAre(HasSubstr("recon/hull.cpp:2: includes matting/keyers/keyer.h: a stage must not")));
+  EXPECT_THAT(layering("recon/hull.cpp", "#include <matting/keyers/keyer.h>\n"), testing::SizeIs(1))
       << "angle brackets hide nothing";
 }
 
 TEST(Layering, FindsCoreThatKnowsAStage) {
-  EXPECT_THAT(layering("core/rig.h", "#include \"matting/keyer.h\"\n"),
+  EXPECT_THAT(layering("core/rig.h", "#include \"matting/keyers/keyer.h\"\n"),
               ElementsAre(HasSubstr("core must not")));
   EXPECT_THAT(layering("core/synthetic/studio.cpp", "#include \"capture/take.h\"\n"),
               ElementsAre(HasSubstr("core must not")));
@@ -118,18 +118,18 @@ TEST(Layering, FindsCoreThatKnowsAStage) {
 
 TEST(Layering, KeepsTheSyntheticStudioFromStages) {
   const char* studio = "#include \"core/synthetic/synthetic_studio.h\"\n";
-  EXPECT_THAT(layering("matting/keyer.cpp", studio), ElementsAre(HasSubstr("core/synthetic is for")));
+  EXPECT_THAT(layering("matting/keyers/keyer.cpp", studio), ElementsAre(HasSubstr("core/synthetic is for")));
   EXPECT_THAT(layering("core/rig.cpp", studio), ElementsAre(HasSubstr("core/synthetic is for")));
   EXPECT_THAT(layering("capture/synthetic_source.cpp", studio), IsEmpty());
   EXPECT_THAT(layering("pipeline/synthesize.cpp", studio), IsEmpty());
 }
 
 TEST(Layering, KeepsAppsToPublicHeaders) {
-  EXPECT_THAT(
-      layering("apps/main.cpp",
-               "#include \"matting/keyer.h\"\n#include \"pipeline/film.h\"\n#include \"core/json_fields.h\"\n"),
-      IsEmpty());
-  EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/backing.h\"\n"),
+  EXPECT_THAT(layering("apps/main.cpp",
+                       "#include \"matting/keyers/keyer.h\"\n#include \"pipeline/film.h\"\n#include "
+                       "\"core/json_fields.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(layering("apps/main.cpp", "#include \"matting/keyers/backing.h\"\n"),
               ElementsAre(HasSubstr("does not name as public")));
 }
 
@@ -138,9 +138,9 @@ TEST(Layering, KeepsAppsAndTestsOutOfTheStages) {
               ElementsAre(HasSubstr("only apps composes")));
   EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"),
               ElementsAre(HasSubstr("must not include tests")));
-  EXPECT_THAT(
-      layering("tests/recon/hull_test.cpp", "#include \"recon/octree.h\"\n#include \"matting/backing.h\"\n"),
-      IsEmpty());
+  EXPECT_THAT(layering("tests/recon/hull_test.cpp",
+                       "#include \"recon/octree.h\"\n#include \"matting/keyers/backing.h\"\n"),
+              IsEmpty());
 }
 
 TEST(PublicHeaderRule, FindsOtherLibrariesAlsoBehindAPrivateHeader) {

@@ -7,7 +7,7 @@
 
 #include "core/png.h"
 #include "core/text.h"
-#include "matting/clip_cut.h"
+#include "matting/video/clip_cut.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/keying.h"
 #include "pipeline/matte/take_clip.h"

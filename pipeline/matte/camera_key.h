@@ -11,8 +11,8 @@
 #include "core/image.h"
 #include "core/matte_edits.h"
 #include "core/result.h"
-#include "matting/keyer.h"
-#include "matting/plate.h"
+#include "matting/keyers/keyer.h"
+#include "matting/keyers/plate.h"
 
 namespace floatstage {
 
@@ -32,7 +32,7 @@ class CameraKey {
   /// performance in `photographs` of its pictures, and learnt again without what the first plate keys.
   /// Unsupported when the pictures agree nowhere (the camera moved).
   static Result<CameraKey> plate(TakeReader& take, int camera, int photographs = 48);
-  /// Followed from the clicks in `edits` through a cluttered place (matting/clip_cut.h), as a whole, by
+  /// Followed from the clicks in `edits` through a cluttered place (matting/video/clip_cut.h), as a whole, by
   /// ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop that
   /// (Cancelled) and must live as long.
   static Result<CameraKey> cut(TakeReader& take, int camera, const CameraEdits& edits,

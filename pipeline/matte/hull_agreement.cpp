@@ -4,10 +4,10 @@
 
 #include "core/parallel.h"
 #include "core/text.h"
-#include "pipeline/scene_loader.h"
-#include "recon/mesh_mask.h"
-#include "recon/visual_hull.h"
 #include "pipeline/progress.h"
+#include "pipeline/scene_loader.h"
+#include "recon/mesh/mesh_mask.h"
+#include "recon/visual_hull.h"
 
 namespace floatstage {
 namespace {

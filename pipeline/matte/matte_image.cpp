@@ -5,7 +5,7 @@
 #include "core/text.h"
 #include "matting/closed_form.h"
 #include "matting/consistency.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 #include "matting/spectral_matte.h"
 
 namespace floatstage {

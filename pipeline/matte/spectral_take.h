@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "matting/video_matting.h"
+#include "matting/video/video_matting.h"
 #include "pipeline/matte/camera_matter.h"
 
 namespace floatstage {

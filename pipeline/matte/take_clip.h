@@ -2,7 +2,7 @@
 
 #include "capture/take.h"
 #include "core/matte_edits.h"
-#include "matting/video_matting.h"
+#include "matting/video/video_matting.h"
 
 namespace floatstage {
 

@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "core/frame.h"
 #include "core/result.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 #include "recon/outline.h"
 #include "studio/messages/camera_view.h"
 

@@ -4,8 +4,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "matting/clip_cut.h"
-#include "matting/closed_form_video.h"
+#include "matting/video/clip_cut.h"
+#include "matting/video/closed_form_video.h"
 #include "tests/support/matte_clips.h"
 
 namespace floatstage {

@@ -12,7 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "recon/exact_hull.h"
+#include "recon/exact/exact_hull.h"
 #include "recon/visual_hull.h"
 #include "tests/recon/cone_views.h"
 #include "tests/recon/real_sets.h"

@@ -4,10 +4,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "recon/mesh_care.h"
-#include "recon/mesh_check.h"
-#include "recon/octree_carve.h"
-#include "recon/octree_surface.h"
+#include "recon/mesh/mesh_care.h"
+#include "recon/mesh/mesh_check.h"
+#include "recon/octree/octree_carve.h"
+#include "recon/octree/octree_surface.h"
 #include "recon/visual_hull.h"
 #include "tests/support/analytic_shapes.h"
 

@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/frame.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 
 // Milliseconds a frame on one core, clean-up included. A person-sized ellipse stands before a backing with
 // uneven light.

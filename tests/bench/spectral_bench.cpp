@@ -15,8 +15,8 @@
 #include <unistd.h>
 
 #include "core/text.h"
-#include "matting/frame_flow.h"
-#include "matting/video_matting.h"
+#include "matting/video/frame_flow.h"
+#include "matting/video/video_matting.h"
 #include "tests/support/matte_clips.h"
 
 namespace floatstage {

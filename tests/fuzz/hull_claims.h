@@ -5,7 +5,7 @@
 
 #include "core/check.h"
 #include "core/rig.h"
-#include "recon/mesh_check.h"
+#include "recon/mesh/mesh_check.h"
 #include "recon/visual_hull.h"
 
 namespace floatstage {

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "core/check.h"
-#include "matting/spectral_cache.h"
+#include "matting/spectral/spectral_cache.h"
 
 // A file of matting components either is refused or has the columns that its header promises. The checksum,
 // which no mutation would ever meet, is set right first.

@@ -2,8 +2,8 @@
 
 #include "matting/closed_form.h"
 #include "matting/consistency.h"
-#include "matting/keyer.h"
-#include "matting/video_matting.h"
+#include "matting/keyers/keyer.h"
+#include "matting/video/video_matting.h"
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "matting/backing.h"
-#include "matting/keyer.h"
+#include "matting/keyers/backing.h"
+#include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
 namespace floatstage {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/check.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 
 namespace floatstage {
 namespace {

@@ -1,10 +1,10 @@
-#include "matting/clip_cut.h"
+#include "matting/video/clip_cut.h"
 
 #include <gmock/gmock.h>
 
 #include "core/random.h"
-#include "matting/backdrop_memory.h"
 #include "matting/color_model.h"
+#include "matting/keyers/backdrop_memory.h"
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"

@@ -2,9 +2,9 @@
 
 #include "core/png.h"
 #include "matting/closed_form.h"
-#include "matting/closed_form_video.h"
 #include "matting/consistency.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
+#include "matting/video/closed_form_video.h"
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"

@@ -1,4 +1,4 @@
-#include "matting/closed_form_video.h"
+#include "matting/video/closed_form_video.h"
 
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"

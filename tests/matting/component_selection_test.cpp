@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "matting/spectral_matting.h"
+#include "matting/spectral/spectral_matting.h"
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
 

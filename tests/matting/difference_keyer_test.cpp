@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
 namespace floatstage {

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "core/parallel.h"
-#include "matting/grid_factor.h"
-#include "matting/nested_dissection.h"
-#include "matting/spectral_matting.h"
+#include "matting/spectral/grid_factor.h"
+#include "matting/spectral/nested_dissection.h"
+#include "matting/spectral/spectral_matting.h"
 #include "tests/matting/hostile_pictures.h"
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"

@@ -1,11 +1,11 @@
-#include "matting/frame_flow.h"
+#include "matting/video/frame_flow.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "matting/matte_propagation.h"
+#include "matting/video/matte_propagation.h"
 #include "tests/matting/small_scenes.h"
 
 namespace floatstage {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/parallel.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
 // What every keyer promises. A new keyer joins by its line in keyers(); if its stage is not green, by one in

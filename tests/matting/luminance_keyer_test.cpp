@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
 namespace floatstage {

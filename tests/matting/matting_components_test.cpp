@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "matting/k_means.h"
-#include "matting/sparse_components.h"
-#include "matting/spectral_matting.h"
+#include "matting/spectral/k_means.h"
+#include "matting/spectral/sparse_components.h"
+#include "matting/spectral/spectral_matting.h"
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
 

@@ -8,7 +8,7 @@
 #include "core/image.h"
 #include "core/matte.h"
 #include "core/random.h"
-#include "matting/backing.h"
+#include "matting/keyers/backing.h"
 
 namespace floatstage {
 

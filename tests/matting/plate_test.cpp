@@ -1,4 +1,4 @@
-#include "matting/plate.h"
+#include "matting/keyers/plate.h"
 
 #include <algorithm>
 

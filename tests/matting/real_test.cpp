@@ -6,7 +6,7 @@
 
 #include "core/png.h"
 #include "core/text.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 #include "tests/support/real_data.h"
 
 namespace floatstage {

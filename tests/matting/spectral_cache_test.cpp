@@ -1,4 +1,4 @@
-#include "matting/spectral_cache.h"
+#include "matting/spectral/spectral_cache.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/image.h"
-#include "matting/video_matting.h"
+#include "matting/video/video_matting.h"
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/png.h"
-#include "matting/spectral_matting.h"
+#include "matting/spectral/spectral_matting.h"
 #include "tests/matting/spectral_clips.h"
 #include "tests/support/real_data.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/synthetic/synthetic_studio.h"
-#include "matting/keyer.h"
+#include "matting/keyers/keyer.h"
 
 // The keyers on the embedded studio, whose mattes are exact.
 namespace floatstage {

@@ -1,4 +1,4 @@
-#include "matting/video_matting.h"
+#include "matting/video/video_matting.h"
 
 #include <atomic>
 #include <filesystem>

@@ -8,7 +8,7 @@
 #include "core/png.h"
 #include "pipeline/keying.h"
 #include "pipeline/scene_loader.h"
-#include "recon/mesh_check.h"
+#include "recon/mesh/mesh_check.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage {

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "recon/exact_views.h"
+#include "recon/exact/exact_views.h"
 
 namespace floatstage {
 

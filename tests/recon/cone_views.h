@@ -6,8 +6,8 @@
 
 #include "core/mesh.h"
 #include "core/random.h"
-#include "recon/exact_hull.h"
-#include "recon/mesh_check.h"
+#include "recon/exact/exact_hull.h"
+#include "recon/mesh/mesh_check.h"
 
 namespace floatstage {
 

@@ -1,4 +1,4 @@
-#include "recon/exact_hull.h"
+#include "recon/exact/exact_hull.h"
 
 #include <algorithm>
 #include <array>

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "recon/exact_integer.h"
-#include "recon/exact_polygon.h"
+#include "recon/exact/exact_integer.h"
+#include "recon/exact/exact_polygon.h"
 #include "tests/recon/cone_views.h"
 
 namespace floatstage {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "recon/mesh_check.h"
+#include "recon/mesh/mesh_check.h"
 #include "recon/visual_hull.h"
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"

@@ -1,4 +1,4 @@
-#include "recon/hull_care.h"
+#include "recon/mesh/hull_care.h"
 
 #include <algorithm>
 
@@ -7,9 +7,9 @@
 
 #include "core/random.h"
 #include "recon/mask_distance.h"
-#include "recon/mesh_check.h"
-#include "recon/mesh_mask.h"
-#include "recon/slivers.h"
+#include "recon/mesh/mesh_check.h"
+#include "recon/mesh/mesh_mask.h"
+#include "recon/mesh/slivers.h"
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
 

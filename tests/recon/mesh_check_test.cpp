@@ -1,4 +1,4 @@
-#include "recon/mesh_check.h"
+#include "recon/mesh/mesh_check.h"
 
 #include <array>
 
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "recon/crossings.h"
+#include "recon/mesh/crossings.h"
 #include "tests/recon/bodies.h"
 
 namespace floatstage {

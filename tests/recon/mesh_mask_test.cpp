@@ -1,4 +1,4 @@
-#include "recon/mesh_mask.h"
+#include "recon/mesh/mesh_mask.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "recon/octree_carve.h"
+#include "recon/octree/octree_carve.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "recon/octree_cases.h"
+#include "recon/octree/octree_cases.h"
 
 #include <algorithm>
 #include <map>

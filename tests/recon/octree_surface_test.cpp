@@ -1,12 +1,12 @@
-#include "recon/octree_surface.h"
+#include "recon/octree/octree_surface.h"
 
 #include <optional>
 
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "recon/mesh_care.h"
-#include "recon/mesh_check.h"
+#include "recon/mesh/mesh_care.h"
+#include "recon/mesh/mesh_check.h"
 #include "tests/support/analytic_shapes.h"
 
 namespace floatstage {

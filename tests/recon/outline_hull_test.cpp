@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "recon/mesh_check.h"
+#include "recon/mesh/mesh_check.h"
 #include "recon/outline.h"
 #include "recon/silhouette.h"
 #include "recon/visual_hull.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "recon/silhouette_cones.h"
+#include "recon/exact/silhouette_cones.h"
 
 namespace floatstage {
 namespace {

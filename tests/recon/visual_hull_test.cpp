@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "recon/mesh_check.h"
+#include "recon/mesh/mesh_check.h"
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/image.h"
-#include "matting/spectral_matting.h"
+#include "matting/spectral/spectral_matting.h"
 
 namespace floatstage {
 

@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "core/text.h"
+#include "matting/foreground.h"
+#include "matting/keyers/backing.h"
+#include "matting/keyers/keyers.h"
+#include "matting/refine_edges.h"
+
+namespace floatstage {
+namespace {
+
+// Lamps, cables and folds on the cloth are islands or thin; people in the picture are not under 3 % of the
+// largest.
+constexpr CleanupOptions kDefaultCleanup{.thin_radius = 3, .smallest_island = 0.03, .smallest_hole = 0.0003};
+
+// Thresholds of the cloth's saturation along its own direction in the CbCr plane, as shares of the key
+// colour's.
+constexpr float kSubjectBelow = 0.15f;  // all subject
+constexpr float kClothAbove = 0.5f;     // all cloth
+constexpr float kAllCloth = 0.75f;      // no doubt about it, even beside hair
+constexpr float kAngleSlope = 0.2f;     // what a step across the direction costs of a step along it
+constexpr float kEdgeContrast = 5;      // 8-bit steps of chroma between subject and cloth that solve an edge
+constexpr float kDarkFloor = 2.0f;      // 8-bit steps of luma that keep black from having any saturation
+
+// A linear form of the channels: r * x + g * y + b * z.
+struct Form {
+  float r, g, b;
+  float of(float x, float y, float z) const { return r * x + g * y + b * z; }
+};
+
+// BT.601, full range, CbCr around 0.
+constexpr Form kLuma{0.299f, 0.587f, 0.114f};
+constexpr float kToCb = 0.564f, kToCr = 0.713f;  // of blue and red less luma
+
+// u * Cb + v * Cr.
+Form chroma_form(float u, float v) {
+  const float cb = u * kToCb, cr = v * kToCr;
+  return {cr - (cb + cr) * kLuma.r, -(cb + cr) * kLuma.g, cb - (cb + cr) * kLuma.b};
+}
+
+struct Chroma {
+  float luma, cb, cr;
+  float length() const { return std::hypot(cb, cr); }
+};
+
+Chroma chroma_of(Rgb c) {
+  const float luma = kLuma.of(c.r, c.g, c.b);
+  return {luma, kToCb * (static_cast<float>(c.b) - luma), kToCr * (static_cast<float>(c.r) - luma)};
+}
+
+class ChromaKeyer : public Keyer {
+ public:
+  ChromaKeyer(Rgb key_color, const CleanupOptions& cleanup) : key_color_(key_color), cleanup_(cleanup) {
+    const Chroma c = chroma_of(key_color);
+    along_ = chroma_form(c.cb / c.length(), c.cr / c.length());
+    across_ = chroma_form(-c.cr / c.length(), c.cb / c.length());
+    saturation_ = c.length() / (c.luma + kDarkFloor);
+    backing_ = backing_channel(key_color);
+  }
+
+  Result<Matte> key(const Frame& frame) const override {
+    if (frame.empty()) return Matte{frame.info, 0, 0, 0, nullptr};
+    if (frame.layout.format == PixelFormat::Gray8)
+      return fail(ErrorCode::Unsupported, text("camera ", frame.info.camera,
+                                               " delivers grey pictures, which have no chroma to key; "
+                                               "use the luminance or difference keyer"));
+    auto rgb = to_rgb(frame);
+    if (!rgb) return forward(rgb);
+    Image alpha(rgb->width, rgb->height, 1), doubt(rgb->width, rgb->height, 1);
+    std::vector<float> row(static_cast<std::size_t>(alpha.width) * 3);
+    for (int y = 0; y < alpha.height; ++y) key_row(rgb->at(0, y), row, alpha.at(0, y), doubt.at(0, y));
+    alpha = clean_up(alpha, cleanup_);
+    const auto along_the_cloth = [&](int y, int x0, int count, float* out) {
+      const std::uint8_t* p = rgb->at(x0, y);
+      for (int x = 0; x < count; ++x, p += 3) out[x] = along_.of(p[0], p[1], p[2]);
+    };
+    refine_edges(along_the_cloth, kEdgeContrast, doubt, alpha);
+    return make_matte(frame.info, alpha);
+  }
+
+  Result<Image> suppress_spill(const Frame& frame) const override {
+    auto rgb = to_rgb(frame);
+    if (!rgb) return forward(rgb);
+    despill(*rgb, backing_);
+    return rgb;
+  }
+
+  std::string spec() const override {
+    constexpr const char* digits = "0123456789abcdef";
+    std::string out = "chroma:#";
+    for (const int byte : {key_color_.r, key_color_.g, key_color_.b})
+      out += {digits[byte >> 4], digits[byte & 15]};
+    return out;
+  }
+  CleanupOptions cleanup() const override { return cleanup_; }
+
+ private:
+  // Saturation is chroma over luma: cloth in shadow keeps it. The angle to the cloth enters as the ratio of
+  // the components across and along its direction, so that no pixel needs trigonometry. The channels are
+  // taken apart first (into `planes`, 3 rows) because compilers vectorise the arithmetic then.
+  void key_row(const std::uint8_t* rgb, std::vector<float>& planes, std::uint8_t* alpha,
+               std::uint8_t* doubt) const {
+    const std::size_t n = planes.size() / 3;
+    float *r = planes.data(), *g = r + n, *b = g + n;
+    for (std::size_t x = 0; x < n; ++x) {
+      r[x] = rgb[3 * x];
+      g[x] = rgb[3 * x + 1];
+      b[x] = rgb[3 * x + 2];
+    }
+    const float slope = 255 / (kClothAbove - kSubjectBelow), top = kClothAbove * slope + 0.5f,
+                scale = slope / saturation_;
+    const float doubtful = top - kAllCloth * slope;
+    const Form along = along_, across = across_;
+    for (std::size_t x = 0; x < n; ++x) {
+      const float cloth = along.of(r[x], g[x], b[x]) - kAngleSlope * std::abs(across.of(r[x], g[x], b[x]));
+      const float value = top - scale * cloth / (kLuma.of(r[x], g[x], b[x]) + kDarkFloor);
+      r[x] = std::min(std::max(value, 0.0f), 255.0f);
+      g[x] = value;
+    }
+    for (std::size_t x = 0; x < n; ++x) {
+      alpha[x] = static_cast<std::uint8_t>(static_cast<int>(r[x]));
+      doubt[x] = g[x] > doubtful ? 255 : 0;
+    }
+  }
+
+  Rgb key_color_;
+  CleanupOptions cleanup_;
+  Form along_{}, across_{};  // the CbCr plane turned so that its first axis is the cloth's direction
+  float saturation_ = 0;     // the cloth's chroma over luma
+  BackingChannel backing_ = BackingChannel::Green;
+};
+
+Result<Rgb> parse_color(std::string_view text_color) {
+  unsigned value = 0;
+  bool good = text_color.size() == 7 && text_color[0] == '#';
+  if (good) {
+    const char* last = text_color.data() + text_color.size();
+    const auto [end, error] = std::from_chars(text_color.data() + 1, last, value, 16);
+    good = error == std::errc() && end == last;
+  }
+  if (!good)
+    return fail(ErrorCode::InvalidArgument,
+                text("'chroma:", text_color, "': the cloth's colour must look like chroma:#1f7a3c"));
+  return Rgb{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+             static_cast<std::uint8_t>(value)};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Keyer>> make_chroma_keyer(const KeyerRequest& request) {
+  Rgb color;
+  if (request.parameter) {
+    const auto parsed = parse_color(*request.parameter);
+    if (!parsed) return forward(parsed);
+    color = *parsed;
+    if (chroma_of(color).length() < 0.1f * chroma_of(color).luma + 5)
+      return fail(ErrorCode::InvalidArgument,
+                  text("'chroma:", *request.parameter, "' is too grey to key on; use the luminance keyer"));
+  } else {
+    if (request.samples.empty())
+      return fail(ErrorCode::InvalidArgument,
+                  "the chroma keyer has no picture to sample the cloth's colour from; give chroma:#rrggbb");
+    const auto sampled = sample_backing(request.samples);
+    if (!sampled)
+      return fail(ErrorCode::NotFound,
+                  "no green or blue cloth at the borders of the pictures; give its colour as chroma:#rrggbb");
+    color = *sampled;
+  }
+  return std::unique_ptr<Keyer>(new ChromaKeyer(color, request.cleanup.value_or(kDefaultCleanup)));
+}
+
+}  // namespace floatstage

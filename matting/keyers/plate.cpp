@@ -1,0 +1,155 @@
+#include "matting/keyers/plate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/text.h"
+
+namespace floatstage {
+namespace {
+
+constexpr int kNoiseUnit = 16;  // steps of the noise map a step of the pictures
+constexpr double kMadToSigma = 1.4826;
+constexpr int kFewForNoise = 4;  // samples below which a pixel's own noise means nothing
+
+using Pixel = std::array<std::uint8_t, 3>;
+
+bool agree(const Pixel& a, const Pixel& b, int steps) {
+  return std::abs(a[0] - b[0]) <= steps && std::abs(a[1] - b[1]) <= steps && std::abs(a[2] - b[2]) <= steps;
+}
+
+std::uint8_t median(std::vector<std::uint8_t>& values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+// What one pixel shows most often.
+struct Mode {
+  Pixel color{};
+  double noise = 0;  // 8-bit steps; negative: too few samples to tell
+  double share = 0;
+};
+
+class ModeFinder {
+ public:
+  ModeFinder(int steps) : steps_(steps) {}
+
+  Mode of(const std::vector<Pixel>& samples) {
+    if (samples.empty()) return {};
+    // Nearly everywhere one colour has the majority, and then the median shows it. Else the sample with most
+    // company; ties go to the earlier one, so that the result does not depend on anything else.
+    Pixel best{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      values_.clear();
+      for (const Pixel& s : samples) values_.push_back(s[c]);
+      best[c] = median(values_);
+    }
+    std::size_t most = company_of(best, samples);
+    if (2 * most <= samples.size()) {
+      most = 0;
+      for (const Pixel& s : samples)
+        if (const std::size_t company = company_of(s, samples); company > most) most = company, best = s;
+    }
+    Mode mode;
+    mode.share = static_cast<double>(most) / static_cast<double>(samples.size());
+    std::vector<std::uint8_t> spread;
+    for (std::size_t c = 0; c < 3; ++c) {
+      values_.clear();
+      for (const Pixel& s : samples)
+        if (agree(s, best, steps_)) values_.push_back(s[c]);
+      mode.color[c] = median(values_);
+      for (const std::uint8_t v : values_)
+        spread.push_back(static_cast<std::uint8_t>(std::abs(v - mode.color[c])));
+    }
+    double sum = 0;  // a mean of small whole numbers says more than their median
+    for (const std::uint8_t d : spread) sum += d;
+    mode.noise = most < kFewForNoise ? -1 : kMadToSigma / 1.183 * sum / static_cast<double>(spread.size());
+    return mode;
+  }
+
+ private:
+  std::size_t company_of(const Pixel& color, const std::vector<Pixel>& samples) const {
+    return static_cast<std::size_t>(std::count_if(samples.begin(), samples.end(),
+                                                  [&](const Pixel& s) { return agree(s, color, steps_); }));
+  }
+
+  int steps_;
+  std::vector<std::uint8_t> values_;
+};
+
+Result<void> check_photographs(const std::vector<Image>& photographs, const std::vector<Image>& subjects) {
+  if (photographs.empty())
+    return fail(ErrorCode::InvalidArgument, "a plate needs at least one photograph to learn from");
+  const Image& first = photographs.front();
+  for (const Image& p : photographs)
+    if (p.channels != 3 || p.width != first.width || p.height != first.height || p.empty())
+      return fail(ErrorCode::InvalidArgument,
+                  text("a plate is learnt from RGB photographs of one size; these are ", first.width, "x",
+                       first.height, " and ", p.width, "x", p.height, " with ", p.channels, " channels"));
+  if (!subjects.empty() && subjects.size() != photographs.size())
+    return fail(ErrorCode::InvalidArgument, text("a plate is learnt again from ", photographs.size(),
+                                                 " photographs but ", subjects.size(), " mattes"));
+  for (const Image& s : subjects)
+    if (!s.empty() && (s.channels != 1 || s.width != first.width || s.height != first.height))
+      return fail(ErrorCode::InvalidArgument,
+                  text("a matte of ", s.width, "x", s.height, " does not fit photographs of ", first.width,
+                       "x", first.height));
+  return {};
+}
+
+}  // namespace
+
+Result<void> PlateOptions::check() const {
+  if (!(agree >= 1 && agree <= 128))
+    return fail(ErrorCode::InvalidArgument, text("agree is ", agree, "; it must be 1 to 128 steps"));
+  if (!(least_noise >= 0.1 && least_noise <= 15))
+    return fail(ErrorCode::InvalidArgument, text("least_noise is ", least_noise, "; it must be 0.1 to 15"));
+  return {};
+}
+
+Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOptions& options,
+                          const std::vector<Image>& subjects) {
+  if (Result<void> ok = options.check(); !ok) return forward(ok);
+  if (Result<void> ok = check_photographs(photographs, subjects); !ok) return forward(ok);
+  const Image& first = photographs.front();
+  Plate plate{Image(first.width, first.height, 3), Image(first.width, first.height, 1),
+              Image(first.width, first.height, 1)};
+  ModeFinder finder(static_cast<int>(options.agree));
+  std::vector<Pixel> samples;
+  std::vector<double> all_noise;
+  std::vector<float> noise(plate.noise.pixels.size());
+  for (std::size_t p = 0; p < noise.size(); ++p) {
+    samples.clear();
+    for (const bool anything : {false, true}) {
+      for (std::size_t k = 0; k < photographs.size() && (samples.empty() || !anything); ++k) {
+        const bool subject = !subjects.empty() && !subjects[k].empty() && subjects[k].pixels[p] != 0;
+        if (subject && !anything) continue;
+        const std::uint8_t* s = photographs[k].pixels.data() + 3 * p;
+        samples.push_back({s[0], s[1], s[2]});
+      }
+      if (!samples.empty()) break;
+    }
+    const Mode mode = finder.of(samples);
+    std::copy_n(mode.color.data(), 3, plate.color.pixels.data() + 3 * p);
+    plate.confidence.pixels[p] = static_cast<std::uint8_t>(std::lround(255 * mode.share));
+    noise[p] = static_cast<float>(mode.noise);
+    if (mode.noise >= 0) all_noise.push_back(mode.noise);
+  }
+  // A pixel that was seen too rarely to tell gets the picture's middle noise.
+  double middle = 2;
+  if (!all_noise.empty()) {
+    std::nth_element(all_noise.begin(), all_noise.begin() + static_cast<std::ptrdiff_t>(all_noise.size() / 2),
+                     all_noise.end());
+    middle = all_noise[all_noise.size() / 2];
+  }
+  for (std::size_t p = 0; p < noise.size(); ++p) {
+    const double own = noise[p] < 0 ? middle : noise[p];
+    plate.noise.pixels[p] =
+        static_cast<std::uint8_t>(std::min(255.0, kNoiseUnit * std::max(own, options.least_noise)));
+  }
+  return plate;
+}
+
+}  // namespace floatstage

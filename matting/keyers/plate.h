@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/image.h"
+#include "core/result.h"
+#include "matting/keyers/keyer.h"
+
+namespace floatstage {
+
+/// What a camera sees when nobody is there, learnt from several photographs and then frozen: nothing that
+/// happens later changes it, so an actor who stands still does not melt into it. Relearning is a call, never
+/// a side effect.
+struct Plate {
+  Image color;  ///< RGB
+  Image noise;  ///< 1 channel: standard deviation of a channel about `color`, in sixteenths of an 8-bit step
+  Image confidence;  ///< 1 channel: share of the photographs that show `color` there, 0 … 255
+
+  bool empty() const { return color.empty(); }
+};
+
+struct PlateOptions {
+  double agree = 12;         ///< 8-bit steps a channel within which two photographs show the same thing
+  double least_noise = 1.0;  ///< 8-bit steps: a floor, since 8-bit pictures cannot say less
+
+  Result<void> check() const;
+};
+
+/// The mode of every pixel over the photographs: the longest stay of its colour, refined to the median of
+/// what agrees with it. Photographs of the empty stage give it directly; photographs of a performance give it
+/// wherever somebody moves away for as long as he stays anywhere (a temporal median needs half of the time).
+/// `subjects` (empty, or one matte a photograph): pixels that are subject there are left out, which is how a
+/// plate is learnt again once mattes exist. Errors: InvalidArgument when there is no photograph, or sizes
+/// differ. Deterministic.
+Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOptions& options = {},
+                          const std::vector<Image>& subjects = {});
+
+/// What a pixel is, against the plate.
+enum class PlateClass : std::uint8_t {
+  Plate = 0,    ///< within the noise
+  Shadow = 1,   ///< the plate's colour, darker down to half
+  Reflex = 2,   ///< the plate's colour, a little brighter
+  Subject = 3,  ///< anything else
+};
+
+struct PlateKeyOptions {
+  double sigmas = 6;  ///< of the pixel's noise that tell subject from plate
+  double least = 14;  ///< 8-bit steps: no difference below this is subject, however quiet the pixel …
+  double most = 48;   ///< … and every difference above this is, however noisy
+  double darkest_shadow = 0.55, brightest_reflex = 1.15;  ///< of the plate's brightness
+
+  Result<void> check() const;
+};
+
+/// One channel of PlateClass values, of the picture's size. `picture` is RGB of the plate's size (our bug
+/// otherwise).
+Image classify(const Plate& plate, const Image& picture, const PlateKeyOptions& options = {});
+
+/// A keyer against a frozen plate. Its spec is "plate:<sigmas>"; made again from samples, it learns the plate
+/// from them.
+Result<std::unique_ptr<Keyer>> make_plate_keyer(Plate plate, const PlateKeyOptions& options = {},
+                                                const std::optional<CleanupOptions>& cleanup = std::nullopt);
+
+}  // namespace floatstage

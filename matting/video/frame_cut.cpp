@@ -1,0 +1,83 @@
+#include "matting/video/frame_cut.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc/detail/gcgraph.hpp>
+
+#include "core/check.h"
+
+namespace floatstage {
+namespace {
+
+constexpr float kUnit = 1000;    // whole steps of the cut, which keep it exact and repeatable
+constexpr float kFloor = 0.05f;  // of the smoothness: edges are never for nothing
+
+struct Step {
+  int dx, dy;
+  float length;
+};
+constexpr Step kSteps[] = {{1, 0, 1}, {0, 1, 1}, {1, 1, 1.41421356f}, {-1, 1, 1.41421356f}};
+
+float difference(const std::uint8_t* a, const std::uint8_t* b) {
+  const float r = static_cast<float>(a[0] - b[0]), g = static_cast<float>(a[1] - b[1]),
+              u = static_cast<float>(a[2] - b[2]);
+  return r * r + g * g + u * u;
+}
+
+int whole(float v) { return static_cast<int>(std::lround(kUnit * v)); }
+
+}  // namespace
+
+Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth) {
+  const int w = picture.width, h = picture.height;
+  FLOATSTAGE_CHECK(picture.channels == 3 && evidence.odds.size() == evidence.asked.size() &&
+                       evidence.odds.size() == static_cast<std::size_t>(w) * static_cast<std::size_t>(h),
+                   "evidence of the picture's size");
+  std::vector<int> node(evidence.odds.size(), -1);
+  int nodes = 0;
+  double contrast = 0;
+  long pairs = 0;
+  const auto each_pair = [&](const auto& what) {
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        for (const Step& s : kSteps) {
+          if (x + s.dx < 0 || x + s.dx >= w || y + s.dy >= h) continue;
+          const std::size_t p = static_cast<std::size_t>(y) * w + x,
+                            q = static_cast<std::size_t>(y + s.dy) * w + static_cast<std::size_t>(x + s.dx);
+          if (evidence.asked[p] || evidence.asked[q]) what(p, q, s.length);
+        }
+  };
+  for (std::size_t p = 0; p < node.size(); ++p)
+    if (evidence.asked[p]) node[p] = nodes++;
+  Image out(w, h, 1);
+  if (nodes == 0) return out;
+  const auto colour = [&](std::size_t p) { return picture.pixels.data() + 3 * p; };
+  each_pair(
+      [&](std::size_t p, std::size_t q, float) { contrast += difference(colour(p), colour(q)), ++pairs; });
+  const float beta = contrast > 0 ? static_cast<float>(static_cast<double>(pairs) / (2 * contrast)) : 0;
+
+  cv::detail::GCGraph<int> graph(static_cast<unsigned>(nodes), static_cast<unsigned>(nodes) * 8);
+  std::vector<float> odds(static_cast<std::size_t>(nodes));
+  for (std::size_t p = 0; p < node.size(); ++p)
+    if (node[p] >= 0) graph.addVtx(), odds[static_cast<std::size_t>(node[p])] = evidence.odds[p];
+  each_pair([&](std::size_t p, std::size_t q, float length) {
+    const float calm = evidence.calm.empty() ? 1 : std::min(evidence.calm[p], evidence.calm[q]);
+    const float alike = std::exp(-beta * calm * difference(colour(p), colour(q)));
+    const float weight = static_cast<float>(smooth) * std::max(alike, kFloor) / length;
+    if (node[p] >= 0 && node[q] >= 0)
+      graph.addEdges(node[p], node[q], whole(weight), whole(weight));
+    else
+      odds[static_cast<std::size_t>(std::max(node[p], node[q]))] -= weight;  // the other one is background
+  });
+  for (int i = 0; i < nodes; ++i)
+    graph.addTermWeights(i, whole(std::max(0.0f, odds[static_cast<std::size_t>(i)])),
+                         whole(std::max(0.0f, -odds[static_cast<std::size_t>(i)])));
+  graph.maxFlow();
+  for (std::size_t p = 0; p < node.size(); ++p)
+    if (node[p] >= 0 && graph.inSourceSegment(node[p])) out.pixels[p] = 255;
+  return out;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,134 @@
+#include "matting/video/frame_flow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace floatstage {
+namespace {
+
+constexpr int kBlock = 8, kReach = 8;  // px: published block matching
+constexpr int kSmallestForDis = 32;    // px: DIS needs a few of its 8 px patches
+constexpr double kAgreement = 12;      // 8-bit steps of colour within which a carried pixel explains another
+constexpr double kLeastConfidence = 0.1;
+
+cv::Mat view(const Image& image) {
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
+                 const_cast<std::uint8_t*>(image.pixels.data()));
+}
+
+cv::Mat grey(const Image& image) {
+  if (image.channels == 1) return view(image);
+  cv::Mat out;
+  cv::cvtColor(view(image), out, cv::COLOR_RGB2GRAY);
+  return out;
+}
+
+int difference(const cv::Mat& to, int x, int y, const cv::Mat& from, int fx, int fy, int w, int h) {
+  int sum = 0;
+  for (int dy = 0; dy < h; ++dy) {
+    const std::uint8_t *a = to.ptr(y + dy) + x, *b = from.ptr(fy + dy) + fx;
+    for (int dx = 0; dx < w; ++dx) sum += std::abs(a[dx] - b[dx]);
+  }
+  return sum;
+}
+
+// The best whole-pixel displacement of each block; of equal ones the shortest.
+void match_blocks(const cv::Mat& from, const cv::Mat& to, FrameFlow& flow) {
+  for (int y = 0; y < to.rows; y += kBlock) {
+    for (int x = 0; x < to.cols; x += kBlock) {
+      const int w = std::min(kBlock, to.cols - x), h = std::min(kBlock, to.rows - y);
+      int best_u = 0, best_v = 0;
+      long least = std::numeric_limits<long>::max();
+      for (int v = std::max(-kReach, -y); v <= std::min(kReach, to.rows - h - y); ++v) {
+        for (int u = std::max(-kReach, -x); u <= std::min(kReach, to.cols - w - x); ++u) {
+          const long cost = 256L * difference(to, x, y, from, x + u, y + v, w, h) + u * u + v * v;
+          if (cost >= least) continue;
+          least = cost;
+          best_u = u;
+          best_v = v;
+        }
+      }
+      for (int dy = 0; dy < h; ++dy)
+        for (int dx = 0; dx < w; ++dx) {
+          float* uv = &flow.uv[2 * (static_cast<std::size_t>(y + dy) * flow.width + x + dx)];
+          uv[0] = static_cast<float>(best_u);
+          uv[1] = static_cast<float>(best_v);
+        }
+    }
+  }
+}
+
+cv::Mat lookup(const FrameFlow& flow) {
+  cv::Mat map(flow.height, flow.width, CV_32FC2);
+  for (int y = 0; y < flow.height; ++y) {
+    const float* uv = &flow.uv[2 * static_cast<std::size_t>(y) * flow.width];
+    auto* row = map.ptr<cv::Vec2f>(y);
+    for (int x = 0; x < flow.width; ++x)
+      row[x] = {static_cast<float>(x) + uv[2 * x], static_cast<float>(y) + uv[2 * x + 1]};
+  }
+  return map;
+}
+
+}  // namespace
+
+FrameFlow flow_between(const Image& from, const Image& to, CarryingFlow method) {
+  FrameFlow flow{to.width, to.height, std::vector<float>(2 * static_cast<std::size_t>(to.width) * to.height)};
+  const cv::Mat a = grey(to), b = grey(from);
+  if (method == CarryingFlow::BlockMatching || std::min(to.width, to.height) < kSmallestForDis) {
+    match_blocks(b, a, flow);
+    return flow;
+  }
+  // DIS cuts its search into one stripe a thread: with OpenCV's own threads the result depends on the
+  // machine.
+  cv::setNumThreads(1);
+  const auto dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST);
+  dis->setFinestScale(1);
+  cv::Mat uv;
+  dis->calc(a, b, uv);
+  for (int y = 0; y < flow.height; ++y)
+    std::copy_n(uv.ptr<float>(y), 2 * flow.width, &flow.uv[2 * static_cast<std::size_t>(y) * flow.width]);
+  for (float& value : flow.uv) value = std::isfinite(value) ? value : 0;
+  return flow;
+}
+
+Image carried(const Image& from, const FrameFlow& flow) {
+  Image out(flow.width, flow.height, from.channels);
+  cv::Mat to = view(out);
+  cv::remap(view(from), to, lookup(flow), {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return out;
+}
+
+Eigen::MatrixXf carried(const Eigen::MatrixXf& from, const FrameFlow& flow) {
+  Eigen::MatrixXf out(from.rows(), from.cols());
+  const cv::Mat map = lookup(flow);
+  for (Eigen::Index c = 0; c < from.cols(); ++c) {
+    const cv::Mat in(flow.height, flow.width, CV_32F, const_cast<float*>(from.col(c).data()));
+    cv::Mat to(flow.height, flow.width, CV_32F, out.col(c).data());
+    cv::remap(in, to, map, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  }
+  return out;
+}
+
+Image confidence_of(const Image& from, const Image& to, const FrameFlow& flow) {
+  const Image there = carried(from, flow);
+  Image out(to.width, to.height, 1);
+  const double slope = -0.5 / (kAgreement * kAgreement * to.channels);
+  for (std::size_t p = 0; p < out.pixels.size(); ++p) {
+    double square = 0;
+    for (int c = 0; c < to.channels; ++c) {
+      const double d =
+          static_cast<double>(to.pixels[p * to.channels + c]) - there.pixels[p * to.channels + c];
+      square += d * d;
+    }
+    out.pixels[p] = static_cast<std::uint8_t>(
+        std::lround(255 * (kLeastConfidence + (1 - kLeastConfidence) * std::exp(slope * square))));
+  }
+  return out;
+}
+
+}  // namespace floatstage

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "recon/exact/exact_hull.h"
+#include "recon/exact/silhouette_cones.h"
+#include "recon/hull_input.h"
+#include "recon/visual_hull.h"
+
+namespace floatstage {
+
+struct HullWorkspace::Impl {
+  ConeBuilder builder;
+  SilhouetteCones cones, coarse;
+  ExactHull engine;
+  std::vector<ConeView> views;
+};
+
+/// The exact method of visual_hull(), for inputs that were checked. Fills everything of `report` but
+/// silhouette_iou. False when the engine could not close the surface: the caller has another method.
+Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptions& options,
+                               HullWorkspace::Impl& workspace, HullReport& report);
+
+}  // namespace floatstage

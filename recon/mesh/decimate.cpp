@@ -1,0 +1,45 @@
+#include "recon/mesh/decimate.h"
+
+#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
+
+namespace floatstage {
+namespace {
+
+/// Refuses the collapses that slivers.h would.
+template <class Mesh>
+class Guard : public OpenMesh::Decimater::ModBaseT<Mesh> {
+ public:
+  using Self = Guard;
+  using Handle = OpenMesh::Decimater::ModHandleT<Self>;
+  using Base = OpenMesh::Decimater::ModBaseT<Mesh>;
+  using CollapseInfo = OpenMesh::Decimater::CollapseInfoT<Mesh>;
+
+  explicit Guard(Mesh& mesh) : Base(mesh, true) {}
+  const std::string& name() const override { return name_; }
+  void set_normals(FaceNormals normals) { normals_ = normals; }
+
+  float collapse_priority(const CollapseInfo& collapse) override {
+    return may_collapse(Base::mesh(), collapse.v0v1, normals_, false) ? float(Base::LEGAL_COLLAPSE)
+                                                                      : float(Base::ILLEGAL_COLLAPSE);
+  }
+
+ private:
+  std::string name_ = "Guard";
+  FaceNormals normals_;
+};
+
+}  // namespace
+
+void decimate(HalfEdges& mesh, FaceNormals normals, std::size_t triangles) {
+  OpenMesh::Decimater::DecimaterT<HalfEdges> decimater(mesh);
+  OpenMesh::Decimater::ModQuadricT<HalfEdges>::Handle quadrics;
+  Guard<HalfEdges>::Handle guard;
+  decimater.add(quadrics);
+  decimater.add(guard);
+  decimater.module(quadrics).unset_max_err();
+  decimater.module(guard).set_normals(normals);
+  if (decimater.initialize()) decimater.decimate_to_faces(0, triangles);
+}
+
+}  // namespace floatstage

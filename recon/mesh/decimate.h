@@ -1,0 +1,14 @@
+#pragma once
+
+#include "recon/mesh/half_edges.h"
+#include "recon/mesh/slivers.h"
+
+namespace floatstage {
+
+/// Collapses the least important edges (quadric error metrics: Garland and Heckbert, "Surface simplification
+/// using quadric error metrics", 1997) until `triangles` are left or none may go: nothing folds over, no new
+/// slivers, shells and handles stay. Vertices of the result are vertices of the input. Collapsed elements are
+/// marked, not yet swept up.
+void decimate(HalfEdges& mesh, FaceNormals normals, std::size_t triangles);
+
+}  // namespace floatstage
