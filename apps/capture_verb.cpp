@@ -10,16 +10,16 @@
 #include "studio/node/capture_session.h"
 #include "studio/node/publishing.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
   std::filesystem::path config, json;
-  CaptureOptions capture;
+  studio::CaptureOptions capture;
 };
 
-nlohmann::ordered_json to_json(const PublishingCounters& c) {
-  const wire::PublisherCounters& p = c.publisher;
+nlohmann::ordered_json to_json(const studio::PublishingCounters& c) {
+  const studio::wire::PublisherCounters& p = c.publisher;
   const auto each_second = [&](std::uint64_t n) {
     return c.seconds > 0 ? static_cast<double>(n) / c.seconds : 0.0;
   };
@@ -37,18 +37,18 @@ nlohmann::ordered_json to_json(const PublishingCounters& c) {
           {"requests", c.control.requests}};
 }
 
-nlohmann::ordered_json to_report(const CaptureReport& report,
-                                 const std::optional<PublishingCounters>& published) {
+nlohmann::ordered_json to_report(const studio::CaptureReport& report,
+                                 const std::optional<studio::PublishingCounters>& published) {
   nlohmann::ordered_json json;
   json["cameras"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < report.cameras.size(); ++i) {
-    const CapturedCamera& c = report.cameras[i];
+    const studio::CapturedCamera& c = report.cameras[i];
     nlohmann::ordered_json camera = {{"serial", c.serial},         {"delivered", c.stats.delivered},
                                      {"failed", c.stats.failed},   {"lost", c.stats.lost},
                                      {"corrupt", c.stats.corrupt}, {"starved", c.stats.starved},
                                      {"fps", c.frame_rate},        {"reconnects", c.reconnects}};
     if (report.recording) {  // what concerns the take, from its first instant to its last
-      const RecordedCamera& r = report.recording->cameras[i];
+      const capture::RecordedCamera& r = report.recording->cameras[i];
       camera["delivered"] = r.recorded;
       camera["failed"] = r.failed;
       camera["gaps"] = r.skips;
@@ -69,10 +69,10 @@ nlohmann::ordered_json to_report(const CaptureReport& report,
 }
 
 // One line that is written over, and nothing where nobody watches.
-void show(const CaptureReport& report) {
+void show(const studio::CaptureReport& report) {
   if (isatty(STDERR_FILENO) == 0) return;
   std::string line;
-  for (const CapturedCamera& c : report.cameras) {
+  for (const studio::CapturedCamera& c : report.cameras) {
     char part[96];
     std::snprintf(part, sizeof part, "%s%s %.1f fps, %llu lost", line.empty() ? "" : " | ", c.serial.c_str(),
                   c.frame_rate, static_cast<unsigned long long>(c.stats.lost));
@@ -82,20 +82,20 @@ void show(const CaptureReport& report) {
 }
 
 Result<void> run(const Options& options) {
-  const Result<CaptureConfig> config = load_capture_config(options.config);
+  const Result<studio::CaptureConfig> config = load_capture_config(options.config);
   if (!config) return forward(config);
-  std::optional<PublishingCounters> published;
-  CaptureOptions capture = options.capture;
-  capture.companion = [&published](CaptureNode& node) -> Result<std::shared_ptr<void>> {
-    Result<std::unique_ptr<PublishingNode>> made = publish(node);
+  std::optional<studio::PublishingCounters> published;
+  studio::CaptureOptions capture = options.capture;
+  capture.companion = [&published](studio::CaptureNode& node) -> Result<std::shared_ptr<void>> {
+    Result<std::unique_ptr<studio::PublishingNode>> made = publish(node);
     if (!made) return forward(made);
     if (!*made) return std::shared_ptr<void>();
     return std::shared_ptr<void>(made->release(), [&published](void* ended) {
-      const std::unique_ptr<PublishingNode> telling(static_cast<PublishingNode*>(ended));
+      const std::unique_ptr<studio::PublishingNode> telling(static_cast<studio::PublishingNode*>(ended));
       published = telling->counters();
     });
   };
-  const Result<CaptureReport> report = run_capture(*config, capture, interrupted, show);
+  const Result<studio::CaptureReport> report = run_capture(*config, capture, interrupted, show);
   if (!report) return forward(report);
   if (!options.json.empty())
     if (Result<void> saved = save_json(to_report(*report, published), options.json); !saved) return saved;
@@ -121,4 +121,4 @@ void add_capture(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,7 +10,7 @@
 #include "core/text.h"
 #include "render/gl_context.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using Verdict = Finding::Verdict;
 
 Finding look_at_gl() {
-  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return {Verdict::Fail, "OpenGL: " + gl.error().message};
   const std::string who = (*gl)->description();
   const bool software = who.find("llvmpipe") != std::string::npos;
@@ -45,7 +45,7 @@ Finding look_at_video() {
   const fs::path file =
       fs::temp_directory_path() /
       text("floatstage-check-", std::chrono::steady_clock::now().time_since_epoch().count(), ".mp4");
-  Result<std::unique_ptr<VideoWriter>> writer = VideoWriter::create(file, 64, 64, 25);
+  Result<std::unique_ptr<capture::VideoWriter>> writer = capture::VideoWriter::create(file, 64, 64, 25);
   Result<void> ok = writer ? (*writer)->write(Image(64, 64, 3)) : forward(writer);
   if (ok) ok = (*writer)->finish();
   std::error_code ignored;
@@ -104,4 +104,4 @@ void add_check(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

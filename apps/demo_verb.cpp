@@ -1,22 +1,22 @@
 #include <cstdio>
 
+#include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "pipeline/demo/demo.h"
-#include "apps/progress_bar.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
-double mean_of(const std::vector<Scores>& scores, double Scores::*member) {
+double mean_of(const std::vector<pipeline::Scores>& scores, double pipeline::Scores::*member) {
   double sum = 0;
-  for (const Scores& s : scores) sum += s.*member;
+  for (const pipeline::Scores& s : scores) sum += s.*member;
   return scores.empty() ? 0 : sum / static_cast<double>(scores.size());
 }
 
-Result<void> run(DemoOptions options) {
+Result<void> run(pipeline::DemoOptions options) {
   ProgressBar bar;
   options.progress = &bar;
-  Result<DemoReport> report = run_demo(options);
+  Result<pipeline::DemoReport> report = run_demo(options);
   if (!report) return forward(report);
   std::printf("%s: a take of %d frames from %d cameras became freeview.mp4 and compare.mp4 in %.1f s\n",
               options.out.c_str(), options.studio.frames, options.studio.rig.cameras, report->seconds);
@@ -25,15 +25,15 @@ Result<void> run(DemoOptions options) {
   std::printf("against what the studio really looks like from there, mean of %zu views:\n",
               report->scores.begin()->second.size());
   for (const auto& [method, scores] : report->scores)
-    std::printf("  %-10s PSNR %.2f dB   SSIM %.4f\n", method.c_str(), mean_of(scores, &Scores::psnr),
-                mean_of(scores, &Scores::ssim));
+    std::printf("  %-10s PSNR %.2f dB   SSIM %.4f\n", method.c_str(),
+                mean_of(scores, &pipeline::Scores::psnr), mean_of(scores, &pipeline::Scores::ssim));
   return {};
 }
 
 }  // namespace
 
 void add_demo(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<DemoOptions>(default_demo());
+  auto options = std::make_shared<pipeline::DemoOptions>(default_demo());
   CLI::App* verb = app.add_subcommand("demo", "The embedded synthetic studio through the whole main job");
   verb->add_option("--out", options->out, "Folder of the demo")->capture_default_str();
   verb->add_option("--frames", options->studio.frames, "Instants of the take")
@@ -47,4 +47,4 @@ void add_demo(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

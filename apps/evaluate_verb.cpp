@@ -17,7 +17,7 @@
 #include "pipeline/json_report.h"
 #include "render/gl_context.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using nlohmann::json;
@@ -28,31 +28,32 @@ struct Options {
   bool mattes = false;
   std::filesystem::path truth;
   RendererFlags renderer;
-  HullOptions hull;
+  recon::HullOptions hull;
 };
 
 struct Column {
   const char* name;
-  double Scores::*score;
+  double pipeline::Scores::*score;
 };
-constexpr Column kColumns[] = {{"psnr_mask", &Scores::psnr},       {"ssim_mask", &Scores::ssim},
-                               {"cw_ssim_mask", &Scores::cw_ssim}, {"psnr_shift_mask", &Scores::psnr_shift},
-                               {"sharpness", &Scores::sharpness},  {"psnr_full", &Scores::psnr_full}};
+constexpr Column kColumns[] = {
+    {"psnr_mask", &pipeline::Scores::psnr},       {"ssim_mask", &pipeline::Scores::ssim},
+    {"cw_ssim_mask", &pipeline::Scores::cw_ssim}, {"psnr_shift_mask", &pipeline::Scores::psnr_shift},
+    {"sharpness", &pipeline::Scores::sharpness},  {"psnr_full", &pipeline::Scores::psnr_full}};
 
 struct Row {
   std::string serial;
   int frame;
-  std::map<std::string, Scores> scores;
+  std::map<std::string, pipeline::Scores> scores;
 };
 
-json to_json(const Scores& s) {
+json to_json(const pipeline::Scores& s) {
   json j;
   for (const Column& c : kColumns) j[c.name] = s.*c.score;
   return j;
 }
 
-Scores mean(const std::vector<Row>& rows, const std::string& method) {
-  Scores m;
+pipeline::Scores mean(const std::vector<Row>& rows, const std::string& method) {
+  pipeline::Scores m;
   for (const Column& c : kColumns) {
     double sum = 0;
     for (const Row& r : rows) sum += r.scores.at(method).*c.score;
@@ -80,7 +81,7 @@ void print_table(const std::vector<Row>& rows, const std::vector<std::string>& m
   for (const Column& c : kColumns) std::printf(" %15s", c.name);
   std::printf("\n");
   for (const std::string& m : methods) {
-    const Scores s = mean(rows, m);
+    const pipeline::Scores s = mean(rows, m);
     std::printf("%-10s", m.c_str());
     for (const Column& c : kColumns) std::printf(" %15.4f", s.*c.score);
     std::printf("\n");
@@ -104,17 +105,17 @@ Result<void> save_reports(const Options& given, const std::vector<Row>& rows,
 
 struct MatteColumn {
   const char* name;
-  double MatteScores::*score;
+  double pipeline::MatteScores::*score;
 };
-constexpr MatteColumn kMatteColumns[] = {{"sad", &MatteScores::sad},
-                                         {"mse", &MatteScores::mse},
-                                         {"mad", &MatteScores::mad},
-                                         {"grad", &MatteScores::gradient},
-                                         {"conn", &MatteScores::connectivity},
-                                         {"iou", &MatteScores::iou},
-                                         {"boundary_f", &MatteScores::boundary_f}};
+constexpr MatteColumn kMatteColumns[] = {{"sad", &pipeline::MatteScores::sad},
+                                         {"mse", &pipeline::MatteScores::mse},
+                                         {"mad", &pipeline::MatteScores::mad},
+                                         {"grad", &pipeline::MatteScores::gradient},
+                                         {"conn", &pipeline::MatteScores::connectivity},
+                                         {"iou", &pipeline::MatteScores::iou},
+                                         {"boundary_f", &pipeline::MatteScores::boundary_f}};
 
-json to_json(const CameraMatteScores& c) {
+json to_json(const pipeline::CameraMatteScores& c) {
   json j = {{"frames", c.frames},
             {"worst_frame", c.worst_frame},
             {"worst_iou", c.worst_iou},
@@ -129,11 +130,11 @@ json to_json(const CameraMatteScores& c) {
 }
 
 // Each camera counts alike; dtSSD over those that have frames in a row.
-CameraMatteScores mean(const std::vector<CameraMatteScores>& cameras) {
-  CameraMatteScores m{.serial = "mean", .mean = {}, .dtssd = {}, .effort = {}};
+pipeline::CameraMatteScores mean(const std::vector<pipeline::CameraMatteScores>& cameras) {
+  pipeline::CameraMatteScores m{.serial = "mean", .mean = {}, .dtssd = {}, .effort = {}};
   double flicker = 0;
   int flickering = 0;
-  for (const CameraMatteScores& c : cameras) {
+  for (const pipeline::CameraMatteScores& c : cameras) {
     for (const MatteColumn& column : kMatteColumns)
       m.mean.*column.score += c.mean.*column.score / static_cast<double>(cameras.size());
     if (c.dtssd) flicker += *c.dtssd, ++flickering;
@@ -147,21 +148,21 @@ CameraMatteScores mean(const std::vector<CameraMatteScores>& cameras) {
 }
 
 Result<void> run_mattes(const Options& given) {
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   const std::filesystem::path truth = given.truth.empty() ? (*take)->layout().truth().mattes() : given.truth;
   ProgressBar bar;
-  Result<std::vector<CameraMatteScores>> cameras = evaluate_mattes(**take, truth, *frames, &bar);
+  Result<std::vector<pipeline::CameraMatteScores>> cameras = evaluate_mattes(**take, truth, *frames, &bar);
   if (!cameras) return forward(cameras);
-  const CameraMatteScores total = mean(*cameras);
+  const pipeline::CameraMatteScores total = mean(*cameras);
   std::printf("%-12s", "camera");
   for (const MatteColumn& column : kMatteColumns) std::printf(" %11s", column.name);
   std::printf(" %11s %7s\n", "dtssd", "effort");
-  std::vector<CameraMatteScores> rows = *cameras;
+  std::vector<pipeline::CameraMatteScores> rows = *cameras;
   rows.push_back(total);
-  for (const CameraMatteScores& c : rows) {
+  for (const pipeline::CameraMatteScores& c : rows) {
     std::printf("%-12s", c.serial.c_str());
     for (const MatteColumn& column : kMatteColumns) std::printf(" %11.5g", c.mean.*column.score);
     std::printf(" %11.5g %3d/%-3d\n", c.dtssd.value_or(std::nan("")), c.effort.keyframes,
@@ -169,22 +170,22 @@ Result<void> run_mattes(const Options& given) {
   }
   if (given.json_file.empty()) return {};
   json j = {{"take", given.take.string()}, {"truth", truth.string()}, {"mean", to_json(total)}};
-  for (const CameraMatteScores& c : *cameras) j["per_camera"][c.serial] = to_json(c);
+  for (const pipeline::CameraMatteScores& c : *cameras) j["per_camera"][c.serial] = to_json(c);
   return save_json(j, given.json_file);
 }
 
 Result<void> run(const Options& given) {
   if (given.mattes) return run_mattes(given);
-  EvaluateOptions options{.hold_out = split_list(given.hold_out),
-                          .methods = split_list(given.methods),
-                          .renderer = {},
-                          .hull = given.hull};
-  options.hull.method = given.hull_method == "octree" ? HullMethod::Octree : HullMethod::Exact;
+  pipeline::EvaluateOptions options{.hold_out = split_list(given.hold_out),
+                                    .methods = split_list(given.methods),
+                                    .renderer = {},
+                                    .hull = given.hull};
+  options.hull.method = given.hull_method == "octree" ? recon::HullMethod::Octree : recon::HullMethod::Exact;
   if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "--methods names none; see --help");
-  Result<RendererOptions> renderer = renderer_options(given.renderer);
+  Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   Result<std::vector<int>> frames =
       parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
@@ -192,15 +193,15 @@ Result<void> run(const Options& given) {
   options.frames = std::move(*frames);
   if (!given.sheet.empty())
     if (Result<void> ok = make_folder(given.sheet); !ok) return ok;
-  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
 
   std::vector<Row> rows;
   const std::size_t held = options.hold_out.empty() ? (*take)->rig().cameras.size() : options.hold_out.size();
   ProgressBar bar;
   options.progress = &bar;
-  ProgressPart progress(&bar, "views", held * options.frames.size());
-  Result<void> done = evaluate_take(**take, options, [&](HeldOutView view) -> Result<void> {
+  pipeline::ProgressPart progress(&bar, "views", held * options.frames.size());
+  Result<void> done = evaluate_take(**take, options, [&](pipeline::HeldOutView view) -> Result<void> {
     progress.advance();
     if (!given.sheet.empty()) {
       const std::string name = text(view.serial, "-", view.frame, ".png");
@@ -246,4 +247,4 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

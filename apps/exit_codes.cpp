@@ -1,6 +1,6 @@
 #include "apps/exit_codes.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 int exit_code(ErrorCode code) {
   switch (code) {
@@ -28,4 +28,4 @@ int exit_code(ErrorCode code) {
   return kExitBug;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -2,7 +2,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 constexpr int kExitOk = 0;
 constexpr int kExitUsage = 2;     ///< the command line makes no sense
@@ -12,4 +12,4 @@ constexpr int kExitKilled = 130;  ///< interrupted by the user; what was finishe
 /// The documented exit code of an expected failure (docs/exit-codes.md).
 int exit_code(ErrorCode code);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-namespace floatstage {
+namespace floatstage::apps {
 
-std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, HullCare& care) {
+std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, recon::HullCare& care) {
   return {verb.add_flag("--collapse-slivers", care.collapse_slivers,
                         "Care: collapse needles and caps where no vertex has to move by more than "
                         "--care-pixels in any view"),
@@ -23,7 +23,7 @@ std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, HullCare& care) {
 }
 
 void add_hull_flags(CLI::App& verb, HullFlags& flags) {
-  HullOptions& options = flags.options;
+  recon::HullOptions& options = flags.options;
   const auto add = [&](const char* name, auto& value, const char* help) {
     CLI::Option* word = verb.add_option(name, value, help);
     flags.words.push_back(word);
@@ -53,4 +53,4 @@ bool HullFlags::given() const {
   return std::any_of(words.begin(), words.end(), [](const CLI::Option* word) { return word->count() > 0; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

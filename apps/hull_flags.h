@@ -6,10 +6,10 @@
 
 #include "pipeline/hull_record.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The command line's words for HullOptions, shared by the verbs that compute hulls.
-struct HullFlags : HullWords {
+struct HullFlags : pipeline::HullWords {
   std::vector<const CLI::Option*> words;  ///< what add_hull_flags() added
 
   /// Whether the command line said anything about the hull.
@@ -19,6 +19,6 @@ struct HullFlags : HullWords {
 void add_hull_flags(CLI::App& verb, HullFlags& flags);
 
 /// The words for HullCare alone, for verbs with words of their own for the rest.
-std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, HullCare& care);
+std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, recon::HullCare& care);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

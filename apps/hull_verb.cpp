@@ -18,7 +18,7 @@
 #include "pipeline/scene_loader.h"
 #include "recon/mesh/mesh_check.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -34,7 +34,7 @@ struct Input {
 };
 
 Result<Input> load(const Options& given) {
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   if (given.frame < 0 || given.frame >= (*take)->frame_count()) {
     return fail(ErrorCode::InvalidArgument, text("--frame ", given.frame, ": ", given.take.string(),
@@ -67,7 +67,7 @@ nlohmann::json spread_of(const std::vector<double>& ms) {
   return {{"p50", percentile(ms, 0.5)}, {"p95", percentile(ms, 0.95)}, {"min", percentile(ms, 0)}};
 }
 
-nlohmann::json phases(const HullTimings& t) {
+nlohmann::json phases(const recon::HullTimings& t) {
   return {{"contours", 1e3 * t.contours}, {"tables", 1e3 * t.tables}, {"rays", 1e3 * t.rays},
           {"faces", 1e3 * t.faces},       {"weld", 1e3 * t.weld},     {"triangles", 1e3 * t.triangles},
           {"voting", 1e3 * t.voting}};
@@ -80,9 +80,9 @@ nlohmann::json by_camera(const Rig& rig, const std::vector<double>& numbers) {
   return j;
 }
 
-nlohmann::json care_json(const Rig& rig, const HullReport& hull) {
+nlohmann::json care_json(const Rig& rig, const recon::HullReport& hull) {
   if (!hull.care) return nullptr;
-  const HullCareReport& care = *hull.care;
+  const recon::HullCareReport& care = *hull.care;
   return {{"triangles", {care.triangles_before, care.triangles_after}},
           {"slivers", {care.slivers_before, care.slivers_after}},
           {"smoothed_within", care.smoothed_within},
@@ -92,7 +92,7 @@ nlohmann::json care_json(const Rig& rig, const HullReport& hull) {
           {"ms", 1e3 * hull.timings.care}};
 }
 
-void print_care(const HullCareReport& care) {
+void print_care(const recon::HullCareReport& care) {
   std::printf(
       "care: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes shifted "
       "up to "
@@ -117,7 +117,7 @@ Result<void> run(const Options& given) {
   if (given.repeat < 1)
     return fail(ErrorCode::InvalidArgument, text("--repeat ", given.repeat, " is less than 1"));
   if (Result<void> ok = check_name_of_mesh(given.out); !ok) return ok;
-  Result<HullOptions> options = hull_options(given.hull);
+  Result<recon::HullOptions> options = hull_options(given.hull);
   if (!options) return forward(options);
   options->threads = given.threads;
   Result<Input> input = load(given);
@@ -125,14 +125,15 @@ Result<void> run(const Options& given) {
 
   // The repeats measure what a live chain pays for a frame; how good the mesh is, is found out once,
   // afterwards.
-  HullWorkspace workspace;
+  recon::HullWorkspace workspace;
   std::vector<double> ms, without_contours;
-  HullTimings timings;
-  HullReport repeated;
-  const HullCare care = std::exchange(options->care, {});
+  recon::HullTimings timings;
+  recon::HullReport repeated;
+  const recon::HullCare care = std::exchange(options->care, {});
   options->quality = false;
   ProgressBar bar;
-  std::optional<ProgressPart> progress(std::in_place, &bar, "hulls", static_cast<std::size_t>(given.repeat));
+  std::optional<pipeline::ProgressPart> progress(std::in_place, &bar, "hulls",
+                                                 static_cast<std::size_t>(given.repeat));
   for (int k = 0; k < given.repeat; ++k) {
     if (interrupted()) return cancelled_unwritten();
     const auto begin = std::chrono::steady_clock::now();
@@ -147,9 +148,9 @@ Result<void> run(const Options& given) {
   progress.reset();  // off the terminal, before anything else is said
   options->quality = true;
   options->care = care;
-  const Result<HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
+  const Result<recon::HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
   if (!hull) return forward(hull);
-  const MeshCheck check = check_mesh(hull->mesh);
+  const recon::MeshCheck check = check_mesh(hull->mesh);
 
   nlohmann::json iou = nlohmann::json::object(), voted_down = nlohmann::json::array();
   double sum = 0;
@@ -221,4 +222,4 @@ void add_hull(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

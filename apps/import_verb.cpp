@@ -4,47 +4,47 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/progress_bar.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/import/import.h"
 #include "pipeline/json_report.h"
-#include "apps/progress_bar.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
-  ImportOptions import;
+  pipeline::ImportOptions import;
   std::string codec = "ffv1", other_size = "refuse", frames, cameras;
   double frame_rate = 0;  // 0: not given
   std::filesystem::path json;
 };
 
-nlohmann::json to_json(const ImportReport& report, const std::filesystem::path& take) {
+nlohmann::json to_json(const pipeline::ImportReport& report, const std::filesystem::path& take) {
   return {{"take", take.string()},     {"frames", report.frames}, {"gaps", report.gaps},
           {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes}};
 }
 
 Result<void> run(const Options& given) {
-  ImportOptions options = given.import;
-  options.codec = given.codec == "ffv1"  ? TakeCodec::Ffv1
-                  : given.codec == "raw" ? TakeCodec::Raw
-                                         : TakeCodec::H264;
-  options.other_size = given.other_size == "scaled"    ? OtherSize::Scaled
-                       : given.other_size == "cropped" ? OtherSize::Cropped
-                                                       : OtherSize::Refuse;
+  pipeline::ImportOptions options = given.import;
+  options.codec = given.codec == "ffv1"  ? capture::TakeCodec::Ffv1
+                  : given.codec == "raw" ? capture::TakeCodec::Raw
+                                         : capture::TakeCodec::H264;
+  options.other_size = given.other_size == "scaled"    ? pipeline::OtherSize::Scaled
+                       : given.other_size == "cropped" ? pipeline::OtherSize::Cropped
+                                                       : pipeline::OtherSize::Refuse;
   options.cameras = split_list(given.cameras);
   if (given.frame_rate > 0) options.frame_rate = given.frame_rate;
   if (!given.frames.empty()) {
-    const Result<FrameRange> range = parse_frame_range(given.frames);
+    const Result<pipeline::FrameRange> range = parse_frame_range(given.frames);
     if (!range) return forward(range);
     options.frames = *range;
   }
   ProgressBar bar;
   options.progress = &bar;
-  const Result<ImportReport> report = import_take(options);
+  const Result<pipeline::ImportReport> report = import_take(options);
   if (!report) return forward(report);
   for (const std::string& note : report->notes) log::info(note);
   std::printf("%s: %d frames of %zu cameras%s\n", options.out.c_str(), report->frames, report->serials.size(),
@@ -54,23 +54,25 @@ Result<void> run(const Options& given) {
 }
 
 struct Format {
-  CalibrationFormat format;
+  pipeline::CalibrationFormat format;
   const char* help;
   const char* path_help;
 };
 
 constexpr std::array kFormats{
-    Format{CalibrationFormat::Middlebury, "Middlebury multi-view stereo",
+    Format{pipeline::CalibrationFormat::Middlebury, "Middlebury multi-view stereo",
            "Folder with one *_par.txt and the images, or that file"},
-    Format{CalibrationFormat::Colmap, "COLMAP text model", "Folder with cameras.txt and images.txt"},
-    Format{CalibrationFormat::OpenCv, "OpenCV / EasyMocap YAML", "Folder with intri.yml and extri.yml"},
-    Format{CalibrationFormat::Qualisys, "Qualisys calibration", "The .qca.txt file"},
-    Format{CalibrationFormat::Dome, "Plain text of the green dome",
+    Format{pipeline::CalibrationFormat::Colmap, "COLMAP text model",
+           "Folder with cameras.txt and images.txt"},
+    Format{pipeline::CalibrationFormat::OpenCv, "OpenCV / EasyMocap YAML",
+           "Folder with intri.yml and extri.yml"},
+    Format{pipeline::CalibrationFormat::Qualisys, "Qualisys calibration", "The .qca.txt file"},
+    Format{pipeline::CalibrationFormat::Dome, "Plain text of the green dome",
            "Folder with calibration.txt and images/, or that file"}};
 
 void add_format(CLI::App& verb, const Format& format, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  ImportOptions& import = options->import;
+  pipeline::ImportOptions& import = options->import;
   import.calibration.format = format.format;
   CLI::App* app = verb.add_subcommand(name_of(format.format), format.help);
   app->add_option("calibration", import.calibration.path, format.path_help)->required();
@@ -98,7 +100,7 @@ void add_format(CLI::App& verb, const Format& format, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app->add_option("--json", options->json, "Write a report to this file");
-  if (format.format == CalibrationFormat::Dome)
+  if (format.format == pipeline::CalibrationFormat::Dome)
     app->add_option("--metres-per-unit", import.calibration.metres_per_unit,
                     "Length of the calibration's unit, which it does not state")
         ->capture_default_str()
@@ -115,4 +117,4 @@ void add_import(CLI::App& app, Chosen& chosen) {
   for (const Format& format : kFormats) add_format(*verb, format, chosen);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -4,7 +4,7 @@
 
 #include <signal.h>
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 std::atomic<bool> g_interrupted = false;
@@ -24,4 +24,4 @@ void watch_for_interrupts() {
 
 bool interrupted() { return g_interrupted; }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// From now on Ctrl-C and SIGTERM only set a flag that long work asks for between two items; a second Ctrl-C
 /// ends the process at once. (The flag is the one global of the program: a signal handler can reach nothing
@@ -8,4 +8,4 @@ namespace floatstage {
 void watch_for_interrupts();
 bool interrupted();
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -4,13 +4,13 @@
 #include "apps/verbs.h"
 #include "studio/network/keys.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 Result<void> run(const std::filesystem::path& file) {
-  const Result<wire::StudioKeys> keys = wire::make_keys();
+  const Result<studio::wire::StudioKeys> keys = studio::wire::make_keys();
   if (!keys) return forward(keys);
-  if (Result<void> saved = wire::save_keys(*keys, file); !saved) return saved;
+  if (Result<void> saved = studio::wire::save_keys(*keys, file); !saved) return saved;
   std::printf("%s: copy it to the studio's machines, and to no other\n", file.c_str());
   return {};
 }
@@ -25,4 +25,4 @@ void add_keys(CLI::App& app, Chosen& chosen) {
   verb->callback([file, &chosen] { chosen.run = [file] { return run(*file); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

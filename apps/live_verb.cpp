@@ -24,27 +24,28 @@
 #include "studio/live/take_player.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
-  LiveReconOptions recon;
-  LiveRemoteOptions remote;
+  studio::LiveReconOptions recon;
+  studio::LiveRemoteOptions remote;
   std::filesystem::path source, config, plates, json, snapshots, path_file, screenshot;
   std::string size, background = "000000";
   bool headless = false, show_cameras = false;
   double rate = 0, orbit = 20;
   int cameras = 3;
-  TakePlayerOptions player;
-  LiveChainOptions chain;
-  LiveRunOptions run;
+  studio::TakePlayerOptions player;
+  studio::LiveChainOptions chain;
+  studio::LiveRunOptions run;
 };
 
-nlohmann::ordered_json to_json(const Series& s) {
+nlohmann::ordered_json to_json(const studio::Series& s) {
   return {{"mean", s.mean()}, {"p50", s.percentile(0.5)}, {"p99", s.percentile(0.99)}, {"max", s.largest()}};
 }
 
-nlohmann::ordered_json to_report(const LiveReport& r, const std::string& source, const std::string& gl) {
+nlohmann::ordered_json to_report(const studio::LiveReport& r, const std::string& source,
+                                 const std::string& gl) {
   nlohmann::ordered_json json;
   json["source"] = source;
   json["gl"] = gl;
@@ -55,21 +56,22 @@ nlohmann::ordered_json to_report(const LiveReport& r, const std::string& source,
   json["view_fps"] = r.pictures.mean(r.seconds);
   json["latency_ms"] = to_json(r.latency);
   for (const auto& [name, series] : r.stages) json["stages_ms"][name] = to_json(series);
-  const LiveChain::Counters& c = r.counters;
+  const studio::LiveChain::Counters& c = r.counters;
   std::uint64_t late = 0, missing = 0;
-  for (const CameraSync& camera : c.sets.sync.cameras) late += camera.late, missing += camera.missing;
+  for (const capture::CameraSync& camera : c.sets.sync.cameras)
+    late += camera.late, missing += camera.missing;
   json["sets"] = {
       {"ready", c.sets.sets}, {"complete", c.sets.sync.complete}, {"incomplete", c.sets.sync.incomplete}};
   json["scenes"] = c.scenes;
   json["dropped"] = {
       {"sets_overtaken", c.sets.overtaken}, {"scenes_unseen", c.unseen}, {"sets_failed", c.failed},
       {"sets_troubled", c.troubled},        {"frames_late", late},       {"frames_missing", missing}};
-  for (const QualityChange& q : r.qualities)
+  for (const studio::QualityChange& q : r.qualities)
     json["qualities"].push_back({{"seconds", q.seconds}, {"quality", q.quality}, {"fps", q.fps}});
   return json;
 }
 
-void print(const LiveReport& r) {
+void print(const studio::LiveReport& r) {
   std::printf("%.1f scenes a second over %.0f s (slowest second %.0f), latency p50 %.0f ms, p99 %.0f ms\n",
               r.shown.mean(r.seconds), r.seconds, r.shown.slowest(r.seconds, 1), r.latency.percentile(0.5),
               r.latency.percentile(0.99));
@@ -87,7 +89,7 @@ class Snapshots {
  public:
   Snapshots(std::filesystem::path folder, const std::array<float, 3>& background)
       : folder_(std::move(folder)), background_(background) {}
-  Result<void> take(const LivePicture& p) {
+  Result<void> take(const studio::LivePicture& p) {
     if (folder_.empty() || p.seconds < next_) return {};
     next_ = p.seconds + 1;
     char name[64];
@@ -103,44 +105,45 @@ class Snapshots {
 };
 
 // A take that plays, or the cameras of a studio's file.
-Result<std::unique_ptr<LiveSource>> open_live_source(const Options& o) {
+Result<std::unique_ptr<studio::LiveSource>> open_live_source(const Options& o) {
   if (o.source.empty() == o.config.empty())
     return fail(ErrorCode::InvalidArgument,
                 "say where pictures come from: --source TAKE, --config STUDIO.toml, or --view ADDRESS of "
                 "other machines");
   if (!o.config.empty()) {
-    Result<CaptureConfig> config = load_capture_config(o.config);
+    Result<studio::CaptureConfig> config = load_capture_config(o.config);
     if (!config) return forward(config);
-    Result<std::unique_ptr<CameraSource>> cameras = CameraSource::open(std::move(*config), o.plates);
+    Result<std::unique_ptr<studio::CameraSource>> cameras =
+        studio::CameraSource::open(std::move(*config), o.plates);
     if (!cameras) return forward(cameras);
-    return std::unique_ptr<LiveSource>(std::move(*cameras));
+    return std::unique_ptr<studio::LiveSource>(std::move(*cameras));
   }
-  TakePlayerOptions player = o.player;
+  studio::TakePlayerOptions player = o.player;
   player.rate = o.rate;
   player.loop = o.run.seconds > 0 || !o.headless;
-  Result<std::unique_ptr<TakePlayer>> take = TakePlayer::open(o.source, player);
+  Result<std::unique_ptr<studio::TakePlayer>> take = studio::TakePlayer::open(o.source, player);
   if (!take) return forward(take);
-  return std::unique_ptr<LiveSource>(std::move(*take));
+  return std::unique_ptr<studio::LiveSource>(std::move(*take));
 }
 
 // `network` is null for scenes of this process.
-Result<void> view_headless(SceneFeed& feed, const RemoteScenes* network, const Options& o) {
-  Result<CameraPath> path =
+Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* network, const Options& o) {
+  Result<pipeline::CameraPath> path =
       o.path_file.empty() ? orbit_path(feed.rig(), {}, o.orbit) : load_path(o.path_file);
   if (!path) return forward(path);
   const double duration = path->duration();
-  const ViewAt view_at = [&](double time) {
+  const studio::ViewAt view_at = [&](double time) {
     return view_of(sample(*path, duration > 0 ? std::fmod(time, duration) : 0), o.run.width, o.run.height,
                    {});
   };
   if (!o.snapshots.empty())
     if (Result<void> ok = make_folder(o.snapshots); !ok) return ok;
-  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
   Snapshots snapshots(o.snapshots, o.run.renderer.background);
   const Timestamp begun = now();
-  const Result<LiveReport> report =
-      run_live(feed, o.run, view_at, interrupted, [&](const LivePicture& p) { return snapshots.take(p); });
+  const Result<studio::LiveReport> report = run_live(
+      feed, o.run, view_at, interrupted, [&](const studio::LivePicture& p) { return snapshots.take(p); });
   if (!report) return forward(report);
   print(*report);
   if (o.json.empty()) return {};
@@ -149,32 +152,36 @@ Result<void> view_headless(SceneFeed& feed, const RemoteScenes* network, const O
   return save_json(json, o.json);
 }
 
-Result<void> view_in_window(SceneFeed& feed, std::vector<StudioControl*> nodes, const Options& o) {
-  if (StudioControl* control = feed.control()) nodes.push_back(control);
+Result<void> view_in_window(studio::SceneFeed& feed, std::vector<studio::StudioControl*> nodes,
+                            const Options& o) {
+  if (studio::StudioControl* control = feed.control()) nodes.push_back(control);
   ControlDesk desk(std::move(nodes));
-  return run_live_window(
-      feed, desk,
-      {.run = o.run, .show_cameras = o.show_cameras, .stop = interrupted, .path_file = o.path_file, .screenshot = o.screenshot});
+  return run_live_window(feed, desk,
+                         {.run = o.run,
+                          .show_cameras = o.show_cameras,
+                          .stop = interrupted,
+                          .path_file = o.path_file,
+                          .screenshot = o.screenshot});
 }
 
 Result<void> view_remote(const Options& o) {
-  const Result<LiveRemote> remote = open_live_remote(o.remote);
+  const Result<studio::LiveRemote> remote = open_live_remote(o.remote);
   if (!remote) return forward(remote);
   if (o.headless) return view_headless(*remote->scenes, remote->scenes.get(), o);
-  std::vector<StudioControl*> nodes;
+  std::vector<studio::StudioControl*> nodes;
   for (const auto& node : remote->control) nodes.push_back(node.get());
   return view_in_window(*remote->scenes, std::move(nodes), o);
 }
 
 Result<void> reconstruct(const Options& o) {
-  LiveReconOptions recon = o.recon;
+  studio::LiveReconOptions recon = o.recon;
   recon.nodes = o.remote.nodes;
   recon.rig = o.remote.rig;
   recon.keys = o.remote.keys;
   recon.seconds = o.run.seconds;
-  const Result<LiveReconReport> report = run_live_recon(recon, interrupted);
+  const Result<studio::LiveReconReport> report = run_live_recon(recon, interrupted);
   if (!report) return forward(report);
-  const ReconCounters& counters = report->counters;
+  const studio::ReconCounters& counters = report->counters;
   std::printf("%.1f scenes a second over %.0f s, hull p50 %.0f ms; %.1f kB a second came, %.1f kB went\n",
               static_cast<double>(counters.scenes) / report->seconds, report->seconds,
               counters.hull_ms.percentile(0.5),
@@ -201,13 +208,13 @@ Result<void> run(const Options& given) {
   RendererFlags flags;
   flags.background = o.background;
   flags.options.cameras = o.cameras;
-  Result<RendererOptions> renderer = renderer_options(flags);
+  Result<render::RendererOptions> renderer = renderer_options(flags);
   if (!renderer) return forward(renderer);
   o.run.renderer = *renderer;
   if (!o.remote.recon.empty()) return view_remote(o);
-  Result<std::unique_ptr<LiveSource>> source = open_live_source(o);
+  Result<std::unique_ptr<studio::LiveSource>> source = open_live_source(o);
   if (!source) return forward(source);
-  Result<std::unique_ptr<LiveChain>> chain = LiveChain::make(**source, o.chain);
+  Result<std::unique_ptr<studio::LiveChain>> chain = studio::LiveChain::make(**source, o.chain);
   if (!chain) return forward(chain);
   (*chain)->begin();
   return o.headless ? view_headless(**chain, nullptr, o) : view_in_window(**chain, {}, o);
@@ -275,4 +282,4 @@ void add_live(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,7 +10,7 @@
 #include "matting/foreground.h"
 #include "pipeline/matte/matte_image.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,7 +62,7 @@ Result<MatteStroke> click_at(const std::string& place, MatteLabel label, const I
 Result<void> run(const Options& given) {
   Result<Image> picture = load_png(given.image);
   if (!picture) return forward(picture);
-  MatteImageOptions options{
+  pipeline::MatteImageOptions options{
       .method = given.method, .picture = rgb_of(*picture), .trimap = {}, .scribbled = {}};
   if (!given.trimap.empty()) {
     Result<Image> trimap = load_png(given.trimap);
@@ -85,7 +85,7 @@ Result<void> run(const Options& given) {
   if (!matte) return fail(matte.error().code, text(given.image.string(), ": ", matte.error().message));
   if (Result<void> ok = save_png(*matte, given.out); !ok) return ok;
   if (given.foreground.empty()) return {};
-  Result<Layers> layers = estimate_foreground(options.picture, *matte);
+  Result<matting::Layers> layers = estimate_foreground(options.picture, *matte);
   if (!layers) return forward(layers);
   Image rgba(matte->width, matte->height, 4);
   for (std::size_t p = 0; p < matte->pixels.size(); ++p) {
@@ -117,4 +117,4 @@ void add_matte_image(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/progress_bar.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/log.h"
@@ -10,9 +11,8 @@
 #include "pipeline/json_report.h"
 #include "pipeline/matte/export_layers.h"
 #include "pipeline/matte/matte_take.h"
-#include "apps/progress_bar.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using nlohmann::json;
@@ -20,15 +20,15 @@ using nlohmann::json;
 constexpr std::size_t kWorstShown = 5;
 
 struct Options {
-  MatteTakeOptions matte;
+  pipeline::MatteTakeOptions matte;
   std::string cameras;
   std::filesystem::path json_file;
-  ExportOptions layers;
+  pipeline::ExportOptions layers;
 };
 
-json to_json(const MatteReport& report) {
+json to_json(const pipeline::MatteReport& report) {
   json per_camera = json::object(), worst = json::array();
-  for (const CameraMattes& c : report.cameras)
+  for (const pipeline::CameraMattes& c : report.cameras)
     per_camera[c.serial] = {{"key", c.key},
                             {"method", c.method},
                             {"made", c.made},
@@ -39,7 +39,7 @@ json to_json(const MatteReport& report) {
                             {"flicker", c.flicker},
                             {"hull_agreement", c.hull_agreement ? json(*c.hull_agreement) : json()},
                             {"failures", c.failures}};
-  for (const SilhouetteAgreement& a : report.worst)
+  for (const pipeline::SilhouetteAgreement& a : report.worst)
     worst.push_back({{"camera", a.serial}, {"frame", a.frame}, {"iou", a.iou}, {"surplus", a.surplus}});
   return {{"seconds_per_frame", report.seconds_per_frame},
           {"seconds", report.seconds},
@@ -48,14 +48,14 @@ json to_json(const MatteReport& report) {
 }
 
 Result<void> run(const Options& given) {
-  MatteTakeOptions options = given.matte;
+  pipeline::MatteTakeOptions options = given.matte;
   options.cameras = split_list(given.cameras);
   ProgressBar bar;
   options.progress = &bar;
-  Result<MatteReport> report = matte_take(options);
+  Result<pipeline::MatteReport> report = matte_take(options);
   if (!report) return forward(report);
   std::size_t failures = 0;
-  for (const CameraMattes& c : report->cameras) {
+  for (const pipeline::CameraMattes& c : report->cameras) {
     std::printf("%s: %s by %s; %d made, %d kept, %d gaps", c.serial.c_str(), c.method.c_str(), c.key.c_str(),
                 c.made, c.kept, c.gaps);
     if (c.hull_agreement) std::printf("; agrees %.3f with the others' hull", *c.hull_agreement);
@@ -74,7 +74,7 @@ Result<void> run(const Options& given) {
   if (!given.json_file.empty())
     if (Result<void> ok = save_json(to_json(*report), given.json_file); !ok) return ok;
   if (!given.layers.out.empty()) {
-    ExportOptions layers = given.layers;
+    pipeline::ExportOptions layers = given.layers;
     layers.take = options.take;
     layers.cameras = options.cameras;
     layers.threads = options.threads;
@@ -97,7 +97,7 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       "matte", "Mattes of all cameras of a take, refined and checked against one another; resumable");
   std::string help = "How:";
   std::vector<std::string> names;
-  for (const MatteMethod& m : matte_methods())
+  for (const pipeline::MatteMethod& m : matte_methods())
     help += "\n  " + m.name + ": " + m.help, names.push_back(m.name);
   verb->add_option("take", options->matte.take, "The take's folder; its mattes/edits.json is replayed")
       ->required();
@@ -126,4 +126,4 @@ void add_matte(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

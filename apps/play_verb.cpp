@@ -1,13 +1,13 @@
 #include <algorithm>
 
+#include "apps/interrupt.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/play/play.h"
 #include "pipeline/matte/matte_take.h"
-#include "apps/interrupt.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -22,7 +22,7 @@ Result<void> run(const Options& given) {
   Result<std::pair<int, int>> size = parse_size(given.size);
   if (!size) return forward(size);
   std::tie(options.width, options.height) = *size;
-  Result<RendererOptions> renderer = renderer_options(given.renderer);
+  Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
   const std::vector<std::string>& views = matte_view_names();
@@ -52,7 +52,7 @@ void add_play(CLI::App& app, Chosen& chosen) {
                    "Write the window to this PNG once the picture stands, then end");
   add_renderer_flags(*verb, options->renderer);
   std::vector<std::string> methods;
-  for (const MatteMethod& m : matte_methods()) methods.push_back(m.name);
+  for (const pipeline::MatteMethod& m : matte_methods()) methods.push_back(m.name);
   verb->add_flag("--mattes", options->play.mattes,
                  "Begin in the matte editor (M goes there and back); needs no meshes");
   verb->add_option("--camera", options->play.camera,
@@ -69,4 +69,4 @@ void add_play(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

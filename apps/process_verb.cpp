@@ -11,28 +11,28 @@
 #include "pipeline/json_report.h"
 #include "pipeline/process/process.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
-  ProcessOptions process;
+  pipeline::ProcessOptions process;
   std::string key, json_file;
   HullFlags hull;
 };
 
-nlohmann::json to_json(const StageReport& stage) {
+nlohmann::json to_json(const pipeline::StageReport& stage) {
   return {{"made", stage.made}, {"kept", stage.kept}, {"gaps", stage.gaps}, {"failures", stage.failures}};
 }
 
 Result<void> run(const Options& given) {
-  ProcessOptions options = given.process;
+  pipeline::ProcessOptions options = given.process;
   if (!given.key.empty()) options.key = given.key;
-  Result<HullOptions> hull = hull_options(given.hull);
+  Result<recon::HullOptions> hull = hull_options(given.hull);
   if (!hull) return forward(hull);
   if (given.hull.given()) options.hull = *hull;
   ProgressBar bar;
   options.progress = &bar;
-  Result<ProcessReport> report = process_take(options);
+  Result<pipeline::ProcessReport> report = process_take(options);
   if (!report) return forward(report);
 
   std::vector<std::string> failures = report->mattes.failures;
@@ -71,7 +71,7 @@ void add_process(CLI::App& app, Chosen& chosen) {
   CLI::App* verb = app.add_subcommand(
       "process", "Every offline stage on a take: mattes, then meshes; does only what is missing");
   std::string keys = "How the subject is keyed:";
-  for (const KeyerInfo& k : keyers()) keys += "\n  " + k.name + ": " + k.help;
+  for (const matting::KeyerInfo& k : keyers()) keys += "\n  " + k.name + ": " + k.help;
   verb->add_option("take", options->process.take, "The take's folder")->required();
   verb->add_option("--key", options->key, keys);
   add_hull_flags(*verb, options->hull);
@@ -81,4 +81,4 @@ void add_process(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

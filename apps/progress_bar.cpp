@@ -6,7 +6,7 @@
 
 #include "apps/interrupt.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr double kQuietSeconds = 2, kRedrawSeconds = 0.1;
@@ -52,4 +52,4 @@ void ProgressBar::draw(double elapsed) {
   std::fflush(stderr);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

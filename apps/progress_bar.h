@@ -7,11 +7,11 @@
 
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// A job's progress as a bar on standard error: shown only on a terminal, and only once a part has taken two
 /// seconds. Ctrl-C cancels the job. Thread safe.
-class ProgressBar final : public Progress {
+class ProgressBar final : public pipeline::Progress {
  public:
   ProgressBar();
   ~ProgressBar() override { end(); }
@@ -35,4 +35,4 @@ class ProgressBar final : public Progress {
   bool visible_ = false;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

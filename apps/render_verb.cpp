@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
@@ -11,9 +12,8 @@
 #include "pipeline/picture_sink.h"
 #include "pipeline/scene_loader.h"
 #include "render/gl_context.h"
-#include "apps/progress_bar.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -21,30 +21,30 @@ struct Options {
   std::string size = "640x480", method = "floating", frames, json_file;
   bool orbit = false, keep_spill = false;
   double seconds = 0;
-  FilmOptions film;
+  pipeline::FilmOptions film;
   RendererFlags renderer;
 };
 
 Result<void> run(const Options& given) {
   if (given.orbit == !given.path_file.empty())
     return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
-  FilmOptions film = given.film;
+  pipeline::FilmOptions film = given.film;
   Result<std::pair<int, int>> size = parse_size(given.size);
   if (!size) return forward(size);
   std::tie(film.width, film.height) = *size;
   film.methods = split_list(given.method);
   film.seconds = given.seconds;
   film.suppress_spill = !given.keep_spill;
-  Result<RendererOptions> renderer = renderer_options(given.renderer);
+  Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   film.renderer = *renderer;
 
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   film.frames = std::move(*frames);
-  Result<CameraPath> path = given.orbit ? CameraPath{} : load_path(given.path_file);
+  Result<pipeline::CameraPath> path = given.orbit ? pipeline::CameraPath{} : load_path(given.path_file);
   if (!path) return forward(path);
   if (given.orbit) {
     constexpr double kOrbitSeconds = 6;
@@ -52,15 +52,15 @@ Result<void> run(const Options& given) {
     if (!box) return forward(box);
     *path = orbit_path((*take)->rig(), *box, given.seconds > 0 ? given.seconds : kOrbitSeconds);
   }
-  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
   const int columns = static_cast<int>(film.methods.size());
-  Result<std::unique_ptr<PictureSink>> sink =
+  Result<std::unique_ptr<pipeline::PictureSink>> sink =
       open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
   if (!sink) return forward(sink);
   ProgressBar bar;
   film.progress = &bar;
-  Result<FilmReport> report = render_film(**take, *path, film, [&](FilmPicture picture) {
+  Result<pipeline::FilmReport> report = render_film(**take, *path, film, [&](pipeline::FilmPicture picture) {
     std::vector<Image> pictures;
     for (const Image& rgba : picture.renders) pictures.push_back(over(rgba, film.renderer.background));
     return (*sink)->write(side_by_side(pictures));
@@ -102,4 +102,4 @@ void add_render(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

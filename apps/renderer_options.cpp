@@ -4,10 +4,10 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
-  RendererOptions& o = flags.options;
+  render::RendererOptions& o = flags.options;
   verb.add_option("--cameras", o.cameras, "Photographs blended per view")->capture_default_str();
   verb.add_option("--soft-radius", o.soft_radius, "Radius of soft visibility, px")->capture_default_str();
   verb.add_option("--flow", o.flow.backend, "Flow back-end")->capture_default_str();
@@ -22,13 +22,13 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
       ->capture_default_str();
 }
 
-Result<RendererOptions> renderer_options(const RendererFlags& flags) {
-  RendererOptions options = flags.options;
+Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
+  render::RendererOptions options = flags.options;
   const std::vector<std::string>& names = render_output_names();
   const auto found = std::find(names.begin(), names.end(), flags.output);
   if (found == names.end())
     return fail(ErrorCode::InvalidArgument, text("--output '", flags.output, "' is unknown; see --help"));
-  options.output = static_cast<RenderOutput>(found - names.begin());
+  options.output = static_cast<render::RenderOutput>(found - names.begin());
   const bool hex = flags.background.size() == 6 &&
                    flags.background.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
   if (!hex)
@@ -43,8 +43,8 @@ Result<RendererOptions> renderer_options(const RendererFlags& flags) {
 
 std::string method_help() {
   std::string help = "Method:";
-  for (const RendererInfo& r : renderers()) help += text(" ", r.name, " (", r.help, ")");
+  for (const render::RendererInfo& r : renderers()) help += text(" ", r.name, " (", r.help, ")");
   return help + ".";
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -7,18 +7,18 @@
 #include "core/result.h"
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The renderer's options as flags, the same for every verb that renders.
 struct RendererFlags {
-  RendererOptions options;
+  render::RendererOptions options;
   std::string output = "color", background = "000000";
 };
 
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags);
-Result<RendererOptions> renderer_options(const RendererFlags& flags);
+Result<render::RendererOptions> renderer_options(const RendererFlags& flags);
 
 /// "Method: nearest (…), linear (…), floating (…)."
 std::string method_help();
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

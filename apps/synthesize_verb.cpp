@@ -1,29 +1,29 @@
 #include <cstdio>
 
+#include "apps/progress_bar.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/text.h"
 #include "pipeline/synthesize.h"
-#include "apps/progress_bar.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
-  SynthesizeOptions synthesize;
+  pipeline::SynthesizeOptions synthesize;
   std::string size = "640x480", shape = "ring", codec = "ffv1";
   bool black = false;
 };
 
 Result<void> run(const Options& given) {
-  SynthesizeOptions options = given.synthesize;
+  pipeline::SynthesizeOptions options = given.synthesize;
   Result<std::pair<int, int>> size = parse_size(given.size);
   if (!size) return forward(size);
   std::tie(options.rig.width, options.rig.height) = *size;
   options.rig.shape = given.shape == "ring" ? RigShape::Ring : RigShape::QuarterDome;
-  options.take.codec = given.codec == "ffv1"  ? TakeCodec::Ffv1
-                       : given.codec == "raw" ? TakeCodec::Raw
-                                              : TakeCodec::H264;
+  options.take.codec = given.codec == "ffv1"  ? capture::TakeCodec::Ffv1
+                       : given.codec == "raw" ? capture::TakeCodec::Raw
+                                              : capture::TakeCodec::H264;
   options.studio.green_room = !given.black;
   ProgressBar bar;
   options.progress = &bar;
@@ -37,7 +37,7 @@ Result<void> run(const Options& given) {
 
 void add_synthesize(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  SynthesizeOptions& s = options->synthesize;
+  pipeline::SynthesizeOptions& s = options->synthesize;
   Defects& d = s.studio.defects;
   CLI::App* verb =
       app.add_subcommand("synthesize", "Writes a take with ground truth from the synthetic studio");
@@ -88,4 +88,4 @@ void add_synthesize(CLI::App& app, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -5,7 +5,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 std::optional<int> whole_number(std::string_view s) {
@@ -65,4 +65,4 @@ Result<std::vector<int>> parse_frames(std::string_view s, int count) {
   return frames;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

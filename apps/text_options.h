@@ -7,7 +7,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// "640x480" → {640, 480}; both positive and at most 16384.
 Result<std::pair<int, int>> parse_size(std::string_view text);
@@ -18,4 +18,4 @@ std::vector<std::string> split_list(std::string_view text);
 /// "5", "2:10" or "2:10:4" (end exclusive) → frame numbers inside [0, count); "" → all.
 Result<std::vector<int>> parse_frames(std::string_view text, int count);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

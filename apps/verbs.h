@@ -6,7 +6,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// What the command line chose: one verb's callback fills it while parsing, main() runs it afterwards.
 struct Chosen {
@@ -30,4 +30,4 @@ void add_evaluate(CLI::App& app, Chosen& chosen);
 void add_live(CLI::App& app, Chosen& chosen);
 void add_play(CLI::App& app, Chosen& chosen);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -12,7 +12,7 @@
 #include "calib/observations.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 // Calibration targets as they are printed and built. Every flat target has the frame of its print: the origin
 // is the lower left corner of the pattern, x to the right, y up, z out of the paper, metres. Lying on the
@@ -111,4 +111,4 @@ Target make_target(const TargetDesign& design, std::string name, double length_s
 /// Names of the marker dictionaries that this build knows.
 std::vector<std::string> marker_dictionaries();
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

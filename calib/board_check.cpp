@@ -5,7 +5,7 @@
 #include "calib/marker_dictionary.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr int kMostAcross = 200;
@@ -119,4 +119,4 @@ std::optional<std::string> ambiguity(const TargetDesign& target) {
   return std::nullopt;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -10,7 +10,7 @@
 
 #include "calib/grey.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // A picture that was made smaller, and the way back.
@@ -229,4 +229,4 @@ BoardSearch find_board(const cv::Mat& grey, const TargetDesign& design, Effort e
   return find_on_faces(255 - grey, faces, effort);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

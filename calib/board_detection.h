@@ -9,7 +9,7 @@
 #include "calib/detect.h"
 #include "calib/marker_detection.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// What one search found, with what the diagnosis needs to know. Private to calib. Pixels are OpenCV's.
 struct BoardSearch {
@@ -35,4 +35,4 @@ BoardSearch find_board(const cv::Mat& grey, const TargetDesign& design, Effort e
 Detection diagnose(const cv::Mat& grey, const TargetDesign& design, const BoardSearch& found,
                    int least_points);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <utility>
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Eigen::Vector2d;
@@ -129,4 +129,4 @@ Target make_target(const TargetDesign& design, std::string name, double length_s
   return target;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "calib/board.h"
 #include "core/camera.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// One marker on a face: its corners as they are printed, clockwise from the upper left, in the face's frame.
 struct FaceMarker {
@@ -37,4 +37,4 @@ struct BoardFace {
 /// The faces of a target: one, two for a two-sided board, one a tag for a wand with tags, none for balls.
 std::vector<BoardFace> board_faces(const TargetDesign& target);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

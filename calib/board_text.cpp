@@ -10,7 +10,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr std::string_view kTag = "floatstage-target:";
@@ -256,4 +256,4 @@ Result<TargetDesign> load_target(const std::filesystem::path& file) {
   return target;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

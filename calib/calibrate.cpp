@@ -16,7 +16,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using solver::Scene;
@@ -137,4 +137,4 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 struct CalibrationOptions {
   bool time_offsets = false;  ///< solve for when each camera exposes, from how targets move; needs times and
@@ -134,4 +134,4 @@ class ProjectionUncertainty {
   Eigen::MatrixXd covariance_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

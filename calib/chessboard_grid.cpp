@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Place = std::pair<int, int>;
@@ -165,4 +165,4 @@ ChessboardGrid grow_chessboard(const std::vector<Saddle>& saddles, std::size_t e
   return result;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

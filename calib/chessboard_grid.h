@@ -8,7 +8,7 @@
 
 #include "calib/saddle.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Crossings that hang together as a chessboard. Its columns and rows are those of the picture, by any
 /// quarter turn: (column, row) → place; column × row turns as x × y in the picture. Private to calib.
@@ -23,4 +23,4 @@ struct ChessboardGrid {
 /// a square.
 ChessboardGrid grow_chessboard(const std::vector<Saddle>& saddles, std::size_t enough);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

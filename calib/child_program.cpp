@@ -18,7 +18,7 @@
 
 extern char** environ;
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 class OpenFile {
@@ -114,4 +114,4 @@ std::string end_of_log(const std::filesystem::path& log, std::size_t lines) {
   return end;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

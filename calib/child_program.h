@@ -7,7 +7,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// How another program ended.
 struct ProgramEnd {
@@ -24,4 +24,4 @@ Result<ProgramEnd> run_program(const std::vector<std::string>& arguments, const 
 /// The last lines of a log, for an error's sentence; empty when there is none.
 std::string end_of_log(const std::filesystem::path& log, std::size_t lines = 3);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -11,7 +11,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ Result<void> Colmap::to_text(const fs::path& model, const fs::path& written) con
              "is the disk full?");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

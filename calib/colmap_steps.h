@@ -7,7 +7,7 @@
 #include "calib/markerless.h"
 #include "calib/scene_matching.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// COLMAP's steps on a workspace: its program run with a time-out and a log. Private to calib.
 class Colmap {
@@ -46,4 +46,4 @@ inline constexpr const char* kWeakScene =
     "closer together, or add "
     "pictures of a camera that is carried between them";
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

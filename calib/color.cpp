@@ -10,7 +10,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Parameters = Eigen::Matrix<double, 12, 1>;  // logarithms of three exponents, then the matrix by rows
@@ -180,4 +180,4 @@ Result<std::array<Eigen::Vector3d, 24>> find_color_chart(const Image& rgb) {
   return colors;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -10,7 +10,7 @@
 #include "core/image.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// CIELAB (D65) of a colour in sRGB, 0..1.
 Eigen::Vector3d lab_from_srgb(const Eigen::Vector3d& rgb);
@@ -46,4 +46,4 @@ Result<std::array<Eigen::Vector3d, 24>> find_color_chart(const Image& rgb);
 /// (nominal values).
 const std::array<Eigen::Vector3d, 24>& chart_colors();
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

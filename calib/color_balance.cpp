@@ -6,7 +6,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -125,4 +125,4 @@ Result<ColorBalance> balance_colors(std::span<const ColorSight> sights,
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

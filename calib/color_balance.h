@@ -7,7 +7,7 @@
 
 #include "calib/color.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// The colour of one surface point in one camera's picture; sRGB-like, 0..1, the mean of a few pixels.
 struct ColorSight {
@@ -36,4 +36,4 @@ Result<ColorBalance> balance_colors(std::span<const ColorSight> sights,
                                     const std::vector<std::optional<ColorTransform>>& given,
                                     const std::vector<std::string>& serials);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

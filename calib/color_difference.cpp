@@ -3,7 +3,7 @@
 
 #include "calib/color.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -65,4 +65,4 @@ double delta_e_2000(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   return std::sqrt(x * x + y * y + z * z + rotation * y * z);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -11,7 +11,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -238,4 +238,4 @@ double completeness(const Coverage& c, const CoverageGoals& goals) {
   return wanted > 0 ? reached / wanted : 0;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -6,7 +6,7 @@
 
 #include "calib/observations.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// What a capture of a target shows so far, and what it still lacks: for the operator who is waving it. Needs
 /// no solution.
@@ -60,4 +60,4 @@ std::vector<Advice> advise(const Coverage& coverage, const CoverageGoals& goals 
 /// From 0 to 1: the share of all goals that is reached. It never falls while views are added.
 double completeness(const Coverage& coverage, const CoverageGoals& goals = {});
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -11,7 +11,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 struct FailureName {
@@ -129,4 +129,4 @@ std::string summary(std::span<const Detection> detections) {
   return sentence;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

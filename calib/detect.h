@@ -12,7 +12,7 @@
 #include "core/image.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Why nothing was found in a picture: the likely cause, from evidence in the picture itself.
 enum class DetectionFailure {
@@ -85,4 +85,4 @@ Result<std::string> content_key(const std::filesystem::path& file);
 std::string to_text(const Detection& detection);
 Result<Detection> parse_detection(std::string_view text, std::string_view name_for_errors);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr int kVersion = 2;  // grows whenever detect() finds something else in the same picture
@@ -137,4 +137,4 @@ void DetectionCache::store(const std::string& key, const Detection& detection) c
     log::debug(written.error().message);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

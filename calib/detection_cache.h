@@ -7,7 +7,7 @@
 
 #include "calib/detect.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Detections on disk: one small text file a picture, named by the picture's key, the target and the options.
 /// Thread safe: files are written whole or not at all. Private to calib.
@@ -25,4 +25,4 @@ class DetectionCache {
   std::string about_;  ///< all that the result depends on but the picture
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

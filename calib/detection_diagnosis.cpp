@@ -9,7 +9,7 @@
 #include "calib/marker_dictionary.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 Detection because(DetectionFailure failure, std::string reason) { return {{}, failure, std::move(reason)}; }
@@ -248,4 +248,4 @@ Detection diagnose(const cv::Mat& grey, const TargetDesign& design, const BoardS
   return because(DetectionFailure::NothingLikeIt, "nothing in the picture resembles the target");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

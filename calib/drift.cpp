@@ -12,7 +12,7 @@
 #include "calib/grey.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr int kHalf = kDriftPatch / 2;
@@ -297,4 +297,4 @@ Result<std::optional<DriftAlarm>> DriftWatch::push(const Frame& frame) {
   return check(camera, seconds(now - *first_), *image);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

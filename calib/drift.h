@@ -13,7 +13,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// A piece of a camera's background as it looked when the studio was calibrated.
 struct DriftPatch {
@@ -108,4 +108,4 @@ class DriftWatch {
   std::optional<Timestamp> first_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "core/json_fields.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr const char* kDigits = "0123456789abcdef";
@@ -88,4 +88,4 @@ Result<void> save_drift_reference(const DriftReference& reference, const std::fi
   return write_file(file, to_json(reference));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -4,7 +4,7 @@
 
 #include "core/check.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 cv::Mat grey_of(const Image& image) {
   FLOATSTAGE_CHECK(image.channels == 1 || image.channels == 3 || image.channels == 4,
@@ -18,4 +18,4 @@ cv::Mat grey_of(const Image& image) {
   return grey;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -4,7 +4,7 @@
 
 #include "core/image.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// The picture as 8-bit grey; shares the pixels of a grey image, which must outlive it. Private to calib.
 cv::Mat grey_of(const Image& image);
@@ -21,4 +21,4 @@ inline float grey_at(const cv::Mat& grey, float x, float y) {
   return (1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * q[0] + a * q[1]);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

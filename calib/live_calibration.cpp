@@ -8,7 +8,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 LiveCalibration::LiveCalibration(LiveTarget target, std::vector<CalibrationCamera> cameras)
     : target_(std::move(target)), last_(cameras.size()) {
@@ -111,4 +111,4 @@ Observations thinned(const Observations& o, int frames) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -10,7 +10,7 @@
 #include "calib/detect.h"
 #include "core/frame.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// What is fixed before the first picture.
 struct LiveTarget {
@@ -62,4 +62,4 @@ class LiveCalibration {
 /// nothing held out. The links of the rig stay: frames that several cameras see go first.
 Observations thinned(const Observations& observations, int frames);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

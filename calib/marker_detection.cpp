@@ -14,7 +14,7 @@
 #include "calib/saddle.h"
 #include "core/check.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Quad = std::array<cv::Point2f, 4>;
@@ -252,4 +252,4 @@ const MarkerDictionary* dictionary_of(const cv::Mat& grey, const std::vector<Qua
   return best;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -8,7 +8,7 @@
 
 #include "calib/board_face.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// A marker in a picture; corners clockwise from its upper left, OpenCV's pixels (first centre at 0). Private
 /// to calib.
@@ -54,4 +54,4 @@ const struct MarkerDictionary* dictionary_of(const cv::Mat& grey,
                                              const std::vector<std::array<cv::Point2f, 4>>& squares,
                                              std::size_t least, std::vector<int>* ids = nullptr);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

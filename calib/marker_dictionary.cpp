@@ -8,7 +8,7 @@
 
 #include "calib/board.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 namespace ar = cv::aruco;
@@ -61,4 +61,4 @@ std::vector<std::string> marker_dictionaries() {
   return names;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// A marker dictionary by name, as OpenCV's number; "DICT_4X4_50" and "4x4_50" are the same. Private to
 /// calib.
@@ -25,4 +25,4 @@ struct DictionaryRange {
 };
 DictionaryRange all_dictionaries();
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

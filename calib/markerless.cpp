@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 namespace fs = std::filesystem;
@@ -221,4 +221,4 @@ Result<Rig> scale_to(Rig rig, const std::string& serial_a, const std::string& se
   return rig;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

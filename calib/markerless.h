@@ -12,7 +12,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// A picture and the camera that took it; the camera's intrinsics are known. Of the file's pixels every step
 /// but COLMAP's makes use.
@@ -70,4 +70,4 @@ Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPict
 /// not there, InvalidArgument for a distance that is not positive or two cameras in one place.
 Result<Rig> scale_to(Rig rig, const std::string& serial_a, const std::string& serial_b, double metres);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

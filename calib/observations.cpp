@@ -6,7 +6,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 Unexpected bad(const std::string& sentence) { return fail(ErrorCode::BadData, sentence); }
@@ -145,4 +145,4 @@ Result<void> check(const Observations& o) {
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

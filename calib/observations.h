@@ -13,7 +13,7 @@
 #include "core/rig.h"
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// What detectors hand to the solver, and what is known beforehand. Plain values: lengths in metres, pixels
 /// with (0,0) at the image's corner (a detector built on OpenCV adds the half pixel before it fills these
@@ -154,4 +154,4 @@ std::string to_json(const Observations& observations);
 Result<Observations> load_observations(const std::filesystem::path& file);
 Result<void> save_observations(const Observations& observations, const std::filesystem::path& file);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -286,4 +286,4 @@ Result<void> save_observations(const Observations& observations, const std::file
   return write_file(file, to_json(observations));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// A foreign calibration: the rig in our conventions, and what its file says about pictures.
 struct ForeignRig {
@@ -42,4 +42,4 @@ Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder
 Result<void> write_kalibr(const Rig& rig, const std::filesystem::path& camchain_yaml);
 Result<void> write_qualisys(const Rig& rig, const std::filesystem::path& qca_txt);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -9,7 +9,7 @@
 
 #include "calib/grey.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr int kRingSamples = 16;
@@ -140,4 +140,4 @@ std::vector<Saddle> find_saddles(const cv::Mat& grey, std::size_t most) {
   return found;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// What a ring around a place says: grey as a sum of waves. At the crossing of two edges the second wave
 /// rules. Pixels are OpenCV's (first centre at 0). Private to calib.
@@ -34,4 +34,4 @@ struct Saddle {
 };
 std::vector<Saddle> find_saddles(const cv::Mat& grey, std::size_t most);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

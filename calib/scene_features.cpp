@@ -10,7 +10,7 @@
 #include "calib/scene_rays.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Eigen::Matrix3d;
@@ -170,4 +170,4 @@ std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "calib/markerless.h"
 #include "calib/observations.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Adds points of the scene to what the solver is given: each is a static marker of its own. picture i is of
 /// camera camera_of_picture[i]; one picture a camera. Of more than `most` those are taken that most cameras
@@ -36,4 +36,4 @@ struct RigAgreement {
 /// Absent when fewer than three cameras are in both.
 std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

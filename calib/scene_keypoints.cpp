@@ -8,7 +8,7 @@
 
 #include "calib/grey.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // Weaker keypoints than usual, more of them, and finer in scale: pictures of a stage are mostly backdrop. On
@@ -45,4 +45,4 @@ SceneKeypoints find_keypoints(const Image& picture, int most) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

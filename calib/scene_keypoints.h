@@ -8,7 +8,7 @@
 
 #include "core/image.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Places of a picture that can be told again in another one: SIFT (Lowe, Distinctive image features from
 /// scale-invariant keypoints, 2004). The same picture gives the same keypoints. Private to calib.
@@ -27,4 +27,4 @@ struct SceneKeypoints {
 /// `picture`: 1 or 3 channels. The strongest `most` keypoints.
 SceneKeypoints find_keypoints(const Image& picture, int most = 8192);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

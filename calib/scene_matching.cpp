@@ -12,7 +12,7 @@
 #include "calib/scene_rays.h"
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Eigen::Vector2d;
@@ -197,4 +197,4 @@ std::vector<SceneFeature> points_of_matches(std::span<const SceneKeypoints> pict
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "calib/scene_keypoints.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Keypoints of two pictures that look alike. Private to calib.
 struct SceneMatches {
@@ -34,4 +34,4 @@ std::vector<SceneFeature> points_of_matches(std::span<const SceneKeypoints> pict
                                             std::span<const SceneMatches> matches, const Rig& rig,
                                             double tolerance);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

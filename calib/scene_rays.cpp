@@ -2,7 +2,7 @@
 
 #include <Eigen/Dense>
 
-namespace floatstage {
+namespace floatstage::calib {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -25,4 +25,4 @@ std::optional<Vector3d> meeting_point(const Rig& rig, std::span<const std::pair<
   return Vector3d(normal.ldlt().solve(right));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -8,10 +8,10 @@
 
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Where the rays of one point meet (least squares); absent when they are nearly parallel. Private to calib.
 std::optional<Eigen::Vector3d> meeting_point(const Rig& rig,
                                              std::span<const std::pair<int, Eigen::Vector2d>> seen);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -6,7 +6,7 @@
 #include "calib/target_sheet.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr double kPointsPerMillimetre = 72 / 25.4;
@@ -143,4 +143,4 @@ std::string to_pdf(const std::vector<Sheet>& sheets) {
                     objects.size() + 1, " /Root 1 0 R /Info 4 0 R >>\nstartxref\n", at, "\n%%EOF\n");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -149,4 +149,4 @@ std::vector<ColorSight> surface_colors(const Mesh& mesh, const Rig& rig, const s
   return sights;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "core/mesh.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Depth of the nearest surface, metres along z, by rows; +infinity where there is none. Triangles are taken
 /// as straight in the (distorted) picture.
@@ -20,4 +20,4 @@ std::vector<float> depth_map(const Mesh& mesh, const RigCamera& camera);
 std::vector<ColorSight> surface_colors(const Mesh& mesh, const Rig& rig, const std::vector<Image>& images,
                                        int first_point, int most = 3000);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

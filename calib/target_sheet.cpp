@@ -12,7 +12,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Eigen::Vector2d;
@@ -183,4 +183,4 @@ Result<std::vector<std::filesystem::path>> write_sheets(const TargetDesign& targ
   return written;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

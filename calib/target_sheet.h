@@ -9,7 +9,7 @@
 #include "calib/board.h"
 #include "core/camera.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// One shape in one colour on a sheet: a disc when `radius` is positive, else closed loops filled by the
 /// even-odd rule.
@@ -45,4 +45,4 @@ std::string to_pdf(const std::vector<Sheet>& sheets);
 Result<std::vector<std::filesystem::path>> write_sheets(const TargetDesign& target,
                                                         const std::filesystem::path& file);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

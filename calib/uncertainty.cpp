@@ -7,7 +7,7 @@
 #include "calib/solver/projection.h"
 #include "calib/solver/scene.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Eigen::Index;
@@ -67,4 +67,4 @@ double ProjectionUncertainty::sigma_px(int camera, const Eigen::Vector3d& in_wor
       0.0, 0.5 * (j * covariance_.block<kCovarianceRows, kCovarianceRows>(at, at) * j.transpose()).trace()));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

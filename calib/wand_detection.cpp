@@ -7,7 +7,7 @@
 
 #include "calib/board_detection.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 struct Blob {
@@ -171,4 +171,4 @@ BoardSearch find_wand(const cv::Mat& grey, const Wand& wand) {
   return wand.ball > 0 ? find_balls(grey, wand) : find_tags(grey, wand);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

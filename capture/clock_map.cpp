@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 struct Point {
@@ -98,4 +98,4 @@ ClockFit ClockMap::fit() const {
   return fit;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -6,7 +6,7 @@
 
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 struct ClockMapOptions {
   Nanoseconds window = {20'000'000'000};  ///< how far back the fit looks, in device time
@@ -66,4 +66,4 @@ class ClockMap {
   std::uint64_t restarts_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 // Critically damped (beta = alpha^2 / (2 - alpha)), over some twenty rows: jitter of single exposures hardly
@@ -49,4 +49,4 @@ std::int64_t EpochGrid::row_of(Timestamp time, std::optional<std::int64_t> expec
   return row;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

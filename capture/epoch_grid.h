@@ -5,7 +5,7 @@
 
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Numbers the instants of a recording: row 0 is the origin, and a row follows each period. The cameras'
 /// common rate is known only nominally (crystals differ by 100 ppm, and fake cameras are off by more), so
@@ -41,4 +41,4 @@ class EpochGrid {
   double anchor_rest_ = 0;  // the fraction of a nanosecond
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -4,7 +4,7 @@ extern "C" {
 #include <libavutil/crc.h>
 }
 
-namespace floatstage {
+namespace floatstage::capture {
 
 bool ffv1_intact(std::span<const std::uint8_t> picture) {
   constexpr std::size_t kFooter = 8;  // 3 bytes of size, 1 of error status, 4 of CRC
@@ -22,4 +22,4 @@ bool ffv1_intact(std::span<const std::uint8_t> picture) {
   return true;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

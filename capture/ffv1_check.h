@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Whether every slice of an FFV1 picture (version 3, with slice checksums) is as the encoder wrote it. The
 /// decoder checks too, but only to paint old pixels over the damage without saying so. (FFV1: RFC 9043,
@@ -11,4 +11,4 @@ namespace floatstage {
 /// is zero.)
 bool ffv1_intact(std::span<const std::uint8_t> picture);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -9,7 +9,7 @@
 #include "core/result.h"
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// What a started source will deliver.
 struct StreamInfo {
@@ -57,4 +57,4 @@ class FrameSource {
 /// Errors name the URI and what is understood.
 Result<std::unique_ptr<FrameSource>> open_source(const std::string& uri);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

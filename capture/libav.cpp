@@ -4,7 +4,7 @@
 
 #include "core/check.h"
 
-namespace floatstage::libav {
+namespace floatstage::capture::libav {
 
 void FormatDeleter::operator()(AVFormatContext* format) const {
   if (format->iformat) {
@@ -63,4 +63,4 @@ void set_bt709(SwsContext* scaler, bool source_full_range, bool target_full_rang
   sws_setColorspaceDetails(scaler, bt709, source_full_range, bt709, target_full_range, 0, 1 << 16, 1 << 16);
 }
 
-}  // namespace floatstage::libav
+}  // namespace floatstage::capture::libav

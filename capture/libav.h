@@ -14,7 +14,7 @@ extern "C" {
 
 #include "core/result.h"
 
-namespace floatstage::libav {
+namespace floatstage::capture::libav {
 
 struct Deleter {
   void operator()(AVFrame* frame) const { av_frame_free(&frame); }
@@ -67,4 +67,4 @@ void be_quiet();
 /// The colour matrix and range that a scaler assumes: RGB on one side, BT.709 on the other.
 void set_bt709(SwsContext* scaler, bool source_full_range, bool target_full_range);
 
-}  // namespace floatstage::libav
+}  // namespace floatstage::capture::libav

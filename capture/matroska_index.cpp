@@ -12,7 +12,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 // Element identifiers, marker bits included (RFC 9559, section 5).
@@ -114,4 +114,4 @@ Result<MatroskaIndex> index_matroska(int fd) {
   return index;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

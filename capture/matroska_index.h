@@ -5,7 +5,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Where the pictures of a Matroska file lie: found by walking the element headers and skipping everything
 /// else, so it costs one small read a picture and needs no index in the file. That is what makes a take that
@@ -26,4 +26,4 @@ struct MatroskaIndex {
 /// refuses.
 Result<MatroskaIndex> index_matroska(int fd);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -7,7 +7,7 @@
 #include "core/image.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Decodes any picture or video file that libav knows, one RGB picture after the other: what `import` reads.
 /// Pictures come as they are to be looked at: turned by the file's rotation metadata (video display matrix,
@@ -40,4 +40,4 @@ class VideoWriter {
   virtual Result<void> finish() = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -9,7 +9,7 @@
 
 #include "core/text.h"
 
-namespace floatstage::libav {
+namespace floatstage::capture::libav {
 namespace {
 
 constexpr int kBufferBytes = 1 << 16;
@@ -69,4 +69,4 @@ Input::~Input() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-}  // namespace floatstage::libav
+}  // namespace floatstage::capture::libav

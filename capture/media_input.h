@@ -4,7 +4,7 @@
 
 #include "capture/libav.h"
 
-namespace floatstage::libav {
+namespace floatstage::capture::libav {
 
 /// A local file behind libav's own input routine. Unlike a URL, it cannot be taken for a numbered pattern of
 /// pictures, a device or a network address, and a play list inside it cannot open other files.
@@ -23,4 +23,4 @@ class Input {
   int fd_ = -1;
 };
 
-}  // namespace floatstage::libav
+}  // namespace floatstage::capture::libav

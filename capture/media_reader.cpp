@@ -8,7 +8,7 @@ extern "C" {
 #include "capture/picture_turn.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;  // of one picture: 16384 x 16384
@@ -196,4 +196,4 @@ Result<std::unique_ptr<MediaReader>> MediaReader::open(const std::filesystem::pa
   return {std::move(reader)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -7,7 +7,7 @@
 #include "capture/v4l2/v4l2_source.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 struct SourceKind {
@@ -38,4 +38,4 @@ Result<std::unique_ptr<FrameSource>> open_source(const std::string& uri) {
               text("source '", uri, "': no camera of this kind; understood is ", understood));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

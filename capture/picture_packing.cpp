@@ -4,7 +4,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 AVPixelFormat format_for(TakeCodec codec, PixelFormat format) {
@@ -210,4 +210,4 @@ bool PicturePacking::unpack(const AVFrame& picture, std::byte* bytes_out) const 
   return true;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -7,7 +7,7 @@
 #include "capture/take.h"
 #include "core/frame.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// One picture format of one recording. Not thread safe.
 class PicturePacking {
@@ -33,4 +33,4 @@ class PicturePacking {
   libav::Owned<SwsContext> to_yuv_, to_rgb_;  // lossy RGB only
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

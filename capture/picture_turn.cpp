@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace floatstage {
+namespace floatstage::capture {
 
 std::optional<PictureTurn> turn_of(const std::int32_t* m) {
   const std::int32_t xx = m[0], xy = m[1], yx = m[3], yy = m[4];  // xy: what x adds to the new y
@@ -25,4 +25,4 @@ Image turned(const Image& image, const PictureTurn& turn) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

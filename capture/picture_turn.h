@@ -7,7 +7,7 @@
 
 #include "core/image.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// One of the eight ways to put a picture upright: columns and rows swapped or not, each axis then run
 /// backwards or not.
@@ -23,4 +23,4 @@ std::optional<PictureTurn> turn_of(const std::int32_t* display_matrix);
 
 Image turned(const Image& image, const PictureTurn& turn);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

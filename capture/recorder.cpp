@@ -16,7 +16,7 @@
 #include "core/take_layout.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 // A picture on its way to its file. The frame's sequence is its row already.
@@ -298,4 +298,4 @@ Result<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& f
   return {std::make_unique<TakeRecorder>(std::move(*writer), folder, rig, options)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

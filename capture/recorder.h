@@ -13,7 +13,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// What a recording must keep to, from the studio's configuration.
 struct RecordingLimits {
@@ -100,4 +100,4 @@ class Recorder {
   virtual Result<RecordingQuality> finish() = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

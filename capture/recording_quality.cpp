@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 QualityMeter::QualityMeter(std::vector<std::string> serials, double frame_rate, RecordingLimits limits)
     : frame_rate_(frame_rate), limits_(limits) {
@@ -105,4 +105,4 @@ std::string to_json(const RecordingQuality& quality) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

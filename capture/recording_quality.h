@@ -5,7 +5,7 @@
 
 #include "capture/recorder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Judges a recording from the facts of its frames, in any order of cameras. Not thread-safe.
 class QualityMeter {
@@ -51,4 +51,4 @@ class QualityMeter {
   std::vector<std::optional<Instant>> instants_;  // by row
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

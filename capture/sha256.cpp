@@ -11,7 +11,7 @@ extern "C" {
 
 #include "core/check.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 std::string sha256(std::string_view bytes) {
   const std::unique_ptr<AVSHA, decltype(&av_free)> state(av_sha_alloc(), &av_free);
@@ -27,4 +27,4 @@ std::string sha256(std::string_view bytes) {
   return hex;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

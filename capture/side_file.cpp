@@ -9,7 +9,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 SideFileWriter::SideFileWriter(SideFileWriter&& other) noexcept
     : file_(std::move(other.file_)), fd_(std::exchange(other.fd_, -1)) {}
@@ -42,4 +42,4 @@ Result<void> SideFileWriter::append(const std::string& line) {
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -5,7 +5,7 @@
 #include "core/result.h"
 #include "core/take_layout.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// A <serial>.frames.csv that is being recorded: one whole line a call, handed to the operating system at
 /// once.
@@ -27,4 +27,4 @@ class SideFileWriter {
   int fd_ = -1;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

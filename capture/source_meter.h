@@ -4,7 +4,7 @@
 
 #include "capture/frame_source.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// A source's counters, written by its thread and read by any.
 class SourceMeter {
@@ -27,4 +27,4 @@ class SourceMeter {
   std::atomic<std::uint64_t> delivered_{0}, lost_{0}, corrupt_{0}, starved_{0}, failed_{0};
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -6,7 +6,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 template <class T>
@@ -102,4 +102,4 @@ std::uint64_t DeviceUri::frames() {
   return frames > 0 ? static_cast<std::uint64_t>(frames) : UINT64_MAX;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -9,7 +9,7 @@
 #include "core/frame.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// The options of a source's URI, "key=value&key=value", each read once and checked. The first thing that is
 /// wrong is kept; finish() returns it, or that there was a key which nobody asked for.
@@ -72,4 +72,4 @@ void DeviceUri::read_pictures(Settings& s, int most_buffers) {
   s.buffers = options.integer("buffers", s.buffers, 2, most_buffers);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

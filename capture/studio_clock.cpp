@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-namespace floatstage {
+namespace floatstage::capture {
 
 Timestamp studio_now() {
   timespec now{};
@@ -10,4 +10,4 @@ Timestamp studio_now() {
   return {static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

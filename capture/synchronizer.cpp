@@ -7,7 +7,7 @@
 #include "core/check.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 // The loop's gains: how much of a set's surprise goes into the phase and into the period. Critically damped
@@ -259,4 +259,4 @@ std::vector<std::string> sync_complaints(const SyncStats& stats, const std::vect
   return complaints;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

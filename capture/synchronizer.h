@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// What becomes of an instant that not every camera saw.
 enum class MissingPolicy {
@@ -116,4 +116,4 @@ struct SyncLimits {
 std::vector<std::string> sync_complaints(const SyncStats& stats, const std::vector<std::string>& serials,
                                          const SyncLimits& limits);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

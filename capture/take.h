@@ -10,7 +10,7 @@
 #include "core/rig.h"
 #include "core/take_layout.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 enum class TakeCodec {
   Ffv1,  ///< lossless, the default
@@ -74,4 +74,4 @@ class TakeReader {
   virtual Result<FrameSet> frame_set(int index) = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

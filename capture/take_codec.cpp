@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 constexpr std::array<const char*, 3> kNames = {"ffv1", "raw", "h264"};
 }
@@ -15,4 +15,4 @@ std::optional<TakeCodec> take_codec_named(std::string_view name) {
   return std::nullopt;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -5,10 +5,10 @@
 
 #include "capture/take.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// The names in take.json: "ffv1", "raw", "h264".
 const char* name_of(TakeCodec codec);
 std::optional<TakeCodec> take_codec_named(std::string_view name);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

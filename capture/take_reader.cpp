@@ -11,7 +11,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -219,4 +219,4 @@ Result<std::unique_ptr<TakeReader>> TakeReader::open(const std::filesystem::path
   return {std::move(reader)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -12,7 +12,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -257,4 +257,4 @@ Result<std::unique_ptr<TakeWriter>> TakeWriter::create(const std::filesystem::pa
   return {std::move(writer)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -18,7 +18,7 @@ extern "C" {
 #include "capture/take_codec.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 class FileDescriptor {
@@ -236,4 +236,4 @@ Result<std::unique_ptr<TrackReader>> TrackReader::open(const std::filesystem::pa
   return {std::move(track)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -5,7 +5,7 @@
 
 #include "capture/take.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// The media file of one camera of a take, opened for random access. Thread safe: one picture is decoded at a
 /// time.
@@ -27,4 +27,4 @@ class TrackReader {
   virtual Result<std::shared_ptr<const std::byte[]>> picture(std::int64_t index) = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -12,7 +12,7 @@ extern "C" {
 #include "capture/picture_packing.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 // Slices let one picture be coded by several cores; their number is fixed so that the bytes do not depend on
@@ -233,4 +233,4 @@ Result<std::unique_ptr<TrackWriter>> TrackWriter::create(const std::filesystem::
   return {std::move(track)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -6,7 +6,7 @@
 
 #include "capture/take.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// The media file of one camera while it is being recorded. Not thread safe.
 class TrackWriter {
@@ -24,4 +24,4 @@ class TrackWriter {
   virtual Result<void> finish() = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -6,7 +6,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 namespace fs = std::filesystem;
@@ -198,4 +198,4 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::filesystem::
   return {std::move(writer)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

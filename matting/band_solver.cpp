@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "matting/dense.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kManyUnknowns = 100'000;             // from here on METIS' better order is worth its time
@@ -106,4 +106,4 @@ Result<std::vector<double>> solve_band(const LaplacianStencil& stencil,
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

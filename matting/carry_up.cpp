@@ -4,7 +4,7 @@
 #include "matting/video/affine_carry.h"
 #include "matting/video/video_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr double kAspect = 0.02;  // how far the two aspects may differ
@@ -34,4 +34,4 @@ Image silhouette_of(const Image& matte, int threshold) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

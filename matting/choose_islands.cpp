@@ -7,7 +7,7 @@
 
 #include "core/check.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kSubject = 128;
@@ -78,4 +78,4 @@ Image choose_islands(const Image& key, const Image& previous, const Image& said,
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

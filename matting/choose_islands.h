@@ -2,7 +2,7 @@
 
 #include "core/image.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Which separate parts of a key are the subject, when a person or the frame before says so.
 ///
@@ -14,4 +14,4 @@ namespace floatstage {
 /// subject stroke touches any. Soft edges of what stays are kept; what goes is 0.
 Image choose_islands(const Image& key, const Image& previous, const Image& said, int reach);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -9,7 +9,7 @@
 #include "matting/band_solver.h"
 #include "matting/picture_scale.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kReach = 2;  // px: rows of L reach this far
@@ -197,4 +197,4 @@ Result<Image> trimap_from_scribbles(const Image& picture, const Image& scribbled
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 
 // Closed-form matting: A. Levin, D. Lischinski, Y. Weiss, "A Closed-Form Solution to Natural Image Matting",
 // PAMI 2008.
-namespace floatstage {
+namespace floatstage::matting {
 
 struct ClosedFormOptions {
   LaplacianOptions laplacian;
@@ -69,4 +69,4 @@ RefineOptions key_refinement();
 Result<Image> refine_matte(const Image& picture, const Image& matte, const RefineOptions& options = {},
                            const Image& keep = {});
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

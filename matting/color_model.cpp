@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr float kBlind = 0.02f;  // share of colours drawn blindly
@@ -32,4 +32,4 @@ void ColorModel::finish() {
   for (float& b : bins_) b = sum > 0 ? (1 - kBlind) * static_cast<float>(b * kBins / sum) + kBlind : 1;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

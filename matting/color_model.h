@@ -4,7 +4,7 @@
 #include <vector>
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// How often colours occur: a histogram of 32 steps a channel, smoothed so that a few thousand pixels fill
 /// it.
@@ -27,4 +27,4 @@ class ColorModel {
   std::vector<float> bins_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 
 #include "matting/video/video_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kSurelySubject = 250, kSurelyBackground = 5;
@@ -129,4 +129,4 @@ std::size_t MethodComparison::best(std::optional<std::size_t> usual) const {
   return static_cast<std::size_t>(least - all.begin());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

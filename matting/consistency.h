@@ -7,7 +7,7 @@
 #include "core/image.h"
 #include "matting/keyers/plate.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// How well each of several mattes of one picture explains it, where they differ or are soft: what `auto`
 /// chooses by, since a picture brings no truth along.
@@ -47,4 +47,4 @@ class MethodComparison {
   int frames_ = 0, pairs_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

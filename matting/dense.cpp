@@ -3,7 +3,7 @@
 #include <cblas.h>
 #include <dlfcn.h>
 
-namespace floatstage {
+namespace floatstage::matting {
 
 namespace {
 
@@ -79,4 +79,4 @@ OneThread::~OneThread() {
   if (levels_ >= 0) find<void(int)>("omp_set_max_active_levels")(levels_);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

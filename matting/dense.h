@@ -5,7 +5,7 @@
 #include "core/result.h"
 
 // Private to the stage: dense products by the machine's BLAS, which picks its kernels for the CPU it runs on.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// out = a' b, for tall a and b.
 void transposed_product(const Eigen::Ref<const Eigen::MatrixXd>& a,
@@ -40,4 +40,4 @@ class OneThread {
 /// OpenBLAS built without threads (Debian's libopenblas0-serial) shares its work buffers between callers.
 Result<void> check_blas();
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 #include "core/check.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kCoarse = 32;  // px: levels up to here are cheap and carry colour far
@@ -140,4 +140,4 @@ void despill(Image& rgb, BackingChannel channel, double average, bool keep_luma)
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -3,7 +3,7 @@
 #include "core/image.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 struct Layers {
   Image foreground, background;  ///< RGB; picture = a * foreground + (1 - a) * background
@@ -35,4 +35,4 @@ enum class BackingChannel { Green = 1, Blue = 2 };
 /// `keep_luma`. `rgb` has 3 channels.
 void despill(Image& rgb, BackingChannel channel, double average = 0, bool keep_luma = false);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kLanes = 8;    // windows side by side, so that compilers vectorise the arithmetic
@@ -147,4 +147,4 @@ void build_stencil(const Image& picture, double epsilon, const Image& known, Lap
   reset_diagonal(stencil);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 #include "core/image.h"
 
 // Private to the stage: the matting Laplacian as a stencil, before anybody wants a sparse matrix of it.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// The matting Laplacian of a picture, one half of its symmetric 5x5 stencil: `planes[k][p]` is L(p, p +
 /// step(k)), where step(0) is the pixel itself, step(1), step(2) are to its right, step(3 + dx + 2) and
@@ -32,4 +32,4 @@ struct LaplacianStencil {
 /// not 0 are left out.
 void build_stencil(const Image& picture, double epsilon, const Image& known, LaplacianStencil& stencil);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -5,7 +5,7 @@
 #include "core/text.h"
 #include "matting/laplacian_stencil.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kReach = 2;  // pixels that share a window are at most this many rows and columns apart
@@ -79,4 +79,4 @@ Result<Eigen::SparseMatrix<double>> matting_laplacian(const Image& picture, cons
   return to_sparse(stencil, [](double value) { return value != 0; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

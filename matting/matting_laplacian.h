@@ -5,7 +5,7 @@
 #include "core/image.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 struct LaplacianOptions {
   /// How far the colours of a window may leave a line before it costs as much as a change of opacity. Added
@@ -35,4 +35,4 @@ Result<Eigen::SparseMatrix<double>> matting_laplacian(const Image& picture,
                                                       const LaplacianOptions& options = {},
                                                       const Image& known = {});
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace floatstage {
+namespace floatstage::matting {
 
 Image scaled(const Image& picture, int width, int height) {
   if (picture.width == width && picture.height == height) return picture;
@@ -37,4 +37,4 @@ MatteOpinion scaled(const MatteOpinion& opinion, int width, int height) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -4,7 +4,7 @@
 #include "matting/spectral/spectral_matting.h"
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// The picture at another size: area means when it shrinks, bicubic when it grows. The picture itself when
 /// the size fits.
@@ -14,4 +14,4 @@ Image scaled(const Image& picture, int width, int height);
 /// loses weight.
 MatteOpinion scaled(const MatteOpinion& opinion, int width, int height);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

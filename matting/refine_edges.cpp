@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kSubject = 128, kFaint = 24;  // alpha: subject; possibly subject
@@ -117,4 +117,4 @@ void refine_edges(const BackingMeasure& measure, float contrast, const Image& do
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

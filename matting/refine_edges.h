@@ -5,7 +5,7 @@
 #include "core/image.h"
 
 // Private to the stage: the last step of the colour keyers.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Writes the pixels x0 … x0 + count - 1 of row y of a measure that tells subject and backing apart to `out`.
 /// It must be linear in the share that each has in a pixel, and 0 where nothing is known of the subject; its
@@ -24,4 +24,4 @@ using BackingMeasure = std::function<void(int y, int x0, int count, float* out)>
 /// `contrast` of s_B.
 void refine_edges(const BackingMeasure& measure, float contrast, const Image& doubt, Image& alpha);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

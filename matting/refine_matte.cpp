@@ -5,7 +5,7 @@
 #include "matting/closed_form.h"
 #include "matting/video/affine_carry.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 RefineOptions key_refinement() {
   RefineOptions options;
@@ -58,4 +58,4 @@ Result<Image> refine_matte(const Image& picture, const Image& matte, const Refin
   return closed_form_matte(picture, band, solve, start);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

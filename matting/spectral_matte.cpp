@@ -7,7 +7,7 @@
 #include "matting/picture_scale.h"
 #include "matting/video/matte_propagation.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 bool same_size(const Image& a, const Image& b) { return a.width == b.width && a.height == b.height; }
@@ -59,4 +59,4 @@ Result<Image> spectral_matte(const Image& picture, const MatteOpinion& said,
   return matte;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -4,7 +4,7 @@
 #include "core/result.h"
 #include "matting/video/video_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// One picture's matte by spectral matting: its components at working size, chosen by what somebody says (or,
 /// when nobody does, by the balanced split of least matting energy, guess_selection()), carried up to the
@@ -18,4 +18,4 @@ namespace floatstage {
 Result<Image> spectral_matte(const Image& picture, const MatteOpinion& said = {},
                              const VideoMattingOptions& options = {});
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -9,7 +9,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using Eigen::Vector3d;
@@ -182,4 +182,4 @@ CameraPath orbit_path(const Rig& rig, const Eigen::AlignedBox3d& subject, double
   return path;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -9,7 +9,7 @@
 #include "core/rig.h"
 #include "core/view.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// One key frame of a camera path: where the virtual camera stands and looks at a time of the film.
 struct PathKey {
@@ -41,4 +41,4 @@ Result<void> save_path(const CameraPath& path, const std::filesystem::path& file
 /// else from one end of their arc to the other and back (no camera has seen the rest).
 CameraPath orbit_path(const Rig& rig, const Eigen::AlignedBox3d& subject, double seconds);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -4,7 +4,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 namespace fs = std::filesystem;
 
@@ -33,4 +33,4 @@ void sweep_temporaries(const fs::path& folder) {
   for (const fs::path& half : halves) fs::remove(half, error);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

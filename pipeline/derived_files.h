@@ -4,7 +4,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// A stage's folder holds products of one set of options; others need --redo, which clears it. What a person
 /// made in it
@@ -14,4 +14,4 @@ Result<void> clear_for_redo(const std::filesystem::path& folder, const std::file
 /// Removes half-written files of a run that was killed; finished ones have other names.
 void sweep_temporaries(const std::filesystem::path& folder);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

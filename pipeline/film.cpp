@@ -6,10 +6,10 @@
 #include <future>
 
 #include "core/text.h"
-#include "pipeline/scene_loader.h"
 #include "pipeline/progress.h"
+#include "pipeline/scene_loader.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -31,7 +31,7 @@ std::vector<int> schedule(const FilmOptions& options, double take_rate, double p
   return frames;
 }
 
-Result<void> check(const TakeReader& take, const FilmOptions& options) {
+Result<void> check(const capture::TakeReader& take, const FilmOptions& options) {
   if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "a film of no frames");
   if (options.methods.empty())
     return fail(ErrorCode::InvalidArgument, "a film needs a method; see `floatstage render --help`");
@@ -47,7 +47,7 @@ Result<void> check(const TakeReader& take, const FilmOptions& options) {
 // Decodes the next instant while the present one is drawn.
 class SceneStream {
  public:
-  SceneStream(TakeReader& take, bool suppress_spill, const std::vector<int>& schedule)
+  SceneStream(capture::TakeReader& take, bool suppress_spill, const std::vector<int>& schedule)
       : take_(take), suppress_spill_(suppress_spill), schedule_(schedule), next_(load(schedule.front())) {}
 
   Result<SceneFrame> at(std::size_t picture) {
@@ -64,7 +64,7 @@ class SceneStream {
                       [this, frame] { return load_scene(take_, frame, suppress_spill_); });
   }
 
-  TakeReader& take_;
+  capture::TakeReader& take_;
   const bool suppress_spill_;
   const std::vector<int>& schedule_;
   std::future<Result<SceneFrame>> next_;
@@ -99,13 +99,13 @@ Image side_by_side(const std::vector<Image>& pictures) {
   return sheet;
 }
 
-Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const FilmOptions& options,
+Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path, const FilmOptions& options,
                                const std::function<Result<void>(FilmPicture)>& visit) {
   if (Result<void> ok = check(take, options); !ok) return forward(ok);
   const Clock::time_point begin = Clock::now();
-  std::vector<std::unique_ptr<ViewRenderer>> renderers;
+  std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
   for (const std::string& method : options.methods) {
-    Result<std::unique_ptr<ViewRenderer>> r = make_renderer(method);
+    Result<std::unique_ptr<render::ViewRenderer>> r = make_renderer(method);
     if (!r) return forward(r);
     renderers.push_back(std::move(*r));
   }
@@ -117,7 +117,7 @@ Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const F
   const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
   const double film_seconds = static_cast<double>(frames.size()) / options.frame_rate;
   SceneStream scenes(take, options.suppress_spill, frames);
-  SceneTextures textures;
+  render::SceneTextures textures;
   FilmReport report;
   ProgressPart progress(options.progress, "pictures", frames.size());
   for (std::size_t p = 0; p < frames.size(); ++p) {
@@ -133,8 +133,8 @@ Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const F
     const PathKey key = sample(path, film_time / film_seconds * path.duration());
     FilmPicture picture{
         static_cast<int>(p), frames[p], view_of(key, options.width, options.height, *box), {}};
-    for (const std::unique_ptr<ViewRenderer>& renderer : renderers) {
-      Result<RenderedView> rendered = renderer->render(textures, picture.view, options.renderer);
+    for (const std::unique_ptr<render::ViewRenderer>& renderer : renderers) {
+      Result<render::RenderedView> rendered = renderer->render(textures, picture.view, options.renderer);
       if (!rendered) return in_frame(rendered.error());
       picture.renders.push_back(download(*rendered));
     }
@@ -147,4 +147,4 @@ Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const F
   return report;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -11,7 +11,7 @@
 #include "pipeline/progress.h"
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct FilmOptions {
   int width = 640, height = 480;  ///< of one picture
@@ -20,7 +20,7 @@ struct FilmOptions {
   std::vector<int> frames;  ///< frames of the take to play, in order; begun again when the film is longer
   std::vector<std::string> methods;  ///< renderers, each draws every picture
   bool suppress_spill = true;
-  RendererOptions renderer;
+  render::RendererOptions renderer;
   Progress* progress = nullptr;  ///< null: unwatched
 };
 
@@ -40,7 +40,7 @@ struct FilmReport {
 
 /// Walks the virtual camera along `path` while the take plays and hands each picture to `visit`, in order, on
 /// the calling thread. Needs a current GL context. Stops at the first error of `visit`.
-Result<FilmReport> render_film(TakeReader& take, const CameraPath& path, const FilmOptions& options,
+Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path, const FilmOptions& options,
                                const std::function<Result<void>(FilmPicture)>& visit);
 
 /// RGBA over a background colour (0…1).
@@ -49,4 +49,4 @@ Image over(const Image& rgba, const std::array<float, 3>& background);
 /// RGB pictures of one height, left to right.
 Image side_by_side(const std::vector<Image>& pictures);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,24 +6,24 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
-Result<HullOptions> hull_options(const HullWords& words) {
-  HullOptions options = words.options;
+Result<recon::HullOptions> hull_options(const HullWords& words) {
+  recon::HullOptions options = words.options;
   if (words.method == "exact") {
-    options.method = HullMethod::Exact;
+    options.method = recon::HullMethod::Exact;
   } else if (words.method == "octree") {
-    options.method = HullMethod::Octree;
+    options.method = recon::HullMethod::Octree;
   } else {
     return fail(ErrorCode::InvalidArgument,
                 text("--method '", words.method, "' is neither exact nor octree"));
   }
   if (words.votes == "strict") {
-    options.voting = HullVoting::Strict;
+    options.voting = recon::HullVoting::Strict;
   } else if (words.votes == "auto") {
-    options.voting = HullVoting::Auto;
+    options.voting = recon::HullVoting::Auto;
   } else {
-    options.voting = HullVoting::MofN;
+    options.voting = recon::HullVoting::MofN;
     const char* end = words.votes.data() + words.votes.size();
     const auto [stop, error] = std::from_chars(words.votes.data(), end, options.votes);
     if (error != std::errc() || stop != end || options.votes < 2) {
@@ -40,16 +40,16 @@ Result<HullOptions> hull_options(const HullWords& words) {
   return options;
 }
 
-nlohmann::json describe(const HullOptions& options) {
+nlohmann::json describe(const recon::HullOptions& options) {
   nlohmann::json j;
-  if (options.method == HullMethod::Octree) {
+  if (options.method == recon::HullMethod::Octree) {
     j = {{"method", "octree"}, {"resolution", options.resolution}, {"smoothing", options.smoothing}};
   } else {
     j = {{"method", "exact"}, {"contour_tolerance", options.contour_tolerance}};
-    if (options.voting == HullVoting::MofN) {
+    if (options.voting == recon::HullVoting::MofN) {
       j["votes"] = options.votes;
     } else {
-      j["votes"] = options.voting == HullVoting::Auto ? "auto" : "strict";
+      j["votes"] = options.voting == recon::HullVoting::Auto ? "auto" : "strict";
     }
   }
   if (options.volume) {
@@ -57,7 +57,7 @@ nlohmann::json describe(const HullOptions& options) {
     j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
   }
   if (options.care.wanted()) {
-    const HullCare& care = options.care;
+    const recon::HullCare& care = options.care;
     j["care"] = {{"collapse_slivers", care.collapse_slivers},
                  {"smooth", care.smooth},
                  {"triangles", care.triangles},
@@ -67,7 +67,7 @@ nlohmann::json describe(const HullOptions& options) {
   return j;
 }
 
-std::optional<HullOptions> parse_hull_options(const nlohmann::json& description) {
+std::optional<recon::HullOptions> parse_hull_options(const nlohmann::json& description) {
   try {
     const nlohmann::json& j = description;
     HullWords words;
@@ -79,7 +79,7 @@ std::optional<HullOptions> parse_hull_options(const nlohmann::json& description)
       words.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
     if (j.contains("volume")) words.volume = j["volume"].get<std::vector<double>>();
     if (j.contains("care")) {
-      HullCare& care = words.options.care;
+      recon::HullCare& care = words.options.care;
       const nlohmann::json& c = j["care"];
       care.collapse_slivers = c.value("collapse_slivers", care.collapse_slivers);
       care.smooth = c.value("smooth", care.smooth);
@@ -88,7 +88,7 @@ std::optional<HullOptions> parse_hull_options(const nlohmann::json& description)
       care.largest_loss = c.value("loss", care.largest_loss);
     }
     if (!words.volume.empty() && words.volume.size() != 6) return std::nullopt;
-    Result<HullOptions> options = hull_options(words);
+    Result<recon::HullOptions> options = hull_options(words);
     if (!options) return std::nullopt;
     return *options;
   } catch (const nlohmann::json::exception&) {
@@ -96,4 +96,4 @@ std::optional<HullOptions> parse_hull_options(const nlohmann::json& description)
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

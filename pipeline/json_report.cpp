@@ -4,10 +4,10 @@
 
 #include "core/file.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 Result<void> save_json(const nlohmann::json& report, const std::filesystem::path& file) {
   return write_file(file, report.dump(2) + "\n");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

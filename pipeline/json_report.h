@@ -6,9 +6,9 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Writes a verb's --json report: indented, whole or not at all. NaN and infinity become null.
 Result<void> save_json(const nlohmann::json& report, const std::filesystem::path& file);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

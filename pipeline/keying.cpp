@@ -6,7 +6,7 @@
 #include "core/png.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 using nlohmann::json;
 
@@ -38,7 +38,8 @@ Result<void> save_keying(const KeyingRecord& record, const TakeLayout& layout, c
   return write_file(layout.keying(), j.dump(2) + "\n");
 }
 
-Result<std::unique_ptr<Keyer>> keyer_for(TakeReader& take, int camera, const std::string& spec) {
+Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int camera,
+                                                  const std::string& spec) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   std::vector<Image> samples;
   const std::filesystem::path plate = take.layout().plate(serial);
@@ -59,9 +60,9 @@ Result<std::unique_ptr<Keyer>> keyer_for(TakeReader& take, int camera, const std
       samples.push_back(std::move(*picture));
     }
   }
-  Result<std::unique_ptr<Keyer>> keyer = make_keyer(spec, samples);
+  Result<std::unique_ptr<matting::Keyer>> keyer = make_keyer(spec, samples);
   if (!keyer) return fail(keyer.error().code, text("camera '", serial, "': ", keyer.error().message));
   return keyer;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -9,7 +9,7 @@
 #include "core/result.h"
 #include "matting/keyers/keyer.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// mattes/keying.json: which keyer made a take's mattes, camera by camera.
 struct KeyingRecord {
@@ -23,6 +23,7 @@ Result<std::optional<KeyingRecord>> load_keying(const TakeLayout& layout, const 
 Result<void> save_keying(const KeyingRecord& record, const TakeLayout& layout, const Rig& rig);
 
 /// The keyer of one camera: `spec` completed from its clean plate, or else from a few of its photographs.
-Result<std::unique_ptr<Keyer>> keyer_for(TakeReader& take, int camera, const std::string& spec);
+Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int camera,
+                                                  const std::string& spec);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,19 +7,19 @@
 #include "core/png.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
 
 class VideoSink : public PictureSink {
  public:
-  explicit VideoSink(std::unique_ptr<VideoWriter> writer) : writer_(std::move(writer)) {}
+  explicit VideoSink(std::unique_ptr<capture::VideoWriter> writer) : writer_(std::move(writer)) {}
   Result<void> write(const Image& rgb) override { return writer_->write(rgb); }
   Result<void> finish() override { return writer_->finish(); }
 
  private:
-  std::unique_ptr<VideoWriter> writer_;
+  std::unique_ptr<capture::VideoWriter> writer_;
 };
 
 class FolderSink : public PictureSink {
@@ -59,7 +59,8 @@ Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int 
                 text(out.string(), " exists already; choose another --out or remove it"));
   const fs::path extension = out.extension();
   if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
-    Result<std::unique_ptr<VideoWriter>> writer = VideoWriter::create(out, width, height, frame_rate);
+    Result<std::unique_ptr<capture::VideoWriter>> writer =
+        capture::VideoWriter::create(out, width, height, frame_rate);
     if (!writer) return forward(writer);
     return std::unique_ptr<PictureSink>(std::make_unique<VideoSink>(std::move(*writer)));
   }
@@ -73,4 +74,4 @@ Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int 
   return std::unique_ptr<PictureSink>(std::make_unique<FolderSink>(out, temporary));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

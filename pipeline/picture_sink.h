@@ -6,7 +6,7 @@
 #include "core/image.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Where a film's pictures go: a video file, or a folder of PNGs. Nothing stands under the final name before
 /// finish().
@@ -22,4 +22,4 @@ class PictureSink {
 Result<std::unique_ptr<PictureSink>> open_picture_sink(const std::filesystem::path& out, int width,
                                                        int height, double frame_rate);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

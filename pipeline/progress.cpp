@@ -1,6 +1,6 @@
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 Unexpected cancelled() {
   return fail(ErrorCode::Cancelled,
@@ -9,4 +9,4 @@ Unexpected cancelled() {
 
 Unexpected cancelled_unwritten() { return fail(ErrorCode::Cancelled, "interrupted; nothing was written"); }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -5,7 +5,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// How a job on a take is watched, and stopped. A job's options carry one, which outlives the job; null means
 /// that nobody watches and that nothing stops it. All members are called from any thread.
@@ -47,4 +47,4 @@ class ProgressPart {
   Progress* const progress_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

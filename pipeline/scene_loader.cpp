@@ -6,17 +6,17 @@
 #include "core/text.h"
 #include "pipeline/keying.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
-Result<void> take_spill_off(TakeReader& take, FrameSet& images) {
+Result<void> take_spill_off(capture::TakeReader& take, FrameSet& images) {
   const Result<std::optional<KeyingRecord>> keying = load_keying(take.layout(), take.rig());
   if (!keying) return forward(keying);
   if (!*keying || (*keying)->specs.empty()) return {};
   for (std::size_t i = 0; i < images.frames.size(); ++i) {
     Frame& frame = images.frames[i];
     if (frame.empty()) continue;
-    Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, static_cast<int>(i), (*keying)->specs[i]);
+    Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, static_cast<int>(i), (*keying)->specs[i]);
     if (!keyer) return forward(keyer);
     Result<Image> clean = (*keyer)->suppress_spill(frame);
     if (!clean) return forward(clean);
@@ -27,7 +27,7 @@ Result<void> take_spill_off(TakeReader& take, FrameSet& images) {
 
 }  // namespace
 
-Result<std::vector<Matte>> load_mattes(const TakeReader& take, int frame) {
+Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int frame) {
   const Rig& rig = take.rig();
   std::vector<Matte> mattes(rig.cameras.size());
   for (std::size_t i = 0; i < mattes.size(); ++i) {
@@ -47,7 +47,7 @@ Result<std::vector<Matte>> load_mattes(const TakeReader& take, int frame) {
   return mattes;
 }
 
-Result<SceneFrame> load_scene(TakeReader& take, int frame, bool suppress_spill) {
+Result<SceneFrame> load_scene(capture::TakeReader& take, int frame, bool suppress_spill) {
   SceneFrame scene;
   Result<Mesh> mesh = load_ply(take.layout().mesh(frame));
   if (!mesh && mesh.error().code == ErrorCode::NotFound)
@@ -67,7 +67,7 @@ Result<SceneFrame> load_scene(TakeReader& take, int frame, bool suppress_spill) 
   return scene;
 }
 
-Result<Rig> rig_with_colors(const TakeReader& take) {
+Result<Rig> rig_with_colors(const capture::TakeReader& take) {
   const std::filesystem::path file = take.layout().colors();
   Rig rig = take.rig();
   if (!std::filesystem::exists(file)) return rig;
@@ -84,7 +84,7 @@ Result<Rig> rig_with_colors(const TakeReader& take) {
   return rig;
 }
 
-Result<Eigen::AlignedBox3d> subject_box(const TakeReader& take) {
+Result<Eigen::AlignedBox3d> subject_box(const capture::TakeReader& take) {
   Eigen::AlignedBox3d box;
   for (int frame = 0; frame < take.frame_count(); ++frame) {
     if (!std::filesystem::exists(take.layout().mesh(frame))) continue;
@@ -99,4 +99,4 @@ Result<Eigen::AlignedBox3d> subject_box(const TakeReader& take) {
   return box;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

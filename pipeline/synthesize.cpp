@@ -12,7 +12,7 @@
 #include "core/text.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,16 +58,17 @@ Result<void> synthesize_take(const SynthesizeOptions& options) {
   if (options.frames < 1) return fail(ErrorCode::InvalidArgument, "a take needs at least one frame");
   Result<SyntheticStudio> studio = SyntheticStudio::create(true_rig(options), options.studio);
   if (!studio) return forward(studio);
-  TakeWriterOptions take_options = options.take;
+  capture::TakeWriterOptions take_options = options.take;
   take_options.frame_rate = options.studio.frame_rate;
-  Result<std::unique_ptr<TakeWriter>> writer =
-      TakeWriter::create(options.out, studio->published_rig(), take_options);
+  Result<std::unique_ptr<capture::TakeWriter>> writer =
+      capture::TakeWriter::create(options.out, studio->published_rig(), take_options);
   if (!writer) return forward(writer);
   const TakeLayout layout(options.out);
   if (Result<void> ok = write_stage(*studio, layout, options.depth); !ok) return ok;
 
   const std::vector<RigCamera>& cameras = studio->published_rig().cameras;
-  ProgressPart progress(options.progress, "synthesize", static_cast<std::size_t>(options.frames) * cameras.size());
+  ProgressPart progress(options.progress, "synthesize",
+                        static_cast<std::size_t>(options.frames) * cameras.size());
   for (int frame = 0; frame < options.frames; ++frame) {
     if (is_cancelled(options.progress)) return cancelled();
     std::vector<std::optional<Error>> failures(cameras.size());
@@ -85,4 +86,4 @@ Result<void> synthesize_take(const SynthesizeOptions& options) {
   return (*writer)->finish();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

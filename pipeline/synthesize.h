@@ -4,18 +4,18 @@
 
 #include "capture/take.h"
 #include "core/result.h"
-#include "pipeline/progress.h"
 #include "core/synthetic/synthetic_studio.h"
+#include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct SynthesizeOptions {
   std::filesystem::path out;
   SyntheticRigOptions rig;
-  StudioOptions studio;
+  SyntheticStudioOptions studio;
   int frames = 24;
   bool depth = false;  ///< write the true depth too (large)
-  TakeWriterOptions take;
+  capture::TakeWriterOptions take;
   Progress* progress = nullptr;  ///< null: unwatched
   int threads = 0;
 };
@@ -27,4 +27,4 @@ Result<void> synthesize_take(const SynthesizeOptions& options);
 /// The rig of `options` with the lens defect built in: what SyntheticStudio::create wants.
 Rig true_rig(const SynthesizeOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -192,4 +192,4 @@ std::optional<Eigen::AlignedBox3d> bounding_volume(const Rig& rig, std::span<con
   return std::nullopt;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -8,7 +8,7 @@
 #include "core/matte.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// The box around the intersection of the silhouettes' bounding pyramids (in the world, metres): every
 /// camera's subject lies in a rectangle of its image, whose sides, undistorted, are four planes through the
@@ -28,4 +28,4 @@ bool has_subject(const Matte& matte);
 /// The rectangle, in pixels, of all pixels with any subject at all (alpha >= 128); empty when there is none.
 Eigen::AlignedBox2i subject_rectangle(const Matte& matte);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

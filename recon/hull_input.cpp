@@ -9,7 +9,7 @@
 #include "recon/outline.h"
 #include "recon/silhouette.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr std::size_t kMostPoints = 20000;  // of one outline, as SilhouetteOptions::most_points
@@ -86,4 +86,4 @@ std::span<const Matte> HullInput::mattes() {
   return filled_;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -8,7 +8,7 @@
 #include "core/rig.h"
 #include "core/silhouette.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// What visual_hull() was given of each camera: a matte or an outline. The spans outlive it.
 class HullInput {
@@ -46,4 +46,4 @@ class HullInput {
   std::size_t count_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

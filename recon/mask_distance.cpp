@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 bool in(const Matte& mask, int x, int y) {
@@ -43,4 +43,4 @@ double mask_distance(const Matte& a, const Matte& b) {
   return std::max(furthest(a, b), furthest(b, a));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

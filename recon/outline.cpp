@@ -11,7 +11,7 @@
 #include "recon/silhouette.h"
 #include "recon/silhouette_grid.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -266,4 +266,4 @@ Silhouette outline_of(const Matte& matte, const CameraModel& model, const Silhou
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

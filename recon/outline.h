@@ -6,7 +6,7 @@
 #include "core/matte.h"
 #include "core/silhouette.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 struct SilhouetteOptions {
   double tolerance = 0.5;       ///< px: how far the polygon may leave the iso-line; 0 keeps every point
@@ -51,4 +51,4 @@ Silhouette outline_of(const Matte& matte, const CameraModel& model, const Silhou
 /// nothing, and all subject for one without points and with beyond_counts.
 Matte filled(const Silhouette& outline, int width, int height);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -3,7 +3,7 @@
 
 #include "recon/outline.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 Matte filled(const Silhouette& outline, int width, int height) {
   if (outline.empty() && !outline.beyond_counts) return {};
@@ -39,4 +39,4 @@ Matte filled(const Silhouette& outline, int width, int height) {
   return make_matte({}, alpha);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

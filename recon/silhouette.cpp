@@ -9,7 +9,7 @@
 #include <emmintrin.h>
 #endif
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr double kIso = 127.5;
@@ -211,4 +211,4 @@ double enclosed_area(const Silhouette& outline) {
   return twice / 2;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -13,7 +13,7 @@
 #include "recon/outline.h"
 #include "recon/silhouette_grid.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// How much a lens bends straight lines: the largest second difference over the picture, px per px². 0
 /// without a lens. Depends on the calibration only: found once, used for every frame.
@@ -80,4 +80,4 @@ OutlineDetail undistorted_outline(const Silhouette& outline, const CameraModel& 
 /// Shoelace area of all polygons, px²; holes count negative.
 double enclosed_area(const Silhouette& outline);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

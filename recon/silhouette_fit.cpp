@@ -7,7 +7,7 @@
 #include "recon/silhouette.h"
 #include "recon/silhouette_grid.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -112,4 +112,4 @@ void fit_outline(const Silhouette& full, const Silhouette& simple, std::span<con
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -5,7 +5,7 @@
 
 #include "recon/silhouette.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -110,4 +110,4 @@ void EdgeGrid::touching_edges(double gap, std::vector<int>& out) const {
   out.erase(std::unique(out.begin(), out.end()), out.end());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

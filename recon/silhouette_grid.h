@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace floatstage {
+namespace floatstage::recon {
 
 struct Silhouette;
 
@@ -52,4 +52,4 @@ class EdgeGrid {
   std::vector<int> start_, edges_;  // cell c holds edges_[start_[c]] … edges_[start_[c + 1] - 1]
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 #include "recon/silhouette.h"
 #include "recon/silhouette_grid.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -192,4 +192,4 @@ Silhouette simplify_outline(const Silhouette& outline, double tolerance, double 
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -15,7 +15,7 @@
 #include "recon/octree/octree_carve.h"
 #include "recon/octree/octree_surface.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 // Which cameras show no subject, in words; an error when none shows any.
@@ -205,4 +205,4 @@ Result<void> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, c
   return hull_of(rig, HullInput(rig, outlines, options.threads), options, workspace, report);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

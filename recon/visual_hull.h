@@ -14,7 +14,7 @@
 #include "core/rig.h"
 #include "core/silhouette.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 enum class HullMethod {
   Exact,   ///< the polyhedron of the silhouettes' polygons, exactly (docs/algorithms/visual-hull.md): fast,
@@ -34,8 +34,8 @@ enum class HullVoting {
 /// amounts that HullCareReport states; the mesh stays closed, manifold and oriented, with its shells and
 /// handles.
 struct HullCare {
-  /// Needles and caps (kSliver in recon/mesh/slivers.h) go, where no vertex of the hull has to move by more than
-  /// largest_move for it.
+  /// Needles and caps (kSliver in recon/mesh/slivers.h) go, where no vertex of the hull has to move by more
+  /// than largest_move for it.
   bool collapse_slivers = false;
   int triangles = 0;  ///< budget: the least important edges are collapsed until so few are left; 0: none
   int smooth = 0;  ///< rounds of smoothing that does not shrink it or round ridges off, within largest_move
@@ -181,4 +181,4 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outli
 Result<void> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,
                          HullWorkspace& workspace, HullReport& report);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -3,7 +3,7 @@
 #include "render/inspection.h"
 #include "render/projection.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 class BlendRenderer : public ViewRenderer {
@@ -58,4 +58,4 @@ Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera) {
       one_camera, std::move(*projection), std::move(*inspection), std::move(*blend)));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -2,9 +2,9 @@
 
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// "linear" and, with `one_camera`, "nearest": the projected photographs, blended as they are.
 Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

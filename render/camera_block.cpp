@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr double kUnlimited = 1e20;
@@ -90,4 +90,4 @@ CameraBlock camera_block(const RigCamera& camera, int layer) {
   return block;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

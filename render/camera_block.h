@@ -6,7 +6,7 @@
 
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// One camera as the shaders read it (std430; shaders/camera.glsl has the twin).
 struct CameraBlock {
@@ -32,4 +32,4 @@ Eigen::AlignedBox2d pinhole_bounds(const RigCamera& camera, const Eigen::Aligned
 /// Everything but `depth`, which the depth maps fill in; the tile is the whole picture.
 CameraBlock camera_block(const RigCamera& camera, int layer);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

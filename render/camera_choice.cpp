@@ -6,7 +6,7 @@
 #include <optional>
 #include <tuple>
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr int kStandIns = 3;
@@ -92,4 +92,4 @@ std::vector<Eigen::Vector3f> ranking_samples(const Mesh& mesh) {
   return samples;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -8,7 +8,7 @@
 #include "core/rig.h"
 #include "core/view.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// The photographs a view is made from, for the whole view: the per-pixel weights are refined from these.
 struct CameraChoice {
@@ -36,4 +36,4 @@ CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
 /// Some corners of a mesh, spread over it: what cameras are ranked by.
 std::vector<Eigen::Vector3f> ranking_samples(const Mesh& mesh);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr double kGuardPixels = 4;  // around the picture: the test at its border reads a full neighbourhood
@@ -74,4 +74,4 @@ void DepthMaps::ensure(const std::vector<int>& wanted, GLuint program, GLuint me
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -5,7 +5,7 @@
 #include "render/camera_block.h"
 #include "render/gl_objects.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// The proxy's depth from each photograph's camera, in ideal pinhole coordinates (so that one map serves any
 /// lens), rendered on first use and kept until the scene changes.
@@ -34,4 +34,4 @@ class DepthMaps {
   int width_ = 0, height_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::render

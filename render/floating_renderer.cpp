@@ -8,7 +8,7 @@
 #include "render/projected_images.h"
 #include "render/projection.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr int kMargin = 16;  // px around the view: what the warps may pull in from outside
@@ -118,4 +118,4 @@ Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
       std::move(*projection), std::move(*inspection), std::move(*project), std::move(*composite)));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

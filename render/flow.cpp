@@ -3,7 +3,7 @@
 #include "core/text.h"
 #include "render/flow_dis.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 // The table of back-ends: one line each.
 namespace {
@@ -29,4 +29,4 @@ std::vector<std::string> flow_backends() {
   return names;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

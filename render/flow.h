@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// A picture for flow estimation: one grey plane, 0…255, rows top first.
 struct FlowImage {
@@ -42,4 +42,4 @@ class FlowEstimator {
 Result<std::unique_ptr<FlowEstimator>> make_flow_estimator(const FlowOptions& options);
 std::vector<std::string> flow_backends();
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -9,7 +9,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr int kSmallestSide = 64;  // px: DIS builds a pyramid over 8 px patches; smaller pictures are padded
@@ -85,4 +85,4 @@ Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options)
   return std::unique_ptr<FlowEstimator>(std::make_unique<DisFlow>(std::move(dis)));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

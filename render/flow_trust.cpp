@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr float kLargestRoundTrip = 0.7F;  // px by which the way there and back may miss
@@ -94,4 +94,4 @@ std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::
   return good;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -10,7 +10,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr int kMajor = 4, kMinor = 5;
@@ -157,4 +157,4 @@ Result<std::unique_ptr<GlContext>> GlContext::adopt_current() {
   return std::unique_ptr<GlContext>(std::make_unique<AdoptedContext>());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

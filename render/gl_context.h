@@ -5,7 +5,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// An OpenGL 4.5 core context that is current on the thread that made it, with our conventions set
 /// (glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE)). Everything of render/ is used on that thread, while it
@@ -22,4 +22,4 @@ class GlContext {
   virtual std::string description() const = 0;  ///< vendor, renderer, version
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -6,7 +6,7 @@
 #include "core/text.h"
 #include "render/shader_text.h"
 
-namespace floatstage::gl {
+namespace floatstage::render::gl {
 namespace {
 
 constexpr int kGranularity =
@@ -140,4 +140,4 @@ void upload(Buffer& buffer, std::size_t& capacity, const void* data, std::size_t
   }
 }
 
-}  // namespace floatstage::gl
+}  // namespace floatstage::render::gl

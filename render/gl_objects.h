@@ -10,7 +10,7 @@
 #include "core/result.h"
 
 // Owners of OpenGL objects, private to render/. All calls on the GL thread.
-namespace floatstage::gl {
+namespace floatstage::render::gl {
 
 /// Owns one object name; Kind::create and Kind::destroy make and free it.
 template <class Kind>
@@ -99,4 +99,4 @@ Result<Program> make_program(std::string_view vertex, std::string_view fragment,
 /// Copies bytes into a buffer, growing its storage when needed. `capacity` is what the buffer holds.
 void upload(Buffer& buffer, std::size_t& capacity, const void* data, std::size_t size);
 
-}  // namespace floatstage::gl
+}  // namespace floatstage::render::gl

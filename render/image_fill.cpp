@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 struct Level {
@@ -82,4 +82,4 @@ void fill_unknown(int width, int height, int channels, const std::vector<bool>& 
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

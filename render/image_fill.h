@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// Continues a picture of interleaved floats where it is not known: unknown pixels take the smooth
 /// continuation of the known ones around them (pull-push over a pyramid, Gortler et al. 1996). Known pixels
@@ -10,4 +10,4 @@ namespace floatstage {
 /// known.
 void fill_unknown(int width, int height, int channels, const std::vector<bool>& known, float* values);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -2,7 +2,7 @@
 
 #include "render/scene_textures_impl.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 Result<Inspection> Inspection::create() {
   Inspection inspection;
@@ -51,4 +51,4 @@ RenderedView rendered_view(const SceneTextures& scene, const View& view, const P
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -2,7 +2,7 @@
 
 #include "render/projection.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// Draws the intermediates that all renderers share: weights, visibility, soft visibility, depth.
 class Inspection {
@@ -23,4 +23,4 @@ Result<void> check_render(const SceneTextures& scene, const View& view, const Re
 RenderedView rendered_view(const SceneTextures& scene, const View& view, const Projection& projection,
                            const ViewTarget& target);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

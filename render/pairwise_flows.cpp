@@ -6,7 +6,7 @@
 #include "core/parallel.h"
 #include "render/image_fill.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr float kNoise = 0.15F,
@@ -91,4 +91,4 @@ Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<b
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -6,7 +6,7 @@
 
 #include "render/flow_trust.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// Flow fields between all ordered pairs of images, made dependable: what an estimator says is kept where
 /// it is trusted() and replaced by the smooth continuation of what is known around it elsewhere;
@@ -27,4 +27,4 @@ class PairwiseFlows {
   std::vector<FlowField> fields_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::render

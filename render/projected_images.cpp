@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr std::uint8_t kOwnAbove = 192;  // alpha: 255 own, 128 filled, 0 no proxy
@@ -58,4 +58,4 @@ ProjectedImages projected_images(const std::vector<std::uint8_t>& rgba, int widt
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// The intermediate images I_i^v on the CPU, as the flow needs them.
 struct ProjectedImages {
@@ -19,4 +19,4 @@ struct ProjectedImages {
 ProjectedImages projected_images(const std::vector<std::uint8_t>& rgba, int width, int height, int layers,
                                  int shrink);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

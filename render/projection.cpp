@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "render/scene_textures_impl.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr int kWindowGrid = 16;             // px
@@ -239,4 +239,4 @@ void ViewTarget::begin(int width, int height, const std::array<float, 3>& backgr
   glClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 0, clear);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

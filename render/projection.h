@@ -7,7 +7,7 @@
 #include "render/gl_objects.h"
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// A rectangle of a view, px. May reach beyond the view on every side.
 struct Window {
@@ -88,4 +88,4 @@ class ViewTarget {
 /// Declares `count` colour attachments.
 void set_draw_buffers(const gl::Framebuffer& framebuffer, int count);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

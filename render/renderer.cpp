@@ -9,7 +9,7 @@
 #include "render/camera_choice.h"
 #include "render/floating_renderer.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 constexpr int kMostFlowShrink = 8;
@@ -81,4 +81,4 @@ Image download(const RenderedView& view) {
   return image;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

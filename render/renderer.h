@@ -12,7 +12,7 @@
 #include "render/flow.h"
 #include "render/scene_textures.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// Which picture a renderer hands out: the final one, or an intermediate of the chain in false colour.
 enum class RenderOutput {
@@ -71,4 +71,4 @@ std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& vi
 /// Reads a rendered view back: RGBA, rows top first.
 Image download(const RenderedView& view);
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "render/scene_textures_impl.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 Result<void> check_mesh(const Mesh& mesh) {
@@ -245,4 +245,4 @@ void SceneTextures::Impl::put_cameras(std::vector<CameraBlock>& blocks) {
   gl::upload(camera_buffer, camera_capacity, blocks.data(), blocks.size() * sizeof(CameraBlock));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -10,7 +10,7 @@
 #include "core/rig.h"
 #include "core/view.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 /// The part of one camera's photograph that shows the subject; what lies outside it is not subject. The
 /// pictures are not owned.
@@ -50,4 +50,4 @@ class SceneTextures {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::render

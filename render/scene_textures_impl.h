@@ -11,7 +11,7 @@
 #include "render/gl_objects.h"
 #include "render/scene_textures.h"
 
-namespace floatstage {
+namespace floatstage::render {
 
 struct SceneTextures::Impl {
   CameraChoice choose(const View& view, int count) const;  ///< listed are indices into `cameras`
@@ -36,4 +36,4 @@ struct SceneTextures::Impl {
   mutable DepthMaps depth_maps;       ///< a cache: rendered by the first view that needs a camera
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::render

@@ -2,9 +2,9 @@
 
 #include <string_view>
 
-namespace floatstage::gl {
+namespace floatstage::render::gl {
 
 /// The text of render/shaders/<name>, compiled into the program; an unknown name is our bug.
 std::string_view shader_text(std::string_view name);
 
-}  // namespace floatstage::gl
+}  // namespace floatstage::render::gl

@@ -47,25 +47,90 @@ bool is_standard_or_eigen(const std::string& target) {
 
 bool is_cpp(std::string_view path) { return path.ends_with(".h") || path.ends_with(".cpp"); }
 
+// The floors above the stages. They share the stages, and know nothing of one another but what lies below.
+bool is_floor(const std::string& layer) {
+  return layer == "pipeline" || layer == "studio" || layer == "apps";
+}
+
 // Why `from` must not include `target`, or nothing.
 std::string layering_fault(const std::string& from, const std::string& target,
                            const std::set<std::string>& public_headers) {
   const std::string here = layer_of(from), there = layer_of(target);
   const bool known = stages().contains(there) || there == "core" || there == "core/synthetic" ||
-                     there == "apps" || there == "tests";
+                     is_floor(there) || there == "tests";
   if (!known || here == there || here == "tests") return "";
   if (there == "tests") return "the product must not include tests";
-  if (there == "apps") return "only apps composes: nothing below includes it";
+  if (there == "apps") return "apps is the top floor: nothing below includes it";
+  if (is_floor(there)) return here == "apps" ? "" : there + " is above the stages, beside the other floor";
   if (there == "core/synthetic") {
-    if (here == "apps" || from.starts_with("capture/synthetic")) return "";
-    return "core/synthetic is for apps, tests and capture's synthetic source alone";
+    if (is_floor(here) || from.starts_with("capture/synthetic")) return "";
+    return "core/synthetic is for pipeline, studio, apps, tests and capture's synthetic source alone";
   }
-  if (here == "apps" && stages().contains(there) && !public_headers.contains(target))
-    return "apps includes a header that docs/architecture.md does not name as public";
-  if (here != "apps" && stages().contains(there))
+  if (is_floor(here) && stages().contains(there) && !public_headers.contains(target))
+    return here + " includes a header that docs/architecture.md does not name as public";
+  if (!is_floor(here) && stages().contains(there))
     return here.starts_with("core") ? "core must not include a stage"
                                     : "a stage must not include another stage";
   return "";
+}
+
+std::string folder_of(std::string_view path) { return std::string(path.substr(0, path.rfind('/'))); }
+
+// The rank of each folder inside the floors: it may include those of a lower rank, and no other of its own.
+const std::map<std::string, int>& ranks() {
+  static const std::map<std::string, int> table = {{"pipeline/metrics", 0},
+                                                   {"pipeline", 1},
+                                                   {"pipeline/import", 2},
+                                                   {"pipeline/matte", 3},
+                                                   {"pipeline/process", 4},
+                                                   {"pipeline/calibrate", 4},
+                                                   {"pipeline/evaluate", 4},
+                                                   {"pipeline/demo", 5},
+                                                   {"studio/messages", 0},
+                                                   {"studio/network", 1},
+                                                   {"studio/node", 2},
+                                                   {"studio/live", 3},
+                                                   {"apps/check", 0},
+                                                   {"apps/viewer/window", 0},
+                                                   {"apps/viewer/mattes", 1},
+                                                   {"apps/viewer/play", 2},
+                                                   {"apps/viewer/live", 3},
+                                                   {"apps/viewer/calibration", 3},
+                                                   {"apps", 4},
+                                                   {"apps/calibrate", 5}};
+  return table;
+}
+
+// Why a file of a floor must not include another of the same floor, or nothing.
+std::string rank_fault(const std::string& from, const std::string& target) {
+  const std::string here = folder_of(from), there = folder_of(target);
+  if (here == there || first_folder(here) != first_folder(there)) return "";
+  for (const std::string& folder : {here, there})
+    if (!ranks().contains(folder)) return folder + " has no rank; give it one in architecture_rules.cpp";
+  return ranks().at(there) < ranks().at(here) ? "" : there + " is not below " + here;
+}
+
+bool is_inside(const std::string& folder, const std::string& other) {
+  return folder.starts_with(other + "/");
+}
+
+bool is_of_the_user_interface(const std::string& target) {
+  return target.starts_with("CLI/") || target.starts_with("GLFW/") || target.starts_with("imgui");
+}
+
+using Graph = std::map<std::string, std::map<std::string, std::string>>;  // folder → folder, and a place
+
+// A way from `at` back to `goal`, depth first, or nothing.
+bool find_way(const Graph& graph, const std::string& at, const std::string& goal, std::set<std::string>& seen,
+              std::vector<std::string>& way) {
+  const auto edges = graph.find(at);
+  if (edges == graph.end()) return false;
+  for (const auto& [next, place] : edges->second) {
+    way.push_back(place);
+    if (next == goal || (seen.insert(next).second && find_way(graph, next, goal, seen, way))) return true;
+    way.pop_back();
+  }
+  return false;
 }
 
 }  // namespace
@@ -121,6 +186,61 @@ std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& fil
     for (const Include& include : includes_of(file.text))
       if (const std::string fault = layering_fault(file.path, include.target, headers); !fault.empty())
         breaches.push_back(text(file.path, ":", include.line, ": includes ", include.target, ": ", fault));
+  }
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_ranks(const std::vector<SourceFile>& files) {
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    if (!is_cpp(file.path) || !is_floor(first_folder(file.path))) continue;
+    for (const Include& include : includes_of(file.text))
+      if (const std::string fault = rank_fault(file.path, include.target); !fault.empty())
+        breaches.push_back(text(file.path, ":", include.line, ": includes ", include.target, ": ", fault));
+  }
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_user_interface(const std::vector<SourceFile>& files) {
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    const std::string top = first_folder(file.path);
+    if (!is_cpp(file.path) || top == "apps" || top == "tests") continue;
+    for (const Include& include : includes_of(file.text))
+      if (is_of_the_user_interface(include.target))
+        breaches.push_back(text(file.path, ":", include.line, ": includes ", include.target,
+                                ": command line and windows are of apps alone"));
+  }
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_folder_cycles(const std::vector<SourceFile>& files) {
+  std::set<std::string> paths;
+  for (const SourceFile& file : files) paths.insert(file.path);
+  Graph graph;
+  for (const SourceFile& file : files) {
+    if (!is_cpp(file.path) || first_folder(file.path) == "tests") continue;
+    for (const Include& include : includes_of(file.text)) {
+      const std::string here = folder_of(file.path), there = folder_of(include.target);
+      if (here == there || !paths.contains(include.target)) continue;
+      // A stage's own folder is its contract and its composition: its rooms know it, and it knows them.
+      const bool of_a_stage = !is_floor(first_folder(here));
+      if (of_a_stage && (is_inside(here, there) || is_inside(there, here))) continue;
+      graph[here].emplace(there, text(file.path, ":", include.line, " includes ", include.target));
+    }
+  }
+  std::vector<std::string> breaches;
+  std::set<std::string> told;
+  for (const auto& [folder, edges] : graph) {
+    std::set<std::string> seen;
+    std::vector<std::string> way;
+    if (told.contains(folder) || !find_way(graph, folder, folder, seen, way)) continue;
+    std::string sentence = "folders include each other:";
+    for (const std::string& place : way) {
+      sentence += text(" ", place, ";");
+      told.insert(folder_of(place.substr(0, place.find(':'))));
+    }
+    breaches.push_back(sentence);
   }
   return breaches;
 }

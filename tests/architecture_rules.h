@@ -31,12 +31,24 @@ std::vector<Include> includes_of(std::string_view cpp);
 /// The headers named in the third column of architecture.md's table of folders: "core/rig.h", ….
 std::set<std::string> public_headers(std::string_view architecture_md);
 
-// Each returns sentences that begin with the place: "matting/keyers/keyer.cpp:3: …". Empty when the rule is kept.
+// Each returns sentences that begin with the place: "matting/keyers/keyer.cpp:3: …". Empty when the rule is
+// kept.
 
-/// Stages include core and themselves; core only core; core/synthetic is for apps, tests and capture's
-/// synthetic source; nothing of the product includes tests; apps includes of a stage only what is public.
+/// Stages include core and themselves; core only core; pipeline and studio lie above the stages, side by
+/// side, and apps above both; core/synthetic is for these three, tests and capture's synthetic source;
+/// nothing of the product includes tests; of a stage, what is above includes only what is public.
 std::vector<std::string> breaches_of_layering(const std::vector<SourceFile>& files,
                                               const std::set<std::string>& public_headers);
+
+/// Each folder inside pipeline, studio and apps has a rank and includes only those of a lower one.
+std::vector<std::string> breaches_of_ranks(const std::vector<SourceFile>& files);
+
+/// Only apps names CLI11, GLFW or Dear ImGui.
+std::vector<std::string> breaches_of_user_interface(const std::vector<SourceFile>& files);
+
+/// No two folders of the product include each other, also by way of others. A stage's own folder and the
+/// rooms in it count as one.
+std::vector<std::string> breaches_of_folder_cycles(const std::vector<SourceFile>& files);
 
 /// Public headers, and what they include of ours, name nothing but the standard library, Eigen and our own
 /// headers; those of the table exist.

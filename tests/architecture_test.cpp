@@ -37,7 +37,8 @@ struct Project {
 
   Project() {
     std::vector<std::string> tops(stages().begin(), stages().end());
-    for (const char* top : {"core", "apps", "tests", "docs", "config"}) tops.push_back(top);
+    for (const char* top : {"core", "pipeline", "studio", "apps", "tests", "docs", "config"})
+      tops.push_back(top);
     for (const auto& entry : std::filesystem::directory_iterator(kRoot))
       if (entry.is_directory()) folders.push_back(entry.path().filename().string());
     for (const std::string& top : tops) {
@@ -62,9 +63,19 @@ TEST(Architecture, IsReadFromTheWholeProject) {
     EXPECT_TRUE(headers.contains(header)) << header;
 }
 
-TEST(Architecture, LetsOnlyAppsComposeTheStages) {
+TEST(Architecture, LetsOnlyTheFloorsAboveComposeTheStages) {
   EXPECT_THAT(breaches_of_layering(Project().files, headers_of_the_table()), IsEmpty());
 }
+
+TEST(Architecture, GoesStrictlyDownwardsInsideEachFloor) {
+  EXPECT_THAT(breaches_of_ranks(Project().files), IsEmpty());
+}
+
+TEST(Architecture, LeavesCommandLineAndWindowsToApps) {
+  EXPECT_THAT(breaches_of_user_interface(Project().files), IsEmpty());
+}
+
+TEST(Architecture, HasNoFolderCycles) { EXPECT_THAT(breaches_of_folder_cycles(Project().files), IsEmpty()); }
 
 TEST(Architecture, KeepsOtherLibrariesOutOfPublicHeaders) {
   EXPECT_THAT(breaches_of_public_headers(Project().files, headers_of_the_table()), IsEmpty());
@@ -135,12 +146,75 @@ TEST(Layering, KeepsAppsToPublicHeaders) {
 
 TEST(Layering, KeepsAppsAndTestsOutOfTheStages) {
   EXPECT_THAT(layering("render/ulr.cpp", "#include \"pipeline/film.h\"\n"),
-              ElementsAre(HasSubstr("only apps composes")));
+              ElementsAre(HasSubstr("apps is the top floor")));
   EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"),
               ElementsAre(HasSubstr("must not include tests")));
   EXPECT_THAT(layering("tests/recon/hull_test.cpp",
                        "#include \"recon/octree.h\"\n#include \"matting/keyers/backing.h\"\n"),
               IsEmpty());
+}
+
+TEST(Layering, KeepsPipelineAndStudioApart) {
+  EXPECT_THAT(layering("pipeline/film.cpp", "#include \"studio/live/live_chain.h\"\n"),
+              ElementsAre(HasSubstr("beside the other floor")));
+  EXPECT_THAT(layering("studio/live/live_chain.cpp", "#include \"pipeline/film.h\"\n"), testing::SizeIs(1));
+  EXPECT_THAT(layering("recon/visual_hull.cpp", "#include \"pipeline/film.h\"\n"), testing::SizeIs(1));
+  EXPECT_THAT(layering("pipeline/film.cpp", "#include \"apps/interrupt.h\"\n"), testing::SizeIs(1));
+  EXPECT_THAT(layering("apps/render_verb.cpp", "#include \"pipeline/film.h\"\n"), IsEmpty());
+}
+
+// A tree in which the network knows what runs on it.
+TEST(Ranks, FindANetworkThatKnowsTheLiveChain) {
+  const std::vector<SourceFile> tree = {
+      {"studio/network/publisher.h", "#include \"studio/messages/message.h\"\n"},
+      {"studio/network/publisher.cpp",
+       "#include \"studio/network/publisher.h\"\n#include \"studio/live/live_chain.h\"\n"},
+      {"studio/live/live_chain.h", "#include \"studio/node/camera_rack.h\"\n"}};
+  EXPECT_THAT(breaches_of_ranks(tree),
+              ElementsAre(HasSubstr("studio/network/publisher.cpp:2: includes studio/live/live_chain.h: "
+                                    "studio/live is not below studio/network")));
+}
+
+TEST(Ranks, AskForTheRankOfANewFolder) {
+  EXPECT_THAT(breaches_of_ranks({{"pipeline/stray/a.cpp", "#include \"pipeline/film.h\"\n"}}),
+              ElementsAre(HasSubstr("pipeline/stray has no rank")));
+}
+
+// A tree in which a job speaks the command line's words.
+TEST(UserInterface, StaysOutOfPipeline) {
+  const std::vector<SourceFile> tree = {
+      {"pipeline/film.h", "#include \"core/result.h\"\n"},
+      {"pipeline/film.cpp", "#include \"pipeline/film.h\"\n\n#include <CLI/CLI.hpp>\n"},
+      {"studio/node/page.cpp", "#include <imgui.h>\n#include <GLFW/glfw3.h>\n"},
+      {"apps/film_verb.cpp", "#include <CLI/CLI.hpp>\n"}};
+  EXPECT_THAT(breaches_of_user_interface(tree),
+              ElementsAre(HasSubstr("pipeline/film.cpp:3: includes CLI/CLI.hpp"),
+                          HasSubstr("studio/node/page.cpp:1"), HasSubstr("studio/node/page.cpp:2")));
+}
+
+// A tree of rooms that cannot be read one after the other.
+TEST(FolderCycles, AreFoundAlsoByWayOfAThirdFolder) {
+  std::vector<SourceFile> tree = {{"recon/mesh/decimate.h", "#include \"recon/exact/half_edges.h\"\n"},
+                                  {"recon/exact/half_edges.h", "#include \"recon/octree/cell.h\"\n"},
+                                  {"recon/octree/cell.h", ""},
+                                  {"recon/octree/cell.cpp", ""}};
+  EXPECT_THAT(breaches_of_folder_cycles(tree), IsEmpty());
+  tree[3].text = "#include \"recon/mesh/decimate.h\"\n";
+  EXPECT_THAT(breaches_of_folder_cycles(tree),
+              ElementsAre(testing::AllOf(HasSubstr("recon/mesh/decimate.h:1"), HasSubstr("half_edges.h:1"),
+                                         HasSubstr("recon/octree/cell.cpp:1"))));
+}
+
+TEST(FolderCycles, AllowAStageToComposeItsRooms) {
+  const std::vector<SourceFile> stage = {
+      {"recon/visual_hull.h", ""},
+      {"recon/visual_hull.cpp", "#include \"recon/exact/exact_method.h\"\n"},
+      {"recon/exact/exact_method.h", "#include \"recon/visual_hull.h\"\n"}};
+  EXPECT_THAT(breaches_of_folder_cycles(stage), IsEmpty());
+  const std::vector<SourceFile> floor = {{"pipeline/film.h", ""},
+                                         {"pipeline/film.cpp", "#include \"pipeline/evaluate/scores.h\"\n"},
+                                         {"pipeline/evaluate/scores.h", "#include \"pipeline/film.h\"\n"}};
+  EXPECT_THAT(breaches_of_folder_cycles(floor), testing::SizeIs(1));
 }
 
 TEST(PublicHeaderRule, FindsOtherLibrariesAlsoBehindAPrivateHeader) {

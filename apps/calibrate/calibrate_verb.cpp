@@ -1,6 +1,6 @@
 #include "apps/calibrate/calibrate_verbs.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 void add_calibrate(CLI::App& app, Chosen& chosen) {
   CLI::App* verb = app.add_subcommand(
@@ -14,4 +14,4 @@ void add_calibrate(CLI::App& app, Chosen& chosen) {
   add_calibrate_target(*verb, chosen);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

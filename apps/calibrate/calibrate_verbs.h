@@ -2,7 +2,7 @@
 
 #include "apps/verbs.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 // `calibrate SESSION` and its subcommands, each in a file of its own.
 void add_calibrate_session(CLI::App& calibrate, Chosen& chosen);
@@ -12,4 +12,4 @@ void add_calibrate_export(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_live(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

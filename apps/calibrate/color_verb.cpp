@@ -17,7 +17,7 @@
 #include "pipeline/calibrate/report_pictures.h"
 #include "pipeline/json_report.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -30,11 +30,11 @@ struct Options {
 
 struct ChartFound {
   std::array<Eigen::Vector3d, 24> seen;
-  ColorFit fit;
+  calib::ColorFit fit;
 };
 
 // The first picture of a camera, of a few, that shows the whole chart.
-Result<ChartFound> look_for_chart(TakeReader& take, int camera, int looks) {
+Result<ChartFound> look_for_chart(capture::TakeReader& take, int camera, int looks) {
   std::string reason = "it has no picture";
   const int step = std::max(1, take.frame_count() / std::max(1, looks));
   for (int i = 0; i < take.frame_count(); i += step) {
@@ -48,9 +48,9 @@ Result<ChartFound> look_for_chart(TakeReader& take, int camera, int looks) {
       reason = seen.error().message;
       continue;
     }
-    std::vector<ColorPair> pairs;
+    std::vector<calib::ColorPair> pairs;
     for (std::size_t k = 0; k < 24; ++k) pairs.push_back({(*seen)[k], chart_colors()[k]});
-    const Result<ColorFit> fit = fit_color(pairs);
+    const Result<calib::ColorFit> fit = fit_color(pairs);
     if (!fit) {
       reason = fit.error().message;
       continue;
@@ -61,7 +61,7 @@ Result<ChartFound> look_for_chart(TakeReader& take, int camera, int looks) {
 }
 
 // What the cameras see of the surfaces that `process` left.
-Result<std::vector<ColorSight>> overlap(TakeReader& take, const Rig& rig, int wanted) {
+Result<std::vector<calib::ColorSight>> overlap(capture::TakeReader& take, const Rig& rig, int wanted) {
   std::vector<int> frames;
   for (int i = 0; i < take.frame_count(); ++i)
     if (std::filesystem::exists(take.layout().mesh(i))) frames.push_back(i);
@@ -69,11 +69,11 @@ Result<std::vector<ColorSight>> overlap(TakeReader& take, const Rig& rig, int wa
     return fail(ErrorCode::NotFound, text(take.layout().folder().string(),
                                           ": there are no meshes; run `floatstage process` on it first, or "
                                           "show a 24-patch chart to every camera and add --chart"));
-  std::vector<ColorSight> sights;
+  std::vector<calib::ColorSight> sights;
   const std::size_t step =
       std::max<std::size_t>(1, frames.size() / static_cast<std::size_t>(std::max(1, wanted)));
   ProgressBar bar;
-  ProgressPart progress(&bar, "colours", (frames.size() + step - 1) / step);
+  pipeline::ProgressPart progress(&bar, "colours", (frames.size() + step - 1) / step);
   int first_point = 0;
   constexpr int kMost = 6000;
   for (std::size_t k = 0; k < frames.size(); k += step, first_point += 2 * kMost) {
@@ -89,7 +89,7 @@ Result<std::vector<ColorSight>> overlap(TakeReader& take, const Rig& rig, int wa
       if (!image) return forward(image);
       images.back() = *std::move(image);
     }
-    const std::vector<ColorSight> here = surface_colors(*mesh, rig, images, first_point, kMost);
+    const std::vector<calib::ColorSight> here = surface_colors(*mesh, rig, images, first_point, kMost);
     sights.insert(sights.end(), here.begin(), here.end());
     progress.advance();
   }
@@ -97,9 +97,9 @@ Result<std::vector<ColorSight>> overlap(TakeReader& take, const Rig& rig, int wa
 }
 
 // The camera that shares its points with most others.
-int busiest(const std::vector<ColorSight>& sights, std::size_t cameras) {
+int busiest(const std::vector<calib::ColorSight>& sights, std::size_t cameras) {
   std::vector<int> counts(cameras);
-  for (const ColorSight& s : sights) ++counts[static_cast<std::size_t>(s.camera)];
+  for (const calib::ColorSight& s : sights) ++counts[static_cast<std::size_t>(s.camera)];
   return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
@@ -110,7 +110,7 @@ std::string css(const Eigen::Vector3d& rgb) {
 
 struct Row {
   std::string serial;
-  ColorAgreement agreement;
+  calib::ColorAgreement agreement;
   bool reference = false;
   std::vector<std::array<Eigen::Vector3d, 3>> swatches;  // seen, after, wanted
 };
@@ -150,17 +150,17 @@ std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
 }
 
 // A few of a camera's points for the report, from dark to bright.
-std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<ColorSight>& sights, int camera,
-                                                     const ColorBalance& balance) {
+std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<calib::ColorSight>& sights, int camera,
+                                                     const calib::ColorBalance& balance) {
   std::map<int, std::pair<Eigen::Vector3d, int>> sums;
-  for (const ColorSight& s : sights)
+  for (const calib::ColorSight& s : sights)
     if (s.camera != camera) {
       auto& [sum, n] = sums.try_emplace(s.point, Eigen::Vector3d::Zero(), 0).first->second;
       sum += apply(balance.transforms[static_cast<std::size_t>(s.camera)], s.seen);
       ++n;
     }
   std::vector<std::array<Eigen::Vector3d, 3>> all;
-  for (const ColorSight& s : sights)
+  for (const calib::ColorSight& s : sights)
     if (s.camera == camera)
       if (const auto found = sums.find(s.point); found != sums.end())
         all.push_back({s.seen, apply(balance.transforms[static_cast<std::size_t>(camera)], s.seen),
@@ -207,7 +207,7 @@ Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows)
   return save_rig(rig, given.out);
 }
 
-Result<void> run_chart(const Options& given, TakeReader& take, Rig rig) {
+Result<void> run_chart(const Options& given, capture::TakeReader& take, Rig rig) {
   std::vector<Row> rows;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const Result<ChartFound> found = look_for_chart(take, static_cast<int>(c), 4 * given.frames);
@@ -228,7 +228,7 @@ Result<void> run_chart(const Options& given, TakeReader& take, Rig rig) {
 }
 
 Result<void> run(Options given) {
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   if (given.out.empty()) given.out = (*take)->layout().colors();
   Rig rig = (*take)->rig();
@@ -244,7 +244,7 @@ Result<void> run(Options given) {
     rig = *std::move(other);
   }
   if (given.chart) return run_chart(given, **take, std::move(rig));
-  const Result<std::vector<ColorSight>> sights = overlap(**take, rig, given.frames);
+  const Result<std::vector<calib::ColorSight>> sights = overlap(**take, rig, given.frames);
   if (!sights) return forward(sights);
   const int reference =
       given.reference.empty() ? busiest(*sights, rig.cameras.size()) : camera_index(rig, given.reference);
@@ -253,7 +253,7 @@ Result<void> run(Options given) {
   known[static_cast<std::size_t>(reference)] = ColorTransform{};
   std::vector<std::string> serials;
   for (const RigCamera& c : rig.cameras) serials.push_back(c.serial);
-  const Result<ColorBalance> balance = balance_colors(*sights, known, serials);
+  const Result<calib::ColorBalance> balance = balance_colors(*sights, known, serials);
   if (!balance) return forward(balance);
   std::vector<Row> rows;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
@@ -292,4 +292,4 @@ void add_calibrate_color(CLI::App& calibrate, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

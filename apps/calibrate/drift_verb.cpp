@@ -12,7 +12,7 @@
 #include "core/text.h"
 #include "pipeline/json_report.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr std::size_t kFewestPatches = 12;
@@ -23,7 +23,7 @@ struct Options {
 };
 
 // The empty stage where a plate was shot, else the first picture.
-Result<Image> still(TakeReader& take, int camera) {
+Result<Image> still(capture::TakeReader& take, int camera) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   if (const auto plate = take.layout().plate(serial); std::filesystem::exists(plate)) return load_png(plate);
   for (int i = 0; i < take.frame_count(); ++i) {
@@ -35,14 +35,14 @@ Result<Image> still(TakeReader& take, int camera) {
               text("camera '", serial, "' has no picture in ", take.layout().folder().string()));
 }
 
-Result<void> make_reference(TakeReader& take, const std::filesystem::path& file) {
+Result<void> make_reference(capture::TakeReader& take, const std::filesystem::path& file) {
   std::vector<Image> images;
   for (int c = 0; c < static_cast<int>(take.rig().cameras.size()); ++c) {
     Result<Image> image = still(take, c);
     if (!image) return forward(image);
     images.push_back(*std::move(image));
   }
-  const Result<DriftReference> reference = make_drift_reference(take.rig(), images);
+  const Result<calib::DriftReference> reference = make_drift_reference(take.rig(), images);
   if (!reference) return forward(reference);
   for (std::size_t c = 0; c < images.size(); ++c) {
     const std::size_t patches = reference->patches[c].size();
@@ -70,16 +70,17 @@ Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json dr
   return save_json(quality, file);
 }
 
-Result<void> watch(TakeReader& take, const Options& given) {
-  Result<DriftReference> reference = load_drift_reference(given.reference);
+Result<void> watch(capture::TakeReader& take, const Options& given) {
+  Result<calib::DriftReference> reference = load_drift_reference(given.reference);
   if (!reference) return forward(reference);
-  Result<DriftWatch> drift =
-      DriftWatch::create(take.rig(), *std::move(reference), {.alarm_degrees = given.alarm});
+  Result<calib::DriftWatch> drift =
+      calib::DriftWatch::create(take.rig(), *std::move(reference), {.alarm_degrees = given.alarm});
   if (!drift) return forward(drift);
   nlohmann::json alarms = nlohmann::json::array(), cameras = nlohmann::json::array();
   const std::size_t count = take.rig().cameras.size();
   ProgressBar bar;
-  ProgressPart progress(&bar, "watching for drift", count * static_cast<std::size_t>(take.frame_count()));
+  pipeline::ProgressPart progress(&bar, "watching for drift",
+                                  count * static_cast<std::size_t>(take.frame_count()));
   for (int c = 0; c < static_cast<int>(count); ++c) {
     const std::vector<FrameRow>& rows = take.rows(c);
     double largest = 0, parallax = 0, next = 0;
@@ -95,7 +96,7 @@ Result<void> watch(TakeReader& take, const Options& given) {
       if (!image) return forward(image);
       next = time + given.every;
       ++checks;
-      if (const std::optional<DriftAlarm> alarm = drift->check(c, time, *image)) {
+      if (const std::optional<calib::DriftAlarm> alarm = drift->check(c, time, *image)) {
         std::printf("%.1f s: %s\n", time, alarm->sentence.c_str());
         alarms.push_back({{"camera", alarm->serial},
                           {"seconds", time},
@@ -105,7 +106,7 @@ Result<void> watch(TakeReader& take, const Options& given) {
                           {"parallax_px", alarm->parallax_px},
                           {"sentence", alarm->sentence}});
       }
-      const CameraTurn& turn = drift->turns()[static_cast<std::size_t>(c)];
+      const calib::CameraTurn& turn = drift->turns()[static_cast<std::size_t>(c)];
       known += turn.known;
       if (turn.known)
         largest = std::max(largest, turn.degrees), parallax = std::max(parallax, turn.parallax_px);
@@ -129,7 +130,7 @@ Result<void> run(const Options& given) {
     return fail(ErrorCode::InvalidArgument,
                 "give either --reference FILE to compare with, or --make-reference FILE to write one");
   if (!(given.every > 0)) return fail(ErrorCode::InvalidArgument, "--every must be positive");
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(given.take);
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   return given.make.empty() ? watch(**take, given) : make_reference(**take, given.make);
 }
@@ -148,4 +149,4 @@ void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -8,7 +8,7 @@
 #include "core/take_layout.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -83,4 +83,4 @@ void add_calibrate_export(CLI::App& calibrate, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,7 +10,7 @@
 #include "pipeline/calibrate/collect.h"
 #include "pipeline/calibrate/conclude.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -21,10 +21,10 @@ struct Options {
   bool headless = false, keep_failed = false, floor_at_end = false, fixed_intrinsics = false;
 };
 
-Result<LensKind> lens_named(const std::string& name) {
-  if (name == "none") return LensKind::None;
-  if (name == "brown-conrady") return LensKind::BrownConrady;
-  if (name == "kannala-brandt") return LensKind::KannalaBrandt;
+Result<calib::LensKind> lens_named(const std::string& name) {
+  if (name == "none") return calib::LensKind::None;
+  if (name == "brown-conrady") return calib::LensKind::BrownConrady;
+  if (name == "kannala-brandt") return calib::LensKind::KannalaBrandt;
   return fail(ErrorCode::InvalidArgument,
               text("--lens is none, brown-conrady or kannala-brandt, not '", name, "'"));
 }
@@ -47,19 +47,20 @@ void watch(const LiveRun& run) {
 }
 
 Result<void> run(const Options& given) {
-  Result<CaptureConfig> config = load_capture_config(given.config);
+  Result<studio::CaptureConfig> config = load_capture_config(given.config);
   if (!config) return forward(config);
-  Result<TargetDesign> design = parse_target(given.target);
+  Result<calib::TargetDesign> design = parse_target(given.target);
   if (!design) return forward(design);
-  const Result<LensKind> lens = lens_named(given.lens);
+  const Result<calib::LensKind> lens = lens_named(given.lens);
   if (!lens) return forward(lens);
   const Result<std::pair<int, int>> size = parse_size(given.size);
   if (!size) return forward(size);
   std::optional<Rig> known;
-  const SessionKnown how{.format = "rig",
-                         .file = given.from,
-                         .intrinsics = given.fixed_intrinsics ? Prior::Fixed : Prior::Start,
-                         .poses = Prior::Start};
+  const pipeline::SessionKnown how{
+      .format = "rig",
+      .file = given.from,
+      .intrinsics = given.fixed_intrinsics ? calib::Prior::Fixed : calib::Prior::Start,
+      .poses = calib::Prior::Start};
   if (!given.from.empty()) {
     Result<Rig> rig = load_known(how);
     if (!rig) return forward(rig);
@@ -72,7 +73,7 @@ Result<void> run(const Options& given) {
   options.solve_every = given.solve_every;
   options.seconds = given.seconds;
   Result<void> applied;
-  const Result<std::unique_ptr<LiveRun>> live = LiveRun::start(*config, options, [&](Observations& o) {
+  const Result<std::unique_ptr<LiveRun>> live = LiveRun::start(*config, options, [&](calib::Observations& o) {
     if (known) applied = apply_known(how, *known, o);
   });
   if (!live) return forward(live);
@@ -88,20 +89,20 @@ Result<void> run(const Options& given) {
   (*live)->stop();
   if (Result<void> ok = (*live)->outcome(); !ok) return ok;
   if (given.floor_at_end) (*live)->set_floor(0);
-  const Observations observations = (*live)->observations();
+  const calib::Observations observations = (*live)->observations();
   const LiveStatus status = (*live)->status();
   std::printf("%s\n", describe_live(status).c_str());
   if (!given.observations.empty()) {
     if (Result<void> ok = save_observations(observations, given.observations); !ok) return ok;
   }
-  const Result<Calibration> solved = calibrate(observations, options.calibration);
+  const Result<calib::Calibration> solved = calibrate(observations, options.calibration);
   if (!solved) return forward(solved);
-  ReportContext context{
+  pipeline::ReportContext context{
       given.config.stem().string(),
       {text(status.sets, " instants were looked at live, ", status.counted, " of them counted")},
       {},
       0};
-  for (const Advice& a : status.advice) context.remarks.push_back("still wanted: " + a.sentence);
+  for (const calib::Advice& a : status.advice) context.remarks.push_back("still wanted: " + a.sentence);
   return conclude(*solved, {}, {}, context,
                   {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
 }
@@ -150,4 +151,4 @@ void add_calibrate_live(CLI::App& calibrate, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -16,7 +16,7 @@
 #include "pipeline/calibrate/session.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -55,19 +55,20 @@ Result<void> run(const Options& given) {
   if (given.session.empty())
     return fail(ErrorCode::InvalidArgument,
                 "calibrate: give a session (a .toml file; docs/calibrating.md), or 'target' to print one");
-  Result<Session> session = load_session(given.session);
+  Result<pipeline::Session> session = load_session(given.session);
   if (!session) return forward(session);
   session->options.threads = given.threads;
   if (!given.from.empty()) {
     // A target measures the lenses again; the scene alone does not.
-    const Prior intrinsics = session->known && session->known->intrinsics == Prior::Fixed ? Prior::Fixed
-                             : session->markerless                                        ? Prior::Fixed
-                                                                                          : Prior::Start;
-    session->known =
-        SessionKnown{.format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = Prior::Start};
+    const calib::Prior intrinsics = session->known && session->known->intrinsics == calib::Prior::Fixed
+                                        ? calib::Prior::Fixed
+                                    : session->markerless ? calib::Prior::Fixed
+                                                          : calib::Prior::Start;
+    session->known = pipeline::SessionKnown{
+        .format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = calib::Prior::Start};
   }
   ProgressBar bar;
-  Result<Collected> collected = collect(*session, given.cache, given.threads, &bar);
+  Result<pipeline::Collected> collected = collect(*session, given.cache, given.threads, &bar);
   if (!collected) return forward(collected);
   if (session->markerless) {
     const Workspace workspace(given.workspace);
@@ -83,19 +84,19 @@ Result<void> run(const Options& given) {
   if (!given.observations.empty()) {
     if (Result<void> ok = save_observations(collected->observations, given.observations); !ok) return ok;
   }
-  const Result<Calibration> solved = calibrate(collected->observations, session->options);
+  const Result<calib::Calibration> solved = calibrate(collected->observations, session->options);
   if (!solved) return fail(solved.error().code, text(given.session.string(), ": ", solved.error().message));
 
   if (interrupted()) return cancelled_unwritten();
-  ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
-                        collected->seconds};
-  std::vector<BarCheck> checks;
+  pipeline::ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
+                                  collected->seconds};
+  std::vector<pipeline::BarCheck> checks;
   if (session->known) {
     const Result<Rig> known = load_known(*session->known);
     if (!known) return forward(known);
     for (std::string& sentence : compare_to_known(*session->known, *known, solved->rig))
       context.remarks.push_back(std::move(sentence));
-    if (const std::optional<RigAgreement> a = compare_poses(*session->known, *known, solved->rig)) {
+    if (const std::optional<calib::RigAgreement> a = compare_poses(*session->known, *known, solved->rig)) {
       context.remarks.push_back(
           text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent,
                " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
@@ -106,7 +107,7 @@ Result<void> run(const Options& given) {
             {"known_center_percent", a->worst, a->worst_percent, *session->bars.known_center_percent, false});
     }
     if (!session->points.empty()) {
-      const Result<ScenePoints> measured = measure_points(session->points, *known);
+      const Result<pipeline::ScenePoints> measured = measure_points(session->points, *known);
       if (!measured)
         return fail(measured.error().code,
                     text(session->known->file.string(), ": ", measured.error().message));
@@ -114,7 +115,7 @@ Result<void> run(const Options& given) {
     }
   }
   if (!session->points.empty() && !solved->rig.cameras.empty()) {
-    const Result<ScenePoints> measured = measure_points(session->points, solved->rig);
+    const Result<pipeline::ScenePoints> measured = measure_points(session->points, solved->rig);
     context.remarks.push_back(measured ? describe(*measured, solved->rig, "solved")
                                        : measured.error().message);
     checks.push_back(
@@ -152,4 +153,4 @@ void add_calibrate_session(CLI::App& calibrate, Chosen& chosen) {
   });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -4,7 +4,7 @@
 #include "calib/board.h"
 #include "calib/target_sheet.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Options {
@@ -15,7 +15,7 @@ struct Options {
 Result<void> run(const Options& given) {
   std::string line;
   for (const std::string& word : given.words) line += (line.empty() ? "" : " ") + word;
-  const Result<TargetDesign> target = parse_target(line);
+  const Result<calib::TargetDesign> target = parse_target(line);
   if (!target) return forward(target);
   const Result<std::vector<std::filesystem::path>> files = write_sheets(*target, given.out);
   if (!files) return forward(files);
@@ -43,4 +43,4 @@ void add_calibrate_target(CLI::App& calibrate, Chosen& chosen) {
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

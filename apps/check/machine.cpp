@@ -17,7 +17,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -202,4 +202,4 @@ Finding judge_disk(const fs::path& folder, const DiskMeasured& disk, double need
   return {Verdict::Pass, what + need};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// One line of `floatstage check`.
 struct Finding {
@@ -37,4 +37,4 @@ Finding judge_disk(const std::filesystem::path& folder, const DiskMeasured& disk
 /// Measures it: writes 64 MiB into `folder` and flushes.
 Finding look_at_disk(const std::filesystem::path& folder, double needed, const std::string& for_whom);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,16 +10,16 @@
 #include "core/text.h"
 #include "studio/node/capture_config.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using Verdict = Finding::Verdict;
 
 // Starts the camera, for what only it knows: the size of its pictures.
-Result<StreamInfo> ask_camera(const CaptureConfig::Camera& camera) {
-  Result<std::unique_ptr<FrameSource>> source = open_source(camera.source);
+Result<capture::StreamInfo> ask_camera(const studio::CaptureConfig::Camera& camera) {
+  Result<std::unique_ptr<capture::FrameSource>> source = open_source(camera.source);
   if (!source) return forward(source);
-  Result<StreamInfo> info = (*source)->start();
+  Result<capture::StreamInfo> info = (*source)->start();
   if (info) (*source)->stop();
   return info;
 }
@@ -38,13 +38,13 @@ Finding look_at_endpoint(const std::string& endpoint, const std::string& whose) 
 }  // namespace
 
 Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file) {
-  const Result<CaptureConfig> config = load_capture_config(file);
+  const Result<studio::CaptureConfig> config = load_capture_config(file);
   if (!config) return forward(config);
   std::vector<Finding> findings;
   double bytes_per_second = 0;
   std::size_t largest = 0;
-  for (const CaptureConfig::Camera& camera : config->cameras) {
-    const Result<StreamInfo> info = ask_camera(camera);
+  for (const studio::CaptureConfig::Camera& camera : config->cameras) {
+    const Result<capture::StreamInfo> info = ask_camera(camera);
     if (!info) {
       findings.push_back({Verdict::Fail, text("camera ", camera.serial, ": ", info.error().message)});
       continue;
@@ -79,4 +79,4 @@ Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file) {
   return findings;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -6,10 +6,10 @@
 #include "apps/check/machine.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// What a studio's config needs of this machine: each camera is started once, its page's port tried, and the
 /// disk of its takes measured against what the cameras deliver. Errors: those of load_capture_config().
 Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& config);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

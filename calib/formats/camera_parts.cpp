@@ -8,7 +8,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr double kHalfPixel = 0.5;
@@ -66,4 +66,4 @@ std::string serial_from_name(std::string_view name) {
   return serial;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

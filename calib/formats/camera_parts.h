@@ -8,7 +8,7 @@
 #include "core/camera.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// What the readers of all formats do with the pieces of a camera. Messages say what is wrong with the piece;
 /// the caller adds file, line and camera.
@@ -38,4 +38,4 @@ Eigen::Matrix3d k_with_origin(const CameraModel& model, PixelOrigin origin);
 /// '_'. Different names may become one; check(Rig) finds that.
 std::string serial_from_name(std::string_view name);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

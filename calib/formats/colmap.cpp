@@ -9,7 +9,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr auto kOrigin = PixelOrigin::ImageCorner;
@@ -197,4 +197,4 @@ Result<void> write_colmap(const Rig& rig, const std::vector<std::string>& image_
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

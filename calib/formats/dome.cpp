@@ -7,7 +7,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // The files are named with two digits: 00.png.
@@ -83,4 +83,4 @@ Result<ForeignRig> read_dome(const std::filesystem::path& calibration_txt, doubl
   return parse_dome(*content, metres_per_unit, calibration_txt.string());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr auto kOrigin = PixelOrigin::FirstPixelCenter;
@@ -156,4 +156,4 @@ Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder
   return write_file(folder / "extri.yml", extri);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr auto kOrigin = PixelOrigin::FirstPixelCenter;
@@ -253,4 +253,4 @@ Result<void> write_kalibr(const Rig& rig, const std::filesystem::path& camchain_
   return write_file(camchain_yaml, out);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

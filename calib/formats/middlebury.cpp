@@ -4,7 +4,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr auto kOrigin = PixelOrigin::FirstPixelCenter;
@@ -85,4 +85,4 @@ Result<void> write_middlebury(const Rig& rig, const std::vector<std::string>& im
   return write_file(par_txt, out);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -3,7 +3,7 @@
 #include "calib/formats/text_lines.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr std::string_view kBlank = " \t";
@@ -206,4 +206,4 @@ Result<std::vector<std::string>> OpenCvYaml::list(const std::string& key) const 
   return entry->second.items;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

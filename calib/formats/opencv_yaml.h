@@ -7,7 +7,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// The part of YAML that OpenCV's FileStorage writes: after %YAML, top-level keys with a scalar, a list ("-
 /// a" lines or [ a, b ]) or an !!opencv-matrix of one channel. Anything else is BadData with its line.
@@ -44,4 +44,4 @@ class OpenCvYaml {
   std::map<std::string, Entry> entries_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -4,7 +4,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 Result<ForeignRig> checked(ForeignRig foreign, std::string_view name) {
   if (foreign.rig.cameras.empty())
@@ -32,4 +32,4 @@ Result<void> check_writable(const Rig& rig, const std::vector<std::string>& imag
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -4,7 +4,7 @@
 
 #include "calib/rig_formats.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// The readers of rig_formats.h on text in memory: what tests and fuzzers call. `name` stands in messages.
 
@@ -24,4 +24,4 @@ Result<ForeignRig> checked(ForeignRig foreign, std::string_view name);
 Result<void> check_writable(const Rig& rig, const std::vector<std::string>& image_names,
                             std::string_view name);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

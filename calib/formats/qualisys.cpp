@@ -9,7 +9,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // Lengths on the sensor are in 1/64 px, lengths in the room in millimetres.
@@ -154,4 +154,4 @@ Result<ForeignRig> read_qualisys(const std::filesystem::path& qca_txt) {
   return parse_qualisys(*content, qca_txt.string());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -6,7 +6,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 Result<void> write_qualisys(const Rig& rig, const std::filesystem::path& qca_txt) {
   constexpr double kUnitsPerPixel = 64, kUnitsPerMetre = 1000;
@@ -41,4 +41,4 @@ Result<void> write_qualisys(const Rig& rig, const std::filesystem::path& qca_txt
   return write_file(qca_txt, out + "  </cameras>\n</calibration>\n");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

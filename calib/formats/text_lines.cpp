@@ -5,7 +5,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
@@ -103,4 +103,4 @@ std::string to_text(double value) {
   return std::string(buffer, end);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

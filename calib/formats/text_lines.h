@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// One line of a text file, cut at blanks. Views into the reader's text.
 struct TextLine {
@@ -53,4 +53,4 @@ Result<std::vector<double>> numbers(const TextLines& lines, const TextLine& line
 /// Shortest decimal that reads back as the same double.
 std::string to_text(double value);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -8,7 +8,7 @@
 
 #include "core/parallel.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -446,4 +446,4 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
           summary.final_cost};
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -3,7 +3,7 @@
 #include "calib/solver/linearize.h"
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// Which intrinsics of the cameras whose intrinsics are not fixed are solved for.
 enum class Freedom {
@@ -45,4 +45,4 @@ Eigen::Matrix<double, 6, 1> motion_weights(const SceneBoard& board);
 /// knowledge.
 Intrinsics prior_sigmas(const SceneCamera& camera);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 using Eigen::Index;
@@ -131,4 +131,4 @@ Redundancy redundancy(const Scene& scene, const BundleOptions& options) {
   return r;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -4,7 +4,7 @@
 
 #include "calib/solver/bundle.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// Covariance of all cameras' parameters at a solution, kCameraParameters rows a camera, zero for what was
 /// not solved for: the inverse of the Schur complement of boards and markers, weak priors included. Positive
@@ -18,4 +18,4 @@ struct Redundancy {
 };
 Redundancy redundancy(const Scene& scene, const BundleOptions& options);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -9,7 +9,7 @@
 #include "calib/solver/view_pose.h"
 #include "core/text.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -155,4 +155,4 @@ std::vector<NamedFailure> weak_geometry(const Scene& scene, const std::vector<Ca
   return out;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -5,7 +5,7 @@
 #include "calib/calibrate.h"
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// Before solving: boards whose points fit no plane picture as they are laid out, but do with rows and
 /// columns exchanged.
@@ -20,4 +20,4 @@ std::vector<NamedFailure> weak_geometry(const Scene& scene, const std::vector<Ca
 /// follow the motion.
 std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOptions& options);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

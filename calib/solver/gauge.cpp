@@ -9,7 +9,7 @@
 #include "core/rig.h"
 #include "core/text.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 using Eigen::Matrix3d;
@@ -163,4 +163,4 @@ Result<void> set_gauge(Scene& scene, const Observations& o, Eigen::MatrixXd& cov
   return {};
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -10,7 +10,7 @@
 #include "calib/solver/start.h"
 #include "calib/solver/timing.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -116,4 +116,4 @@ std::vector<double> holdout_errors(const Scene& solved, const Observations& obse
   return rms;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -5,7 +5,7 @@
 #include "calib/calibrate.h"
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// Cross-validation. The frames of what moves are dealt out in turn to `holdout_every` folds, so that each
 /// fold is spread over the whole capture. For a fold everything is solved again without its frames (cameras,
@@ -16,4 +16,4 @@ namespace floatstage::solver {
 std::vector<double> holdout_errors(const Scene& solved, const Observations& observations,
                                    const CalibrationOptions& options);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

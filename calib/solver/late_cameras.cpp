@@ -7,7 +7,7 @@
 #include "calib/solver/stages.h"
 #include "core/text.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -98,4 +98,4 @@ std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOpti
   return out;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

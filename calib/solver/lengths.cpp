@@ -7,7 +7,7 @@
 
 #include "calib/solver/quality.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 using Eigen::Matrix3d;
@@ -166,4 +166,4 @@ LengthQuality merged(const std::vector<LengthQuality>& lengths) {
   return all;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

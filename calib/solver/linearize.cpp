@@ -5,7 +5,7 @@
 
 #include <Eigen/QR>
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 using Eigen::Matrix3d;
@@ -249,4 +249,4 @@ Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& targe
   return r;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

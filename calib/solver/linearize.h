@@ -6,7 +6,7 @@
 
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// How errors count: squared, or less and less the larger they are (Cauchy). In units of their sigma.
 struct Loss {
@@ -49,4 +49,4 @@ LinearDistance linearize_distance(const SceneDistance& known, const Rigid3& a_fr
 Eigen::VectorXd marker_residual(const SceneMarkers& markers, const Target& target,
                                 Eigen::MatrixXd* by_positions);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 // A point on the plane z = 1 after the lens, its derivative by the point before it, and by the lens'
@@ -94,4 +94,4 @@ bool project(const Intrinsics& in, LensKind lens, const Eigen::Vector3d& p, Proj
   return true;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

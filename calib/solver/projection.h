@@ -4,7 +4,7 @@
 
 #include "calib/observations.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// fx fy cx cy, then the lens' coefficients in the order of its struct; those that a lens lacks are 0 and
 /// stay so.
@@ -28,4 +28,4 @@ struct Projected {
 /// False where the point is not in front of the camera.
 bool project(const Intrinsics& intrinsics, LensKind lens, const Eigen::Vector3d& in_camera, Projected& out);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

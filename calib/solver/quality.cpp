@@ -8,7 +8,7 @@
 
 #include "calib/solver/start.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
@@ -124,4 +124,4 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
   return out;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -6,7 +6,7 @@
 #include "calib/solver/bundle.h"
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// Every point of every usable view with its error and depth.
 std::vector<PointError> point_errors(const Scene& scene, const Observations& observations);
@@ -23,4 +23,4 @@ double rms_of(const std::vector<PointError>& errors, int camera);
 std::vector<LengthQuality> measure_lengths(const Scene& scene);
 LengthQuality merged(const std::vector<LengthQuality>& lengths);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

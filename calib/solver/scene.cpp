@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 constexpr int kAlways = std::numeric_limits<int>::min();  // the frame of what does not move
@@ -253,4 +253,4 @@ void free_motion(Scene& scene) {
   }
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -9,7 +9,7 @@
 #include "calib/solver/projection.h"
 #include "core/camera.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// What is being solved for: cameras, where boards were, where markers were; and the views that tie them
 /// together.
@@ -123,4 +123,4 @@ Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& axis_times_angle)
 Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& rotation);
 double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);  ///< rad
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

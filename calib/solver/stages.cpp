@@ -10,7 +10,7 @@
 #include "calib/solver/timing.h"
 #include "core/parallel.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -188,4 +188,4 @@ BundleOptions solve_again(Scene& scene, const CalibrationOptions& options) {
   return bundle;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -6,7 +6,7 @@
 #include "calib/solver/bundle.h"
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// From a start to a solution: first loosely with few intrinsics, then all of them, leaving outliers out and
 /// taking them back until the set stays as it is. Measures the cameras' noise on the way. Returns the options
@@ -22,4 +22,4 @@ int select_inliers(Scene& scene, double sigmas);
 /// Sets each camera's noise from its kept points.
 void measure_noise(Scene& scene, const BundleOptions& options);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

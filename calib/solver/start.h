@@ -8,7 +8,7 @@
 #include "calib/solver/view_pose.h"
 #include "core/result.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// A start for everything, found directly and without chance: focal lengths by trying them, views by
 /// homographies, cameras along the tree of pairs that share most points, boards where most of their views
@@ -42,4 +42,4 @@ void place_boards(Scene& scene, const ViewPoses& poses);
 /// Places markers seen by two cameras that are placed; those that are not seen so leave the scene.
 void place_markers(Scene& scene);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -5,7 +5,7 @@
 #include "calib/solver/start.h"
 #include "core/text.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 constexpr std::size_t kFewestPoints = 6;
@@ -128,4 +128,4 @@ Result<void> start_intrinsics(Scene& scene, int camera) {
   return {};
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -268,4 +268,4 @@ Result<std::vector<CameraPair>> start_poses(Scene& scene, int threads) {
   return pairs;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

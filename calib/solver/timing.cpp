@@ -8,7 +8,7 @@
 
 #include "calib/solver/linearize.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -115,4 +115,4 @@ void measure_timing(Scene& scene) {
       std::clamp(std::sqrt(velocity.squares / velocity.count), 0.01 * kVelocityDoubt, kVelocityDoubt);
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -3,7 +3,7 @@
 #include "calib/solver/bundle.h"
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// Cameras without a common trigger: when their pictures were taken, and how boards moved then.
 
@@ -19,4 +19,4 @@ void estimate_jitter(Scene& scene);
 /// variance components of the present solution.
 void measure_timing(Scene& scene);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

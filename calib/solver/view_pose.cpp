@@ -8,7 +8,7 @@
 
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 using Eigen::Matrix3d;
@@ -265,4 +265,4 @@ std::optional<ViewPose> view_pose(const Intrinsics& in, LensKind lens, int width
   return best;
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

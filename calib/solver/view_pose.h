@@ -8,7 +8,7 @@
 #include "calib/solver/projection.h"
 #include "core/camera.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// A point of a target and the pixel where one camera saw it.
 struct Correspondence {
@@ -37,4 +37,4 @@ ViewPose refine_pose(const Intrinsics& intrinsics, LensKind lens, const std::vec
 /// wrong lens.
 double homography_error(const std::vector<Correspondence>& points);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

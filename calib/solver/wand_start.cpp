@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 using Eigen::Matrix3d;
@@ -150,4 +150,4 @@ std::optional<Rigid3> pose_from_wand(const Scene& scene, int a, int b) {
   return best.inverse();
 }
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

@@ -4,7 +4,7 @@
 
 #include "calib/solver/scene.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 
 /// Where camera b stands seen from a, by the wand markers that both saw: the essential matrix of all of them
 /// (eight points, weighted again by its own residuals), its scale from the wand's lengths. Both cameras need
@@ -19,4 +19,4 @@ struct WandOverlap {
 };
 WandOverlap wand_overlap(const Scene& scene, int a, int b);
 
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

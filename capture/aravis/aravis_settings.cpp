@@ -9,7 +9,7 @@
 #include "capture/aravis/gige_link.h"
 #include "core/log.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 struct FormatName {
@@ -229,4 +229,4 @@ Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& set
   return Writer(camera, settings).run();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

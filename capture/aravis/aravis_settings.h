@@ -8,7 +8,7 @@
 #include "core/frame.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// When a camera exposes.
 enum class GigeTrigger {
@@ -53,4 +53,4 @@ struct AravisStream {
 /// are too narrow, Timeout for a clock that does not lock to PTP.
 Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& settings);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -13,7 +13,7 @@
 #include "capture/studio_clock.h"
 #include "core/log.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr std::size_t kPicturesInSocket = 16;  // half a second at 30: longer than busy machines stand still
@@ -346,4 +346,4 @@ Result<std::unique_ptr<FrameSource>> open_aravis(const std::string& address, con
   return {std::make_unique<AravisSource>(std::move(s), frames)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

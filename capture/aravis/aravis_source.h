@@ -5,7 +5,7 @@
 
 #include "capture/frame_source.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 inline constexpr const char* kAravisUsage =
     "gige:<serial>?address=&format=gray8|rgb8|bayer-rggb8|yuyv&x=0&y=0&width=0&height=0&rate=&exposure-us=&"
@@ -27,4 +27,4 @@ inline constexpr const char* kAravisUsage =
 /// is lost, and what apply_settings() refuses.
 Result<std::unique_ptr<FrameSource>> open_aravis(const std::string& address, const std::string& uri);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

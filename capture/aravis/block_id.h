@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Unwraps GVSP block ids, which number a camera's pictures: 16 bits from 1 to 65535 and then 1 again (0 is
 /// no picture), or 64 bits that do not come round. Counts from 0 at the first.
@@ -49,4 +49,4 @@ class BlockIdUnwrapper {
   std::uint64_t sequence_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -5,7 +5,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr int kHeaders = 20 + 8 + 8;        // IP, UDP, GVSP: within the packet size
@@ -45,4 +45,4 @@ Result<GigeSchedule> gige_schedule(const GigeDemand& d) {
   return schedule;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

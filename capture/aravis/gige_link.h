@@ -6,7 +6,7 @@
 #include "core/result.h"
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// One camera's share of an Ethernet link.
 struct GigeDemand {
@@ -33,4 +33,4 @@ struct GigeSchedule {
 /// the link, with what would.
 Result<GigeSchedule> gige_schedule(const GigeDemand& demand);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

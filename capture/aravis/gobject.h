@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 struct GObjectUnref {
   void operator()(gpointer object) const { g_object_unref(object); }
@@ -37,4 +37,4 @@ class GlibError {
   GError* error_ = nullptr;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -4,7 +4,7 @@
 #include "core/check.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 class ReplaySource final : public FrameSource {
@@ -89,4 +89,4 @@ Result<std::unique_ptr<FrameSource>> open_replay(const std::string& address, con
                    "; the take has ", known));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -6,7 +6,7 @@
 #include "capture/frame_source.h"
 #include "capture/take.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 inline constexpr const char* kReplayUsage = "take:<folder>#<serial>";
 
@@ -19,4 +19,4 @@ std::unique_ptr<FrameSource> replay(std::shared_ptr<TakeReader> take, int camera
 /// `address` is "<folder>#<serial>"; without "#<serial>" the take must have one camera. Errors name `uri`.
 Result<std::unique_ptr<FrameSource>> open_replay(const std::string& address, const std::string& uri);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

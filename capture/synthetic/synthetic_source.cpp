@@ -12,12 +12,12 @@
 #include "core/synthetic/synthetic_studio.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 struct Options {
   SyntheticRigOptions rig;
-  StudioOptions studio;
+  SyntheticStudioOptions studio;
   int camera = 0;
   int frames = 0;      // 0: endless
   int gone_after = 0;  // that many of them it is unplugged; 0: never
@@ -156,4 +156,4 @@ Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, 
   return {std::make_unique<SyntheticSource>(std::move(o))};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -5,7 +5,7 @@
 
 #include "capture/frame_source.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 inline constexpr const char* kSyntheticUsage =
     "synthetic:camera=0&cameras=8&shape=ring|dome&seed=1&width=640&height=480&frames=0&rate=25&samples=16&"
@@ -20,4 +20,4 @@ inline constexpr const char* kSyntheticUsage =
 /// `uri`.
 Result<std::unique_ptr<FrameSource>> open_synthetic(const std::string& options, const std::string& uri);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -13,7 +13,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 struct FormatCode {
@@ -246,4 +246,4 @@ std::string control_word(std::string_view name) {
   return word;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -10,7 +10,7 @@
 #include "core/frame.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// An open video device. Closes itself. ioctl() may be called from any thread.
 class V4l2Device {
@@ -57,4 +57,4 @@ const char* why_not_streaming(int error);
 /// A control's name in words of a command line: "Exposure Time, Absolute" becomes "exposure-time-absolute".
 std::string control_word(std::string_view name);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

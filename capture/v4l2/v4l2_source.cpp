@@ -17,7 +17,7 @@
 #include "core/jpeg.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 // A driver's buffer in our memory; stays mapped while a frame shows it, also when the device is closed.
@@ -309,4 +309,4 @@ Result<std::unique_ptr<FrameSource>> open_v4l2(const std::string& address, const
   return {std::make_unique<V4l2Source>(std::move(s), frames)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

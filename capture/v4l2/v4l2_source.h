@@ -5,7 +5,7 @@
 
 #include "capture/frame_source.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 inline constexpr const char* kV4l2Usage =
     "v4l2:<device>?format=rgb8|yuyv|nv12|bayer-rggb8|mjpeg|gray8&width=0&height=0&rate=&controls=<name>:<"
@@ -29,4 +29,4 @@ inline constexpr const char* kV4l2Usage =
 /// stream is gone.
 Result<std::unique_ptr<FrameSource>> open_v4l2(const std::string& address, const std::string& uri);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

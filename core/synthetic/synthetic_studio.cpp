@@ -26,7 +26,7 @@ using synthetic::TracingCamera;
 // A scene is about six megabytes; the cameras of a frame are mostly shot together.
 constexpr std::size_t kCachedScenes = 6;
 
-Result<void> check_options(const StudioOptions& o) {
+Result<void> check_options(const SyntheticStudioOptions& o) {
   const int across = static_cast<int>(std::lround(std::sqrt(o.samples)));
   if (o.samples < 1 || o.samples > 1024 || across * across != o.samples)
     return fail(ErrorCode::InvalidArgument,
@@ -61,7 +61,7 @@ Matte matte_of(const FrameInfo& info, const Exposure& exposure) {
 }  // namespace
 
 struct SyntheticStudio::Impl {
-  Impl(const Rig& rig, const StudioOptions& o)
+  Impl(const Rig& rig, const SyntheticStudioOptions& o)
       : options(o),
         true_rig(rig),
         published(synthetic::with_calibration_error(rig, o.defects.calibration_error, o.seed)),
@@ -108,7 +108,7 @@ struct SyntheticStudio::Impl {
     }
   }
 
-  StudioOptions options;
+  SyntheticStudioOptions options;
   Rig true_rig, published;
   synthetic::SensorDefects sensor;
   synthetic::Performer performer;
@@ -121,7 +121,7 @@ struct SyntheticStudio::Impl {
       scenes;  ///< newest use first
 };
 
-Result<SyntheticStudio> SyntheticStudio::create(const Rig& true_rig, const StudioOptions& options) {
+Result<SyntheticStudio> SyntheticStudio::create(const Rig& true_rig, const SyntheticStudioOptions& options) {
   if (Result<void> ok = floatstage::check(true_rig); !ok) return forward(ok);
   if (Result<void> ok = check_options(options); !ok) return forward(ok);
   Rig rig = true_rig;

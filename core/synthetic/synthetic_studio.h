@@ -45,7 +45,7 @@ struct Defects {
       0;  ///< seconds: standard deviation of each exposure's start; cut at 0.45 frame periods
 };
 
-struct StudioOptions {
+struct SyntheticStudioOptions {
   std::uint64_t seed = 1;
   double frame_rate = 25;  ///< of the instants that `frame` numbers
   int samples = 16;        ///< rays a pixel (a square number up to 1024): partial coverage is their mean
@@ -72,7 +72,7 @@ class SyntheticStudio {
  public:
   /// Errors: what check(true_rig) finds; InvalidArgument naming the option or defect that is out of its
   /// range; Unsupported where Embree does not run. Shoots the plates, on all cores.
-  static Result<SyntheticStudio> create(const Rig& true_rig, const StudioOptions& options);
+  static Result<SyntheticStudio> create(const Rig& true_rig, const SyntheticStudioOptions& options);
   SyntheticStudio(SyntheticStudio&&) noexcept;
   SyntheticStudio& operator=(SyntheticStudio&&) noexcept;
   ~SyntheticStudio();

@@ -5,7 +5,7 @@
 
 #include "matting/keyers/plate.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr float kSame = 14;     // 8-bit steps a channel within which a place shows what it showed
@@ -100,4 +100,4 @@ std::vector<float> BackdropMemory::calm(const Image& picture) const {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

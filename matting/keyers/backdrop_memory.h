@@ -7,7 +7,7 @@
 #include "core/result.h"
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// What a still camera has seen of each place of its backdrop, and how often: only where a matte said that it
 /// was background, and some pixels away from the subject. Where the subject always stood, nothing is known.
@@ -33,4 +33,4 @@ class BackdropMemory {
   std::vector<std::uint8_t> seen_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kBins = 64;           // a side of the (r, b) chromaticity histogram
@@ -64,4 +64,4 @@ std::optional<Rgb> sample_backing(const std::vector<Image>& pictures) {
   return Rgb{mean(mode.r), mean(mode.g), mean(mode.b)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 #include "core/image.h"
 #include "matting/foreground.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 struct Rgb {
   std::uint8_t r = 0, g = 0, b = 0;
@@ -22,4 +22,4 @@ std::optional<Rgb> sample_backing(const std::vector<Image>& pictures);
 /// The channel in which a cloth of that colour leads; green unless blue does.
 BackingChannel backing_channel(Rgb color);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

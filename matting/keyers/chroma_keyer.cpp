@@ -10,7 +10,7 @@
 #include "matting/keyers/keyers.h"
 #include "matting/refine_edges.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 // Lamps, cables and folds on the cloth are islands or thin; people in the picture are not under 3 % of the
@@ -173,4 +173,4 @@ Result<std::unique_ptr<Keyer>> make_chroma_keyer(const KeyerRequest& request) {
   return std::unique_ptr<Keyer>(new ChromaKeyer(color, request.cleanup.value_or(kDefaultCleanup)));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -6,7 +6,7 @@
 #include "core/check.h"
 #include "matting/keyers/keyer.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kSubject = 128;    // alpha from here on is subject
@@ -153,4 +153,4 @@ Image clean_up(const Image& raw, const CleanupOptions& options) {
   return result;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

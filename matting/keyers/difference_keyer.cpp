@@ -6,7 +6,7 @@
 #include "matting/keyers/keyers.h"
 #include "matting/refine_edges.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr CleanupOptions kDefaultCleanup{.close_radius = 1, .smallest_island = 0.02, .smallest_hole = 0.001};
@@ -99,4 +99,4 @@ Result<std::unique_ptr<Keyer>> make_difference_keyer(const KeyerRequest& request
       new DifferenceKeyer(median_of(request.samples), *threshold, request.cleanup.value_or(kDefaultCleanup)));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

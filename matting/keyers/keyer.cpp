@@ -6,7 +6,7 @@
 #include "core/text.h"
 #include "matting/keyers/keyers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 struct Entry {
@@ -82,4 +82,4 @@ Result<int> threshold_of(const KeyerRequest& request, std::string_view keyer, in
   return value;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -11,7 +11,7 @@
 #include "core/matte.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// What happens to a raw key before it is a matte, in this order: a closing fills gaps, thin attachments are
 /// cut, small islands go, small holes are filled. "Subject" means alpha >= 128. Each keyer has defaults of
@@ -69,4 +69,4 @@ struct KeyerInfo {
 };
 std::vector<KeyerInfo> keyers();
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

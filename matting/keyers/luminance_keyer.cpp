@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "matting/keyers/keyers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 // A black stage leaves dark crevices in the subject and specks on the cloth.
@@ -94,4 +94,4 @@ Result<std::unique_ptr<Keyer>> make_luminance_keyer(const KeyerRequest& request)
   return std::unique_ptr<Keyer>(new LuminanceKeyer(*threshold, request.cleanup.value_or(kDefaultCleanup)));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

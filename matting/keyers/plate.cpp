@@ -6,7 +6,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kNoiseUnit = 16;  // steps of the noise map a step of the pictures
@@ -152,4 +152,4 @@ Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOpti
   return plate;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 #include "core/result.h"
 #include "matting/keyers/keyer.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// What a camera sees when nobody is there, learnt from several photographs and then frozen: nothing that
 /// happens later changes it, so an actor who stands still does not melt into it. Relearning is a call, never
@@ -62,4 +62,4 @@ Image classify(const Plate& plate, const Image& picture, const PlateKeyOptions& 
 Result<std::unique_ptr<Keyer>> make_plate_keyer(Plate plate, const PlateKeyOptions& options = {},
                                                 const std::optional<CleanupOptions>& cleanup = std::nullopt);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 #include "matting/keyers/plate.h"
 #include "matting/refine_edges.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr CleanupOptions kDefaultCleanup{.close_radius = 1, .smallest_island = 0.02, .smallest_hole = 0.002};
@@ -131,4 +131,4 @@ Result<std::unique_ptr<Keyer>> make_plate_keyer(const KeyerRequest& request) {
   return make_plate_keyer(std::move(*plate), options, request.cleanup);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 #include "matting/dense.h"
 #include "matting/spectral/spectral_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kEnumerable = 16;     // components whose subsets are all tried
@@ -209,4 +209,4 @@ Result<Selection> guess_selection(const MattingComponents& components,
   return selection;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -9,7 +9,7 @@
 #include "matting/spectral/grid_factor.h"
 #include "matting/spectral/spectral_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr double kShift = 1e-7;  // below the second eigenvalue of any photograph, far above rounding
@@ -245,4 +245,4 @@ std::size_t EigenSolver::bytes() const {
          s.stencil.pixels() * 13 * 8;  // where the factor's entries come from
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -10,7 +10,7 @@
 #include "matting/dense.h"
 #include "matting/spectral/nested_dissection.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kChunk = 32;  // right-hand sides a call: fewer use the factor's cache lines less, more spill
@@ -160,4 +160,4 @@ Result<void> GridFactor::solve(const double* right, int columns, double* out) {
 std::size_t GridFactor::nonzeros() const { return impl_->factor->xsize; }
 std::size_t GridFactor::bytes() const { return impl_->common.memory_usage; }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 #include "matting/laplacian_stencil.h"
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// The sparse Cholesky factor of L + diagonal on a pixel grid of one size: analysed once, factored for every
 /// picture, workspaces kept. Not thread safe; one a worker. All vectors are in elimination order: order()[i]
@@ -38,4 +38,4 @@ class GridFactor {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

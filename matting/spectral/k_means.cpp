@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kRounds = 40;
@@ -90,4 +90,4 @@ Clusters k_means(const MatrixXf& features, int clusters, int restarts, Random& r
   return best;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 #include "core/random.h"
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Points are columns: `features` is dimensions x points, centres dimensions x clusters.
 struct Clusters {
@@ -26,4 +26,4 @@ Clusters refine_clusters(const Eigen::MatrixXf& features, Eigen::MatrixXf centre
 /// The nearest centre of every column of `features`.
 std::vector<int> nearest_centres(const Eigen::MatrixXf& features, const Eigen::MatrixXf& centres);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 #include "matting/spectral/sparse_components.h"
 #include "matting/spectral/spectral_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kClusterVectors = 20;  // eigenvectors, after the constant one, that k-means looks at
@@ -115,4 +115,4 @@ Image matte_of(const MattingComponents& components, const std::vector<bool>& cho
   return matte;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kSeparator = 2;  // what a 3x3 window couples is at most two rows and columns apart
@@ -49,4 +49,4 @@ std::vector<int> nested_dissection(int width, int height) {
   return std::move(dissection.order);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

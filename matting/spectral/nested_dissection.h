@@ -3,7 +3,7 @@
 #include <vector>
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// The order in which to eliminate the pixels of a grid whose neighbours reach two rows and columns far:
 /// halves of a rectangle first, the two pixels wide line between them last, recursively (George, "Nested
@@ -11,4 +11,4 @@ namespace floatstage {
 /// eliminated i-th.
 std::vector<int> nested_dissection(int width, int height);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

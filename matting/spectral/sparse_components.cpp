@@ -7,7 +7,7 @@
 
 #include "matting/dense.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr Eigen::Index kTile = 512;  // pixels a Gram update: their weighted copy stays in the cache
@@ -75,4 +75,4 @@ MatrixXd sparse_components(const MatrixXf& samples, const MatrixXd& start, const
   return y;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 struct SparsityOptions {
   double gamma = 0.9;
@@ -19,4 +19,4 @@ struct SparsityOptions {
 Eigen::MatrixXd sparse_components(const Eigen::MatrixXf& samples, const Eigen::MatrixXd& start,
                                   const Eigen::VectorXd& ones, const SparsityOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

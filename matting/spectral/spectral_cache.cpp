@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the files are little endian");
@@ -167,4 +167,4 @@ Result<MattingComponents> parse_components(std::string_view bytes, std::uint64_t
                            std::move(p->columns)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -9,7 +9,7 @@
 #include "matting/spectral/spectral_matting.h"
 
 // Private to the stage: eigenpairs and components as files.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Rounds every column to 16 bits of its largest entry, as the files keep it. What continues from a file then
 /// continues exactly as it would have without.
@@ -29,4 +29,4 @@ Result<MattingComponents> parse_components(std::string_view bytes, std::uint64_t
 /// FNV-1a by words of eight bytes, continued from `hash`.
 std::uint64_t hash_of(std::string_view bytes, std::uint64_t hash = 14695981039346656037u);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

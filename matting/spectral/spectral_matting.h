@@ -14,7 +14,7 @@
 // Spectral matting of single pictures: A. Levin, A. Rav-Acha, D. Lischinski, "Spectral Matting", PAMI 2008;
 // thesis section 7.2. Everything here works at the picture's own size: scale large pictures down to 360x240 …
 // 512x384 first and carry the matte back up (matting/video/video_matting.h does both).
-namespace floatstage {
+namespace floatstage::matting {
 
 struct SpectralOptions {
   LaplacianOptions laplacian = {};
@@ -131,4 +131,4 @@ Result<Selection> guess_selection(const MattingComponents& components,
 /// The sum of the chosen components as an 8-bit matte, clamped.
 Image matte_of(const MattingComponents& components, const std::vector<bool>& chosen);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -1,7 +1,7 @@
 #include "core/text.h"
 #include "matting/spectral/spectral_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Result<void> within(const char* name, double value, double low, double high) {
@@ -36,4 +36,4 @@ Result<void> SpectralOptions::check() const {
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 
 #include "matting/picture_scale.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kWindow = 5;        // px a side of the colour models' windows, at the small size
@@ -82,4 +82,4 @@ Image carried_up(const Image& picture, const Image& matte) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -3,7 +3,7 @@
 #include "core/image.h"
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Opacity as an affine function of colour in every window of the small picture, its coefficients brought to
 /// the large size and applied to the large picture's colours (He et al., "Guided Image Filtering", 2013, eq.
@@ -11,4 +11,4 @@ namespace floatstage {
 /// channels, `matte` one.
 Image carried_up(const Image& picture, const Image& matte);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

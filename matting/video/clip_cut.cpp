@@ -13,7 +13,7 @@
 #include "matting/video/flow_carry.h"
 #include "matting/video/frame_cut.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr std::size_t kMostBytes = 400u << 20;  // of photographs kept in working size
@@ -371,4 +371,4 @@ Result<std::vector<Image>> cut_clip(const MattingClip& clip, const std::map<int,
   return cutter.run(done);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "matting/video/video_matting.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 struct ClipCutOptions {
   int working_pixels = 130'000;  ///< photographs are scaled to about so many
@@ -39,4 +39,4 @@ Result<std::vector<Image>> cut_clip(const MattingClip& clip, const std::map<int,
                                     const ClipCutOptions& options = {},
                                     const std::function<bool(int round, int frame)>& done = nullptr);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "matting/video/flow_carry.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kSurelyBackground = 5;  // opacity up to here is remembered as backdrop
@@ -183,4 +183,4 @@ Result<Image> ClosedFormVideo::next(const Image& picture, const Image& guidance,
   return matte;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

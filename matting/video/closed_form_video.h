@@ -6,7 +6,7 @@
 #include "core/result.h"
 #include "matting/closed_form.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 struct ClosedFormVideoOptions {
   RefineOptions refine;
@@ -48,4 +48,4 @@ class ClosedFormVideo {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -13,7 +13,7 @@
 #include "matting/spectral/spectral_cache.h"
 #include "matting/video/frame_flow.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 // Everything that the components depend on, but the pictures.
@@ -136,4 +136,4 @@ ComponentStore::Outcome ComponentStore::prepare(int frames, int threads,
   return outcome;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 #include "matting/video/video_matting.h"
 
 // Private to the stage: the first phase of video matting.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// A clip's matting components on disk, made in runs of kRun frames: each run starts cold and goes on warm,
 /// its components follow one another, and runs are independent, so that they are made in parallel with the
@@ -44,4 +44,4 @@ class ComponentStore {
   CarryingFlow flow_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 
 #include "core/check.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr float kLoop = 1.5f;  // px by which there and back may miss
@@ -63,4 +63,4 @@ Carried carry_matte(const Image& from, const Image& matte, const Image& to) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

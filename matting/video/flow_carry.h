@@ -3,7 +3,7 @@
 #include "core/image.h"
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// A matte of one frame brought to a neighbouring one along dense flow (DIS, Kroeger et al. 2016).
 struct Carried {
@@ -15,4 +15,4 @@ struct Carried {
 /// `from`, `to`: RGB of one size (at least 16x16), `matte` of theirs.
 Carried carry_matte(const Image& from, const Image& matte, const Image& to);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 
 #include "core/check.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr float kUnit = 1000;    // whole steps of the cut, which keep it exact and repeatable
@@ -80,4 +80,4 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

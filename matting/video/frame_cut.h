@@ -5,7 +5,7 @@
 #include "core/image.h"
 
 // Private to the stage.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// The evidence of one frame, to be cut.
 struct CutEvidence {
@@ -21,4 +21,4 @@ struct CutEvidence {
 /// Deterministic.
 Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

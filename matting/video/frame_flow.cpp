@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kBlock = 8, kReach = 8;  // px: published block matching
@@ -131,4 +131,4 @@ Image confidence_of(const Image& from, const Image& to, const FrameFlow& flow) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -6,7 +6,7 @@
 #include "matting/video/video_matting.h"
 
 // Private to the stage: what moves between two frames of a clip.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Where each pixel of one picture was in another: to(x, y) looks like from(x + u, y + v), in px.
 struct FrameFlow {
@@ -26,4 +26,4 @@ Eigen::MatrixXf carried(const Eigen::MatrixXf& from, const FrameFlow& flow);
 /// they do not.
 Image confidence_of(const Image& from, const Image& to, const FrameFlow& flow);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr double kSmallestStroke = 9;  // px of the working size: what a click counts for at least
@@ -84,4 +84,4 @@ double flicker_between(const Image& matte, const Image& carried_previous) {
   return sum / (255.0 * static_cast<double>(matte.pixels.size()));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

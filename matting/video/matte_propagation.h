@@ -7,7 +7,7 @@
 #include "matting/video/video_matting.h"
 
 // Private to the stage: how one frame's matte follows from its neighbours'.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// What is known of a frame before its components are chosen, all in working size.
 struct FrameEvidence {
@@ -40,4 +40,4 @@ Image filtered(const Image& matte, const MatteOpinion& previous, double share);
 /// Mean |matte - carried previous| over the pixels, 0..1.
 double flicker_between(const Image& matte, const Image& carried_previous);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -13,7 +13,7 @@
 #include "matting/video/component_store.h"
 #include "matting/video/matte_propagation.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image mean_of(const Image& a, const Image& b, double share_of_b) {
@@ -433,4 +433,4 @@ const MattedFrame& VideoMatting::report(int frame) const {
   return impl_->states[static_cast<std::size_t>(frame)].report;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

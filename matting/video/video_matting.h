@@ -11,7 +11,7 @@
 #include "matting/spectral/spectral_matting.h"
 
 // Spectral video matting: thesis section 7.3.
-namespace floatstage {
+namespace floatstage::matting {
 
 /// One camera's frames, fetched when they are needed.
 struct MattingClip {
@@ -136,4 +136,4 @@ Result<Image> carry_up(const Image& matte, const Image& photograph);
 /// The pixels with opacity of at least `threshold` as 255, the others as 0 (thesis section 7.4: silhouettes).
 Image silhouette_of(const Image& matte, int threshold = 128);
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -10,13 +10,13 @@
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr int kAlone = 1'000'000;  // frame numbers of pictures that one camera took alone begin here
 
 struct Looked {
-  std::vector<Detection> detections;  // by picture
+  std::vector<calib::Detection> detections;  // by picture
   int width = 0, height = 0;
   double frame_rate = 0;
 };
@@ -31,8 +31,8 @@ bool is_picture(const std::filesystem::path& file) {
 }
 
 // Pictures are decoded one after the other, some at a time, and looked at in parallel.
-Result<Looked> look(const TargetDesign& design, const CameraMedia& media, const FrameRange& range, int every,
-                    const DetectAllOptions& options) {
+Result<Looked> look(const calib::TargetDesign& design, const CameraMedia& media, const FrameRange& range,
+                    int every, const calib::DetectAllOptions& options) {
   const std::filesystem::path first = media.video.empty() ? media.stills.front() : media.video;
   Result<PictureStream> stream = PictureStream::open(media, range);
   if (!stream) return forward(stream);
@@ -50,7 +50,7 @@ Result<Looked> look(const TargetDesign& design, const CameraMedia& media, const 
   bool ended = false;
   for (int index = 0; !ended;) {
     std::vector<Image> images;
-    std::vector<PictureToDetect> batch;
+    std::vector<calib::PictureToDetect> batch;
     images.reserve(kAtOnce);
     while (images.size() < kAtOnce) {
       Result<std::optional<Image>> next = stream->next();
@@ -74,15 +74,16 @@ Result<Looked> look(const TargetDesign& design, const CameraMedia& media, const 
       }
       batch.push_back({name, picture_key, [&images, slot] { return Result<Image>(images[slot]); }});
     }
-    for (Detection& d : detect_all(design, batch, options)) out.detections.push_back(std::move(d));
+    for (calib::Detection& d : detect_all(design, batch, options)) out.detections.push_back(std::move(d));
   }
   return out;
 }
 
-void add_views(Observations& o, int camera, const Looked& looked, int first, int every, double frame_rate) {
+void add_views(calib::Observations& o, int camera, const Looked& looked, int first, int every,
+               double frame_rate) {
   for (std::size_t i = 0; i < looked.detections.size(); ++i) {
     if (looked.detections[i].points.empty()) continue;
-    TargetView view;
+    calib::TargetView view;
     view.camera = camera;
     view.frame = first + every * static_cast<int>(i);
     if (frame_rate > 0) view.time.ns = std::llround(1e9 * view.frame / frame_rate);
@@ -93,13 +94,14 @@ void add_views(Observations& o, int camera, const Looked& looked, int first, int
 
 std::string size_text(const Looked& l) { return text(l.width, "x", l.height); }
 
-Result<void> collect_camera(const Session& s, const SessionCamera& camera, const DetectAllOptions& options,
-                            int& next_alone, Collected& out, std::size_t& synchronous) {
-  CalibrationCamera c;
+Result<void> collect_camera(const Session& s, const SessionCamera& camera,
+                            const calib::DetectAllOptions& options, int& next_alone, Collected& out,
+                            std::size_t& synchronous) {
+  calib::CalibrationCamera c;
   c.serial = camera.serial;
   c.lens = camera.lens;
   const int index = static_cast<int>(out.observations.cameras.size());
-  std::vector<Detection> all;
+  std::vector<calib::Detection> all;
   const auto take_size = [&](const Looked& l) -> Result<void> {
     if (c.width != 0 && (c.width != l.width || c.height != l.height))
       return fail(ErrorCode::BadData, text("camera '", c.serial, "': its pictures are ", size_text(l),
@@ -144,8 +146,8 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera, const
     next_alone += static_cast<int>(looked->detections.size());
     all.insert(all.end(), looked->detections.begin(), looked->detections.end());
   }
-  for (const Detection& d : all)
-    if (d.failure == DetectionFailure::Unreadable)
+  for (const calib::Detection& d : all)
+    if (d.failure == calib::DetectionFailure::Unreadable)
       return fail(ErrorCode::BadData, text("camera '", c.serial, "': ", d.reason));
   out.detection.push_back(text("camera '", c.serial, "': ", summary(all)));
   out.observations.cameras.push_back(std::move(c));
@@ -182,13 +184,13 @@ Result<Collected> collect(const Session& s, const std::filesystem::path& cache, 
   const auto begin = std::chrono::steady_clock::now();
   Collected out;
   if (!s.observations.empty()) {
-    Result<Observations> read = load_observations(s.observations);
+    Result<calib::Observations> read = load_observations(s.observations);
     if (!read) return forward(read);
     out.observations = std::move(*read);
   } else {
     if (s.target) out.observations.targets.push_back(make_target(*s.target, "target", s.wand_sigma));
     ProgressPart progress(watch, "cameras", s.cameras.size());
-    const DetectAllOptions options{.threads = threads, .cache = cache};
+    const calib::DetectAllOptions options{.threads = threads, .cache = cache};
     int next_alone = kAlone;
     std::size_t first_count = 0;
     std::string first_serial;
@@ -216,11 +218,11 @@ Result<Collected> collect(const Session& s, const std::filesystem::path& cache, 
     if (!rig) return forward(rig);
     if (Result<void> ok = apply_known(*s.known, *rig, out.observations); !ok) return forward(ok);
   }
-  if (s.floor) out.observations.gauge = FloorBoard{0, s.floor->frame, s.floor->height};
+  if (s.floor) out.observations.gauge = calib::FloorBoard{0, s.floor->frame, s.floor->height};
   if (s.target)
     if (const std::optional<std::string> warning = ambiguity(*s.target)) out.remarks.push_back(*warning);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

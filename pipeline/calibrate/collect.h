@@ -10,11 +10,11 @@
 #include "pipeline/calibrate/session.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// What a session's pictures show.
 struct Collected {
-  Observations observations;
+  calib::Observations observations;
   std::vector<std::string> detection;  ///< a sentence a camera
   std::vector<std::string> remarks;
   std::vector<std::string>
@@ -37,12 +37,13 @@ Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::fi
 Result<Rig> load_known(const SessionKnown& known);
 
 /// Fills in what the session knows of its cameras. NotFound names the camera that the known rig lacks.
-Result<void> apply_known(const SessionKnown& known, const Rig& rig, Observations& observations);
+Result<void> apply_known(const SessionKnown& known, const Rig& rig, calib::Observations& observations);
 
 /// How far the solved poses are from the known ones after a similarity, where those were only to be compared.
-std::optional<RigAgreement> compare_poses(const SessionKnown& known, const Rig& rig, const Rig& solved);
+std::optional<calib::RigAgreement> compare_poses(const SessionKnown& known, const Rig& rig,
+                                                 const Rig& solved);
 
 /// How far the solved focal lengths are from the known ones, where those were only to be compared.
 std::vector<std::string> compare_to_known(const SessionKnown& known, const Rig& rig, const Rig& solved);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

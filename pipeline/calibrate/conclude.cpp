@@ -9,14 +9,14 @@
 #include "core/text.h"
 #include "pipeline/json_report.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
-Result<void> conclude(const Calibration& solved, const CalibrationBars& bars,
+Result<void> conclude(const calib::Calibration& solved, const CalibrationBars& bars,
                       const std::vector<BarCheck>& checks, const ReportContext& context,
                       const ConcludeOptions& given) {
   Verdict verdict = judge(solved, bars);
   for (const BarCheck& check : checks) add_check(verdict, solved, check);
-  for (const CameraQuality& q : solved.cameras)
+  for (const calib::CameraQuality& q : solved.cameras)
     std::printf("%s: %.3f px, P95 %.3f px, held out %.3f px, %d points of %d views, %d left out\n",
                 q.serial.c_str(), q.rms_px, q.p95_px, q.holdout_px, q.points, q.views, q.outliers);
   if (solved.scale.count > 0)
@@ -47,4 +47,4 @@ Result<void> conclude(const Calibration& solved, const CalibrationBars& bars,
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

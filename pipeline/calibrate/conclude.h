@@ -6,7 +6,7 @@
 
 #include "pipeline/calibrate/report.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Where what came out of a calibration goes; empty paths: nowhere.
 struct ConcludeOptions {
@@ -18,8 +18,8 @@ struct ConcludeOptions {
 
 /// Judges a calibration by its bars and `checks` (whose `pass` is filled in), prints it, writes report, JSON
 /// and, when it passes, the rig. BadData when it does not pass.
-Result<void> conclude(const Calibration& calibration, const CalibrationBars& bars,
+Result<void> conclude(const calib::Calibration& calibration, const CalibrationBars& bars,
                       const std::vector<BarCheck>& checks, const ReportContext& context,
                       const ConcludeOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,10 +7,10 @@
 #include "core/text.h"
 #include "pipeline/calibrate/collect.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
-Result<Rig> foreign(Result<ForeignRig> read) {
+Result<Rig> foreign(Result<calib::ForeignRig> read) {
   if (!read) return forward(read);
   return std::move(read->rig);
 }
@@ -26,23 +26,23 @@ Result<Rig> load_known(const SessionKnown& known) {
   return load_rig(known.file);
 }
 
-Result<void> apply_known(const SessionKnown& known, const Rig& rig, Observations& o) {
-  for (CalibrationCamera& c : o.cameras) {
+Result<void> apply_known(const SessionKnown& known, const Rig& rig, calib::Observations& o) {
+  for (calib::CalibrationCamera& c : o.cameras) {
     const int index = camera_index(rig, c.serial);
     if (index < 0)
       return fail(ErrorCode::NotFound, text(known.file.string(), ": there is no camera '", c.serial,
                                             "' in it; name the session's cameras as they are named there"));
     const RigCamera& from = rig.cameras[static_cast<std::size_t>(index)];
-    if (known.intrinsics != Prior::Unknown) {
+    if (known.intrinsics != calib::Prior::Unknown) {
       c.intrinsics = known.intrinsics;
       c.model = from.model;
       if (c.model.width == 0) {  // a format that does not state it
         c.model.width = c.width;
         c.model.height = c.height;
       }
-      if (c.model.lens.index() != 0) c.lens = static_cast<LensKind>(c.model.lens.index());
+      if (c.model.lens.index() != 0) c.lens = static_cast<calib::LensKind>(c.model.lens.index());
     }
-    if (known.poses != Prior::Unknown) {
+    if (known.poses != calib::Prior::Unknown) {
       c.pose = known.poses;
       c.cam_from_world = from.cam_from_world;
     }
@@ -50,14 +50,15 @@ Result<void> apply_known(const SessionKnown& known, const Rig& rig, Observations
   return {};
 }
 
-std::optional<RigAgreement> compare_poses(const SessionKnown& known, const Rig& rig, const Rig& solved) {
-  if (known.poses != Prior::Unknown) return std::nullopt;
+std::optional<calib::RigAgreement> compare_poses(const SessionKnown& known, const Rig& rig,
+                                                 const Rig& solved) {
+  if (known.poses != calib::Prior::Unknown) return std::nullopt;
   return agreement(solved, rig);
 }
 
 std::vector<std::string> compare_to_known(const SessionKnown& known, const Rig& rig, const Rig& solved) {
   std::vector<std::string> out;
-  if (known.intrinsics != Prior::Unknown) return out;
+  if (known.intrinsics != calib::Prior::Unknown) return out;
   for (const RigCamera& c : solved.cameras) {
     const int index = camera_index(rig, c.serial);
     if (index < 0) continue;
@@ -70,4 +71,4 @@ std::vector<std::string> compare_to_known(const SessionKnown& known, const Rig& 
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -11,7 +11,7 @@
 #include "pipeline/calibrate/session.h"
 #include "pipeline/calibrate/verdict.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// What the report says beside the calibration itself.
 struct ReportContext {
@@ -24,16 +24,17 @@ struct ReportContext {
 
 /// {pass, cameras[{serial, rms_px, p95_px, holdout_px, sigma{…}, …}], scale{…}, lengths[…], failures[…],
 /// bars[…], links[…], remarks[…], detection[…], seconds}.
-nlohmann::json report_json(const Calibration& calibration, const Verdict& verdict,
+nlohmann::json report_json(const calib::Calibration& calibration, const Verdict& verdict,
                            const ReportContext& context);
 
 /// One page with everything in it, pictures too (SVG): verdict, bars, per camera error vectors, coverage and
 /// projection uncertainty, the cameras from above with their links, known lengths. Needs no other file and no
 /// network.
-std::string report_html(const Calibration& calibration, const Verdict& verdict, const ReportContext& context);
+std::string report_html(const calib::Calibration& calibration, const Verdict& verdict,
+                        const ReportContext& context);
 
 /// Writes calibration.html and calibration.json into a folder, which is made when needed.
-Result<void> save_report(const Calibration& calibration, const Verdict& verdict, const ReportContext& context,
-                         const std::filesystem::path& folder);
+Result<void> save_report(const calib::Calibration& calibration, const Verdict& verdict,
+                         const ReportContext& context, const std::filesystem::path& folder);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

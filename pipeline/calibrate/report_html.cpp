@@ -6,7 +6,7 @@
 #include "pipeline/calibrate/report.h"
 #include "pipeline/calibrate/report_pictures.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr const char* kStyle =
@@ -32,13 +32,13 @@ std::string items(const std::vector<std::string>& sentences) {
   return out.empty() ? "" : "<ul>" + out + "</ul>";
 }
 
-std::string camera_table(const Calibration& c) {
+std::string camera_table(const calib::Calibration& c) {
   std::string out =
       "<table><tr><th>camera</th><th>RMS px</th><th>P95 px</th><th>held out px</th><th>points</th><th>left "
       "out</th><th>focal px</th><th>± px</th>"
       "<th>rotation ± °</th><th>position ± mm</th><th>depth ratio</th><th>tilt °</th><th>covered</th></tr>";
   for (std::size_t i = 0; i < c.cameras.size(); ++i) {
-    const CameraQuality& q = c.cameras[i];
+    const calib::CameraQuality& q = c.cameras[i];
     out +=
         text("<tr><td>", escaped(q.serial), "</td><td>", rounded(q.rms_px), "</td><td>", rounded(q.p95_px),
              "</td><td>", q.holdout_px > 0 ? rounded(q.holdout_px) : "–", "</td><td>", q.points, "</td><td>",
@@ -68,12 +68,12 @@ std::string bar_table(const Verdict& v) {
   return out + "</table>";
 }
 
-std::string length_table(const Calibration& c) {
+std::string length_table(const calib::Calibration& c) {
   if (c.lengths.empty()) return "<p>No length was seen by two cameras at a good angle.</p>";
   std::string out =
       "<table><tr><th>target</th><th>lengths</th><th>RMS mm</th><th>bias mm</th><th>measured / "
       "known</th></tr>";
-  for (const LengthQuality& l : c.lengths)
+  for (const calib::LengthQuality& l : c.lengths)
     out += text("<tr><td>", escaped(l.target), "</td><td>", l.count, "</td><td>", rounded(l.rms_mm),
                 "</td><td>", rounded(l.bias_mm), "</td><td>", rounded(l.ratio, 5), " ± ",
                 rounded(l.ratio_sigma, 5), "</td></tr>");
@@ -86,7 +86,7 @@ std::string figure(const std::string& picture, const std::string& caption) {
 
 }  // namespace
 
-std::string report_html(const Calibration& c, const Verdict& v, const ReportContext& context) {
+std::string report_html(const calib::Calibration& c, const Verdict& v, const ReportContext& context) {
   std::string out = text(
       "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width\"><title>Calibration ",
@@ -94,7 +94,7 @@ std::string report_html(const Calibration& c, const Verdict& v, const ReportCont
       escaped(context.title), ": ", word(v.pass), "</h1>");
   if (!c.failures.empty()) {
     out += "<h2>What is wrong with the capture</h2><ul>";
-    for (const NamedFailure& f : c.failures)
+    for (const calib::NamedFailure& f : c.failures)
       out += text("<li><b>", name_of(f.kind), "</b>: ", escaped(f.sentence), "</li>");
     out += "</ul>";
   }
@@ -113,7 +113,7 @@ std::string report_html(const Calibration& c, const Verdict& v, const ReportCont
     out += "<h2>Cameras from above</h2>" +
            figure(graph_picture(c),
                   "Lines join cameras that saw the target together; the start went along the dark ones.");
-    const ProjectionUncertainty uncertainty(c, target_volume(c));
+    const calib::ProjectionUncertainty uncertainty(c, target_volume(c));
     for (std::size_t i = 0; i < c.cameras.size(); ++i) {
       const int camera = static_cast<int>(i);
       out += text("<h2>Camera ", escaped(c.cameras[i].serial), "</h2>");
@@ -136,4 +136,4 @@ std::string report_html(const Calibration& c, const Verdict& v, const ReportCont
                     rounded(c.seconds, 1), " s.</p></body></html>\n");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,12 +6,12 @@
 #include "pipeline/calibrate/report.h"
 #include "pipeline/json_report.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using Json = nlohmann::json;
 
-Json sigma_json(const CameraQuality& q, const CameraModel& model) {
+Json sigma_json(const calib::CameraQuality& q, const CameraModel& model) {
   const char* const names[] = {"fx", "fy", "cx", "cy"};
   const char* const brown[] = {"k1", "k2", "p1", "p2", "k3"};
   const char* const fisheye[] = {"k1", "k2", "k3", "k4"};
@@ -26,7 +26,7 @@ Json sigma_json(const CameraQuality& q, const CameraModel& model) {
   return out;
 }
 
-Json camera_json(const CameraQuality& q, const CameraModel& model) {
+Json camera_json(const calib::CameraQuality& q, const CameraModel& model) {
   Json out = {{"serial", q.serial},
               {"views", q.views},
               {"points", q.points},
@@ -46,25 +46,25 @@ Json camera_json(const CameraQuality& q, const CameraModel& model) {
   return out;
 }
 
-Json length_json(const LengthQuality& l) {
+Json length_json(const calib::LengthQuality& l) {
   return {{"target", l.target},   {"count", l.count}, {"rms_mm", l.rms_mm},
           {"bias_mm", l.bias_mm}, {"ratio", l.ratio}, {"ratio_sigma", l.ratio_sigma}};
 }
 
 }  // namespace
 
-nlohmann::json report_json(const Calibration& c, const Verdict& v, const ReportContext& context) {
+nlohmann::json report_json(const calib::Calibration& c, const Verdict& v, const ReportContext& context) {
   Json cameras = Json::array(), lengths = Json::array(), failures = Json::array(), bars = Json::array(),
        links = Json::array();
   for (std::size_t i = 0; i < c.cameras.size(); ++i)
     cameras.push_back(camera_json(c.cameras[i], c.rig.cameras[i].model));
-  for (const LengthQuality& l : c.lengths) lengths.push_back(length_json(l));
-  for (const NamedFailure& f : c.failures)
+  for (const calib::LengthQuality& l : c.lengths) lengths.push_back(length_json(l));
+  for (const calib::NamedFailure& f : c.failures)
     failures.push_back({{"name", name_of(f.kind)}, {"camera", f.camera}, {"sentence", f.sentence}});
   for (const BarCheck& b : v.checks)
     bars.push_back(
         {{"what", b.what}, {"camera", b.camera}, {"value", b.value}, {"bar", b.bar}, {"pass", b.pass}});
-  for (const CameraLink& l : c.links)
+  for (const calib::CameraLink& l : c.links)
     links.push_back({{"a", c.rig.cameras[static_cast<std::size_t>(l.a)].serial},
                      {"b", c.rig.cameras[static_cast<std::size_t>(l.b)].serial},
                      {"frames", l.frames},
@@ -90,11 +90,11 @@ nlohmann::json report_json(const Calibration& c, const Verdict& v, const ReportC
           {"seconds", c.seconds}};
 }
 
-Result<void> save_report(const Calibration& c, const Verdict& v, const ReportContext& context,
+Result<void> save_report(const calib::Calibration& c, const Verdict& v, const ReportContext& context,
                          const std::filesystem::path& folder) {
   if (Result<void> ok = make_folder(folder); !ok) return ok;
   if (Result<void> ok = write_file(folder / "calibration.html", report_html(c, v, context)); !ok) return ok;
   return save_json(report_json(c, v, context), folder / "calibration.json");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

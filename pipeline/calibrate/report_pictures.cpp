@@ -8,7 +8,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr double kWidth = 320;
@@ -74,17 +74,17 @@ std::string escaped(const std::string& raw) {
   return out;
 }
 
-std::string error_picture(const Calibration& c, int camera) {
+std::string error_picture(const calib::Calibration& c, int camera) {
   const CameraModel& m = c.rig.cameras[at(camera)].model;
   const double scale = scale_of(m), rms = std::max(c.cameras[at(camera)].rms_px, 1e-6);
   const double longer = 8 / rms;  // an error as large as the RMS is 8 px long
   std::string kept, left_out;
   std::size_t count = 0;
-  for (const PointError& e : c.errors) count += e.camera == camera;
+  for (const calib::PointError& e : c.errors) count += e.camera == camera;
   constexpr std::size_t kMost = 2000;  // more is a blot, and a heavy page
   const std::size_t step = count / kMost + 1;
   std::size_t i = 0;
-  for (const PointError& e : c.errors) {
+  for (const calib::PointError& e : c.errors) {
     if (e.camera != camera || !e.error.allFinite()) continue;
     const Eigen::Vector2d p = e.pixel * scale;
     if (!e.kept) {
@@ -100,10 +100,10 @@ std::string error_picture(const Calibration& c, int camera) {
               "</g></svg>");
 }
 
-std::string coverage_picture(const Calibration& c, int camera) {
+std::string coverage_picture(const calib::Calibration& c, int camera) {
   const CameraModel& m = c.rig.cameras[at(camera)].model;
   std::vector<int> counts(kColumns * kRows);
-  for (const PointError& e : c.errors) {
+  for (const calib::PointError& e : c.errors) {
     if (e.camera != camera || !e.kept || !inside(m, e.pixel)) continue;
     ++counts[at(static_cast<int>(e.pixel.y() / m.height * kRows) * kColumns +
                 static_cast<int>(e.pixel.x() / m.width * kColumns))];
@@ -121,10 +121,11 @@ std::string coverage_picture(const Calibration& c, int camera) {
   return out + legend(height, shades) + "</svg>";
 }
 
-std::string uncertainty_picture(const Calibration& c, const ProjectionUncertainty& uncertainty, int camera) {
+std::string uncertainty_picture(const calib::Calibration& c, const calib::ProjectionUncertainty& uncertainty,
+                                int camera) {
   const RigCamera& rc = c.rig.cameras[at(camera)];
   std::vector<double> depths;
-  for (const PointError& e : c.errors)
+  for (const calib::PointError& e : c.errors)
     if (e.camera == camera && e.kept) depths.push_back(e.depth);
   const double height = rc.model.height * scale_of(rc.model), w = kWidth / kColumns, h = height / kRows;
   std::string out = begin_svg(kWidth, height + kLegend, "projection uncertainty");
@@ -148,7 +149,7 @@ std::string uncertainty_picture(const Calibration& c, const ProjectionUncertaint
   return out + legend(height, shades) + "</svg>";
 }
 
-std::string graph_picture(const Calibration& c) {
+std::string graph_picture(const calib::Calibration& c) {
   constexpr double kSize = 420, kMargin = 50;
   if (c.rig.cameras.empty()) return "";
   Eigen::Vector2d low = c.rig.cameras[0].cam_from_world.center().head<2>(), high = low;
@@ -163,9 +164,9 @@ std::string graph_picture(const Calibration& c) {
                            kSize / 2 - (p.y() - middle.y()) * scale);
   };
   int most = 1;
-  for (const CameraLink& l : c.links) most = std::max(most, l.points);
+  for (const calib::CameraLink& l : c.links) most = std::max(most, l.points);
   std::string out = begin_svg(kSize, kSize, "cameras from above");
-  for (const CameraLink& l : c.links) {
+  for (const calib::CameraLink& l : c.links) {
     const Eigen::Vector2d a = place(c.rig.cameras[at(l.a)].cam_from_world.center()),
                           b = place(c.rig.cameras[at(l.b)].cam_from_world.center());
     out += text("<line x1=\"", number(a.x()), "\" y1=\"", number(a.y()), "\" x2=\"", number(b.x()),
@@ -187,14 +188,14 @@ std::string graph_picture(const Calibration& c) {
   return out + "</svg>";
 }
 
-std::vector<Eigen::Vector3d> target_volume(const Calibration& c) {
+std::vector<Eigen::Vector3d> target_volume(const calib::Calibration& c) {
   std::vector<Eigen::Vector3d> out;
   if (c.rig.cameras.empty()) return out;
   Eigen::Vector3d low = focus_point(c.rig) - Eigen::Vector3d::Constant(0.3),
                   high = low + Eigen::Vector3d::Constant(0.6);
   if (!c.places.empty()) {
     low = high = c.places[0].world_from_target.translation;
-    for (const TargetPlace& p : c.places) {
+    for (const calib::TargetPlace& p : c.places) {
       low = low.cwiseMin(p.world_from_target.translation);
       high = high.cwiseMax(p.world_from_target.translation);
     }
@@ -204,4 +205,4 @@ std::vector<Eigen::Vector3d> target_volume(const Calibration& c) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,7 +7,7 @@
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 // How well yesterday's distances between cameras hold: enough for the scale, loose enough for those that have
@@ -15,7 +15,7 @@ namespace {
 constexpr double kYesterday = 0.005;
 
 struct Scene {
-  std::vector<MarkerlessPicture> pictures;
+  std::vector<calib::MarkerlessPicture> pictures;
   std::vector<int> camera_of;  // of the observations
 };
 
@@ -38,15 +38,15 @@ Result<void> add_carried(const SessionCamera& camera, const Rig& known, Collecte
   for (std::size_t i = 0; i < files->size(); ++i) {
     Result<Image> pixels = load_picture((*files)[i], camera.serial);
     if (!pixels) return forward(pixels);
-    CalibrationCamera c;
+    calib::CalibrationCamera c;
     c.serial = text(camera.serial, "-", i + 1);
     c.width = pixels->width;
     c.height = pixels->height;
-    c.intrinsics = Prior::Fixed;
+    c.intrinsics = calib::Prior::Fixed;
     c.model = known.cameras[static_cast<std::size_t>(index)].model;
     c.model.width = c.width;
     c.model.height = c.height;
-    if (c.model.lens.index() != 0) c.lens = static_cast<LensKind>(c.model.lens.index());
+    if (c.model.lens.index() != 0) c.lens = static_cast<calib::LensKind>(c.model.lens.index());
     scene.pictures.push_back({c.serial, (*files)[i], c.model, *std::move(pixels)});
     scene.camera_of.push_back(static_cast<int>(out.observations.cameras.size()));
     out.carried.push_back(c.serial);
@@ -60,15 +60,16 @@ Result<Scene> gather(const Session& s, const Rig& known, Collected& out) {
   for (const SessionCamera& camera : s.cameras) {
     if (camera.scene.empty() || camera.carried) continue;
     const auto& cameras = out.observations.cameras;
-    const auto found = std::find_if(cameras.begin(), cameras.end(),
-                                    [&](const CalibrationCamera& c) { return c.serial == camera.serial; });
+    const auto found = std::find_if(cameras.begin(), cameras.end(), [&](const calib::CalibrationCamera& c) {
+      return c.serial == camera.serial;
+    });
     const Result<std::vector<std::filesystem::path>> files = pictures_of(camera.scene, camera.serial);
     if (!files) return forward(files);
     if (files->size() != 1)
       return fail(ErrorCode::BadData,
                   text("camera '", camera.serial, "': 'scene' has ", files->size(),
                        " pictures; give one, or say carried = true when it was carried about"));
-    if (found->intrinsics == Prior::Unknown)
+    if (found->intrinsics == calib::Prior::Unknown)
       return fail(ErrorCode::BadData, text("camera '", camera.serial,
                                            "': markerless calibration needs known intrinsics; calibrate this "
                                            "camera alone with a board, then give "
@@ -85,7 +86,7 @@ Result<Scene> gather(const Session& s, const Rig& known, Collected& out) {
 }
 
 // Cameras of the observations, as far as they are placed.
-Rig placed_rig(const Observations& o, const Scene& scene, const Rig& found) {
+Rig placed_rig(const calib::Observations& o, const Scene& scene, const Rig& found) {
   Rig rig;
   for (std::size_t c = 0; c < o.cameras.size(); ++c) {
     const auto at = std::find(scene.camera_of.begin(), scene.camera_of.end(), static_cast<int>(c));
@@ -95,7 +96,7 @@ Rig placed_rig(const Observations& o, const Scene& scene, const Rig& found) {
   return rig;
 }
 
-Result<double> scale_of(const Session& s, const Observations& o, const Scene& scene, const Rig& rig,
+Result<double> scale_of(const Session& s, const calib::Observations& o, const Scene& scene, const Rig& rig,
                         Collected& out) {
   if (!s.markerless->a.empty()) {
     const Result<Rig> scaled = scale_to(rig, s.markerless->a, s.markerless->b, s.markerless->distance);
@@ -115,7 +116,7 @@ Result<double> scale_of(const Session& s, const Observations& o, const Scene& sc
 }
 
 // Yesterday's distances hold the scale where nothing else does.
-void hold_scale(const Rig& known, Observations& o) {
+void hold_scale(const Rig& known, calib::Observations& o) {
   for (std::size_t a = 0; a < o.cameras.size(); ++a)
     for (std::size_t b = a + 1; b < o.cameras.size(); ++b) {
       const int i = camera_index(known, o.cameras[a].serial), k = camera_index(known, o.cameras[b].serial);
@@ -139,31 +140,31 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
         "markerless calibration needs known intrinsics: give [known] file = …, intrinsics = \"fixed\"");
   const Result<Rig> known = load_known(*s.known);
   if (!known) return forward(known);
-  Observations& o = out.observations;
+  calib::Observations& o = out.observations;
   const bool boards = !o.views.empty();
   const Result<Scene> scene = gather(s, *known, out);
   if (!scene) return forward(scene);
   const bool carried = !out.carried.empty();
-  if (carried && s.known->poses == Prior::Fixed)
+  if (carried && s.known->poses == calib::Prior::Fixed)
     return fail(
         ErrorCode::BadData,
         "pictures of a carried camera have no known pose; say poses = \"start\" or \"compare\" in [known]");
 
-  MarkerlessOptions options{.timeout = s.markerless->timeout,
-                            .threads = threads,
-                            .cancelled = [watch] { return is_cancelled(watch); },
-                            .least_track = s.markerless->least_track,
-                            .least_points = s.markerless->least_points};
-  std::optional<MarkerlessResult> found;
+  calib::MarkerlessOptions options{.timeout = s.markerless->timeout,
+                                   .threads = threads,
+                                   .cancelled = [watch] { return is_cancelled(watch); },
+                                   .least_track = s.markerless->least_track,
+                                   .least_points = s.markerless->least_points};
+  std::optional<calib::MarkerlessResult> found;
   bool kept = false;  // the known poses hold
-  if (s.known->poses != Prior::Unknown && !carried) {
+  if (s.known->poses != calib::Prior::Unknown && !carried) {
     options.least_track = 2;  // places are known: ties need not hold them
-    Result<MarkerlessResult> result = triangulate_markerless(scene->pictures, *known, options);
+    Result<calib::MarkerlessResult> result = triangulate_markerless(scene->pictures, *known, options);
     options.least_track = s.markerless->least_track;
     if (result) {
       found = *std::move(result);
       kept = true;
-    } else if (s.known->poses == Prior::Fixed || result.error().code != ErrorCode::BadData) {
+    } else if (s.known->poses == calib::Prior::Fixed || result.error().code != ErrorCode::BadData) {
       return forward(result);
     } else {
       out.remarks.push_back(
@@ -171,12 +172,12 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     }
   }
   if (!found) {
-    Result<MarkerlessResult> result = calibrate_markerless(scene->pictures, workspace, options);
+    Result<calib::MarkerlessResult> result = calibrate_markerless(scene->pictures, workspace, options);
     if (!result) return forward(result);
     found = *std::move(result);
   }
   Rig rig = found->settled;
-  const bool from_known = s.known->poses == Prior::Start;
+  const bool from_known = s.known->poses == calib::Prior::Start;
   if (from_known) {
     const std::optional<Rig> moved = onto_known(rig, *known);
     if (!moved)
@@ -190,14 +191,15 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     if (!metres) return forward(metres);
     for (RigCamera& c : rig.cameras) c.cam_from_world.translation *= *metres;
   }
-  for (std::size_t i = 0; i < scene->camera_of.size() && s.known->poses != Prior::Fixed; ++i)
+  for (std::size_t i = 0; i < scene->camera_of.size() && s.known->poses != calib::Prior::Fixed; ++i)
     o.cameras[static_cast<std::size_t>(scene->camera_of[i])].found = rig.cameras[i].cam_from_world;
   add_features(o, found->features, scene->camera_of);
   if (!s.markerless->a.empty()) {
     const auto index = [&](const std::string& serial) {
-      return static_cast<int>(std::find_if(o.cameras.begin(), o.cameras.end(),
-                                           [&](const CalibrationCamera& c) { return c.serial == serial; }) -
-                              o.cameras.begin());
+      return static_cast<int>(
+          std::find_if(o.cameras.begin(), o.cameras.end(),
+                       [&](const calib::CalibrationCamera& c) { return c.serial == serial; }) -
+          o.cameras.begin());
     };
     o.distances.push_back(
         {index(s.markerless->a), index(s.markerless->b), s.markerless->distance, s.markerless->sigma});
@@ -206,7 +208,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     out.remarks.push_back("the scale is that of the known rig");
   }
   std::size_t sights = 0;
-  for (const SceneFeature& f : found->features) sights += f.seen.size();
+  for (const calib::SceneFeature& f : found->features) sights += f.seen.size();
   out.detection.push_back(
       text("the scene: ", found->features.size(), " points, each seen by ",
            std::round(10 * static_cast<double>(sights) / static_cast<double>(found->features.size())) / 10,
@@ -214,4 +216,4 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

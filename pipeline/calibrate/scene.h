@@ -2,7 +2,7 @@
 
 #include "pipeline/calibrate/collect.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Places the cameras of a session by what they see of the scene (COLMAP, in `workspace`: a new folder) and
 /// adds the points they share to what is solved for. Known poses that are fixed or a start are kept as the
@@ -11,4 +11,4 @@ namespace floatstage {
 Result<void> add_scene(const Session& session, const std::filesystem::path& workspace, int threads,
                        const Progress* watch, Collected& collected);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 Result<ScenePoints> measure_points(const std::vector<SessionPoint>& points, const Rig& rig) {
   ScenePoints out;
@@ -65,4 +65,4 @@ std::string describe(const ScenePoints& measured, const Rig& rig, const std::str
               measured.rms_px, " px in the ", which, " rig (", cameras, ")");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,7 +7,7 @@
 #include "core/rig.h"
 #include "pipeline/calibrate/session.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// How well rays through the same points of the scene meet: a check of poses by pictures that the calibration
 /// did not see.
@@ -23,4 +23,4 @@ Result<ScenePoints> measure_points(const std::vector<SessionPoint>& points, cons
 /// "4 points of the scene meet within 9.9 px in the known rig (cam01 13.1, …)"
 std::string describe(const ScenePoints& measured, const Rig& rig, const std::string& which);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -10,7 +10,7 @@
 #include "core/rig.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 // One table whose keys must all be known. The first complaint is kept; reading goes on with defaults after
@@ -131,9 +131,9 @@ SessionCamera read_camera(Table t) {
   SessionCamera c;
   t.string("serial", c.serial);
   t.one_of("lens",
-           {{"none", LensKind::None},
-            {"brown-conrady", LensKind::BrownConrady},
-            {"kannala-brandt", LensKind::KannalaBrandt}},
+           {{"none", calib::LensKind::None},
+            {"brown-conrady", calib::LensKind::BrownConrady},
+            {"kannala-brandt", calib::LensKind::KannalaBrandt}},
            c.lens);
   t.path("video", c.video);
   t.paths("images", c.images);
@@ -181,8 +181,8 @@ SessionKnown read_known(Table t) {
   const std::set<std::string> formats = {"rig", "middlebury", "colmap", "opencv", "qualisys", "kalibr"};
   if (!formats.contains(k.format))
     t.complain(text("'format' is rig, middlebury, colmap, opencv, qualisys or kalibr, not '", k.format, "'"));
-  const std::initializer_list<std::pair<const char*, Prior>> priors = {
-      {"compare", Prior::Unknown}, {"start", Prior::Start}, {"fixed", Prior::Fixed}};
+  const std::initializer_list<std::pair<const char*, calib::Prior>> priors = {
+      {"compare", calib::Prior::Unknown}, {"start", calib::Prior::Start}, {"fixed", calib::Prior::Fixed}};
   t.one_of("intrinsics", priors, k.intrinsics);
   t.one_of("poses", priors, k.poses);
   if (k.file.empty()) t.complain("'file' is missing: where what is known is written");
@@ -214,7 +214,7 @@ SessionMarkerless read_markerless(Table t) {
 }
 
 void read_options(Table t, Session& s) {
-  CalibrationOptions& o = s.options;
+  calib::CalibrationOptions& o = s.options;
   t.boolean("time_offsets", o.time_offsets);
   t.whole("holdout_every", o.holdout_every, 0, kMostFrames);
   t.number("outlier_sigmas", o.outlier_sigmas, 2, 100);
@@ -244,7 +244,7 @@ void read_target(Table& t, Session& s) {
   std::string words;
   t.string("target", words);
   if (words.empty()) return;
-  Result<TargetDesign> design = parse_target(words);
+  Result<calib::TargetDesign> design = parse_target(words);
   if (design)
     s.target = std::move(*design);
   else
@@ -343,4 +343,4 @@ Result<Session> load_session(const std::filesystem::path& file) {
   return session;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -10,7 +10,7 @@
 #include "calib/calibrate.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// What a calibration must reach to pass.
 struct CalibrationBars {
@@ -30,7 +30,7 @@ struct CalibrationBars {
 
 struct SessionCamera {
   std::string serial;
-  LensKind lens = LensKind::BrownConrady;
+  calib::LensKind lens = calib::LensKind::BrownConrady;
   /// Pictures of the same instants in every camera: one video, or a folder or list of stills in their order.
   std::filesystem::path video;
   std::vector<std::filesystem::path> images;
@@ -46,7 +46,8 @@ struct SessionCamera {
 struct SessionKnown {
   std::string format = "rig";  ///< rig (rig.json), middlebury, colmap, opencv, qualisys, kalibr
   std::filesystem::path file;
-  Prior intrinsics = Prior::Unknown, poses = Prior::Unknown;  ///< Unknown: only compared with
+  calib::Prior intrinsics = calib::Prior::Unknown,
+               poses = calib::Prior::Unknown;  ///< Unknown: only compared with
 };
 
 /// A point of the scene as several cameras see it, found by hand: not solved with, but what the result is
@@ -79,7 +80,7 @@ struct SessionMarkerless {
 /// A calibration session as people write it: which pictures are of which camera, what they show, what is
 /// known. Paths are relative to the session's file.
 struct Session {
-  std::optional<TargetDesign> target;
+  std::optional<calib::TargetDesign> target;
   double wand_sigma = 1e-4;            ///< metres, of a wand's lengths
   std::filesystem::path observations;  ///< instead of cameras and target: what was detected before
   std::vector<SessionCamera> cameras;
@@ -90,7 +91,7 @@ struct Session {
   std::optional<SessionFloor> floor;
   std::optional<SessionMarkerless> markerless;
   std::vector<SessionPoint> points;
-  CalibrationOptions options;
+  calib::CalibrationOptions options;
   CalibrationBars bars;
 };
 
@@ -100,4 +101,4 @@ Result<Session> parse_session(std::string_view toml, std::string_view name_for_e
 /// The same from a file, its paths made relative to where the program runs.
 Result<Session> load_session(const std::filesystem::path& file);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,21 +6,21 @@
 #include "core/text.h"
 #include "pipeline/calibrate/report_pictures.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
-void sum_up(Verdict& v, const Calibration& c) {
+void sum_up(Verdict& v, const calib::Calibration& c) {
   v.pass = !v.checks.empty() && c.failures.empty() &&
            std::all_of(v.checks.begin(), v.checks.end(), [](const BarCheck& b) { return b.pass; });
 }
 
 // The median over where a camera saw targets; absent when it saw none.
-std::optional<double> projection_sigma(const Calibration& c, const ProjectionUncertainty& uncertainty,
-                                       std::size_t camera) {
+std::optional<double> projection_sigma(const calib::Calibration& c,
+                                       const calib::ProjectionUncertainty& uncertainty, std::size_t camera) {
   const RigCamera& rc = c.rig.cameras[camera];
   const Rigid3 world_from_cam = rc.cam_from_world.inverse();
   std::vector<double> sigmas;
-  for (const PointError& e : c.errors) {
+  for (const calib::PointError& e : c.errors) {
     if (e.camera != static_cast<int>(camera) || !e.kept) continue;
     if (const std::optional<Eigen::Vector3d> ray = unproject(rc.model, e.pixel))
       sigmas.push_back(
@@ -34,15 +34,15 @@ std::optional<double> projection_sigma(const Calibration& c, const ProjectionUnc
 
 }  // namespace
 
-Verdict judge(const Calibration& c, const CalibrationBars& bars) {
+Verdict judge(const calib::Calibration& c, const CalibrationBars& bars) {
   Verdict v;
   // NaN reaches no bar.
   const auto check = [&](const char* what, const std::string& camera, double value, double bar) {
     v.checks.push_back({what, camera, value, bar, std::abs(value) <= bar});
   };
-  const ProjectionUncertainty uncertainty(c, target_volume(c));
+  const calib::ProjectionUncertainty uncertainty(c, target_volume(c));
   for (std::size_t i = 0; i < c.cameras.size(); ++i) {
-    const CameraQuality& q = c.cameras[i];
+    const calib::CameraQuality& q = c.cameras[i];
     if (q.points == 0) continue;
     check("rms_px", q.serial, q.rms_px, bars.rms_px);
     check("p95_px", q.serial, q.p95_px, bars.p95_px);
@@ -62,16 +62,16 @@ Verdict judge(const Calibration& c, const CalibrationBars& bars) {
   return v;
 }
 
-void add_check(Verdict& v, const Calibration& c, BarCheck check) {
+void add_check(Verdict& v, const calib::Calibration& c, BarCheck check) {
   check.pass = std::abs(check.value) <= check.bar;
   v.checks.push_back(std::move(check));
   sum_up(v, c);
 }
 
-std::string describe(const Calibration& c, const Verdict& v) {
+std::string describe(const calib::Calibration& c, const Verdict& v) {
   if (v.pass) return "PASS";
   std::string out = "FAIL";
-  for (const NamedFailure& f : c.failures) out += text("\n  ", name_of(f.kind), ": ", f.sentence);
+  for (const calib::NamedFailure& f : c.failures) out += text("\n  ", name_of(f.kind), ": ", f.sentence);
   for (const BarCheck& b : v.checks)
     if (!b.pass)
       out += text("\n  ", b.what, b.camera.empty() ? "" : " of camera '", b.camera,
@@ -79,4 +79,4 @@ std::string describe(const Calibration& c, const Verdict& v) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,7 +6,7 @@
 #include "calib/calibrate.h"
 #include "pipeline/calibrate/session.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// One number of a calibration against its bar.
 struct BarCheck {
@@ -21,12 +21,12 @@ struct Verdict {
   std::vector<BarCheck> checks;
 };
 
-Verdict judge(const Calibration& calibration, const CalibrationBars& bars);
+Verdict judge(const calib::Calibration& calibration, const CalibrationBars& bars);
 
 /// Adds a number to a verdict; it passes when it is at most its bar.
-void add_check(Verdict& verdict, const Calibration& calibration, BarCheck check);
+void add_check(Verdict& verdict, const calib::Calibration& calibration, BarCheck check);
 
 /// One sentence: PASS, or FAIL and the first reasons.
-std::string describe(const Calibration& calibration, const Verdict& verdict);
+std::string describe(const calib::Calibration& calibration, const Verdict& verdict);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -15,7 +15,7 @@
 #include "pipeline/scene_loader.h"
 #include "render/gl_context.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,9 +54,9 @@ Scores against_truth(const SyntheticStudio& studio, const FilmPicture& picture, 
 }
 
 Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studio, DemoReport& report) {
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options.out / "take");
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.out / "take");
   if (!take) return forward(take);
-  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
   Result<Eigen::AlignedBox3d> box = subject_box(**take);
   if (!box) return forward(box);
@@ -147,4 +147,4 @@ Result<DemoReport> run_demo(const DemoOptions& options) {
   return report;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

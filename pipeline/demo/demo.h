@@ -9,12 +9,12 @@
 #include "pipeline/metrics/metrics.h"
 #include "pipeline/synthesize.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct DemoOptions {
   std::filesystem::path out = "demo";
-  SynthesizeOptions studio;  ///< its `out` is ignored: the take goes to out/take
-  double film_rate = 24;     ///< pictures a second of the two videos
+  SynthesizeOptions studio;      ///< its `out` is ignored: the take goes to out/take
+  double film_rate = 24;         ///< pictures a second of the two videos
   Progress* progress = nullptr;  ///< null: unwatched
   int score_every = 6;  ///< every how many pictures of the film one is compared with what the studio really
                         ///< looks like from there
@@ -34,4 +34,4 @@ struct DemoReport {
 /// again; any other existing folder is refused. Needs no camera, GPU or display.
 Result<DemoReport> run_demo(const DemoOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -5,10 +5,10 @@
 #include "core/text.h"
 #include "pipeline/evaluate/undistort.h"
 #include "pipeline/film.h"
-#include "pipeline/scene_loader.h"
 #include "pipeline/progress.h"
+#include "pipeline/scene_loader.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr int kErode = 2;  // px: mixed pixels at the outline are not the renderer's fault
@@ -59,7 +59,7 @@ struct Instant {
   std::vector<Matte> mattes;
 };
 
-Result<Instant> load_instant(TakeReader& take, int frame) {
+Result<Instant> load_instant(capture::TakeReader& take, int frame) {
   Result<FrameSet> images = take.frame_set(frame);
   if (!images) return forward(images);
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
@@ -73,8 +73,8 @@ Result<Instant> load_instant(TakeReader& take, int frame) {
 
 struct Methods {
   std::vector<std::string> names;
-  std::vector<std::unique_ptr<ViewRenderer>> renderers;
-  SceneTextures textures;
+  std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
+  render::SceneTextures textures;
 };
 
 Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int held, Methods& methods,
@@ -95,7 +95,7 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
   mattes[h] = {};
   SceneFrame scene{instant.images, mattes, {}};
   scene.images.frames[h] = {};
-  Result<HullReport> hull = visual_hull(rig, mattes, options.hull);
+  Result<recon::HullReport> hull = visual_hull(rig, mattes, options.hull);
   if (!hull)
     return fail(hull.error().code, text("without camera '", camera.serial, "': ", hull.error().message));
   if (hull->mesh.empty())
@@ -108,7 +108,8 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
 
   const View from = view_of_camera(camera, scene.mesh);
   for (std::size_t m = 0; m < methods.names.size(); ++m) {
-    Result<RenderedView> rendered = methods.renderers[m]->render(methods.textures, from, options.renderer);
+    Result<render::RenderedView> rendered =
+        methods.renderers[m]->render(methods.textures, from, options.renderer);
     if (!rendered) return forward(rendered);
     const Image rgba = download(*rendered);
     if (view.mask.empty()) view.mask = erode_mask(both(view.silhouette, rgba), kErode);
@@ -132,13 +133,13 @@ View view_of_camera(const RigCamera& camera, const Mesh& mesh) {
   return view;
 }
 
-Result<void> evaluate_take(TakeReader& take, const EvaluateOptions& options,
+Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& options,
                            const std::function<Result<void>(HeldOutView)>& report) {
   Result<std::vector<int>> held = cameras_to_hold_out(take.rig(), options.hold_out);
   if (!held) return forward(held);
   Methods methods{options.methods, {}, {}};
   for (const std::string& name : options.methods) {
-    Result<std::unique_ptr<ViewRenderer>> renderer = make_renderer(name);
+    Result<std::unique_ptr<render::ViewRenderer>> renderer = make_renderer(name);
     if (!renderer) return forward(renderer);
     methods.renderers.push_back(std::move(*renderer));
   }
@@ -156,4 +157,4 @@ Result<void> evaluate_take(TakeReader& take, const EvaluateOptions& options,
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

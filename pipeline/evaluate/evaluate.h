@@ -13,15 +13,15 @@
 #include "recon/visual_hull.h"
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct EvaluateOptions {
   std::vector<std::string>
       hold_out;  ///< serials (an extension may be left out), each left out in turn; empty: every camera
   std::vector<std::string> methods = {"nearest", "linear", "floating"};
   std::vector<int> frames = {0};
-  RendererOptions renderer;
-  HullOptions hull;
+  render::RendererOptions renderer;
+  recon::HullOptions hull;
   Progress* progress = nullptr;  ///< null: unwatched
 };
 
@@ -39,10 +39,10 @@ struct HeldOutView {
 /// Leave-one-out on a processed take: each held-out photograph is never used (not for the hull, colour or
 /// flow), every other view stays. Calls `report` once per view as soon as it is done. Needs a current GL
 /// context.
-Result<void> evaluate_take(TakeReader& take, const EvaluateOptions& options,
+Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& options,
                            const std::function<Result<void>(HeldOutView)>& report);
 
 /// A view as the camera sees it, its lens taken out; near and far around `mesh`.
 View view_of_camera(const RigCamera& camera, const Mesh& mesh);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -4,7 +4,7 @@
 #include "core/text.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,7 +30,7 @@ void add(MatteScores& sum, const MatteScores& s, double weight) {
 
 }  // namespace
 
-Result<std::vector<CameraMatteScores>> evaluate_mattes(const TakeReader& take, const fs::path& truth,
+Result<std::vector<CameraMatteScores>> evaluate_mattes(const capture::TakeReader& take, const fs::path& truth,
                                                        const std::vector<int>& frames, Progress* watch) {
   Result<MatteEdits> edits = load_matte_edits(take.layout().edits());
   if (!edits) return forward(edits);
@@ -79,4 +79,4 @@ Result<std::vector<CameraMatteScores>> evaluate_mattes(const TakeReader& take, c
   return all;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

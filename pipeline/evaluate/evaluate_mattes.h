@@ -11,7 +11,7 @@
 #include "pipeline/metrics/matte_metrics.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct CameraMatteScores {
   std::string serial;
@@ -26,9 +26,9 @@ struct CameraMatteScores {
 /// Mattes of a take against true ones. `truth` holds <serial>/<frame>.png like mattes/; a camera or frame
 /// without a truth is left out, NotFound when none is left. BadData for a matte of another size than its
 /// truth.
-Result<std::vector<CameraMatteScores>> evaluate_mattes(const TakeReader& take,
+Result<std::vector<CameraMatteScores>> evaluate_mattes(const capture::TakeReader& take,
                                                        const std::filesystem::path& truth,
                                                        const std::vector<int>& frames,
                                                        Progress* watch = nullptr);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr int kMargin = 8, kGap = 4, kGain = 3;
@@ -56,4 +56,4 @@ Image sheet_row(const HeldOutView& view, const std::vector<std::string>& methods
   return sheet;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 std::array<double, 4> catmull_rom(double t) {
@@ -44,4 +44,4 @@ Image undistorted(const Image& photograph, const CameraModel& model) {
   return result;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -3,11 +3,11 @@
 #include "core/camera.h"
 #include "core/image.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// The picture that pinhole(model) would have taken: each pixel is looked up through the lens by bicubic
 /// interpolation (Catmull-Rom; rings are clamped to 0…255). A picture of a camera without a lens comes back
 /// as it is. Pixels that the photograph does not show are 0.
 Image undistorted(const Image& photograph, const CameraModel& model);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

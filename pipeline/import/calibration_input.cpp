@@ -5,7 +5,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,7 +40,7 @@ fs::path colmap_model(const fs::path& folder) {
   return folder;
 }
 
-Result<LoadedCalibration> with_pictures(Result<ForeignRig> foreign, fs::path pictures) {
+Result<LoadedCalibration> with_pictures(Result<calib::ForeignRig> foreign, fs::path pictures) {
   if (!foreign) return forward(foreign);
   return LoadedCalibration{std::move(*foreign), std::move(pictures)};
 }
@@ -88,4 +88,4 @@ Result<LoadedCalibration> load_calibration(const CalibrationInput& input) {
   return fail(ErrorCode::InvalidArgument, "unknown calibration format");
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,9 +6,9 @@
 
 #include "calib/rig_formats.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
-enum class CalibrationFormat { Middlebury, Colmap, OpenCv, Qualisys, Dome };
+enum class CalibrationFormat { Middlebury, calib::Colmap, OpenCv, Qualisys, Dome };
 
 const char* name_of(CalibrationFormat format);
 
@@ -19,7 +19,7 @@ struct CalibrationInput {
 };
 
 struct LoadedCalibration {
-  ForeignRig foreign;
+  calib::ForeignRig foreign;
   std::filesystem::path pictures;  ///< where this format keeps its pictures unless told otherwise
 };
 
@@ -27,4 +27,4 @@ struct LoadedCalibration {
 /// there.
 Result<LoadedCalibration> load_calibration(const CalibrationInput& input);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

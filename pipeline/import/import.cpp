@@ -10,7 +10,7 @@
 #include "pipeline/keying.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ constexpr double kFolderFrameRate = 25;  // of numbered pictures, which state no
 
 // The cameras that will be in the take, and where their pictures are.
 struct Plan {
-  ForeignRig foreign;
+  calib::ForeignRig foreign;
   std::vector<CameraMedia> media;
   std::vector<std::string> notes;
 };
@@ -33,9 +33,10 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 // Keeps the cameras that the user named; all when none are named.
-Result<ForeignRig> chosen_cameras(const ForeignRig& all, const std::vector<std::string>& serials) {
+Result<calib::ForeignRig> chosen_cameras(const calib::ForeignRig& all,
+                                         const std::vector<std::string>& serials) {
   if (serials.empty()) return all;
-  ForeignRig some;
+  calib::ForeignRig some;
   for (const std::string& serial : serials)
     if (camera_index(all.rig, serial) < 0) {
       std::vector<std::string> known;
@@ -63,7 +64,7 @@ Result<Plan> make_plan(const ImportOptions& options) {
                                                      : options.pictures;
   Result<MediaSearch> search = find_media(folder, calibration->foreign);
   if (!search) return forward(search);
-  Result<ForeignRig> chosen = chosen_cameras(calibration->foreign, options.cameras);
+  Result<calib::ForeignRig> chosen = chosen_cameras(calibration->foreign, options.cameras);
   if (!chosen) return forward(chosen);
 
   Plan plan;
@@ -189,7 +190,7 @@ FrameInfo info_of(std::size_t camera, int frame, double rate) {
 
 // One camera from its first to its last picture; how many there were.
 Result<int> copy_pictures(PictureStream& stream, std::size_t camera, double rate, const Progress* watch,
-                          TakeWriter& writer) {
+                          capture::TakeWriter& writer) {
   for (int frame = 0;; ++frame) {
     if (is_cancelled(watch)) return cancelled();
     Result<std::optional<Image>> picture = stream.next();
@@ -244,11 +245,12 @@ class UnfinishedTake {
 Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
                             const std::optional<MatteFiles>& mattes, double rate, const fs::path& folder,
                             ImportReport& report) {
-  TakeWriterOptions take_options;
+  capture::TakeWriterOptions take_options;
   take_options.codec = options.codec;
   take_options.frame_rate = rate;
   take_options.label = options.label.empty() ? name_of(options.calibration.format) : options.label;
-  Result<std::unique_ptr<TakeWriter>> writer = TakeWriter::create(folder, rig, take_options);
+  Result<std::unique_ptr<capture::TakeWriter>> writer =
+      capture::TakeWriter::create(folder, rig, take_options);
   if (!writer) return forward(writer);
 
   std::vector<Result<int>> counts(streams.size(), Result<int>(0));
@@ -315,4 +317,4 @@ Result<ImportReport> import_take(const ImportOptions& options) {
   return report;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -11,7 +11,7 @@
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// What to make of pictures whose size is not the one that their camera was calibrated for.
 enum class OtherSize {
@@ -31,9 +31,9 @@ struct ImportOptions {
   OtherSize other_size = OtherSize::Refuse;
   FrameRange frames;                 ///< of every video and folder, before they become frame 0, 1, …
   std::optional<double> frame_rate;  ///< frames a second; absent: the videos' own, 25 for folders of images
-  TakeCodec codec = TakeCodec::Ffv1;
-  std::string label;  ///< empty: the name of the calibration's format
-  int threads = 0;    ///< 0: one per core
+  capture::TakeCodec codec = capture::TakeCodec::Ffv1;
+  std::string label;             ///< empty: the name of the calibration's format
+  int threads = 0;               ///< 0: one per core
   Progress* progress = nullptr;  ///< null: unwatched
 };
 
@@ -52,4 +52,4 @@ struct ImportReport {
 /// must not exist (or be an empty folder), and renamed.
 Result<ImportReport> import_take(const ImportOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

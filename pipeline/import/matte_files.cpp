@@ -6,7 +6,7 @@
 #include "core/take_layout.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 Result<Image> matte_from_picture(const Image& picture) {
   Image matte(picture.width, picture.height, 1);
@@ -23,7 +23,7 @@ Result<Image> matte_from_picture(const Image& picture) {
   return matte;
 }
 
-Result<MatteFiles> MatteFiles::find(const std::filesystem::path& folder, const ForeignRig& foreign,
+Result<MatteFiles> MatteFiles::find(const std::filesystem::path& folder, const calib::ForeignRig& foreign,
                                     const FrameRange& range) {
   Result<MediaSearch> search = find_media(folder, foreign);
   if (!search) return forward(search);
@@ -67,4 +67,4 @@ Result<void> MatteFiles::save(std::size_t camera, const RigCamera& rig_camera, i
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -9,14 +9,14 @@
 #include "pipeline/import/media_files.h"
 #include "pipeline/import/picture_stream.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Others' mattes: PNG files named as the pictures are, in one folder or in a folder a camera.
 class MatteFiles {
  public:
   /// NotFound names the camera that has none: mattes are imported for all cameras or not at all. `range` is
   /// that of the pictures.
-  static Result<MatteFiles> find(const std::filesystem::path& folder, const ForeignRig& foreign,
+  static Result<MatteFiles> find(const std::filesystem::path& folder, const calib::ForeignRig& foreign,
                                  const FrameRange& range);
 
   /// Writes mattes/<serial>/<frame>.png of the take for the first `count` frames of a camera. BadData for a
@@ -34,4 +34,4 @@ class MatteFiles {
 /// the largest value is 1 it is a mask of 0 and 1 and becomes one of 0 and 255.
 Result<Image> matte_from_picture(const Image& picture);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

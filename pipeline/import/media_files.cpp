@@ -8,7 +8,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,7 +89,7 @@ Result<fs::path> only(const std::vector<fs::path>& entries, const std::string& s
 
 class Search {
  public:
-  Search(fs::path folder, std::vector<fs::path> entries, const ForeignRig& foreign)
+  Search(fs::path folder, std::vector<fs::path> entries, const calib::ForeignRig& foreign)
       : folder_(std::move(folder)), entries_(std::move(entries)), foreign_(foreign) {
     for (const std::string& image : foreign.image_names)
       ++cameras_in_[fs::path(image).parent_path().string()];
@@ -137,7 +137,7 @@ class Search {
 
   const fs::path folder_;
   const std::vector<fs::path> entries_;
-  const ForeignRig& foreign_;
+  const calib::ForeignRig& foreign_;
   std::map<std::string, int> cameras_in_;  // how many cameras have their image in this folder
   std::set<fs::path> used_;
 };
@@ -170,7 +170,7 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;  // 01 and 1: any fixed order
 }
 
-Result<MediaSearch> find_media(const fs::path& folder, const ForeignRig& foreign) {
+Result<MediaSearch> find_media(const fs::path& folder, const calib::ForeignRig& foreign) {
   Result<std::vector<fs::path>> entries = list(folder);
   if (!entries) return forward(entries);
   Search search(folder, std::move(*entries), foreign);
@@ -184,4 +184,4 @@ Result<MediaSearch> find_media(const fs::path& folder, const ForeignRig& foreign
   return result;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,7 +7,7 @@
 #include "calib/rig_formats.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Where one camera's pictures are: one video, or one or more still pictures in their order. Nothing when it
 /// has none.
@@ -27,9 +27,9 @@ struct MediaSearch {
 /// that lies in a folder of its own, all pictures of that folder); a folder, picture or video named after the
 /// image or the serial; a video whose name ends in _<serial> or -<serial>. InvalidArgument when two files fit
 /// one camera equally well.
-Result<MediaSearch> find_media(const std::filesystem::path& folder, const ForeignRig& foreign);
+Result<MediaSearch> find_media(const std::filesystem::path& folder, const calib::ForeignRig& foreign);
 
 /// a2 before a10: runs of digits compare as numbers.
 bool natural_less(const std::string& a, const std::string& b);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -4,7 +4,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 std::optional<int> whole_number(std::string_view s) {
@@ -47,7 +47,7 @@ Result<PictureStream> PictureStream::open(const CameraMedia& media, const FrameR
   stream.media_ = media;
   stream.end_ = range.end;
   if (!media.video.empty()) {
-    Result<std::unique_ptr<MediaReader>> video = MediaReader::open(media.video);
+    Result<std::unique_ptr<capture::MediaReader>> video = capture::MediaReader::open(media.video);
     if (!video) return forward(video);
     stream.video_ = std::move(*video);
     stream.frame_rate_ = stream.video_->frame_rate();
@@ -93,11 +93,12 @@ Result<std::optional<Image>> PictureStream::decode() {
     return std::optional<Image>(std::move(*picture));
   }
   if (next_still_ >= media_.stills.size()) return std::optional<Image>();
-  Result<std::unique_ptr<MediaReader>> reader = MediaReader::open(media_.stills[next_still_++]);
+  Result<std::unique_ptr<capture::MediaReader>> reader =
+      capture::MediaReader::open(media_.stills[next_still_++]);
   if (!reader) return forward(reader);
   Result<Image> picture = (*reader)->next();
   if (!picture) return forward(picture);
   return std::optional<Image>(std::move(*picture));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -9,7 +9,7 @@
 #include "core/result.h"
 #include "pipeline/import/media_files.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Frames [first, end) of a video or a folder.
 struct FrameRange {
@@ -41,10 +41,10 @@ class PictureStream {
   std::size_t next_still_ = 0;
   int position_ = 0;  // of the next picture, in the video or folder
   std::optional<int> end_;
-  std::unique_ptr<MediaReader> video_;
+  std::unique_ptr<capture::MediaReader> video_;
   std::optional<Image> first_;
   int width_ = 0, height_ = 0;
   double frame_rate_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using Strokes = std::map<int, std::vector<MatteStroke>>;
@@ -86,4 +86,4 @@ std::vector<bool> downstream_of(std::vector<bool> frames, const CameraEdits& edi
   return frames;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

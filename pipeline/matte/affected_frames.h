@@ -4,7 +4,7 @@
 
 #include "core/matte_edits.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Whether both say the same by strokes, frame by frame, whatever their masks.
 bool same_strokes(const CameraEdits& a, const CameraEdits& b);
@@ -27,4 +27,4 @@ std::vector<bool> frames_chosen_otherwise(const CameraEdits& before, const Camer
 /// come out as they were.
 std::vector<bool> downstream_of(std::vector<bool> frames, const CameraEdits& edits);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -12,17 +12,17 @@
 #include "pipeline/keying.h"
 #include "pipeline/matte/take_clip.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
 
 // Before clutter, clothes and skin look like the plate or its shadow in places: shadows are asked to be
 // lighter than on cloth, and the holes that remain inside a person are filled up to a fiftieth of him.
-constexpr PlateKeyOptions kBeforeClutter{.darkest_shadow = 0.72, .brightest_reflex = 1.12};
+constexpr matting::PlateKeyOptions kBeforeClutter{.darkest_shadow = 0.72, .brightest_reflex = 1.12};
 // Behind a performance, the plate holds the middle of somebody who hardly moved it: a ring is keyed, which is
 // filled.
-CleanupOptions clean_up_for(const Image& picture, bool shot) {
+matting::CleanupOptions clean_up_for(const Image& picture, bool shot) {
   return {.close_radius = std::max(1, std::max(picture.width, picture.height) / 320),
           .smallest_island = 0.02,
           .smallest_hole = shot ? 0.02 : 0.4};
@@ -35,7 +35,7 @@ constexpr double kMostSubject = 0.6;            // of a picture that was taken b
 constexpr std::size_t kMostBytes = 400u << 20;  // of photographs held at once to learn a plate
 
 // Photographs spread over the take.
-Result<std::vector<Image>> photographs_of(TakeReader& take, int camera, int wanted) {
+Result<std::vector<Image>> photographs_of(capture::TakeReader& take, int camera, int wanted) {
   const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
   const std::size_t bytes =
       static_cast<std::size_t>(model.width) * static_cast<std::size_t>(model.height) * 3;
@@ -54,7 +54,7 @@ Result<std::vector<Image>> photographs_of(TakeReader& take, int camera, int want
   return all;
 }
 
-std::vector<fs::path> plate_files(const TakeReader& take, int camera) {
+std::vector<fs::path> plate_files(const capture::TakeReader& take, int camera) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   std::vector<fs::path> files;
   const fs::path one = take.layout().plate(serial), folder = one.parent_path() / serial;
@@ -73,7 +73,7 @@ bool clicked(const CameraEdits& edits) {
   return false;
 }
 
-Result<std::vector<Image>> plates_of(const TakeReader& take, int camera) {
+Result<std::vector<Image>> plates_of(const capture::TakeReader& take, int camera) {
   std::vector<Image> plates;
   for (const fs::path& file : plate_files(take, camera)) {
     Result<Image> plate = load_png(file);
@@ -87,7 +87,7 @@ Result<std::vector<Image>> plates_of(const TakeReader& take, int camera) {
 }
 
 // A blue mat on the floor is no studio: there, most of the picture would be subject.
-Result<bool> mostly_backdrop(TakeReader& take, int camera, const CameraKey& key) {
+Result<bool> mostly_backdrop(capture::TakeReader& take, int camera, const CameraKey& key) {
   for (int frame = 0; frame < take.frame_count(); ++frame) {
     Result<Frame> photograph = take.frame(camera, frame);
     if (!photograph) return forward(photograph);
@@ -120,7 +120,7 @@ CameraKey CameraKey::none() {
   return key;
 }
 
-Result<CameraKey> CameraKey::guided(const TakeReader& take, int camera, const fs::path& guide) {
+Result<CameraKey> CameraKey::guided(const capture::TakeReader& take, int camera, const fs::path& guide) {
   CameraKey key;
   key.kind_ = Kind::Guide;
   key.spec_ = "guide";
@@ -132,8 +132,8 @@ Result<CameraKey> CameraKey::guided(const TakeReader& take, int camera, const fs
   return key;
 }
 
-Result<CameraKey> CameraKey::chroma(TakeReader& take, int camera) {
-  Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, camera, "chroma");
+Result<CameraKey> CameraKey::chroma(capture::TakeReader& take, int camera) {
+  Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, camera, "chroma");
   if (!keyer) return forward(keyer);
   CameraKey key;
   key.kind_ = Kind::Chroma;
@@ -142,11 +142,11 @@ Result<CameraKey> CameraKey::chroma(TakeReader& take, int camera) {
   return key;
 }
 
-Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs) {
+Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int photographs) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   Result<std::vector<Image>> plates = plates_of(take, camera);
   if (!plates) return forward(plates);
-  Result<Plate> plate = Plate();
+  Result<matting::Plate> plate = matting::Plate();
   if (!plates->empty()) {
     plate = learn_plate(*plates);
   } else {
@@ -164,7 +164,7 @@ Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs
                          "--guide"));
       // What a plate takes for subject is left out of the next.
       for (int lesson = 0; lesson < kLessons && plate; ++lesson) {
-        Result<std::unique_ptr<Keyer>> last =
+        Result<std::unique_ptr<matting::Keyer>> last =
             make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, false));
         if (!last) return forward(last);
         std::vector<Image> subjects;
@@ -178,21 +178,21 @@ Result<CameraKey> CameraKey::plate(TakeReader& take, int camera, int photographs
     }
   }
   if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
-  Result<std::unique_ptr<Keyer>> keyer =
+  Result<std::unique_ptr<matting::Keyer>> keyer =
       make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, !plates->empty()));
   if (!keyer) return forward(keyer);
   CameraKey key;
   key.kind_ = Kind::Plate;
   key.spec_ = (*keyer)->spec();
-  key.plate_ = std::make_shared<Plate>(std::move(*plate));
+  key.plate_ = std::make_shared<matting::Plate>(std::move(*plate));
   key.keyer_ = std::move(*keyer);
   return key;
 }
 
-Result<CameraKey> CameraKey::cut(TakeReader& take, int camera, const CameraEdits& edits,
+Result<CameraKey> CameraKey::cut(capture::TakeReader& take, int camera, const CameraEdits& edits,
                                  const std::function<bool()>& go_on) {
   const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
-  std::map<int, MatteOpinion> strokes;
+  std::map<int, matting::MatteOpinion> strokes;
   for (const MatteKeyframe& k : edits.keyframes)
     if (!k.strokes.empty()) strokes[k.frame] = opinion_of(k, model.width, model.height);
   const auto make = [&take, camera, strokes, go_on]() -> Result<std::vector<Image>> {
@@ -213,7 +213,7 @@ Result<CameraKey> CameraKey::cut(TakeReader& take, int camera, const CameraEdits
   return key;
 }
 
-Result<CameraKey> CameraKey::best(TakeReader& take, int camera, const fs::path& guide,
+Result<CameraKey> CameraKey::best(capture::TakeReader& take, int camera, const fs::path& guide,
                                   const CameraEdits& edits, const std::function<bool()>& go_on) {
   if (!guide.empty()) return guided(take, camera, guide);
   Result<CameraKey> by_chroma = chroma(take, camera);
@@ -229,7 +229,7 @@ Result<CameraKey> CameraKey::best(TakeReader& take, int camera, const fs::path& 
   return key;
 }
 
-Result<CameraKey> CameraKey::for_method(TakeReader& take, int camera, const std::string& method,
+Result<CameraKey> CameraKey::for_method(capture::TakeReader& take, int camera, const std::string& method,
                                         const fs::path& guide, const CameraEdits& edits,
                                         const std::function<bool()>& go_on) {
   if (method == "chroma") return chroma(take, camera);
@@ -280,4 +280,4 @@ Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
   return matte;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

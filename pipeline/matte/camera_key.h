@@ -14,37 +14,38 @@
 #include "matting/keyers/keyer.h"
 #include "matting/keyers/plate.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a chroma
 /// key, a plate, or what was cut out from a person's clicks.
 class CameraKey {
  public:
-  enum class Kind { None, Guide, Chroma, Plate, Cut };
+  enum class Kind { None, Guide, Chroma, matting::Plate, Cut };
 
   /// Says nothing about any photograph: for methods that can do with what a person says.
   static CameraKey none();
   /// Another program's mattes as PNG: <guide>/<serial>/<frame>.png. NotFound when the camera has none.
-  static Result<CameraKey> guided(const TakeReader& take, int camera, const std::filesystem::path& guide);
+  static Result<CameraKey> guided(const capture::TakeReader& take, int camera,
+                                  const std::filesystem::path& guide);
   /// NotFound when neither plate nor photographs show green or blue cloth at their borders.
-  static Result<CameraKey> chroma(TakeReader& take, int camera);
+  static Result<CameraKey> chroma(capture::TakeReader& take, int camera);
   /// From plates/<serial>.png and plates/<serial>/*.png where they were shot, else found behind the
   /// performance in `photographs` of its pictures, and learnt again without what the first plate keys.
   /// Unsupported when the pictures agree nowhere (the camera moved).
-  static Result<CameraKey> plate(TakeReader& take, int camera, int photographs = 48);
+  static Result<CameraKey> plate(capture::TakeReader& take, int camera, int photographs = 48);
   /// Followed from the clicks in `edits` through a cluttered place (matting/video/clip_cut.h), as a whole, by
   /// ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop that
   /// (Cancelled) and must live as long.
-  static Result<CameraKey> cut(TakeReader& take, int camera, const CameraEdits& edits,
+  static Result<CameraKey> cut(capture::TakeReader& take, int camera, const CameraEdits& edits,
                                const std::function<bool()>& go_on);
   /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot;
   /// else what is cut out where somebody clicked on the subject; else a plate found behind the performance;
   /// else chroma after all.
-  static Result<CameraKey> best(TakeReader& take, int camera, const std::filesystem::path& guide,
+  static Result<CameraKey> best(capture::TakeReader& take, int camera, const std::filesystem::path& guide,
                                 const CameraEdits& edits, const std::function<bool()>& go_on);
 
   /// The key that a method of `matte` starts from; none where spectral matting has to do without.
-  static Result<CameraKey> for_method(TakeReader& take, int camera, const std::string& method,
+  static Result<CameraKey> for_method(capture::TakeReader& take, int camera, const std::string& method,
                                       const std::filesystem::path& guide, const CameraEdits& edits,
                                       const std::function<bool()>& go_on);
 
@@ -54,7 +55,7 @@ class CameraKey {
   /// Whether other strokes would make another key.
   bool heeds_strokes() const { return heeds_strokes_; }
   /// Null without one.
-  const Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
+  const matting::Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
 
   /// Does now what the first key() would wait for. InvalidArgument when no click marks the subject;
   /// Cancelled.
@@ -68,10 +69,10 @@ class CameraKey {
   bool heeds_strokes_ = false;
   std::string spec_, serial_;
   std::filesystem::path guide_;
-  std::shared_ptr<const Keyer> keyer_;
-  std::shared_ptr<const Plate> plate_;
+  std::shared_ptr<const matting::Keyer> keyer_;
+  std::shared_ptr<const matting::Plate> plate_;
   struct Cut;
   std::shared_ptr<Cut> cut_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

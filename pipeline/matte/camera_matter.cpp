@@ -7,7 +7,7 @@
 #include "matting/closed_form.h"
 #include "matting/consistency.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr int kAutoSpots = 4;    // places in the take where auto compares, two photographs each
@@ -25,7 +25,8 @@ bool nothing_known(const Image& map) {
 
 }  // namespace
 
-CameraMatter::CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method)
+CameraMatter::CameraMatter(capture::TakeReader& take, int camera, CameraKey key, CameraEdits edits,
+                           std::string method)
     : take_(&take),
       camera_(camera),
       key_(std::move(key)),
@@ -75,7 +76,7 @@ Result<Image> CameraMatter::finished(const std::string& method, const Image& rgb
                                      const Image& known) const {
   Image matte = key;
   if (method == "closed-form") {
-    RefineOptions options = key_refinement();
+    matting::RefineOptions options = key_refinement();
     options.band.margin = std::max(3, std::max(rgb.width, rgb.height) / 400);
     Result<Image> refined = refine_matte(rgb, key, options, known);
     if (!refined) return refined;
@@ -133,7 +134,7 @@ Result<std::string> CameraMatter::chosen_method() const {
     rgb = std::move(*picture);
     return candidates;
   };
-  MethodComparison comparison(methods.size());
+  matting::MethodComparison comparison(methods.size());
   const int count = take_->frame_count(), spots = std::min(kAutoSpots, count);
   for (int i = 0; i < spots; ++i) {
     const int frame = static_cast<int>((2L * i + 1) * count / (2L * spots));
@@ -150,4 +151,4 @@ Result<std::string> CameraMatter::chosen_method() const {
   return methods[comparison.best(kUsual)];
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

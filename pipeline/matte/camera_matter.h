@@ -9,12 +9,12 @@
 #include "core/result.h"
 #include "pipeline/matte/camera_key.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// One camera's photographs to mattes, by one method. Thread safe: all state is in what is passed in.
 class CameraMatter {
  public:
-  CameraMatter(TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method);
+  CameraMatter(capture::TakeReader& take, int camera, CameraKey key, CameraEdits edits, std::string method);
 
   /// "key", "closed-form" or "spectral", as the method asks for. `auto` chooses by MethodComparison on a few
   /// photographs, and spectral where there is no key. Edits have no say in it: a stroke must not change the
@@ -56,11 +56,11 @@ class CameraMatter {
   int first_keyframe() const;
   Image said(int frame, int width, int height, bool strokes, bool masks) const;
 
-  TakeReader* take_;
+  capture::TakeReader* take_;
   int camera_;
   CameraKey key_;
   CameraEdits edits_;
   std::string method_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -14,7 +14,7 @@
 #include "pipeline/matte/affected_frames.h"
 #include "pipeline/matte/matte_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 Unexpected stopped() { return fail(ErrorCode::Cancelled, "stopped; what was finished is kept"); }
 
 // Whether a picture was recorded there, as far as the side file knows.
-bool recorded(const TakeReader& take, int camera, int frame) {
+bool recorded(const capture::TakeReader& take, int camera, int frame) {
   const std::vector<FrameRow>& rows = take.rows(camera);
   return static_cast<std::size_t>(frame) < rows.size() && rows[static_cast<std::size_t>(frame)].media_index;
 }
@@ -38,11 +38,11 @@ struct ScratchFolder {
 
 }  // namespace
 
-EditedCamera::EditedCamera(std::unique_ptr<TakeReader> take, int camera, EditedCameraOptions options)
+EditedCamera::EditedCamera(std::unique_ptr<capture::TakeReader> take, int camera, EditedCameraOptions options)
     : take_(std::move(take)), camera_(camera), options_(std::move(options)) {}
 
 Result<std::unique_ptr<EditedCamera>> EditedCamera::open(const EditedCameraOptions& options) {
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
   if (!take) return forward(take);
   const int camera = camera_index((*take)->rig(), options.serial);
   if (camera < 0)
@@ -285,7 +285,7 @@ Result<std::vector<int>> EditedCamera::spectral(const CameraMatter& matter, cons
   return changed;
 }
 
-Result<MattingComponents> EditedCamera::components(int frame) {
+Result<matting::MattingComponents> EditedCamera::components(int frame) {
   if (prepared_) return spectral_->components(frame);
   const ScratchFolder scratch{fs::temp_directory_path() / text("floatstage-", getpid(), "-components")};
   return components_of_frame(*take_, camera_, frame, scratch.path);
@@ -308,4 +308,4 @@ Result<std::optional<double>> EditedCamera::flicker(int frame) {
   return std::optional<double>(*flicker);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

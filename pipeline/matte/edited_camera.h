@@ -12,7 +12,7 @@
 #include "pipeline/matte/matting_record.h"
 #include "pipeline/matte/spectral_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct EditedCameraOptions {
   std::filesystem::path take;
@@ -57,16 +57,16 @@ class EditedCamera {
   std::vector<bool> stale(const CameraEdits& edits) const;
 
   /// The matting components of a frame, whatever the method. Takes about a second where they are not kept.
-  Result<MattingComponents> components(int frame);
+  Result<matting::MattingComponents> components(int frame);
   /// matte_flicker() of a frame against the one before; absent without two mattes and photographs.
   Result<std::optional<double>> flicker(int frame);
 
   const std::string& method() const { return record_.method; }
   const CameraEdits& edits() const { return on_disk_; }  ///< as mattes/edits.json had them at open()
-  TakeReader& take() { return *take_; }
+  capture::TakeReader& take() { return *take_; }
 
  private:
-  EditedCamera(std::unique_ptr<TakeReader> take, int camera, EditedCameraOptions options);
+  EditedCamera(std::unique_ptr<capture::TakeReader> take, int camera, EditedCameraOptions options);
   Result<void> make_key(const CameraEdits& edits, const RemakeWatch& watch);
   Result<void> begin(const CameraEdits& edits, const std::vector<bool>& stale);
   Result<std::vector<int>> follow(const CameraMatter& matter, std::vector<bool> forced,
@@ -78,7 +78,7 @@ class EditedCamera {
   Result<void> save_record();
   std::filesystem::path file(int frame) const { return take_->layout().matte(options_.serial, frame); }
 
-  std::unique_ptr<TakeReader> take_;
+  std::unique_ptr<capture::TakeReader> take_;
   int camera_;
   EditedCameraOptions options_;
   CameraEdits on_disk_;
@@ -92,4 +92,4 @@ class EditedCamera {
   std::vector<std::string> failures_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -17,7 +17,7 @@
 #include "pipeline/matte/matting_record.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,14 +50,15 @@ Result<void> save(const Image& rgba, const std::string& format, const fs::path& 
 }
 
 // Where a camera was keyed by chroma, its keyer knows which light is the cloth's.
-Result<Image> photograph_of(TakeReader& take, int camera, const Frame& frame, const std::string& key) {
+Result<Image> photograph_of(capture::TakeReader& take, int camera, const Frame& frame,
+                            const std::string& key) {
   if (!key.starts_with("chroma:")) return to_rgb(frame);
-  Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, camera, key);
+  Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, camera, key);
   if (!keyer) return forward(keyer);
   return (*keyer)->suppress_spill(frame);
 }
 
-Result<void> export_one(TakeReader& take, int camera, int frame, const std::string& key,
+Result<void> export_one(capture::TakeReader& take, int camera, int frame, const std::string& key,
                         const std::string& format, const fs::path& file) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   Result<Image> matte = load_png(take.layout().matte(serial, frame));
@@ -67,7 +68,7 @@ Result<void> export_one(TakeReader& take, int camera, int frame, const std::stri
   if (photograph->empty()) return {};
   Result<Image> rgb = photograph_of(take, camera, *photograph, key);
   if (!rgb) return forward(rgb);
-  Result<Layers> layers = estimate_foreground(*rgb, *matte);
+  Result<matting::Layers> layers = estimate_foreground(*rgb, *matte);
   if (!layers) return forward(layers);
   return save(joined(layers->foreground, *matte), format, file);
 }
@@ -78,9 +79,9 @@ Result<int> export_layers(const ExportOptions& options) {
   if (options.format != "png8" && options.format != "png16" && options.format != "exr")
     return fail(ErrorCode::InvalidArgument,
                 text("'", options.format, "' is no format of layers; there are png8, png16 and exr"));
-  Result<std::unique_ptr<TakeReader>> opened = TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);
-  TakeReader& take = **opened;
+  capture::TakeReader& take = **opened;
   Result<std::optional<KeyingRecord>> keying = load_keying(take.layout(), take.rig());
   if (!keying) return forward(keying);
   const Result<std::map<std::string, CameraRecord>> made = load_matting(take.layout());
@@ -135,4 +136,4 @@ Result<int> export_layers(const ExportOptions& options) {
   return static_cast<int>(items.size());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

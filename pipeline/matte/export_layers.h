@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct ExportOptions {
   std::filesystem::path take, out;
@@ -29,4 +29,4 @@ Result<int> export_layers(const ExportOptions& options);
 /// name first.
 Result<void> save_exr(const Image& rgba, const std::filesystem::path& file);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -9,7 +9,7 @@
 #include "recon/mesh/mesh_mask.h"
 #include "recon/visual_hull.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 bool shows_subject(const Matte& matte) { return !matte.empty() && coverage(matte) > 0; }
@@ -26,7 +26,7 @@ double surplus_of(const Matte& matte, const Matte& hull) {
   return all ? static_cast<double>(outside) / static_cast<double>(all) : 0;
 }
 
-Result<std::vector<SilhouetteAgreement>> agreement_of(const TakeReader& take, int frame) {
+Result<std::vector<SilhouetteAgreement>> agreement_of(const capture::TakeReader& take, int frame) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
   std::vector<SilhouetteAgreement> found;
@@ -35,10 +35,10 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const TakeReader& take, in
     std::vector<Matte> others = *mattes;
     others[i] = {};
     if (std::count_if(others.begin(), others.end(), shows_subject) < 2) continue;
-    HullOptions options;
+    recon::HullOptions options;
     options.quality = false;
     options.threads = 1;
-    const Result<HullReport> hull = visual_hull(take.rig(), others, options);
+    const Result<recon::HullReport> hull = visual_hull(take.rig(), others, options);
     SilhouetteAgreement a{take.rig().cameras[i].serial, frame, 0, 1};
     if (hull && !hull->mesh.empty()) {
       const Matte silhouette = mesh_mask(take.rig().cameras[i], hull->mesh);
@@ -56,7 +56,7 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const TakeReader& take, in
 
 }  // namespace
 
-Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take,
+Result<std::vector<SilhouetteAgreement>> hull_agreement(const capture::TakeReader& take,
                                                         const std::vector<int>& frames, int threads,
                                                         Progress* watch) {
   std::vector<Result<std::vector<SilhouetteAgreement>>> by_frame(frames.size(),
@@ -77,4 +77,4 @@ Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take,
   return all;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

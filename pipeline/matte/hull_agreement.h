@@ -7,7 +7,7 @@
 #include "core/result.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// One silhouette against what the other cameras say.
 struct SilhouetteAgreement {
@@ -22,8 +22,8 @@ struct SilhouetteAgreement {
 /// and frames apart rather than being good or bad by themselves. A camera is left out where fewer than two
 /// others have a matte with a subject. Sorted, least agreement first. Frames are carved in parallel; same
 /// result at any number of threads.
-Result<std::vector<SilhouetteAgreement>> hull_agreement(const TakeReader& take,
+Result<std::vector<SilhouetteAgreement>> hull_agreement(const capture::TakeReader& take,
                                                         const std::vector<int>& frames, int threads,
                                                         Progress* watch = nullptr);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -8,11 +8,11 @@
 #include "matting/keyers/keyer.h"
 #include "matting/spectral_matte.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 Result<Image> by_chroma(const Image& picture) {
-  Result<std::unique_ptr<Keyer>> keyer = make_keyer("chroma", {picture});
+  Result<std::unique_ptr<matting::Keyer>> keyer = make_keyer("chroma", {picture});
   if (!keyer) return forward(keyer);
   Result<Matte> matte = (*keyer)->key(make_frame({}, picture));
   if (!matte) return forward(matte);
@@ -39,8 +39,8 @@ Result<Image> trimap_of(const MatteImageOptions& options) {
 }
 
 // Everything that is 0 or 255 is known.
-MatteOpinion opinion_of(const Image& trimap) {
-  MatteOpinion said;
+matting::MatteOpinion opinion_of(const Image& trimap) {
+  matting::MatteOpinion said;
   if (trimap.empty()) return said;
   said = {trimap, trimap};
   for (std::uint8_t& w : said.weight.pixels) w = w == 0 || w == 255 ? 255 : 0;
@@ -81,4 +81,4 @@ Result<Image> matte_image(const MatteImageOptions& options) {
   return residuals[1] < residuals[0] ? refined : key;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -8,7 +8,7 @@
 #include "core/matte_edits.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct MatteImageOptions {
   std::string method = "auto";           ///< auto, chroma, closed-form, spectral
@@ -24,4 +24,4 @@ struct MatteImageOptions {
 /// that differ; NotFound when there is no cloth.
 Result<Image> matte_image(const MatteImageOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -16,7 +16,7 @@
 #include "pipeline/matte/spectral_take.h"
 #include "pipeline/progress.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -68,7 +68,7 @@ class Run {
   std::optional<Error> fatal_;
 };
 
-Result<std::vector<Job>> jobs_of(const TakeReader& take, const MatteTakeOptions& options) {
+Result<std::vector<Job>> jobs_of(const capture::TakeReader& take, const MatteTakeOptions& options) {
   const std::vector<MatteMethod>& methods = matte_methods();
   std::string names;
   for (const MatteMethod& m : methods) names += text(names.empty() ? "" : ", ", m.name);
@@ -96,8 +96,8 @@ Result<std::vector<Job>> jobs_of(const TakeReader& take, const MatteTakeOptions&
 }
 
 // Mattes that are there were made as this run would make them, or --redo lets them be cleared.
-Result<void> settle(const TakeReader& take, Job& job, const std::map<std::string, CameraRecord>& before,
-                    bool redo) {
+Result<void> settle(const capture::TakeReader& take, Job& job,
+                    const std::map<std::string, CameraRecord>& before, bool redo) {
   const fs::path folder = take.layout().mattes() / job.serial;
   std::error_code none;
   const bool there = fs::exists(folder) && !fs::is_empty(folder, none);
@@ -116,7 +116,7 @@ Result<void> settle(const TakeReader& take, Job& job, const std::map<std::string
 }
 
 // What an editor had not made again when it was interrupted is made like what is missing.
-Result<void> remove_stale(const TakeReader& take, Job& job) {
+Result<void> remove_stale(const capture::TakeReader& take, Job& job) {
   for (const int frame : job.record.stale) {
     const fs::path file = take.layout().matte(job.serial, frame);
     std::error_code error;
@@ -127,7 +127,8 @@ Result<void> remove_stale(const TakeReader& take, Job& job) {
   return {};
 }
 
-Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const MatteEdits& edits, Job& job) {
+Result<void> prepare(capture::TakeReader& take, const MatteTakeOptions& options, const MatteEdits& edits,
+                     Job& job) {
   const auto found = edits.cameras.find(job.serial);
   const CameraEdits mine = found == edits.cameras.end() ? CameraEdits() : found->second;
   const MatteEffort effort = effort_of(mine);
@@ -161,7 +162,7 @@ Result<void> prepare(TakeReader& take, const MatteTakeOptions& options, const Ma
 }
 
 // Makes one matte, or reads it where it is needed and there. Nothing for a gap or a failure.
-Image make(const TakeReader& take, Run& run, Job& job, int frame, const Image& previous) {
+Image make(const capture::TakeReader& take, Run& run, Job& job, int frame, const Image& previous) {
   const fs::path file = take.layout().matte(job.serial, frame);
   if (fs::exists(file)) {
     run.count(job.report.kept);
@@ -178,7 +179,7 @@ Image make(const TakeReader& take, Run& run, Job& job, int frame, const Image& p
 }
 
 // Spectral matting works through a camera as a whole and uses all threads for it.
-void make_spectral(TakeReader& take, Run& run, Job& job, int threads) {
+void make_spectral(capture::TakeReader& take, Run& run, Job& job, int threads) {
   bool all_there = true;
   for (int f = 0; f < take.frame_count(); ++f)
     all_there = all_there && fs::exists(take.layout().matte(job.serial, f));
@@ -186,7 +187,8 @@ void make_spectral(TakeReader& take, Run& run, Job& job, int threads) {
     job.report.kept = take.frame_count();
     return;
   }
-  ProgressPart progress(run.progress, text("mattes of ", job.serial), static_cast<std::size_t>(take.frame_count()));
+  ProgressPart progress(run.progress, text("mattes of ", job.serial),
+                        static_cast<std::size_t>(take.frame_count()));
   const auto make_all = [&]() -> Result<void> {
     Result<SpectralTake> spectral = SpectralTake::create(take, job.camera, job.matter->key(),
                                                          spectral_cache(take.layout(), job.serial), threads);
@@ -220,7 +222,7 @@ struct Item {
   int frame;  // -1: all of them
 };
 
-void make_items(const TakeReader& take, Run& run, std::vector<Job>& jobs, int threads) {
+void make_items(const capture::TakeReader& take, Run& run, std::vector<Job>& jobs, int threads) {
   std::vector<Item> items;
   std::size_t mattes = 0;
   for (Job& job : jobs)
@@ -247,7 +249,7 @@ void make_items(const TakeReader& take, Run& run, std::vector<Job>& jobs, int th
   });
 }
 
-double flicker_of(const TakeReader& take, const std::string& serial, const Progress* progress) {
+double flicker_of(const capture::TakeReader& take, const std::string& serial, const Progress* progress) {
   Image before;
   double sum = 0;
   int pairs = 0;
@@ -265,13 +267,14 @@ double flicker_of(const TakeReader& take, const std::string& serial, const Progr
   return pairs ? sum / pairs : 0;
 }
 
-Result<void> check_against_hull(const TakeReader& take, const MatteTakeOptions& options,
+Result<void> check_against_hull(const capture::TakeReader& take, const MatteTakeOptions& options,
                                 MatteReport& report) {
   const int count = take.frame_count(), wanted = std::min(options.hull_frames, count);
   std::vector<int> frames;
   for (int i = 0; i < wanted; ++i) frames.push_back(static_cast<int>((2L * i + 1) * count / (2L * wanted)));
   if (frames.empty()) return {};
-  Result<std::vector<SilhouetteAgreement>> worst = hull_agreement(take, frames, options.threads, options.progress);
+  Result<std::vector<SilhouetteAgreement>> worst =
+      hull_agreement(take, frames, options.threads, options.progress);
   if (!worst) return forward(worst);
   report.worst = std::move(*worst);
   for (CameraMattes& camera : report.cameras) {
@@ -285,7 +288,8 @@ Result<void> check_against_hull(const TakeReader& take, const MatteTakeOptions& 
 }
 
 // What the other verbs read: with chroma keys they can take the spill off the photographs.
-Result<void> save_keying_of(const TakeReader& take, const std::vector<Job>& jobs, const std::string& method) {
+Result<void> save_keying_of(const capture::TakeReader& take, const std::vector<Job>& jobs,
+                            const std::string& method) {
   KeyingRecord record{"matte:" + method, {}};
   const bool all_chroma =
       jobs.size() == take.rig().cameras.size() && std::all_of(jobs.begin(), jobs.end(), [](const Job& j) {
@@ -312,9 +316,9 @@ const std::vector<MatteMethod>& matte_methods() {
 }
 
 Result<MatteReport> matte_take(const MatteTakeOptions& options) {
-  Result<std::unique_ptr<TakeReader>> opened = TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);
-  TakeReader& take = **opened;
+  capture::TakeReader& take = **opened;
   Result<std::vector<Job>> jobs = jobs_of(take, options);
   if (!jobs) return forward(jobs);
   Result<MatteEdits> edits = load_matte_edits(take.layout().edits());
@@ -377,4 +381,4 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   return report;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

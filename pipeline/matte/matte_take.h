@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "pipeline/matte/hull_agreement.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct MatteTakeOptions {
   std::filesystem::path take;
@@ -54,4 +54,4 @@ struct MatteReport {
 /// Unsupported when a camera has no key; Io (disk full: what was finished stays); Cancelled.
 Result<MatteReport> matte_take(const MatteTakeOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

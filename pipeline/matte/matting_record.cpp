@@ -9,7 +9,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using nlohmann::json;
@@ -75,4 +75,4 @@ std::string fingerprint(const CameraEdits& edits) {
   return digits;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

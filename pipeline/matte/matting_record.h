@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "core/take_layout.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// How one camera's mattes were made: what must not change while they are kept.
 struct CameraRecord {
@@ -36,4 +36,4 @@ inline std::filesystem::path spectral_cache(const TakeLayout& layout, const std:
 /// The same for equal edits, in hexadecimal.
 std::string fingerprint(const CameraEdits& edits);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "pipeline/matte/export_layers.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 // sRGB's curve undone (IEC 61966-2-1).
@@ -44,4 +44,4 @@ Result<void> save_exr(const Image& rgba, const std::filesystem::path& file) {
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

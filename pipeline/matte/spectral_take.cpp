@@ -4,24 +4,24 @@
 
 #include "pipeline/matte/take_clip.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
-Result<SpectralTake> SpectralTake::create(TakeReader& take, int camera, const CameraKey& key,
+Result<SpectralTake> SpectralTake::create(capture::TakeReader& take, int camera, const CameraKey& key,
                                           const std::filesystem::path& cache, int threads) {
-  MattingClip clip = clip_of(take, camera);
+  matting::MattingClip clip = clip_of(take, camera);
   if (key.kind() != CameraKey::Kind::None)
-    clip.likelihood = [&take, camera, key](int frame) -> Result<MatteOpinion> {
+    clip.likelihood = [&take, camera, key](int frame) -> Result<matting::MatteOpinion> {
       Result<Frame> photograph = take.frame(camera, frame);
       if (!photograph) return forward(photograph);
-      if (photograph->empty()) return MatteOpinion();
+      if (photograph->empty()) return matting::MatteOpinion();
       Result<Image> opacity = key.key(*photograph, frame);
       if (!opacity) return forward(opacity);
-      return MatteOpinion{std::move(*opacity), {}};
+      return matting::MatteOpinion{std::move(*opacity), {}};
     };
-  VideoMattingOptions options;
+  matting::VideoMattingOptions options;
   options.threads = threads;
   options.likelihood_is_matte = key.kind() != CameraKey::Kind::None;
-  Result<VideoMatting> video = VideoMatting::create(std::move(clip), cache, options);
+  Result<matting::VideoMatting> video = matting::VideoMatting::create(std::move(clip), cache, options);
   if (!video) return forward(video);
   return SpectralTake(take, camera, std::move(*video));
 }
@@ -60,18 +60,18 @@ Result<Image> SpectralTake::matte(const CameraMatter& matter, int frame) const {
   return matte;
 }
 
-Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame,
-                                              const std::filesystem::path& cache) {
-  const MattingClip all = clip_of(take, camera);
-  MattingClip clip;
+Result<matting::MattingComponents> components_of_frame(capture::TakeReader& take, int camera, int frame,
+                                                       const std::filesystem::path& cache) {
+  const matting::MattingClip all = clip_of(take, camera);
+  matting::MattingClip clip;
   clip.frames = 1;
   clip.photograph = [&](int) { return all.photograph(frame); };
-  VideoMattingOptions options;
+  matting::VideoMattingOptions options;
   options.threads = 1;
-  Result<VideoMatting> video = VideoMatting::create(std::move(clip), cache, options);
+  Result<matting::VideoMatting> video = matting::VideoMatting::create(std::move(clip), cache, options);
   if (!video) return forward(video);
   if (Result<void> ok = video->prepare(); !ok) return forward(ok);
   return video->components(0);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

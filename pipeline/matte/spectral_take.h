@@ -6,7 +6,7 @@
 #include "matting/video/video_matting.h"
 #include "pipeline/matte/camera_matter.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// One camera's mattes by spectral video matting: the key is the likelihood, strokes are keyframes, masks
 /// outrank both. `cache` keeps the components, so that a second run only propagates. What was propagated is
@@ -15,7 +15,7 @@ namespace floatstage {
 class SpectralTake {
  public:
   /// With `threads` workers of about 0.4 GB each. Errors: those of VideoMatting::create().
-  static Result<SpectralTake> create(TakeReader& take, int camera, const CameraKey& key,
+  static Result<SpectralTake> create(capture::TakeReader& take, int camera, const CameraKey& key,
                                      const std::filesystem::path& cache, int threads);
 
   /// Components of all frames; `done` as in VideoMatting::prepare().
@@ -28,20 +28,20 @@ class SpectralTake {
   Result<Image> matte(const CameraMatter& matter, int frame) const;
 
   int usable() const { return video_.usable(); }
-  Result<MattingComponents> components(int frame) const { return video_.components(frame); }
+  Result<matting::MattingComponents> components(int frame) const { return video_.components(frame); }
 
  private:
-  SpectralTake(TakeReader& take, int camera, VideoMatting video)
+  SpectralTake(capture::TakeReader& take, int camera, matting::VideoMatting video)
       : take_(&take), camera_(camera), video_(std::move(video)) {}
 
-  TakeReader* take_;
+  capture::TakeReader* take_;
   int camera_;
-  VideoMatting video_;
+  matting::VideoMatting video_;
   std::vector<MatteKeyframe> said_;  // those with strokes
 };
 
 /// The components of one frame alone, where SpectralTake has not prepared it.
-Result<MattingComponents> components_of_frame(TakeReader& take, int camera, int frame,
-                                              const std::filesystem::path& cache);
+Result<matting::MattingComponents> components_of_frame(capture::TakeReader& take, int camera, int frame,
+                                                       const std::filesystem::path& cache);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -2,10 +2,10 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
-Result<Frame> nearest_photograph(TakeReader& take, int camera, int frame) {
+Result<Frame> nearest_photograph(capture::TakeReader& take, int camera, int frame) {
   for (int away = 0; away < take.frame_count(); ++away)
     for (const int f : {frame - away, frame + away}) {
       if (f < 0 || f >= take.frame_count()) continue;
@@ -17,8 +17,8 @@ Result<Frame> nearest_photograph(TakeReader& take, int camera, int frame) {
 
 }  // namespace
 
-MattingClip clip_of(TakeReader& take, int camera) {
-  MattingClip clip;
+matting::MattingClip clip_of(capture::TakeReader& take, int camera) {
+  matting::MattingClip clip;
   clip.frames = take.frame_count();
   clip.photograph = [&take, camera](int frame) -> Result<Image> {
     Result<Frame> photograph = nearest_photograph(take, camera, frame);
@@ -28,12 +28,12 @@ MattingClip clip_of(TakeReader& take, int camera) {
   return clip;
 }
 
-MatteOpinion opinion_of(const MatteKeyframe& keyframe, int width, int height) {
-  MatteOpinion opinion{Image(width, height, 1, 128), Image(width, height, 1)};
+matting::MatteOpinion opinion_of(const MatteKeyframe& keyframe, int width, int height) {
+  matting::MatteOpinion opinion{Image(width, height, 1, 128), Image(width, height, 1)};
   paint_strokes(keyframe.strokes, 1, opinion.opacity);
   for (std::size_t p = 0; p < opinion.opacity.pixels.size(); ++p)
     opinion.weight.pixels[p] = opinion.opacity.pixels[p] == 128 ? 0 : 255;
   return opinion;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -23,7 +23,7 @@
 //
 // B_s vanishes from 2^-s on, so its spectrum may be cut there: scale s is sampled every 2^s pixels without
 // aliasing.
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr int kScales = 4, kOrientations = 8, kWindow = 7;
@@ -162,4 +162,4 @@ double cw_ssim(const Image& rendered, const Image& truth, const Image& mask) {
   return sum / bands;  // scale 0 samples every pixel, so there is always a band
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,7 +7,7 @@
 
 #include "core/check.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr int kSubject = 128;
@@ -169,4 +169,4 @@ MatteScores score_matte(const Image& matte, const Image& truth) {
           matte_boundary_f(matte, truth)};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

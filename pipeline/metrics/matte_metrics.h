@@ -2,7 +2,7 @@
 
 #include "core/image.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 // How near a matte is to the true one. Opacity enters as 0…1, "subject" means >= 128 of 255. docs/metrics.md
 // says what each one sees.
@@ -41,4 +41,4 @@ struct MatteScores {
 
 MatteScores score_matte(const Image& matte, const Image& truth);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

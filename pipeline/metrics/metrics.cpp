@@ -10,7 +10,7 @@
 #include "core/check.h"
 #include "pipeline/metrics/picture_pair.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -137,4 +137,4 @@ Image erode_mask(const Image& mask, int px) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

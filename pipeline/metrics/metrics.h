@@ -2,7 +2,7 @@
 
 #include "core/image.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 // How alike a rendered picture and a photograph are, inside a mask. docs/metrics.md says why each one is
 // here.
@@ -53,4 +53,4 @@ Scores score(const Image& rendered, const Image& truth, const Image& mask, const
 /// nothing: a subject that it cuts off is as good there as anywhere. 255 and 0 only.
 Image erode_mask(const Image& mask, int px);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

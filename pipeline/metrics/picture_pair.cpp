@@ -5,7 +5,7 @@
 #include "core/check.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 void check_pair(const Image& rendered, const Image& truth, const Image& mask) {
   auto shape = [](const Image& i) { return text(i.width, "x", i.height, "x", i.channels); };
@@ -49,4 +49,4 @@ cv::Mat weights_of(const Image& mask, const cv::Rect& box) {
   return weights;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -5,7 +5,7 @@
 #include "core/image.h"
 
 // Private to the metrics: pictures as OpenCV sees them.
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Throws CheckFailure unless the three belong together as metrics.h demands.
 void check_pair(const Image& rendered, const Image& truth, const Image& mask);
@@ -19,4 +19,4 @@ cv::Mat luma_of(const Image& image, const cv::Rect& box);
 /// 1 in the mask and 0 outside, CV_64F, of the pixels in `box`.
 cv::Mat weights_of(const Image& mask, const cv::Rect& box);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -5,7 +5,7 @@
 #include "pipeline/metrics/metrics.h"
 #include "pipeline/metrics/picture_pair.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr double kC1 = (0.01 * 255) * (0.01 * 255), kC2 = (0.03 * 255) * (0.03 * 255);
@@ -46,4 +46,4 @@ double ssim(const Image& rendered, const Image& truth, const Image& mask) {
   return sum / count;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -16,10 +16,10 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/keying.h"
-#include "pipeline/scene_loader.h"
 #include "pipeline/progress.h"
+#include "pipeline/scene_loader.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,7 +67,7 @@ class Collector {
   std::vector<std::pair<int, std::string>> failures_;
 };
 
-Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& options) {
+Result<KeyingRecord> settle_keying(capture::TakeReader& take, const ProcessOptions& options) {
   Result<std::optional<KeyingRecord>> before = load_keying(take.layout(), take.rig());
   if (!before) return forward(before);
   const std::string wanted = options.key.value_or(*before ? (*before)->key : "chroma");
@@ -78,7 +78,7 @@ Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& optio
                      "'; add --redo to make its mattes and meshes again"));
   KeyingRecord record{wanted, {}};
   for (std::size_t i = 0; i < take.rig().cameras.size(); ++i) {
-    Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, static_cast<int>(i), wanted);
+    Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, static_cast<int>(i), wanted);
     if (!keyer) return forward(keyer);
     record.specs.push_back((*keyer)->spec());
   }
@@ -90,12 +90,12 @@ Result<KeyingRecord> settle_keying(TakeReader& take, const ProcessOptions& optio
   return record;
 }
 
-Result<StageReport> make_mattes(TakeReader& take, const KeyingRecord& record,
+Result<StageReport> make_mattes(capture::TakeReader& take, const KeyingRecord& record,
                                 const ProcessOptions& options) {
   const std::vector<RigCamera>& cameras = take.rig().cameras;
-  std::vector<std::unique_ptr<Keyer>> keyers;
+  std::vector<std::unique_ptr<matting::Keyer>> keyers;
   for (std::size_t i = 0; i < record.specs.size(); ++i) {
-    Result<std::unique_ptr<Keyer>> keyer = keyer_for(take, static_cast<int>(i), record.specs[i]);
+    Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, static_cast<int>(i), record.specs[i]);
     if (!keyer) return forward(keyer);
     keyers.push_back(std::move(*keyer));
     if (Result<void> ok = make_folder(take.layout().mattes() / cameras[i].serial); !ok) return forward(ok);
@@ -135,16 +135,16 @@ bool nobody_on_stage(const std::vector<Matte>& mattes) {
 
 // meshes/hull.json: the options, and a line a frame. Written once the stage is done. The answer: the options
 // to go on with.
-Result<HullOptions> settle_hull_options(TakeReader& take, const ProcessOptions& options) {
+Result<recon::HullOptions> settle_hull_options(capture::TakeReader& take, const ProcessOptions& options) {
   const fs::path file = take.layout().hull_report();
   Result<std::string> before = read_file(file);
   if (!before && before.error().code != ErrorCode::NotFound) return forward(before);
   const json old = before ? json::parse(*before, nullptr, false) : json();
   const json recorded = old.is_object() ? old.value("options", json()) : json();
-  HullOptions hull = *hull_options(HullWords());
+  recon::HullOptions hull = *hull_options(HullWords());
   if (options.hull) {
     hull = *options.hull;
-  } else if (std::optional<HullOptions> earlier = parse_hull_options(recorded)) {
+  } else if (std::optional<recon::HullOptions> earlier = parse_hull_options(recorded)) {
     hull = *earlier;
   }
   const json wanted = describe(hull);
@@ -172,8 +172,8 @@ struct FrameHull {
 class HullDesks {
  public:
   struct Desk {
-    HullWorkspace workspace;
-    HullReport report;
+    recon::HullWorkspace workspace;
+    recon::HullReport report;
   };
   std::unique_ptr<Desk> take() {
     const std::lock_guard lock(mutex_);
@@ -192,7 +192,8 @@ class HullDesks {
   std::vector<std::unique_ptr<Desk>> free_;
 };
 
-Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& options, HullDesks::Desk& desk) {
+Result<FrameHull> make_mesh(capture::TakeReader& take, int frame, const recon::HullOptions& options,
+                            HullDesks::Desk& desk) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
   const fs::path file = take.layout().mesh(frame);
@@ -201,7 +202,7 @@ Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& opti
     if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
     return result;
   }
-  HullReport& hull = desk.report;
+  recon::HullReport& hull = desk.report;
   if (Result<void> ok = visual_hull(take.rig(), *mattes, options, desk.workspace, hull); !ok)
     return forward(ok);
   if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
@@ -212,7 +213,7 @@ Result<FrameHull> make_mesh(TakeReader& take, int frame, const HullOptions& opti
   return result;
 }
 
-Result<void> save_hull_report(TakeReader& take, const HullOptions& options,
+Result<void> save_hull_report(capture::TakeReader& take, const recon::HullOptions& options,
                               const std::vector<FrameHull>& hulls) {
   json report = {{"options", describe(options)}, {"frames", json::object()}};
   if (Result<std::string> before = read_file(take.layout().hull_report())) {
@@ -233,11 +234,11 @@ Result<void> save_hull_report(TakeReader& take, const HullOptions& options,
   return write_file(take.layout().hull_report(), report.dump(2) + "\n");
 }
 
-Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options) {
-  Result<HullOptions> settled = settle_hull_options(take, options);
+Result<StageReport> make_meshes(capture::TakeReader& take, const ProcessOptions& options) {
+  Result<recon::HullOptions> settled = settle_hull_options(take, options);
   if (!settled) return forward(settled);
   const std::size_t frames = static_cast<std::size_t>(take.frame_count());
-  HullOptions each = *settled;
+  recon::HullOptions each = *settled;
   each.threads = frames > 1 ? 1 : options.threads;  // over frames when there are several, else inside the one
   Collector collector(options.progress);
   std::vector<FrameHull> hulls(frames);
@@ -266,7 +267,7 @@ Result<StageReport> make_meshes(TakeReader& take, const ProcessOptions& options)
 }
 
 // Frames whose mesh holds no subject, whenever it was made.
-int count_empty(const TakeReader& take) {
+int count_empty(const capture::TakeReader& take) {
   int empty = 0;
   for (int f = 0; f < take.frame_count(); ++f) {
     Result<Mesh> mesh = load_ply(take.layout().mesh(f));
@@ -279,9 +280,9 @@ int count_empty(const TakeReader& take) {
 
 Result<ProcessReport> process_take(const ProcessOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  Result<std::unique_ptr<TakeReader>> opened = TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);
-  TakeReader& take = **opened;
+  capture::TakeReader& take = **opened;
   ProcessReport report{.frames = take.frame_count(),
                        .cameras = static_cast<int>(take.rig().cameras.size()),
                        .mattes = {},
@@ -303,4 +304,4 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   return report;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -9,15 +9,15 @@
 #include "pipeline/progress.h"
 #include "recon/visual_hull.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 struct ProcessOptions {
   std::filesystem::path take;
-  std::optional<std::string> key;   ///< keyer spec; absent: as before, else "chroma"
-  std::optional<HullOptions> hull;  ///< absent: as before, else exact with automatic voting
-  int threads = 0;                  ///< 0: one per core
-  bool redo = false;                ///< remake what was made with other options
-  Progress* progress = nullptr;  ///< null: unwatched
+  std::optional<std::string> key;          ///< keyer spec; absent: as before, else "chroma"
+  std::optional<recon::HullOptions> hull;  ///< absent: as before, else exact with automatic voting
+  int threads = 0;                         ///< 0: one per core
+  bool redo = false;                       ///< remake what was made with other options
+  Progress* progress = nullptr;            ///< null: unwatched
 };
 
 /// What one stage did. made + kept + gaps + failures = items.
@@ -40,4 +40,4 @@ struct ProcessReport {
 /// than before, no subject anywhere).
 Result<ProcessReport> process_take(const ProcessOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -260,4 +260,4 @@ void FaceSweep::link(FaceOutput& out) {
   out.faces.push_back({i_, edge_, static_cast<std::int32_t>(polygons_before) - 1});
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

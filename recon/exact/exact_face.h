@@ -9,7 +9,7 @@
 #include "recon/exact/exact_pairs.h"
 #include "recon/exact/exact_rays.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// The name of a hull vertex, by which neighbouring faces meet without any tolerance: a hit (a ray through a
 /// face), the three faces of a triple point in ascending order, or a camera's centre seen through one
@@ -238,4 +238,4 @@ inline bool FaceSweep::crosses_before(int f, const Crossing& g, const Crossing& 
   return in_->grid ? exactly_crosses_before(f, g, h) : g.s < h.s;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -5,7 +5,7 @@
 
 // Cutting a face's lines at their crossings, and finding which stretches of them are the hull's.
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr std::size_t kProbes = 4;  // views that are asked one by one before the buckets are
@@ -297,4 +297,4 @@ void FaceSweep::emit_run(int f, int from, int to, bool inner) {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

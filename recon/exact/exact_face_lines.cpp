@@ -5,7 +5,7 @@
 
 // Which lines of the other views reach into a face's window, and what the others say about it.
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Takes in what view j says about the window; false when it is outside all over it. Most views are inside
 /// all over it and have no line there.
@@ -148,4 +148,4 @@ void FaceSweep::add_line(int j, int edge, const End& left, const End& right) {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

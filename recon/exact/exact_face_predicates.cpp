@@ -6,7 +6,7 @@
 // integers, so their relative errors are a few 2^-53; where a result is not larger than its error, integers
 // decide.
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr double kEpsilon = 1e-14;  // about 45 roundings
@@ -87,4 +87,4 @@ bool FaceSweep::exactly_crosses_before(int f_index, const Crossing& first, const
   return sign < 0;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 #include "core/check.h"
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 class Stopwatch {
@@ -137,4 +137,4 @@ ExactOutcome ExactHull::compute(std::vector<ConeView>& views, const ExactOptions
   return outcome;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -11,7 +11,7 @@
 #include "recon/exact/exact_rays.h"
 #include "recon/exact/exact_views.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// How the numbers were decided. Each step is taken only when the one before left the surface open.
 enum class ExactLevel {
@@ -80,4 +80,4 @@ class ExactHull {
   HullPolygons polygons_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace floatstage {
+namespace floatstage::recon {
 
 __extension__ typedef __int128 Int128;
 __extension__ typedef unsigned __int128 UInt128;
@@ -74,4 +74,4 @@ class Wide {
 
 inline int sign_of(Int128 value) { return (value > 0) - (value < 0); }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -8,7 +8,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr int kSlots = 6;  // edges that leave a vertex: three, or six where a majority of views changes
@@ -266,4 +266,4 @@ bool MeshWelder::triangulate(std::span<FaceOutput> parts, int threads, HullPolyg
   return !doubled && std::adjacent_find(risky_.begin(), risky_.end()) == risky_.end();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -10,7 +10,7 @@
 #include "recon/exact/exact_face.h"
 #include "recon/exact/exact_polygon.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// The hull with its polygonal faces. Vertices are shared by name, so it is closed without any tolerance.
 struct HullPolygons {
@@ -71,4 +71,4 @@ class MeshWelder {
   std::vector<std::uint8_t> kind_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -7,7 +7,7 @@
 #include "recon/bounding_volume.h"
 #include "recon/exact/exact_voting.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
@@ -196,4 +196,4 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
   return true;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -7,7 +7,7 @@
 #include "recon/hull_input.h"
 #include "recon/visual_hull.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 struct HullWorkspace::Impl {
   ConeBuilder builder;
@@ -21,4 +21,4 @@ struct HullWorkspace::Impl {
 Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptions& options,
                                HullWorkspace::Impl& workspace, HullReport& report);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -8,7 +8,7 @@
 
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -248,4 +248,4 @@ void PairTables::find_hits(std::span<const ConeView> views, const GridViews* gri
   pair.face_start[0] = 0;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

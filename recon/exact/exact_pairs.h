@@ -10,7 +10,7 @@
 
 #include "recon/exact/exact_views.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// A ray of one view passes through (the double wedge of) a contour edge of another view.
 struct RayHit {
@@ -95,4 +95,4 @@ class PairTables {
   bool tie_ = false;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

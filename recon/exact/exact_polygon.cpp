@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -219,4 +219,4 @@ void PolygonCutter::cut(std::span<const Vector2d> points, std::span<const std::i
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

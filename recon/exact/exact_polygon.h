@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Cuts polygons with holes into triangles by ear clipping; for the faces of the hull, which have four to six
 /// corners. Keeps its scratch memory.
@@ -45,4 +45,4 @@ class PolygonCutter {
   std::vector<Hole> holes_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -185,4 +185,4 @@ void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

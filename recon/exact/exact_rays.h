@@ -5,7 +5,7 @@
 
 #include "recon/exact/exact_pairs.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// How votes are counted: a point is hull when the weights of the views that contain it reach `needed`. A
 /// mandatory view weighs as much as all others together, so that it cannot be outvoted.
@@ -70,4 +70,4 @@ struct RayIntervals {
 void find_ray_intervals(std::span<const ConeView> views, const PairTables& pairs, const GridViews* grid,
                         const Votes& votes, int threads, RayIntervals& out);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -5,7 +5,7 @@
 
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 double signed_unit(std::uint64_t seed, std::uint64_t a, std::uint64_t b, std::uint64_t c) {
@@ -97,4 +97,4 @@ std::array<ConeView, 2> volume_views(const Eigen::AlignedBox3d& box) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -11,7 +11,7 @@
 
 #include "recon/exact/exact_integer.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// One silhouette as the exact engine sees it: a cone of planes through the camera's centre. From here on the
 /// rays are the data, pixels never return. Ray k starts contour edge k, which ends at ray next[k].
@@ -80,4 +80,4 @@ inline GridViews::Vector operator-(const GridViews::Vector& a, const GridViews::
 /// special case.
 std::array<ConeView, 2> volume_views(const Eigen::AlignedBox3d& box);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 #include "core/parallel.h"
 #include "recon/mesh/mesh_mask.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr double kAllowed = 0.02;  // of a matte's subject
@@ -127,4 +127,4 @@ std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& st
   return bad;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

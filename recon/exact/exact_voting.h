@@ -5,7 +5,7 @@
 
 #include "recon/exact/exact_method.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Share of a matte's subject (0 … 1) that the mesh's silhouette does not reach, per camera, looked at on a
 /// coarse grid of pixels; 0 for an empty matte.
@@ -19,4 +19,4 @@ std::vector<double> missed_shares(const Rig& rig, std::span<const Matte> mattes,
 std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& strict, int threads,
                                 HullWorkspace::Impl& workspace);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -4,7 +4,7 @@
 
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 /// Whether the whole box lies in the picture. Its corners decide: a frustum is convex, and lenses bend
@@ -77,4 +77,4 @@ void ConeBuilder::build(const Rig& rig, const HullInput& input, const ConeOption
   if (options.volume) add_volume(*options.volume, out);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -7,7 +7,7 @@
 #include "recon/hull_input.h"
 #include "recon/silhouette.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 struct ConeOptions {
   double tolerance = 0.5;  ///< px, of the contours; 0 leaves outlines that were given as they are
@@ -45,4 +45,4 @@ class ConeBuilder {
 /// Appends the two far views that bound `box`.
 void add_volume(const Eigen::AlignedBox3d& box, SilhouetteCones& cones);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -8,7 +8,7 @@
 
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -152,4 +152,4 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(
   return all;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

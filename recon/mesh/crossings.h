@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Do two triangles pass through each other: does some edge of one pierce the inside of the other? Touching
 /// (a common point, a corner on a face, coplanar overlap) is not crossing.
@@ -21,4 +21,4 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(
     std::span<const Eigen::Vector3d> positions, std::span<const std::array<std::uint32_t, 3>> triangles,
     std::size_t limit_each, int threads);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

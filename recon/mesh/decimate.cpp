@@ -3,7 +3,7 @@
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 /// Refuses the collapses that slivers.h would.
@@ -42,4 +42,4 @@ void decimate(HalfEdges& mesh, FaceNormals normals, std::size_t triangles) {
   if (decimater.initialize()) decimater.decimate_to_faces(0, triangles);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -3,7 +3,7 @@
 #include "recon/mesh/half_edges.h"
 #include "recon/mesh/slivers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Collapses the least important edges (quadric error metrics: Garland and Heckbert, "Surface simplification
 /// using quadric error metrics", 1997) until `triangles` are left or none may go: nothing folds over, no new
@@ -11,4 +11,4 @@ namespace floatstage {
 /// marked, not yet swept up.
 void decimate(HalfEdges& mesh, FaceNormals normals, std::size_t triangles);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

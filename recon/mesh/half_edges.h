@@ -4,7 +4,7 @@
 #include <OpenMesh/Core/Geometry/VectorT.hh>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
-namespace floatstage {
+namespace floatstage::recon {
 
 struct HalfEdgeTraits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
@@ -29,4 +29,4 @@ inline void request_deletion(HalfEdges& mesh) {
   mesh.request_face_status();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -19,7 +19,7 @@
 #include "recon/mesh/move_bound.h"
 #include "recon/mesh/slivers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -247,4 +247,4 @@ void care_for_hull(const Rig& rig, std::span<const Matte> mattes, const HullOpti
   report.timings.care = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

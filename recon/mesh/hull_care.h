@@ -4,7 +4,7 @@
 
 #include "recon/visual_hull.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Does to `report.mesh` what options.care asks for and fills report.care; sources, volume and remarks
 /// follow. The result is checked: a mesh that did not stay closed, manifold and oriented is put back as it
@@ -12,4 +12,4 @@ namespace floatstage {
 void care_for_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                    HullReport& report);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -135,4 +135,4 @@ void smooth_within(HalfEdges& mesh, FaceNormals known, const MoveBound& bound,
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -7,7 +7,7 @@
 #include "recon/mesh/move_bound.h"
 #include "recon/mesh/slivers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Smooths without shrinking and without rounding ridges off (Sun, Rosin, Martin and Langbein, "Fast and
 /// effective feature-preserving mesh denoising", 2007): every round averages the triangles' normals with
@@ -19,4 +19,4 @@ namespace floatstage {
 void smooth_within(HalfEdges& mesh, FaceNormals known, const MoveBound& bound,
                    std::span<const std::size_t> names, int rounds, int threads);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

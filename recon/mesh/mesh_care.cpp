@@ -9,7 +9,7 @@
 #include "recon/mesh/crossings.h"
 #include "recon/mesh/half_edges.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -158,4 +158,4 @@ Surface care_for(const Surface& raw, const CareOptions& options) {
   return rounded_to_float(std::move(safe));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -2,7 +2,7 @@
 
 #include "recon/octree/octree_surface.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 struct CareOptions {
   double voxel = 0;           ///< metres
@@ -19,4 +19,4 @@ struct CareOptions {
 /// thread count.
 Surface care_for(const Surface& surface, const CareOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

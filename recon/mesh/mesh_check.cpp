@@ -12,7 +12,7 @@
 #include "core/text.h"
 #include "recon/mesh/crossings.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -232,4 +232,4 @@ MeshCheck check_mesh(const Mesh& mesh) {
   return result;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

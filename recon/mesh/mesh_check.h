@@ -4,7 +4,7 @@
 
 #include "core/mesh.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// What kind of surface a mesh is.
 struct MeshCheck {
@@ -29,4 +29,4 @@ struct MeshCheck {
 /// thread; only reads.
 MeshCheck check_mesh(const Mesh& mesh);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -80,4 +80,4 @@ Matte mesh_mask(const RigCamera& camera, const Mesh& mesh) {
   return make_matte(source, mask);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace floatstage {
+namespace floatstage::recon {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -95,4 +95,4 @@ void MoveBound::measure(std::size_t v, const Vector3d& position, std::vector<dou
   });
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

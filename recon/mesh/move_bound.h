@@ -8,7 +8,7 @@
 #include "core/matte.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Holds a mesh's vertices to where the cameras saw them: remembers the pixel of every vertex in every view
 /// that has a matte, and, when vertices are merged, of all that became one. As long as every vertex stays
@@ -51,4 +51,4 @@ class MoveBound {
   double limit_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

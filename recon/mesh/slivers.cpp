@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -130,4 +130,4 @@ void remove_slivers(HalfEdges& mesh, FaceNormals normals, MoveBound& bound) {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

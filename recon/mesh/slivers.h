@@ -7,7 +7,7 @@
 #include "recon/mesh/half_edges.h"
 #include "recon/mesh/move_bound.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// A triangle whose longest side is this many times its height over that side is a sliver: an angle of about
 /// one degree. Exact hulls are full of them: wherever two contour points of two cameras nearly meet.
@@ -29,4 +29,4 @@ bool may_collapse(HalfEdges& mesh, OpenMesh::HalfedgeHandle h, FaceNormals norma
 /// Collapsed elements are marked, not yet swept up. Deterministic.
 void remove_slivers(HalfEdges& mesh, FaceNormals normals, MoveBound& bound);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 #include "core/check.h"
 #include "core/parallel.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr int kRootPoints =
@@ -181,4 +181,4 @@ Eigen::AlignedBox3d shrink_to_hull(std::span<const OctreeView> views, const Eige
   return kept;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -8,7 +8,7 @@
 
 #include "recon/octree/octree_view.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Is this point in the hull: does no camera see it as background, and at least one as subject? (What no
 /// camera sees has no witness; calling it solid would fill every dark corner of the search box.)
@@ -59,4 +59,4 @@ CarvedGrid carve(std::span<const OctreeView> views, const Eigen::AlignedBox3d& b
 /// away. Empty when nothing is left.
 Eigen::AlignedBox3d shrink_to_hull(std::span<const OctreeView> views, const Eigen::AlignedBox3d& box);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

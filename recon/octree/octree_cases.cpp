@@ -6,7 +6,7 @@
 #include "core/check.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 int corner_at(const std::array<int, 3>& p) { return p[0] | p[1] << 1 | p[2] << 2; }
@@ -114,4 +114,4 @@ CubeCases make_cube_cases() {
   return cases;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

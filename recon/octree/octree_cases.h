@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Marching cubes (Lorensen and Cline 1987) with a table that is derived, not typed in, and whose surface is
 /// a manifold for every arrangement of signs.
@@ -29,4 +29,4 @@ CubeEdge cube_edge(int edge);
 using CubeCases = std::array<std::vector<std::array<std::uint8_t, 3>>, 256>;
 CubeCases make_cube_cases();
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "recon/octree/octree_cases.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -192,4 +192,4 @@ Surface extract_surface(const CarvedGrid& grid, std::span<const OctreeView> view
   return Extractor(grid, views, threads).run();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -9,7 +9,7 @@
 
 #include "recon/octree/octree_carve.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// A triangle mesh in double precision, for the work between carving and the final Mesh. Metres,
 /// counter-clockwise seen from outside.
@@ -28,4 +28,4 @@ struct Surface {
 /// the middles of their grid edges. The same bytes at any thread count.
 Surface extract_surface(const CarvedGrid& grid, std::span<const OctreeView> views, int threads);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 struct Interval {
@@ -209,4 +209,4 @@ BoxVerdict OctreeView::over(const Eigen::AlignedBox3d& world) const {
   return BoxVerdict::Mixed;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -10,7 +10,7 @@
 #include "core/matte.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// What one camera says of one point of space.
 enum class PointVerdict : std::uint8_t {
@@ -61,4 +61,4 @@ class OctreeView {
   std::vector<std::uint32_t> integral_;  // (width + 1) × (height + 1) counts of pixels with alpha >= 128
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

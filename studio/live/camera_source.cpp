@@ -9,7 +9,7 @@
 #include "studio/messages/clock.h"
 #include "studio/node/take_rig.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr auto kPatience = std::chrono::seconds(10);  // for the first picture of every camera
@@ -105,4 +105,4 @@ void CameraSource::stop() {
   if (const Result<void> ended = node_->finish(); !ended) log::error(ended.error().message);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

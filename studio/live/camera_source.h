@@ -7,7 +7,7 @@
 #include "studio/live/live_source.h"
 #include "studio/node/capture_node.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The cameras of a studio's TOML file, each on a thread of its own, as a live chain's source: GigE, V4L2,
 /// whatever open_source() knows. They can be recorded at the same time (control()).
@@ -46,4 +46,4 @@ class CameraSource final : public LiveSource {
   std::shared_ptr<const Tap> tap_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

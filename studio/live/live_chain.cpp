@@ -7,7 +7,7 @@
 #include "studio/live/live_quality.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr double kSmoothing = 0.2;               // weight of the newest duration
@@ -27,7 +27,7 @@ Result<std::unique_ptr<LiveChain>> LiveChain::make(LiveSource& source, const Liv
   if (!rack) return forward(rack);
   for (const LiveQuality& quality : live_qualities())  // a change of quality must not cost a picture
     if (Result<void> ok = rack->prepare(quality.node.shrink); !ok) return forward(ok);
-  SyncOptions sync;
+  capture::SyncOptions sync;
   sync.frame_rate = source.frame_rate();
   sync.tolerance = std::min(options.tolerance, Nanoseconds{std::llround(4e8 / source.frame_rate())});
   sync.longest_wait = options.longest_wait;
@@ -187,4 +187,4 @@ std::string LiveChain::remark() const {
   return remark_;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

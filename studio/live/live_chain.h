@@ -14,7 +14,7 @@
 #include "studio/live/scene_feed.h"
 #include "studio/node/camera_rack.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 struct LiveChainOptions {
   std::string key = "chroma";                   ///< keyer spec
@@ -92,4 +92,4 @@ class LiveChain final : public SceneFeed {
   bool stopping_ = false, over_ = false;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -1,6 +1,6 @@
 #include "studio/live/live_pace.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 void LivePace::drew(Timestamp begun, Timestamp done, std::optional<double> latency_ms) {
   if (!window_) window_ = begun;
@@ -21,4 +21,4 @@ bool LivePace::look(Timestamp time, double offered, bool automatic) {
   return true;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -5,7 +5,7 @@
 #include "studio/live/live_quality.h"
 #include "studio/live/live_stats.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// How fast a live view is, told once a second, and what follows from that for the quality. Time is a
 /// parameter.
@@ -34,4 +34,4 @@ class LivePace {
   double fps_ = 0, latency_ms_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

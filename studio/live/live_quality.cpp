@@ -4,7 +4,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr double kSlow = 0.97;   // of the target: below it a window is too slow
@@ -13,8 +13,8 @@ constexpr double kRoom = 1.3;    // times the target: there is room for a better
 constexpr double kEasy = 0.6;    // of the time at work, when every instant is shown: there is room too
 constexpr double kLongestPatience = 120;
 
-FlowOptions flow(const char* preset, int shrink, int refinement) {
-  FlowOptions options;
+render::FlowOptions flow(const char* preset, int shrink, int refinement) {
+  render::FlowOptions options;
   options.preset = preset;
   options.shrink = shrink;
   options.refinement = refinement;
@@ -70,4 +70,4 @@ std::optional<std::size_t> QualityControl::judge(Timestamp time, double fps, dou
   return --level_;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -9,14 +9,14 @@
 #include "render/renderer.h"
 #include "studio/node/camera_node.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Everything in the live chain that trades looks for speed.
 struct LiveQuality {
   std::string name;
   NodeQuality node;
   std::string method = "floating";
-  FlowOptions flow;
+  render::FlowOptions flow;
   bool sharp = true;  ///< RendererOptions::sharp
 };
 
@@ -48,4 +48,4 @@ class QualityControl {
   std::optional<Timestamp> rose_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

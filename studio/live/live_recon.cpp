@@ -8,7 +8,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -69,4 +69,4 @@ nlohmann::ordered_json to_json(const LiveReconReport& report) {
             {"messages", c.from_nodes.dropped}}}};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "studio/live/recon_service.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Of `live --recon`: the machine of the studio that reconstructs.
 struct LiveReconOptions {
@@ -33,4 +33,4 @@ Result<LiveReconReport> run_live_recon(const LiveReconOptions& options, const st
 /// How it went, for machines.
 nlohmann::ordered_json to_json(const LiveReconReport& report);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

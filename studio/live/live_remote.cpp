@@ -2,7 +2,7 @@
 
 #include "core/rig_io.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 Result<LiveRemote> open_live_remote(const LiveRemoteOptions& options) {
   const Result<Rig> rig = load_rig(options.rig);
@@ -45,4 +45,4 @@ nlohmann::ordered_json to_json(const RemoteScenes::NetworkCounters& c, double se
           {"dropped", c.network.dropped}};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

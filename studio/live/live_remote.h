@@ -11,7 +11,7 @@
 #include "studio/live/remote_scenes.h"
 #include "studio/network/control_client.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Of `live --view`: the machine of the studio that shows.
 struct LiveRemoteOptions {
@@ -33,4 +33,4 @@ Result<LiveRemote> open_live_remote(const LiveRemoteOptions& options);
 /// What came over the network, for machines.
 nlohmann::ordered_json to_json(const RemoteScenes::NetworkCounters& counters, double seconds);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr double kWarmUp = 2;  // seconds: shaders are compiled, storage grows
@@ -65,7 +65,7 @@ void Run::use_quality(double fps) {
 Result<void> Run::warm_up(const View& view) {
   for (const LiveQuality& other : live_qualities()) {
     if (other.method == quality().method) continue;
-    const Result<std::optional<RenderedView>> drawn = view_.render(view, other, options_.renderer);
+    const Result<std::optional<render::RenderedView>> drawn = view_.render(view, other, options_.renderer);
     if (!drawn) return forward(drawn);
   }
   return {};
@@ -106,7 +106,7 @@ Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const V
   if (first)
     if (Result<void> ok = warm_up(view); !ok) return ok;
   const Timestamp uploaded = now();
-  Result<std::optional<RenderedView>> rendered = view_.render(view, quality(), options_.renderer);
+  Result<std::optional<render::RenderedView>> rendered = view_.render(view, quality(), options_.renderer);
   if (!rendered) return forward(rendered);
   const Timestamp drawn = now();
   LivePicture out{*rendered ? download(**rendered) : Image(options_.width, options_.height, 4), view, &scene,
@@ -185,4 +185,4 @@ Result<LiveReport> run_live(LiveSource& source, const LiveChainOptions& chain_op
   return run_live(**chain, options, view_at, stop, visit);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

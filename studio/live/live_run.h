@@ -9,13 +9,13 @@
 #include "studio/live/live_view.h"
 #include "studio/live/scene_feed.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 struct LiveRunOptions {
   double seconds = 0;  ///< of drawing; 0: until stopped or until the source is over
   int width = 640, height = 480;
-  RendererOptions renderer;  ///< method and flow come from the quality
-  std::size_t quality = 2;   ///< of live_qualities(), to begin with
+  render::RendererOptions renderer;  ///< method and flow come from the quality
+  std::size_t quality = 2;           ///< of live_qualities(), to begin with
   double target_fps =
       12;  ///< the quality is changed so that so many scenes a second are shown; 0: never changed
   double view_fps = 10;  ///< the view goes on at least so often when no new scene comes
@@ -59,4 +59,4 @@ Result<LiveReport> run_live(LiveSource& source, const LiveChainOptions& chain, c
                             const ViewAt& view_at, const std::function<bool()>& stop,
                             const std::function<Result<void>(const LivePicture&)>& visit);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

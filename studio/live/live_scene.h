@@ -7,7 +7,7 @@
 #include "studio/messages/scene_times.h"
 #include "studio/messages/studio_scene.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// A surface and the textures that belong to it: what a view is drawn from. Immutable once published.
 struct LiveScene {
@@ -18,4 +18,4 @@ struct LiveScene {
   Timestamp ready;  ///< when it was complete
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -8,7 +8,7 @@
 #include "core/rig.h"
 #include "studio/messages/studio_control.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Where a live chain's pictures come from: cameras, or a take that is played as if it were some.
 class LiveSource {
@@ -34,4 +34,4 @@ class LiveSource {
   virtual StudioControl* control() { return nullptr; }
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

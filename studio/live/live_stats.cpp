@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace floatstage {
+namespace floatstage::studio {
 
 double Series::mean() const {
   return values_.empty()
@@ -32,4 +32,4 @@ double Rate::slowest(double duration, int window) const {
   return static_cast<double>(fewest) / window;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Measurements of one kind.
 class Series {
@@ -35,4 +35,4 @@ class Rate {
   std::vector<double> seconds_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -1,9 +1,9 @@
 #include "studio/live/live_view.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
-Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textures) {
-  std::vector<PictureTile> tiles;
+Result<bool> upload(const LiveScene& scene, const Rig& rig, render::SceneTextures& textures) {
+  std::vector<render::PictureTile> tiles;
   for (const std::shared_ptr<const CameraView>& view : scene.views) {
     if (!view || !view->tile) continue;
     const int camera = camera_index(rig, view->serial);
@@ -22,20 +22,20 @@ Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
   return uploaded ? Result<void>() : forward(uploaded);
 }
 
-Result<std::optional<RenderedView>> LiveView::render(const View& view, const LiveQuality& quality,
-                                                     RendererOptions options) {
-  if (!drawable_) return std::optional<RenderedView>();
-  std::unique_ptr<ViewRenderer>& renderer = renderers_[quality.method];
+Result<std::optional<render::RenderedView>> LiveView::render(const View& view, const LiveQuality& quality,
+                                                             render::RendererOptions options) {
+  if (!drawable_) return std::optional<render::RenderedView>();
+  std::unique_ptr<render::ViewRenderer>& renderer = renderers_[quality.method];
   if (!renderer) {
-    Result<std::unique_ptr<ViewRenderer>> made = make_renderer(quality.method);
+    Result<std::unique_ptr<render::ViewRenderer>> made = make_renderer(quality.method);
     if (!made) return forward(made);
     renderer = std::move(*made);
   }
   options.flow = quality.flow;
   options.sharp = quality.sharp;
-  Result<RenderedView> picture = renderer->render(textures_, view, options);
+  Result<render::RenderedView> picture = renderer->render(textures_, view, options);
   if (!picture) return forward(picture);
-  return std::optional<RenderedView>(*picture);
+  return std::optional<render::RenderedView>(*picture);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -10,11 +10,11 @@
 #include "studio/live/live_quality.h"
 #include "studio/live/live_scene.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Brings a scene's surface and textures to the GPU. False when there is nothing to draw: no subject, or no
 /// texture of it.
-Result<bool> upload(const LiveScene& scene, const Rig& rig, SceneTextures& textures);
+Result<bool> upload(const LiveScene& scene, const Rig& rig, render::SceneTextures& textures);
 
 /// Draws live scenes. GL thread only.
 class LiveView {
@@ -25,20 +25,20 @@ class LiveView {
   Result<void> show(const std::shared_ptr<const LiveScene>& scene);
   /// The scene from a view; nothing when there is nothing to draw. `options` but for method and flow, which
   /// are the quality's.
-  Result<std::optional<RenderedView>> render(const View& view, const LiveQuality& quality,
-                                             RendererOptions options);
+  Result<std::optional<render::RenderedView>> render(const View& view, const LiveQuality& quality,
+                                                     render::RendererOptions options);
 
   const LiveScene* scene() const { return scene_.get(); }
-  const SceneTextures& textures() const { return textures_; }
+  const render::SceneTextures& textures() const { return textures_; }
   bool has_subject() const { return drawable_; }
   const Rig& rig() const { return rig_; }
 
  private:
   const Rig rig_;
   std::shared_ptr<const LiveScene> scene_;
-  SceneTextures textures_;
-  std::map<std::string, std::unique_ptr<ViewRenderer>> renderers_;
+  render::SceneTextures textures_;
+  std::map<std::string, std::unique_ptr<render::ViewRenderer>> renderers_;
   bool drawable_ = false;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -5,7 +5,7 @@
 #include "core/rig_io.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 // How long an idle service sleeps: instants settle by time too.
@@ -93,4 +93,4 @@ ReconCounters ReconService::counters() const {
   return counters;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

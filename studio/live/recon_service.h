@@ -13,7 +13,7 @@
 #include "studio/network/publisher.h"
 #include "studio/network/subscriber.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The name of a rig on the network: scenes carry it, and a viewer with another rig says so.
 std::string digest_of(const Rig& rig);
@@ -63,4 +63,4 @@ class ReconService {
   std::thread thread_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -4,14 +4,14 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const CameraView>> views,
                                          int threads) {
   StudioScene scene;
   scene.rig_sha256 = rig_sha256_;
   outlines_.resize(rig_.cameras.size());
-  for (Silhouette& outline : outlines_) outline.clear();
+  for (recon::Silhouette& outline : outlines_) outline.clear();
   remark_.clear();
   bool any = false;
   for (const std::shared_ptr<const CameraView>& view : views) {
@@ -31,12 +31,12 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
     scene.cameras.push_back({view->serial, view->exposed});
     outlines_[static_cast<std::size_t>(camera)] = view->outline;
   }
-  HullOptions options;
+  recon::HullOptions options;
   options.threads = threads;
   options.quality = false;
   options.contour_tolerance = 0;  // the outlines have theirs already
   const Result<void> hull =
-      visual_hull(rig_, std::span<const Silhouette>(outlines_), options, workspace_, report_);
+      visual_hull(rig_, std::span<const recon::Silhouette>(outlines_), options, workspace_, report_);
   if (!hull && hull.error().code != ErrorCode::BadData) return forward(hull);
   if (hull) {
     scene.mesh = std::move(report_.mesh);
@@ -47,4 +47,4 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
   return scene;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

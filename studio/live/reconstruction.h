@@ -11,7 +11,7 @@
 #include "studio/messages/camera_view.h"
 #include "studio/messages/studio_scene.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The camera views of one instant in, the subject's surface out. Keeps its memory from frame to frame; used
 /// by one thread at a time.
@@ -34,10 +34,10 @@ class Reconstruction {
  private:
   const Rig rig_;
   const std::string rig_sha256_;
-  std::vector<Silhouette> outlines_;
-  HullWorkspace workspace_;
-  HullReport report_;
+  std::vector<recon::Silhouette> outlines_;
+  recon::HullWorkspace workspace_;
+  recon::HullReport report_;
   std::string remark_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

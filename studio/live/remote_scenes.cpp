@@ -7,7 +7,7 @@
 #include "studio/live/recon_service.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 // How often a scene that waits for its tiles is looked at.
@@ -106,4 +106,4 @@ RemoteScenes::NetworkCounters RemoteScenes::network() const {
   return {subscriber_->counters(), join_.counters(), other_rig_};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -10,7 +10,7 @@
 #include "studio/live/tile_join.h"
 #include "studio/network/subscriber.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 struct RemoteOptions {
   std::string recon;               ///< address of the machine that reconstructs
@@ -62,4 +62,4 @@ class RemoteScenes final : public SceneFeed {
   std::string remark_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -11,7 +11,7 @@
 #include "studio/node/camera_node.h"
 #include "studio/node/set_builder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Where a live view gets its scenes: from a chain in this process (LiveChain), or from other machines
 /// (RemoteScenes). Owned by the thread that draws.
@@ -48,4 +48,4 @@ class SceneFeed {
   virtual std::string remark() const = 0;  ///< what is wrong with the scene at present; empty when nothing is
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -10,7 +10,7 @@
 #include "core/text.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr Nanoseconds kSettling = milliseconds(50);  // between begin() and the first frame
@@ -26,10 +26,10 @@ std::uint64_t bytes_of(const TakeManifest& manifest, int rows) {
 
 Result<std::unique_ptr<TakePlayer>> TakePlayer::open(const std::filesystem::path& folder,
                                                      const TakePlayerOptions& options) {
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder);
   if (!take) return forward(take);
   std::unique_ptr<TakePlayer> player(new TakePlayer(std::move(*take), options));
-  const TakeReader& reader = *player->take_;
+  const capture::TakeReader& reader = *player->take_;
   const double recorded = reader.manifest().frame_rate;
   if (options.rate < 0 || (options.rate == 0 && recorded <= 0))
     return fail(ErrorCode::InvalidArgument,
@@ -177,4 +177,4 @@ void TakePlayer::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

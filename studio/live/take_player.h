@@ -10,7 +10,7 @@
 #include "capture/take.h"
 #include "studio/live/live_source.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 struct TakePlayerOptions {
   double rate = 0;    ///< instants a second; 0: as recorded
@@ -39,11 +39,11 @@ class TakePlayer final : public LiveSource {
   bool over() const override;
   void stop() override;
 
-  TakeReader& take() { return *take_; }
+  capture::TakeReader& take() { return *take_; }
   int rows() const { return take_->frame_count(); }
 
  private:
-  TakePlayer(std::unique_ptr<TakeReader> take, const TakePlayerOptions& options)
+  TakePlayer(std::unique_ptr<capture::TakeReader> take, const TakePlayerOptions& options)
       : take_(std::move(take)), options_(options) {}
   Result<void> load_samples();
   Result<void> preload();
@@ -51,7 +51,7 @@ class TakePlayer final : public LiveSource {
   void run(const Tap& tap);
   bool sleep_until(Timestamp time);
 
-  const std::unique_ptr<TakeReader> take_;
+  const std::unique_ptr<capture::TakeReader> take_;
   const TakePlayerOptions options_;
   double rate_ = 0, speed_ = 1;
   std::vector<Timestamp> times_;               // of the rows: the earliest exposure
@@ -63,4 +63,4 @@ class TakePlayer final : public LiveSource {
   bool stopping_ = false, over_ = false;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr std::size_t kMostScenes = 16, kMostTiles = 32;
@@ -90,4 +90,4 @@ std::shared_ptr<LiveScene> TileJoin::newest(Timestamp now) {
   return live;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

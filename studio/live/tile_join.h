@@ -11,7 +11,7 @@
 #include "core/time.h"
 #include "studio/live/live_scene.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 struct JoinOptions {
   Nanoseconds patience = milliseconds(150);  ///< of a scene with its tiles
@@ -62,4 +62,4 @@ class TileJoin {
   Counters counters_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

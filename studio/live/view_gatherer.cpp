@@ -4,7 +4,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 // More than any wait needs; a node whose clock runs wild does not fill the memory.
@@ -146,4 +146,4 @@ std::optional<GatheredViews> ViewGatherer::newest(Timestamp now) {
   return set;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

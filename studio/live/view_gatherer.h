@@ -11,7 +11,7 @@
 #include "core/time.h"
 #include "studio/messages/camera_view.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 struct GatherOptions {
   Nanoseconds tolerance = milliseconds(4);  ///< between the instants of two nodes that mean the same one
@@ -84,4 +84,4 @@ class ViewGatherer {
   Counters counters_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -3,7 +3,7 @@
 #include "core/json_fields.h"
 #include "core/text.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 constexpr std::size_t kLongestJson = 1 << 20;
@@ -35,4 +35,4 @@ Result<nlohmann::json> parse_bounded(std::string_view json, std::string_view nam
   return parse_json(json, name_for_errors);
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

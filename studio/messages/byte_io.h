@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 static_assert(std::endian::native == std::endian::little, "messages are little-endian");
 
@@ -96,4 +96,4 @@ inline std::span<const std::byte> as_bytes(std::string_view bytes) {
   return std::as_bytes(std::span(bytes.data(), bytes.size()));
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

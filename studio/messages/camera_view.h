@@ -9,7 +9,7 @@
 #include "core/silhouette.h"
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The part of a photograph that shows the subject: a rectangle of it, in the photograph's own pixels.
 struct ForegroundTile {
@@ -34,4 +34,4 @@ struct CameraView {
   std::shared_ptr<const ForegroundTile> tile;  ///< null when nobody asked for this camera's texture
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

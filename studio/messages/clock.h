@@ -4,7 +4,7 @@
 
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Now, on the recorder's monotonic clock, which cameras' exposures are stamped with too. Only what runs
 /// threads reads it; everything below gets time as a parameter.
@@ -27,4 +27,4 @@ inline Nanoseconds to_studio_time() { return system_now() - now(); }
 
 inline double milliseconds_of(Nanoseconds d) { return static_cast<double>(d.count) * 1e-6; }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "studio/messages/bounded_json.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -135,4 +135,4 @@ ControlReply answer(const ControlRequest& request, StudioControl& control) {
   return fail(ErrorCode::InvalidArgument, "a request that is not understood");
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -10,7 +10,7 @@
 #include "studio/messages/status_json.h"
 #include "studio/messages/studio_control.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// What a node tells everybody, once a second.
 Result<std::string> encode_status(const NodeStatus& status);
@@ -36,4 +36,4 @@ ControlReply decode_reply(const Message& message);
 /// Lets a node answer. Nothing a request says makes this throw.
 ControlReply answer(const ControlRequest& request, StudioControl& control);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 constexpr std::size_t kMostSingles = 0x7f, kShortRun = 0x3f, kLongRun = 0x3fff;
@@ -69,4 +69,4 @@ Result<std::vector<std::uint8_t>> decode_runs(std::string_view code, std::size_t
   return bytes;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

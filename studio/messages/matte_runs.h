@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// A matte's bytes as runs: nearly all of a matte is 0 or 255, so that a run-length code takes a fourteenth
 /// of it in 0.1 ms (docs/adr/0138). A byte below 128 is that many single bytes that follow; otherwise a run
@@ -18,4 +18,4 @@ std::string encode_runs(std::span<const std::uint8_t> bytes);
 /// Exactly `size` bytes back. BadData when there are fewer or more; memory is taken only for `size`.
 Result<std::vector<std::uint8_t>> decode_runs(std::string_view code, std::size_t size);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

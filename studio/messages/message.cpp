@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "studio/messages/byte_io.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 constexpr std::string_view kMagic = "FSTG";
@@ -140,4 +140,4 @@ void stamp(std::string& sealed, std::uint64_t session, std::uint64_t sequence) {
   std::memcpy(sealed.data() + kSequenceAt, &sequence, sizeof sequence);
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "core/time.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// What a message carries.
 enum class MessageKind : std::uint8_t {
@@ -78,4 +78,4 @@ Result<Message> open(std::string_view bytes);
 /// Writes sender's `session` and `sequence` into a sealed message: they are known last.
 void stamp(std::string& sealed, std::uint64_t session, std::uint64_t sequence);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -5,7 +5,7 @@
 
 #include "studio/messages/byte_io.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 constexpr std::size_t kLeastPoint = 2, kLeastPolygon = 1 + 3 * kLeastPoint;
@@ -76,4 +76,4 @@ Result<Silhouette> decode_outline_points(std::string_view code) {
   return outline;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -6,7 +6,7 @@
 #include "core/result.h"
 #include "core/silhouette.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// Points on a grid of this many steps a pixel. Two edges that recon keeps kOutlineGap (0.01 px) apart are
 /// still apart on it: rounding moves a point by at most 0.0028 px.
@@ -23,4 +23,4 @@ inline constexpr std::size_t kMostOutlinePoints = 1 << 17;
 Result<std::string> encode_outline_points(const Silhouette& outline);
 Result<Silhouette> decode_outline_points(std::string_view code);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

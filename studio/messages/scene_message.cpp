@@ -7,7 +7,7 @@
 #include "core/rig.h"
 #include "studio/messages/byte_io.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 constexpr std::size_t kShaLetters = 64, kMostShortCorners = std::size_t{1} << 16;
@@ -120,4 +120,4 @@ Result<StudioScene> decode_scene(const Message& message) {
   return scene;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -6,7 +6,7 @@
 #include "studio/messages/message.h"
 #include "studio/messages/studio_scene.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 inline constexpr std::size_t kMostVertices = 1 << 21, kMostTriangles = 1 << 22, kMostCameras = 1024;
 
@@ -17,4 +17,4 @@ Result<std::string> encode_scene(const StudioScene& scene);
 /// BadData when it makes no sense; each corner of each triangle is one of the positions, which are finite.
 Result<StudioScene> decode_scene(const Message& message);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Milliseconds on the wall, from a set's delivery to its scene.
 struct SceneTimes {
@@ -10,4 +10,4 @@ struct SceneTimes {
   double key = 0, outline = 0, tile = 0;  ///< the nodes' work, summed over the cameras
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "studio/messages/bounded_json.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -175,4 +175,4 @@ Result<std::vector<NodeTake>> parse_node_takes(std::string_view json) {
   return takes;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -7,7 +7,7 @@
 #include "core/result.h"
 #include "studio/messages/studio_control.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// The JSON of a node's status: of the network, and of the node's page. What a device does not tell is not in
 /// it.
@@ -16,4 +16,4 @@ Result<NodeStatus> parse_node_status(std::string_view json);
 std::string to_json(const std::vector<NodeTake>& takes);
 Result<std::vector<NodeTake>> parse_node_takes(std::string_view json);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -7,7 +7,7 @@
 
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// How one camera of a node does. What the device or the link does not tell is absent.
 struct NodeCamera {
@@ -75,4 +75,4 @@ class StudioControl {
   virtual Result<std::vector<NodeTake>> takes() const = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -7,7 +7,7 @@
 #include "core/mesh.h"
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// What reconstruction hands to the viewers: the subject's surface at one instant, and whose pictures belong
 /// to it. The pictures themselves go from the camera nodes to the viewers directly.
@@ -25,4 +25,4 @@ struct StudioScene {
   Mesh mesh;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

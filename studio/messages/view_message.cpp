@@ -7,7 +7,7 @@
 #include "studio/messages/matte_runs.h"
 #include "studio/messages/outline_code.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 MessageHeader header_of(MessageKind kind, const CameraView& view) {
@@ -125,4 +125,4 @@ Result<CameraView> decode_view(const Message& message) {
   return view;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -6,7 +6,7 @@
 #include "studio/messages/camera_view.h"
 #include "studio/messages/message.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// How a tile's picture travels.
 enum class TileCode : std::uint8_t {
@@ -32,4 +32,4 @@ Result<std::string> encode_tile(const CameraView& view, const TileOptions& optio
 /// memory is taken for it.
 Result<CameraView> decode_view(const Message& message);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

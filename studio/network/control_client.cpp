@@ -6,7 +6,7 @@
 #include "studio/messages/control_message.h"
 #include "studio/network/link.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 ControlReply ask(const std::string& address, const std::optional<StudioKeys>& keys, Nanoseconds patience,
@@ -71,4 +71,4 @@ Result<std::vector<NodeTake>> ControlClient::takes() const {
   return parse_node_takes(*reply);
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -9,7 +9,7 @@
 #include "studio/messages/studio_control.h"
 #include "studio/network/keys.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// A node on another machine, by its ControlServer. Each question makes a connection of its own, so that a
 /// node that was started again is found again. Where no answer comes in time: Timeout, with a sentence that
@@ -36,4 +36,4 @@ class ControlClient final : public StudioControl {
   const Nanoseconds patience_;
 };
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

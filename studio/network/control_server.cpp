@@ -8,7 +8,7 @@
 #include "studio/messages/control_message.h"
 #include "studio/network/link.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 constexpr std::int64_t kLongestRequest = 64 * 1024;
@@ -111,4 +111,4 @@ ControlCounters ControlServer::counters() const {
   return impl_->counts;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -9,7 +9,7 @@
 #include "studio/messages/studio_control.h"
 #include "studio/network/keys.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 struct ControlCounters {
   std::uint64_t requests = 0;       ///< answered, refusals by the node included
@@ -36,4 +36,4 @@ class ControlServer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -11,7 +11,7 @@
 #include "core/file.h"
 #include "core/text.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ Result<void> check_address(const std::string& address, const std::optional<Studi
                    "stay on 127.0.0.1"));
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -6,7 +6,7 @@
 
 #include "core/result.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// The studio's CURVE keys, as 40 letters each (Z85). One pair for the whole studio: every machine of it has
 /// the same file, proves with it that it belongs to the studio, and talks to nobody who does not.
@@ -30,4 +30,4 @@ Result<StudioKeys> load_keys(const std::filesystem::path& file);
 /// reach, unless there are keys; and for what is no address.
 Result<void> check_address(const std::string& address, const std::optional<StudioKeys>& keys);
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -12,7 +12,7 @@
 #include "core/check.h"
 #include "core/text.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 constexpr const char* kZapAddress = "inproc://zeromq.zap.01";
@@ -143,4 +143,4 @@ std::uint64_t draw_session() {
   return (static_cast<std::uint64_t>(entropy()) << 32) | entropy();
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -17,7 +17,7 @@
 #include "core/result.h"
 #include "studio/network/keys.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 /// Wakes a thread that polls.
 class WakeUp {
@@ -88,4 +88,4 @@ inline std::string_view bytes_of(const zmq::message_t& message) {
   return {static_cast<const char*>(message.data()), message.size()};
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

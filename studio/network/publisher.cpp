@@ -14,7 +14,7 @@
 #include "studio/messages/scene_message.h"
 #include "studio/network/link.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 using Told = std::variant<std::shared_ptr<const CameraView>, std::shared_ptr<const StudioScene>, NodeStatus>;
@@ -195,4 +195,4 @@ PublisherCounters Publisher::counters() const {
   return counts;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -13,7 +13,7 @@
 #include "studio/messages/view_message.h"
 #include "studio/network/keys.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 struct PublisherOptions {
   std::string address = "tcp://127.0.0.1:5570";  ///< port 0: any that is free
@@ -63,4 +63,4 @@ class Publisher {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

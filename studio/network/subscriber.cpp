@@ -14,7 +14,7 @@
 #include "studio/messages/view_message.h"
 #include "studio/network/link.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -210,4 +210,4 @@ SubscriberCounters Subscriber::counters() const {
   return counts;
 }
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

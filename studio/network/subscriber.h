@@ -16,7 +16,7 @@
 #include "studio/messages/studio_scene.h"
 #include "studio/network/keys.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 
 struct SubscriberOptions {
   std::vector<std::string> addresses = {};  ///< of publishers: one or more
@@ -64,4 +64,4 @@ class Subscriber {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -6,7 +6,7 @@
 #include "core/log.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -17,7 +17,7 @@ constexpr auto kSilence = std::chrono::seconds(1);  // that is said to be troubl
 constexpr auto kHealthPeriod = std::chrono::seconds(5);
 constexpr Nanoseconds kRateWindow = milliseconds(2000);
 
-SourceStats operator+(SourceStats a, const SourceStats& b) {
+capture::SourceStats operator+(capture::SourceStats a, const capture::SourceStats& b) {
   return {a.delivered + b.delivered, a.lost + b.lost, a.corrupt + b.corrupt, a.starved + b.starved,
           a.failed + b.failed};
 }
@@ -26,10 +26,10 @@ SourceStats operator+(SourceStats a, const SourceStats& b) {
 
 Result<std::unique_ptr<CameraLane>> CameraLane::open(const CaptureConfig::Camera& camera, int index) {
   std::unique_ptr<CameraLane> lane(new CameraLane(camera, index));
-  Result<std::unique_ptr<FrameSource>> source = open_source(camera.source);
+  Result<std::unique_ptr<capture::FrameSource>> source = open_source(camera.source);
   if (!source) return forward(source);
   lane->source_ = std::move(*source);
-  Result<StreamInfo> info = lane->source_->start();
+  Result<capture::StreamInfo> info = lane->source_->start();
   if (!info) return forward(info);
   lane->info_ = *info;
   lane->alive_ = lane->last_frame_ = Clock::now();
@@ -59,7 +59,7 @@ void CameraLane::stop() {
   over_ = true;
 }
 
-SourceStats CameraLane::stats() const { return before_ + source_->stats(); }
+capture::SourceStats CameraLane::stats() const { return before_ + source_->stats(); }
 
 void CameraLane::take(Frame frame) {
   frame.info.camera = index_;
@@ -94,7 +94,7 @@ void CameraLane::ask_health() {
   const auto now = Clock::now();
   if (now - asked_ < kHealthPeriod) return;
   asked_ = now;
-  const DeviceHealth health = source_->health();
+  const capture::DeviceHealth health = source_->health();
   std::lock_guard lock(mutex_);
   temperature_c_ = health.temperature_c;
 }
@@ -112,7 +112,7 @@ bool CameraLane::reconnect() {
     if (stopping_) return false;
     alive_ = Clock::now();
     lock.unlock();
-    const Result<StreamInfo> info = source_->start();
+    const Result<capture::StreamInfo> info = source_->start();
     const bool same = info && info->layout == info_.layout;
     if (info && !same) source_->stop();
     lock.lock();
@@ -179,7 +179,7 @@ double CameraLane::mean_frame_rate() const {
 
 NodeCamera CameraLane::status() const {
   std::lock_guard lock(mutex_);
-  const SourceStats sum = stats();
+  const capture::SourceStats sum = stats();
   NodeCamera camera;
   camera.serial = camera_.serial;
   camera.delivered = sum.delivered;
@@ -199,4 +199,4 @@ NodeCamera CameraLane::status() const {
   return camera;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -14,7 +14,7 @@
 #include "studio/messages/studio_control.h"
 #include "studio/node/capture_config.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// One camera of a node and the thread that reads it. A camera that is unplugged is started again until the
 /// lane is stopped.
@@ -31,7 +31,7 @@ class CameraLane {
   static Result<std::unique_ptr<CameraLane>> open(const CaptureConfig::Camera& camera, int index);
   ~CameraLane() { stop(); }
 
-  const StreamInfo& info() const { return info_; }
+  const capture::StreamInfo& info() const { return info_; }
   const std::string& serial() const { return camera_.serial; }
   void begin(Sink sink);
   /// Returns when its thread has ended.
@@ -54,19 +54,19 @@ class CameraLane {
   void nothing_came();
   bool reconnect();
   void ask_health();
-  SourceStats stats() const;  // under mutex_
+  capture::SourceStats stats() const;  // under mutex_
 
   const CaptureConfig::Camera camera_;
   const int index_;
-  std::unique_ptr<FrameSource> source_;
-  StreamInfo info_;
+  std::unique_ptr<capture::FrameSource> source_;
+  capture::StreamInfo info_;
   Sink sink_;
   std::thread thread_;
   std::atomic<bool> stopping_{false};
   std::condition_variable wake_;
 
-  mutable std::mutex mutex_;  // over what follows
-  SourceStats before_;        // of the connections that ended
+  mutable std::mutex mutex_;     // over what follows
+  capture::SourceStats before_;  // of the connections that ended
   std::uint64_t reconnects_ = 0, frames_ = 0;
   std::optional<Timestamp> first_, last_;
   std::deque<Timestamp> recent_;
@@ -76,4 +76,4 @@ class CameraLane {
   std::chrono::steady_clock::time_point last_frame_, alive_, asked_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "studio/node/foreground_tile.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr int kMostShrink = 8;
@@ -34,7 +34,7 @@ CameraModel shrunk(CameraModel model, int factor) {
   return model;
 }
 
-CleanupOptions shrunk(CleanupOptions cleanup, int factor) {
+matting::CleanupOptions shrunk(matting::CleanupOptions cleanup, int factor) {
   cleanup.close_radius /= factor;
   cleanup.thin_radius /= factor;
   return cleanup;
@@ -64,30 +64,31 @@ Result<CameraNode> CameraNode::make(const std::string& serial, const CameraModel
   node.serial_ = serial;
   node.model_ = model;
   node.samples_ = std::move(samples);
-  Result<std::unique_ptr<Keyer>> keyer = make_keyer(spec, node.samples_);
+  Result<std::unique_ptr<matting::Keyer>> keyer = make_keyer(spec, node.samples_);
   if (!keyer) return blame(serial, keyer.error());
   node.keyers_[1] = std::move(*keyer);
   return node;
 }
 
-Result<const Keyer*> CameraNode::keyer_at(int factor) {
-  std::unique_ptr<Keyer>& keyer = keyers_[factor];
+Result<const matting::Keyer*> CameraNode::keyer_at(int factor) {
+  std::unique_ptr<matting::Keyer>& keyer = keyers_[factor];
   if (keyer) return keyer.get();
-  const Keyer& whole = *keyers_.at(1);
+  const matting::Keyer& whole = *keyers_.at(1);
   std::vector<Image> samples;
   for (const Image& sample : samples_) {
     Result<Image> small = shrink(make_frame({}, sample), factor);
     if (!small) return forward(small);
     samples.push_back(std::move(*small));
   }
-  Result<std::unique_ptr<Keyer>> made = make_keyer(whole.spec(), samples, shrunk(whole.cleanup(), factor));
+  Result<std::unique_ptr<matting::Keyer>> made =
+      make_keyer(whole.spec(), samples, shrunk(whole.cleanup(), factor));
   if (!made) return forward(made);
   keyer = std::move(*made);
   return keyer.get();
 }
 
 Result<void> CameraNode::prepare(int factor) {
-  const Result<const Keyer*> keyer = keyer_at(factor);
+  const Result<const matting::Keyer*> keyer = keyer_at(factor);
   return keyer ? Result<void>() : blame(serial_, keyer.error());
 }
 
@@ -128,13 +129,13 @@ Result<CameraView> CameraNode::look(const Frame& frame, const Instant& instant, 
   const int factor = quality.shrink;
   const Result<Image> small = shrink(frame, factor);
   if (!small) return blame(serial_, small.error());
-  const Result<const Keyer*> keyer = keyer_at(factor);
+  const Result<const matting::Keyer*> keyer = keyer_at(factor);
   if (!keyer) return blame(serial_, keyer.error());
   const Result<Matte> matte = (*keyer)->key(make_frame(frame.info, *small));
   if (!matte) return blame(serial_, matte.error());
   timings_.key = watch.lap();
 
-  SilhouetteOptions options;
+  recon::SilhouetteOptions options;
   options.tolerance = quality.tolerance / factor;
   outline_of(*matte, shrunk(model_, factor), options, outlines_, view.outline);
   const Eigen::Array2d size(model_.width,
@@ -152,4 +153,4 @@ Result<CameraView> CameraNode::look(const Frame& frame, const Instant& instant, 
   return view;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

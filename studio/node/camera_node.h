@@ -12,7 +12,7 @@
 #include "recon/outline.h"
 #include "studio/messages/camera_view.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// How well a camera node looks: what may be changed from one frame to the next.
 struct NodeQuality {
@@ -61,16 +61,17 @@ class CameraNode {
 
  private:
   CameraNode() = default;
-  Result<const Keyer*> keyer_at(int shrink);
+  Result<const matting::Keyer*> keyer_at(int shrink);
   Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small,
                                                         int shrink) const;
 
   std::string serial_;
   CameraModel model_;
   std::vector<Image> samples_;
-  std::map<int, std::unique_ptr<Keyer>> keyers_;  // by shrink: each knows the clean plate at its size
-  OutlineWorkspace outlines_;
+  std::map<int, std::unique_ptr<matting::Keyer>>
+      keyers_;  // by shrink: each knows the clean plate at its size
+  recon::OutlineWorkspace outlines_;
   NodeTimings timings_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

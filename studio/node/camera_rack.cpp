@@ -4,7 +4,7 @@
 #include "core/parallel.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
                                     std::vector<std::vector<Image>> samples) {
@@ -54,4 +54,4 @@ std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& 
   return views;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -10,7 +10,7 @@
 #include "studio/node/camera_node.h"
 #include "studio/node/set_builder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The camera nodes of one machine: a set of frames in, all their views out.
 class CameraRack {
@@ -37,4 +37,4 @@ class CameraRack {
   std::string trouble_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

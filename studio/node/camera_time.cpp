@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr Nanoseconds kHour = milliseconds(3'600'000);  // no picture is that old: another clock
@@ -31,4 +31,4 @@ Nanoseconds CameraTime::to_system(Timestamp system, Timestamp monotonic) const {
   return Nanoseconds{(between.count + half) / kSecond * kSecond} - *apart_;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -5,7 +5,7 @@
 
 #include "core/time.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// What a node's cameras call the time, for a program that waits by the monotonic clock and tells others by
 /// the systems' time. Cameras without PTP are stamped on the monotonic clock already. With PTP they have the
@@ -25,4 +25,4 @@ class CameraTime {
       apart_;  // from the cameras' clock to the monotonic one; nothing while it is the same
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -10,7 +10,7 @@
 #include "core/rig.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,16 +82,16 @@ void read_studio(Section section, CaptureConfig& config, const fs::path& base) {
 }
 
 void read_recording(Section section, CaptureConfig& config, const fs::path& base) {
-  TakeWriterOptions& take = config.recorder.take;
+  capture::TakeWriterOptions& take = config.recorder.take;
   config.folder = base / section.text_of("folder", "takes");
   take.label = section.text_of("label", "take");
   const std::string codec = section.text_of("codec", "ffv1");
   if (codec == "ffv1")
-    take.codec = TakeCodec::Ffv1;
+    take.codec = capture::TakeCodec::Ffv1;
   else if (codec == "raw")
-    take.codec = TakeCodec::Raw;
+    take.codec = capture::TakeCodec::Raw;
   else if (codec == "h264")
-    take.codec = TakeCodec::H264;
+    take.codec = capture::TakeCodec::H264;
   else
     section.note(section.at("codec"), "codec must be ffv1, raw or h264");
   if (!is_usable_serial(take.label))
@@ -137,7 +137,7 @@ void read_publish(Section section, CaptureConfig& config, const fs::path& base) 
   config.publish = std::move(publish);
 }
 
-void read_limits(Section section, RecordingLimits& limits) {
+void read_limits(Section section, capture::RecordingLimits& limits) {
   limits.skips = section.whole("skips", limits.skips, 0, 1'000'000'000);
   limits.duplicates = section.whole("duplicates", limits.duplicates, 0, 1'000'000'000);
   limits.spread_ms = section.number("spread_ms", limits.spread_ms, 0, 1e6);
@@ -206,4 +206,4 @@ Result<CaptureConfig> load_capture_config(const fs::path& file) {
   return parse_capture_config(*bytes, file.string(), file.parent_path());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

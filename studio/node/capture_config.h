@@ -9,7 +9,7 @@
 #include "capture/recorder.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// What a studio is: which cameras, how a recording is made and what it must keep to. A TOML file, for
 /// people:
@@ -52,7 +52,7 @@ struct CaptureConfig {
   double frame_rate = 0;  ///< of every camera, frames a second
   std::filesystem::path rig;
   std::filesystem::path folder = "takes";
-  RecorderOptions recorder;
+  capture::RecorderOptions recorder;
   /// How much earlier than asked a take begins. Costs (preroll_seconds + 0.5) * frame_rate * 1.1 + 2 pictures
   /// of memory a camera: 8 cameras of 640x480 grey at 30 a second, 2 s: 208 MB.
   double preroll_seconds = 0;
@@ -69,4 +69,4 @@ Result<CaptureConfig> parse_capture_config(std::string_view toml, std::string_vi
                                            const std::filesystem::path& base);
 Result<CaptureConfig> load_capture_config(const std::filesystem::path& file);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

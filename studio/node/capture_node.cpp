@@ -11,7 +11,7 @@
 #include "studio/node/take_list.h"
 #include "studio/node/take_rig.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,8 +44,8 @@ std::uint64_t free_bytes(const fs::path& folder) {
 }
 
 // Of what is captured, roughly: lossless pictures of a studio shrink by a third, films by much more.
-double share_on_disk(TakeCodec codec) {
-  return codec == TakeCodec::Raw ? 1 : codec == TakeCodec::Ffv1 ? 0.65 : 0.05;
+double share_on_disk(capture::TakeCodec codec) {
+  return codec == capture::TakeCodec::Raw ? 1 : codec == capture::TakeCodec::Ffv1 ? 0.65 : 0.05;
 }
 
 }  // namespace
@@ -160,7 +160,7 @@ Result<std::string> CaptureNode::record_into(fs::path folder, const std::string&
   if (config_.refuse_disagreement && !complaints.empty())
     return fail(ErrorCode::InvalidArgument,
                 text("no take is begun while the cameras disagree: ", complaints.front()));
-  RecorderOptions options = config_.recorder;
+  capture::RecorderOptions options = config_.recorder;
   if (!label.empty()) options.take.label = label;
   if (folder.empty()) {
     Result<fs::path> named = new_folder(options.take.label);
@@ -180,9 +180,9 @@ Result<std::string> CaptureNode::record_into(fs::path folder, const std::string&
   options.queue_frames += static_cast<std::size_t>(std::ceil(kept * config_.frame_rate * 1.1)) + 2;
   std::error_code ignored;
   fs::create_directories(folder.parent_path(), ignored);
-  Result<std::unique_ptr<Recorder>> recorder = Recorder::start(folder, *rig, options);
+  Result<std::unique_ptr<capture::Recorder>> recorder = capture::Recorder::start(folder, *rig, options);
   if (!recorder) return forward(recorder);
-  const std::shared_ptr<Recorder> shared = std::move(*recorder);
+  const std::shared_ptr<capture::Recorder> shared = std::move(*recorder);
   take_failed_ = false;
   hand_over(shared);
   std::lock_guard lock(mutex_);
@@ -193,7 +193,7 @@ Result<std::string> CaptureNode::record_into(fs::path folder, const std::string&
 }
 
 // The queues have room for the pre-roll, so this waits for no disk.
-void CaptureNode::hand_over(const std::shared_ptr<Recorder>& recorder) {
+void CaptureNode::hand_over(const std::shared_ptr<capture::Recorder>& recorder) {
   for (const auto& route : routes_) {
     std::lock_guard lock(route->mutex);
     for (const PreRoll::Kept& kept : route->pre_roll->take())
@@ -202,7 +202,7 @@ void CaptureNode::hand_over(const std::shared_ptr<Recorder>& recorder) {
   }
 }
 
-void CaptureNode::wait_for_the_end(const Recorder& recorder) const {
+void CaptureNode::wait_for_the_end(const capture::Recorder& recorder) const {
   const auto begun = Clock::now();
   while (!recorder.ended() && !over() && !take_failed_) {
     const bool trouble = std::any_of(lanes_.begin(), lanes_.end(),
@@ -213,7 +213,7 @@ void CaptureNode::wait_for_the_end(const Recorder& recorder) const {
 }
 
 Result<void> CaptureNode::end_take() {
-  std::shared_ptr<Recorder> recorder;
+  std::shared_ptr<capture::Recorder> recorder;
   {
     std::lock_guard lock(mutex_);
     recorder = take_.recorder;
@@ -227,7 +227,7 @@ Result<void> CaptureNode::end_take() {
     std::lock_guard lock(route->mutex);
     route->recorder.reset();
   }
-  Result<RecordingQuality> finished = recorder->finish();
+  Result<capture::RecordingQuality> finished = recorder->finish();
   std::lock_guard lock(mutex_);
   take_.quality = finished ? *finished : recorder->quality();
   take_.recorder.reset();
@@ -242,7 +242,7 @@ Result<void> CaptureNode::stop_recording() {
 
 void CaptureNode::look_after() {
   watch_->look(now());
-  std::shared_ptr<Recorder> recorder;
+  std::shared_ptr<capture::Recorder> recorder;
   fs::path folder;
   {
     std::lock_guard lock(mutex_);
@@ -308,8 +308,8 @@ NodeStatus CaptureNode::status() const {
   NodeRecording recording;
   recording.take = take_.folder.filename().string();
   recording.seconds = take_.before + std::chrono::duration<double>(Clock::now() - take_.begun).count();
-  const RecordingQuality quality = take_.recorder->quality();
-  for (const RecordedCamera& camera : quality.cameras) {
+  const capture::RecordingQuality quality = take_.recorder->quality();
+  for (const capture::RecordedCamera& camera : quality.cameras) {
     recording.frames += camera.recorded;
     recording.gaps += camera.skips;
     recording.duplicates += camera.duplicates;
@@ -321,7 +321,7 @@ NodeStatus CaptureNode::status() const {
 
 Result<std::vector<NodeTake>> CaptureNode::takes() const { return list_takes(config_.folder, kMostTakes); }
 
-std::optional<RecordingQuality> CaptureNode::quality() const {
+std::optional<capture::RecordingQuality> CaptureNode::quality() const {
   std::lock_guard lock(mutex_);
   if (take_.recorder) return take_.recorder->quality();
   return take_.quality;
@@ -337,4 +337,4 @@ fs::path CaptureNode::take() const {
   return take_.folder;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

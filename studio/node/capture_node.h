@@ -17,7 +17,7 @@
 #include "studio/node/pre_roll.h"
 #include "studio/node/sync_watch.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// A camera node: all cameras of a config, each on a thread of its own, and takes that are begun and ended by
 /// StudioControl. Whatever goes wrong with one camera or with one take leaves the rest running.
@@ -54,7 +54,7 @@ class CaptureNode final : public StudioControl {
   Result<std::vector<NodeTake>> takes() const override;
 
   /// Of the take that is being recorded or was recorded last.
-  std::optional<RecordingQuality> quality() const;
+  std::optional<capture::RecordingQuality> quality() const;
   std::filesystem::path take() const;
   double mean_frame_rate(std::size_t camera) const { return lanes_[camera]->mean_frame_rate(); }
   bool plays_recordings() const;
@@ -66,15 +66,15 @@ class CaptureNode final : public StudioControl {
   // Where a camera's frames go: into its pre-roll, or into the take.
   struct Route {
     std::mutex mutex;
-    std::shared_ptr<Recorder> recorder;
+    std::shared_ptr<capture::Recorder> recorder;
     std::optional<PreRoll> pre_roll;
   };
   struct Take {
-    std::shared_ptr<Recorder> recorder;  // while it is recorded
+    std::shared_ptr<capture::Recorder> recorder;  // while it is recorded
     std::filesystem::path folder;
     std::chrono::steady_clock::time_point begun;
-    double before = 0;                        // seconds of pre-roll
-    std::optional<RecordingQuality> quality;  // when it is over
+    double before = 0;                                 // seconds of pre-roll
+    std::optional<capture::RecordingQuality> quality;  // when it is over
   };
 
   explicit CaptureNode(CaptureConfig config) : config_(std::move(config)) {}
@@ -84,8 +84,8 @@ class CaptureNode final : public StudioControl {
   Timestamp newest() const;
   Timestamp now() const;  // on the clock of the pictures
   std::optional<Timestamp> origin_of_take() const;
-  void hand_over(const std::shared_ptr<Recorder>& recorder);
-  void wait_for_the_end(const Recorder& recorder) const;
+  void hand_over(const std::shared_ptr<capture::Recorder>& recorder);
+  void wait_for_the_end(const capture::Recorder& recorder) const;
   Result<void> end_take();  // under control_
 
   const CaptureConfig config_;
@@ -101,4 +101,4 @@ class CaptureNode final : public StudioControl {
   std::string last_recording_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -9,7 +9,7 @@
 #include "studio/node/page_server.h"
 #include "studio/node/service_notice.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -116,4 +116,4 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
   return report_of(node);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

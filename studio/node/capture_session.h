@@ -13,7 +13,7 @@
 #include "core/result.h"
 #include "studio/node/capture_config.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 class CaptureNode;
 
@@ -29,15 +29,15 @@ struct CaptureOptions {
 /// One camera of a session.
 struct CapturedCamera {
   std::string serial;
-  SourceStats stats;  ///< summed over its connections
+  capture::SourceStats stats;  ///< summed over its connections
   std::uint64_t reconnects = 0;
   double frame_rate = 0;  ///< measured
   std::string trouble;    ///< the last error; empty while it streams
 };
 
 struct CaptureReport {
-  std::vector<CapturedCamera> cameras;        ///< in the config's order
-  std::optional<RecordingQuality> recording;  ///< when one was made
+  std::vector<CapturedCamera> cameras;                 ///< in the config's order
+  std::optional<capture::RecordingQuality> recording;  ///< when one was made
   std::filesystem::path take;
 };
 
@@ -50,4 +50,4 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
                                   const std::function<bool()>& stop,
                                   const std::function<void(const CaptureReport&)>& progress);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr int kBorder = 4;  // px: what a spline and the edge of the enlarged matte reach
@@ -72,4 +72,4 @@ Image enlarged(const Matte& small, int factor, const PixelBox& box) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -3,7 +3,7 @@
 #include "core/frame.h"
 #include "core/matte.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The pixels of a width x height photograph around everything that a matte made at 1/factor of its size does
 /// not call background, with a border wide enough for smooth reading. Empty when there is no subject.
@@ -13,4 +13,4 @@ PixelBox subject_box(const Matte& small, int factor, int width, int height);
 /// channel.
 Image enlarged(const Matte& small, int factor, const PixelBox& box);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

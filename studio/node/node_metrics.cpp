@@ -6,7 +6,7 @@
 #include <prometheus/metric_family.h>
 #include <prometheus/text_serializer.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using prometheus::ClientMetric;
@@ -87,4 +87,4 @@ std::string prometheus_text(const NodeStatus& status, const PageCounters& page) 
   return prometheus::TextSerializer().Serialize(out.all());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

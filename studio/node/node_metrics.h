@@ -4,7 +4,7 @@
 
 #include "studio/messages/studio_control.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// What a node's page counts about itself.
 struct PageCounters {
@@ -17,4 +17,4 @@ struct PageCounters {
 /// A node in Prometheus' text format (https://prometheus.io/docs/instrumenting/exposition_formats/).
 std::string prometheus_text(const NodeStatus& status, const PageCounters& page);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -15,7 +15,7 @@
 #include "studio/messages/status_json.h"
 #include "studio/node/thread_stack.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr double kPreviewsPerSecond = 8;
@@ -289,4 +289,4 @@ void PageServer::tell() {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

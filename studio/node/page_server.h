@@ -17,7 +17,7 @@
 struct mg_connection;
 struct mg_context;
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The token that opens a node's page: the first line of the file, or a new random one of 128 bits. NotFound
 /// or Io for the file; InvalidArgument for a token of fewer than 16 or other than letters, digits, '-' and
@@ -68,4 +68,4 @@ class PageServer {
   std::thread teller_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

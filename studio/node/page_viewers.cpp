@@ -4,7 +4,7 @@
 
 #include <civetweb.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 
 void PageViewers::run(Viewer& viewer) {
   while (const std::optional<Message> message = viewer.messages.pop()) {
@@ -68,4 +68,4 @@ std::uint64_t PageViewers::dropped() const {
   return sum;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

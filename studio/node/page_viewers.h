@@ -11,7 +11,7 @@
 
 struct mg_connection;
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The browsers that watch a node's page: one WebSocket each, over which everything goes. A viewer that does
 /// not read loses the oldest messages, which are counted, and holds up nobody. Safe from any thread.
@@ -50,4 +50,4 @@ class PageViewers {
   std::uint64_t dropped_ = 0;  // by those who have left
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -4,7 +4,7 @@
 
 #include "capture/recorder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 void PreRoll::push(Frame frame, std::uint64_t failed) {
   if (frame.empty()) return;
@@ -43,4 +43,4 @@ std::optional<Timestamp> complete_instant(const std::vector<std::vector<Timestam
   return found;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -7,7 +7,7 @@
 
 #include "core/frame.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The last seconds of one camera, for takes that begin before somebody said so. Pictures are copies, so no
 /// buffer of the device is held. Bound: `longest` of exposures, and `most_frames` pictures whatever their
@@ -40,4 +40,4 @@ class PreRoll {
 std::optional<Timestamp> complete_instant(const std::vector<std::vector<Timestamp>>& times, Timestamp from,
                                           Nanoseconds period);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

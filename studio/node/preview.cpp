@@ -5,7 +5,7 @@
 
 #include "core/jpeg.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr int kWidth = 320;
@@ -103,4 +103,4 @@ void PreviewFeed::run() {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

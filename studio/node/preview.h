@@ -12,7 +12,7 @@
 #include "core/frame.h"
 #include "core/result.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The frame's picture, shrunk by a whole number so that it is at most `most_width` wide (each pixel the mean
 /// of those it stands for), as RGB. Errors: those of to_rgb().
@@ -52,4 +52,4 @@ class PreviewFeed {
   std::thread thread_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

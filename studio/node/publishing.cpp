@@ -5,7 +5,7 @@
 #include "core/text.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 // The cameras of this node, of all that stand around the stage.
@@ -52,4 +52,4 @@ Result<std::unique_ptr<PublishingNode>> publish(CaptureNode& node) {
   return telling;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

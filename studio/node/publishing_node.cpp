@@ -7,7 +7,7 @@
 #include "core/png.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr Nanoseconds kLook = milliseconds(50);  // how often an idle node looks whether it is to end
@@ -29,7 +29,7 @@ Result<std::unique_ptr<PublishingNode>> PublishingNode::open(const Rig& rig, dou
   std::unique_ptr<PublishingNode> node(new PublishingNode(rig, options, control));
   if (Result<void> ok = check(options.quality); !ok) return forward(ok);
   if (Result<void> ok = node->load_plates(); !ok) return forward(ok);
-  SyncOptions sync;
+  capture::SyncOptions sync;
   sync.frame_rate = frame_rate;
   sync.tolerance = std::min(options.tolerance, Nanoseconds{std::llround(4e8 / frame_rate)});
   sync.longest_wait = std::max(options.longest_wait, Nanoseconds{std::llround(5e8 / frame_rate)});
@@ -139,4 +139,4 @@ PublishingCounters PublishingNode::counters() const {
   return counters;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

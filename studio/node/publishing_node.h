@@ -17,7 +17,7 @@
 #include "studio/node/camera_time.h"
 #include "studio/node/set_builder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 struct PublishingOptions {
   wire::PublisherOptions publisher;
@@ -84,4 +84,4 @@ class PublishingNode {
   std::thread thread_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

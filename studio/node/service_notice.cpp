@@ -2,7 +2,7 @@
 
 #include <systemd/sd-daemon.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 
 ServiceNotice::ServiceNotice() {
   std::uint64_t microseconds = 0;
@@ -22,4 +22,4 @@ void ServiceNotice::alive() {
 
 void ServiceNotice::stopping() const { sd_notify(0, "STOPPING=1"); }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// Tells systemd how the daemon is (sd_notify); says nothing where it was not started as a service.
 class ServiceNotice {
@@ -20,4 +20,4 @@ class ServiceNotice {
   std::chrono::steady_clock::time_point last_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -5,7 +5,7 @@
 
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr std::size_t kMostUnsettled = 64;  // deliveries of one camera that wait for their set
@@ -16,8 +16,8 @@ std::chrono::steady_clock::time_point time_point(Timestamp t) {
 
 }  // namespace
 
-Result<std::unique_ptr<SetBuilder>> SetBuilder::make(int cameras, const SyncOptions& options) {
-  Result<Synchronizer> sync = Synchronizer::make(cameras, options);
+Result<std::unique_ptr<SetBuilder>> SetBuilder::make(int cameras, const capture::SyncOptions& options) {
+  Result<capture::Synchronizer> sync = capture::Synchronizer::make(cameras, options);
   if (!sync) return forward(sync);
   return std::unique_ptr<SetBuilder>(
       new SetBuilder(std::move(*sync), static_cast<std::size_t>(cameras), options.frame_rate));
@@ -96,4 +96,4 @@ SetBuilder::Counters SetBuilder::counters() const {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -10,7 +10,7 @@
 #include "capture/synchronizer.h"
 #include "studio/node/camera_node.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// What all cameras saw at one instant, and when their pictures were delivered.
 struct TimedSet {
@@ -28,10 +28,10 @@ class SetBuilder {
     std::uint64_t frames = 0;     ///< pushed
     std::uint64_t sets = 0;       ///< instants that were ready
     std::uint64_t overtaken = 0;  ///< of them: a newer one was ready before anybody had time
-    SyncStats sync;
+    capture::SyncStats sync;
   };
 
-  static Result<std::unique_ptr<SetBuilder>> make(int cameras, const SyncOptions& options);
+  static Result<std::unique_ptr<SetBuilder>> make(int cameras, const capture::SyncOptions& options);
 
   /// From any thread; those of one camera one after the other.
   void push(const Frame& frame, Timestamp produced);
@@ -41,7 +41,7 @@ class SetBuilder {
   Counters counters() const;
 
  private:
-  SetBuilder(Synchronizer sync, std::size_t cameras, double frame_rate)
+  SetBuilder(capture::Synchronizer sync, std::size_t cameras, double frame_rate)
       : sync_(std::move(sync)), delivered_(cameras), period_(1e9 / frame_rate) {}
   void settle(Timestamp now);
   TimedSet timed(FrameSet set);
@@ -51,7 +51,7 @@ class SetBuilder {
   };
   mutable std::mutex mutex_;
   std::condition_variable ready_;
-  Synchronizer sync_;
+  capture::Synchronizer sync_;
   std::vector<std::deque<Delivery>> delivered_;  // per camera: frames that are in no set yet
   const double period_;                          // ns
   std::optional<Timestamp> first_;
@@ -60,4 +60,4 @@ class SetBuilder {
   bool closed_ = false;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

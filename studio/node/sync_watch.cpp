@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr Nanoseconds kWindow = milliseconds(1000);
@@ -12,16 +12,18 @@ constexpr Nanoseconds kFirstWindow = milliseconds(500);
 }  // namespace
 
 Result<std::unique_ptr<SyncWatch>> SyncWatch::make(std::vector<std::string> serials, double frame_rate,
-                                                   const SyncLimits& limits) {
-  SyncOptions options;
+                                                   const capture::SyncLimits& limits) {
+  capture::SyncOptions options;
   options.frame_rate = frame_rate;
   options.tolerance.count = std::min(options.tolerance.count, static_cast<std::int64_t>(0.4e9 / frame_rate));
-  Result<Synchronizer> synchronizer = Synchronizer::make(static_cast<int>(serials.size()), options);
+  Result<capture::Synchronizer> synchronizer =
+      capture::Synchronizer::make(static_cast<int>(serials.size()), options);
   if (!synchronizer) return forward(synchronizer);
   return std::unique_ptr<SyncWatch>(new SyncWatch(std::move(serials), limits, std::move(*synchronizer)));
 }
 
-SyncWatch::SyncWatch(std::vector<std::string> serials, const SyncLimits& limits, Synchronizer synchronizer)
+SyncWatch::SyncWatch(std::vector<std::string> serials, const capture::SyncLimits& limits,
+                     capture::Synchronizer synchronizer)
     : serials_(std::move(serials)), limits_(limits), synchronizer_(std::move(synchronizer)) {}
 
 void SyncWatch::push(const FrameInfo& info) {
@@ -39,7 +41,7 @@ void SyncWatch::look(Timestamp now) {
   if (begun_ == Timestamp{}) begun_ = now;
   if (now - begun_ < (settled_ ? kWindow : kFirstWindow)) return;
   begun_ = now;
-  const SyncStats stats = synchronizer_.take_stats();
+  const capture::SyncStats stats = synchronizer_.take_stats();
   if (std::exchange(settled_, true))
     seen_ = {stats.spread_p50_ms, stats.spread_max_ms, sync_complaints(stats, serials_, limits_), true};
 }
@@ -49,4 +51,4 @@ SyncWatch::Seen SyncWatch::last() const {
   return seen_;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

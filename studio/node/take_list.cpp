@@ -7,7 +7,7 @@
 #include "core/file.h"
 #include "core/take_layout.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 namespace fs = std::filesystem;
@@ -60,4 +60,4 @@ std::vector<NodeTake> list_takes(const fs::path& folder, std::size_t most) {
   return takes;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

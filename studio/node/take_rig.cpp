@@ -7,7 +7,7 @@
 #include "core/synthetic/synthetic_studio.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 // Where nobody has calibrated yet, the cameras are put on a ring: a take must say where they stood.
 Result<Rig> rig_of_take(const std::filesystem::path& file, const std::vector<LaneFacts>& lanes) {
@@ -55,4 +55,4 @@ Result<Rig> rig_of_take(const std::filesystem::path& file, const std::vector<Lan
   return rig;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

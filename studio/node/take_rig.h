@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// What a take's rig must fit: a camera and the pictures it streams.
 struct LaneFacts {
@@ -21,4 +21,4 @@ struct LaneFacts {
 /// size than it was calibrated at; the errors of load_rig().
 Result<Rig> rig_of_take(const std::filesystem::path& file, const std::vector<LaneFacts>& lanes);
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -13,7 +13,7 @@ extern "C" __attribute__((visibility("default"))) int pthread_attr_setstacksize(
   return next(attributes, std::max(size, floatstage::kSmallestStack));
 }
 
-namespace floatstage {
+namespace floatstage::studio {
 
 bool small_stacks_are_raised() {
   pthread_attr_t attributes;
@@ -25,4 +25,4 @@ bool small_stacks_are_raised() {
   return raised;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

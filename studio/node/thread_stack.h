@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// What a thread's stack has at least, whoever makes the thread.
 constexpr std::size_t kSmallestStack = std::size_t{1} << 20;
@@ -12,4 +12,4 @@ constexpr std::size_t kSmallestStack = std::size_t{1} << 20;
 /// variables from that, OpenBLAS, glog and METIS have 120 kB of them, and no thread is made at all (ADR 136).
 bool small_stacks_are_raised();
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

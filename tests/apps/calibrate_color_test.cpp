@@ -15,7 +15,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 // A camera with its own white balance and gamma. The first is as it should be.
@@ -65,7 +65,8 @@ Studio make_take(const std::filesystem::path& folder) {
   Studio out{synthetic_rig(ring), {}, {}};
   const Result<SyntheticStudio> studio = SyntheticStudio::create(out.rig, {.samples = 4});
   EXPECT_THAT(studio, IsOk());
-  const auto writer = TakeWriter::create(folder, out.rig, {.frame_rate = 5, .label = {}, .created = {}});
+  const auto writer =
+      capture::TakeWriter::create(folder, out.rig, {.frame_rate = 5, .label = {}, .created = {}});
   EXPECT_THAT(writer, IsOk());
   for (int frame = 0; frame < 3; ++frame)
     for (int camera = 0; camera < 8; ++camera) {
@@ -143,14 +144,15 @@ Image chart(const OddCamera& camera) {
 TEST(CalibrateColor, IsUsedByTheRendererOfTheTakeFromThenOn) {
   const TempFolder folder;
   const Rig rig = synthetic_rig({.cameras = 2, .width = 360, .height = 260});
-  const auto writer = TakeWriter::create(folder / "take", rig, {.frame_rate = 5, .label = {}, .created = {}});
+  const auto writer =
+      capture::TakeWriter::create(folder / "take", rig, {.frame_rate = 5, .label = {}, .created = {}});
   for (int camera = 0; camera < 2; ++camera) {
     FrameInfo info;
     info.camera = camera;
     ASSERT_THAT((*writer)->write(make_frame(info, chart(odd(camera + 1)))), IsOk());
   }
   ASSERT_THAT((*writer)->finish(), IsOk());
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / "take");
   ASSERT_THAT(take, IsOk());
   EXPECT_TRUE(rig_with_colors(**take)->cameras[1].color.is_identity());
   ASSERT_THAT(run((folder / "take").string() + " --chart"), IsOk());
@@ -168,8 +170,8 @@ TEST(CalibrateColor, IsUsedByTheRendererOfTheTakeFromThenOn) {
 TEST(CalibrateColor, SaysWhatIsMissing) {
   const TempFolder folder;
   const auto writer =
-      TakeWriter::create(folder / "take", synthetic_rig({.cameras = 2, .width = 64, .height = 48}),
-                         {.frame_rate = 5, .label = {}, .created = {}});
+      capture::TakeWriter::create(folder / "take", synthetic_rig({.cameras = 2, .width = 64, .height = 48}),
+                                  {.frame_rate = 5, .label = {}, .created = {}});
   for (int camera = 0; camera < 2; ++camera) {
     FrameInfo info;
     info.camera = camera;
@@ -186,8 +188,8 @@ TEST(CalibrateColor, SaysWhatIsMissing) {
 TEST(CalibrateColor, ReadsAChartThatEveryCameraWasShown) {
   const TempFolder folder;
   const auto writer =
-      TakeWriter::create(folder / "take", synthetic_rig({.cameras = 3, .width = 360, .height = 260}),
-                         {.frame_rate = 5, .label = {}, .created = {}});
+      capture::TakeWriter::create(folder / "take", synthetic_rig({.cameras = 3, .width = 360, .height = 260}),
+                                  {.frame_rate = 5, .label = {}, .created = {}});
   for (int frame = 0; frame < 3; ++frame)
     for (int camera = 0; camera < 3; ++camera) {
       FrameInfo info;
@@ -235,4 +237,4 @@ TEST(DepthMap, IsThatOfTheNearerSurface) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 // A pattern without repetition; `shift` px to the right is a turn about the vertical.
@@ -43,7 +43,8 @@ std::filesystem::path make_take(const TempFolder& folder, const std::string& nam
          .model = {.width = 320, .height = 240, .fx = 300, .fy = 300, .cx = 160, .cy = 120, .lens = {}},
          .cam_from_world = {},
          .color = {}});
-  const auto writer = TakeWriter::create(folder / name, rig, {.frame_rate = 1, .label = {}, .created = {}});
+  const auto writer =
+      capture::TakeWriter::create(folder / name, rig, {.frame_rate = 1, .label = {}, .created = {}});
   EXPECT_THAT(writer, IsOk());
   for (int i = 0; i < 30; ++i)
     for (int camera = 0; camera < 2; ++camera) {
@@ -87,4 +88,4 @@ TEST(CalibrateDrift, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

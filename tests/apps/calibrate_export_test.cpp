@@ -13,7 +13,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::ElementsAre;
@@ -45,8 +45,9 @@ TEST_F(CalibrateExport, WritesWhatImportReads) {
   ASSERT_THAT(run(file, "colmap", "colmap"), IsOk());
   ASSERT_THAT(run(file, "opencv", "opencv"), IsOk());
   ASSERT_THAT(run(file, "qualisys", "rig.qca.txt"), IsOk());
-  for (const Result<ForeignRig>& back : {read_colmap(folder_ / "colmap"), read_easymocap(folder_ / "opencv"),
-                                         read_qualisys(folder_ / "rig.qca.txt")}) {
+  for (const Result<calib::ForeignRig>& back :
+       {read_colmap(folder_ / "colmap"), read_easymocap(folder_ / "opencv"),
+        read_qualisys(folder_ / "rig.qca.txt")}) {
     ASSERT_THAT(back, IsOk());
     Rig read = back->rig;
     for (std::size_t i = 0; i < read.cameras.size(); ++i)
@@ -59,7 +60,7 @@ TEST_F(CalibrateExport, WritesWhatImportReads) {
 TEST_F(CalibrateExport, NamesThePicturesAfterTheirCameras) {
   const std::filesystem::path file = saved(sample_rig(std::monostate{}));
   ASSERT_THAT(run(file, "middlebury", "rig_par.txt"), IsOk());
-  const Result<ForeignRig> back = read_middlebury(folder_ / "rig_par.txt");
+  const Result<calib::ForeignRig> back = read_middlebury(folder_ / "rig_par.txt");
   ASSERT_THAT(back, IsOk());
   const std::vector<RigCamera>& cameras = sample_rig(std::monostate{}).cameras;
   for (std::size_t i = 0; i < cameras.size(); ++i)
@@ -96,4 +97,4 @@ TEST_F(CalibrateExport, SaysWhichFormatsThereAre) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -18,7 +18,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 const char* const kTarget = "charuco columns=5 rows=4 square=150mm marker=112mm dictionary=4x4_50";
@@ -44,7 +44,7 @@ Rig arc_rig() {
 const std::filesystem::path& waved_take() {
   static const TempFolder folder;
   static const std::filesystem::path take = [] {
-    const TargetDesign design = *parse_target(kTarget);
+    const calib::TargetDesign design = *parse_target(kTarget);
     const Rig rig = arc_rig();
     Random random(11);
     std::vector<Rigid3> places;
@@ -67,7 +67,7 @@ const std::filesystem::path& waved_take() {
                                         {.samples = 3, .blur = 0.7, .noise = 2, .seed = i});
     });
     const auto writer =
-        TakeWriter::create(folder / "take", rig, {.frame_rate = 10, .label = {}, .created = {}});
+        capture::TakeWriter::create(folder / "take", rig, {.frame_rate = 10, .label = {}, .created = {}});
     EXPECT_THAT(writer, IsOk());
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       FrameInfo info;
@@ -81,8 +81,8 @@ const std::filesystem::path& waved_take() {
   return take;
 }
 
-CaptureConfig replayed() {
-  CaptureConfig config;
+studio::CaptureConfig replayed() {
+  studio::CaptureConfig config;
   config.frame_rate = 10;
   for (const char* serial : {"cam0", "cam1", "cam2"})
     config.cameras.push_back({serial, text("take:", waved_take().string(), "#", serial)});
@@ -96,18 +96,18 @@ LiveOptions options() {
   return o;
 }
 
-void nothing_known(Observations&) {}
+void nothing_known(calib::Observations&) {}
 
 // What the take shows when its sets are read one after the other.
-std::vector<TargetView> looked_at_one_by_one(int frames) {
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(waved_take());
-  std::vector<CalibrationCamera> cameras;
+std::vector<calib::TargetView> looked_at_one_by_one(int frames) {
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(waved_take());
+  std::vector<calib::CalibrationCamera> cameras;
   for (const RigCamera& c : (*take)->rig().cameras)
     cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
-  LiveCalibration live(options().target, cameras);
+  calib::LiveCalibration live(options().target, cameras);
   for (int i = 0; i < frames; ++i) {
     const FrameSet set = *(*take)->frame_set(i);
-    LiveInstant instant = *live.look(set);
+    calib::LiveInstant instant = *live.look(set);
     live.keep(set, instant);
   }
   return live.observations().views;
@@ -135,7 +135,7 @@ TEST(LiveRun, SeesEveryInstantOfAReplayAndSolvesWhileItRuns) {
   EXPECT_GT(status.completeness, 0.8);
   ASSERT_TRUE(status.solution) << status.trouble;
   EXPECT_EQ(status.solution_sets, status.counted);
-  for (const CameraQuality& q : status.solution->cameras) EXPECT_LT(q.rms_px, 0.4) << q.serial;
+  for (const calib::CameraQuality& q : status.solution->cameras) EXPECT_LT(q.rms_px, 0.4) << q.serial;
   EXPECT_THAT(describe_live(status), testing::HasSubstr("cam2: "));
   EXPECT_THAT(describe_live(status), testing::HasSubstr("focal ± "));
   (*live)->stop();
@@ -144,24 +144,24 @@ TEST(LiveRun, SeesEveryInstantOfAReplayAndSolvesWhileItRuns) {
 }
 
 TEST(LiveCalibrationObject, AdviceChangesAsCoverageGrows) {
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(waved_take());
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(waved_take());
   ASSERT_THAT(take, IsOk());
-  std::vector<CalibrationCamera> cameras;
+  std::vector<calib::CalibrationCamera> cameras;
   for (const RigCamera& c : (*take)->rig().cameras)
     cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
-  LiveCalibration live(options().target, cameras);
+  calib::LiveCalibration live(options().target, cameras);
   std::vector<std::string> advice;
   double before = completeness(coverage_of(live.observations()));
   for (int i = 0; i < kFrames; ++i) {
     const FrameSet set = *(*take)->frame_set(i);
-    Result<LiveInstant> instant = live.look(set);
+    Result<calib::LiveInstant> instant = live.look(set);
     ASSERT_THAT(instant, IsOk());
     live.keep(set, *instant);
-    const Coverage coverage = coverage_of(live.observations());
+    const calib::Coverage coverage = coverage_of(live.observations());
     const double now = completeness(coverage);
     EXPECT_GE(now, before) << "instant " << i;
     before = now;
-    const std::vector<Advice> list = advise(coverage);
+    const std::vector<calib::Advice> list = advise(coverage);
     const std::string next = list.empty() ? "enough" : list.front().sentence;
     if (advice.empty() || advice.back() != next) advice.push_back(next);
   }
@@ -171,7 +171,7 @@ TEST(LiveCalibrationObject, AdviceChangesAsCoverageGrows) {
 
   // Held still, nothing is added.
   const FrameSet still = *(*take)->frame_set(kFrames - 1);
-  Result<LiveInstant> again = live.look(still);
+  Result<calib::LiveInstant> again = live.look(still);
   const int counted = live.counted();
   live.keep(still, *again);
   EXPECT_FALSE(again->counted);
@@ -183,7 +183,7 @@ TEST(CalibrateLive, GivesTheRigThatTheSessionGives) {
   const TempFolder folder;
   std::string toml = "[studio]\nframe_rate = 10\n[recording]\nfolder = \"takes\"\n",
               session = text("target = \"", kTarget, "\"\nframe_rate = 10\n");
-  for (const CaptureConfig::Camera& c : replayed().cameras) {
+  for (const studio::CaptureConfig::Camera& c : replayed().cameras) {
     toml += text("[[camera]]\nserial = \"", c.serial, "\"\nsource = \"", c.source, "\"\n");
     session += text("[[cameras]]\nserial = \"", c.serial, "\"\nvideo = \"",
                     (waved_take() / (c.serial + ".mkv")).string(), "\"\n");
@@ -217,7 +217,7 @@ TEST(CalibrateLive, GivesTheRigThatTheSessionGives) {
 TEST(CalibrateLive, ShowsCoverageAndAdviceInAWindow) {
   const TempFolder folder;
   std::string toml = "[studio]\nframe_rate = 10\n";
-  for (const CaptureConfig::Camera& c : replayed().cameras)
+  for (const studio::CaptureConfig::Camera& c : replayed().cameras)
     toml += text("[[camera]]\nserial = \"", c.serial, "\"\nsource = \"", c.source, "\"\n");
   folder.write("studio.toml", toml);
   const std::filesystem::path file = folder / "live.png";
@@ -259,20 +259,20 @@ TEST(CalibrateLive, SaysWhatIsWrongBeforeAnythingRuns) {
 }
 
 TEST(Thinned, KeepsFramesThatJoinCameras) {
-  Observations o;
+  calib::Observations o;
   for (const char* serial : {"a", "b"})
     o.cameras.push_back({.serial = serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
   for (int frame = 0; frame < 100; ++frame)
     for (int camera = 0; camera < 2; ++camera)
       if (camera == 0 || frame % 10 == 0)
         o.views.push_back({.camera = camera, .target = 0, .frame = frame, .time = {}, .points = {}});
-  const Observations thin = thinned(o, 30);
+  const calib::Observations thin = thinned(o, 30);
   int joined = 0;
-  for (const TargetView& v : thin.views) joined += v.camera == 1;
+  for (const calib::TargetView& v : thin.views) joined += v.camera == 1;
   EXPECT_EQ(joined, 10);
   EXPECT_EQ(thin.views.size(), 40u);
   EXPECT_EQ(thinned(o, 100).views.size(), o.views.size());
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -16,7 +16,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::HasSubstr;
@@ -69,7 +69,7 @@ TEST(CalibrateReal, Pose2SimChessboardsAgreeWithItsOwnCalibration) {
   ASSERT_THAT(run("pose2sim-balancing.toml", folder), IsOk());
   const Result<Rig> rig = load_rig(folder / "rig.json");
   ASSERT_THAT(rig, IsOk());
-  const Result<ForeignRig> known =
+  const Result<calib::ForeignRig> known =
       read_qualisys(real_data("pose2sim-balancing") / "calibration/Calib.qca.txt");
   ASSERT_THAT(known, IsOk());
   for (const RigCamera& c : rig->cameras) {
@@ -85,4 +85,4 @@ TEST(CalibrateReal, Pose2SimChessboardsAgreeWithItsOwnCalibration) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

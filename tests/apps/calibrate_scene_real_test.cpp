@@ -10,7 +10,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 const std::filesystem::path kSessions =
@@ -64,4 +64,4 @@ TEST(CalibrateTemple, SparseRingIsRefusedWithAReasonAndNothingIsWritten) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -18,7 +18,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::Contains;
@@ -72,7 +72,7 @@ class CalibrateVerb : public testing::Test {
   }
 
   std::filesystem::path video(const std::string& name, int frames) {
-    const auto writer = VideoWriter::create(folder_ / name, 64, 48, 30);
+    const auto writer = capture::VideoWriter::create(folder_ / name, 64, 48, 30);
     EXPECT_THAT(writer, IsOk());
     for (int f = 0; f < frames; ++f) {
       Image image(64, 48, 3);
@@ -162,7 +162,7 @@ TEST_F(CalibrateVerb, SaysWhenNoPictureShowsTheTarget) {
 }
 
 TEST_F(CalibrateVerb, RefusesNumbersThatAreNone) {
-  Observations seen = failing_capture(CalibrationFailure::PlanarMotion);
+  calib::Observations seen = failing_capture(calib::CalibrationFailure::PlanarMotion);
   std::string json = to_json(seen);
   const std::size_t at = json.find("1280");
   ASSERT_NE(at, std::string::npos);
@@ -198,17 +198,18 @@ TEST_F(CalibrateVerb, WritesTheRigOfASoundCapture) {
 
 // Each of the failures that a small reprojection error hides: the verb fails, both reports name it, the rig
 // stays.
-class NamedByTheReport : public CalibrateVerb, public testing::WithParamInterface<CalibrationFailure> {};
-INSTANTIATE_TEST_SUITE_P(Failures, NamedByTheReport,
-                         testing::Values(CalibrationFailure::ConstantDepth, CalibrationFailure::PlanarMotion,
-                                         CalibrationFailure::SwappedRowsColumns,
-                                         CalibrationFailure::WrongSquareSize,
-                                         CalibrationFailure::MirroredBoard, CalibrationFailure::LateCamera),
-                         [](const auto& given) {
-                           std::string name = name_of(given.param);
-                           std::erase(name, '-');
-                           return name;
-                         });
+class NamedByTheReport : public CalibrateVerb,
+                         public testing::WithParamInterface<calib::CalibrationFailure> {};
+INSTANTIATE_TEST_SUITE_P(
+    Failures, NamedByTheReport,
+    testing::Values(calib::CalibrationFailure::ConstantDepth, calib::CalibrationFailure::PlanarMotion,
+                    calib::CalibrationFailure::SwappedRowsColumns, calib::CalibrationFailure::WrongSquareSize,
+                    calib::CalibrationFailure::MirroredBoard, calib::CalibrationFailure::LateCamera),
+    [](const auto& given) {
+      std::string name = name_of(given.param);
+      std::erase(name, '-');
+      return name;
+    });
 
 TEST_P(NamedByTheReport, AsPageAndAsJson) {
   folder_.write("seen.json", to_json(failing_capture(GetParam())));
@@ -223,4 +224,4 @@ TEST_P(NamedByTheReport, AsPageAndAsJson) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -6,7 +6,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::AllOf;
@@ -91,4 +91,4 @@ TEST(CheckStudio, RefusesAConfigThatIsNone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::ElementsAre;
@@ -138,4 +138,4 @@ TEST(Check, CountsTheFilesThatAProgramMayOpen) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -9,7 +9,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::AllOf;
@@ -159,4 +159,4 @@ TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

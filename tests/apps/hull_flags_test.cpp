@@ -6,7 +6,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 struct Parsed {
@@ -31,9 +31,9 @@ TEST(HullFlags, ComeBackFromTheirDescription) {
        {"", "--votes strict", "--votes 5 --contour-tolerance 0.25",
         "--method octree --resolution 96 --smoothing 0.25", "--volume -1 -2 -3 1.5 2 3",
         "--collapse-slivers --smooth 3 --triangles 5000 --care-pixels 1 --care-loss 0.01"}) {
-    const Result<HullOptions> options = hull_options(Parsed(words).flags);
+    const Result<recon::HullOptions> options = hull_options(Parsed(words).flags);
     ASSERT_THAT(options, IsOk()) << words;
-    const std::optional<HullOptions> back = parse_hull_options(describe(*options));
+    const std::optional<recon::HullOptions> back = parse_hull_options(describe(*options));
     ASSERT_TRUE(back) << words;
     EXPECT_EQ(describe(*back), describe(*options)) << words;
     EXPECT_EQ(back->method, options->method) << words;
@@ -53,4 +53,4 @@ TEST(HullFlags, AreNotReadFromADescriptionOfSomethingElse) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -13,7 +13,7 @@
 #include "core/text.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -116,4 +116,4 @@ TEST_F(MatteVerb, LetsEvaluatePrintWhatItCostAPerson) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

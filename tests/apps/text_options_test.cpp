@@ -5,7 +5,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::ElementsAre;
@@ -38,4 +38,4 @@ TEST(ParseFrames, RefusesWhatIsNotInTheTake) {
 TEST(SplitList, LeavesOutEmptyParts) { EXPECT_THAT(split_list("a,,b,"), ElementsAre("a", "b")); }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -8,13 +8,13 @@ namespace floatstage {
 namespace {
 
 void find(benchmark::State& state, const char* line, double distance) {
-  const Result<TargetDesign> design = parse_target(line);
+  const Result<calib::TargetDesign> design = parse_target(line);
   const CameraModel camera = test::simple_camera(1280, 720, 60, BrownConrady{.k1 = -0.2, .k2 = 0.05});
   const Image picture = test::board_picture(
       *design, camera, test::before_camera(*design, distance, {20, 15, 5}), {.blur = 0.7, .noise = 2});
   std::size_t points = 0;
   for (auto _ : state) {
-    const Detection found = detect(*design, picture);
+    const calib::Detection found = detect(*design, picture);
     points = found.points.size();
     benchmark::DoNotOptimize(points);
   }

@@ -31,20 +31,20 @@ const MatteSet& torus(int cameras) {
   return set;
 }
 
-double seconds_of(const MatteSet& set, const HullOptions& options, HullWorkspace& workspace) {
-  const Result<HullReport> hull = visual_hull(set.rig, set.mattes, options, &workspace);
+double seconds_of(const MatteSet& set, const recon::HullOptions& options, recon::HullWorkspace& workspace) {
+  const Result<recon::HullReport> hull = visual_hull(set.rig, set.mattes, options, &workspace);
   return hull ? hull->seconds : std::numeric_limits<double>::quiet_NaN();
 }
 
 void measure(benchmark::State& state, const MatteSet& set, double tolerance, int threads,
              bool with_octree = true) {
-  HullOptions options;
+  recon::HullOptions options;
   options.contour_tolerance = tolerance;
   options.threads = threads;
   options.quality = false;
-  HullWorkspace workspace;
-  HullTimings sum;
-  HullReport last;
+  recon::HullWorkspace workspace;
+  recon::HullTimings sum;
+  recon::HullReport last;
   std::vector<double> frames;  // ms
   for (auto _ : state) {
     const auto begin = std::chrono::steady_clock::now();
@@ -80,8 +80,8 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
   if (!with_octree) return;
   // Ratio to the octree, both the best of a few in this run.
   double exact = std::numeric_limits<double>::infinity(), octree = exact;
-  HullOptions slow;
-  slow.method = HullMethod::Octree;
+  recon::HullOptions slow;
+  slow.method = recon::HullMethod::Octree;
   slow.resolution = 256;
   slow.threads = threads;
   slow.quality = false;
@@ -124,13 +124,13 @@ BENCHMARK(Torus)
 
 /// Toy-size sets: polygons of a sphere, no pixels.
 void SphereCones(benchmark::State& state) {
-  std::vector<ConeView> views;
+  std::vector<recon::ConeView> views;
   for (const Eigen::Vector3d& center : cones::around(8, 3)) {
     views.push_back(cones::of_sphere(center, 0.5, static_cast<int>(state.range(0)) / 8));
   }
-  ExactHull engine;
+  recon::ExactHull engine;
   for (auto _ : state) {
-    std::vector<ConeView> copy = views;
+    std::vector<recon::ConeView> copy = views;
     benchmark::DoNotOptimize(engine.compute(copy, {}));
   }
   state.counters["vertices"] = static_cast<double>(engine.polygons().positions.size());

@@ -42,7 +42,7 @@ void key_a_frame(benchmark::State& state, const std::string& spec, int width, in
 }
 
 int register_all() {
-  for (const KeyerInfo& keyer : keyers())
+  for (const matting::KeyerInfo& keyer : keyers())
     for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1024, 768}})
       benchmark::RegisterBenchmark(
           (keyer.name + "/" + std::to_string(width) + "x" + std::to_string(height)).c_str(),

@@ -21,30 +21,30 @@ constexpr int kWidth = 640, kHeight = 480, kInstants = 12;
 struct Recorded {
   TempFolder folder;
   Recorded() {
-    SynthesizeOptions options;
+    pipeline::SynthesizeOptions options;
     options.out = folder / "take";
     options.rig.width = 1024;
     options.rig.height = 768;
     options.studio.samples = 4;
     options.frames = kInstants;
-    options.take.codec = TakeCodec::Raw;
+    options.take.codec = capture::TakeCodec::Raw;
     if (const Result<void> ok = synthesize_take(options); !ok) throw std::runtime_error(ok.error().message);
   }
 };
 
 void live(benchmark::State& state) {
   static const Recorded recorded;
-  const auto gl = std::move(*GlContext::headless());
-  LiveRunOptions options;
+  const auto gl = std::move(*render::GlContext::headless());
+  studio::LiveRunOptions options;
   options.width = kWidth;
   options.height = kHeight;
   options.quality = static_cast<std::size_t>(state.range(0));
   options.target_fps = 0;
   options.seconds = 10;
   for (auto _ : state) {
-    auto player = std::move(*TakePlayer::open(recorded.folder / "take", {.loop = true}));
-    const CameraPath path = orbit_path(player->rig(), {}, 20);
-    const Result<LiveReport> report = run_live(
+    auto player = std::move(*studio::TakePlayer::open(recorded.folder / "take", {.loop = true}));
+    const pipeline::CameraPath path = orbit_path(player->rig(), {}, 20);
+    const Result<studio::LiveReport> report = run_live(
         *player, {}, options,
         [&](double s) { return view_of(sample(path, std::fmod(s, 20)), kWidth, kHeight, {}); },
         [] { return false; }, {});

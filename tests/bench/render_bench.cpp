@@ -16,13 +16,13 @@ namespace {
 
 /// One instant of the studio on the GPU, shared by all benches of the program.
 struct Stage {
-  std::unique_ptr<GlContext> context;
+  std::unique_ptr<render::GlContext> context;
   Rig rig;
   SceneFrame scene;
-  SceneTextures textures;
+  render::SceneTextures textures;
 
   Stage() {
-    context = std::move(*GlContext::headless());
+    context = std::move(*render::GlContext::headless());
     rig = synthetic_rig({});
     const SyntheticStudio studio = std::move(*SyntheticStudio::create(rig, {}));
     for (int i = 0; i < static_cast<int>(rig.cameras.size()); ++i) {
@@ -77,7 +77,7 @@ void upload(benchmark::State& state) {
 }
 
 void flow(benchmark::State& state, const std::string& preset, int finest_scale) {
-  FlowOptions options;
+  render::FlowOptions options;
   options.preset = preset;
   options.finest_scale = finest_scale;
   auto estimator = std::move(*make_flow_estimator(options));

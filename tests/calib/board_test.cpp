@@ -7,7 +7,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using testing::ElementsAre;
@@ -155,4 +155,4 @@ TEST(Print, IsRefusedForWhatIsNoPrint) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -11,7 +11,7 @@
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 void PrintTo(const NamedFailure& f, std::ostream* out) {
   *out << name_of(f.kind) << " (" << f.camera << "): " << f.sentence;
@@ -118,4 +118,4 @@ TEST(NamedFailures, HaveStableNames) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

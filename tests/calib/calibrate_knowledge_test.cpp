@@ -12,7 +12,7 @@
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using testing::Contains;
@@ -352,4 +352,4 @@ TEST(Uncertainty, IsLeastWhereTheBoardWasAndGrowsOutside) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -9,7 +9,7 @@
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using testing::IsEmpty;
@@ -53,4 +53,4 @@ TEST(Calibrate, FindsADomeOfTwenty) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -5,7 +5,7 @@
 #include "calib/formats/text_lines.h"
 #include "tests/calib/format_support.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 const Eigen::Matrix3d kTurned =
@@ -76,4 +76,4 @@ TEST(TextLines, WritesNumbersThatReadBackTheSame) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

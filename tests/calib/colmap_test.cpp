@@ -3,7 +3,7 @@
 #include "tests/calib/format_support.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 const std::string kCameras =
@@ -136,4 +136,4 @@ TEST(Colmap, MissingFilesAreNamed) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

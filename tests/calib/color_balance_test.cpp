@@ -5,7 +5,7 @@
 #include "core/random.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // Four cameras of different gain and gamma around a stage; each point is seen by two neighbours.
@@ -72,4 +72,4 @@ TEST(BalanceColors, NamesTheCameraThatSharesTooLittle) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 #include "core/random.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 struct Published {
@@ -181,4 +181,4 @@ TEST(ColorChart, IsNotSeenWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

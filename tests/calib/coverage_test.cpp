@@ -5,7 +5,7 @@
 
 #include "tests/calib/synthetic_capture.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using testing::HasSubstr;
@@ -134,4 +134,4 @@ TEST(Advice, AsksForDepthAndTiltWhereTheyAreMissing) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -8,7 +8,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 const CameraModel kCamera = test::simple_camera(640, 480, 60);
@@ -103,4 +103,4 @@ TEST(ContentKey, KnowsAFileByWhatIsInIt) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

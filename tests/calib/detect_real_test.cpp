@@ -9,13 +9,13 @@
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // All pictures of a video, in order.
 std::vector<Image> pictures(const std::filesystem::path& file) {
   std::vector<Image> all;
-  Result<std::unique_ptr<MediaReader>> reader = MediaReader::open(file);
+  Result<std::unique_ptr<capture::MediaReader>> reader = capture::MediaReader::open(file);
   EXPECT_THAT(reader, IsOk());
   if (!reader) return all;
   for (Result<Image> image = (*reader)->next(); image; image = (*reader)->next())
@@ -82,4 +82,4 @@ TEST(Pose2SimSet, ShowsItsChessboardWholeOrSaysThatItIsCutOff) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -8,7 +8,7 @@
 #include "tests/support/board_picture.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using test::before_camera;
@@ -187,4 +187,4 @@ TEST(Wand, TagsAreFoundAtTheirCentres) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

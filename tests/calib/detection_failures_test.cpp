@@ -5,7 +5,7 @@
 #include "tests/support/board_picture.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using test::before_camera;
@@ -129,4 +129,4 @@ TEST(Summary, DoesNotBlameTheDescriptionForOneMisreadPicture) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -12,7 +12,7 @@
 #include "calib/detect.h"
 #include "tests/support/board_picture.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 inline TargetDesign target(const std::string& line) {
   const Result<TargetDesign> read = parse_target(line);
@@ -57,4 +57,4 @@ inline std::size_t points_in_view(const TargetDesign& design, const CameraModel&
   return count;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -1,7 +1,7 @@
 #include "calib/formats/parsers.h"
 #include "tests/calib/format_support.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 const std::string kTwoCameras =
@@ -75,4 +75,4 @@ TEST(Dome, ReadsWindowsLineEndsAlike) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

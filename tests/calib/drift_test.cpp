@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 const CameraModel kCamera = test::simple_camera(320, 240, 56, BrownConrady{.k1 = -0.1});
@@ -245,4 +245,4 @@ TEST(DriftReference, IsRefusedForAnotherRigOrOtherPictures) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

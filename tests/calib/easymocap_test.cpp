@@ -3,7 +3,7 @@
 #include "tests/calib/format_support.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 const std::string kIntri =
@@ -139,4 +139,4 @@ TEST(EasyMocap, WriterRefusesAFisheyeAndLeavesNoFile) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

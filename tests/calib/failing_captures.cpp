@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace floatstage {
+namespace floatstage::calib {
 
 Path in_front(const RigCamera& camera, double nearest, double farthest, double tilt_degrees) {
   const Rigid3 world_from_cam = camera.cam_from_world.inverse();
@@ -52,4 +52,4 @@ Observations failing_capture(CalibrationFailure kind) {
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -5,7 +5,7 @@
 #include "core/rig.h"
 #include "tests/calib/synthetic_capture.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Stills, far apart in time.
 inline const CaptureOptions kStills{.frames = 40, .frame_seconds = 0.2};
@@ -16,4 +16,4 @@ Path in_front(const RigCamera& camera, double nearest, double farthest, double t
 /// A capture with small reprojection errors that is worthless for that reason.
 Observations failing_capture(CalibrationFailure kind);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

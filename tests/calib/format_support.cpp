@@ -2,7 +2,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 Rig sample_rig(const Lens& lens, bool tiny) {
   Rig rig;
@@ -39,4 +39,4 @@ void expect_same(const Rig& a, const Rig& b, double tolerance) {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -9,7 +9,7 @@
 
 #include "calib/rig_formats.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Fails with a sentence that holds every one of `parts`.
 template <class T>
@@ -44,4 +44,4 @@ Rig sample_rig(const Lens& lens, bool tiny = false);
 /// Same serials, and everything else within `tolerance`; sizes only where `b` states them.
 void expect_same(const Rig& a, const Rig& b, double tolerance = 1e-12);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

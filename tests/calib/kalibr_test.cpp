@@ -4,7 +4,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // As Kalibr writes it: rows wrapped where its YAML library wraps them.
@@ -142,4 +142,4 @@ TEST(QualisysWriter, RefusesAFisheye) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -9,7 +9,7 @@
 #include "calib/solver/timing.h"
 #include "tests/calib/synthetic_capture.h"
 
-namespace floatstage::solver {
+namespace floatstage::calib::solver {
 namespace {
 
 Intrinsics sample(LensKind lens) {
@@ -237,4 +237,4 @@ TEST(MarkerResidual, PassesOverLengthsToMarkersThatNobodySaw) {
 }
 
 }  // namespace
-}  // namespace floatstage::solver
+}  // namespace floatstage::calib::solver

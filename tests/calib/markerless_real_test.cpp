@@ -10,7 +10,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 struct Temple {
@@ -109,4 +109,4 @@ TEST(MarkerlessTemple, SparseRingIsRefusedWithAReasonOrAsGood) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

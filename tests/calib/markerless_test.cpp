@@ -9,7 +9,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 namespace fs = std::filesystem;
@@ -124,4 +124,4 @@ TEST(ScaleTo, PutsTwoCamerasAtTheirDistance) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

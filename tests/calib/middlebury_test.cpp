@@ -3,7 +3,7 @@
 #include "tests/calib/format_support.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // The second camera stands at (0, 0, -2) and looks along +z; the first is turned by 90° about its axis.
@@ -95,4 +95,4 @@ TEST(Middlebury, MissingFileIsNotFound) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -201,4 +201,4 @@ TEST(PointIndex, FindsIdsInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr double kDotsPerInch = 254;
@@ -76,4 +76,4 @@ TEST(Print, OfATwoSidedBoardShowsTheBackOnTheSecondSheet) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -1,7 +1,7 @@
 #include "calib/formats/parsers.h"
 #include "tests/calib/format_support.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // One camera 2 m up and 4 m along -y that looks along +y, level; its picture is a 2×2 part of the sensor that
@@ -81,4 +81,4 @@ TEST(Qualisys, SaysWhichLineAndCameraIsWrong) {
 TEST(Qualisys, RefusesEveryTruncation) { expect_truncations_refused(kLevel, 1, parse); }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

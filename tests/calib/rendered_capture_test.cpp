@@ -10,7 +10,7 @@
 #include "tests/support/board_picture.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // Four cameras on a quarter circle with lenses of their own.
@@ -88,4 +88,4 @@ TEST(RenderedBoards, AreCalibratedToTheirTruth) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

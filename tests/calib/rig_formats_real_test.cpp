@@ -7,7 +7,7 @@
 #include "tests/calib/format_support.h"
 #include "tests/support/real_data.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Eigen::Vector3d;
@@ -159,4 +159,4 @@ TEST(QualisysReal, MarksDoNotMeetUnderAnyOtherReadingOfTheRotation) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

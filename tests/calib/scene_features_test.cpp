@@ -9,7 +9,7 @@
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
@@ -201,4 +201,4 @@ TEST(Agreement, IsAShareOfTheRadiusAndNamesTheWorst) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 // Soft bright spots on grey, at these places (corner origin).
@@ -56,4 +56,4 @@ TEST(SceneKeypoints, OfAnEmptyPictureAreNone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "tests/calib/synthetic_capture.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 constexpr int kPoints = 60;
@@ -124,4 +124,4 @@ TEST(PointsOfMatches, AreSeenByThree) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 using Eigen::Matrix3d;
@@ -238,4 +238,4 @@ TruthErrors compare(const Rig& solved, const Rig& truth, const CaptureOptions& o
   return e;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

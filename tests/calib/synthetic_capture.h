@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 
 /// Captures of targets whose truth is known to the last digit: what detectors would have given, with noise
 /// and outliers.
@@ -64,4 +64,4 @@ struct TruthErrors {
 /// scaled) onto the truth.
 TruthErrors compare(const Rig& solved, const Rig& truth, const CaptureOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::calib

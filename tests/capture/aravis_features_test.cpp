@@ -10,7 +10,7 @@
 #include "tests/support/own_network.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 class AGigeCameraWithMore : public testing::Test {
@@ -79,4 +79,4 @@ TEST_F(AGigeCameraWithMore, LeavesRoomBetweenItsPacketsForTheOthersOfItsLink) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

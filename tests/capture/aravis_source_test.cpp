@@ -7,7 +7,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/own_network.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 class AravisSource : public testing::Test {
@@ -181,4 +181,4 @@ TEST(AravisUri, RefusesOptionsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

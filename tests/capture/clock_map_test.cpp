@@ -6,7 +6,7 @@
 
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
@@ -115,4 +115,4 @@ TEST(ClockMap, KeepsNanosecondsWhenTheClockCountsFrom1970) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -6,7 +6,7 @@
 
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr double kPeriod = 1e9 / 30;
@@ -66,4 +66,4 @@ TEST(EpochGrid, FindsTheRowAgainAfterEverybodyWasAway) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

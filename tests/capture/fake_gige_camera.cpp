@@ -14,7 +14,7 @@
 
 extern char** environ;
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 // Whether a socket listens for GigE Vision control (port 3956) on 127.0.0.`number`.
@@ -63,4 +63,4 @@ void FakeGigeCamera::kill() {
 void FakeGigeCamera::freeze() { ::kill(pid_, SIGSTOP); }
 void FakeGigeCamera::thaw() { ::kill(pid_, SIGCONT); }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -5,7 +5,7 @@
 
 #include <sys/types.h>
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// A process that speaks GigE Vision over UDP on an address of the loopback (Aravis' fake camera):
 /// 127.0.0.`number`. Dies with this object.
@@ -33,4 +33,4 @@ class FakeGigeCamera {
   pid_t pid_ = -1;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -13,7 +13,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// A source with its cable: one that does not end by itself.
 struct PluggedSource {
@@ -212,4 +212,4 @@ TEST_P(FrameSourceConformance, IsCountedFromAnotherThread) {
   EXPECT_LE(seen, GetParam().delivered);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

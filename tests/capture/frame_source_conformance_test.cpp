@@ -9,7 +9,7 @@
 #include "tests/support/fake_source.h"
 #include "tests/support/own_network.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 std::unique_ptr<FrameSource> opened(const std::string& uri) {
@@ -103,4 +103,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

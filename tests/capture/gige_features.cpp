@@ -4,7 +4,7 @@
 #include "core/text.h"
 #include "tests/capture/fake_gige_camera.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 std::string integer_register(const std::string& name, int address) {
@@ -37,4 +37,4 @@ std::string ptp_features(const std::string& follows) {
       integer_register("Never", 0x8008));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -5,7 +5,7 @@
 
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Features that Aravis' fake camera has not got: a GenICam description, for FakeGigeCamera, that promises
 /// them besides its own, over registers of its memory that nothing else uses. Starts a camera for a moment on
@@ -16,4 +16,4 @@ std::filesystem::path described_with(const std::string& features, const TempFold
 /// writes, "Latch" what PtpDataSetLatch writes, and "Never" nobody writes.
 std::string ptp_features(const std::string& follows);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

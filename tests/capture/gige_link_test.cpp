@@ -5,7 +5,7 @@
 #include "capture/aravis/block_id.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 TEST(GigeLink, CountsEveryByteOnTheWire) {
@@ -85,4 +85,4 @@ TEST(BlockId, ALittleBackIsAPictureThatWasOvertaken) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -10,7 +10,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 using testing::IsEmpty;
@@ -103,4 +103,4 @@ TEST(MatroskaIndex, ReportsWhatTheSystemRefuses) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 class RealMedia : public testing::Test {
@@ -77,4 +77,4 @@ TEST_F(RealMedia, AJpegHasItsSize) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

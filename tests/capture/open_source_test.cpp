@@ -9,7 +9,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 TEST(OpenSource, SaysWhatIsUnderstood) {
@@ -109,4 +109,4 @@ TEST(FakeSource, StaysDisconnectedUntilItIsStartedAgain) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 Rig small_rig(int cameras, int width, int height) {
   Rig rig;
@@ -101,4 +101,4 @@ void record_small_take(const std::filesystem::path& folder, int cameras, int fra
   ASSERT_TRUE(ok.has_value()) << ok.error().message;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -7,7 +7,7 @@
 #include "core/frame.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// Cameras "cam0", "cam1", … of one size, on a ring.
 Rig small_rig(int cameras, int width, int height);
@@ -28,4 +28,4 @@ bool same_pixels(const Frame& a, const Frame& b);
 void record_small_take(const std::filesystem::path& folder, int cameras, int frames,
                        TakeCodec codec = TakeCodec::Ffv1, int gap = -1, int width = 32, int height = 24);
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -13,7 +13,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 using testing::ElementsAre;
@@ -316,4 +316,4 @@ TEST(Detached, FramesKeepTheirPixelsWhenTheBufferIsReused) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

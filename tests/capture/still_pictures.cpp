@@ -9,7 +9,7 @@ extern "C" {
 #include <cstring>
 #include <vector>
 
-namespace floatstage {
+namespace floatstage::capture {
 
 std::string encode_still(const char* encoder, const char* pixel_format, int width, int height,
                          const std::function<unsigned(int x, int y, int component)>& sample) {
@@ -56,4 +56,4 @@ std::string encode_still(const char* encoder, const char* pixel_format, int widt
   return bytes;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

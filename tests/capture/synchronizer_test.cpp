@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 using testing::Contains;
@@ -246,4 +246,4 @@ TEST(Synchronizer, KnowsItsPoliciesByName) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

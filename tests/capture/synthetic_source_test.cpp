@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr const char* kSmall = "camera=1&cameras=4&width=32&height=24&samples=1&rate=50&live=on";
@@ -71,4 +71,4 @@ TEST(ALiveSyntheticCamera, ShowsItsFewPosesAgainAndAgain) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -13,7 +13,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 using testing::Contains;
@@ -224,4 +224,4 @@ TEST(FullDisk, LeavesNoHalfVideo) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 using testing::ElementsAre;
@@ -165,4 +165,4 @@ TEST(TakeWriter, NamesACodecThatCannotHoldThePicture) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

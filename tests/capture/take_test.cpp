@@ -15,7 +15,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 using testing::ElementsAre;
@@ -303,4 +303,4 @@ TEST(Take, KeepsFramesValidAfterTheReaderIsGone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -9,7 +9,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 using testing::HasSubstr;
@@ -33,4 +33,4 @@ TEST(V4l2Device, NamesControlsInWordsOfACommandLine) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -13,7 +13,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 TEST(VividUnderQemu, StreamsRecordsAndSurvivesEveryFault) {
@@ -45,4 +45,4 @@ TEST(VividUnderQemu, StreamsRecordsAndSurvivesEveryFault) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

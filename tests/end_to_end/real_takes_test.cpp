@@ -19,36 +19,38 @@ namespace fs = std::filesystem;
 // The commands of the README on real photographs, with the bars that they are held to.
 class RealTake : public testing::Test {
  protected:
-  void make_take(CalibrationFormat format, const std::string& key) {
-    ImportOptions import;
+  void make_take(pipeline::CalibrationFormat format, const std::string& key) {
+    pipeline::ImportOptions import;
     import.calibration.format = format;
     import.calibration.path = data_;
     import.out = take();
     ASSERT_THAT(import_take(import), IsOk());
-    ASSERT_THAT(process_take({.take = take(), .key = key, .hull = HullOptions{}}), IsOk());
+    ASSERT_THAT(process_take({.take = take(), .key = key, .hull = recon::HullOptions{}}), IsOk());
   }
 
   fs::path take() const { return folder_ / "take"; }
 
   /// Mean scores per method over the views, each held out in turn.
-  std::map<std::string, Scores> leave_out(const std::vector<std::string>& views) {
-    auto reader = TakeReader::open(take());
-    auto gl = GlContext::headless();
+  std::map<std::string, pipeline::Scores> leave_out(const std::vector<std::string>& views) {
+    auto reader = capture::TakeReader::open(take());
+    auto gl = render::GlContext::headless();
     EXPECT_THAT(reader, IsOk());
     EXPECT_THAT(gl, IsOk());
-    std::map<std::string, Scores> mean;
+    std::map<std::string, pipeline::Scores> mean;
     const double n = static_cast<double>(views.size());
-    EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};
-    options.hull.method = HullMethod::Octree;
-    EXPECT_THAT(evaluate_take(**reader, options,
-                              [&](HeldOutView view) {
-                                for (const auto& [method, s] : view.scores)
-                                  for (double Scores::*m : {&Scores::psnr, &Scores::ssim, &Scores::cw_ssim,
-                                                            &Scores::psnr_shift, &Scores::sharpness})
-                                    mean[method].*m += s.*m / n;
-                                return Result<void>();
-                              }),
-                IsOk());
+    pipeline::EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};
+    options.hull.method = recon::HullMethod::Octree;
+    EXPECT_THAT(
+        evaluate_take(**reader, options,
+                      [&](pipeline::HeldOutView view) {
+                        for (const auto& [method, s] : view.scores)
+                          for (double pipeline::Scores::*m :
+                               {&pipeline::Scores::psnr, &pipeline::Scores::ssim, &pipeline::Scores::cw_ssim,
+                                &pipeline::Scores::psnr_shift, &pipeline::Scores::sharpness})
+                            mean[method].*m += s.*m / n;
+                        return Result<void>();
+                      }),
+        IsOk());
     return mean;
   }
 
@@ -59,7 +61,7 @@ class RealTake : public testing::Test {
 TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
   data_ = real_data("middlebury-temple-ring");
   FLOATSTAGE_NEEDS_DATA(data_);
-  make_take(CalibrationFormat::Middlebury, "luminance:12");
+  make_take(pipeline::CalibrationFormat::Middlebury, "luminance:12");
   const auto mean = leave_out({"templeR0014.png", "templeR0016.png", "templeR0018.png", "templeR0020.png",
                                "templeR0022.png", "templeR0024.png", "templeR0026.png", "templeR0028.png",
                                "templeR0030.png"});
@@ -71,12 +73,12 @@ TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
 TEST_F(RealTake, TempleSparseRingIsBetterFloatingInEveryMetric) {
   data_ = real_data("middlebury-temple-sparse-ring");
   FLOATSTAGE_NEEDS_DATA(data_);
-  make_take(CalibrationFormat::Middlebury, "luminance:12");
+  make_take(pipeline::CalibrationFormat::Middlebury, "luminance:12");
   const auto mean = leave_out({"templeSR0002.png", "templeSR0003.png", "templeSR0004.png", "templeSR0005.png",
                                "templeSR0006.png", "templeSR0007.png", "templeSR0008.png", "templeSR0009.png",
                                "templeSR0010.png", "templeSR0011.png", "templeSR0012.png", "templeSR0013.png",
                                "templeSR0014.png", "templeSR0015.png"});
-  const Scores &linear = mean.at("linear"), &floating = mean.at("floating");
+  const pipeline::Scores &linear = mean.at("linear"), &floating = mean.at("floating");
   EXPECT_GT(floating.psnr, linear.psnr);
   EXPECT_GT(floating.ssim, linear.ssim);
   EXPECT_GT(floating.cw_ssim, linear.cw_ssim);
@@ -87,7 +89,7 @@ TEST_F(RealTake, TempleSparseRingIsBetterFloatingInEveryMetric) {
 TEST_F(RealTake, PersonInTheGreenDomeIsKeyedAndFloats) {
   data_ = real_data("green-dome");
   FLOATSTAGE_NEEDS_DATA(data_);
-  make_take(CalibrationFormat::Dome, "chroma");
+  make_take(pipeline::CalibrationFormat::Dome, "chroma");
   double sum = 0;
   for (int i = 0; i < 20; ++i) {
     const std::string serial = (i < 10 ? "0" : "") + std::to_string(i);

@@ -23,14 +23,14 @@ class SyntheticTake : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
-    SynthesizeOptions studio;
+    pipeline::SynthesizeOptions studio;
     studio.out = *folder_ / "take";
     studio.rig.cameras = 12;
     studio.studio.samples = 4;
     studio.studio.defects.calibration_error = 0.3;
     studio.frames = 1;
     ASSERT_THAT(synthesize_take(studio), IsOk());
-    ProcessOptions process{.take = studio.out, .key = "chroma", .hull = HullOptions{}};
+    pipeline::ProcessOptions process{.take = studio.out, .key = "chroma", .hull = recon::HullOptions{}};
     process.hull->resolution = 160;
     ASSERT_THAT(process_take(process), IsOk());
   }
@@ -39,19 +39,20 @@ class SyntheticTake : public testing::Test {
     folder_ = nullptr;
   }
 
-  static std::vector<HeldOutView> evaluate(const std::vector<std::string>& hold_out) {
-    auto take = TakeReader::open(*folder_ / "take");
-    auto gl = GlContext::headless();
+  static std::vector<pipeline::HeldOutView> evaluate(const std::vector<std::string>& hold_out) {
+    auto take = capture::TakeReader::open(*folder_ / "take");
+    auto gl = render::GlContext::headless();
     EXPECT_THAT(take, IsOk());
     EXPECT_THAT(gl, IsOk());
-    EvaluateOptions options{.hold_out = hold_out, .renderer = {}, .hull = {}};
-    options.hull.method = HullMethod::Octree;
+    pipeline::EvaluateOptions options{.hold_out = hold_out, .renderer = {}, .hull = {}};
+    options.hull.method = recon::HullMethod::Octree;
     options.hull.resolution = 160;
-    std::vector<HeldOutView> views;
-    EXPECT_THAT(
-        evaluate_take(**take, options,
-                      [&](HeldOutView view) { return views.push_back(std::move(view)), Result<void>(); }),
-        IsOk());
+    std::vector<pipeline::HeldOutView> views;
+    EXPECT_THAT(evaluate_take(**take, options,
+                              [&](pipeline::HeldOutView view) {
+                                return views.push_back(std::move(view)), Result<void>();
+                              }),
+                IsOk());
     return views;
   }
 
@@ -61,9 +62,9 @@ TempFolder* SyntheticTake::folder_ = nullptr;
 
 TEST_F(SyntheticTake, LooksSharperFloatingThanBlendedFromViewpointsWhereNoCameraStood) {
   double linear = 0, floating = 0, linear_ssim = 0, floating_ssim = 0;
-  const std::vector<HeldOutView> views = evaluate({"cam00", "cam04", "cam08"});
+  const std::vector<pipeline::HeldOutView> views = evaluate({"cam00", "cam04", "cam08"});
   ASSERT_EQ(views.size(), 3u);
-  for (const HeldOutView& view : views) {
+  for (const pipeline::HeldOutView& view : views) {
     linear += view.scores.at("linear").psnr / 3;
     floating += view.scores.at("floating").psnr / 3;
     linear_ssim += view.scores.at("linear").ssim / 3;
@@ -76,8 +77,8 @@ TEST_F(SyntheticTake, LooksSharperFloatingThanBlendedFromViewpointsWhereNoCamera
 
 TEST_F(SyntheticTake, NeverUsesTheHeldOutPhotograph) {
   // The held-out camera's photograph and matte are replaced by garbage: the rendered views must not notice.
-  const std::vector<HeldOutView> before = evaluate({"cam02"});
-  auto reader = TakeReader::open(*folder_ / "take");
+  const std::vector<pipeline::HeldOutView> before = evaluate({"cam02"});
+  auto reader = capture::TakeReader::open(*folder_ / "take");
   ASSERT_THAT(reader, IsOk());
   const std::filesystem::path matte = (*reader)->layout().matte("cam02", 0);
   const std::string kept = *read_file(matte);
@@ -85,7 +86,7 @@ TEST_F(SyntheticTake, NeverUsesTheHeldOutPhotograph) {
   for (int x = 0; x < 640; ++x)
     for (int y = 100; y < 180; ++y) garbage.at(x, y)[0] = 255;
   ASSERT_THAT(save_png(garbage, matte), IsOk());
-  const std::vector<HeldOutView> after = evaluate({"cam02"});
+  const std::vector<pipeline::HeldOutView> after = evaluate({"cam02"});
   ASSERT_THAT(write_file(matte, kept), IsOk());
   ASSERT_EQ(before.size(), 1u);
   ASSERT_EQ(after.size(), 1u);
@@ -94,18 +95,18 @@ TEST_F(SyntheticTake, NeverUsesTheHeldOutPhotograph) {
 }
 
 TEST_F(SyntheticTake, RefusesToHoldOutACameraThatIsNotThere) {
-  auto take = TakeReader::open(*folder_ / "take");
-  auto gl = GlContext::headless();
+  auto take = capture::TakeReader::open(*folder_ / "take");
+  auto gl = render::GlContext::headless();
   ASSERT_THAT(take, IsOk());
   ASSERT_THAT(gl, IsOk());
-  EvaluateOptions options{.hold_out = {"cam99"}, .renderer = {}, .hull = {}};
-  EXPECT_THAT(evaluate_take(**take, options, [](HeldOutView) { return Result<void>(); }),
+  pipeline::EvaluateOptions options{.hold_out = {"cam99"}, .renderer = {}, .hull = {}};
+  EXPECT_THAT(evaluate_take(**take, options, [](pipeline::HeldOutView) { return Result<void>(); }),
               FailsWith(ErrorCode::NotFound, "cam99"));
 }
 
 TEST(Demo, MakesBothVideosAndAReportOfScoresAgainstTruth) {
   TempFolder folder;
-  DemoOptions options = default_demo();
+  pipeline::DemoOptions options = default_demo();
   options.out = folder / "demo";
   options.studio.frames = 2;
   options.film_rate = 12;
@@ -118,7 +119,7 @@ TEST(Demo, MakesBothVideosAndAReportOfScoresAgainstTruth) {
     EXPECT_GT(report["mean"][method]["ssim_mask"].get<double>(), 0.5) << method;
   }
   for (const auto& [name, width] : {std::pair{"freeview.mp4", 640}, {"compare.mp4", 1280}}) {
-    auto video = MediaReader::open(options.out / name);
+    auto video = capture::MediaReader::open(options.out / name);
     ASSERT_THAT(video, IsOk());
     const Result<Image> first = (*video)->next(), second = (*video)->next();
     ASSERT_THAT(first, IsOk());

@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     mattes.push_back(make_matte({}, alpha));
   }
   if (rig.cameras.size() != cameras) return 0;
-  HullOptions options;
+  recon::HullOptions options;
   options.threads = 1;
   options.contour_tolerance = byte(0) % 5 * 0.5;
   options.resolution = 48;  // of the octree that helps out, so that a slow input is one of the exact hull

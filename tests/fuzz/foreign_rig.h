@@ -10,7 +10,7 @@ namespace floatstage {
 
 /// What every reader of a foreign calibration promises: a rig that passes check() once its pictures' sizes
 /// are known, apart from serials that cannot be file names.
-inline void expect_sound(const Result<ForeignRig>& foreign) {
+inline void expect_sound(const Result<calib::ForeignRig>& foreign) {
   if (!foreign) return;
   FLOATSTAGE_CHECK(foreign->image_names.size() == foreign->rig.cameras.size(), "not one image name a camera");
   Rig rig = foreign->rig;

@@ -23,12 +23,12 @@ std::optional<Rigid3> pose_from(Next&& next) {
 }
 
 /// What holds for any hull: a closed, manifold mesh or a sentence about the input.
-inline void claim_closed_or_refused(const Result<HullReport>& hull) {
+inline void claim_closed_or_refused(const Result<recon::HullReport>& hull) {
   if (!hull) {
     FLOATSTAGE_CHECK(hull.error().code == ErrorCode::BadData, "an error that is not about the input");
     return;
   }
-  const MeshCheck mesh = check_mesh(hull->mesh);
+  const recon::MeshCheck mesh = check_mesh(hull->mesh);
   FLOATSTAGE_CHECK(mesh.watertight && mesh.manifold && mesh.oriented, "an open hull: " + mesh.summary());
 }
 

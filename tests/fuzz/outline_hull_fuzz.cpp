@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto byte = [&](std::size_t at) { return data[at % size]; };
   const std::size_t cameras = 2 + byte(0) % 4;
   Rig rig;
-  std::vector<Silhouette> outlines;
+  std::vector<recon::Silhouette> outlines;
   std::size_t at = 1;
   for (std::size_t c = 0; c < cameras; ++c) {
     const std::optional<Rigid3> pose = pose_from([&] { return byte(at++); });
@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     camera.cam_from_world = *pose;
     if (!check(Rig{{camera}})) return 0;
     rig.cameras.push_back(camera);
-    Silhouette outline;
+    recon::Silhouette outline;
     const std::uint8_t head = byte(at++);
     outline.beyond_counts = head & 128;
     const int polygons = head % 4;
@@ -40,9 +40,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (polygons > 0) outline.starts.push_back(static_cast<int>(outline.points.size()) + (head & 64 ? 1 : 0));
     outlines.push_back(std::move(outline));
   }
-  HullOptions options;
+  recon::HullOptions options;
   options.threads = 1;
-  options.voting = byte(0) & 16 ? HullVoting::Auto : HullVoting::Strict;
+  options.voting = byte(0) & 16 ? recon::HullVoting::Auto : recon::HullVoting::Strict;
   if (byte(0) & 64)
     options.volume = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1));
   claim_closed_or_refused(visual_hull(rig, outlines, options));

@@ -8,12 +8,13 @@
 // Whatever parses names its cameras so that files can be named after them, and says what to look at.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
-  const Result<Session> session = parse_session({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const Result<pipeline::Session> session =
+      parse_session({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (!session) return 0;
   FLOATSTAGE_CHECK(!session->observations.empty() ||
                        ((session->target || session->markerless) && !session->cameras.empty()),
                    "a session of nothing");
-  for (const SessionCamera& c : session->cameras) {
+  for (const pipeline::SessionCamera& c : session->cameras) {
     FLOATSTAGE_CHECK(is_usable_serial(c.serial), "an unusable serial");
     FLOATSTAGE_CHECK(!c.video.empty() || !c.images.empty() || !c.alone.empty() || !c.scene.empty(),
                      "a camera without pictures");

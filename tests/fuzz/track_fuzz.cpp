@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                    "no memory file");
   constexpr const char* kCodecs[] = {"ffv1", "raw", "h264"};
   TakeManifest::Camera camera{"cam0", "fuzz", kCodecs[data[0] % 3], PixelFormat::Rgb8, 8, 8};
-  if (auto track = TrackReader::open(text("/proc/self/fd/", fd), camera)) {
+  if (auto track = capture::TrackReader::open(text("/proc/self/fd/", fd), camera)) {
     const std::int64_t last = std::min<std::int64_t>((*track)->pictures(), 16);
     for (std::int64_t i = last - 1; i >= 0; --i) {
       const auto picture = (*track)->picture(i);

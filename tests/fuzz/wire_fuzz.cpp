@@ -15,7 +15,7 @@ template <class Value, class Encode, class Decode>
 void expect_round_trip(const Value& value, Encode encode, Decode decode) {
   const Result<std::string> written = encode(value);
   FLOATSTAGE_CHECK(written, "what was read cannot be written: " + written.error().message);
-  const Result<wire::Message> opened = wire::open(*written);
+  const Result<studio::wire::Message> opened = studio::wire::open(*written);
   FLOATSTAGE_CHECK(opened, "what was written does not open: " + opened.error().message);
   const auto again = decode(*opened);
   FLOATSTAGE_CHECK(again, "what was written does not decode: " + again.error().message);
@@ -25,20 +25,23 @@ void expect_round_trip(const Value& value, Encode encode, Decode decode) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const Result<wire::Message> message = wire::open({reinterpret_cast<const char*>(data), size});
+  const Result<studio::wire::Message> message =
+      studio::wire::open({reinterpret_cast<const char*>(data), size});
   if (!message) return 0;
-  if (const auto view = wire::decode_view(*message)) {
-    if (message->header.kind == wire::MessageKind::Outline)
-      expect_round_trip(*view, wire::encode_outline, wire::decode_view);
-    const auto as_tile = [](const CameraView& v) { return wire::encode_tile(v, {wire::TileCode::Raw, 0}); };
-    if (view->tile) expect_round_trip(*view, as_tile, wire::decode_view);
+  if (const auto view = studio::wire::decode_view(*message)) {
+    if (message->header.kind == studio::wire::MessageKind::Outline)
+      expect_round_trip(*view, studio::wire::encode_outline, studio::wire::decode_view);
+    const auto as_tile = [](const studio::CameraView& v) {
+      return studio::wire::encode_tile(v, {studio::wire::TileCode::Raw, 0});
+    };
+    if (view->tile) expect_round_trip(*view, as_tile, studio::wire::decode_view);
   }
-  if (const auto scene = wire::decode_scene(*message))
-    expect_round_trip(*scene, wire::encode_scene, wire::decode_scene);
-  if (const auto request = wire::decode_request(*message))
-    expect_round_trip(*request, wire::encode_request, wire::decode_request);
-  if (const auto status = wire::decode_status(*message))
-    expect_round_trip(*status, wire::encode_status, wire::decode_status);
-  static_cast<void>(wire::decode_reply(*message));
+  if (const auto scene = studio::wire::decode_scene(*message))
+    expect_round_trip(*scene, studio::wire::encode_scene, studio::wire::decode_scene);
+  if (const auto request = studio::wire::decode_request(*message))
+    expect_round_trip(*request, studio::wire::encode_request, studio::wire::decode_request);
+  if (const auto status = studio::wire::decode_status(*message))
+    expect_round_trip(*status, studio::wire::encode_status, studio::wire::decode_status);
+  static_cast<void>(studio::wire::decode_reply(*message));
   return 0;
 }

@@ -11,7 +11,7 @@
 
 // What `auto` chooses by, against the truth: on every clip the candidate of least score is the best of key,
 // closed form and spectral.
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 struct Candidate {
@@ -101,4 +101,4 @@ INSTANTIATE_TEST_SUITE_P(Tuned, AutoChoice, testing::Values(1, 2, 3));
 INSTANTIATE_TEST_SUITE_P(Others, AutoChoice, testing::Values(21, 22, 23));
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 // Boxes of opacity in 80x60: the subject at left, somebody else at right.
@@ -68,4 +68,4 @@ TEST(ChooseIslands, KeepsTheSoftEdgeAndNoFarHaze) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -5,7 +5,7 @@
 #include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Matte keyed(const Scene& scene, const char* spec = "chroma") {
@@ -114,4 +114,4 @@ TEST(SampleBacking, IgnoresAGreenSubjectInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

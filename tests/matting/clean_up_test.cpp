@@ -3,7 +3,7 @@
 #include "core/check.h"
 #include "matting/keyers/keyer.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 void paint(Image& image, int x0, int y0, int w, int h, int value) {
@@ -92,4 +92,4 @@ TEST(CleanUp, KeepsAnAllSubjectPicture) {
 TEST(CleanUp, OfColoursIsOurBug) { EXPECT_THROW(clean_up(Image(4, 4, 3), {}), CheckFailure); }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -9,7 +9,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 MattingClip as_clip(const std::vector<Image>& frames) {
@@ -194,4 +194,4 @@ TEST(ColorModel, TellsSeenColoursFromOthers) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

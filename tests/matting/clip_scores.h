@@ -7,7 +7,7 @@
 #include "core/image.h"
 #include "pipeline/metrics/matte_metrics.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Means over a clip, the first frame left out where it was given.
 struct ClipScores {
@@ -32,4 +32,4 @@ inline std::ostream& operator<<(std::ostream& out, const ClipScores& s) {
   return out << "MSE " << s.mse << ", dtSSD " << s.dtssd << ", IoU " << s.iou;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -11,7 +11,7 @@
 #include "tests/support/real_data.h"
 
 // A furry animal that moves and turns; its matte is known in the first frame only.
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image rgb_of(const Image& picture) {
@@ -83,4 +83,4 @@ TEST_P(Lemur, IsMattedBestByWhatExplainsThePictureBest) {
 INSTANTIATE_TEST_SUITE_P(Seeds, Lemur, testing::Values(1, 2, 3));
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

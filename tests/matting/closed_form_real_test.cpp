@@ -8,7 +8,7 @@
 #include "tests/support/real_data.h"
 
 // Against Levin's Matlab code on his own picture.
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 class Dandelion : public testing::Test {
@@ -70,4 +70,4 @@ TEST_F(Dandelion, HasTheForegroundColoursThatMatlabFinds) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

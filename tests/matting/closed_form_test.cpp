@@ -7,7 +7,7 @@
 #include "tests/matting/pictures.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 // The truth's trimap: unknown within about `margin` px of where it is neither 0 nor 255.
@@ -191,4 +191,4 @@ TEST(RefineMatte, RefusesAnotherShape) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

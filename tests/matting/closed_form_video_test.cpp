@@ -4,7 +4,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 std::vector<Image> carried(const MatteClip& clip, const ClosedFormVideoOptions& options = {}) {
@@ -61,4 +61,4 @@ TEST(ClosedFormVideo, RefusesToBeginWithoutAKeyframeAndToChangeItsSize) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

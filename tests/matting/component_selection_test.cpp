@@ -9,7 +9,7 @@
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 using testing::ElementsAre;
@@ -152,4 +152,4 @@ TEST(GuessSelection, FindsADiscBeforeFields) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

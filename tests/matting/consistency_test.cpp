@@ -6,7 +6,7 @@
 
 #include "tests/matting/pictures.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image disc(double radius) {
@@ -89,4 +89,4 @@ TEST(MethodComparison, NeverPrefersNobodyHoweverCalm) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

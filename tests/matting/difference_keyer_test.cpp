@@ -4,7 +4,7 @@
 #include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image shaded(Image image, double factor) {
@@ -75,4 +75,4 @@ TEST(DifferenceKeyer, RefusesToStartWithoutAPlateOrWithUnequalOnes) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -16,7 +16,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 using Eigen::MatrixXd;
@@ -222,4 +222,4 @@ TEST(EigenSolver, SaysWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

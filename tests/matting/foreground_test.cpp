@@ -6,7 +6,7 @@
 #include "tests/matting/pictures.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 TEST(Foreground, IsTheSubjectsColourEverywhereInTheSoftEdge) {
@@ -74,4 +74,4 @@ TEST(Despill, GivesTheLightBackToAllChannelsOnRequest) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -6,7 +6,7 @@
 
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image noise(int width, int height, Random& random) {
@@ -86,4 +86,4 @@ TEST(FrameCut, TheBackdropsOwnEdgesDoNotAttractTheOutline) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -8,7 +8,7 @@
 #include "matting/video/matte_propagation.h"
 #include "tests/matting/small_scenes.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 // A smooth random texture moved to the right by `shift`.
@@ -86,4 +86,4 @@ TEST(Filtered, SmoothsShimmerAndLeavesMotion) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

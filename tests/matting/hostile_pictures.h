@@ -7,7 +7,7 @@
 #include "core/image.h"
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// Frame `frame` of a clip under a blown-out sky: most of it is exactly white, the rest goes there in steps
 /// of one channel, with a roof line that moves. Such windows show one line in colour space, or no colour at
@@ -65,4 +65,4 @@ inline Image one_colour_line(int width, int height) {
   return picture;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -11,7 +11,7 @@
 
 // What every keyer promises. A new keyer joins by its line in keyers(); if its stage is not green, by one in
 // stage_for().
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Scene stage_for(const std::string& keyer) {
@@ -171,4 +171,4 @@ TEST(Keyers, AnUnknownNameIsAnsweredWithTheList) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

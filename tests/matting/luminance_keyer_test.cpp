@@ -3,7 +3,7 @@
 #include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr CleanupOptions kNone{.smallest_island = 0, .smallest_hole = 0};
@@ -57,4 +57,4 @@ TEST(LuminanceKeyer, TakesLitClothAtTheBorderForBackgroundButNotADarkCoat) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

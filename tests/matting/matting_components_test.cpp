@@ -10,7 +10,7 @@
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kWidth = 90, kHeight = 60;
@@ -115,4 +115,4 @@ TEST(MattingComponents, SayWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

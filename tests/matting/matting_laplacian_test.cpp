@@ -10,7 +10,7 @@
 #include "tests/matting/hostile_pictures.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image random_picture(int width, int height, std::uint64_t seed) {
@@ -147,4 +147,4 @@ TEST(MattingLaplacian, SaysWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "matting/keyers/backing.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// A stage for keyer tests: a plain backing, unevenly lit, and a disc of another colour in the middle that
 /// covers its border pixels partly; and the truth.
@@ -60,4 +60,4 @@ inline Image empty_stage(Scene s, std::uint64_t seed = 2) {
   return photograph(s, seed);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

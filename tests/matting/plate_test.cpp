@@ -5,7 +5,7 @@
 #include "tests/matting/pictures.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Scene noisy() {
@@ -133,4 +133,4 @@ TEST(PlateKey, SaysWhichThresholdIsWrong) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -9,7 +9,7 @@
 #include "matting/keyers/keyer.h"
 #include "tests/support/real_data.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 TEST(ChromaKeyerOnTheGreenDome, AgreesWithTheGivenMattesWithoutPlateOrParameter) {
@@ -66,4 +66,4 @@ TEST(LuminanceKeyerOnTheTemple, CutsTheTempleOutInOnePiece) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 // A dark subject on the left of column `edge`, which it covers by `share`; the measure is 100 on the cloth.
@@ -87,4 +87,4 @@ TEST(RefineEdges, LeavesAnEmptyAndAFullMatteAlone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

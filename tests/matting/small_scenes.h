@@ -7,7 +7,7 @@
 #include "core/image.h"
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// A picture that spectral matting can take apart, with the truth: a soft-edged disc with a gradient before
 /// four fields of other colours. `shift` moves the disc to the right, in px.
@@ -45,4 +45,4 @@ inline double mean_square(const Image& a, const Image& b) {
   return sum / static_cast<double>(a.pixels.size());
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -6,7 +6,7 @@
 #include "core/random.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 EigenPairs some_pairs() {
@@ -70,4 +70,4 @@ TEST(SpectralCache, TellsKindsApart) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -9,7 +9,7 @@
 #include "tests/support/matte_clips.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 
 /// The mattes of a clip by spectral video matting when only the first frame's matte is known. `fitting`
 /// counts the frames that components made, the others were carried by closed form.
@@ -38,4 +38,4 @@ inline SpectralResult spectral_mattes(const MatteClip& clip, const VideoMattingO
   return result;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -6,7 +6,7 @@
 
 // The dancer of the embedded studio with her loose hair, moved and turned; her matte is known in the first
 // frame only.
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 class SpectralClips : public testing::TestWithParam<std::uint64_t> {};
@@ -37,4 +37,4 @@ TEST_P(SpectralClips, FollowTheDancerThroughAClutteredPlaceFromTheFirstFrame) {
 INSTANTIATE_TEST_SUITE_P(Seeds, SpectralClips, testing::Values(1, 2, 3));
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

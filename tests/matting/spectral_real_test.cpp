@@ -10,7 +10,7 @@
 #include "tests/matting/spectral_clips.h"
 #include "tests/support/real_data.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image rgb_of(const Image& picture) {
@@ -78,4 +78,4 @@ TEST(SpectralMattingOfTheLemur, HasItAmongItsComponentsAsWellAsWithExactEigenvec
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

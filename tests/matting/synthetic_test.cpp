@@ -7,7 +7,7 @@
 #include "matting/keyers/keyer.h"
 
 // The keyers on the embedded studio, whose mattes are exact.
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 struct Agreement {
@@ -15,7 +15,7 @@ struct Agreement {
   double edge_error = 0;  // mean |alpha - truth| / 255 over the pixels that the performer covers partly
 };
 
-Agreement agreement(const char* spec, const StudioOptions& options) {
+Agreement agreement(const char* spec, const SyntheticStudioOptions& options) {
   const auto studio = SyntheticStudio::create(synthetic_rig({}), options);
   EXPECT_TRUE(studio) << studio.error().message;
   Agreement result;
@@ -51,7 +51,7 @@ TEST(ChromaKeyerInTheStudio, FindsTheDancerWithHerLooseHair) {
 }
 
 TEST(ChromaKeyerInTheStudio, ToleratesNoiseSpillAndColourErrors) {
-  StudioOptions options;
+  SyntheticStudioOptions options;
   options.defects = {.noise = 3, .color_gain = 0.03, .green_spill = 0.3};
   const Agreement a = agreement("chroma", options);
   EXPECT_GE(a.mean_iou, 0.98);
@@ -59,19 +59,19 @@ TEST(ChromaKeyerInTheStudio, ToleratesNoiseSpillAndColourErrors) {
 }
 
 TEST(DifferenceKeyerInTheStudio, FindsTheDancerInFrontOfThePlate) {
-  StudioOptions options;
+  SyntheticStudioOptions options;
   options.defects = {.noise = 3};
   EXPECT_GE(agreement("difference", options).mean_iou, 0.965);
 }
 
 TEST(LuminanceKeyerInTheStudio, FindsTheDancerOnTheBlackStage) {
-  StudioOptions options;
+  SyntheticStudioOptions options;
   options.green_room = false;
   EXPECT_GE(agreement("luminance", options).mean_iou, 0.9);
 }
 
 TEST(ChromaKeyerInTheStudio, TakesTheSpillOffThePhotograph) {
-  StudioOptions spilled;
+  SyntheticStudioOptions spilled;
   spilled.defects.green_spill = 0.5;
   const auto studio = SyntheticStudio::create(synthetic_rig({}), spilled),
              clean = SyntheticStudio::create(synthetic_rig({}), {});
@@ -93,4 +93,4 @@ TEST(ChromaKeyerInTheStudio, TakesTheSpillOffThePhotograph) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 using testing::ElementsAre;
@@ -331,4 +331,4 @@ TEST(SilhouetteOf, ThresholdsTheMatte) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -7,7 +7,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using Eigen::Vector3d;
@@ -112,4 +112,4 @@ TEST(ViewOf, KeepsTheSubjectBetweenNearAndFar) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -8,7 +8,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,7 +41,7 @@ TEST(PictureSink, WritesAVideoThatOthersRead) {
   ASSERT_THAT(sink, IsOk());
   for (int i = 0; i < 5; ++i) ASSERT_THAT((*sink)->write(Image(64, 48, 3, 90)), IsOk());
   ASSERT_THAT((*sink)->finish(), IsOk());
-  auto reader = MediaReader::open(folder.path() / "film.mp4");
+  auto reader = capture::MediaReader::open(folder.path() / "film.mp4");
   ASSERT_THAT(reader, IsOk());
   int pictures = 0;
   for (Result<Image> p = (*reader)->next(); p; p = (*reader)->next()) {
@@ -63,4 +63,4 @@ TEST(PictureSink, RefusesToOverwriteAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -11,7 +11,7 @@
 #include "recon/mesh/mesh_check.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 ProcessOptions options_for(const fs::path& take) {
-  ProcessOptions options{.take = take, .key = "chroma", .hull = HullOptions{}};
+  ProcessOptions options{.take = take, .key = "chroma", .hull = recon::HullOptions{}};
   options.hull->resolution = 48;
   return options;
 }
@@ -141,7 +141,7 @@ TEST(Process, GoesOnWithTheHullOptionsOfTheFirstRunWhenNoneAreGiven) {
   const fs::path take = small_take(folder);
   ProcessOptions first = options_for(take);
   first.hull->contour_tolerance = 1.5;
-  first.hull->voting = HullVoting::MofN;
+  first.hull->voting = recon::HullVoting::MofN;
   first.hull->votes = 5;
   ASSERT_THAT(process_take(first), IsOk());
   const TakeLayout layout(take);
@@ -239,4 +239,4 @@ TEST(Process, ListsTheKeyersWhenItsNameIsUnknown) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

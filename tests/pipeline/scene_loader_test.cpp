@@ -8,7 +8,7 @@
 #include "pipeline/process/process.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -17,12 +17,12 @@ class ProcessedTake : public testing::Test {
  protected:
   void SetUp() override {
     path_ = small_take(folder_, 1);
-    ProcessOptions options{.take = path_, .key = "chroma", .hull = HullOptions{}};
+    ProcessOptions options{.take = path_, .key = "chroma", .hull = recon::HullOptions{}};
     options.hull->resolution = 48;
     ASSERT_THAT(process_take(options), IsOk());
   }
-  std::unique_ptr<TakeReader> open() {
-    auto take = TakeReader::open(path_);
+  std::unique_ptr<capture::TakeReader> open() {
+    auto take = capture::TakeReader::open(path_);
     EXPECT_THAT(take, IsOk());
     return std::move(*take);
   }
@@ -75,4 +75,4 @@ TEST_F(ProcessedTake, RefusesAMatteOfAnotherSizeByName) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

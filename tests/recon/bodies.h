@@ -7,7 +7,7 @@
 
 #include "core/mesh.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 inline void append(Mesh& to, const Mesh& more) {
   const std::uint32_t first = static_cast<std::uint32_t>(to.positions.size());
@@ -53,4 +53,4 @@ inline Mesh torus_mesh(float ring, float tube, int around = 24, int across = 12)
   return mesh;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -4,7 +4,7 @@
 
 #include "tests/support/analytic_shapes.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -90,4 +90,4 @@ TEST(SubjectRectangle, HoldsExactlyTheSubjectPixels) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -113,4 +113,4 @@ double volume_by_clipping(std::span<const ConeView> views, int votes) {
   return volume;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -4,7 +4,7 @@
 
 #include "recon/exact/exact_views.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// The volume of all points that lie inside at least `votes` of the cones, by a way that has nothing in
 /// common with the engine: every silhouette is a signed sum of triangles, every triangle's cone is three
@@ -13,4 +13,4 @@ namespace floatstage {
 /// out.
 double volume_by_clipping(std::span<const ConeView> views, int votes);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

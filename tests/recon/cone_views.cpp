@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace cones {
 namespace {
 
@@ -162,4 +162,4 @@ Mesh to_mesh(const HullPolygons& polygons) {
   return mesh;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -9,7 +9,7 @@
 #include "recon/exact/exact_hull.h"
 #include "recon/mesh/mesh_check.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// Silhouettes as exact cones, without pixels: what the engine's tests are made of.
 namespace cones {
@@ -38,4 +38,4 @@ std::vector<ConeView> random_stars(Random& random, const std::vector<Eigen::Vect
 
 Mesh to_mesh(const HullPolygons& polygons);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -7,7 +7,7 @@
 #include <CGAL/Polygon_mesh_processing/triangulate_faces.h>
 #include <CGAL/Surface_mesh.h>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
@@ -59,4 +59,4 @@ double volume_by_csg(std::span<const ConeView> views, double far) {
   return fine ? CGAL::to_double(pmp::volume(hull)) : -1;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -4,7 +4,7 @@
 
 #include "recon/exact/exact_views.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// The volume of all points that lie inside all of the cones, by general constructive solid geometry with
 /// exact numbers (CGAL's corefinement, ADR 0077): every polygon becomes a closed pyramid from its camera's
@@ -13,4 +13,4 @@ namespace floatstage {
 /// Negative when CGAL gave up.
 double volume_by_csg(std::span<const ConeView> views, double far);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

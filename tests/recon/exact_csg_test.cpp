@@ -6,7 +6,7 @@
 #include "tests/recon/cone_views.h"
 #include "tests/recon/csg_oracle.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -62,4 +62,4 @@ TEST(ConstructiveSolidGeometry, GivesTheVolumeOfHullsOfACoplanarRingAroundACube)
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

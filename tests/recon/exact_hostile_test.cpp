@@ -13,7 +13,7 @@
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -252,4 +252,4 @@ TEST(HullWorkspace, DoesNotChangeResults) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -11,7 +11,7 @@
 #include "tests/recon/cone_oracle.h"
 #include "tests/recon/cone_views.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -342,4 +342,4 @@ TEST(ExactHull, OfRandomStarsIsSoundForAnyNumberOfVotes) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

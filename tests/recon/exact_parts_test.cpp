@@ -7,7 +7,7 @@
 #include "recon/exact/exact_polygon.h"
 #include "tests/recon/cone_views.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -169,4 +169,4 @@ TEST(ExactViews, OfAVolumeBoundABodyThatContainsTheBox) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

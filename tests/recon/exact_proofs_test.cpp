@@ -11,7 +11,7 @@
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 constexpr double kRadius = 0.6;
@@ -72,4 +72,4 @@ TEST_F(SphereFromThirtyTwoViews, LosesVolumeWithEveryCameraThatIsAdded) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -30,7 +30,7 @@ void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 struct Sequence {
@@ -109,4 +109,4 @@ TEST(HullMemory, OfTheReportServesTheNextFrameAndDoesNotChangeIt) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

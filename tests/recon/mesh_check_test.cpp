@@ -9,7 +9,7 @@
 #include "recon/mesh/crossings.h"
 #include "tests/recon/bodies.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using testing::HasSubstr;
@@ -178,4 +178,4 @@ TEST(TrianglesCross, OnlyWhenAnEdgePiercesAnInside) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

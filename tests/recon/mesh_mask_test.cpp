@@ -5,7 +5,7 @@
 #include "tests/recon/bodies.h"
 #include "tests/support/analytic_shapes.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 TEST(MeshMask, CoversTheSquareOfKnownPixels) {
@@ -67,4 +67,4 @@ TEST(MeshMask, OfNothingIsEmpty) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

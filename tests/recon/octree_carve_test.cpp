@@ -7,7 +7,7 @@
 #include "core/random.h"
 #include "tests/support/analytic_shapes.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 const Lens kLenses[] = {Lens{}, Lens{BrownConrady{-0.25, 0.08, 2e-3, -1e-3, 0.01}},
@@ -154,4 +154,4 @@ TEST(ShrinkToHull, IsEmptyWhenEverythingIsCarved) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

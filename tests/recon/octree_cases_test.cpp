@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Line = std::pair<int, int>;
@@ -95,4 +95,4 @@ TEST(CubeCases, HaveNoInnerEdgeOnAFace) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -9,7 +9,7 @@
 #include "recon/mesh/mesh_check.h"
 #include "tests/support/analytic_shapes.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 Mesh to_mesh(const Surface& surface) {
@@ -119,4 +119,4 @@ TEST_F(RoundBody, IsCaredForWithoutMovingAVertexFurtherThanAllowed) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -13,7 +13,7 @@
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -286,4 +286,4 @@ TEST(Outlines, OfAWorkspaceAreThoseWithoutOne) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

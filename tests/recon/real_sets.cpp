@@ -9,7 +9,7 @@
 #include "core/png.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 template <class T>
@@ -77,7 +77,7 @@ Image largest_component(const Image& mask) {
 }
 
 MatteSet load_temple(const std::filesystem::path& folder, const std::string& calibration, int grey) {
-  const ForeignRig foreign = need(read_middlebury(folder / calibration));
+  const calib::ForeignRig foreign = need(read_middlebury(folder / calibration));
   MatteSet set;
   for (std::size_t i = 0; i < foreign.rig.cameras.size(); ++i) {
     if (!std::filesystem::exists(folder / foreign.image_names[i])) continue;
@@ -151,4 +151,4 @@ MatteSet subset(const MatteSet& set, const std::vector<int>& cameras) {
   return part;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -7,7 +7,7 @@
 #include "core/matte.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 
 /// A rig and one instant's mattes.
 struct MatteSet {
@@ -26,4 +26,4 @@ MatteSet load_vacancy_bunny(const std::filesystem::path& folder);
 /// Only the cameras with these indices.
 MatteSet subset(const MatteSet& set, const std::vector<int>& cameras);
 
-}  // namespace floatstage
+}  // namespace floatstage::recon

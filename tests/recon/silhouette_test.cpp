@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "recon/exact/silhouette_cones.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector2d;
@@ -221,4 +221,4 @@ TEST(SilhouetteCones, HaveRaysThroughTheContourPoints) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -6,7 +6,7 @@
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -88,4 +88,4 @@ TEST_P(VisualHullErrors, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -17,7 +17,7 @@
 #include "tests/recon/real_sets.h"
 #include "tests/support/real_data.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -335,4 +335,4 @@ TEST(DisturbedReal, HullsOfTheTempleSeenFromFewerSidesAreClosed) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -11,7 +11,7 @@
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 using Eigen::Vector3d;
@@ -327,4 +327,4 @@ TEST_P(VisualHull, IsSoundForDisturbedCamerasAndMattes) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -5,7 +5,7 @@
 #include "core/synthetic/synthetic_studio.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// The embedded studio with `cameras` small cameras on a ring, and its shots.
 class SyntheticShots {
@@ -18,4 +18,4 @@ class SyntheticShots {
   const SyntheticStudio studio;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -18,10 +18,10 @@ using Eigen::Vector3d;
 // A sheet that can be asked for its grey at any place: shapes are sorted into buckets by their boxes.
 class Paper {
  public:
-  Paper(const Sheet& sheet, const BoardPictureOptions& o)
+  Paper(const calib::Sheet& sheet, const BoardPictureOptions& o)
       : sheet_(sheet), options_(o), buckets_(kAcross * kAcross) {
     for (std::size_t i = 0; i < sheet.inks.size(); ++i) {
-      const Ink& ink = sheet.inks[i];
+      const calib::Ink& ink = sheet.inks[i];
       Vector2d low = ink.center.array() - ink.radius, high = ink.center.array() + ink.radius;
       if (ink.radius <= 0) {
         low.setConstant(1e9), high.setConstant(-1e9);
@@ -50,7 +50,7 @@ class Paper {
     return std::clamp(static_cast<int>(at / size * kAcross), 0, kAcross - 1);
   }
 
-  static bool covers(const Ink& ink, const Vector2d& p) {
+  static bool covers(const calib::Ink& ink, const Vector2d& p) {
     if (ink.radius > 0) return (p - ink.center).squaredNorm() < ink.radius * ink.radius;
     bool in = false;
     for (const auto& loop : ink.loops)
@@ -62,7 +62,7 @@ class Paper {
     return in;
   }
 
-  const Sheet& sheet_;
+  const calib::Sheet& sheet_;
   const BoardPictureOptions options_;
   std::vector<std::vector<std::size_t>> buckets_;
 };
@@ -70,9 +70,9 @@ class Paper {
 // What a ray from the camera meets.
 class Scene {
  public:
-  Scene(const TargetDesign& target, const Rigid3& cam_from_target, const BoardPictureOptions& o)
+  Scene(const calib::TargetDesign& target, const Rigid3& cam_from_target, const BoardPictureOptions& o)
       : options_(o) {
-    const Wand* wand = std::get_if<Wand>(&target);
+    const calib::Wand* wand = std::get_if<calib::Wand>(&target);
     if (wand && wand->ball > 0) {
       radius_ = wand->ball / 2;
       for (const double x : wand->positions) balls_.push_back(cam_from_target * Vector3d(x, 0, 0));
@@ -80,7 +80,7 @@ class Scene {
     }
     sheets_ = target_sheets(target);
     papers_.reserve(sheets_.size());
-    for (const Sheet& sheet : sheets_) {
+    for (const calib::Sheet& sheet : sheets_) {
       papers_.emplace_back(sheet, o);
       sheet_from_cam_.push_back((cam_from_target * sheet.target_from_sheet).inverse());
     }
@@ -114,7 +114,7 @@ class Scene {
   }
 
   BoardPictureOptions options_;
-  std::vector<Sheet> sheets_;
+  std::vector<calib::Sheet> sheets_;
   std::vector<Paper> papers_;
   std::vector<Rigid3> sheet_from_cam_;
   std::vector<Vector3d> balls_;
@@ -145,8 +145,8 @@ void blur(std::vector<double>& grey, int width, int height, double sigma) {
 
 }  // namespace
 
-Image board_picture(const TargetDesign& target, const CameraModel& model, const Rigid3& cam_from_target,
-                    const BoardPictureOptions& options) {
+Image board_picture(const calib::TargetDesign& target, const CameraModel& model,
+                    const Rigid3& cam_from_target, const BoardPictureOptions& options) {
   const Scene scene(target, cam_from_target, options);
   const int w = model.width, h = model.height, across = w + 1;
   // The rays through the corners of all pixels; between them rays are interpolated.
@@ -201,7 +201,7 @@ Image board_picture(const TargetDesign& target, const CameraModel& model, const 
   return image;
 }
 
-std::vector<std::optional<Vector2d>> true_pixels(const TargetDesign& target, const CameraModel& model,
+std::vector<std::optional<Vector2d>> true_pixels(const calib::TargetDesign& target, const CameraModel& model,
                                                  const Rigid3& cam_from_target) {
   std::vector<std::optional<Vector2d>> pixels;
   for (const Vector3d& p : target_points(target)) pixels.push_back(project(model, cam_from_target * p));
@@ -219,7 +219,7 @@ CameraModel simple_camera(int width, int height, double field_of_view, Lens lens
           .lens = lens};
 }
 
-Rigid3 before_camera(const TargetDesign& target, double distance, const Vector3d& degrees,
+Rigid3 before_camera(const calib::TargetDesign& target, double distance, const Vector3d& degrees,
                      const Vector3d& shift) {
   Vector3d low = Vector3d::Constant(1e9), high = -low;
   for (const Vector3d& p : target_points(target)) low = low.cwiseMin(p), high = high.cwiseMax(p);

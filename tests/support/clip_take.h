@@ -28,7 +28,7 @@ inline std::filesystem::path clip_take(const TempFolder& folder, const MatteClip
                          .cam_from_world = {},
                          .color = {}});
   const std::filesystem::path take = folder / name;
-  auto writer = TakeWriter::create(take, rig, {});
+  auto writer = capture::TakeWriter::create(take, rig, {});
   EXPECT_THAT(writer, IsOk());
   for (std::size_t f = 0; f < clip.frames.size(); ++f) {
     FrameInfo info;

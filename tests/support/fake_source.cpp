@@ -5,7 +5,7 @@ namespace floatstage {
 FakeSource::FakeSource(std::vector<FakeStep> script, ImageLayout layout)
     : script_(std::move(script)), layout_(layout) {}
 
-Result<StreamInfo> FakeSource::start() {
+Result<capture::StreamInfo> FakeSource::start() {
   if (started_) return fail(ErrorCode::InvalidArgument, "camera 'fake' is started already");
   started_ = true;
   disconnected_ = false;
@@ -14,7 +14,7 @@ Result<StreamInfo> FakeSource::start() {
   instant_ = 0;
   last_ = {};
   for (auto* counter : {&delivered_, &lost_, &corrupt_, &starved_}) counter->store(0);
-  StreamInfo info;
+  capture::StreamInfo info;
   info.name = "fake";
   info.layout = layout_;
   info.frame_rate = 25;
@@ -23,7 +23,7 @@ Result<StreamInfo> FakeSource::start() {
 
 void FakeSource::stop() { started_ = false; }
 
-SourceStats FakeSource::stats() const { return {delivered_, lost_, corrupt_, starved_}; }
+capture::SourceStats FakeSource::stats() const { return {delivered_, lost_, corrupt_, starved_}; }
 
 Frame FakeSource::make_frame(FrameStatus status, const ImageLayout& layout) const {
   Frame frame;

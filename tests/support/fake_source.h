@@ -23,15 +23,15 @@ enum class FakeStep {
 
 /// A camera that behaves, or misbehaves, by script; then its recording is over. Its pictures depend on
 /// nothing but the sequence number, its time is a multiple of 40 ms, and it never waits.
-class FakeSource final : public FrameSource {
+class FakeSource final : public capture::FrameSource {
  public:
   explicit FakeSource(std::vector<FakeStep> script,
                       ImageLayout layout = packed_layout(PixelFormat::Gray8, 16, 12));
 
-  Result<StreamInfo> start() override;
+  Result<capture::StreamInfo> start() override;
   Result<Frame> next(Nanoseconds timeout) override;
   void stop() override;
-  SourceStats stats() const override;
+  capture::SourceStats stats() const override;
 
  private:
   Frame make_frame(FrameStatus status, const ImageLayout& layout) const;

@@ -57,7 +57,7 @@ class Lattice {
 Cutout studio_cutout(std::uint64_t seed, int width, int height) {
   SyntheticRigOptions rig;
   rig.cameras = 1, rig.width = width, rig.height = height;
-  StudioOptions options;
+  SyntheticStudioOptions options;
   options.seed = seed;
   options.samples = 64;
   options.green_room = false;

@@ -10,7 +10,7 @@ namespace floatstage {
 
 /// A small perfect synthetic take: 6 cameras, 160×120, in `folder`.
 inline std::filesystem::path small_take(const TempFolder& folder, int frames = 2) {
-  SynthesizeOptions options;
+  pipeline::SynthesizeOptions options;
   options.out = folder / "take";
   options.rig.cameras = 6;
   options.rig.width = 160;

@@ -205,7 +205,7 @@ TEST(Defects, AJitteredPictureShowsThePerformerAtItsTrueTime) {
   const Rig rig = small_rig(1);
   const SyntheticStudio jittered = studio_with(rig, quick_options({.time_jitter = 0.008}));
   const SyntheticShot late = jittered.shoot(0, 9);
-  StudioOptions fine = quick_options();
+  SyntheticStudioOptions fine = quick_options();
   fine.frame_rate = 1000;
   const SyntheticStudio slow_motion = studio_with(rig, fine);
   const double milliseconds = static_cast<double>(late.frame.info.exposure_start.ns) * 1e-6;

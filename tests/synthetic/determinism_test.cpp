@@ -40,7 +40,7 @@ TEST(SyntheticStudio, GivesTheSameBytesInAnyOrderAndAtAnyThreadCount) {
 }
 
 TEST(SyntheticStudio, GivesAnotherPerformanceForAnotherSeed) {
-  StudioOptions other = quick_options();
+  SyntheticStudioOptions other = quick_options();
   other.seed = 8;
   const SyntheticStudio a = studio_with(small_rig(), quick_options()), b = studio_with(small_rig(), other);
   EXPECT_FALSE(same_shot(a.shoot(0, 0), b.shoot(0, 0)));
@@ -55,7 +55,7 @@ TEST(SyntheticStudio, SurvivesBeingMoved) {
 }
 
 TEST(SyntheticStudio, RefusesImpossibleOptionsByName) {
-  auto message = [](StudioOptions options) {
+  auto message = [](SyntheticStudioOptions options) {
     const auto studio = SyntheticStudio::create(small_rig(), options);
     return studio ? std::string() : studio.error().message;
   };

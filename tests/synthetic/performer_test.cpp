@@ -64,7 +64,7 @@ TEST(SyntheticPerformer, TurnsEveryShellOutwardsInEveryPose) {
 
 TEST(SyntheticPerformer, HasTheSizeOfAPersonAndStandsOnTheFloor) {
   for (std::uint64_t seed : {1, 2, 3, 4, 5}) {
-    StudioOptions options = quick_options();
+    SyntheticStudioOptions options = quick_options();
     options.seed = seed;
     const SyntheticStudio studio = studio_with(small_rig(1), options);
     for (int frame = 0; frame < 40; frame += 8) {

@@ -14,11 +14,11 @@ inline Rig small_rig(int cameras = 4) {
   return synthetic_rig({.cameras = cameras, .width = 160, .height = 120});
 }
 
-inline StudioOptions quick_options(Defects defects = {}) {
+inline SyntheticStudioOptions quick_options(Defects defects = {}) {
   return {.seed = 7, .samples = 9, .defects = defects};
 }
 
-inline SyntheticStudio studio_with(const Rig& rig, const StudioOptions& options) {
+inline SyntheticStudio studio_with(const Rig& rig, const SyntheticStudioOptions& options) {
   Result<SyntheticStudio> studio = SyntheticStudio::create(rig, options);
   if (!studio) ADD_FAILURE() << studio.error().message;
   return std::move(studio).value();

@@ -185,7 +185,7 @@ TEST(SyntheticTruth, ACameraAmongTheLimbsStillPhotographs) {
 }
 
 TEST(SyntheticTruth, TheBlackStageIsDarkEnoughToKeyByLuminance) {
-  StudioOptions options = quick_options();
+  SyntheticStudioOptions options = quick_options();
   options.green_room = false;
   const SyntheticStudio studio = studio_with(small_rig(), options);
   const Image plate = studio.plate(0);

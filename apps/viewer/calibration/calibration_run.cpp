@@ -7,7 +7,7 @@
 #include "capture/synchronizer.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 struct LiveRun::Lane {
   explicit Lane(bool is_recorded)
@@ -15,29 +15,30 @@ struct LiveRun::Lane {
         queue(recorded ? 8 : 2, recorded ? QueuePolicy::Block : QueuePolicy::DropOldest) {}
   const bool recorded;  // every picture counts, however long it takes
   std::string serial;
-  std::unique_ptr<FrameSource> source;
+  std::unique_ptr<capture::FrameSource> source;
   BoundedQueue<Frame> queue;
   std::thread thread;
   std::atomic<bool> ended{false};
   std::string trouble;  // under the run's mutex
 };
 
-LiveRun::LiveRun(const CaptureConfig& config, const LiveOptions& options)
+LiveRun::LiveRun(const studio::CaptureConfig& config, const LiveOptions& options)
     : config_(config), options_(options) {}
 
-Result<std::unique_ptr<LiveRun>> LiveRun::start(const CaptureConfig& config, const LiveOptions& options,
-                                                const std::function<void(Observations&)>& known) {
+Result<std::unique_ptr<LiveRun>> LiveRun::start(const studio::CaptureConfig& config,
+                                                const LiveOptions& options,
+                                                const std::function<void(calib::Observations&)>& known) {
   std::unique_ptr<LiveRun> run(new LiveRun(config, options));
-  std::vector<CalibrationCamera> cameras;
-  for (const CaptureConfig::Camera& from : config.cameras) {
-    Result<std::unique_ptr<FrameSource>> source = open_source(from.source);
+  std::vector<calib::CalibrationCamera> cameras;
+  for (const studio::CaptureConfig::Camera& from : config.cameras) {
+    Result<std::unique_ptr<capture::FrameSource>> source = open_source(from.source);
     if (!source) return forward(source);
-    const Result<StreamInfo> info = (*source)->start();
+    const Result<capture::StreamInfo> info = (*source)->start();
     if (!info) return forward(info);
     auto lane = std::make_unique<Lane>(info->frame_count.has_value());
     lane->serial = from.serial;
     lane->source = std::move(*source);
-    CalibrationCamera camera;
+    calib::CalibrationCamera camera;
     camera.serial = from.serial;
     camera.width = info->layout.width;
     camera.height = info->layout.height;
@@ -47,7 +48,7 @@ Result<std::unique_ptr<LiveRun>> LiveRun::start(const CaptureConfig& config, con
     run->status_.sizes.emplace_back(info->layout.width, info->layout.height);
     run->lanes_.push_back(std::move(lane));
   }
-  run->live_ = std::make_unique<LiveCalibration>(options.target, std::move(cameras));
+  run->live_ = std::make_unique<calib::LiveCalibration>(options.target, std::move(cameras));
   known(run->live_->observations());
   if (const Result<void> sound = check(run->live_->observations()); !sound) return forward(sound);
   run->status_.coverage = coverage_of(run->live_->observations());
@@ -87,7 +88,7 @@ void LiveRun::end_with(const Error& error) {
 }
 
 bool LiveRun::use(const FrameSet& set) {
-  Result<LiveInstant> instant = live_->look(set);
+  Result<calib::LiveInstant> instant = live_->look(set);
   if (!instant) {
     end_with(instant.error());
     return false;
@@ -113,14 +114,15 @@ bool LiveRun::use(const FrameSet& set) {
 
 // Lanes in turn, so that recordings stay in step; sets come from the frames' own times.
 void LiveRun::look() {
-  SyncOptions sync;
+  capture::SyncOptions sync;
   sync.frame_rate = config_.frame_rate;
   sync.tolerance = Nanoseconds{
       std::min<std::int64_t>(sync.tolerance.count, static_cast<std::int64_t>(0.4e9 / config_.frame_rate))};
   // Recordings are read in step, so that none is late because the machine is busy; a gap in one still ends.
   if (std::all_of(lanes_.begin(), lanes_.end(), [](const auto& lane) { return lane->recorded; }))
     sync.longest_wait = milliseconds(2000);
-  Result<Synchronizer> synchronizer = Synchronizer::make(static_cast<int>(lanes_.size()), sync);
+  Result<capture::Synchronizer> synchronizer =
+      capture::Synchronizer::make(static_cast<int>(lanes_.size()), sync);
   if (!synchronizer) end_with(synchronizer.error());
   Timestamp newest;
   std::optional<Timestamp> first;
@@ -160,7 +162,7 @@ void LiveRun::look() {
 void LiveRun::solve() {
   int solved = 0;
   for (bool last = false; !last;) {
-    Observations snapshot;
+    calib::Observations snapshot;
     {
       std::unique_lock lock(mutex_);
       wake_.wait(lock, [&] {
@@ -172,12 +174,12 @@ void LiveRun::solve() {
       solved = status_.counted;
       snapshot = live_->observations();
     }
-    CalibrationOptions quick = options_.calibration;
+    calib::CalibrationOptions quick = options_.calibration;
     quick.holdout_every = 0;
     quick.time_offsets = false;
-    Observations thin = thinned(snapshot, options_.quick_frames);
-    if (auto* floor = std::get_if<FloorBoard>(&thin.gauge); floor) thin.gauge = OwnGauge{};
-    Result<Calibration> solution = calibrate(thin, quick);
+    calib::Observations thin = thinned(snapshot, options_.quick_frames);
+    if (auto* floor = std::get_if<calib::FloorBoard>(&thin.gauge); floor) thin.gauge = calib::OwnGauge{};
+    Result<calib::Calibration> solution = calibrate(thin, quick);
     std::lock_guard lock(mutex_);
     if (solution) {
       status_.solution = *std::move(solution);
@@ -219,7 +221,7 @@ void LiveRun::stop() {
 void LiveRun::set_floor(double height) {
   std::lock_guard lock(mutex_);
   if (!live_->observations().views.empty())
-    live_->observations().gauge = FloorBoard{0, live_->observations().views.back().frame, height};
+    live_->observations().gauge = calib::FloorBoard{0, live_->observations().views.back().frame, height};
 }
 
 Result<void> LiveRun::outcome() const {
@@ -227,9 +229,9 @@ Result<void> LiveRun::outcome() const {
   return outcome_;
 }
 
-Observations LiveRun::observations() const {
+calib::Observations LiveRun::observations() const {
   std::lock_guard lock(mutex_);
   return live_->observations();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

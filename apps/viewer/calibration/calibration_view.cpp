@@ -11,30 +11,30 @@
 #include "core/png.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr ImU32 kFrame = IM_COL32(110, 115, 125, 255), kEmpty = IM_COL32(45, 48, 54, 255),
                 kPoint = IM_COL32(255, 214, 90, 255), kGood = IM_COL32(60, 160, 95, 255);
 
-const CameraQuality* quality_of(const LiveStatus& status, const std::string& serial) {
+const calib::CameraQuality* quality_of(const LiveStatus& status, const std::string& serial) {
   if (!status.solution) return nullptr;
-  for (const CameraQuality& q : status.solution->cameras)
+  for (const calib::CameraQuality& q : status.solution->cameras)
     if (q.serial == serial) return &q;
   return nullptr;
 }
 
 // The picture's cells, greener the more points they have, and where the target is now.
 void draw_camera(const LiveStatus& status, std::size_t c, float width) {
-  const CameraCoverage& coverage = status.coverage.cameras[c];
+  const calib::CameraCoverage& coverage = status.coverage.cameras[c];
   const auto [w, h] = status.sizes[c];
   const ImVec2 size(width, width * static_cast<float>(h) / static_cast<float>(w)),
       at = ImGui::GetCursorScreenPos();
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const float cw = size.x / kCoverageColumns, ch = size.y / kCoverageRows;
+  const float cw = size.x / calib::kCoverageColumns, ch = size.y / kCoverageRows;
   for (int row = 0; row < kCoverageRows; ++row)
-    for (int column = 0; column < kCoverageColumns; ++column) {
-      const int n = coverage.cells[static_cast<std::size_t>(row * kCoverageColumns + column)];
+    for (int column = 0; column < calib::kCoverageColumns; ++column) {
+      const int n = coverage.cells[static_cast<std::size_t>(row * calib::kCoverageColumns + column)];
       const float full = std::min(1.f, std::log2(1.f + static_cast<float>(n)) / 6.f);
       const ImU32 color = n == 0
                               ? kEmpty
@@ -45,7 +45,7 @@ void draw_camera(const LiveStatus& status, std::size_t c, float width) {
     }
   draw->AddRect(at, ImVec2(at.x + size.x, at.y + size.y), kFrame);
   if (c < status.instant.detections.size())
-    for (const SeenPoint& p : status.instant.detections[c].points)
+    for (const calib::SeenPoint& p : status.instant.detections[c].points)
       draw->AddCircleFilled(ImVec2(at.x + size.x * static_cast<float>(p.pixel.x() / w),
                                    at.y + size.y * static_cast<float>(p.pixel.y() / h)),
                             2.f, kPoint);
@@ -53,7 +53,7 @@ void draw_camera(const LiveStatus& status, std::size_t c, float width) {
   ImGui::Text("%s   %d views   %.0f %%", coverage.serial.c_str(), coverage.views, 100 * coverage.covered);
   ImGui::Text("distances x %.1f   turned %d   leaned %d", coverage.depth_ratio(), coverage.turned,
               coverage.leaned);
-  if (const CameraQuality* q = quality_of(status, coverage.serial))
+  if (const calib::CameraQuality* q = quality_of(status, coverage.serial))
     ImGui::Text("%.2f px   focal +- %.1f px   +- %.2f mm", q->rms_px, q->intrinsics_sigma[0],
                 q->position_sigma_mm);
   else
@@ -127,7 +127,7 @@ void draw_side(const LiveStatus& status, bool& floor) {
     ImGui::Text("solved from %d instants", status.solution_sets);
     if (status.solution->scale.count > 0)
       ImGui::Text("known lengths: RMS %.2f mm", status.solution->scale.rms_mm);
-    for (const NamedFailure& f : status.solution->failures)
+    for (const calib::NamedFailure& f : status.solution->failures)
       ImGui::TextWrapped("%s: %s", name_of(f.kind), f.sentence.c_str());
   }
   if (!status.trouble.empty()) ImGui::TextWrapped("%s", status.trouble.c_str());
@@ -137,8 +137,8 @@ void draw_side(const LiveStatus& status, bool& floor) {
 
 Result<void> show_live(LiveRun& run, const LiveViewOptions& options,
                        const std::function<bool()>& interrupted) {
-  Result<std::unique_ptr<Window>> window =
-      Window::open("floatstage calibrate live", options.width, options.height);
+  Result<std::unique_ptr<render::Window>> window =
+      render::Window::open("floatstage calibrate live", options.width, options.height);
   if (!window) return forward(window);
   int after_end = 0;
   while (!(*window)->should_close() && !interrupted()) {
@@ -172,11 +172,11 @@ Result<void> show_live(LiveRun& run, const LiveViewOptions& options,
 std::string describe_live(const LiveStatus& status) {
   std::string out = text(status.counted, " of ", status.sets, " instants counted, ", std::fixed,
                          std::setprecision(0), 100 * status.completeness, " % of what is wanted");
-  for (const CameraCoverage& c : status.coverage.cameras) {
+  for (const calib::CameraCoverage& c : status.coverage.cameras) {
     out += text("\n  ", c.serial, ": ", c.views, " views, ", std::fixed, std::setprecision(0),
                 100 * c.covered, " % of its picture, distances x ", std::setprecision(1), c.depth_ratio(),
                 ", turned ", c.turned, ", leaned ", c.leaned);
-    if (const CameraQuality* q = quality_of(status, c.serial))
+    if (const calib::CameraQuality* q = quality_of(status, c.serial))
       out += text(", ", std::setprecision(2), q->rms_px, " px, focal ± ", std::setprecision(1),
                   q->intrinsics_sigma[0], " px");
   }
@@ -185,4 +185,4 @@ std::string describe_live(const LiveStatus& status) {
   return out;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -5,7 +5,7 @@
 
 #include "apps/viewer/calibration/calibration_run.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 struct LiveViewOptions {
   int width = 1280, height = 800;    ///< px
@@ -20,4 +20,4 @@ Result<void> show_live(LiveRun& run, const LiveViewOptions& options,
 /// The same in a few lines of text, for a terminal.
 std::string describe_live(const LiveStatus& status);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -5,9 +5,9 @@
 
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
-Result<std::string> record_all(const std::vector<StudioControl*>& nodes, const std::string& label) {
+Result<std::string> record_all(const std::vector<studio::StudioControl*>& nodes, const std::string& label) {
   std::string takes;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     Result<std::string> take = nodes[i]->start_recording(label);
@@ -21,10 +21,10 @@ Result<std::string> record_all(const std::vector<StudioControl*>& nodes, const s
   return takes;
 }
 
-Result<void> stop_all(const std::vector<StudioControl*>& nodes) {
+Result<void> stop_all(const std::vector<studio::StudioControl*>& nodes) {
   Result<void> ended;
   bool any = false;
-  for (StudioControl* node : nodes) {
+  for (studio::StudioControl* node : nodes) {
     Result<void> one = node->stop_recording();
     any = any || one;
     const bool had_none = !one && one.error().code == ErrorCode::NotFound;
@@ -35,10 +35,12 @@ Result<void> stop_all(const std::vector<StudioControl*>& nodes) {
 }
 
 bool ControlDesk::State::recording() const {
-  return std::any_of(nodes.begin(), nodes.end(), [](const NodeStatus& n) { return n.recording.has_value(); });
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [](const studio::NodeStatus& n) { return n.recording.has_value(); });
 }
 
-ControlDesk::ControlDesk(std::vector<StudioControl*> nodes, Nanoseconds period) : nodes_(std::move(nodes)) {
+ControlDesk::ControlDesk(std::vector<studio::StudioControl*> nodes, Nanoseconds period)
+    : nodes_(std::move(nodes)) {
   if (!nodes_.empty()) thread_ = std::thread([this, period] { run(period); });
 }
 
@@ -90,9 +92,9 @@ void ControlDesk::obey(const Command& command) {
   state_.failed = failed;
 }
 
-std::vector<NodeStatus> ControlDesk::ask() const {
-  std::vector<NodeStatus> out;
-  for (const StudioControl* node : nodes_) out.push_back(node->status());
+std::vector<studio::NodeStatus> ControlDesk::ask() const {
+  std::vector<studio::NodeStatus> out;
+  for (const studio::StudioControl* node : nodes_) out.push_back(node->status());
   return out;
 }
 
@@ -102,7 +104,7 @@ void ControlDesk::run(Nanoseconds period) {
     const std::optional<Command> command = command_;
     lock.unlock();
     if (command) obey(*command);
-    std::vector<NodeStatus> nodes = ask();
+    std::vector<studio::NodeStatus> nodes = ask();
     lock.lock();
     state_.nodes = std::move(nodes);
     if (command) {
@@ -115,4 +117,4 @@ void ControlDesk::run(Nanoseconds period) {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

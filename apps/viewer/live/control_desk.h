@@ -10,29 +10,30 @@
 #include "core/time.h"
 #include "studio/messages/studio_control.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// Begins a take on every node, in their order, or on none: where one refuses, those that have begun end
 /// theirs. Returns the takes' names, separated by commas. Errors: that of the node that refused.
-Result<std::string> record_all(const std::vector<StudioControl*>& nodes, const std::string& label);
+Result<std::string> record_all(const std::vector<studio::StudioControl*>& nodes, const std::string& label);
 
 /// Ends the takes of all nodes that record. Errors: the first, when all were asked.
-Result<void> stop_all(const std::vector<StudioControl*>& nodes);
+Result<void> stop_all(const std::vector<studio::StudioControl*>& nodes);
 
 /// The operator's desk: how the camera nodes do, asked about once a second, and record and stop for all of
 /// them together. A thread of its own asks, so that a node that is slow, or gone, never holds up the picture.
 class ControlDesk {
  public:
   struct State {
-    std::vector<NodeStatus> nodes = {};  ///< what they answered last, in their order; empty before they did
-    bool busy = false;                   ///< record or stop is under way
-    std::string told = {};               ///< how the last of them ended
-    bool failed = false;                 ///< it did not end well
+    std::vector<studio::NodeStatus> nodes =
+        {};                 ///< what they answered last, in their order; empty before they did
+    bool busy = false;      ///< record or stop is under way
+    std::string told = {};  ///< how the last of them ended
+    bool failed = false;    ///< it did not end well
     bool recording() const;
   };
 
   /// The nodes outlive the desk. None: there is nothing to control.
-  explicit ControlDesk(std::vector<StudioControl*> nodes, Nanoseconds period = milliseconds(1000));
+  explicit ControlDesk(std::vector<studio::StudioControl*> nodes, Nanoseconds period = milliseconds(1000));
   /// Waits for a command that is under way. Takes go on.
   ~ControlDesk();
 
@@ -51,9 +52,9 @@ class ControlDesk {
   void run(Nanoseconds period);
   void command(Command command);
   void obey(const Command& command);
-  std::vector<NodeStatus> ask() const;
+  std::vector<studio::NodeStatus> ask() const;
 
-  const std::vector<StudioControl*> nodes_;
+  const std::vector<studio::StudioControl*> nodes_;
   mutable std::mutex mutex_;  // over what follows
   std::condition_variable wake_, settled_;
   State state_;
@@ -62,4 +63,4 @@ class ControlDesk {
   std::thread thread_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

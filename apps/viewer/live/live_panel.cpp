@@ -5,7 +5,7 @@
 
 #include "studio/live/live_quality.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 const ImVec4 kGood(0.45f, 0.85f, 0.5f, 1), kBad(1, 0.45f, 0.35f, 1);
@@ -18,9 +18,9 @@ void complain(const std::string& sentence) {
   ImGui::PopTextWrapPos();
 }
 
-void draw_cameras(const NodeStatus& node) {
+void draw_cameras(const studio::NodeStatus& node) {
   if (!ImGui::BeginTable(node.node.c_str(), 4, ImGuiTableFlags_SizingStretchProp)) return;
-  for (const NodeCamera& camera : node.cameras) {
+  for (const studio::NodeCamera& camera : node.cameras) {
     const bool well = camera.trouble.empty();
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
@@ -36,7 +36,7 @@ void draw_cameras(const NodeStatus& node) {
   ImGui::EndTable();
 }
 
-void draw_node(const NodeStatus& node) {
+void draw_node(const studio::NodeStatus& node) {
   ImGui::Separator();
   if (!node.node.empty()) ImGui::TextUnformatted(node.node.c_str());
   for (const std::string& complaint : node.complaints) complain(complaint);
@@ -44,7 +44,7 @@ void draw_node(const NodeStatus& node) {
   if (node.cameras.empty()) return;
   ImGui::Text("%.1f GB free, spread %.2f ms", static_cast<double>(node.disk_free_bytes) * 1e-9,
               node.spread_max_ms);
-  if (const std::optional<NodeRecording>& take = node.recording) {
+  if (const std::optional<studio::NodeRecording>& take = node.recording) {
     ImGui::TextColored(kBad, "%s", take->take.c_str());
     ImGui::Text("%.0f s, %llu pictures, %llu gaps", take->seconds, number(take->frames), number(take->gaps));
     for (const std::string& complaint : take->complaints) complain(complaint);
@@ -76,7 +76,7 @@ void draw_live_panel(LivePanelState& state, ControlDesk& desk) {
   ImGui::Text("%.1f scenes a second, %.0f ms old", state.fps, state.latency_ms);
   ImGui::Checkbox("hold this scene (space)", &state.hold);
   ImGui::Checkbox("automatic quality", &state.automatic);
-  const std::vector<LiveQuality>& qualities = live_qualities();
+  const std::vector<studio::LiveQuality>& qualities = live_qualities();
   ImGui::SetNextItemWidth(150);
   if (ImGui::BeginCombo("quality", qualities[state.quality].name.c_str())) {
     for (std::size_t i = 0; i < qualities.size(); ++i) {
@@ -93,7 +93,7 @@ void draw_live_panel(LivePanelState& state, ControlDesk& desk) {
   }
   const ControlDesk::State studio = desk.state();
   draw_recording(state, studio, desk);
-  for (const NodeStatus& node : studio.nodes) draw_node(node);
+  for (const studio::NodeStatus& node : studio.nodes) draw_node(node);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -4,7 +4,7 @@
 
 #include "apps/viewer/live/control_desk.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// What the live window shows beside the player's panels.
 struct LivePanelState {
@@ -20,4 +20,4 @@ struct LivePanelState {
 /// into the present ImGui window.
 void draw_live_panel(LivePanelState& state, ControlDesk& desk);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -17,7 +17,7 @@
 #include "studio/live/live_pace.h"
 #include "studio/messages/clock.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr float kStatusHeight = 28;
@@ -26,7 +26,7 @@ constexpr Nanoseconds kPatience = milliseconds(20);  // for a scene, before the 
 
 class LiveWindow {
  public:
-  LiveWindow(SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options)
+  LiveWindow(studio::SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options)
       : feed_(feed),
         desk_(desk),
         options_(options),
@@ -34,7 +34,7 @@ class LiveWindow {
         canvas_(feed.rig(), {}),
         pace_(options.run.target_fps, options.run.quality),
         state_{TimeLine(1, 0), ViewerCamera(home_)} {
-    for (const RendererInfo& r : renderers()) state_.methods.push_back(r.name);
+    for (const render::RendererInfo& r : renderers()) state_.methods.push_back(r.name);
     state_.renderer = options.run.renderer;
     state_.show_cameras = options.show_cameras;
     state_.status = feed.description();
@@ -43,7 +43,7 @@ class LiveWindow {
   }
 
   Result<void> follow(const std::filesystem::path& file) {
-    Result<CameraPath> path = load_path(file);
+    Result<pipeline::CameraPath> path = load_path(file);
     if (!path) return forward(path);
     state_.path.set(std::move(*path));
     state_.path_file = file.string();
@@ -54,7 +54,7 @@ class LiveWindow {
   /// One frame of the user interface. Errors are shown, not returned: the window stays.
   void frame() {
     feed_.look_after();
-    const std::shared_ptr<const LiveScene> fresh = feed_.newest(now() + kPatience);
+    const std::shared_ptr<const studio::LiveScene> fresh = feed_.newest(now() + kPatience);
     const Timestamp begun = now();
     feed_.drawing(begun);
     const bool shown = fresh && state_.time.playing;
@@ -78,7 +78,7 @@ class LiveWindow {
 
  private:
   // Between two cameras: at a camera every method shows its photograph.
-  static PathKey home_of(const Rig& rig) {
+  static pipeline::PathKey home_of(const Rig& rig) {
     return sample(orbit_path(rig, {}, 1), 0.5 / static_cast<double>(rig.cameras.size()));
   }
 
@@ -87,14 +87,14 @@ class LiveWindow {
     if (duration > 0) state_.path_time = std::fmod(state_.path_time + seconds, duration);
   }
 
-  void show(const std::shared_ptr<const LiveScene>& fresh) {
+  void show(const std::shared_ptr<const studio::LiveScene>& fresh) {
     scene_ = fresh;
     ++shown_;
     if (Result<void> ok = canvas_.show(*fresh); !ok) state_.status = ok.error().message;
   }
 
   void use_quality(std::size_t level) {
-    const LiveQuality& quality = live_qualities()[level];
+    const studio::LiveQuality& quality = live_qualities()[level];
     panel_.quality = level;
     feed_.set_quality(quality.node);
     state_.renderer.flow = quality.flow;
@@ -138,26 +138,26 @@ class LiveWindow {
     state_.time.playing = !panel_.hold;
   }
 
-  SceneFeed& feed_;
+  studio::SceneFeed& feed_;
   ControlDesk& desk_;
   const LiveWindowOptions& options_;
-  const PathKey home_;
+  const pipeline::PathKey home_;
   Canvas canvas_;
-  LivePace pace_;
+  studio::LivePace pace_;
   PlayerState state_;
   LivePanelState panel_;
-  std::shared_ptr<const LiveScene> scene_;
+  std::shared_ptr<const studio::LiveScene> scene_;
   long shown_ = 0;
 };
 
 }  // namespace
 
-Result<void> run_live_window(SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options) {
+Result<void> run_live_window(studio::SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options) {
   if (options.run.quality >= live_qualities().size())
     return fail(ErrorCode::InvalidArgument,
                 text("live quality ", options.run.quality, "; there are 0 to ", live_qualities().size() - 1));
-  Result<std::unique_ptr<Window>> window =
-      Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
+  Result<std::unique_ptr<render::Window>> window =
+      render::Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
   if (!window) return forward(window);
   LiveWindow live(feed, desk, options);
   if (!options.path_file.empty())
@@ -175,4 +175,4 @@ Result<void> run_live_window(SceneFeed& feed, ControlDesk& desk, const LiveWindo
   return {};
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

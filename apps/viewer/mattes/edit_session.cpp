@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr double kStep = 1;             // px between the points of a scribble
@@ -165,4 +165,4 @@ std::optional<int> next_worst(const std::vector<int>& worst, int frame) {
   return here == worst.end() || here + 1 == worst.end() ? worst.front() : *(here + 1);
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

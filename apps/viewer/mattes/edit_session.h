@@ -6,7 +6,7 @@
 
 #include "core/matte_edits.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 enum class EditTool {
   Stroke,   ///< clicks and scribbles in a keyframe: left is subject, right is background
@@ -75,4 +75,4 @@ std::vector<int> worst_frames(const std::vector<std::optional<double>>& flicker)
 /// without any.
 std::optional<int> next_worst(const std::vector<int>& worst, int frame);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

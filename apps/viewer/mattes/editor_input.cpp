@@ -3,7 +3,7 @@
 #include "apps/viewer/mattes/editor_state.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr int kLeft = 0, kRight = 1, kMiddle = 2;
@@ -159,4 +159,4 @@ EditorRequests take_input(const InputEvent& e, EditorState& state) {
   return requests;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

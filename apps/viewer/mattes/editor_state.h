@@ -10,7 +10,7 @@
 #include "apps/viewer/window/input_event.h"
 #include "apps/viewer/window/time_line.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// Everything that hands can change in the matte editor, without a window: input and panels write it, the
 /// canvas reads it.
@@ -45,4 +45,4 @@ EditorRequests take_input(const InputEvent& event, EditorState& state);
 
 void go_to_worst(EditorState& state);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

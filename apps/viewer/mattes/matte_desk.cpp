@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "pipeline/matte/affected_frames.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr int kMeteredAtOnce = 12;  // frames; then the time line shows them
@@ -18,9 +18,9 @@ double rounded(double seconds) { return std::round(seconds * 10) / 10; }
 }  // namespace
 
 Result<std::unique_ptr<MatteDesk>> MatteDesk::open(MatteDeskOptions options) {
-  Result<std::unique_ptr<EditedCamera>> edited = EditedCamera::open(options.camera);
+  Result<std::unique_ptr<pipeline::EditedCamera>> edited = pipeline::EditedCamera::open(options.camera);
   if (!edited) return forward(edited);
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options.camera.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.camera.take);
   if (!take) return forward(take);
   if (options.frame < 0 || options.frame >= (*take)->frame_count())
     return fail(ErrorCode::InvalidArgument,
@@ -32,8 +32,8 @@ Result<std::unique_ptr<MatteDesk>> MatteDesk::open(MatteDeskOptions options) {
   return std::unique_ptr<MatteDesk>(new MatteDesk(std::move(options), std::move(*take), std::move(*edited)));
 }
 
-MatteDesk::MatteDesk(MatteDeskOptions options, std::unique_ptr<TakeReader> take,
-                     std::unique_ptr<EditedCamera> edited)
+MatteDesk::MatteDesk(MatteDeskOptions options, std::unique_ptr<capture::TakeReader> take,
+                     std::unique_ptr<pipeline::EditedCamera> edited)
     : options_(std::move(options)),
       take_(std::move(take)),
       edited_(std::move(edited)),
@@ -144,7 +144,7 @@ void MatteDesk::end_job() {
   } else if (ended == Job::Components) {
     components_frame_ =
         outcome_.frame;  // also when there are none: it is not tried again until the frame changes
-    components_ = outcome_.components ? std::move(*outcome_.components) : MattingComponents();
+    components_ = outcome_.components ? std::move(*outcome_.components) : matting::MattingComponents();
     if (!outcome_.components) state_->status = outcome_.components.error().message;
     shown_.reset();
   } else if (ended == Job::Flicker) {
@@ -161,7 +161,7 @@ void MatteDesk::begin_remake() {
   job_ = Job::Remake;
   job_began_ = std::chrono::steady_clock::now();
   task_.start([this, edits = last_edits_] {
-    RemakeWatch watch;
+    pipeline::RemakeWatch watch;
     watch.stopped = [this] { return task_.stopped(); };
     watch.progress = [this](const std::string& what, int done, int all) { task_.report(what, done, all); };
     watch.made = [this](int frame) {
@@ -259,4 +259,4 @@ void MatteDesk::update(double seconds) {
   show();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

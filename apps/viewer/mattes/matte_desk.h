@@ -12,10 +12,10 @@
 #include "apps/viewer/window/background_task.h"
 #include "pipeline/matte/edited_camera.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 struct MatteDeskOptions {
-  EditedCameraOptions camera;
+  pipeline::EditedCameraOptions camera;
   int frame = 0;
   MatteView view = MatteView::Checker;
   bool automatic = true;
@@ -33,7 +33,7 @@ class MatteDesk {
   ~MatteDesk();
 
   EditorState& state() { return *state_; }
-  const TakeReader& take() const { return *take_; }
+  const capture::TakeReader& take() const { return *take_; }
   const std::string& serial() const { return options_.camera.serial; }
   const std::string& method() const { return method_; }
 
@@ -59,7 +59,8 @@ class MatteDesk {
  private:
   enum class Job { None, Remake, Components, Flicker };
 
-  MatteDesk(MatteDeskOptions options, std::unique_ptr<TakeReader> take, std::unique_ptr<EditedCamera> edited);
+  MatteDesk(MatteDeskOptions options, std::unique_ptr<capture::TakeReader> take,
+            std::unique_ptr<pipeline::EditedCamera> edited);
   bool save_edits();
   void collect();
   void collect_made();
@@ -73,8 +74,8 @@ class MatteDesk {
   bool matte_exists(int frame) const;
 
   MatteDeskOptions options_;
-  std::unique_ptr<TakeReader> take_;  // of this thread; the work beside has its own
-  std::unique_ptr<EditedCamera> edited_;
+  std::unique_ptr<capture::TakeReader> take_;  // of this thread; the work beside has its own
+  std::unique_ptr<pipeline::EditedCamera> edited_;
   std::string method_;
   int camera_;
   std::unique_ptr<EditorState> state_;
@@ -91,7 +92,7 @@ class MatteDesk {
   std::optional<Shown> shown_;
   bool has_matte_ = false;
   int components_frame_ = -1;
-  MattingComponents components_;
+  matting::MattingComponents components_;
 
   Job job_ = Job::None;
   std::chrono::steady_clock::time_point job_began_;
@@ -99,7 +100,7 @@ class MatteDesk {
     std::mutex mutex;
     std::vector<int> made;
     Result<std::vector<int>> remade = std::vector<int>();
-    Result<MattingComponents> components = MattingComponents();
+    Result<matting::MattingComponents> components = matting::MattingComponents();
     std::vector<std::pair<int, double>> flicker;
     std::vector<int> unasked;  // it was stopped before them
     std::optional<Error> flicker_error;
@@ -110,4 +111,4 @@ class MatteDesk {
   BackgroundTask task_;          // last: it ends before what it works on
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

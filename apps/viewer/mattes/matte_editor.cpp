@@ -8,7 +8,7 @@
 #include "apps/viewer/mattes/matte_panels.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr float kPanelWidth = 270, kTimeLineHeight = 92;
@@ -119,4 +119,4 @@ EditorRequests MatteEditor::frame(const std::vector<InputEvent>& input) {
   return all;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -6,7 +6,7 @@
 
 #include "apps/viewer/mattes/matte_desk.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The matte editor in its window: a MatteDesk drawn with ImGui, one camera at a time. GL thread only.
 class MatteEditor {
@@ -42,4 +42,4 @@ class MatteEditor {
   int texture_number_ = -1;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

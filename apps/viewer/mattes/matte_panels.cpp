@@ -8,7 +8,7 @@
 #include "apps/viewer/window/transport.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr ImU32 kSubject = IM_COL32(70, 230, 110, 255), kBackground = IM_COL32(255, 80, 70, 255);
@@ -181,4 +181,4 @@ void draw_edits(const MatteDesk& desk, const EditorState& state) {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -5,7 +5,7 @@
 
 #include "apps/viewer/mattes/matte_desk.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// What the panels ask for beside EditorRequests.
 struct MattePanelRequests {
@@ -22,4 +22,4 @@ void draw_matte_time_line(MatteDesk& desk);
 /// What lies over the photograph: strokes of this keyframe, masks, what is being drawn, the brush.
 void draw_edits(const MatteDesk& desk, const EditorState& state);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -8,7 +8,7 @@
 #include "core/image.h"
 #include "matting/spectral/spectral_matting.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// How a matte is looked at.
 enum class MatteView {
@@ -25,10 +25,10 @@ enum class MatteView {
 const std::vector<std::string>& matte_view_names();
 
 struct MatteViewInput {
-  Image photograph;              ///< RGB
-  Image matte;                   ///< 1 channel, of its size; empty: there is none
-  Image before;                  ///< the matte of the frame before; empty: there is none
-  MattingComponents components;  ///< of any size; empty: not known yet
+  Image photograph;                       ///< RGB
+  Image matte;                            ///< 1 channel, of its size; empty: there is none
+  Image before;                           ///< the matte of the frame before; empty: there is none
+  matting::MattingComponents components;  ///< of any size; empty: not known yet
   std::array<std::uint8_t, 3> color = {255, 0, 255};
 };
 
@@ -40,4 +40,4 @@ Image matte_picture(MatteView view, const MatteViewInput& input);
 /// The colour of a component in MatteView::Components.
 std::array<std::uint8_t, 3> component_color(int component);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// Where a photograph stands in the window, and how large. Pure arithmetic.
 class PictureFit {
@@ -52,4 +52,4 @@ class PictureFit {
   double zoom_ = 1;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

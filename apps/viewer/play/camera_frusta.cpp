@@ -9,7 +9,7 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr int kThumbnailWidth = 128;
@@ -99,4 +99,4 @@ void CameraFrusta::draw(ImDrawList* list, const ImVec2& origin, float scale, con
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -8,7 +8,7 @@
 struct ImDrawList;
 struct ImVec2;
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The rig's cameras drawn over the picture: wire frusta with thumbnails of their photographs. GL thread
 /// only.
@@ -30,4 +30,4 @@ class CameraFrusta {
   std::vector<unsigned> thumbnails_;  ///< 0 where a camera has no photograph
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -9,18 +9,18 @@
 
 #include "studio/live/live_view.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
-ImTextureID texture_id(const RenderedView& view) {
+ImTextureID texture_id(const render::RenderedView& view) {
   return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(view.texture));
 }
 
-bool same(const PathKey& a, const PathKey& b) {
+bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y == b.fov_y;
 }
 
-bool same(const RendererOptions& a, const RendererOptions& b) {
+bool same(const render::RendererOptions& a, const render::RendererOptions& b) {
   return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.depth_tolerance == b.depth_tolerance &&
          a.flow == b.flow && a.sharp == b.sharp && a.background == b.background && a.output == b.output;
 }
@@ -37,33 +37,33 @@ Result<void> Canvas::show(const std::shared_ptr<const SceneFrame>& scene) {
   return {};
 }
 
-Result<void> Canvas::show(const LiveScene& scene) {
+Result<void> Canvas::show(const studio::LiveScene& scene) {
   ++shown_;
   Result<bool> uploaded = upload(scene, rig_, textures_);
   drawable_ = uploaded && *uploaded;
   return uploaded ? Result<void>() : forward(uploaded);
 }
 
-bool Canvas::stale(const PlayerState& state, const PathKey& key, int width, int height) const {
+bool Canvas::stale(const PlayerState& state, const pipeline::PathKey& key, int width, int height) const {
   return !made_ || made_->width != width || made_->height != height || made_->left != state.left ||
          made_->right != (state.split ? state.right : -1) || made_->scene != shown_ ||
          !same(made_->key, key) || !same(made_->renderer, state.renderer);
 }
 
 Result<void> Canvas::render_side(Side& side, const std::string& method, const View& view,
-                                 const RendererOptions& options) {
+                                 const render::RendererOptions& options) {
   if (side.method != method) {
-    Result<std::unique_ptr<ViewRenderer>> renderer = make_renderer(method);
+    Result<std::unique_ptr<render::ViewRenderer>> renderer = make_renderer(method);
     if (!renderer) return forward(renderer);
     side = {method, std::move(*renderer), {}};
   }
-  Result<RenderedView> rendered = side.renderer->render(textures_, view, options);
+  Result<render::RenderedView> rendered = side.renderer->render(textures_, view, options);
   if (!rendered) return forward(rendered);
   side.view = *rendered;
   return {};
 }
 
-Result<void> Canvas::render(const PlayerState& state, const PathKey& key, int width, int height) {
+Result<void> Canvas::render(const PlayerState& state, const pipeline::PathKey& key, int width, int height) {
   const auto begin = std::chrono::steady_clock::now();
   // Recorded before rendering: a view that cannot be rendered is not tried again until something changes.
   made_ = Made{width, height, state.left, state.split ? state.right : -1, shown_, key, state.renderer};
@@ -115,8 +115,9 @@ Result<void> Canvas::draw(PlayerState& state) {
   if (!state.follow_path) take_mouse(state, size.x, size.y);
   if (!drawable_) return {};
 
-  const PathKey key = state.follow_path && !state.path.empty() ? sample(state.path.path(), state.path_time)
-                                                               : state.camera.key();
+  const pipeline::PathKey key = state.follow_path && !state.path.empty()
+                                    ? sample(state.path.path(), state.path_time)
+                                    : state.camera.key();
   const int width = std::max(1, static_cast<int>(std::lround(size.x * state.render_scale)));
   const int height = std::max(1, static_cast<int>(std::lround(size.y * state.render_scale)));
   Result<void> rendered;
@@ -146,4 +147,4 @@ Result<void> Canvas::draw(PlayerState& state) {
   return rendered;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,7 +10,7 @@
 #include "render/scene_textures.h"
 #include "studio/live/live_scene.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The picture in the middle of the player: draws the scene with one method or two side by side, and takes
 /// the mouse. A picture is rendered only when the scene, the camera or an option has changed. GL thread only.
@@ -21,7 +21,7 @@ class Canvas {
   /// A new instant to show; null shows the last one on.
   Result<void> show(const std::shared_ptr<const SceneFrame>& scene);
   /// The same of a live studio. One without a subject leaves the stage empty.
-  Result<void> show(const LiveScene& scene);
+  Result<void> show(const studio::LiveScene& scene);
   /// Draws into the present ImGui window's whole content, and moves state.camera by mouse and keys.
   Result<void> draw(PlayerState& state);
 
@@ -33,21 +33,21 @@ class Canvas {
  private:
   struct Side {
     std::string method;
-    std::unique_ptr<ViewRenderer> renderer;
-    RenderedView view;
+    std::unique_ptr<render::ViewRenderer> renderer;
+    render::RenderedView view;
   };
   // What the last pictures were made of; any difference makes new ones.
   struct Made {
     int width = 0, height = 0, left = -1, right = -1;
     std::uint64_t scene = 0;
-    PathKey key;
-    RendererOptions renderer;
+    pipeline::PathKey key;
+    render::RendererOptions renderer;
   };
 
-  bool stale(const PlayerState& state, const PathKey& key, int width, int height) const;
-  Result<void> render(const PlayerState& state, const PathKey& key, int width, int height);
+  bool stale(const PlayerState& state, const pipeline::PathKey& key, int width, int height) const;
+  Result<void> render(const PlayerState& state, const pipeline::PathKey& key, int width, int height);
   Result<void> render_side(Side& side, const std::string& method, const View& view,
-                           const RendererOptions& options);
+                           const render::RendererOptions& options);
   void take_mouse(PlayerState& state, float width, float height);
 
   const Rig rig_;
@@ -56,11 +56,11 @@ class Canvas {
   std::uint64_t shown_ = 0;  // scenes so far
   bool drawable_ = false;
   std::optional<View> view_;
-  SceneTextures textures_;
+  render::SceneTextures textures_;
   Side left_, right_;
   std::optional<Made> made_;
   CameraFrusta frusta_;
   double render_milliseconds_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

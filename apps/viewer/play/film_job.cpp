@@ -3,9 +3,9 @@
 #include "pipeline/picture_sink.h"
 #include "render/gl_context.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
-FilmJob::FilmJob(std::filesystem::path take, CameraPath path, FilmOptions options,
+FilmJob::FilmJob(std::filesystem::path take, pipeline::CameraPath path, pipeline::FilmOptions options,
                  std::filesystem::path out) {
   future_ = std::async(std::launch::async,
                        [this, take = std::move(take), path = std::move(path), options = std::move(options),
@@ -18,25 +18,28 @@ bool FilmJob::done() const {
   return future_.valid() && future_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-Result<FilmReport> FilmJob::result() { return future_.get(); }
+Result<pipeline::FilmReport> FilmJob::result() { return future_.get(); }
 
-Result<FilmReport> FilmJob::run(const std::filesystem::path& folder, const CameraPath& path,
-                                const FilmOptions& options, const std::filesystem::path& out) {
-  Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder);
+Result<pipeline::FilmReport> FilmJob::run(const std::filesystem::path& folder,
+                                          const pipeline::CameraPath& path,
+                                          const pipeline::FilmOptions& options,
+                                          const std::filesystem::path& out) {
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder);
   if (!take) return forward(take);
-  Result<std::unique_ptr<GlContext>> gl = GlContext::headless();
+  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
-  Result<std::unique_ptr<PictureSink>> sink =
+  Result<std::unique_ptr<pipeline::PictureSink>> sink =
       open_picture_sink(out, options.width, options.height, options.frame_rate);
   if (!sink) return forward(sink);
-  Result<FilmReport> report = render_film(**take, path, options, [&](FilmPicture picture) -> Result<void> {
-    if (give_up_) return fail(ErrorCode::Cancelled, "the film was given up");
-    ++pictures_;
-    return (*sink)->write(over(picture.renders.front(), options.renderer.background));
-  });
+  Result<pipeline::FilmReport> report =
+      render_film(**take, path, options, [&](pipeline::FilmPicture picture) -> Result<void> {
+        if (give_up_) return fail(ErrorCode::Cancelled, "the film was given up");
+        ++pictures_;
+        return (*sink)->write(over(picture.renders.front(), options.renderer.background));
+      });
   if (!report) return report;
   if (Result<void> ok = (*sink)->finish(); !ok) return forward(ok);
   return report;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -4,10 +4,10 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
-#include "core/text.h"
 #include "apps/viewer/window/transport.h"
+#include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 void choose(const char* label, const std::vector<std::string>& names, int& chosen) {
@@ -26,7 +26,7 @@ void draw_methods(PlayerState& state) {
   }
   int output = static_cast<int>(state.renderer.output);
   choose("show", render_output_names(), output);
-  state.renderer.output = static_cast<RenderOutput>(output);
+  state.renderer.output = static_cast<render::RenderOutput>(output);
   ImGui::SliderInt("photographs", &state.renderer.cameras, 1, 6);
   float radius = static_cast<float>(state.renderer.soft_radius);
   if (ImGui::SliderFloat("soft radius", &radius, 0, 32, "%.0f px")) state.renderer.soft_radius = radius;
@@ -38,7 +38,8 @@ void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
   if (ImGui::Button("add key (K)")) state.path.append(state.camera.key());
   ImGui::SameLine();
   if (ImGui::Button("clear")) state.path.clear(), state.follow_path = false;
-  const std::vector<PathKey> keys = state.path.path().keys;  // a copy: buttons below change the path
+  const std::vector<pipeline::PathKey> keys =
+      state.path.path().keys;  // a copy: buttons below change the path
   if (ImGui::BeginChild("keys", ImVec2(0, 110), true)) {
     for (std::size_t i = 0; i < keys.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
@@ -89,14 +90,14 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
   return requests;
 }
 
-void obey_camera_requests(const PanelRequests& requests, const PathKey& home, PlayerState& state) {
+void obey_camera_requests(const PanelRequests& requests, const pipeline::PathKey& home, PlayerState& state) {
   if (requests.home) state.camera.set(home);
   if (requests.save_path) {
     const Result<void> ok = save_path(state.path.path(), state.path_file);
     state.status = ok ? text("saved ", state.path_file) : ok.error().message;
   }
   if (requests.load_path) {
-    Result<CameraPath> path = load_path(state.path_file);
+    Result<pipeline::CameraPath> path = load_path(state.path_file);
     state.status = path ? text("loaded ", state.path_file) : path.error().message;
     if (path) state.path.set(std::move(*path));
   }
@@ -130,4 +131,4 @@ void take_shortcuts(PlayerState& state) {
     if (pressed(GLFW_KEY_1 + i)) state.left = i;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -9,7 +9,7 @@
 #include "core/png.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,14 +32,14 @@ class PlayWindow {
   explicit PlayWindow(const PlayOptions& options) : options_(options), editing_(options.mattes) {}
 
   Result<void> open() {
-    Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options_.take);
+    Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options_.take);
     if (!take) return forward(take);
     take_ = std::move(*take);
     // What is wrong is said before a window opens.
     if (Result<void> ok = editing_ ? open_editor(options_.frame) : Player::check(options_, *take_); !ok)
       return ok;
-    Result<std::unique_ptr<Window>> window =
-        Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
+    Result<std::unique_ptr<render::Window>> window =
+        render::Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
     if (!window) return forward(window);
     window_ = std::move(*window);
     if (editing_) return {};
@@ -138,8 +138,8 @@ class PlayWindow {
 
   const PlayOptions& options_;
   bool editing_, screenshot_ = false;
-  std::unique_ptr<TakeReader> take_;
-  std::unique_ptr<Window> window_;  // outlives what draws in it
+  std::unique_ptr<capture::TakeReader> take_;
+  std::unique_ptr<render::Window> window_;  // outlives what draws in it
   std::unique_ptr<Player> player_;
   std::unique_ptr<MatteEditor> editor_;
 };
@@ -152,4 +152,4 @@ Result<void> play_take(const PlayOptions& options) {
   return window.run();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

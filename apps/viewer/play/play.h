@@ -8,7 +8,7 @@
 #include "core/result.h"
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 struct PlayOptions {
   std::filesystem::path take;
@@ -19,7 +19,7 @@ struct PlayOptions {
   std::filesystem::path path_file;   ///< camera path to begin with; empty: none
   int width = 1280, height = 800;    ///< window, px
   std::filesystem::path screenshot;  ///< write the window to this PNG once the picture stands, then end
-  RendererOptions renderer = {};
+  render::RendererOptions renderer = {};
   std::function<bool()> stop;  ///< asked at every picture; absent: until the window is closed
 
   bool mattes = false;  ///< begin in the matte editor, which needs no meshes
@@ -34,4 +34,4 @@ struct PlayOptions {
 /// The window: the interactive player on a processed take, and the matte editor. Returns when it is closed.
 Result<void> play_take(const PlayOptions& options);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

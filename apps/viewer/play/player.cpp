@@ -13,7 +13,7 @@
 #include "apps/viewer/window/layout.h"
 #include "core/text.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 constexpr float kTimeLineHeight = 62;
@@ -28,7 +28,7 @@ Result<int> method_index(const std::vector<std::string>& methods, const std::str
 
 class WindowPlayer : public Player {
  public:
-  WindowPlayer(const PlayOptions& options, TakeReader& take, const Rig& rig,
+  WindowPlayer(const PlayOptions& options, capture::TakeReader& take, const Rig& rig,
                const Eigen::AlignedBox3d& subject, PlayerState state)
       : options_(options),
         take_(take),
@@ -99,9 +99,9 @@ class WindowPlayer : public Player {
       state_.status = "a film needs a path of two keys at least; walk and press K";
       return;
     }
-    FilmOptions film{.frames = {},
-                     .methods = {state_.methods[static_cast<std::size_t>(state_.left)]},
-                     .renderer = state_.renderer};
+    pipeline::FilmOptions film{.frames = {},
+                               .methods = {state_.methods[static_cast<std::size_t>(state_.left)]},
+                               .renderer = state_.renderer};
     film.seconds = state_.path.path().duration();
     for (int f = 0; f < state_.time.frames(); ++f) film.frames.push_back(f);
     film_.emplace(options_.take, state_.path.path(), film, state_.film_file);
@@ -110,15 +110,15 @@ class WindowPlayer : public Player {
 
   void finish_film() {
     if (!film_ || !film_->done()) return;
-    const Result<FilmReport> report = film_->result();
+    const Result<pipeline::FilmReport> report = film_->result();
     state_.status =
         report ? text(state_.film_file, ": ", report->pictures, " pictures") : report.error().message;
     film_.reset();
   }
 
   const PlayOptions& options_;
-  TakeReader& take_;
-  const PathKey home_;
+  capture::TakeReader& take_;
+  const pipeline::PathKey home_;
   SceneCache cache_;
   Canvas canvas_;
   PlayerState state_;
@@ -126,16 +126,16 @@ class WindowPlayer : public Player {
   int shown_ = -1;
 };
 
-Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& take,
+Result<PlayerState> initial_state(const PlayOptions& options, const capture::TakeReader& take,
                                   const Eigen::AlignedBox3d& subject) {
   if (options.frame < 0 || options.frame >= take.frame_count())
     return fail(ErrorCode::InvalidArgument,
                 text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
   // Home lies between two cameras: at a camera every method shows its photograph.
-  const PathKey home =
+  const pipeline::PathKey home =
       sample(orbit_path(take.rig(), subject, 1), 0.5 / static_cast<double>(take.rig().cameras.size()));
   PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
-  for (const RendererInfo& r : renderers()) state.methods.push_back(r.name);
+  for (const render::RendererInfo& r : renderers()) state.methods.push_back(r.name);
   Result<int> left = method_index(state.methods, options.method),
               right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
   if (!left) return forward(left);
@@ -150,7 +150,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& 
   state.status = text(options.take.string(), ": ", take.frame_count(), " frames of ",
                       take.rig().cameras.size(), " cameras");
   if (!options.path_file.empty()) {
-    Result<CameraPath> path = load_path(options.path_file);
+    Result<pipeline::CameraPath> path = load_path(options.path_file);
     if (!path) return forward(path);
     state.path.set(std::move(*path));
     state.path_file = options.path_file;
@@ -161,7 +161,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const TakeReader& 
 
 }  // namespace
 
-Result<void> Player::check(const PlayOptions& options, const TakeReader& take) {
+Result<void> Player::check(const PlayOptions& options, const capture::TakeReader& take) {
   Result<Eigen::AlignedBox3d> subject = subject_box(take);
   if (!subject) return forward(subject);
   if (const Result<Rig> rig = rig_with_colors(take); !rig) return forward(rig);
@@ -169,7 +169,7 @@ Result<void> Player::check(const PlayOptions& options, const TakeReader& take) {
   return state ? Result<void>() : Result<void>(forward(state));
 }
 
-Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, TakeReader& take) {
+Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, capture::TakeReader& take) {
   Result<Eigen::AlignedBox3d> subject = subject_box(take);
   if (!subject) return forward(subject);
   const Result<Rig> rig = rig_with_colors(take);
@@ -179,4 +179,4 @@ Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, TakeRea
   return std::unique_ptr<Player>(new WindowPlayer(options, take, *rig, *subject, std::move(*state)));
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -5,16 +5,16 @@
 #include "apps/viewer/play/play.h"
 #include "capture/take.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The player in its window: scene, controls, time line. GL thread only.
 class Player {
  public:
   /// What of the options is wrong, before a window is there: InvalidArgument; NotFound when the take has no
   /// meshes.
-  static Result<void> check(const PlayOptions& options, const TakeReader& take);
+  static Result<void> check(const PlayOptions& options, const capture::TakeReader& take);
   /// In the window that is current. `options` and `take` outlive it. Errors: those of check().
-  static Result<std::unique_ptr<Player>> open(const PlayOptions& options, TakeReader& take);
+  static Result<std::unique_ptr<Player>> open(const PlayOptions& options, capture::TakeReader& take);
   virtual ~Player() = default;
 
   /// One frame of the user interface. Errors are shown, not returned: the window stays.
@@ -28,4 +28,4 @@ class Player {
   virtual void forget_scenes() = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -8,7 +8,7 @@
 #include "apps/viewer/window/time_line.h"
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// Everything that the operator can change, without a window: panels write it, the canvas reads it.
 struct PlayerState {
@@ -20,7 +20,7 @@ struct PlayerState {
   int left = 0, right = 0;                ///< methods shown; `right` only when split
   bool split = false;
   float split_at = 0.5f;  ///< where the picture changes from left to right, 0…1
-  RendererOptions renderer = {};
+  render::RendererOptions renderer = {};
   float render_scale = 1;  ///< pixels rendered per pixel shown, 0.25…1
 
   bool show_cameras = false;
@@ -31,4 +31,4 @@ struct PlayerState {
   std::string status = {};  ///< one line at the bottom: the last thing that happened
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

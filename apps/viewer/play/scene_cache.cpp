@@ -1,6 +1,6 @@
 #include "apps/viewer/play/scene_cache.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 const SceneCache::Entry* SceneCache::find(int frame) {
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
@@ -41,4 +41,4 @@ void SceneCache::clear() {
   entries_.clear();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -6,12 +6,13 @@
 
 #include "pipeline/scene_loader.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// Loads instants of a take in the background and keeps the last few. Used on one thread.
 class SceneCache {
  public:
-  explicit SceneCache(TakeReader& take, std::size_t capacity = 8) : take_(take), capacity_(capacity) {}
+  explicit SceneCache(capture::TakeReader& take, std::size_t capacity = 8)
+      : take_(take), capacity_(capacity) {}
 
   /// The scene if it is there, else null while it is being loaded (ask again), or the error that loading met.
   Result<std::shared_ptr<const SceneFrame>> get(int frame);
@@ -28,11 +29,11 @@ class SceneCache {
   const Entry* find(int frame);
   void collect();
 
-  TakeReader& take_;
+  capture::TakeReader& take_;
   const std::size_t capacity_;
   std::list<Entry> entries_;  // most recently used first
   int loading_frame_ = -1;
   std::future<Result<SceneFrame>> loading_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

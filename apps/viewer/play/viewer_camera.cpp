@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using Eigen::Vector3d;
@@ -14,9 +14,9 @@ constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 
-ViewerCamera::ViewerCamera(const PathKey& start) { set(start); }
+ViewerCamera::ViewerCamera(const pipeline::PathKey& start) { set(start); }
 
-void ViewerCamera::set(const PathKey& key) {
+void ViewerCamera::set(const pipeline::PathKey& key) {
   key_ = key;
   key_.up.normalize();
 }
@@ -63,4 +63,4 @@ void ViewerCamera::fly(double right, double up, double forward) {
   key_.target += move;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -2,15 +2,15 @@
 
 #include "pipeline/camera_path.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The camera that a hand on the mouse moves: orbits around a target or flies. Pure arithmetic, no window.
 class ViewerCamera {
  public:
-  explicit ViewerCamera(const PathKey& start);
+  explicit ViewerCamera(const pipeline::PathKey& start);
 
-  const PathKey& key() const { return key_; }  ///< its time means nothing
-  void set(const PathKey& key);
+  const pipeline::PathKey& key() const { return key_; }  ///< its time means nothing
+  void set(const pipeline::PathKey& key);
 
   /// Turns around the target: `right` and `up` in radians. Stops short of the poles.
   void orbit(double right, double up);
@@ -32,7 +32,7 @@ class ViewerCamera {
   /// poles.
   Eigen::Vector3d turned(const Eigen::Vector3d& direction, double right, double up) const;
 
-  PathKey key_;
+  pipeline::PathKey key_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

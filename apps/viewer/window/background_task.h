@@ -7,7 +7,7 @@
 #include <mutex>
 #include <string>
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// One piece of long work beside the window: at most one at a time, which can be watched and asked to stop.
 class BackgroundTask {
@@ -56,4 +56,4 @@ class BackgroundTask {
   std::future<void> future_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

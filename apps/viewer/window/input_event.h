@@ -1,6 +1,6 @@
 #pragma once
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// What a hand did, in the order in which it did it: nothing is lost between two pictures of the window,
 /// however slow they are. Positions are px of the window, its top-left corner at (0, 0).
@@ -18,4 +18,4 @@ struct InputEvent {
 constexpr int kKeyEscape = 256, kKeyEnter = 257, kKeyTab = 258, kKeyDelete = 261, kKeyRight = 262,
               kKeyLeft = 263, kKeyHome = 268, kKeyEnd = 269, kKeyF12 = 301;
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

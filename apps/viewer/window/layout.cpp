@@ -2,7 +2,7 @@
 
 #include <imgui.h>
 
-namespace floatstage {
+namespace floatstage::apps {
 
 void lay_out_window(float strip_height, const std::array<float, 3>& background, const WindowParts& parts) {
   constexpr float kPanelWidth = 270;
@@ -30,4 +30,4 @@ void lay_out_window(float strip_height, const std::array<float, 3>& background, 
   ImGui::PopStyleVar();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

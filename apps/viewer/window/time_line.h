@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// Which frame of the take is shown, and how playing moves on. Pure arithmetic: time is given to it.
 class TimeLine {
@@ -39,4 +39,4 @@ class TimeLine {
   double position_ = 0;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -2,7 +2,7 @@
 
 #include <imgui.h>
 
-namespace floatstage {
+namespace floatstage::apps {
 
 void draw_transport(TimeLine& time) {
   if (ImGui::Button(time.playing ? "pause" : "play ")) time.playing = !time.playing;
@@ -13,4 +13,4 @@ void draw_transport(TimeLine& time) {
   ImGui::SameLine();
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

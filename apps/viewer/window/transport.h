@@ -2,9 +2,9 @@
 
 #include "apps/viewer/window/time_line.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// The buttons that play and step; what follows stands beside them. Draws into the present ImGui window.
 void draw_transport(TimeLine& time);
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

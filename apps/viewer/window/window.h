@@ -11,7 +11,7 @@
 
 struct GLFWwindow;
 
-namespace floatstage {
+namespace floatstage::apps {
 
 /// One GLFW window with an OpenGL 4.5 context and Dear ImGui in it. Main thread only; one at a time.
 class Window {
@@ -47,7 +47,7 @@ class Window {
 
   GLFWwindow* window_ = nullptr;
   Input input_;
-  std::unique_ptr<GlContext> gl_;
+  std::unique_ptr<render::GlContext> gl_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -7,22 +7,22 @@
 #include "core/text.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::IsEmpty;
 
 // A node that does what it is told, or refuses.
-class Node final : public StudioControl {
+class Node final : public studio::StudioControl {
  public:
   explicit Node(std::string name) : name_(std::move(name)) {}
 
-  NodeStatus status() const override {
+  studio::NodeStatus status() const override {
     const std::lock_guard lock(mutex_);
-    NodeStatus status;
+    studio::NodeStatus status;
     status.node = name_;
-    if (recording_) status.recording = NodeRecording{*recording_, 1, 25, 0, 0, {}};
-    NodeCamera& camera = status.cameras.emplace_back();
+    if (recording_) status.recording = studio::NodeRecording{*recording_, 1, 25, 0, 0, {}};
+    studio::NodeCamera& camera = status.cameras.emplace_back();
     camera.serial = "cam";
     camera.trouble = trouble_;
     return status;
@@ -41,8 +41,8 @@ class Node final : public StudioControl {
     ++takes_;
     return {};
   }
-  Result<std::vector<NodeTake>> takes() const override {
-    return std::vector<NodeTake>(static_cast<std::size_t>(takes_));
+  Result<std::vector<studio::NodeTake>> takes() const override {
+    return std::vector<studio::NodeTake>(static_cast<std::size_t>(takes_));
   }
 
   void refuse(bool refuses) {
@@ -67,7 +67,7 @@ class Node final : public StudioControl {
 class AStudioOfTwoNodes : public testing::Test {
  protected:
   Node left_{"left"}, right_{"right"};
-  const std::vector<StudioControl*> nodes_{&left_, &right_};
+  const std::vector<studio::StudioControl*> nodes_{&left_, &right_};
 };
 
 TEST_F(AStudioOfTwoNodes, RecordsAndStopsTogether) {
@@ -145,4 +145,4 @@ TEST(ADeskWithoutNodes, HasNothingToAskOrCommand) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

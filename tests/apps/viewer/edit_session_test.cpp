@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::ElementsAre;
@@ -151,4 +151,4 @@ TEST(WorstFrames, AreVisitedInTurn) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

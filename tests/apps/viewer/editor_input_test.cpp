@@ -2,7 +2,7 @@
 
 #include "apps/viewer/mattes/editor_state.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 // A photograph of 160x120 in a part of the window that is twice as large and begins at (300, 10).
@@ -198,4 +198,4 @@ TEST(EditorInput, HandsOnWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -6,7 +6,7 @@
 #include "core/png.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::HasSubstr;
@@ -73,4 +73,4 @@ TEST(LiveVerb, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,7 +10,7 @@
 #include "tests/support/child_process.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -242,4 +242,4 @@ TEST_F(AMatteDesk, NamesWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -10,7 +10,7 @@
 #include "core/text.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 namespace fs = std::filesystem;
@@ -200,4 +200,4 @@ TEST_F(MatteEditorUnderXvfb, SaysWhatIsWrongWithTheFileBeforeAWindowOpens) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

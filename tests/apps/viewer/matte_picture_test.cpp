@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using testing::ElementsAre;
@@ -111,4 +111,4 @@ TEST(MattePicture, NamesItsViewsInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

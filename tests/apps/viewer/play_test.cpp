@@ -9,7 +9,7 @@
 #include "pipeline/process/process.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 // The real window under a virtual display, closed by its own --screenshot.
@@ -18,7 +18,7 @@ class PlayUnderXvfb : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
     take_ = small_take(*folder_, 2);
-    ProcessOptions options{.take = take_, .key = "chroma", .hull = HullOptions{}};
+    pipeline::ProcessOptions options{.take = take_, .key = "chroma", .hull = recon::HullOptions{}};
     options.hull->resolution = 64;
     ASSERT_THAT(process_take(options), IsOk());
   }
@@ -158,4 +158,4 @@ TEST(PlayWithoutADisplay, SaysSo) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -7,13 +7,13 @@
 #include "apps/viewer/play/path_editor.h"
 #include "apps/viewer/window/time_line.h"
 
-namespace floatstage {
+namespace floatstage::apps {
 namespace {
 
 using Eigen::Vector3d;
 
-PathKey start() {
-  PathKey key;
+pipeline::PathKey start() {
+  pipeline::PathKey key;
   key.eye = {3, 0, 1};
   key.target = {0, 0, 1};
   return key;
@@ -120,7 +120,7 @@ TEST(PathEditor, KeepsKeysInOrderOfTime) {
 TEST(PathEditor, ReplacesAKeyThatIsThereAlready) {
   PathEditor editor;
   editor.append(start());
-  PathKey other = start();
+  pipeline::PathKey other = start();
   other.eye = {0, 4, 2};
   editor.put(other, 0);
   ASSERT_EQ(editor.path().keys.size(), 1u);
@@ -130,4 +130,4 @@ TEST(PathEditor, ReplacesAKeyThatIsThereAlready) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::apps

@@ -15,7 +15,7 @@
 #include "tests/capture/v4l2_guest/pixels_hash.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr const char* kDevice = "/dev/video0";
@@ -275,4 +275,4 @@ TEST(V4l2Faults, AnUnpluggedCameraIsGoneUntilItIsBack) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -4,7 +4,7 @@
 
 #include "core/frame.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 
 /// FNV-1a over the visible bytes of a frame's rows: equal for equal pictures whatever their stride.
 inline std::uint64_t pixels_hash(const Frame& frame) {
@@ -18,4 +18,4 @@ inline std::uint64_t pixels_hash(const Frame& frame) {
   return hash;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -16,7 +16,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using testing::Contains;
@@ -26,15 +26,15 @@ using testing::HasSubstr;
 using testing::Not;
 
 const CaptureOptions kCapture{.frames = 40, .frame_seconds = 0.2};
-Observations seen() {
+calib::Observations seen() {
   return capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(kCapture), kCapture);
 }
 
 // Three cameras far apart know less of one another than the bars ask for.
 const CalibrationBars kBars{.rotation_sigma_degrees = 0.3};
 
-const Calibration& solved() {
-  static const Result<Calibration> result = calibrate(seen());
+const calib::Calibration& solved() {
+  static const Result<calib::Calibration> result = calibrate(seen());
   return *result;
 }
 
@@ -52,8 +52,8 @@ TEST(CalibrationVerdict, FailsAtABarAndNamesTheCamera) {
 }
 
 TEST(CalibrationVerdict, FailsForANamedFailureAndForNumbersThatAreNone) {
-  Calibration c = solved();
-  c.failures.push_back({CalibrationFailure::LateCamera, "cam1", "is late"});
+  calib::Calibration c = solved();
+  c.failures.push_back({calib::CalibrationFailure::LateCamera, "cam1", "is late"});
   EXPECT_FALSE(judge(c, {}).pass);
   c = solved();
   c.cameras[0].rms_px = std::numeric_limits<double>::quiet_NaN();
@@ -128,8 +128,8 @@ TEST(ScenePoints, MeetInTheRigThatSawThem) {
 }
 
 TEST(CalibrationReport, OfACaptureThatCouldNotBeSolvedSaysWhy) {
-  Calibration c;
-  c.failures.push_back({CalibrationFailure::SwappedRowsColumns, "", "exchange rows and columns"});
+  calib::Calibration c;
+  c.failures.push_back({calib::CalibrationFailure::SwappedRowsColumns, "", "exchange rows and columns"});
   const std::string html = report_html(c, judge(c, {}), {});
   EXPECT_THAT(html, HasSubstr("FAIL"));
   EXPECT_THAT(html, HasSubstr("exchange rows and columns"));
@@ -143,13 +143,13 @@ TEST(CalibrationReport, IsTwoFilesInAFolder) {
 }
 
 TEST(CalibrationKnown, AppliesWhatIsKnownToTheCamerasOfItsName) {
-  Observations o = seen();
+  calib::Observations o = seen();
   const Rig rig = ring_rig(3);
-  ASSERT_THAT(apply_known({"rig", "r.json", Prior::Fixed, Prior::Start}, rig, o), IsOk());
-  EXPECT_EQ(o.cameras[2].intrinsics, Prior::Fixed);
+  ASSERT_THAT(apply_known({"rig", "r.json", calib::Prior::Fixed, calib::Prior::Start}, rig, o), IsOk());
+  EXPECT_EQ(o.cameras[2].intrinsics, calib::Prior::Fixed);
   EXPECT_EQ(o.cameras[2].model, rig.cameras[2].model);
-  EXPECT_EQ(o.cameras[2].pose, Prior::Start);
-  EXPECT_THAT(apply_known({"rig", "r.json", Prior::Fixed, Prior::Start}, ring_rig(2), o),
+  EXPECT_EQ(o.cameras[2].pose, calib::Prior::Start);
+  EXPECT_THAT(apply_known({"rig", "r.json", calib::Prior::Fixed, calib::Prior::Start}, ring_rig(2), o),
               FailsWith(ErrorCode::NotFound, "'cam2'"));
 }
 
@@ -159,8 +159,9 @@ TEST(CalibrationKnown, IsComparedWithWhereItIsNotTaken) {
   const std::vector<std::string> sentences = compare_to_known({}, known, ring_rig(3));
   ASSERT_EQ(sentences.size(), 3u);
   EXPECT_THAT(sentences[0], HasSubstr("-0.99 %"));
-  EXPECT_TRUE(compare_to_known({"rig", "", Prior::Fixed, Prior::Unknown}, known, known).empty());
+  EXPECT_TRUE(
+      compare_to_known({"rig", "", calib::Prior::Fixed, calib::Prior::Unknown}, known, known).empty());
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

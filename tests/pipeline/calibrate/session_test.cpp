@@ -6,7 +6,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using testing::ElementsAre;
@@ -52,22 +52,22 @@ Result<Session> with(std::string from, const std::string& to) {
 TEST(CalibrationSession, HoldsAllThatIsKnown) {
   const Result<Session> s = parse(kWhole);
   ASSERT_THAT(s, IsOk());
-  EXPECT_TRUE(std::holds_alternative<CharucoBoard>(*s->target));
+  EXPECT_TRUE(std::holds_alternative<calib::CharucoBoard>(*s->target));
   EXPECT_EQ(s->frame_rate, 30);
   EXPECT_EQ(s->first_frame, 2);
   EXPECT_EQ(s->every, 3);
   EXPECT_EQ(s->end_frame, 100);
   EXPECT_EQ(s->floor->frame, 12);
   EXPECT_DOUBLE_EQ(s->floor->height, 0.003);
-  EXPECT_EQ(s->known->intrinsics, Prior::Fixed);
-  EXPECT_EQ(s->known->poses, Prior::Start);
+  EXPECT_EQ(s->known->intrinsics, calib::Prior::Fixed);
+  EXPECT_EQ(s->known->poses, calib::Prior::Start);
   EXPECT_TRUE(s->options.time_offsets);
   EXPECT_EQ(s->options.holdout_every, 7);
   EXPECT_EQ(s->bars.rms_px, 0.35);
   EXPECT_EQ(s->bars.holdout_ratio, CalibrationBars{}.holdout_ratio)
       << "bars that are not given keep their defaults";
   ASSERT_EQ(s->cameras.size(), 2u);
-  EXPECT_EQ(s->cameras[0].lens, LensKind::KannalaBrandt);
+  EXPECT_EQ(s->cameras[0].lens, calib::LensKind::KannalaBrandt);
   EXPECT_EQ(s->cameras[0].video, "left.mp4");
   EXPECT_THAT(s->cameras[1].images, ElementsAre("a.png", "b.png"));
   EXPECT_THAT(s->cameras[1].alone, ElementsAre("intrinsics"));
@@ -187,4 +187,4 @@ TEST(CalibrationSession, ThatIsNotThereIsNamed) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,7 +6,7 @@
 #include "core/png.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 class EvaluateMattes : public testing::Test {
  protected:
   void SetUp() override {
-    Result<std::unique_ptr<TakeReader>> opened = TakeReader::open(small_take(folder_, 3));
+    Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(small_take(folder_, 3));
     ASSERT_THAT(opened, IsOk());
     take_ = std::move(*opened);
     fs::copy(take_->layout().truth().mattes(), take_->layout().mattes(), fs::copy_options::recursive);
@@ -23,7 +23,7 @@ class EvaluateMattes : public testing::Test {
     return evaluate_mattes(*take_, take_->layout().truth().mattes(), {0, 1, 2});
   }
   TempFolder folder_;
-  std::unique_ptr<TakeReader> take_;
+  std::unique_ptr<capture::TakeReader> take_;
 };
 
 TEST_F(EvaluateMattes, FindsNoFaultInTheTruth) {
@@ -78,4 +78,4 @@ TEST_F(EvaluateMattes, RefusesWhatIsNoPair) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

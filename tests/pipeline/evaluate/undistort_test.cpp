@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 CameraModel model_with(Lens lens) {
@@ -50,4 +50,4 @@ TEST(Undistorted, LeavesBlackWhatThePhotographDoesNotShow) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

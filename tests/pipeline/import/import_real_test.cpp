@@ -9,7 +9,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 TEST(ImportReal, TempleRingTakesTheNineteenViewsThatHaveAnImage) {
@@ -24,7 +24,7 @@ TEST(ImportReal, TempleRingTakesTheNineteenViewsThatHaveAnImage) {
   EXPECT_EQ(report->serials.front(), "templeR0013.png");
   EXPECT_EQ(report->frames, 1);
   EXPECT_THAT(report->notes, testing::ElementsAre(testing::HasSubstr("28 of 47")));
-  const auto take = TakeReader::open(options.out);
+  const auto take = capture::TakeReader::open(options.out);
   ASSERT_THAT(take, IsOk());
   const int camera = camera_index((*take)->rig(), "templeR0014.png");
   ASSERT_GE(camera, 0);
@@ -45,7 +45,7 @@ TEST(ImportReal, DomeComesWithItsMattes) {
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->serials.size(), 20u);
   EXPECT_THAT(report->notes, testing::IsEmpty());
-  const auto take = TakeReader::open(options.out);
+  const auto take = capture::TakeReader::open(options.out);
   ASSERT_THAT(take, IsOk());
   EXPECT_EQ((*take)->rig().cameras[3].serial, "03");
   for (const RigCamera& c : (*take)->rig().cameras) {
@@ -76,10 +76,10 @@ TEST(ImportReal, QualisysVideosOfAnotherSizeAreRefusedAndTheOthersTaken) {
   const Result<ImportReport> report = import_take(options);
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->frames, 2);
-  const auto take = TakeReader::open(options.out);
+  const auto take = capture::TakeReader::open(options.out);
   ASSERT_THAT(take, IsOk());
   EXPECT_NEAR((*take)->manifest().frame_rate, 60, 1e-6);
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

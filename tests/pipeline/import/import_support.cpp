@@ -6,7 +6,7 @@
 
 #include "core/png.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 Image test_picture(int camera, int frame, int width, int height) {
   Image image(width, height, 3);
@@ -46,4 +46,4 @@ void save_pictures(const std::filesystem::path& folder, int camera, int count) {
   }
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,7 +6,7 @@
 #include "core/image.h"
 #include "core/rig.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 inline constexpr int kImportWidth = 32, kImportHeight = 24;
 
@@ -19,4 +19,4 @@ Rig test_rig(int cameras);
 /// Writes pictures 000000.png … of one camera into a new folder.
 void save_pictures(const std::filesystem::path& folder, int camera, int count);
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -11,7 +11,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,7 +48,7 @@ class Import : public testing::Test {
   }
 
   // The take's picture must be the file's, byte by byte.
-  static void expect_picture(TakeReader& take, int camera, int frame, const Image& expected) {
+  static void expect_picture(capture::TakeReader& take, int camera, int frame, const Image& expected) {
     const Result<Frame> read = take.frame(camera, frame);
     ASSERT_THAT(read, IsOk());
     const Result<Image> rgb = to_rgb(*read);
@@ -56,11 +56,11 @@ class Import : public testing::Test {
     EXPECT_TRUE(*rgb == expected) << "camera " << camera << ", frame " << frame;
   }
 
-  std::unique_ptr<TakeReader> imported() {
+  std::unique_ptr<capture::TakeReader> imported() {
     report_ = import_take(options_);
     EXPECT_THAT(report_, IsOk());
     if (!report_) return nullptr;
-    Result<std::unique_ptr<TakeReader>> take = TakeReader::open(options_.out);
+    Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options_.out);
     EXPECT_THAT(take, IsOk());
     return take ? std::move(*take) : nullptr;
   }
@@ -162,7 +162,7 @@ TEST_F(Import, ReadsVideosWithTheirOwnRate) {
   ASSERT_THAT(write_colmap(rig, {"a.png", "b.png"}, folder_ / "in"), IsOk());
   fs::create_directories(folder_ / "in" / "images");
   for (int camera = 0; camera < 2; ++camera) {
-    auto video = VideoWriter::create(
+    auto video = capture::VideoWriter::create(
         folder_ / "in" / "images" / (rig.cameras[static_cast<std::size_t>(camera)].serial + ".mp4"),
         kImportWidth, kImportHeight, 30);
     ASSERT_THAT(video, IsOk());
@@ -350,4 +350,4 @@ TEST(ImportedMatte, ComesFromAlphaOrGreyAndMasksOfOnesAreScaled) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,7 +7,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using testing::ElementsAre;
@@ -19,8 +19,8 @@ void touch(const std::filesystem::path& file) {
   std::ofstream(file).put('x');
 }
 
-ForeignRig named(const std::vector<std::string>& images, const std::vector<std::string>& serials) {
-  ForeignRig foreign;
+calib::ForeignRig named(const std::vector<std::string>& images, const std::vector<std::string>& serials) {
+  calib::ForeignRig foreign;
   foreign.image_names = images;
   for (const std::string& serial : serials) foreign.rig.cameras.push_back({serial, {}, {}, {}});
   return foreign;
@@ -110,4 +110,4 @@ TEST(NaturalOrder, ComparesNumbersByValue) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 using testing::ElementsAre;
@@ -84,4 +84,4 @@ TEST(Downstream, GoesFromTheFirstKeyframeBothWays) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

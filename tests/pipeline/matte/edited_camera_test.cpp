@@ -10,7 +10,7 @@
 #include "tests/support/child_process.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -285,7 +285,7 @@ TEST_F(Editing, KeepsTheMattesWhenAKeyframeSaysNothing) {
 
 TEST_F(Editing, ShowsComponentsOfAFrameWhateverTheMethod) {
   const auto camera = open(options("chroma"));
-  const Result<MattingComponents> components = camera->components(3);
+  const Result<matting::MattingComponents> components = camera->components(3);
   ASSERT_THAT(components, IsOk());
   EXPECT_EQ(components->count(), 10);
   EXPECT_EQ(components->width, 160);
@@ -336,4 +336,4 @@ TEST_F(Editing, KeepsTheMattesWhenTheDiskIsFull) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -6,7 +6,7 @@
 #include "pipeline/matte/matte_take.h"
 #include "tests/support/clip_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ TEST(EditingACut, MakesTheBytesOfTheVerbAfterEveryStrokeAndMask) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

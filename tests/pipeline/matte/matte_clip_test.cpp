@@ -10,7 +10,7 @@
 #include "tests/matting/small_scenes.h"
 #include "tests/support/clip_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -158,4 +158,4 @@ TEST(AutoWithoutAKey, IsSpectral) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -7,7 +7,7 @@
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 MatteImageOptions options_for(std::string method) {
@@ -89,4 +89,4 @@ TEST(MatteImage, LeavesATrimapThatIsAllSubjectOrAllBackgroundAlone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

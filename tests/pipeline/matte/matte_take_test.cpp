@@ -12,7 +12,7 @@
 #include "tests/support/child_process.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -216,7 +216,7 @@ TEST(MatteTake, MattesACutOffVideoUpToTheCut) {
 fs::path flat_take(const TempFolder& folder, std::array<std::uint8_t, 3> color) {
   SyntheticRigOptions rig;
   rig.cameras = 2, rig.width = 64, rig.height = 48;
-  auto writer = TakeWriter::create(folder / "flat", synthetic_rig(rig), {});
+  auto writer = capture::TakeWriter::create(folder / "flat", synthetic_rig(rig), {});
   EXPECT_THAT(writer, IsOk());
   for (int f = 0; f < 3; ++f)
     for (int c = 0; c < 2; ++c) {
@@ -250,7 +250,7 @@ TEST(HullAgreement, PutsTheCameraFirstWhoseMatteIsWrong) {
   TempFolder folder;
   const fs::path path = small_take(folder, 1);
   fs::copy(TakeLayout(path).truth().mattes(), TakeLayout(path).mattes(), fs::copy_options::recursive);
-  auto take = TakeReader::open(path);
+  auto take = capture::TakeReader::open(path);
   ASSERT_THAT(take, IsOk());
   const auto good = hull_agreement(**take, {0}, 1);
   ASSERT_THAT(good, IsOk());
@@ -344,4 +344,4 @@ TEST(ExportLayers, AskForMattesFirst) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -8,7 +8,7 @@
 #include "core/matte.h"
 #include "tests/pipeline/metrics/textures.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 // 40x30, subject from (10, 8) to (30, 22), both ends as box_mask() takes them.
@@ -106,4 +106,4 @@ TEST(MatteScores, RefusePicturesThatAreNoPair) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -8,7 +8,7 @@
 #include "core/check.h"
 #include "tests/pipeline/metrics/textures.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -169,4 +169,4 @@ TEST(ErodeMask, ByNothingOnlyDecidesAndOfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -5,7 +5,7 @@
 #include "pipeline/metrics/metrics.h"
 #include "tests/pipeline/metrics/textures.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 // SSIM of one pixel as the paper writes it, by a plain loop over the window's pixels in the mask.
@@ -111,4 +111,4 @@ TEST(CwSsim, WorksOnAMaskOfOnePixel) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

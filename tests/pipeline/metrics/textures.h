@@ -6,7 +6,7 @@
 #include "core/image.h"
 #include "core/random.h"
 
-namespace floatstage {
+namespace floatstage::pipeline {
 
 /// Grey noise blurred by `passes` 3x3 box filters, stretched to about 40 … 215; the same for the same seed.
 inline Image texture(int width, int height, std::uint64_t seed = 1, int passes = 2, int channels = 1) {
@@ -64,4 +64,4 @@ inline Image box_mask(int width, int height, int x0, int y0, int x1, int y1) {
   return mask;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -11,7 +11,7 @@
 #include "studio/messages/clock.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 // Six cameras of the embedded studio that run at their own pace, and the rig of a take that they made. They
@@ -24,7 +24,7 @@ class CamerasOfAStudio : public testing::Test {
     CaptureConfig config;
     config.frame_rate = kRate;
     config.recorder.take.frame_rate = kRate;
-    config.recorder.take.codec = TakeCodec::Raw;
+    config.recorder.take.codec = capture::TakeCodec::Raw;
     config.folder = folder_ / "recorded";
     config.rig = rig_;
     for (int i = 0; i < 6; ++i)
@@ -93,7 +93,8 @@ TEST_F(CamerasOfAStudio, BecomeASceneThatIsRecordedMeanwhile) {
   EXPECT_EQ(control->status().cameras.size(), 6U);
   (*chain)->end();
 
-  const Result<std::unique_ptr<TakeReader>> reader = TakeReader::open(folder_ / "recorded" / *take);
+  const Result<std::unique_ptr<capture::TakeReader>> reader =
+      capture::TakeReader::open(folder_ / "recorded" / *take);
   ASSERT_THAT(reader, IsOk());
   EXPECT_TRUE((*reader)->manifest().complete);
   EXPECT_GT((*reader)->frame_count(), 0);
@@ -113,4 +114,4 @@ TEST_F(CamerasOfAStudio, NeedARigThatHasThemAll) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 Timestamp ms(std::int64_t n) { return {n * 1'000'000}; }
@@ -64,4 +64,4 @@ TEST(LivePace, GoesOnFromTheOperatorsChoice) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

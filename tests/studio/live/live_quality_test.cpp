@@ -4,7 +4,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::Eq;
@@ -24,7 +24,7 @@ TEST(LiveQualities, ArePossibleAndOrderedFromTheBestToTheFastest) {
   ASSERT_GE(live_qualities().size(), 3U);
   for (std::size_t i = 0; i < live_qualities().size(); ++i) {
     const LiveQuality& q = live_qualities()[i];
-    RendererOptions renderer;
+    render::RendererOptions renderer;
     renderer.flow = q.flow;
     EXPECT_THAT(check(q.node), IsOk()) << q.name;
     EXPECT_THAT(check(renderer), IsOk()) << q.name;
@@ -99,4 +99,4 @@ TEST(QualityControl, LeavesAQualityThatWasAskedForAlone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -12,7 +12,7 @@
 #include "studio/live/take_player.h"
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
@@ -26,10 +26,10 @@ class ALiveRun : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
     take_ = small_take(*folder_, kRows);
-    ASSERT_THAT(process_take({.take = take_, .key = "chroma", .hull = HullOptions{}}), IsOk());
+    ASSERT_THAT(process_take({.take = take_, .key = "chroma", .hull = recon::HullOptions{}}), IsOk());
   }
   static void TearDownTestSuite() { delete folder_; }
-  void SetUp() override { gl_ = std::move(*GlContext::headless()); }
+  void SetUp() override { gl_ = std::move(*render::GlContext::headless()); }
 
   struct Shown {
     std::uint64_t instant;
@@ -70,9 +70,9 @@ class ALiveRun : public testing::Test {
 
   /// What `render` draws of an instant.
   static Image offline(int frame) {
-    auto take = std::move(*TakeReader::open(take_));
+    auto take = std::move(*capture::TakeReader::open(take_));
     const SceneFrame scene = *load_scene(*take, frame, true);
-    SceneTextures textures;
+    render::SceneTextures textures;
     EXPECT_THAT(textures.upload(take->rig(), scene), IsOk());
     auto renderer = std::move(*make_renderer("floating"));
     return over(download(*renderer->render(textures, view(take->rig()), {})), kBlack);
@@ -80,7 +80,7 @@ class ALiveRun : public testing::Test {
 
   static TempFolder* folder_;
   static std::filesystem::path take_;
-  std::unique_ptr<GlContext> gl_;
+  std::unique_ptr<render::GlContext> gl_;
 };
 TempFolder* ALiveRun::folder_ = nullptr;
 std::filesystem::path ALiveRun::take_;
@@ -155,4 +155,4 @@ TEST_F(ALiveRun, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 TEST(Series, HasThePercentilesOfItsValues) {
@@ -26,4 +26,4 @@ TEST(Rate, FindsTheSlowestSecond) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -4,7 +4,7 @@
 #include "recon/outline.h"
 #include "tests/studio/synthetic_shots.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::ElementsAre;
@@ -97,4 +97,4 @@ TEST_F(AReconstruction, RefusesPicturesOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -7,7 +7,7 @@
 
 #include "tests/support/small_take.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
@@ -97,4 +97,4 @@ TEST_F(ATakePlayer, SaysWhatIsWrongWithATake) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr Timestamp at_ms(std::int64_t ms) { return Timestamp{} + milliseconds(ms); }
@@ -110,4 +110,4 @@ TEST(TileJoin, GoesOnWithAReconstructionThatWasStartedAgain) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

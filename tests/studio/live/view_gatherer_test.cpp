@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::StartsWith;
@@ -162,4 +162,4 @@ TEST(ViewGatherer, SaysWhoseClockIsOffAndByHowMuch) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -3,7 +3,7 @@
 
 #include "tests/studio/machines/studio_faults.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
@@ -34,7 +34,7 @@ TEST_F(StudioFaults, ALinkThatIsCutForFiveSecondsHealsByItselfAndNoRecordedFrame
   EXPECT_TRUE(sees(6)) << logs();
   EXPECT_THAT(control(kRight).stop_recording(), IsOk());
   expect_no_silent_loss(take, true);
-  const Result<std::unique_ptr<TakeReader>> reader = TakeReader::open(take);
+  const Result<std::unique_ptr<capture::TakeReader>> reader = capture::TakeReader::open(take);
   ASSERT_THAT(reader, IsOk());
   const std::vector<FrameRow>& rows = (*reader)->rows(0);
   EXPECT_GT(rows.back().info.exposure_start - rows.front().info.exposure_start, milliseconds(5000))
@@ -101,4 +101,4 @@ TEST_F(StudioFaults, NodesAnswerTheirControlOverTheNetwork) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -3,7 +3,7 @@
 #include "studio/node/capture_config.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 Result<CaptureConfig> parsed(const std::string& publish, const std::string& rig = "rig = 'rig.json'") {
@@ -51,4 +51,4 @@ TEST(PublishConfig, NeedsACalibration) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -11,7 +11,7 @@
 #include "tests/studio/machines/studio_faults.h"
 #include "tests/studio/messages/views.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using wire::MessageKind;
@@ -209,4 +209,4 @@ TEST_F(StudioFaults, ASubscriberThatNeverReadsMissesMessagesAndNobodyElseDoes) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -17,7 +17,7 @@
 #include "tests/studio/machines/studio_lab.h"
 #include "tests/support/eventually.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// A studio of four machines that works; this process is the viewer's. Each test does something to it, and
 /// everything works again in the end. Conditions are waited for, however slow the machine is.
@@ -90,7 +90,7 @@ class StudioFaults : public testing::Test {
   /// Every instant from a take's first to its last has a row: a picture that can be read, or a gap that says
   /// so.
   static void expect_no_silent_loss(const std::filesystem::path& folder, bool complete) {
-    const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder);
+    const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder);
     ASSERT_THAT(take, IsOk());
     EXPECT_EQ((*take)->manifest().complete, complete);
     for (int camera = 0; camera < 3; ++camera) {
@@ -123,4 +123,4 @@ class StudioFaults : public testing::Test {
   std::unique_ptr<RemoteScenes> scenes_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -15,7 +15,7 @@
 #include "tests/support/network_lab.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// A studio of four machines on a switch: two capture nodes with three live synthetic cameras each, one
 /// machine that reconstructs, one for the view. The programs are the real ones.
@@ -73,4 +73,4 @@ struct StudioLab {
   }
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -5,7 +5,7 @@
 #include "core/file.h"
 #include "tests/studio/machines/studio_lab.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 nlohmann::json json_of(const StudioLab& studio, const std::string& name) {
@@ -87,4 +87,4 @@ TEST(ThreeMachines, ShowTheSubjectAndOnlyTheThreeSubscribedTexturesTravel) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

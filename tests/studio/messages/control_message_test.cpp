@@ -5,7 +5,7 @@
 #include "tests/studio/network/scripted_control.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 std::string request_of(const std::string& json) {
@@ -99,4 +99,4 @@ TEST(ControlMessage, IsNotReadFromAnotherKind) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -5,7 +5,7 @@
 #include "core/random.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -47,4 +47,4 @@ TEST(MatteRuns, OfAnotherSizeAreRefused) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -4,7 +4,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 MessageHeader some_header() {
@@ -97,4 +97,4 @@ TEST(WireMessage, IsNotSealedWhenItCannotTravel) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -6,7 +6,7 @@
 
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 StudioScene tetrahedron() {
@@ -100,4 +100,4 @@ TEST(SceneMessage, IsRefusedWhereverItIsCut) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -9,7 +9,7 @@
 #include "tests/studio/messages/views.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 CameraView read(const Result<std::string>& bytes) {
@@ -172,4 +172,4 @@ TEST(ViewMessages, AreNotReadFromOtherKinds) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -5,7 +5,7 @@
 
 #include "studio/messages/camera_view.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// A view with an outline of an island with a hole, and a tile whose matte has soft edges.
 inline CameraView small_view(const std::string& serial, std::uint64_t epoch = 7) {
@@ -36,4 +36,4 @@ inline CameraView small_view(const std::string& serial, std::uint64_t epoch = 7)
   return view;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -7,7 +7,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 std::unique_ptr<ControlServer> serve(StudioControl& control, const std::optional<StudioKeys>& keys = {},
@@ -79,4 +79,4 @@ TEST(Control, IsNotBoundWhereOthersReachItWithoutKeys) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

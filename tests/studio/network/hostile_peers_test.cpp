@@ -15,7 +15,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 using View = std::shared_ptr<const CameraView>;
@@ -233,4 +233,4 @@ TEST(HostilePeers, WhoSpeaksNoZeroMqIsShownTheDoor) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

@@ -6,7 +6,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage::wire {
+namespace floatstage::studio::wire {
 namespace {
 
 using View = std::shared_ptr<const CameraView>;
@@ -202,4 +202,4 @@ TEST(Links, RefuseAndCountWhoHasOtherKeysOrNone) {
 }
 
 }  // namespace
-}  // namespace floatstage::wire
+}  // namespace floatstage::studio::wire

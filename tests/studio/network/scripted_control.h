@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "studio/messages/studio_control.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// A camera node without cameras: it records takes that are nothing but names.
 class ScriptedControl final : public StudioControl {
@@ -68,4 +68,4 @@ class ScriptedControl final : public StudioControl {
   std::string recorded_;
 };
 
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -5,7 +5,7 @@
 #include "core/check.h"
 #include "tests/studio/synthetic_shots.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr Instant kInstant{7, {1'000'000}};
@@ -163,4 +163,4 @@ TEST(NodeQuality, IsCheckedWithASentence) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

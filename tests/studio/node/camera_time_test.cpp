@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr Timestamp at_ms(std::int64_t ms) { return Timestamp{} + milliseconds(ms); }
@@ -46,4 +46,4 @@ TEST(CameraTime, FollowsAClockThatDriftsAndForgetsOneThatWasChanged) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -3,7 +3,7 @@
 #include "studio/node/capture_config.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr const char* kWhole = R"(
@@ -39,7 +39,7 @@ TEST(CaptureConfig, SaysEverythingThatAStudioIs) {
   EXPECT_EQ(config->rig, "/studio/rig.json");
   EXPECT_EQ(config->folder, "/studio/takes");
   EXPECT_EQ(config->recorder.take.label, "rehearsal");
-  EXPECT_EQ(config->recorder.take.codec, TakeCodec::Raw);
+  EXPECT_EQ(config->recorder.take.codec, capture::TakeCodec::Raw);
   EXPECT_EQ(config->recorder.take.frame_rate, 30);
   EXPECT_EQ(config->recorder.queue_frames, 12u);
   EXPECT_EQ(config->recorder.limits.skips, 2u);
@@ -55,7 +55,7 @@ TEST(CaptureConfig, HasDefaultsForAllButTheRateAndTheCameras) {
   const Result<CaptureConfig> config =
       parsed("[studio]\nframe_rate = 25\n[[camera]]\nserial = 'a'\nsource = 'v4l2:/dev/video0'\n");
   ASSERT_THAT(config, IsOk());
-  EXPECT_EQ(config->recorder.take.codec, TakeCodec::Ffv1);
+  EXPECT_EQ(config->recorder.take.codec, capture::TakeCodec::Ffv1);
   EXPECT_EQ(config->recorder.limits.skips, 0u);
   EXPECT_EQ(config->recorder.limits.spread_ms, 1);
   EXPECT_TRUE(config->rig.empty());
@@ -102,4 +102,4 @@ TEST(CaptureConfig, OfTheProjectIsUnderstood) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

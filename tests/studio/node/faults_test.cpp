@@ -23,7 +23,7 @@
 #include "tests/support/own_network.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
@@ -48,7 +48,7 @@ class AStudioOfGigeCameras : public testing::Test {
     config.keep_free_bytes = 0;
     config.recorder.take.frame_rate = 20;
     config.recorder.take.label = "take";
-    config.recorder.take.codec = TakeCodec::Raw;
+    config.recorder.take.codec = capture::TakeCodec::Raw;
     for (int n = 1; n <= cameras; ++n) {
       ASSERT_TRUE(n == 1 || add_loopback_address(n));
       const std::string serial = "FAKE" + std::to_string(n);
@@ -75,10 +75,10 @@ class AStudioOfGigeCameras : public testing::Test {
   /// accounted for, rows of all cameras at the same instants.
   std::vector<std::size_t> finished_gaps() {
     EXPECT_THAT(node_->stop_recording(), IsOk());
-    const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(take_);
+    const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(take_);
     EXPECT_THAT(take, IsOk());
     std::vector<std::size_t> gaps;
-    const RecordingQuality quality = *node_->quality();
+    const capture::RecordingQuality quality = *node_->quality();
     for (int i = 0; i < static_cast<int>(quality.cameras.size()); ++i) {
       const auto& rows = (*take)->rows(i);
       EXPECT_EQ(rows.size(), (*take)->rows(0).size());
@@ -147,7 +147,7 @@ TEST(CaptureFaults, AFullDiskEndsTheTakeAndNotTheStudio) {
   ASSERT_TRUE(look_after_until(**node, [&] { return !(*node)->recording(); }));
   EXPECT_THAT((*node)->status().last_recording, HasSubstr("could not be written further"));
   {
-    const Result<std::unique_ptr<TakeReader>> cut = TakeReader::open(folder / *first);
+    const Result<std::unique_ptr<capture::TakeReader>> cut = capture::TakeReader::open(folder / *first);
     ASSERT_THAT(cut, IsOk());
     EXPECT_FALSE((*cut)->manifest().complete);
     for (int camera = 0; camera < 2; ++camera) {
@@ -161,7 +161,7 @@ TEST(CaptureFaults, AFullDiskEndsTheTakeAndNotTheStudio) {
   ASSERT_THAT(second, IsOk());
   ASSERT_TRUE(look_after_until(**node, [&] { return (*node)->quality()->cameras[0].recorded > 10; }));
   EXPECT_THAT((*node)->stop_recording(), IsOk());
-  EXPECT_TRUE((*TakeReader::open(folder / *second))->manifest().complete);
+  EXPECT_TRUE((*capture::TakeReader::open(folder / *second))->manifest().complete);
   node->reset();
   ::umount(folder.path().c_str());
 }
@@ -177,10 +177,10 @@ TEST(CaptureFaults, AClockThatIsTwentyMillisecondsOffIsNamedAndItsFramesKeepThei
   ASSERT_THAT(name, IsOk());
   ASSERT_TRUE(look_after_until(**node, [&] { return (*node)->quality()->cameras[0].recorded > 40; }));
   ASSERT_THAT((*node)->stop_recording(), IsOk());
-  const RecordingQuality quality = *(*node)->quality();
+  const capture::RecordingQuality quality = *(*node)->quality();
   EXPECT_FALSE(quality.pass());
   EXPECT_THAT(quality.complaints, testing::Contains(HasSubstr("up to 20 ms apart")));
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / *name);
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / *name);
   ASSERT_THAT(take, IsOk());
   for (std::size_t row = 0; row < (*take)->rows(0).size(); ++row) {
     const FrameRow &late = (*take)->rows(0)[row], &good = (*take)->rows(1)[row];
@@ -292,7 +292,7 @@ TEST_F(ADaemon, LosesNothingOnSigterm) {
   const int status = wait();
   EXPECT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 0);
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder_ / "take");
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder_ / "take");
   ASSERT_THAT(take, IsOk());
   EXPECT_TRUE((*take)->manifest().complete);
   EXPECT_GE((*take)->frame_count(), 30);
@@ -305,7 +305,7 @@ TEST_F(ADaemon, ThatIsKilledLeavesATakeThatOpensAndIsStartedAgain) {
   ASSERT_TRUE(has_rows(30));
   ::kill(daemon_, SIGKILL);
   wait();
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder_ / "take");
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder_ / "take");
   ASSERT_THAT(take, IsOk());
   EXPECT_FALSE((*take)->manifest().complete);
   for (int camera = 0; camera < 2; ++camera) {
@@ -318,9 +318,9 @@ TEST_F(ADaemon, ThatIsKilledLeavesATakeThatOpensAndIsStartedAgain) {
   ::kill(daemon_, SIGTERM);
   EXPECT_TRUE(tells("STOPPING=1"));
   EXPECT_EQ(WEXITSTATUS(wait()), 0);
-  EXPECT_TRUE((*TakeReader::open(folder_ / "again"))->manifest().complete);
-  EXPECT_FALSE((*TakeReader::open(folder_ / "take"))->manifest().complete);
+  EXPECT_TRUE((*capture::TakeReader::open(folder_ / "again"))->manifest().complete);
+  EXPECT_FALSE((*capture::TakeReader::open(folder_ / "take"))->manifest().complete);
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 Matte small_matte(int width, int height, const std::vector<PixelBox>& subject) {
@@ -62,4 +62,4 @@ TEST(Enlarged, HoldsTheBorderBeyondTheLastPixel) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -8,7 +8,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
@@ -33,8 +33,8 @@ std::unique_ptr<CaptureNode> running(const CaptureConfig& config) {
 
 std::uint64_t recorded(const CaptureNode& node) {
   std::uint64_t least = UINT64_MAX;
-  const std::optional<RecordingQuality> quality = node.quality();
-  for (const RecordedCamera& camera : quality->cameras) least = std::min(least, camera.recorded);
+  const std::optional<capture::RecordingQuality> quality = node.quality();
+  for (const capture::RecordedCamera& camera : quality->cameras) least = std::min(least, camera.recorded);
   return least;
 }
 
@@ -52,7 +52,7 @@ TEST(CaptureNode, RecordsTakeAfterTakeWhileTheCamerasGoOn) {
     EXPECT_EQ(node->status().recording->take, *name);
     ASSERT_THAT(node->stop_recording(), IsOk());
     EXPECT_FALSE(node->status().recording.has_value());
-    const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / *name);
+    const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / *name);
     ASSERT_THAT(take, IsOk());
     EXPECT_TRUE((*take)->manifest().complete);
     for (int camera = 0; camera < 3; ++camera) {
@@ -78,7 +78,7 @@ TEST(CaptureNode, BeginsATakeSecondsBeforeItWasAskedTo) {
   ASSERT_TRUE(look_after_until(*node, [&] { return recorded(*node) > 60; }));
   const std::uint64_t stopped = newest();
   ASSERT_THAT(node->stop_recording(), IsOk());
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / *name);
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / *name);
   ASSERT_THAT(take, IsOk());
   EXPECT_GE((*take)->rows(0).size() + 5, stopped - asked + 50) << "with the second before";
   EXPECT_LE((*take)->rows(0).size(), stopped - asked + 200);
@@ -105,7 +105,7 @@ TEST(CaptureNode, EndsATakeBeforeTheDiskIsFullAndRecordsAgainWhenThereIsRoom) {
   if (!name) GTEST_SKIP() << "another program wrote to the disk meanwhile";
   ASSERT_TRUE(look_after_until(*node, [&] { return !node->recording(); }));
   EXPECT_THAT(node->status().last_recording, HasSubstr("the disk is full"));
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / *name);
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / *name);
   ASSERT_THAT(take, IsOk());
   EXPECT_TRUE((*take)->manifest().complete) << "there was room to end it well";
   EXPECT_EQ((*take)->rows(0).size(), (*take)->rows(1).size());
@@ -129,4 +129,4 @@ TEST(CaptureNode, TellsHowItIs) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -8,7 +8,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
@@ -161,4 +161,4 @@ TEST(PageServer, RefusesAPortThatIsTaken) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

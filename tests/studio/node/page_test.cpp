@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 /// A node of eight live cameras with its page, looked after by a thread.
@@ -91,7 +91,7 @@ TEST_F(ANodesPage, ShowsTheCamerasAndRecordsTakes) {
   ASSERT_EQ(takes->size(), 1u);
   EXPECT_EQ(browser.value("document.querySelector('#takes .name').textContent"), takes->front().name);
   EXPECT_NE(takes->front().name.find("-first-try"), std::string::npos);
-  const auto take = TakeReader::open(folder_ / takes->front().name);
+  const auto take = capture::TakeReader::open(folder_ / takes->front().name);
   ASSERT_THAT(take, IsOk());
   EXPECT_TRUE((*take)->manifest().complete);
   EXPECT_EQ((*take)->rig().cameras.size(), 8u);
@@ -133,4 +133,4 @@ TEST_F(ANodesPage, SaysSoWhenTheNodeIsGone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -12,7 +12,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::ElementsAre;
@@ -121,7 +121,7 @@ TEST(TakeList, NamesTheTakesNewestFirstAndSkipsWhatIsNone) {
   std::filesystem::create_directories(folder / "a/not-a-take");
   folder.write("notes.txt", "x");
   for (const char* name : {"20260101T000000Z-old", "20260102T000000Z-new"}) {
-    auto writer = TakeWriter::create(folder / name, synthetic_rig({}), {});
+    auto writer = capture::TakeWriter::create(folder / name, synthetic_rig({}), {});
     ASSERT_THAT(writer, IsOk());
     if (std::string(name).ends_with("old")) {
       ASSERT_THAT((*writer)->finish(), IsOk());
@@ -140,4 +140,4 @@ TEST(TakeList, NamesTheTakesNewestFirstAndSkipsWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -11,7 +11,7 @@
 #include "tests/support/own_network.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
@@ -23,7 +23,7 @@ CaptureConfig config_of(std::vector<CaptureConfig::Camera> cameras, double rate)
   CaptureConfig config;
   config.frame_rate = rate;
   config.recorder.take.frame_rate = rate;
-  config.recorder.take.codec = TakeCodec::Raw;
+  config.recorder.take.codec = capture::TakeCodec::Raw;
   config.cameras = std::move(cameras);
   return config;
 }
@@ -31,7 +31,7 @@ CaptureConfig config_of(std::vector<CaptureConfig::Camera> cameras, double rate)
 bool never() { return false; }
 void silent(const CaptureReport&) {}
 
-std::size_t gaps(const TakeReader& take, int camera) {
+std::size_t gaps(const capture::TakeReader& take, int camera) {
   std::size_t count = 0;
   for (const FrameRow& row : take.rows(camera)) count += row.media_index ? 0 : 1;
   return count;
@@ -51,7 +51,7 @@ TEST(CaptureSession, RecordsEverySourceToItsEnd) {
   ASSERT_TRUE(report->recording.has_value());
   EXPECT_EQ(report->recording->cameras[0].recorded, 10u);
   EXPECT_EQ(report->recording->cameras[1].recorded, report->cameras[1].stats.delivered);
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / "take");
   ASSERT_THAT(take, IsOk());
   EXPECT_TRUE((*take)->manifest().complete);
   EXPECT_EQ((*take)->rig().cameras[1].serial, "b");
@@ -112,11 +112,11 @@ TEST(CaptureSession, LeavesExactlyAsManyGapsAsPicturesFailed) {
       config_of(cameras, 15), options, [&] { return done; },
       [&](const CaptureReport& seen) { done = seen.recording->cameras[2].recorded > 60; });
   ASSERT_THAT(report, IsOk());
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / "take");
   ASSERT_THAT(take, IsOk());
   std::uint64_t failed = 0;
   for (int i = 0; i < 3; ++i) {
-    const RecordedCamera& camera = report->recording->cameras[static_cast<std::size_t>(i)];
+    const capture::RecordedCamera& camera = report->recording->cameras[static_cast<std::size_t>(i)];
     // A fake camera that the machine does not let run skips an exposure, which is no failure of the link.
     EXPECT_EQ(gaps(**take, i), camera.failed + camera.unexposed) << camera.serial;
     EXPECT_EQ((*take)->rows(i).size(), (*take)->rows(0).size()) << camera.serial;
@@ -160,7 +160,7 @@ TEST(CaptureSession, GoesOnWithTheOthersAndTakesACameraBack) {
       });
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->cameras[1].reconnects, 1u);
-  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(folder / "take");
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / "take");
   ASSERT_THAT(take, IsOk());
   EXPECT_GT(gaps(**take, 1), 5u) << "what it did not see is rows that say so";
   // Both cameras agree on what an instant is, before and after.
@@ -172,4 +172,4 @@ TEST(CaptureSession, GoesOnWithTheOthersAndTakesACameraBack) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

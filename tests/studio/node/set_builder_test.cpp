@@ -5,7 +5,7 @@
 #include "studio/messages/clock.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr std::int64_t kPeriod = 40'000'000;  // ns
@@ -88,4 +88,4 @@ TEST(SetBuilder, RefusesCamerasWithoutARate) {
 }
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

@@ -7,7 +7,7 @@
 #include "core/text.h"
 #include "studio/node/capture_config.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 
 /// A studio of live synthetic cameras, triggered together, that records raw pictures into `folder`. `more`
 /// are further options of camera 0's URI.
@@ -19,7 +19,7 @@ inline CaptureConfig live_studio(int cameras, double rate, const std::filesystem
   config.folder = folder;
   config.keep_free_bytes = 0;
   config.recorder.take.frame_rate = rate;
-  config.recorder.take.codec = TakeCodec::Raw;
+  config.recorder.take.codec = capture::TakeCodec::Raw;
   config.recorder.take.label = "take";
   for (int i = 0; i < cameras; ++i)
     config.cameras.push_back(
@@ -28,4 +28,4 @@ inline CaptureConfig live_studio(int cameras, double rate, const std::filesystem
   return config;
 }
 
-}  // namespace floatstage
+}  // namespace floatstage::studio
