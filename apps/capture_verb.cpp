@@ -82,12 +82,12 @@ void show(const studio::CaptureReport& report) {
 }
 
 Result<void> run(const Options& options) {
-  const Result<studio::CaptureConfig> config = load_capture_config(options.config);
+  const Result<studio::CaptureConfig> config = studio::load_capture_config(options.config);
   if (!config) return forward(config);
   std::optional<studio::PublishingCounters> published;
   studio::CaptureOptions capture = options.capture;
   capture.companion = [&published](studio::CaptureNode& node) -> Result<std::shared_ptr<void>> {
-    Result<std::unique_ptr<studio::PublishingNode>> made = publish(node);
+    Result<std::unique_ptr<studio::PublishingNode>> made = studio::publish(node);
     if (!made) return forward(made);
     if (!*made) return std::shared_ptr<void>();
     return std::shared_ptr<void>(made->release(), [&published](void* ended) {
@@ -95,10 +95,11 @@ Result<void> run(const Options& options) {
       published = telling->counters();
     });
   };
-  const Result<studio::CaptureReport> report = run_capture(*config, capture, interrupted, show);
+  const Result<studio::CaptureReport> report = studio::run_capture(*config, capture, interrupted, show);
   if (!report) return forward(report);
   if (!options.json.empty())
-    if (Result<void> saved = save_json(to_report(*report, published), options.json); !saved) return saved;
+    if (Result<void> saved = pipeline::save_json(to_report(*report, published), options.json); !saved)
+      return saved;
   if (!report->recording) return {};
   std::printf("%s: %s\n", report->take.c_str(), report->recording->pass() ? "PASS" : "FAIL");
   for (const std::string& complaint : report->recording->complaints) std::printf("  %s\n", complaint.c_str());

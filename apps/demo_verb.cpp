@@ -16,7 +16,7 @@ double mean_of(const std::vector<pipeline::Scores>& scores, double pipeline::Sco
 Result<void> run(pipeline::DemoOptions options) {
   ProgressBar bar;
   options.progress = &bar;
-  Result<pipeline::DemoReport> report = run_demo(options);
+  Result<pipeline::DemoReport> report = pipeline::run_demo(options);
   if (!report) return forward(report);
   std::printf("%s: a take of %d frames from %d cameras became freeview.mp4 and compare.mp4 in %.1f s\n",
               options.out.c_str(), options.studio.frames, options.studio.rig.cameras, report->seconds);
@@ -33,7 +33,7 @@ Result<void> run(pipeline::DemoOptions options) {
 }  // namespace
 
 void add_demo(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<pipeline::DemoOptions>(default_demo());
+  auto options = std::make_shared<pipeline::DemoOptions>(pipeline::default_demo());
   CLI::App* verb = app.add_subcommand("demo", "The embedded synthetic studio through the whole main job");
   verb->add_option("--out", options->out, "Folder of the demo")->capture_default_str();
   verb->add_option("--frames", options->studio.frames, "Instants of the take")

@@ -98,7 +98,7 @@ Result<void> save_reports(const Options& given, const std::vector<Row>& rows,
       for (const std::string& m : methods) scores[m] = to_json(r.scores.at(m));
       j["views"].push_back({{"camera", r.serial}, {"frame", r.frame}, {"scores", scores}});
     }
-    if (Result<void> ok = save_json(j, given.json_file); !ok) return ok;
+    if (Result<void> ok = pipeline::save_json(j, given.json_file); !ok) return ok;
   }
   return given.csv_file.empty() ? Result<void>() : write_file(given.csv_file, to_csv(rows, methods));
 }
@@ -154,7 +154,8 @@ Result<void> run_mattes(const Options& given) {
   if (!frames) return forward(frames);
   const std::filesystem::path truth = given.truth.empty() ? (*take)->layout().truth().mattes() : given.truth;
   ProgressBar bar;
-  Result<std::vector<pipeline::CameraMatteScores>> cameras = evaluate_mattes(**take, truth, *frames, &bar);
+  Result<std::vector<pipeline::CameraMatteScores>> cameras =
+      pipeline::evaluate_mattes(**take, truth, *frames, &bar);
   if (!cameras) return forward(cameras);
   const pipeline::CameraMatteScores total = mean(*cameras);
   std::printf("%-12s", "camera");
@@ -171,7 +172,7 @@ Result<void> run_mattes(const Options& given) {
   if (given.json_file.empty()) return {};
   json j = {{"take", given.take.string()}, {"truth", truth.string()}, {"mean", to_json(total)}};
   for (const pipeline::CameraMatteScores& c : *cameras) j["per_camera"][c.serial] = to_json(c);
-  return save_json(j, given.json_file);
+  return pipeline::save_json(j, given.json_file);
 }
 
 Result<void> run(const Options& given) {
@@ -201,15 +202,17 @@ Result<void> run(const Options& given) {
   ProgressBar bar;
   options.progress = &bar;
   pipeline::ProgressPart progress(&bar, "views", held * options.frames.size());
-  Result<void> done = evaluate_take(**take, options, [&](pipeline::HeldOutView view) -> Result<void> {
-    progress.advance();
-    if (!given.sheet.empty()) {
-      const std::string name = text(view.serial, "-", view.frame, ".png");
-      if (Result<void> ok = save_png(sheet_row(view, options.methods), given.sheet / name); !ok) return ok;
-    }
-    rows.push_back({std::move(view.serial), view.frame, std::move(view.scores)});
-    return {};
-  });
+  Result<void> done =
+      pipeline::evaluate_take(**take, options, [&](pipeline::HeldOutView view) -> Result<void> {
+        progress.advance();
+        if (!given.sheet.empty()) {
+          const std::string name = text(view.serial, "-", view.frame, ".png");
+          if (Result<void> ok = save_png(pipeline::sheet_row(view, options.methods), given.sheet / name); !ok)
+            return ok;
+        }
+        rows.push_back({std::move(view.serial), view.frame, std::move(view.scores)});
+        return {};
+      });
   if (!done) return done;
   print_table(rows, options.methods);
   return save_reports(given, rows, options.methods);

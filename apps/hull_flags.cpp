@@ -4,7 +4,7 @@
 
 namespace floatstage::apps {
 
-std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, recon::HullCare& care) {
+std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, recon::MeshCleanup& care) {
   return {verb.add_flag("--collapse-slivers", care.collapse_slivers,
                         "Care: collapse needles and caps where no vertex has to move by more than "
                         "--care-pixels in any view"),

@@ -18,7 +18,7 @@ struct HullFlags : pipeline::HullWords {
 
 void add_hull_flags(CLI::App& verb, HullFlags& flags);
 
-/// The words for HullCare alone, for verbs with words of their own for the rest.
-std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, recon::HullCare& care);
+/// The words for MeshCleanup alone, for verbs with words of their own for the rest.
+std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, recon::MeshCleanup& care);
 
 }  // namespace floatstage::apps

@@ -40,7 +40,7 @@ Result<Input> load(const Options& given) {
     return fail(ErrorCode::InvalidArgument, text("--frame ", given.frame, ": ", given.take.string(),
                                                  " has frames 0 to ", (*take)->frame_count() - 1));
   }
-  Result<std::vector<Matte>> mattes = load_mattes(**take, given.frame);
+  Result<std::vector<Matte>> mattes = pipeline::load_mattes(**take, given.frame);
   if (!mattes) return forward(mattes);
   if (given.cameras.empty()) return Input{(*take)->rig(), std::move(*mattes)};
   Input input;
@@ -82,7 +82,7 @@ nlohmann::json by_camera(const Rig& rig, const std::vector<double>& numbers) {
 
 nlohmann::json care_json(const Rig& rig, const recon::HullReport& hull) {
   if (!hull.care) return nullptr;
-  const recon::HullCareReport& care = *hull.care;
+  const recon::MeshCleanupReport& care = *hull.care;
   return {{"triangles", {care.triangles_before, care.triangles_after}},
           {"slivers", {care.slivers_before, care.slivers_after}},
           {"smoothed_within", care.smoothed_within},
@@ -92,7 +92,7 @@ nlohmann::json care_json(const Rig& rig, const recon::HullReport& hull) {
           {"ms", 1e3 * hull.timings.care}};
 }
 
-void print_care(const recon::HullCareReport& care) {
+void print_care(const recon::MeshCleanupReport& care) {
   std::printf(
       "care: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes shifted "
       "up to "
@@ -117,7 +117,7 @@ Result<void> run(const Options& given) {
   if (given.repeat < 1)
     return fail(ErrorCode::InvalidArgument, text("--repeat ", given.repeat, " is less than 1"));
   if (Result<void> ok = check_name_of_mesh(given.out); !ok) return ok;
-  Result<recon::HullOptions> options = hull_options(given.hull);
+  Result<recon::HullOptions> options = pipeline::hull_options(given.hull);
   if (!options) return forward(options);
   options->threads = given.threads;
   Result<Input> input = load(given);
@@ -129,15 +129,15 @@ Result<void> run(const Options& given) {
   std::vector<double> ms, without_contours;
   recon::HullTimings timings;
   recon::HullReport repeated;
-  const recon::HullCare care = std::exchange(options->care, {});
+  const recon::MeshCleanup care = std::exchange(options->care, {});
   options->quality = false;
   ProgressBar bar;
   std::optional<pipeline::ProgressPart> progress(std::in_place, &bar, "hulls",
                                                  static_cast<std::size_t>(given.repeat));
   for (int k = 0; k < given.repeat; ++k) {
-    if (interrupted()) return cancelled_unwritten();
+    if (interrupted()) return pipeline::cancelled_unwritten();
     const auto begin = std::chrono::steady_clock::now();
-    if (Result<void> ok = visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok)
+    if (Result<void> ok = recon::visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok)
       return ok;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     ms.push_back(1e3 * seconds);
@@ -148,9 +148,9 @@ Result<void> run(const Options& given) {
   progress.reset();  // off the terminal, before anything else is said
   options->quality = true;
   options->care = care;
-  const Result<recon::HullReport> hull = visual_hull(input->rig, input->mattes, *options, &workspace);
+  const Result<recon::HullReport> hull = recon::visual_hull(input->rig, input->mattes, *options, &workspace);
   if (!hull) return forward(hull);
-  const recon::MeshCheck check = check_mesh(hull->mesh);
+  const recon::MeshCheck check = recon::check_mesh(hull->mesh);
 
   nlohmann::json iou = nlohmann::json::object(), voted_down = nlohmann::json::array();
   double sum = 0;
@@ -176,29 +176,29 @@ Result<void> run(const Options& given) {
     if (Result<void> ok = save_mesh(hull->mesh, given.out); !ok) return ok;
   }
   if (given.json_file.empty()) return {};
-  return save_json({{"options", describe(*options)},
-                    {"ms", spread_of(ms)},
-                    {"ms_without_contours", spread_of(without_contours)},
-                    {"phases_ms", phases(timings)},
-                    {"work",
-                     {{"points", hull->work.points},
-                      {"hits", hull->work.hits},
-                      {"lines", hull->work.lines},
-                      {"relations", hull->work.relations}}},
-                    {"faces", hull->faces},
-                    {"vertices", hull->mesh.positions.size()},
-                    {"triangles", hull->mesh.triangle_count()},
-                    {"volume", hull->volume},
-                    {"watertight", check.watertight},
-                    {"manifold", check.manifold},
-                    {"oriented", check.oriented && check.outward},
-                    {"iou", iou},
-                    {"mean_iou", mean_iou},
-                    {"escalations", hull->escalations},
-                    {"voted_down", voted_down},
-                    {"remarks", hull->remarks},
-                    {"care", care_json(input->rig, *hull)}},
-                   given.json_file);
+  return pipeline::save_json({{"options", pipeline::describe(*options)},
+                              {"ms", spread_of(ms)},
+                              {"ms_without_contours", spread_of(without_contours)},
+                              {"phases_ms", phases(timings)},
+                              {"work",
+                               {{"points", hull->work.points},
+                                {"hits", hull->work.hits},
+                                {"lines", hull->work.lines},
+                                {"relations", hull->work.relations}}},
+                              {"faces", hull->faces},
+                              {"vertices", hull->mesh.positions.size()},
+                              {"triangles", hull->mesh.triangle_count()},
+                              {"volume", hull->volume},
+                              {"watertight", check.watertight},
+                              {"manifold", check.manifold},
+                              {"oriented", check.oriented && check.outward},
+                              {"iou", iou},
+                              {"mean_iou", mean_iou},
+                              {"escalations", hull->escalations},
+                              {"voted_down", voted_down},
+                              {"remarks", hull->remarks},
+                              {"care", care_json(input->rig, *hull)}},
+                             given.json_file);
 }
 
 }  // namespace

@@ -38,18 +38,18 @@ Result<void> run(const Options& given) {
   options.cameras = split_list(given.cameras);
   if (given.frame_rate > 0) options.frame_rate = given.frame_rate;
   if (!given.frames.empty()) {
-    const Result<pipeline::FrameRange> range = parse_frame_range(given.frames);
+    const Result<pipeline::FrameRange> range = pipeline::parse_frame_range(given.frames);
     if (!range) return forward(range);
     options.frames = *range;
   }
   ProgressBar bar;
   options.progress = &bar;
-  const Result<pipeline::ImportReport> report = import_take(options);
+  const Result<pipeline::ImportReport> report = pipeline::import_take(options);
   if (!report) return forward(report);
   for (const std::string& note : report->notes) log::info(note);
   std::printf("%s: %d frames of %zu cameras%s\n", options.out.c_str(), report->frames, report->serials.size(),
               report->mattes ? ", with mattes" : "");
-  if (!given.json.empty()) return save_json(to_json(*report, options.out), given.json);
+  if (!given.json.empty()) return pipeline::save_json(to_json(*report, options.out), given.json);
   return {};
 }
 

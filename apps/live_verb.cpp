@@ -95,7 +95,7 @@ class Snapshots {
     char name[64];
     std::snprintf(name, sizeof name, "%06.2fs-instant%06llu.png", p.seconds,
                   static_cast<unsigned long long>(p.scene->scene.epoch));
-    return save_png(over(p.picture, background_), folder_ / name);
+    return save_png(pipeline::over(p.picture, background_), folder_ / name);
   }
 
  private:
@@ -111,7 +111,7 @@ Result<std::unique_ptr<studio::LiveSource>> open_live_source(const Options& o) {
                 "say where pictures come from: --source TAKE, --config STUDIO.toml, or --view ADDRESS of "
                 "other machines");
   if (!o.config.empty()) {
-    Result<studio::CaptureConfig> config = load_capture_config(o.config);
+    Result<studio::CaptureConfig> config = studio::load_capture_config(o.config);
     if (!config) return forward(config);
     Result<std::unique_ptr<studio::CameraSource>> cameras =
         studio::CameraSource::open(std::move(*config), o.plates);
@@ -129,34 +129,34 @@ Result<std::unique_ptr<studio::LiveSource>> open_live_source(const Options& o) {
 // `network` is null for scenes of this process.
 Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* network, const Options& o) {
   Result<pipeline::CameraPath> path =
-      o.path_file.empty() ? orbit_path(feed.rig(), {}, o.orbit) : load_path(o.path_file);
+      o.path_file.empty() ? pipeline::orbit_path(feed.rig(), {}, o.orbit) : pipeline::load_path(o.path_file);
   if (!path) return forward(path);
   const double duration = path->duration();
   const studio::ViewAt view_at = [&](double time) {
-    return view_of(sample(*path, duration > 0 ? std::fmod(time, duration) : 0), o.run.width, o.run.height,
-                   {});
+    return pipeline::view_of(pipeline::sample(*path, duration > 0 ? std::fmod(time, duration) : 0),
+                             o.run.width, o.run.height, {});
   };
   if (!o.snapshots.empty())
     if (Result<void> ok = make_folder(o.snapshots); !ok) return ok;
   Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
   Snapshots snapshots(o.snapshots, o.run.renderer.background);
-  const Timestamp begun = now();
-  const Result<studio::LiveReport> report = run_live(
+  const Timestamp begun = studio::now();
+  const Result<studio::LiveReport> report = studio::run_live(
       feed, o.run, view_at, interrupted, [&](const studio::LivePicture& p) { return snapshots.take(p); });
   if (!report) return forward(report);
   print(*report);
   if (o.json.empty()) return {};
   nlohmann::ordered_json json = to_report(*report, feed.description(), (*gl)->description());
-  if (network != nullptr) json["network"] = to_json(network->network(), seconds(now() - begun));
-  return save_json(json, o.json);
+  if (network != nullptr) json["network"] = to_json(network->network(), seconds(studio::now() - begun));
+  return pipeline::save_json(json, o.json);
 }
 
 Result<void> view_in_window(studio::SceneFeed& feed, std::vector<studio::StudioControl*> nodes,
                             const Options& o) {
   if (studio::StudioControl* control = feed.control()) nodes.push_back(control);
-  ControlDesk desk(std::move(nodes));
-  return run_live_window(feed, desk,
+  ControlModel control_model(std::move(nodes));
+  return run_live_window(feed, control_model,
                          {.run = o.run,
                           .show_cameras = o.show_cameras,
                           .stop = interrupted,
@@ -165,7 +165,7 @@ Result<void> view_in_window(studio::SceneFeed& feed, std::vector<studio::StudioC
 }
 
 Result<void> view_remote(const Options& o) {
-  const Result<studio::LiveRemote> remote = open_live_remote(o.remote);
+  const Result<studio::LiveRemote> remote = studio::open_live_remote(o.remote);
   if (!remote) return forward(remote);
   if (o.headless) return view_headless(*remote->scenes, remote->scenes.get(), o);
   std::vector<studio::StudioControl*> nodes;
@@ -179,7 +179,7 @@ Result<void> reconstruct(const Options& o) {
   recon.rig = o.remote.rig;
   recon.keys = o.remote.keys;
   recon.seconds = o.run.seconds;
-  const Result<studio::LiveReconReport> report = run_live_recon(recon, interrupted);
+  const Result<studio::LiveReconReport> report = studio::run_live_recon(recon, interrupted);
   if (!report) return forward(report);
   const studio::ReconCounters& counters = report->counters;
   std::printf("%.1f scenes a second over %.0f s, hull p50 %.0f ms; %.1f kB a second came, %.1f kB went\n",
@@ -188,7 +188,7 @@ Result<void> reconstruct(const Options& o) {
               1e-3 * static_cast<double>(counters.from_nodes.bytes) / report->seconds,
               1e-3 * static_cast<double>(counters.to_viewers.scene_bytes) / report->seconds);
   if (o.json.empty()) return {};
-  return save_json(to_json(*report), o.json);
+  return pipeline::save_json(to_json(*report), o.json);
 }
 
 Result<void> run(const Options& given) {
@@ -261,8 +261,8 @@ void add_live(CLI::App& app, Chosen& chosen) {
       ->capture_default_str();
   verb->add_option("--cameras", o.cameras, "Photographs blended per view")->capture_default_str();
   std::string levels = "Quality to begin with:";
-  for (std::size_t i = 0; i < live_qualities().size(); ++i)
-    levels += text("\n  ", i, " ", describe(live_qualities()[i]));
+  for (std::size_t i = 0; i < studio::live_qualities().size(); ++i)
+    levels += text("\n  ", i, " ", studio::describe(studio::live_qualities()[i]));
   verb->add_option("--quality", o.run.quality, levels)->capture_default_str();
   verb->add_option("--target-fps", o.run.target_fps,
                    "Change the quality to show so many instants a second; 0: never")

@@ -31,24 +31,25 @@ int run(int argc, char** argv) {
   app.add_flag("-q,--quiet", quiet, "Only warnings and errors");
   app.add_flag("-v,--verbose", verbose, "Debug messages too");
 
-  Chosen chosen;
+  apps::Chosen chosen;
   for (auto add :
-       {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_matte,
-        add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate, add_live, add_play})
+       {apps::add_demo, apps::add_capture, apps::add_check, apps::add_calibrate, apps::add_synthesize,
+        apps::add_import, apps::add_matte, apps::add_matte_image, apps::add_hull, apps::add_keys,
+        apps::add_process, apps::add_render, apps::add_evaluate, apps::add_live, apps::add_play})
     add(app, chosen);
 
-  if (names_unknown_verb(app, argc, argv)) return kExitUsage;
+  if (names_unknown_verb(app, argc, argv)) return apps::kExitUsage;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+    return app.exit(e) == 0 ? apps::kExitOk : apps::kExitUsage;
   }
   log::set_level(verbose ? log::Level::Debug : quiet ? log::Level::Warning : log::Level::Info);
-  watch_for_interrupts();
+  apps::watch_for_interrupts();
   const Result<void> result = chosen.run();
-  if (result) return kExitOk;
+  if (result) return apps::kExitOk;
   std::fprintf(stderr, "floatstage: %s\n", result.error().message.c_str());
-  return exit_code(result.error().code);
+  return apps::exit_code(result.error().code);
 }
 
 }  // namespace
@@ -59,6 +60,6 @@ int main(int argc, char** argv) {
   } catch (
       const std::exception& e) {  // CheckFailure, out of memory: nothing that a user's input should cause
     std::fprintf(stderr, "floatstage: internal error: %s\n", e.what());
-    return floatstage::kExitBug;
+    return floatstage::apps::kExitBug;
   }
 }

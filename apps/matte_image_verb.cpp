@@ -81,11 +81,11 @@ Result<void> run(const Options& given) {
       if (!click) return forward(click);
       options.clicks.push_back(std::move(*click));
     }
-  Result<Image> matte = matte_image(options);
+  Result<Image> matte = pipeline::matte_image(options);
   if (!matte) return fail(matte.error().code, text(given.image.string(), ": ", matte.error().message));
   if (Result<void> ok = save_png(*matte, given.out); !ok) return ok;
   if (given.foreground.empty()) return {};
-  Result<matting::Layers> layers = estimate_foreground(options.picture, *matte);
+  Result<matting::Layers> layers = matting::estimate_foreground(options.picture, *matte);
   if (!layers) return forward(layers);
   Image rgba(matte->width, matte->height, 4);
   for (std::size_t p = 0; p < matte->pixels.size(); ++p) {

@@ -52,7 +52,7 @@ Result<void> run(const Options& given) {
   options.cameras = split_list(given.cameras);
   ProgressBar bar;
   options.progress = &bar;
-  Result<pipeline::MatteReport> report = matte_take(options);
+  Result<pipeline::MatteReport> report = pipeline::matte_take(options);
   if (!report) return forward(report);
   std::size_t failures = 0;
   for (const pipeline::CameraMattes& c : report->cameras) {
@@ -72,14 +72,14 @@ Result<void> run(const Options& given) {
                 report->worst[i].frame, report->worst[i].iou, 100 * report->worst[i].surplus);
   std::printf("%d mattes in %.1f s, %.3f s each\n", report->made, report->seconds, report->seconds_per_frame);
   if (!given.json_file.empty())
-    if (Result<void> ok = save_json(to_json(*report), given.json_file); !ok) return ok;
+    if (Result<void> ok = pipeline::save_json(to_json(*report), given.json_file); !ok) return ok;
   if (!given.layers.out.empty()) {
     pipeline::ExportOptions layers = given.layers;
     layers.take = options.take;
     layers.cameras = options.cameras;
     layers.threads = options.threads;
     layers.progress = &bar;
-    Result<int> written = export_layers(layers);
+    Result<int> written = pipeline::export_layers(layers);
     if (!written) return forward(written);
     std::printf("%s: %d pictures with straight alpha\n", layers.out.c_str(), *written);
   }
@@ -97,7 +97,7 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       "matte", "Mattes of all cameras of a take, refined and checked against one another; resumable");
   std::string help = "How:";
   std::vector<std::string> names;
-  for (const pipeline::MatteMethod& m : matte_methods())
+  for (const pipeline::MatteMethod& m : pipeline::matte_methods())
     help += "\n  " + m.name + ": " + m.help, names.push_back(m.name);
   verb->add_option("take", options->matte.take, "The take's folder; its mattes/edits.json is replayed")
       ->required();

@@ -52,7 +52,7 @@ void add_play(CLI::App& app, Chosen& chosen) {
                    "Write the window to this PNG once the picture stands, then end");
   add_renderer_flags(*verb, options->renderer);
   std::vector<std::string> methods;
-  for (const pipeline::MatteMethod& m : matte_methods()) methods.push_back(m.name);
+  for (const pipeline::MatteMethod& m : pipeline::matte_methods()) methods.push_back(m.name);
   verb->add_flag("--mattes", options->play.mattes,
                  "Begin in the matte editor (M goes there and back); needs no meshes");
   verb->add_option("--camera", options->play.camera,

@@ -27,12 +27,12 @@ nlohmann::json to_json(const pipeline::StageReport& stage) {
 Result<void> run(const Options& given) {
   pipeline::ProcessOptions options = given.process;
   if (!given.key.empty()) options.key = given.key;
-  Result<recon::HullOptions> hull = hull_options(given.hull);
+  Result<recon::HullOptions> hull = pipeline::hull_options(given.hull);
   if (!hull) return forward(hull);
   if (given.hull.given()) options.hull = *hull;
   ProgressBar bar;
   options.progress = &bar;
-  Result<pipeline::ProcessReport> report = process_take(options);
+  Result<pipeline::ProcessReport> report = pipeline::process_take(options);
   if (!report) return forward(report);
 
   std::vector<std::string> failures = report->mattes.failures;
@@ -43,14 +43,14 @@ Result<void> run(const Options& given) {
       options.take.c_str(), report->frames, report->cameras, report->mattes.made, report->mattes.kept,
       report->mattes.gaps, report->meshes.made, report->meshes.kept, report->seconds);
   if (!given.json_file.empty()) {
-    Result<void> ok = save_json({{"take", options.take.string()},
-                                 {"frames", report->frames},
-                                 {"cameras", report->cameras},
-                                 {"empty_frames", report->empty_frames},
-                                 {"mattes", to_json(report->mattes)},
-                                 {"meshes", to_json(report->meshes)},
-                                 {"seconds", report->seconds}},
-                                given.json_file);
+    Result<void> ok = pipeline::save_json({{"take", options.take.string()},
+                                           {"frames", report->frames},
+                                           {"cameras", report->cameras},
+                                           {"empty_frames", report->empty_frames},
+                                           {"mattes", to_json(report->mattes)},
+                                           {"meshes", to_json(report->meshes)},
+                                           {"seconds", report->seconds}},
+                                          given.json_file);
     if (!ok) return ok;
   }
   if (!failures.empty())
@@ -71,7 +71,7 @@ void add_process(CLI::App& app, Chosen& chosen) {
   CLI::App* verb = app.add_subcommand(
       "process", "Every offline stage on a take: mattes, then meshes; does only what is missing");
   std::string keys = "How the subject is keyed:";
-  for (const matting::KeyerInfo& k : keyers()) keys += "\n  " + k.name + ": " + k.help;
+  for (const matting::KeyerInfo& k : matting::keyers()) keys += "\n  " + k.name + ": " + k.help;
   verb->add_option("take", options->process.take, "The take's folder")->required();
   verb->add_option("--key", options->key, keys);
   add_hull_flags(*verb, options->hull);

@@ -44,39 +44,42 @@ Result<void> run(const Options& given) {
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   film.frames = std::move(*frames);
-  Result<pipeline::CameraPath> path = given.orbit ? pipeline::CameraPath{} : load_path(given.path_file);
+  Result<pipeline::CameraPath> path =
+      given.orbit ? pipeline::CameraPath{} : pipeline::load_path(given.path_file);
   if (!path) return forward(path);
   if (given.orbit) {
     constexpr double kOrbitSeconds = 6;
-    Result<Eigen::AlignedBox3d> box = subject_box(**take);
+    Result<Eigen::AlignedBox3d> box = pipeline::subject_box(**take);
     if (!box) return forward(box);
-    *path = orbit_path((*take)->rig(), *box, given.seconds > 0 ? given.seconds : kOrbitSeconds);
+    *path = pipeline::orbit_path((*take)->rig(), *box, given.seconds > 0 ? given.seconds : kOrbitSeconds);
   }
   Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
   const int columns = static_cast<int>(film.methods.size());
   Result<std::unique_ptr<pipeline::PictureSink>> sink =
-      open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
+      pipeline::open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
   if (!sink) return forward(sink);
   ProgressBar bar;
   film.progress = &bar;
-  Result<pipeline::FilmReport> report = render_film(**take, *path, film, [&](pipeline::FilmPicture picture) {
-    std::vector<Image> pictures;
-    for (const Image& rgba : picture.renders) pictures.push_back(over(rgba, film.renderer.background));
-    return (*sink)->write(side_by_side(pictures));
-  });
+  Result<pipeline::FilmReport> report =
+      pipeline::render_film(**take, *path, film, [&](pipeline::FilmPicture picture) {
+        std::vector<Image> pictures;
+        for (const Image& rgba : picture.renders)
+          pictures.push_back(pipeline::over(rgba, film.renderer.background));
+        return (*sink)->write(pipeline::side_by_side(pictures));
+      });
   if (!report) return forward(report);
   if (Result<void> ok = (*sink)->finish(); !ok) return ok;
   std::printf("%s: %d pictures of %s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
               report->pictures, given.size.c_str(), report->seconds,
               report->pictures / report->render_seconds);
   if (given.json_file.empty()) return {};
-  return save_json({{"out", given.out.string()},
-                    {"pictures", report->pictures},
-                    {"seconds", report->seconds},
-                    {"render_seconds", report->render_seconds},
-                    {"gl", (*gl)->description()}},
-                   given.json_file);
+  return pipeline::save_json({{"out", given.out.string()},
+                              {"pictures", report->pictures},
+                              {"seconds", report->seconds},
+                              {"render_seconds", report->render_seconds},
+                              {"gl", (*gl)->description()}},
+                             given.json_file);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
                   "Pyramid level at which the flow stops; 0: full resolution")
       ->capture_default_str();
   std::string names;
-  for (const std::string& n : render_output_names()) names += (names.empty() ? "" : ", ") + n;
+  for (const std::string& n : render::render_output_names()) names += (names.empty() ? "" : ", ") + n;
   verb.add_option("--output", flags.output, "What is shown: " + names)->capture_default_str();
   verb.add_option("--background", flags.background, "Colour behind the performer, rrggbb")
       ->capture_default_str();
@@ -24,7 +24,7 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
 
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
   render::RendererOptions options = flags.options;
-  const std::vector<std::string>& names = render_output_names();
+  const std::vector<std::string>& names = render::render_output_names();
   const auto found = std::find(names.begin(), names.end(), flags.output);
   if (found == names.end())
     return fail(ErrorCode::InvalidArgument, text("--output '", flags.output, "' is unknown; see --help"));
@@ -43,7 +43,7 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
 
 std::string method_help() {
   std::string help = "Method:";
-  for (const render::RendererInfo& r : renderers()) help += text(" ", r.name, " (", r.help, ")");
+  for (const render::RendererInfo& r : render::renderers()) help += text(" ", r.name, " (", r.help, ")");
   return help + ".";
 }
 

@@ -27,7 +27,7 @@ Result<void> run(const Options& given) {
   options.studio.green_room = !given.black;
   ProgressBar bar;
   options.progress = &bar;
-  if (Result<void> ok = synthesize_take(options); !ok) return ok;
+  if (Result<void> ok = pipeline::synthesize_take(options); !ok) return ok;
   std::printf("%s: %d frames of %d cameras, %s\n", options.out.c_str(), options.frames, options.rig.cameras,
               given.size.c_str());
   return {};

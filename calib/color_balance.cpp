@@ -11,14 +11,14 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-using ByPoint = std::map<int, std::vector<const ColorSight*>>;
+using ByPoint = std::map<int, std::vector<const ColorSample*>>;
 
 // What the cameras that are done, but `camera`, make of a point.
-std::optional<Eigen::Vector3d> others(const std::vector<const ColorSight*>& sights, int camera,
+std::optional<Eigen::Vector3d> others(const std::vector<const ColorSample*>& sights, int camera,
                                       const std::vector<std::optional<ColorTransform>>& done) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
-  for (const ColorSight* s : sights)
+  for (const ColorSample* s : sights)
     if (s->camera != camera && done[at(s->camera)]) {
       sum += apply(*done[at(s->camera)], s->seen);
       ++count;
@@ -31,7 +31,7 @@ std::vector<ColorPair> pairs_of(const ByPoint& points, int camera,
                                 const std::vector<std::optional<ColorTransform>>& done) {
   std::vector<ColorPair> pairs;
   for (const auto& [point, sights] : points)
-    for (const ColorSight* s : sights)
+    for (const ColorSample* s : sights)
       if (s->camera == camera)
         if (const std::optional<Eigen::Vector3d> wanted = others(sights, camera, done))
           pairs.push_back({s->seen, wanted->cwiseMax(0.0).cwiseMin(1.0)});
@@ -51,7 +51,7 @@ ColorAgreement judge(const ByPoint& points, int camera,
   const std::vector<std::optional<ColorTransform>> none(transforms.size(), ColorTransform{});
   std::vector<double> before, after;
   for (const auto& [point, sights] : points)
-    for (const ColorSight* s : sights) {
+    for (const ColorSample* s : sights) {
       if (s->camera != camera || !well_exposed(s->seen)) continue;
       const std::optional<Eigen::Vector3d> raw = others(sights, camera, none),
                                            wanted = others(sights, camera, transforms);
@@ -83,12 +83,12 @@ ColorAgreement judge(const ByPoint& points, int camera,
 
 }  // namespace
 
-Result<ColorBalance> balance_colors(std::span<const ColorSight> sights,
+Result<ColorBalance> balance_colors(std::span<const ColorSample> sights,
                                     const std::vector<std::optional<ColorTransform>>& given,
                                     const std::vector<std::string>& serials) {
   FLOATSTAGE_CHECK(given.size() == serials.size(), "one transform and one serial a camera");
   ByPoint points;
-  for (const ColorSight& s : sights) points[s.point].push_back(&s);
+  for (const ColorSample& s : sights) points[s.point].push_back(&s);
   std::vector<std::optional<ColorTransform>> done = given;
   const auto count = static_cast<int>(serials.size());
   if (std::none_of(given.begin(), given.end(), [](const auto& t) { return t.has_value(); }))

@@ -10,7 +10,7 @@
 namespace floatstage::calib {
 
 /// The colour of one surface point in one camera's picture; sRGB-like, 0..1, the mean of a few pixels.
-struct ColorSight {
+struct ColorSample {
   int camera = 0, point = 0;
   Eigen::Vector3d seen = Eigen::Vector3d::Zero();
 };
@@ -32,7 +32,7 @@ struct ColorBalance {
 /// given. The others are fitted one after the other, always the one that shares most points with those that
 /// are done, and then twice again to the mean of all others. BadData names (by its index in `serials`) the
 /// camera that shares too few points or too few colours with the others.
-Result<ColorBalance> balance_colors(std::span<const ColorSight> sights,
+Result<ColorBalance> balance_colors(std::span<const ColorSample> sights,
                                     const std::vector<std::optional<ColorTransform>>& given,
                                     const std::vector<std::string>& serials);
 

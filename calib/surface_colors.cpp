@@ -104,8 +104,8 @@ std::vector<float> depth_map(const Mesh& mesh, const RigCamera& camera) {
   return depth;
 }
 
-std::vector<ColorSight> surface_colors(const Mesh& mesh, const Rig& rig, const std::vector<Image>& images,
-                                       int first_point, int most) {
+std::vector<ColorSample> surface_colors(const Mesh& mesh, const Rig& rig, const std::vector<Image>& images,
+                                        int first_point, int most) {
   // Evenly over the area: each triangle gets the points whose share of it falls in its turn.
   double area = 0;
   const auto corner = [&](std::size_t i) {
@@ -128,7 +128,7 @@ std::vector<ColorSight> surface_colors(const Mesh& mesh, const Rig& rig, const s
     points.push_back({(corner(t) + corner(t + 1) + corner(t + 2)) / 3, n.normalized()});
     while (next <= passed) next += step;
   }
-  std::vector<ColorSight> sights;
+  std::vector<ColorSample> sights;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const RigCamera& camera = rig.cameras[c];
     if (images[c].empty()) continue;

@@ -17,7 +17,7 @@ std::vector<float> depth_map(const Mesh& mesh, const RigCamera& camera);
 /// them: from the front, away from outlines and other surfaces, and where the picture is smooth, so that a
 /// millimetre more or less does not matter. images[i] (RGB) belongs to rig.cameras[i]; empty ones are passed
 /// over. Points are numbered from `first_point` on.
-std::vector<ColorSight> surface_colors(const Mesh& mesh, const Rig& rig, const std::vector<Image>& images,
-                                       int first_point, int most = 3000);
+std::vector<ColorSample> surface_colors(const Mesh& mesh, const Rig& rig, const std::vector<Image>& images,
+                                        int first_point, int most = 3000);
 
 }  // namespace floatstage::calib

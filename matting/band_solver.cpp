@@ -6,7 +6,7 @@
 #include <suitesparse/cholmod.h>
 
 #include "core/text.h"
-#include "matting/dense.h"
+#include "matting/blas.h"
 
 namespace floatstage::matting {
 namespace {

@@ -18,8 +18,8 @@ Image scaled(const Image& picture, int width, int height) {
   return out;
 }
 
-MatteOpinion scaled(const MatteOpinion& opinion, int width, int height) {
-  MatteOpinion out;
+MatteConstraint scaled(const MatteConstraint& opinion, int width, int height) {
+  MatteConstraint out;
   if (opinion.empty()) return out;
   out.opacity = scaled(opinion.opacity, width, height);
   if (opinion.weight.empty()) return out;

@@ -12,6 +12,6 @@ Image scaled(const Image& picture, int width, int height);
 
 /// An opinion at another size. A stroke thinner than a pixel of the new size keeps its opacity there and
 /// loses weight.
-MatteOpinion scaled(const MatteOpinion& opinion, int width, int height);
+MatteConstraint scaled(const MatteConstraint& opinion, int width, int height);
 
 }  // namespace floatstage::matting

@@ -3,7 +3,7 @@
 
 #include "core/text.h"
 #include "matting/closed_form.h"
-#include "matting/video/affine_carry.h"
+#include "matting/guided_filter.h"
 
 namespace floatstage::matting {
 
@@ -28,7 +28,7 @@ Result<Image> refine_matte(const Image& picture, const Image& matte, const Refin
   Image band = trimap_around(matte, options.band);
   Image start = matte;
   if (!same) {
-    start = carried_up(picture, matte);
+    start = guided_filter(picture, matte);
     Image large(picture.width, picture.height, 1);
     for (int y = 0; y < large.height; ++y)
       for (int x = 0; x < large.width; ++x)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "matting/guided_upsample.h"
 #include "matting/picture_scale.h"
 #include "matting/video/matte_propagation.h"
 
@@ -11,9 +12,9 @@ namespace floatstage::matting {
 namespace {
 
 bool same_size(const Image& a, const Image& b) { return a.width == b.width && a.height == b.height; }
-bool marks(const MatteOpinion& o, std::size_t p) { return o.weight.empty() || o.weight.pixels[p] > 0; }
+bool marks(const MatteConstraint& o, std::size_t p) { return o.weight.empty() || o.weight.pixels[p] > 0; }
 
-Result<void> check_said(const Image& picture, const MatteOpinion& said) {
+Result<void> check_said(const Image& picture, const MatteConstraint& said) {
   if (said.empty()) return {};
   if (said.opacity.channels != 1 || !same_size(said.opacity, picture) ||
       (!said.weight.empty() && (said.weight.channels != 1 || !same_size(said.weight, picture))))
@@ -27,7 +28,7 @@ Result<void> check_said(const Image& picture, const MatteOpinion& said) {
 
 }  // namespace
 
-Result<Image> spectral_matte(const Image& picture, const MatteOpinion& said,
+Result<Image> spectral_matte(const Image& picture, const MatteConstraint& said,
                              const VideoMattingOptions& options) {
   if (Result<void> ok = options.check(); !ok) return forward(ok);
   if (Result<void> ok = check_said(picture, said); !ok) return forward(ok);
@@ -52,7 +53,7 @@ Result<Image> spectral_matte(const Image& picture, const MatteOpinion& said,
     selection = choose(*components, {scaled(said, width, height), {}, {}}, options);
   }
   if (!selection) return forward(selection);
-  Result<Image> matte = carry_up(matte_of(*components, selection->chosen), picture);
+  Result<Image> matte = guided_upsample(matte_of(*components, selection->chosen), picture);
   if (!matte || said.empty()) return matte;
   for (std::size_t p = 0; p < matte->pixels.size(); ++p)
     if (marks(said, p)) matte->pixels[p] = said.opacity.pixels[p];

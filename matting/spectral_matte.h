@@ -15,7 +15,7 @@ namespace floatstage::matting {
 /// seconds and 0.4 GB whatever the size, one thread. Deterministic. Errors: what options.check() finds;
 /// InvalidArgument for another size and for an opinion that marks background only; BadData for a picture of
 /// one colour; Unsupported when memory does not suffice.
-Result<Image> spectral_matte(const Image& picture, const MatteOpinion& said = {},
+Result<Image> spectral_matte(const Image& picture, const MatteConstraint& said = {},
                              const VideoMattingOptions& options = {});
 
 }  // namespace floatstage::matting

@@ -41,7 +41,7 @@ Result<void> check(const capture::TakeReader& take, const FilmOptions& options) 
     if (f < 0 || f >= take.frame_count())
       return fail(ErrorCode::InvalidArgument,
                   text("frame ", f, " is not in the take, which has ", take.frame_count()));
-  return floatstage::check(options.renderer);
+  return render::check(options.renderer);
 }
 
 // Decodes the next instant while the present one is drawn.
@@ -105,7 +105,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   const Clock::time_point begin = Clock::now();
   std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
   for (const std::string& method : options.methods) {
-    Result<std::unique_ptr<render::ViewRenderer>> r = make_renderer(method);
+    Result<std::unique_ptr<render::ViewRenderer>> r = render::make_renderer(method);
     if (!r) return forward(r);
     renderers.push_back(std::move(*r));
   }
@@ -136,7 +136,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     for (const std::unique_ptr<render::ViewRenderer>& renderer : renderers) {
       Result<render::RenderedView> rendered = renderer->render(textures, picture.view, options.renderer);
       if (!rendered) return in_frame(rendered.error());
-      picture.renders.push_back(download(*rendered));
+      picture.renders.push_back(render::download(*rendered));
     }
     report.render_seconds += since(drawing);
     if (Result<void> ok = visit(std::move(picture)); !ok) return forward(ok);

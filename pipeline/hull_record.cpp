@@ -57,7 +57,7 @@ nlohmann::json describe(const recon::HullOptions& options) {
     j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
   }
   if (options.care.wanted()) {
-    const recon::HullCare& care = options.care;
+    const recon::MeshCleanup& care = options.care;
     j["care"] = {{"collapse_slivers", care.collapse_slivers},
                  {"smooth", care.smooth},
                  {"triangles", care.triangles},
@@ -79,7 +79,7 @@ std::optional<recon::HullOptions> parse_hull_options(const nlohmann::json& descr
       words.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
     if (j.contains("volume")) words.volume = j["volume"].get<std::vector<double>>();
     if (j.contains("care")) {
-      recon::HullCare& care = words.options.care;
+      recon::MeshCleanup& care = words.options.care;
       const nlohmann::json& c = j["care"];
       care.collapse_slivers = c.value("collapse_slivers", care.collapse_slivers);
       care.smooth = c.value("smooth", care.smooth);

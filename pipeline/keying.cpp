@@ -60,7 +60,7 @@ Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int
       samples.push_back(std::move(*picture));
     }
   }
-  Result<std::unique_ptr<matting::Keyer>> keyer = make_keyer(spec, samples);
+  Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, samples);
   if (!keyer) return fail(keyer.error().code, text("camera '", serial, "': ", keyer.error().message));
   return keyer;
 }

@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace floatstage::recon {
+#include "core/silhouette.h"
 
-struct Silhouette;
+namespace floatstage::recon {
 
 /// The edges of an outline in square cells, to find those that touch in time linear in their length. Edge e
 /// goes from point e to next(e). Keeps its memory from one outline to the next.

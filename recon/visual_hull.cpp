@@ -9,8 +9,8 @@
 #include "recon/bounding_volume.h"
 #include "recon/exact/exact_method.h"
 #include "recon/hull_input.h"
-#include "recon/mesh/hull_care.h"
-#include "recon/mesh/mesh_care.h"
+#include "recon/mesh/hull_cleanup.h"
+#include "recon/mesh/mesh_cleanup.h"
 #include "recon/mesh/mesh_mask.h"
 #include "recon/octree/octree_carve.h"
 #include "recon/octree/octree_surface.h"
@@ -74,7 +74,7 @@ Result<void> octree_visual_hull(const Rig& rig, std::span<const Matte> mattes, c
   if (!box->isEmpty()) {
     const CarvedGrid grid = carve(views, *box, options.resolution, options.threads);
     report.voxel = grid.voxel();
-    const CareOptions care{grid.voxel(), options.smoothing, options.threads};
+    const CleanupOptions care{grid.voxel(), options.smoothing, options.threads};
     report.mesh = to_mesh(care_for(extract_surface(grid, views, options.threads), care));
   }
   report.volume = signed_volume(report.mesh);

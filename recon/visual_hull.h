@@ -31,9 +31,9 @@ enum class HullVoting {
 };
 
 /// What is done to a finished hull on request, in this order. It leaves the silhouettes' polyhedron, by
-/// amounts that HullCareReport states; the mesh stays closed, manifold and oriented, with its shells and
+/// amounts that MeshCleanupReport states; the mesh stays closed, manifold and oriented, with its shells and
 /// handles.
-struct HullCare {
+struct MeshCleanup {
   /// Needles and caps (kSliver in recon/mesh/slivers.h) go, where no vertex of the hull has to move by more
   /// than largest_move for it.
   bool collapse_slivers = false;
@@ -43,7 +43,7 @@ struct HullCare {
   /// Of any view's silhouette IoU, by smoothing; it is held back until this holds.
   double largest_loss = 0.002;
   bool wanted() const { return collapse_slivers || smooth > 0 || triangles > 0; }
-  bool operator==(const HullCare&) const = default;
+  bool operator==(const MeshCleanup&) const = default;
 };
 
 struct HullOptions {
@@ -57,7 +57,7 @@ struct HullOptions {
   int votes = 0;           ///< MofN: m; views without a matte do not vote
   int resolution = 256;    ///< octree: voxels along the longest side of the box, 8 … 1024
   double smoothing = 0.5;  ///< octree: largest move of a vertex by smoothing, in voxels; 0: none
-  HullCare care;
+  MeshCleanup care;
   int threads = 0;      ///< 0: one per core; the result is the same at any number
   bool quality = true;  ///< compute silhouette_iou; takes longer than the exact hull itself
 };
@@ -91,8 +91,8 @@ struct HullWork {
   std::int64_t relations = 0;  ///< pairs of those that were compared
 };
 
-/// What HullCare did. Lists are per camera; those of cameras without a matte hold 0.
-struct HullCareReport {
+/// What MeshCleanup did. Lists are per camera; those of cameras without a matte hold 0.
+struct MeshCleanupReport {
   std::size_t triangles_before = 0, triangles_after = 0;
   std::size_t slivers_before = 0, slivers_after = 0;
   /// px: largest_move, or less where the silhouettes would have suffered; 0: not smoothed.
@@ -122,7 +122,7 @@ struct HullReport {
   HullWork work;
   void clear();  ///< empties it, but keeps the mesh's memory
   /// With options.care; `sources` are then those of the triangles that were kept.
-  std::optional<HullCareReport> care;
+  std::optional<MeshCleanupReport> care;
 };
 
 /// Memory that visual_hull() keeps from frame to frame. Not for two calls at once; results do not depend on

@@ -9,12 +9,12 @@ file(WRITE "${OUTPUT}" "// Made by render/embed_shaders.cmake from render/shader
 #include \"core/check.h\"
 #include \"render/shader_text.h\"
 
-namespace floatstage::gl {
+namespace floatstage::render::gl {
 
 std::string_view shader_text(std::string_view name) {
 ${table}  FLOATSTAGE_CHECK(false, \"no embedded shader of this name\");
   return {};
 }
 
-}  // namespace floatstage::gl
+}  // namespace floatstage::render::gl
 ")

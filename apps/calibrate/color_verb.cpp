@@ -43,14 +43,14 @@ Result<ChartFound> look_for_chart(capture::TakeReader& take, int camera, int loo
     if (frame->empty()) continue;
     const Result<Image> image = to_rgb(*frame);
     if (!image) return forward(image);
-    const auto seen = find_color_chart(*image);
+    const auto seen = calib::find_color_chart(*image);
     if (!seen) {
       reason = seen.error().message;
       continue;
     }
     std::vector<calib::ColorPair> pairs;
-    for (std::size_t k = 0; k < 24; ++k) pairs.push_back({(*seen)[k], chart_colors()[k]});
-    const Result<calib::ColorFit> fit = fit_color(pairs);
+    for (std::size_t k = 0; k < 24; ++k) pairs.push_back({(*seen)[k], calib::chart_colors()[k]});
+    const Result<calib::ColorFit> fit = calib::fit_color(pairs);
     if (!fit) {
       reason = fit.error().message;
       continue;
@@ -61,7 +61,7 @@ Result<ChartFound> look_for_chart(capture::TakeReader& take, int camera, int loo
 }
 
 // What the cameras see of the surfaces that `process` left.
-Result<std::vector<calib::ColorSight>> overlap(capture::TakeReader& take, const Rig& rig, int wanted) {
+Result<std::vector<calib::ColorSample>> overlap(capture::TakeReader& take, const Rig& rig, int wanted) {
   std::vector<int> frames;
   for (int i = 0; i < take.frame_count(); ++i)
     if (std::filesystem::exists(take.layout().mesh(i))) frames.push_back(i);
@@ -69,7 +69,7 @@ Result<std::vector<calib::ColorSight>> overlap(capture::TakeReader& take, const 
     return fail(ErrorCode::NotFound, text(take.layout().folder().string(),
                                           ": there are no meshes; run `floatstage process` on it first, or "
                                           "show a 24-patch chart to every camera and add --chart"));
-  std::vector<calib::ColorSight> sights;
+  std::vector<calib::ColorSample> sights;
   const std::size_t step =
       std::max<std::size_t>(1, frames.size() / static_cast<std::size_t>(std::max(1, wanted)));
   ProgressBar bar;
@@ -89,7 +89,8 @@ Result<std::vector<calib::ColorSight>> overlap(capture::TakeReader& take, const 
       if (!image) return forward(image);
       images.back() = *std::move(image);
     }
-    const std::vector<calib::ColorSight> here = surface_colors(*mesh, rig, images, first_point, kMost);
+    const std::vector<calib::ColorSample> here =
+        calib::surface_colors(*mesh, rig, images, first_point, kMost);
     sights.insert(sights.end(), here.begin(), here.end());
     progress.advance();
   }
@@ -97,9 +98,9 @@ Result<std::vector<calib::ColorSight>> overlap(capture::TakeReader& take, const 
 }
 
 // The camera that shares its points with most others.
-int busiest(const std::vector<calib::ColorSight>& sights, std::size_t cameras) {
+int busiest(const std::vector<calib::ColorSample>& sights, std::size_t cameras) {
   std::vector<int> counts(cameras);
-  for (const calib::ColorSight& s : sights) ++counts[static_cast<std::size_t>(s.camera)];
+  for (const calib::ColorSample& s : sights) ++counts[static_cast<std::size_t>(s.camera)];
   return static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
@@ -131,14 +132,14 @@ std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
       "<table><tr><th>camera</th><th>colours</th><th>strays</th><th>before</th><th>after</th><th>P95</th></"
       "tr>";
   for (const Row& r : rows)
-    out += text("<tr><td>", escaped(r.serial), r.reference ? " (the others look like it)" : "", "</td><td>",
-                r.agreement.points, "</td><td>", r.agreement.strays, std::fixed, std::setprecision(2),
-                "</td><td>", r.agreement.mean_before, "</td><td>", r.agreement.mean_after, "</td><td>",
-                r.agreement.p95_after, "</td></tr>");
+    out += text("<tr><td>", pipeline::escaped(r.serial), r.reference ? " (the others look like it)" : "",
+                "</td><td>", r.agreement.points, "</td><td>", r.agreement.strays, std::fixed,
+                std::setprecision(2), "</td><td>", r.agreement.mean_before, "</td><td>",
+                r.agreement.mean_after, "</td><td>", r.agreement.p95_after, "</td></tr>");
   out += "</table>";
   for (const Row& r : rows) {
     if (r.swatches.empty()) continue;
-    out += text("<h2>Camera ", escaped(r.serial), "</h2><p>as seen, corrected, wanted</p>");
+    out += text("<h2>Camera ", pipeline::escaped(r.serial), "</h2><p>as seen, corrected, wanted</p>");
     for (int k = 0; k < 3; ++k) {
       for (const auto& s : r.swatches)
         out +=
@@ -150,17 +151,17 @@ std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
 }
 
 // A few of a camera's points for the report, from dark to bright.
-std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<calib::ColorSight>& sights, int camera,
-                                                     const calib::ColorBalance& balance) {
+std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<calib::ColorSample>& sights,
+                                                     int camera, const calib::ColorBalance& balance) {
   std::map<int, std::pair<Eigen::Vector3d, int>> sums;
-  for (const calib::ColorSight& s : sights)
+  for (const calib::ColorSample& s : sights)
     if (s.camera != camera) {
       auto& [sum, n] = sums.try_emplace(s.point, Eigen::Vector3d::Zero(), 0).first->second;
       sum += apply(balance.transforms[static_cast<std::size_t>(s.camera)], s.seen);
       ++n;
     }
   std::vector<std::array<Eigen::Vector3d, 3>> all;
-  for (const calib::ColorSight& s : sights)
+  for (const calib::ColorSample& s : sights)
     if (s.camera == camera)
       if (const auto found = sums.find(s.point); found != sums.end())
         all.push_back({s.seen, apply(balance.transforms[static_cast<std::size_t>(camera)], s.seen),
@@ -195,11 +196,11 @@ Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows)
   std::printf("%s\n", pass ? "PASS" : "FAIL");
   const nlohmann::json json = {{"pass", pass}, {"bar", given.bar}, {"cameras", cameras}};
   if (!given.json.empty())
-    if (Result<void> ok = save_json(json, given.json); !ok) return ok;
+    if (Result<void> ok = pipeline::save_json(json, given.json); !ok) return ok;
   if (!given.report.empty()) {
     if (Result<void> ok = make_folder(given.report); !ok) return ok;
     if (Result<void> ok = write_file(given.report / "color.html", html(rows, json)); !ok) return ok;
-    if (Result<void> ok = save_json(json, given.report / "color.json"); !ok) return ok;
+    if (Result<void> ok = pipeline::save_json(json, given.report / "color.json"); !ok) return ok;
   }
   if (!pass)
     return fail(ErrorCode::BadData, text(given.take.string(), ": the cameras' colours do not agree to dE00 ",
@@ -221,7 +222,7 @@ Result<void> run_chart(const Options& given, capture::TakeReader& take, Rig rig)
             .swatches = {}};
     for (std::size_t k = 0; k < 24; ++k)
       row.swatches.push_back(
-          {found->seen[k], apply(found->fit.transform, found->seen[k]), chart_colors()[k]});
+          {found->seen[k], apply(found->fit.transform, found->seen[k]), calib::chart_colors()[k]});
     rows.push_back(std::move(row));
   }
   return finish(given, std::move(rig), rows);
@@ -244,7 +245,7 @@ Result<void> run(Options given) {
     rig = *std::move(other);
   }
   if (given.chart) return run_chart(given, **take, std::move(rig));
-  const Result<std::vector<calib::ColorSight>> sights = overlap(**take, rig, given.frames);
+  const Result<std::vector<calib::ColorSample>> sights = overlap(**take, rig, given.frames);
   if (!sights) return forward(sights);
   const int reference =
       given.reference.empty() ? busiest(*sights, rig.cameras.size()) : camera_index(rig, given.reference);
@@ -253,7 +254,7 @@ Result<void> run(Options given) {
   known[static_cast<std::size_t>(reference)] = ColorTransform{};
   std::vector<std::string> serials;
   for (const RigCamera& c : rig.cameras) serials.push_back(c.serial);
-  const Result<calib::ColorBalance> balance = balance_colors(*sights, known, serials);
+  const Result<calib::ColorBalance> balance = calib::balance_colors(*sights, known, serials);
   if (!balance) return forward(balance);
   std::vector<Row> rows;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {

@@ -42,7 +42,7 @@ Result<void> make_reference(capture::TakeReader& take, const std::filesystem::pa
     if (!image) return forward(image);
     images.push_back(*std::move(image));
   }
-  const Result<calib::DriftReference> reference = make_drift_reference(take.rig(), images);
+  const Result<calib::DriftReference> reference = calib::make_drift_reference(take.rig(), images);
   if (!reference) return forward(reference);
   for (std::size_t c = 0; c < images.size(); ++c) {
     const std::size_t patches = reference->patches[c].size();
@@ -53,7 +53,7 @@ Result<void> make_reference(capture::TakeReader& take, const std::filesystem::pa
                        " are needed; put stickers or printed markers where every camera sees some"));
     std::printf("%s: %zu patches\n", reference->serials[c].c_str(), patches);
   }
-  return save_drift_reference(*reference, file);
+  return calib::save_drift_reference(*reference, file);
 }
 
 // Beside what the recorder found out.
@@ -67,11 +67,11 @@ Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json dr
       return fail(ErrorCode::BadData, text(file.string(), ": is no JSON object; move it away"));
   }
   quality["drift"] = std::move(drift);
-  return save_json(quality, file);
+  return pipeline::save_json(quality, file);
 }
 
 Result<void> watch(capture::TakeReader& take, const Options& given) {
-  Result<calib::DriftReference> reference = load_drift_reference(given.reference);
+  Result<calib::DriftReference> reference = calib::load_drift_reference(given.reference);
   if (!reference) return forward(reference);
   Result<calib::DriftWatch> drift =
       calib::DriftWatch::create(take.rig(), *std::move(reference), {.alarm_degrees = given.alarm});

@@ -33,11 +33,12 @@ Result<void> nameless(const Rig& rig, const Names&, const std::filesystem::path&
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
-      {"colmap", "a folder with cameras.txt, images.txt, points3D.txt", write_colmap},
-      {"opencv", "a folder with intri.yml and extri.yml, as EasyMocap has them", nameless<write_easymocap>},
-      {"kalibr", "a camchain .yaml", nameless<write_kalibr>},
-      {"middlebury", "a _par.txt", write_middlebury},
-      {"qualisys", "a .qca.txt", nameless<write_qualisys>},
+      {"colmap", "a folder with cameras.txt, images.txt, points3D.txt", calib::write_colmap},
+      {"opencv", "a folder with intri.yml and extri.yml, as EasyMocap has them",
+       nameless<calib::write_easymocap>},
+      {"kalibr", "a camchain .yaml", nameless<calib::write_kalibr>},
+      {"middlebury", "a _par.txt", calib::write_middlebury},
+      {"qualisys", "a .qca.txt", nameless<calib::write_qualisys>},
   };
   return all;
 }

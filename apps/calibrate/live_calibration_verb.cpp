@@ -7,8 +7,8 @@
 #include "apps/text_options.h"
 #include "apps/viewer/calibration/calibration_view.h"
 #include "core/text.h"
-#include "pipeline/calibrate/collect.h"
-#include "pipeline/calibrate/conclude.h"
+#include "pipeline/calibrate/calibration_outcome.h"
+#include "pipeline/calibrate/session_observations.h"
 
 namespace floatstage::apps {
 namespace {
@@ -47,9 +47,9 @@ void watch(const LiveRun& run) {
 }
 
 Result<void> run(const Options& given) {
-  Result<studio::CaptureConfig> config = load_capture_config(given.config);
+  Result<studio::CaptureConfig> config = studio::load_capture_config(given.config);
   if (!config) return forward(config);
-  Result<calib::TargetDesign> design = parse_target(given.target);
+  Result<calib::TargetDesign> design = calib::parse_target(given.target);
   if (!design) return forward(design);
   const Result<calib::LensKind> lens = lens_named(given.lens);
   if (!lens) return forward(lens);
@@ -62,7 +62,7 @@ Result<void> run(const Options& given) {
       .intrinsics = given.fixed_intrinsics ? calib::Prior::Fixed : calib::Prior::Start,
       .poses = calib::Prior::Start};
   if (!given.from.empty()) {
-    Result<Rig> rig = load_known(how);
+    Result<Rig> rig = pipeline::load_known(how);
     if (!rig) return forward(rig);
     known = *std::move(rig);
   }
@@ -74,7 +74,7 @@ Result<void> run(const Options& given) {
   options.seconds = given.seconds;
   Result<void> applied;
   const Result<std::unique_ptr<LiveRun>> live = LiveRun::start(*config, options, [&](calib::Observations& o) {
-    if (known) applied = apply_known(how, *known, o);
+    if (known) applied = pipeline::apply_known(how, *known, o);
   });
   if (!live) return forward(live);
   if (!applied) return applied;
@@ -93,9 +93,9 @@ Result<void> run(const Options& given) {
   const LiveStatus status = (*live)->status();
   std::printf("%s\n", describe_live(status).c_str());
   if (!given.observations.empty()) {
-    if (Result<void> ok = save_observations(observations, given.observations); !ok) return ok;
+    if (Result<void> ok = calib::save_observations(observations, given.observations); !ok) return ok;
   }
-  const Result<calib::Calibration> solved = calibrate(observations, options.calibration);
+  const Result<calib::Calibration> solved = calib::calibrate(observations, options.calibration);
   if (!solved) return forward(solved);
   pipeline::ReportContext context{
       given.config.stem().string(),
@@ -103,8 +103,9 @@ Result<void> run(const Options& given) {
       {},
       0};
   for (const calib::Advice& a : status.advice) context.remarks.push_back("still wanted: " + a.sentence);
-  return conclude(*solved, {}, {}, context,
-                  {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
+  return pipeline::write_outcome(
+      *solved, {}, {}, context,
+      {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
 }
 
 }  // namespace

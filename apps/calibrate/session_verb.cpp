@@ -8,12 +8,12 @@
 #include "calib/calibrate.h"
 #include "core/log.h"
 #include "core/text.h"
-#include "pipeline/calibrate/collect.h"
-#include "pipeline/calibrate/conclude.h"
+#include "pipeline/calibrate/calibration_outcome.h"
 #include "pipeline/calibrate/report.h"
 #include "pipeline/calibrate/scene.h"
 #include "pipeline/calibrate/scene_points.h"
 #include "pipeline/calibrate/session.h"
+#include "pipeline/calibrate/session_observations.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::apps {
@@ -55,7 +55,7 @@ Result<void> run(const Options& given) {
   if (given.session.empty())
     return fail(ErrorCode::InvalidArgument,
                 "calibrate: give a session (a .toml file; docs/calibrating.md), or 'target' to print one");
-  Result<pipeline::Session> session = load_session(given.session);
+  Result<pipeline::Session> session = pipeline::load_session(given.session);
   if (!session) return forward(session);
   session->options.threads = given.threads;
   if (!given.from.empty()) {
@@ -68,35 +68,39 @@ Result<void> run(const Options& given) {
         .format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = calib::Prior::Start};
   }
   ProgressBar bar;
-  Result<pipeline::Collected> collected = collect(*session, given.cache, given.threads, &bar);
+  Result<pipeline::SessionObservations> collected =
+      pipeline::collect(*session, given.cache, given.threads, &bar);
   if (!collected) return forward(collected);
   if (session->markerless) {
     const Workspace workspace(given.workspace);
     if (!workspace.ready()) return forward(workspace.ready());
-    if (Result<void> ok = add_scene(*session, workspace.folder(), given.threads, &bar, *collected); !ok) {
-      if (ok.error().code == ErrorCode::Cancelled) return cancelled_unwritten();
+    if (Result<void> ok = pipeline::add_scene(*session, workspace.folder(), given.threads, &bar, *collected);
+        !ok) {
+      if (ok.error().code == ErrorCode::Cancelled) return pipeline::cancelled_unwritten();
       workspace.keep();
       return fail(ok.error().code, text(given.session.string(), ": ", ok.error().message));
     }
   }
-  if (interrupted()) return cancelled_unwritten();
+  if (interrupted()) return pipeline::cancelled_unwritten();
   for (const std::string& sentence : collected->detection) log::info(sentence);
   if (!given.observations.empty()) {
-    if (Result<void> ok = save_observations(collected->observations, given.observations); !ok) return ok;
+    if (Result<void> ok = calib::save_observations(collected->observations, given.observations); !ok)
+      return ok;
   }
-  const Result<calib::Calibration> solved = calibrate(collected->observations, session->options);
+  const Result<calib::Calibration> solved = calib::calibrate(collected->observations, session->options);
   if (!solved) return fail(solved.error().code, text(given.session.string(), ": ", solved.error().message));
 
-  if (interrupted()) return cancelled_unwritten();
+  if (interrupted()) return pipeline::cancelled_unwritten();
   pipeline::ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
                                   collected->seconds};
   std::vector<pipeline::BarCheck> checks;
   if (session->known) {
-    const Result<Rig> known = load_known(*session->known);
+    const Result<Rig> known = pipeline::load_known(*session->known);
     if (!known) return forward(known);
-    for (std::string& sentence : compare_to_known(*session->known, *known, solved->rig))
+    for (std::string& sentence : pipeline::compare_to_known(*session->known, *known, solved->rig))
       context.remarks.push_back(std::move(sentence));
-    if (const std::optional<calib::RigAgreement> a = compare_poses(*session->known, *known, solved->rig)) {
+    if (const std::optional<calib::RigAgreement> a =
+            pipeline::compare_poses(*session->known, *known, solved->rig)) {
       context.remarks.push_back(
           text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent,
                " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
@@ -107,21 +111,21 @@ Result<void> run(const Options& given) {
             {"known_center_percent", a->worst, a->worst_percent, *session->bars.known_center_percent, false});
     }
     if (!session->points.empty()) {
-      const Result<pipeline::ScenePoints> measured = measure_points(session->points, *known);
+      const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session->points, *known);
       if (!measured)
         return fail(measured.error().code,
                     text(session->known->file.string(), ": ", measured.error().message));
-      context.remarks.push_back(describe(*measured, *known, "known"));
+      context.remarks.push_back(pipeline::describe(*measured, *known, "known"));
     }
   }
   if (!session->points.empty() && !solved->rig.cameras.empty()) {
-    const Result<pipeline::ScenePoints> measured = measure_points(session->points, solved->rig);
-    context.remarks.push_back(measured ? describe(*measured, solved->rig, "solved")
+    const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session->points, solved->rig);
+    context.remarks.push_back(measured ? pipeline::describe(*measured, solved->rig, "solved")
                                        : measured.error().message);
     checks.push_back(
         {"points_px", "", measured ? measured->rms_px : std::nan(""), session->bars.points_px, false});
   }
-  return conclude(
+  return pipeline::write_outcome(
       *solved, session->bars, checks, context,
       {given.session.string(), given.out, given.report, given.json, given.keep_failed, collected->carried});
 }

@@ -15,13 +15,13 @@ struct Options {
 Result<void> run(const Options& given) {
   std::string line;
   for (const std::string& word : given.words) line += (line.empty() ? "" : " ") + word;
-  const Result<calib::TargetDesign> target = parse_target(line);
+  const Result<calib::TargetDesign> target = calib::parse_target(line);
   if (!target) return forward(target);
-  const Result<std::vector<std::filesystem::path>> files = write_sheets(*target, given.out);
+  const Result<std::vector<std::filesystem::path>> files = calib::write_sheets(*target, given.out);
   if (!files) return forward(files);
   for (const std::filesystem::path& file : *files) std::printf("%s\n", file.string().c_str());
-  std::printf("%s\nprint at 100 %% and measure the ruler\n", to_text(*target).c_str());
-  if (const std::optional<std::string> warning = ambiguity(*target))
+  std::printf("%s\nprint at 100 %% and measure the ruler\n", calib::to_text(*target).c_str());
+  if (const std::optional<std::string> warning = calib::ambiguity(*target))
     std::fprintf(stderr, "floatstage: %s\n", warning->c_str());
   return {};
 }

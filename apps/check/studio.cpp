@@ -17,7 +17,7 @@ using Verdict = Finding::Verdict;
 
 // Starts the camera, for what only it knows: the size of its pictures.
 Result<capture::StreamInfo> ask_camera(const studio::CaptureConfig::Camera& camera) {
-  Result<std::unique_ptr<capture::FrameSource>> source = open_source(camera.source);
+  Result<std::unique_ptr<capture::FrameSource>> source = capture::open_source(camera.source);
   if (!source) return forward(source);
   Result<capture::StreamInfo> info = (*source)->start();
   if (info) (*source)->stop();
@@ -38,7 +38,7 @@ Finding look_at_endpoint(const std::string& endpoint, const std::string& whose) 
 }  // namespace
 
 Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file) {
-  const Result<studio::CaptureConfig> config = load_capture_config(file);
+  const Result<studio::CaptureConfig> config = studio::load_capture_config(file);
   if (!config) return forward(config);
   std::vector<Finding> findings;
   double bytes_per_second = 0;

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/text.h"
-#include "matting/dense.h"
+#include "matting/blas.h"
 #include "matting/spectral/spectral_matting.h"
 
 namespace floatstage::matting {
@@ -105,7 +105,7 @@ Result<Wanted> combined(const MattingComponents& components, const std::vector<S
   const Index n = components.alpha.rows();
   VectorXd weight = VectorXd::Zero(n), first = VectorXd::Zero(n), second = VectorXd::Zero(n);
   for (const SelectionTerm& term : terms) {
-    const MatteOpinion& o = term.opinion;
+    const MatteConstraint& o = term.opinion;
     if (const auto good = fits(o.opacity, components, "opacity"); !good) return forward(good);
     if (!o.weight.empty())
       if (const auto good = fits(o.weight, components, "weight"); !good) return forward(good);

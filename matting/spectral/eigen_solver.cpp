@@ -5,7 +5,7 @@
 
 #include "core/random.h"
 #include "core/text.h"
-#include "matting/dense.h"
+#include "matting/blas.h"
 #include "matting/spectral/grid_factor.h"
 #include "matting/spectral/spectral_matting.h"
 

@@ -7,7 +7,7 @@
 #include <suitesparse/cholmod.h>
 
 #include "core/text.h"
-#include "matting/dense.h"
+#include "matting/blas.h"
 #include "matting/spectral/nested_dissection.h"
 
 namespace floatstage::matting {

@@ -3,7 +3,7 @@
 
 #include "core/random.h"
 #include "core/text.h"
-#include "matting/dense.h"
+#include "matting/blas.h"
 #include "matting/spectral/k_means.h"
 #include "matting/spectral/sparse_components.h"
 #include "matting/spectral/spectral_matting.h"

@@ -5,7 +5,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "matting/dense.h"
+#include "matting/blas.h"
 
 namespace floatstage::matting {
 namespace {

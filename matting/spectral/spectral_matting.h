@@ -94,7 +94,7 @@ Result<MattingComponents> matting_components(const EigenPairs& pairs, const Spec
 /// What somebody says about a matte: a wanted opacity a pixel and how much it matters, both one channel, of
 /// one size. A scribble or a trimap has weight where it is drawn or known, a keyer or a previous frame's
 /// matte everywhere.
-struct MatteOpinion {
+struct MatteConstraint {
   Image opacity;  ///< 0 background … 255 subject
   Image weight;   ///< 0 no opinion … 255 full; empty: full everywhere
 
@@ -102,7 +102,7 @@ struct MatteOpinion {
 };
 
 struct SelectionTerm {
-  MatteOpinion opinion;
+  MatteConstraint opinion;
   double strength = 1;  ///< of the whole term against the others
 };
 

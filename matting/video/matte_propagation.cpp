@@ -16,7 +16,7 @@ constexpr double kUnclaimed =
 constexpr int kShimmer = 48;  // 8-bit steps: larger differences to the carried matte are motion
 
 // Full weights in all of the picture are 1; a few pixels of a stroke count as much together.
-double gathered(const MatteOpinion& opinion) {
+double gathered(const MatteConstraint& opinion) {
   if (opinion.weight.empty()) return 1;
   const double sum = std::accumulate(opinion.weight.pixels.begin(), opinion.weight.pixels.end(), 0.0) / 255;
   return static_cast<double>(opinion.weight.pixels.size()) / std::max(sum, kSmallestStroke);
@@ -24,8 +24,8 @@ double gathered(const MatteOpinion& opinion) {
 
 }  // namespace
 
-MatteOpinion guidance_from(const Image& matte, const Image& its_picture, const Image& picture,
-                           CarryingFlow method) {
+MatteConstraint guidance_from(const Image& matte, const Image& its_picture, const Image& picture,
+                              CarryingFlow method) {
   const FrameFlow flow = flow_between(its_picture, picture, method);
   return {carried(matte, flow), confidence_of(its_picture, picture, flow)};
 }
@@ -66,7 +66,7 @@ double misfit_of(const Image& matte, const std::vector<FrameEvidence::Carried>& 
   return whole > 0 ? difference / whole : 0;
 }
 
-Image filtered(const Image& matte, const MatteOpinion& previous, double share) {
+Image filtered(const Image& matte, const MatteConstraint& previous, double share) {
   Image out = matte;
   for (std::size_t p = 0; p < out.pixels.size(); ++p) {
     const int difference = previous.opacity.pixels[p] - matte.pixels[p];

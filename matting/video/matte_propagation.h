@@ -11,10 +11,10 @@ namespace floatstage::matting {
 
 /// What is known of a frame before its components are chosen, all in working size.
 struct FrameEvidence {
-  MatteOpinion keyframe;    ///< empty: none
-  MatteOpinion likelihood;  ///< empty: none
+  MatteConstraint keyframe;    ///< empty: none
+  MatteConstraint likelihood;  ///< empty: none
   struct Carried {
-    MatteOpinion guidance;          ///< G_j and where it can be trusted
+    MatteConstraint guidance;       ///< G_j and where it can be trusted
     std::vector<bool> last_choice;  ///< empty across runs, where component k is another
     double share = 1;               ///< of two directions
   };
@@ -22,8 +22,8 @@ struct FrameEvidence {
 };
 
 /// The guidance that a matte gives to a neighbouring frame (eq. 7.4).
-MatteOpinion guidance_from(const Image& matte, const Image& its_picture, const Image& picture,
-                           CarryingFlow flow);
+MatteConstraint guidance_from(const Image& matte, const Image& its_picture, const Image& picture,
+                              CarryingFlow flow);
 
 /// Chooses components by all the evidence (eq. 7.5). InvalidArgument when there is none.
 Result<Selection> choose(const MattingComponents& components, const FrameEvidence& evidence,
@@ -35,7 +35,7 @@ double misfit_of(const Image& matte, const std::vector<FrameEvidence::Carried>& 
 
 /// Blends `matte` with the carried previous one where that explains the picture and differs little: noise and
 /// shimmer, not motion.
-Image filtered(const Image& matte, const MatteOpinion& previous, double share);
+Image filtered(const Image& matte, const MatteConstraint& previous, double share);
 
 /// Mean |matte - carried previous| over the pixels, 0..1.
 double flicker_between(const Image& matte, const Image& carried_previous);

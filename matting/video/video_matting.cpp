@@ -8,6 +8,7 @@
 
 #include "core/file.h"
 #include "core/text.h"
+#include "matting/guided_upsample.h"
 #include "matting/picture_scale.h"
 #include "matting/video/closed_form_video.h"
 #include "matting/video/component_store.h"
@@ -29,7 +30,7 @@ struct Extent {
   bool whole() const { return subject && background && everywhere; }
 };
 
-Extent extent_of(const MatteOpinion& opinion) {
+Extent extent_of(const MatteConstraint& opinion) {
   Extent e;
   for (std::size_t p = 0; p < opinion.opacity.pixels.size(); ++p) {
     if (!opinion.weight.empty() && opinion.weight.pixels[p] == 0) {
@@ -84,13 +85,13 @@ struct VideoMatting::Impl {
   VideoMattingOptions options;
   int width = 0, height = 0, small_width = 0, small_height = 0, usable = 0;
   std::optional<ComponentStore> store;
-  std::map<int, MatteOpinion> keyframes;
+  std::map<int, MatteConstraint> keyframes;
   std::vector<FrameState> states;
   std::function<bool(int)> watch;  // of the propagate() that runs
 
   Result<Image> photograph(int frame) const;
   Result<Image> small(int frame) const;
-  Result<MatteOpinion> likelihood(int frame) const;
+  Result<MatteConstraint> likelihood(int frame) const;
   Result<Step> step(int frame, const Image& picture, std::vector<FrameEvidence::Carried> carried) const;
   Result<FrameEvidence::Carried> carry(int from, const Step& before, const Image& before_picture, int to,
                                        const Image& picture) const;
@@ -113,11 +114,11 @@ Result<Image> VideoMatting::Impl::photograph(int frame) const {
 Result<Image> VideoMatting::Impl::small(int frame) const {
   const auto picture = photograph(frame);
   if (!picture) return forward(picture);
-  return floatstage::scaled(*picture, small_width, small_height);
+  return matting::scaled(*picture, small_width, small_height);
 }
 
-Result<MatteOpinion> VideoMatting::Impl::likelihood(int frame) const {
-  if (!clip.likelihood) return MatteOpinion{};
+Result<MatteConstraint> VideoMatting::Impl::likelihood(int frame) const {
+  if (!clip.likelihood) return MatteConstraint{};
   const auto opinion = clip.likelihood(frame);
   if (!opinion) return forward(opinion);
   return scaled(*opinion, small_width, small_height);
@@ -151,7 +152,7 @@ Result<VideoMatting::Impl::Step> VideoMatting::Impl::step(int frame, const Image
   else
     made.fits = misfit_of(made.matte, evidence.carried) <= options.misfit;
   if (options.likelihood_is_matte && !evidence.likelihood.empty() && !given) {
-    MatteOpinion whole = evidence.likelihood;
+    MatteConstraint whole = evidence.likelihood;
     if (whole.weight.empty()) whole.weight = Image(whole.opacity.width, whole.opacity.height, 1, 255);
     made.settled = misfit_of(made.matte, {{std::move(whole), {}, 1}}) > options.misfit;
     if (made.settled) made.fits = false, made.matte = evidence.likelihood.opacity;
@@ -315,7 +316,7 @@ Result<MattingComponents> VideoMatting::components(int frame) const {
   return impl_->store->load(frame);
 }
 
-Result<void> VideoMatting::set_keyframe(int frame, const MatteOpinion& opinion) {
+Result<void> VideoMatting::set_keyframe(int frame, const MatteConstraint& opinion) {
   if (frame < 0 || frame >= impl_->clip.frames)
     return fail(ErrorCode::InvalidArgument,
                 text("there is no frame ", frame, " in a clip of ", impl_->clip.frames));
@@ -382,8 +383,8 @@ Result<std::vector<int>> VideoMatting::propagate(const std::function<bool(int)>&
       state = {step.matte, {step.energy, 0, s.keyframes.contains(frame), step.fits}};
       // A keyframe that begins this span is not filtered; the span before it may not be made yet.
       if (frame > 0 && !s.states[static_cast<std::size_t>(frame - 1)].matte.empty()) {
-        const MatteOpinion previous = guidance_from(s.states[static_cast<std::size_t>(frame - 1)].matte,
-                                                    before_picture, *picture, s.options.flow);
+        const MatteConstraint previous = guidance_from(s.states[static_cast<std::size_t>(frame - 1)].matte,
+                                                       before_picture, *picture, s.options.flow);
         if (s.options.temporal_filter > 0 && !state.report.keyframe)
           state.matte = filtered(state.matte, previous, s.options.temporal_filter);
         state.report.flicker = flicker_between(state.matte, previous.opacity);
@@ -408,7 +409,7 @@ Result<double> matte_flicker(const Image& photograph_before, const Image& matte_
   const double scale = std::min(1.0, std::sqrt(kPixels / (static_cast<double>(matte.width) * matte.height)));
   const int width = std::max(3, static_cast<int>(std::lround(matte.width * scale)));
   const int height = std::max(3, static_cast<int>(std::lround(matte.height * scale)));
-  const MatteOpinion carried =
+  const MatteConstraint carried =
       guidance_from(scaled(matte_before, width, height), scaled(photograph_before, width, height),
                     scaled(photograph, width, height), CarryingFlow::Dis);
   return flicker_between(scaled(matte, width, height), carried.opacity);
@@ -425,7 +426,7 @@ Result<Image> VideoMatting::matte(int frame) const {
   if (!small) return small;
   const auto photograph = impl_->photograph(frame);
   if (!photograph) return forward(photograph);
-  return carry_up(*small, *photograph);
+  return guided_upsample(*small, *photograph);
 }
 
 const MattedFrame& VideoMatting::report(int frame) const {

@@ -20,7 +20,7 @@ struct MattingClip {
   std::function<Result<Image>(int frame)> photograph;
   /// What a keyer or a clean plate says about a frame, in any size; an empty opinion is none. May be absent.
   /// Called from one thread.
-  std::function<Result<MatteOpinion>(int frame)> likelihood = nullptr;
+  std::function<Result<MatteConstraint>(int frame)> likelihood = nullptr;
 };
 
 enum class CarryingFlow {
@@ -97,7 +97,7 @@ class VideoMatting {
   /// Says what is subject in a frame: a whole matte (weight empty) or strokes, of any size. Replaces what was
   /// said there. Only frames between the neighbouring keyframes become stale. InvalidArgument for a frame
   /// that is not there and for an opinion that is all subject or all background where it covers the frame.
-  Result<void> set_keyframe(int frame, const MatteOpinion& opinion);
+  Result<void> set_keyframe(int frame, const MatteConstraint& opinion);
   void remove_keyframe(int frame);
 
   /// Makes the stale mattes and returns their frames in order. Without keyframes and likelihood the first
@@ -127,13 +127,5 @@ class VideoMatting {
 /// (InvalidArgument else).
 Result<double> matte_flicker(const Image& photograph_before, const Image& matte_before,
                              const Image& photograph, const Image& matte);
-
-/// Carries a small matte up to its photograph's size: opacity as an affine function of colour in small
-/// windows (He, Sun, "Fast Guided Filter", 2015; the model of the matting Laplacian). `photograph` has 1 or 3
-/// channels and the aspect of `matte`, which has one. A matte of the photograph's size comes back as it is.
-Result<Image> carry_up(const Image& matte, const Image& photograph);
-
-/// The pixels with opacity of at least `threshold` as 255, the others as 0 (thesis section 7.4: silhouettes).
-Image silhouette_of(const Image& matte, int threshold = 128);
 
 }  // namespace floatstage::matting

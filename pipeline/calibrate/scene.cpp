@@ -28,7 +28,8 @@ Result<Image> load_picture(const std::filesystem::path& file, const std::string&
 }
 
 // The pictures of a carried camera are cameras of their own.
-Result<void> add_carried(const SessionCamera& camera, const Rig& known, Collected& out, Scene& scene) {
+Result<void> add_carried(const SessionCamera& camera, const Rig& known, SessionObservations& out,
+                         Scene& scene) {
   const int index = camera_index(known, camera.serial);
   if (index < 0)
     return fail(ErrorCode::NotFound,
@@ -55,7 +56,7 @@ Result<void> add_carried(const SessionCamera& camera, const Rig& known, Collecte
   return {};
 }
 
-Result<Scene> gather(const Session& s, const Rig& known, Collected& out) {
+Result<Scene> gather(const Session& s, const Rig& known, SessionObservations& out) {
   Scene scene;
   for (const SessionCamera& camera : s.cameras) {
     if (camera.scene.empty() || camera.carried) continue;
@@ -97,15 +98,15 @@ Rig placed_rig(const calib::Observations& o, const Scene& scene, const Rig& foun
 }
 
 Result<double> scale_of(const Session& s, const calib::Observations& o, const Scene& scene, const Rig& rig,
-                        Collected& out) {
+                        SessionObservations& out) {
   if (!s.markerless->a.empty()) {
-    const Result<Rig> scaled = scale_to(rig, s.markerless->a, s.markerless->b, s.markerless->distance);
+    const Result<Rig> scaled = calib::scale_to(rig, s.markerless->a, s.markerless->b, s.markerless->distance);
     if (!scaled) return forward(scaled);
     return scaled->cameras.front().cam_from_world.translation.norm() /
            rig.cameras.front().cam_from_world.translation.norm();
   }
   if (rig.cameras.size() == o.cameras.size())
-    if (const std::optional<double> metres = metres_per_unit(o, placed_rig(o, scene, rig))) {
+    if (const std::optional<double> metres = calib::metres_per_unit(o, placed_rig(o, scene, rig))) {
       out.remarks.push_back("the scale is that of the target in the pictures");
       return *metres;
     }
@@ -132,7 +133,7 @@ void hold_scale(const Rig& known, calib::Observations& o) {
 }  // namespace
 
 Result<void> add_scene(const Session& s, const std::filesystem::path& workspace, int threads,
-                       const Progress* watch, Collected& out) {
+                       const Progress* watch, SessionObservations& out) {
   if (!s.markerless) return {};
   if (!s.known)
     return fail(
@@ -159,7 +160,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
   bool kept = false;  // the known poses hold
   if (s.known->poses != calib::Prior::Unknown && !carried) {
     options.least_track = 2;  // places are known: ties need not hold them
-    Result<calib::MarkerlessResult> result = triangulate_markerless(scene->pictures, *known, options);
+    Result<calib::MarkerlessResult> result = calib::triangulate_markerless(scene->pictures, *known, options);
     options.least_track = s.markerless->least_track;
     if (result) {
       found = *std::move(result);
@@ -172,14 +173,14 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     }
   }
   if (!found) {
-    Result<calib::MarkerlessResult> result = calibrate_markerless(scene->pictures, workspace, options);
+    Result<calib::MarkerlessResult> result = calib::calibrate_markerless(scene->pictures, workspace, options);
     if (!result) return forward(result);
     found = *std::move(result);
   }
   Rig rig = found->settled;
   const bool from_known = s.known->poses == calib::Prior::Start;
   if (from_known) {
-    const std::optional<Rig> moved = onto_known(rig, *known);
+    const std::optional<Rig> moved = calib::onto_known(rig, *known);
     if (!moved)
       return fail(
           ErrorCode::BadData,
@@ -193,7 +194,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
   }
   for (std::size_t i = 0; i < scene->camera_of.size() && s.known->poses != calib::Prior::Fixed; ++i)
     o.cameras[static_cast<std::size_t>(scene->camera_of[i])].found = rig.cameras[i].cam_from_world;
-  add_features(o, found->features, scene->camera_of);
+  calib::add_features(o, found->features, scene->camera_of);
   if (!s.markerless->a.empty()) {
     const auto index = [&](const std::string& serial) {
       return static_cast<int>(

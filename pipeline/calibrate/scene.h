@@ -1,6 +1,6 @@
 #pragma once
 
-#include "pipeline/calibrate/collect.h"
+#include "pipeline/calibrate/session_observations.h"
 
 namespace floatstage::pipeline {
 
@@ -9,6 +9,6 @@ namespace floatstage::pipeline {
 /// start; where a camera has moved too far for that, all are placed anew and brought back onto the known
 /// ones. Needs known intrinsics and something that gives the scale.
 Result<void> add_scene(const Session& session, const std::filesystem::path& workspace, int threads,
-                       const Progress* watch, Collected& collected);
+                       const Progress* watch, SessionObservations& collected);
 
 }  // namespace floatstage::pipeline

@@ -244,7 +244,7 @@ void read_target(Table& t, Session& s) {
   std::string words;
   t.string("target", words);
   if (words.empty()) return;
-  Result<calib::TargetDesign> design = parse_target(words);
+  Result<calib::TargetDesign> design = calib::parse_target(words);
   if (design)
     s.target = std::move(*design);
   else

@@ -95,7 +95,7 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
   mattes[h] = {};
   SceneFrame scene{instant.images, mattes, {}};
   scene.images.frames[h] = {};
-  Result<recon::HullReport> hull = visual_hull(rig, mattes, options.hull);
+  Result<recon::HullReport> hull = recon::visual_hull(rig, mattes, options.hull);
   if (!hull)
     return fail(hull.error().code, text("without camera '", camera.serial, "': ", hull.error().message));
   if (hull->mesh.empty())
@@ -111,7 +111,7 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
     Result<render::RenderedView> rendered =
         methods.renderers[m]->render(methods.textures, from, options.renderer);
     if (!rendered) return forward(rendered);
-    const Image rgba = download(*rendered);
+    const Image rgba = render::download(*rendered);
     if (view.mask.empty()) view.mask = erode_mask(both(view.silhouette, rgba), kErode);
     const Image rgb = over(rgba, {0, 0, 0});
     view.scores[methods.names[m]] =
@@ -139,7 +139,7 @@ Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& opt
   if (!held) return forward(held);
   Methods methods{options.methods, {}, {}};
   for (const std::string& name : options.methods) {
-    Result<std::unique_ptr<render::ViewRenderer>> renderer = make_renderer(name);
+    Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(name);
     if (!renderer) return forward(renderer);
     methods.renderers.push_back(std::move(*renderer));
   }

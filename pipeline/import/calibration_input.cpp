@@ -68,21 +68,21 @@ Result<LoadedCalibration> load_calibration(const CalibrationInput& input) {
     case CalibrationFormat::Middlebury: {
       const Result<fs::path> file = find_file(input.path, "_par.txt");
       if (!file) return forward(file);
-      return with_pictures(read_middlebury(*file), file->parent_path());
+      return with_pictures(calib::read_middlebury(*file), file->parent_path());
     }
     case CalibrationFormat::Colmap:
-      return with_pictures(read_colmap(colmap_model(input.path)), input.path / "images");
+      return with_pictures(calib::read_colmap(colmap_model(input.path)), input.path / "images");
     case CalibrationFormat::OpenCv:
-      return with_pictures(read_easymocap(input.path), input.path / "images");
+      return with_pictures(calib::read_easymocap(input.path), input.path / "images");
     case CalibrationFormat::Qualisys: {
       const Result<fs::path> file = find_file(input.path, ".qca.txt");
       if (!file) return forward(file);
-      return with_pictures(read_qualisys(*file), file->parent_path());
+      return with_pictures(calib::read_qualisys(*file), file->parent_path());
     }
     case CalibrationFormat::Dome: {
       const Result<fs::path> file = find_file(input.path, "calibration.txt");
       if (!file) return forward(file);
-      return with_pictures(read_dome(*file, input.metres_per_unit), file->parent_path() / "images");
+      return with_pictures(calib::read_dome(*file, input.metres_per_unit), file->parent_path() / "images");
     }
   }
   return fail(ErrorCode::InvalidArgument, "unknown calibration format");

@@ -8,9 +8,9 @@
 
 namespace floatstage::pipeline {
 
-enum class CalibrationFormat { Middlebury, calib::Colmap, OpenCv, Qualisys, Dome };
+enum class CalibrationFormat { Middlebury, Colmap, OpenCv, Qualisys, Dome };
 
-const char* name_of(CalibrationFormat format);
+const char* name_of(pipeline::CalibrationFormat format);
 
 struct CalibrationInput {
   CalibrationFormat format = CalibrationFormat::Middlebury;

@@ -7,7 +7,8 @@
 
 #include "core/png.h"
 #include "core/text.h"
-#include "matting/video/clip_cut.h"
+#include "matting/guided_upsample.h"
+#include "matting/video/segment_clip.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/keying.h"
 #include "pipeline/matte/take_clip.h"
@@ -148,11 +149,11 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int ph
   if (!plates) return forward(plates);
   Result<matting::Plate> plate = matting::Plate();
   if (!plates->empty()) {
-    plate = learn_plate(*plates);
+    plate = matting::learn_plate(*plates);
   } else {
     Result<std::vector<Image>> seen = photographs_of(take, camera, photographs);
     if (!seen) return forward(seen);
-    plate = learn_plate(*seen);
+    plate = matting::learn_plate(*seen);
     if (plate) {
       const long still = std::count_if(plate->confidence.pixels.begin(), plate->confidence.pixels.end(),
                                        [](int c) { return c >= kAgree; });
@@ -165,7 +166,7 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int ph
       // What a plate takes for subject is left out of the next.
       for (int lesson = 0; lesson < kLessons && plate; ++lesson) {
         Result<std::unique_ptr<matting::Keyer>> last =
-            make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, false));
+            matting::make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, false));
         if (!last) return forward(last);
         std::vector<Image> subjects;
         for (const Image& photograph : *seen) {
@@ -173,13 +174,13 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int ph
           if (!matte) return forward(matte);
           subjects.push_back(to_image(*matte));
         }
-        plate = learn_plate(*seen, {}, subjects);
+        plate = matting::learn_plate(*seen, {}, subjects);
       }
     }
   }
   if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
   Result<std::unique_ptr<matting::Keyer>> keyer =
-      make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, !plates->empty()));
+      matting::make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, !plates->empty()));
   if (!keyer) return forward(keyer);
   CameraKey key;
   key.kind_ = Kind::Plate;
@@ -192,12 +193,12 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int ph
 Result<CameraKey> CameraKey::cut(capture::TakeReader& take, int camera, const CameraEdits& edits,
                                  const std::function<bool()>& go_on) {
   const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
-  std::map<int, matting::MatteOpinion> strokes;
+  std::map<int, matting::MatteConstraint> strokes;
   for (const MatteKeyframe& k : edits.keyframes)
     if (!k.strokes.empty()) strokes[k.frame] = opinion_of(k, model.width, model.height);
   const auto make = [&take, camera, strokes, go_on]() -> Result<std::vector<Image>> {
     Result<std::vector<Image>> mattes =
-        cut_clip(clip_of(take, camera), strokes, {}, [&](int, int) { return go_on(); });
+        matting::segment_clip(clip_of(take, camera), strokes, {}, [&](int, int) { return go_on(); });
     if (!mattes)
       return fail(mattes.error().code,
                   text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial,
@@ -206,7 +207,7 @@ Result<CameraKey> CameraKey::cut(capture::TakeReader& take, int camera, const Ca
   };
   CameraKey key;
   key.kind_ = Kind::Cut;
-  key.heeds_strokes_ = true;
+  key.uses_strokes_ = true;
   key.spec_ = "cut";
   key.cut_ = std::make_shared<Cut>();
   key.cut_->make = make;
@@ -225,7 +226,7 @@ Result<CameraKey> CameraKey::best(capture::TakeReader& take, int camera, const f
   if (clicked(edits) && !shot) return cut(take, camera, edits, go_on);
   Result<CameraKey> key = plate(take, camera);
   if (!key && by_chroma) key = std::move(by_chroma);
-  if (key) key->heeds_strokes_ = !shot;
+  if (key) key->uses_strokes_ = !shot;
   return key;
 }
 
@@ -242,7 +243,7 @@ Result<CameraKey> CameraKey::for_method(capture::TakeReader& take, int camera, c
        ((method == "spectral" || method == "auto") && key.error().code == ErrorCode::Unsupported));
   if (optional) {
     key = none();
-    key->heeds_strokes_ = true;
+    key->uses_strokes_ = true;
   }
   return key;
 }
@@ -260,7 +261,7 @@ Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
     if (!rgb) return rgb;
     const Result<std::vector<Image>>& mattes = cut_->get();
     if (!mattes) return forward(mattes);
-    return carry_up(mattes->at(static_cast<std::size_t>(frame)), *rgb);
+    return matting::guided_upsample(mattes->at(static_cast<std::size_t>(frame)), *rgb);
   }
   if (keyer_) {
     Result<Matte> matte = keyer_->key(photograph);

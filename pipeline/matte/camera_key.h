@@ -20,7 +20,7 @@ namespace floatstage::pipeline {
 /// key, a plate, or what was cut out from a person's clicks.
 class CameraKey {
  public:
-  enum class Kind { None, Guide, Chroma, matting::Plate, Cut };
+  enum class Kind { None, Guide, Chroma, Plate, Cut };
 
   /// Says nothing about any photograph: for methods that can do with what a person says.
   static CameraKey none();
@@ -33,9 +33,9 @@ class CameraKey {
   /// performance in `photographs` of its pictures, and learnt again without what the first plate keys.
   /// Unsupported when the pictures agree nowhere (the camera moved).
   static Result<CameraKey> plate(capture::TakeReader& take, int camera, int photographs = 48);
-  /// Followed from the clicks in `edits` through a cluttered place (matting/video/clip_cut.h), as a whole, by
-  /// ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop that
-  /// (Cancelled) and must live as long.
+  /// Followed from the clicks in `edits` through a cluttered place (matting/video/segment_clip.h), as a
+  /// whole, by ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop
+  /// that (Cancelled) and must live as long.
   static Result<CameraKey> cut(capture::TakeReader& take, int camera, const CameraEdits& edits,
                                const std::function<bool()>& go_on);
   /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot;
@@ -53,7 +53,7 @@ class CameraKey {
   /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide", "cut", "none".
   const std::string& spec() const { return spec_; }
   /// Whether other strokes would make another key.
-  bool heeds_strokes() const { return heeds_strokes_; }
+  bool uses_strokes() const { return uses_strokes_; }
   /// Null without one.
   const matting::Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
 
@@ -66,7 +66,7 @@ class CameraKey {
 
  private:
   Kind kind_ = Kind::None;
-  bool heeds_strokes_ = false;
+  bool uses_strokes_ = false;
   std::string spec_, serial_;
   std::filesystem::path guide_;
   std::shared_ptr<const matting::Keyer> keyer_;

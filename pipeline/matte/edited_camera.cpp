@@ -92,7 +92,7 @@ std::vector<bool> EditedCamera::stale(const CameraEdits& edits) const {
 }
 
 Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch& watch) {
-  if (key_ && key_->heeds_strokes() && !same_strokes(key_edits_, edits))
+  if (key_ && key_->uses_strokes() && !same_strokes(key_edits_, edits))
     key_.reset(), spectral_.reset(), prepared_ = false;
   if (!key_) {
     watch.progress("key", 0, 1);
@@ -109,7 +109,7 @@ Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch&
     record_.key = key_->spec();
   }
   if (!record_.chosen.empty()) return {};
-  Result<std::string> chosen = CameraMatter(*take_, camera_, *key_, {}, record_.method).chosen_method();
+  Result<std::string> chosen = CameraMatting(*take_, camera_, *key_, {}, record_.method).chosen_method();
   if (!chosen) return forward(chosen);
   record_.chosen = std::move(*chosen);
   return {};
@@ -153,9 +153,9 @@ Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const Re
   if (watch.stopped()) return stopped();
   const std::vector<bool> forced = changed_since(edits), wanted = stale(edits);
   if (Result<void> ok = begin(edits, wanted); !ok) return forward(ok);
-  const CameraMatter matter(*take_, camera_, *key_, edits, record_.chosen);
+  const CameraMatting matting(*take_, camera_, *key_, edits, record_.chosen);
   Result<std::vector<int>> changed =
-      record_.chosen == "spectral" ? spectral(matter, wanted, watch) : follow(matter, forced, watch);
+      record_.chosen == "spectral" ? spectral(matting, wanted, watch) : follow(matting, forced, watch);
   if (changed) record_.stale.clear();
   if (Result<void> ok = save_record(); !ok) return changed ? Result<std::vector<int>>(forward(ok)) : changed;
   return changed;
@@ -183,18 +183,18 @@ Result<bool> EditedCamera::put(int frame, Result<Image> matte) {
   return changed;
 }
 
-Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::vector<bool> forced,
+Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std::vector<bool> forced,
                                               const RemakeWatch& watch) {
   std::vector<int> changed;
   std::optional<Error> failure;
   std::mutex mutex;  // of everything below
-  const std::vector<bool> wanted = downstream_of(forced, matter.edits());
+  const std::vector<bool> wanted = downstream_of(forced, matting.edits());
   const int all = static_cast<int>(std::count(wanted.begin(), wanted.end(), true));
   int done = 0;
   const auto go_on = [&] { return !failure && !watch.stopped(); };
-  const auto make = [&](int frame, const Image& previous) -> CameraMatter::Link {
-    Result<Image> matte = matter.matte(frame, previous);
-    CameraMatter::Link link;
+  const auto make = [&](int frame, const Image& previous) -> CameraMatting::Link {
+    Result<Image> matte = matting.matte(frame, previous);
+    CameraMatting::Link link;
     if (matte) link.matte = *matte;
     std::lock_guard lock(mutex);
     const Result<bool> other = put(frame, std::move(matte));
@@ -204,7 +204,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::v
     watch.progress("mattes", ++done, all);
     return link;
   };
-  if (!matter.follows()) {
+  if (!matting.follows()) {
     std::vector<int> frames;
     for (std::size_t f = 0; f < forced.size(); ++f)
       if (forced[f]) frames.push_back(static_cast<int>(f));
@@ -223,7 +223,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::v
       };
       return at(frame - 1) || at(frame + 1);
     };
-    matter.follow(go_on, [&](int frame, const CameraMatter::Link& previous) -> CameraMatter::Link {
+    matting.follow(go_on, [&](int frame, const CameraMatting::Link& previous) -> CameraMatting::Link {
       if (forced[static_cast<std::size_t>(frame)] || previous.changed) return make(frame, previous.matte);
       record_.stale.erase(frame);
       if (wanted[static_cast<std::size_t>(frame)]) watch.progress("mattes", ++done, all);
@@ -238,7 +238,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatter& matter, std::v
                                        : Result<std::vector<int>>(std::move(changed));
 }
 
-Result<std::vector<int>> EditedCamera::spectral(const CameraMatter& matter, const std::vector<bool>& stale,
+Result<std::vector<int>> EditedCamera::spectral(const CameraMatting& matting, const std::vector<bool>& stale,
                                                 const RemakeWatch& watch) {
   const int count = take_->frame_count();
   if (!spectral_) {
@@ -258,7 +258,7 @@ Result<std::vector<int>> EditedCamera::spectral(const CameraMatter& matter, cons
     if (!ok) return forward(ok);
     prepared_ = true;
   }
-  if (Result<void> ok = spectral_->say(matter); !ok) return forward(ok);
+  if (Result<void> ok = spectral_->say(matting); !ok) return forward(ok);
   std::vector<int> changed;
   const int all = static_cast<int>(std::count(stale.begin(), stale.end(), true));
   int done = 0;
@@ -275,7 +275,7 @@ Result<std::vector<int>> EditedCamera::spectral(const CameraMatter& matter, cons
     if (!ok) return forward(ok);
     for (int frame = first; frame <= last; ++frame) {
       if (watch.stopped()) return stopped();
-      const Result<bool> other = put(frame, spectral_->matte(matter, frame));
+      const Result<bool> other = put(frame, spectral_->matte(matting, frame));
       if (!other) return forward(other);
       if (*other) changed.push_back(frame), watch.made(frame);
       watch.progress("mattes", ++done, all);
@@ -303,7 +303,7 @@ Result<std::optional<double>> EditedCamera::flicker(int frame) {
     if (!matte) return forward(matte);
     photographs[i] = std::move(*rgb), mattes[i] = std::move(*matte);
   }
-  const Result<double> flicker = matte_flicker(photographs[0], mattes[0], photographs[1], mattes[1]);
+  const Result<double> flicker = matting::matte_flicker(photographs[0], mattes[0], photographs[1], mattes[1]);
   if (!flicker) return forward(flicker);
   return std::optional<double>(*flicker);
 }

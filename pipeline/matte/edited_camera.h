@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "capture/take.h"
-#include "pipeline/matte/camera_matter.h"
+#include "pipeline/matte/camera_matting.h"
 #include "pipeline/matte/matting_record.h"
 #include "pipeline/matte/spectral_take.h"
 
@@ -69,9 +69,9 @@ class EditedCamera {
   EditedCamera(std::unique_ptr<capture::TakeReader> take, int camera, EditedCameraOptions options);
   Result<void> make_key(const CameraEdits& edits, const RemakeWatch& watch);
   Result<void> begin(const CameraEdits& edits, const std::vector<bool>& stale);
-  Result<std::vector<int>> follow(const CameraMatter& matter, std::vector<bool> forced,
+  Result<std::vector<int>> follow(const CameraMatting& matting, std::vector<bool> forced,
                                   const RemakeWatch& watch);
-  Result<std::vector<int>> spectral(const CameraMatter& matter, const std::vector<bool>& stale,
+  Result<std::vector<int>> spectral(const CameraMatting& matting, const std::vector<bool>& stale,
                                     const RemakeWatch& watch);
   Result<bool> put(int frame, Result<Image> matte);
   std::vector<bool> changed_since(const CameraEdits& edits) const;

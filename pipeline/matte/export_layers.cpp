@@ -68,7 +68,7 @@ Result<void> export_one(capture::TakeReader& take, int camera, int frame, const 
   if (photograph->empty()) return {};
   Result<Image> rgb = photograph_of(take, camera, *photograph, key);
   if (!rgb) return forward(rgb);
-  Result<matting::Layers> layers = estimate_foreground(*rgb, *matte);
+  Result<matting::Layers> layers = matting::estimate_foreground(*rgb, *matte);
   if (!layers) return forward(layers);
   return save(joined(layers->foreground, *matte), format, file);
 }

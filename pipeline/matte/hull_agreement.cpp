@@ -38,10 +38,10 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const capture::TakeReader&
     recon::HullOptions options;
     options.quality = false;
     options.threads = 1;
-    const Result<recon::HullReport> hull = visual_hull(take.rig(), others, options);
+    const Result<recon::HullReport> hull = recon::visual_hull(take.rig(), others, options);
     SilhouetteAgreement a{take.rig().cameras[i].serial, frame, 0, 1};
     if (hull && !hull->mesh.empty()) {
-      const Matte silhouette = mesh_mask(take.rig().cameras[i], hull->mesh);
+      const Matte silhouette = recon::mesh_mask(take.rig().cameras[i], hull->mesh);
       a.iou = iou((*mattes)[i], silhouette);
       a.surplus = surplus_of((*mattes)[i], silhouette);
     } else if (hull) {

@@ -4,15 +4,15 @@
 
 #include "core/text.h"
 #include "matting/closed_form.h"
-#include "matting/consistency.h"
 #include "matting/keyers/keyer.h"
+#include "matting/method_selection.h"
 #include "matting/spectral_matte.h"
 
 namespace floatstage::pipeline {
 namespace {
 
 Result<Image> by_chroma(const Image& picture) {
-  Result<std::unique_ptr<matting::Keyer>> keyer = make_keyer("chroma", {picture});
+  Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer("chroma", {picture});
   if (!keyer) return forward(keyer);
   Result<Matte> matte = (*keyer)->key(make_frame({}, picture));
   if (!matte) return forward(matte);
@@ -26,7 +26,7 @@ Result<Image> trimap_of(const MatteImageOptions& options) {
                 text("the trimap is ", trimap.width, "x", trimap.height, " but the picture is ",
                      options.picture.width, "x", options.picture.height));
   if (!options.scribbled.empty()) {
-    Result<Image> scribbles = trimap_from_scribbles(options.picture, options.scribbled);
+    Result<Image> scribbles = matting::trimap_from_scribbles(options.picture, options.scribbled);
     if (!scribbles) return scribbles;
     if (trimap.empty()) trimap = Image(scribbles->width, scribbles->height, 1, 128);
     for (std::size_t p = 0; p < trimap.pixels.size(); ++p)
@@ -39,8 +39,8 @@ Result<Image> trimap_of(const MatteImageOptions& options) {
 }
 
 // Everything that is 0 or 255 is known.
-matting::MatteOpinion opinion_of(const Image& trimap) {
-  matting::MatteOpinion said;
+matting::MatteConstraint opinion_of(const Image& trimap) {
+  matting::MatteConstraint said;
   if (trimap.empty()) return said;
   said = {trimap, trimap};
   for (std::uint8_t& w : said.weight.pixels) w = w == 0 || w == 255 ? 255 : 0;
@@ -65,8 +65,8 @@ Result<Image> matte_image(const MatteImageOptions& options) {
   if (!trimap) return trimap;
   const bool clicks_alone = !options.clicks.empty() && options.trimap.empty() && options.scribbled.empty();
   if (options.method == "spectral" || (options.method == "auto" && clicks_alone))
-    return all_of_one(*trimap) ? trimap : spectral_matte(options.picture, opinion_of(*trimap));
-  if (!trimap->empty()) return closed_form_matte(options.picture, *trimap);
+    return all_of_one(*trimap) ? trimap : matting::spectral_matte(options.picture, opinion_of(*trimap));
+  if (!trimap->empty()) return matting::closed_form_matte(options.picture, *trimap);
   if (options.method == "closed-form")
     return fail(ErrorCode::InvalidArgument,
                 "closed-form matting of one picture needs --trimap, --scribbles or clicks");
@@ -75,9 +75,9 @@ Result<Image> matte_image(const MatteImageOptions& options) {
     return fail(key.error().code,
                 text(key.error().message,
                      "; without cloth, mark subject and background with --scribbles, --trimap or --subject"));
-  Result<Image> refined = refine_matte(options.picture, *key, key_refinement());
+  Result<Image> refined = matting::refine_matte(options.picture, *key, matting::key_refinement());
   if (!refined) return refined;
-  const std::vector<double> residuals = composite_residuals(options.picture, {*key, *refined});
+  const std::vector<double> residuals = matting::composite_residuals(options.picture, {*key, *refined});
   return residuals[1] < residuals[0] ? refined : key;
 }
 

@@ -11,7 +11,7 @@
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/keying.h"
-#include "pipeline/matte/camera_matter.h"
+#include "pipeline/matte/camera_matting.h"
 #include "pipeline/matte/matting_record.h"
 #include "pipeline/matte/spectral_take.h"
 #include "pipeline/progress.h"
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 struct Job {
   int camera = 0;
   std::string serial;
-  std::optional<CameraMatter> matter;
+  std::optional<CameraMatting> matting;
   CameraRecord record;
   CameraMattes report;
   std::vector<std::pair<int, std::string>> failures;
@@ -36,7 +36,7 @@ struct Job {
 // What all threads share: the first error that stops the run, and the counts.
 class Run {
  public:
-  explicit Run(Progress* progress) : progress(progress) {}
+  explicit Run(Progress* watch) : progress(watch) {}
 
   Progress* const progress;
 
@@ -150,13 +150,13 @@ Result<void> prepare(capture::TakeReader& take, const MatteTakeOptions& options,
   if (job.record.chosen.empty() || job.clear)  // else mattes may all be there, and nobody asks
     if (Result<void> ok = key->ready(); !ok) return ok;
   job.report.key = job.record.key = key->spec();
-  job.matter.emplace(take, job.camera, std::move(*key), mine, options.method);
+  job.matting.emplace(take, job.camera, std::move(*key), mine, options.method);
   if (job.record.chosen.empty()) {
-    Result<std::string> chosen = job.matter->chosen_method();
+    Result<std::string> chosen = job.matting->chosen_method();
     if (!chosen) return forward(chosen);
     job.record.chosen = std::move(*chosen);
   }
-  job.matter->set_method(job.record.chosen);
+  job.matting->set_method(job.record.chosen);
   job.report.method = job.record.chosen;
   return {};
 }
@@ -166,11 +166,11 @@ Image make(const capture::TakeReader& take, Run& run, Job& job, int frame, const
   const fs::path file = take.layout().matte(job.serial, frame);
   if (fs::exists(file)) {
     run.count(job.report.kept);
-    if (!job.matter->follows()) return {};
+    if (!job.matting->follows()) return {};
     Result<Image> matte = load_png(file);
     return matte ? std::move(*matte) : Image();
   }
-  Result<Image> matte = job.matter->matte(frame, previous);
+  Result<Image> matte = job.matting->matte(frame, previous);
   if (!matte) return run.failed(job, frame, matte.error()), Image();
   if (matte->empty()) return run.count(job.report.gaps), Image();
   if (Result<void> ok = save_png(*matte, file); !ok) return run.failed(job, frame, ok.error()), Image();
@@ -190,10 +190,10 @@ void make_spectral(capture::TakeReader& take, Run& run, Job& job, int threads) {
   ProgressPart progress(run.progress, text("mattes of ", job.serial),
                         static_cast<std::size_t>(take.frame_count()));
   const auto make_all = [&]() -> Result<void> {
-    Result<SpectralTake> spectral = SpectralTake::create(take, job.camera, job.matter->key(),
+    Result<SpectralTake> spectral = SpectralTake::create(take, job.camera, job.matting->key(),
                                                          spectral_cache(take.layout(), job.serial), threads);
     if (!spectral) return forward(spectral);
-    if (Result<void> ok = spectral->say(*job.matter); !ok) return ok;
+    if (Result<void> ok = spectral->say(*job.matting); !ok) return ok;
     const auto go_on = [&](int) { return !is_cancelled(run.progress); };
     if (Result<void> ok = spectral->prepare(go_on); !ok) return ok;
     if (Result<void> ok = spectral->propagate(go_on, 0, take.frame_count() - 1); !ok) return ok;
@@ -204,7 +204,7 @@ void make_spectral(capture::TakeReader& take, Run& run, Job& job, int threads) {
         run.count(job.report.kept);
         continue;
       }
-      Result<Image> matte = spectral->matte(*job.matter, frame);
+      Result<Image> matte = spectral->matte(*job.matting, frame);
       if (!matte) return forward(matte);
       if (Result<void> ok = matte->empty() ? Result<void>() : save_png(*matte, file); !ok) return ok;
       run.count(matte->empty() ? job.report.gaps : job.report.made);
@@ -226,14 +226,14 @@ void make_items(const capture::TakeReader& take, Run& run, std::vector<Job>& job
   std::vector<Item> items;
   std::size_t mattes = 0;
   for (Job& job : jobs)
-    if (!job.matter->spectral()) {
+    if (!job.matting->spectral()) {
       mattes += static_cast<std::size_t>(take.frame_count());
-      if (job.matter->follows()) items.push_back({&job, -1});
+      if (job.matting->follows()) items.push_back({&job, -1});
     }
   if (mattes == 0) return;
   for (int f = 0; f < take.frame_count(); ++f)
     for (Job& job : jobs)
-      if (!job.matter->spectral() && !job.matter->follows()) items.push_back({&job, f});
+      if (!job.matting->spectral() && !job.matting->follows()) items.push_back({&job, f});
   ProgressPart progress(run.progress, "mattes", mattes);
   parallel_for(items.size(), threads, [&](std::size_t i) {
     Job& job = *items[i].job;
@@ -241,11 +241,11 @@ void make_items(const capture::TakeReader& take, Run& run, std::vector<Job>& job
       if (!run.stopped()) make(take, run, job, items[i].frame, {});
       return progress.advance();
     }
-    job.matter->follow([&] { return !run.stopped(); },
-                       [&](int frame, const CameraMatter::Link& previous) {
-                         progress.advance();
-                         return CameraMatter::Link{make(take, run, job, frame, previous.matte)};
-                       });
+    job.matting->follow([&] { return !run.stopped(); },
+                        [&](int frame, const CameraMatting::Link& previous) {
+                          progress.advance();
+                          return CameraMatting::Link{make(take, run, job, frame, previous.matte)};
+                        });
   });
 }
 
@@ -293,7 +293,7 @@ Result<void> save_keying_of(const capture::TakeReader& take, const std::vector<J
   KeyingRecord record{"matte:" + method, {}};
   const bool all_chroma =
       jobs.size() == take.rig().cameras.size() && std::all_of(jobs.begin(), jobs.end(), [](const Job& j) {
-        return j.matter->key().kind() == CameraKey::Kind::Chroma;
+        return j.matting->key().kind() == CameraKey::Kind::Chroma;
       });
   if (all_chroma)
     for (const Job& job : jobs) record.specs.push_back(job.record.key);
@@ -360,7 +360,7 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   if (Result<void> ok = save_keying_of(take, *jobs, options.method); !ok) return forward(ok);
   make_items(take, run, *jobs, options.threads);
   for (Job& job : *jobs)
-    if (job.matter->spectral() && !run.stopped()) make_spectral(take, run, job, options.threads);
+    if (job.matting->spectral() && !run.stopped()) make_spectral(take, run, job, options.threads);
   if (Result<void> ok = run.result(); !ok) return forward(ok);
 
   MatteReport report;

@@ -10,13 +10,13 @@ Result<SpectralTake> SpectralTake::create(capture::TakeReader& take, int camera,
                                           const std::filesystem::path& cache, int threads) {
   matting::MattingClip clip = clip_of(take, camera);
   if (key.kind() != CameraKey::Kind::None)
-    clip.likelihood = [&take, camera, key](int frame) -> Result<matting::MatteOpinion> {
+    clip.likelihood = [&take, camera, key](int frame) -> Result<matting::MatteConstraint> {
       Result<Frame> photograph = take.frame(camera, frame);
       if (!photograph) return forward(photograph);
-      if (photograph->empty()) return matting::MatteOpinion();
+      if (photograph->empty()) return matting::MatteConstraint();
       Result<Image> opacity = key.key(*photograph, frame);
       if (!opacity) return forward(opacity);
-      return matting::MatteOpinion{std::move(*opacity), {}};
+      return matting::MatteConstraint{std::move(*opacity), {}};
     };
   matting::VideoMattingOptions options;
   options.threads = threads;
@@ -26,9 +26,9 @@ Result<SpectralTake> SpectralTake::create(capture::TakeReader& take, int camera,
   return SpectralTake(take, camera, std::move(*video));
 }
 
-Result<void> SpectralTake::say(const CameraMatter& matter) {
+Result<void> SpectralTake::say(const CameraMatting& matting) {
   std::vector<MatteKeyframe> wanted;
-  for (const MatteKeyframe& k : matter.edits().keyframes)
+  for (const MatteKeyframe& k : matting.edits().keyframes)
     if (!k.strokes.empty()) wanted.push_back(k);
   const auto has = [](const std::vector<MatteKeyframe>& all, const auto& fits) {
     return std::any_of(all.begin(), all.end(), fits);
@@ -51,12 +51,12 @@ Result<void> SpectralTake::propagate(const std::function<bool(int)>& done, int f
   return made ? Result<void>() : Result<void>(forward(made));
 }
 
-Result<Image> SpectralTake::matte(const CameraMatter& matter, int frame) const {
+Result<Image> SpectralTake::matte(const CameraMatting& matting, int frame) const {
   Result<Frame> photograph = take_->frame(camera_, frame);
   if (!photograph) return forward(photograph);
   if (photograph->empty()) return Image();
   Result<Image> matte = video_.matte(frame);
-  if (matte) matter.mask(frame, *matte);
+  if (matte) matting.mask(frame, *matte);
   return matte;
 }
 

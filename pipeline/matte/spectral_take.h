@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "matting/video/video_matting.h"
-#include "pipeline/matte/camera_matter.h"
+#include "pipeline/matte/camera_matting.h"
 
 namespace floatstage::pipeline {
 
@@ -21,11 +21,11 @@ class SpectralTake {
   /// Components of all frames; `done` as in VideoMatting::prepare().
   Result<void> prepare(const std::function<bool(int frame)>& done) { return video_.prepare(done); }
   /// What is said now; another call replaces it.
-  Result<void> say(const CameraMatter& matter);
+  Result<void> say(const CameraMatting& matting);
   /// Makes the mattes from `first` to `last` that are stale.
   Result<void> propagate(const std::function<bool(int frame)>& done, int first, int last);
   /// In the photograph's size, masks and strokes written over it; empty for a gap.
-  Result<Image> matte(const CameraMatter& matter, int frame) const;
+  Result<Image> matte(const CameraMatting& matting, int frame) const;
 
   int usable() const { return video_.usable(); }
   Result<matting::MattingComponents> components(int frame) const { return video_.components(frame); }

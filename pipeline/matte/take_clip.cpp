@@ -28,8 +28,8 @@ matting::MattingClip clip_of(capture::TakeReader& take, int camera) {
   return clip;
 }
 
-matting::MatteOpinion opinion_of(const MatteKeyframe& keyframe, int width, int height) {
-  matting::MatteOpinion opinion{Image(width, height, 1, 128), Image(width, height, 1)};
+matting::MatteConstraint opinion_of(const MatteKeyframe& keyframe, int width, int height) {
+  matting::MatteConstraint opinion{Image(width, height, 1, 128), Image(width, height, 1)};
   paint_strokes(keyframe.strokes, 1, opinion.opacity);
   for (std::size_t p = 0; p < opinion.opacity.pixels.size(); ++p)
     opinion.weight.pixels[p] = opinion.opacity.pixels[p] == 128 ? 0 : 255;

@@ -10,6 +10,6 @@ namespace floatstage::pipeline {
 matting::MattingClip clip_of(capture::TakeReader& take, int camera);
 
 /// What a keyframe's strokes say, painted at a size in pixels of the photographs.
-matting::MatteOpinion opinion_of(const MatteKeyframe& keyframe, int width, int height);
+matting::MatteConstraint opinion_of(const MatteKeyframe& keyframe, int width, int height);
 
 }  // namespace floatstage::pipeline

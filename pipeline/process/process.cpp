@@ -169,31 +169,31 @@ struct FrameHull {
 };
 
 /// What hulls keep from frame to frame, one set for each worker.
-class HullDesks {
+class HullWorkspaces {
  public:
-  struct Desk {
+  struct Slot {
     recon::HullWorkspace workspace;
     recon::HullReport report;
   };
-  std::unique_ptr<Desk> take() {
+  std::unique_ptr<Slot> take() {
     const std::lock_guard lock(mutex_);
-    if (free_.empty()) return std::make_unique<Desk>();
-    std::unique_ptr<Desk> desk = std::move(free_.back());
+    if (free_.empty()) return std::make_unique<Slot>();
+    std::unique_ptr<Slot> slot = std::move(free_.back());
     free_.pop_back();
-    return desk;
+    return slot;
   }
-  void give_back(std::unique_ptr<Desk> desk) {
+  void give_back(std::unique_ptr<Slot> slot) {
     const std::lock_guard lock(mutex_);
-    free_.push_back(std::move(desk));
+    free_.push_back(std::move(slot));
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Desk>> free_;
+  std::vector<std::unique_ptr<Slot>> free_;
 };
 
 Result<FrameHull> make_mesh(capture::TakeReader& take, int frame, const recon::HullOptions& options,
-                            HullDesks::Desk& desk) {
+                            HullWorkspaces::Slot& slot) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
   const fs::path file = take.layout().mesh(frame);
@@ -202,8 +202,8 @@ Result<FrameHull> make_mesh(capture::TakeReader& take, int frame, const recon::H
     if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
     return result;
   }
-  recon::HullReport& hull = desk.report;
-  if (Result<void> ok = visual_hull(take.rig(), *mattes, options, desk.workspace, hull); !ok)
+  recon::HullReport& hull = slot.report;
+  if (Result<void> ok = recon::visual_hull(take.rig(), *mattes, options, slot.workspace, hull); !ok)
     return forward(ok);
   if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
   result.empty = hull.mesh.empty();
@@ -242,16 +242,16 @@ Result<StageReport> make_meshes(capture::TakeReader& take, const ProcessOptions&
   each.threads = frames > 1 ? 1 : options.threads;  // over frames when there are several, else inside the one
   Collector collector(options.progress);
   std::vector<FrameHull> hulls(frames);
-  HullDesks desks;
+  HullWorkspaces workspaces;
   ProgressPart progress(options.progress, "meshes", frames);
   parallel_for(frames, options.threads, [&](std::size_t frame) {
     if (collector.stopped()) return;
     if (fs::exists(take.layout().mesh(static_cast<int>(frame)))) {
       collector.kept();
     } else {
-      std::unique_ptr<HullDesks::Desk> desk = desks.take();
-      Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), each, *desk);
-      desks.give_back(std::move(desk));
+      std::unique_ptr<HullWorkspaces::Slot> slot = workspaces.take();
+      Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), each, *slot);
+      workspaces.give_back(std::move(slot));
       if (hull) {
         hulls[frame] = std::move(*hull);
         collector.made();

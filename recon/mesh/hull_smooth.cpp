@@ -87,7 +87,7 @@ double cosine(const Vector3d& a, const Vector3d& b) {
 // Moves the vertex as far towards `to` as its bound allows, and not at all where a triangle would turn away
 // from the normal that it should have: thin ones fold when their corners move each on its own.
 void move(HalfEdges& mesh, VertexHandle vertex, const Vector3d& start, const Vector3d& to,
-          const MoveBound& bound, std::size_t name, std::span<const Plane> planes) {
+          const ReprojectionBound& bound, std::size_t name, std::span<const Plane> planes) {
   constexpr double kGood = 0.9;  // cosine
   const Vector3d here = place(mesh, vertex);
   double before[kMostFaces];
@@ -112,7 +112,7 @@ void move(HalfEdges& mesh, VertexHandle vertex, const Vector3d& start, const Vec
 
 }  // namespace
 
-void smooth_within(HalfEdges& mesh, FaceNormals known, const MoveBound& bound,
+void smooth_within(HalfEdges& mesh, FaceNormals known, const ReprojectionBound& bound,
                    std::span<const std::size_t> names, int rounds, int threads) {
   const std::size_t vertices = mesh.n_vertices(), faces = mesh.n_faces();
   std::vector<Vector3d> start(vertices), normals(faces);

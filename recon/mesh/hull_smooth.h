@@ -4,7 +4,7 @@
 #include <span>
 
 #include "recon/mesh/half_edges.h"
-#include "recon/mesh/move_bound.h"
+#include "recon/mesh/reprojection_bound.h"
 #include "recon/mesh/slivers.h"
 
 namespace floatstage::recon {
@@ -16,7 +16,7 @@ namespace floatstage::recon {
 /// a hull are long and thin, and fold easily. `known` holds normals for the slivers, and afterwards those
 /// that were asked for. No vertex leaves what `bound` allows; vertex v is names[v] there. The mesh has no
 /// deleted elements. The same bytes at any thread count.
-void smooth_within(HalfEdges& mesh, FaceNormals known, const MoveBound& bound,
+void smooth_within(HalfEdges& mesh, FaceNormals known, const ReprojectionBound& bound,
                    std::span<const std::size_t> names, int rounds, int threads);
 
 }  // namespace floatstage::recon

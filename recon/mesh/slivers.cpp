@@ -27,7 +27,7 @@ std::array<HalfedgeHandle, 3> sides(const HalfEdges& mesh, FaceHandle face) {
   return {h, mesh.next_halfedge_handle(h), mesh.prev_halfedge_handle(h)};
 }
 
-bool collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, MoveBound& bound) {
+bool collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, ReprojectionBound& bound) {
   const VertexHandle gone = mesh.from_vertex_handle(h), stays = mesh.to_vertex_handle(h);
   const std::size_t from = static_cast<std::size_t>(gone.idx()), to = static_cast<std::size_t>(stays.idx());
   if (!may_collapse(mesh, h, normals, true) || !bound.allows(from, place(mesh, stays))) return false;
@@ -38,7 +38,7 @@ bool collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, MoveBound&
 
 // The long side of a cap becomes the other diagonal of the two triangles at it: the surface moves by less
 // than the cap's height.
-bool flip(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, const MoveBound& bound) {
+bool flip(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, const ReprojectionBound& bound) {
   const EdgeHandle edge = mesh.edge_handle(h);
   if (!mesh.is_flip_ok(edge)) return false;
   const HalfedgeHandle back = mesh.opposite_halfedge_handle(h);
@@ -59,7 +59,7 @@ bool flip(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, const MoveBoun
   return true;
 }
 
-bool remove_sliver(HalfEdges& mesh, FaceHandle face, FaceNormals normals, MoveBound& bound) {
+bool remove_sliver(HalfEdges& mesh, FaceHandle face, FaceNormals normals, ReprojectionBound& bound) {
   std::array<HalfedgeHandle, 3> by_length = sides(mesh, face);
   std::stable_sort(by_length.begin(), by_length.end(), [&](HalfedgeHandle a, HalfedgeHandle b) {
     return mesh.calc_edge_sqr_length(a) < mesh.calc_edge_sqr_length(b);
@@ -118,7 +118,7 @@ bool may_collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, bool f
   return (!fewer || after < before) && mesh.is_collapse_ok(h);
 }
 
-void remove_slivers(HalfEdges& mesh, FaceNormals normals, MoveBound& bound) {
+void remove_slivers(HalfEdges& mesh, FaceNormals normals, ReprojectionBound& bound) {
   constexpr int kRounds = 8;
   for (int round = 0, removed = 1; round < kRounds && removed > 0; ++round) {
     removed = 0;

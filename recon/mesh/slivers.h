@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "recon/mesh/half_edges.h"
-#include "recon/mesh/move_bound.h"
+#include "recon/mesh/reprojection_bound.h"
 
 namespace floatstage::recon {
 
@@ -27,6 +27,6 @@ bool may_collapse(HalfEdges& mesh, OpenMesh::HalfedgeHandle h, FaceNormals norma
 /// Removes slivers: needles by collapsing their short edge, caps by collapsing their blunt corner into a
 /// neighbour or by flipping their long edge, wherever `bound` allows it. Every step leaves fewer than before.
 /// Collapsed elements are marked, not yet swept up. Deterministic.
-void remove_slivers(HalfEdges& mesh, FaceNormals normals, MoveBound& bound);
+void remove_slivers(HalfEdges& mesh, FaceNormals normals, ReprojectionBound& bound);
 
 }  // namespace floatstage::recon

@@ -51,7 +51,8 @@ void CameraSource::arrived(const Frame& frame) {
     tap = tap_;
     if (!tap) {
       Frame& first = first_[static_cast<std::size_t>(frame.info.camera)];
-      if (first.empty() && !frame.empty() && frame.info.status == FrameStatus::Ok) first = detached(frame);
+      if (first.empty() && !frame.empty() && frame.info.status == FrameStatus::Ok)
+        first = capture::detached(frame);
     }
   }
   if (tap) {

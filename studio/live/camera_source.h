@@ -28,7 +28,7 @@ class CameraSource final : public LiveSource {
   void begin(Tap tap) override;
   bool over() const override { return node_->over(); }
   void stop() override;
-  void look_after() override { node_->look_after(); }
+  void poll() override { node_->poll(); }
   StudioControl* control() override { return node_.get(); }
 
  private:

@@ -104,7 +104,9 @@ void LiveChain::make_scene(const TimedSet& set) {
   Result<StudioScene> made = reconstruction_.make(scene->views, options_.threads);
   scene->ready = now();
   scene->times.hull = milliseconds_of(scene->ready - looked);
-  tell(!rack_.trouble().empty() ? rack_.trouble() : !made ? made.error().message : reconstruction_.remark());
+  set_remark(!rack_.trouble().empty() ? rack_.trouble()
+             : !made                  ? made.error().message
+                                      : reconstruction_.remark());
 
   const std::lock_guard lock(mutex_);
   smooth(makes_ms_, milliseconds_of(scene->ready - begun));
@@ -121,7 +123,7 @@ void LiveChain::make_scene(const TimedSet& set) {
   changed_.notify_all();
 }
 
-void LiveChain::tell(const std::string& remark) {
+void LiveChain::set_remark(const std::string& remark) {
   {
     const std::lock_guard lock(mutex_);
     if (remark == remark_) return;

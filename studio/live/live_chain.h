@@ -53,7 +53,7 @@ class LiveChain final : public SceneFeed {
   const Rig& rig() const override { return source_.rig(); }
   std::string description() const override { return source_.description(); }
   double frame_rate() const override { return source_.frame_rate(); }
-  void look_after() override { source_.look_after(); }
+  void poll() override { source_.poll(); }
   StudioControl* control() override { return source_.control(); }
   LiveSource& source() { return source_; }
   Counters counters() const override;
@@ -71,7 +71,7 @@ class LiveChain final : public SceneFeed {
   bool wait_for_demand();
   void make_scene(const TimedSet& set);
   Timestamp start_of_work() const;  // under mutex_
-  void tell(const std::string& remark);
+  void set_remark(const std::string& remark);
 
   LiveSource& source_;
   const LiveChainOptions options_;

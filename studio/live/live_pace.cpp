@@ -8,7 +8,7 @@ void LivePace::drew(Timestamp begun, Timestamp done, std::optional<double> laten
   if (latency_ms) latencies_.add(*latency_ms);
 }
 
-bool LivePace::look(Timestamp time, double offered, bool automatic) {
+bool LivePace::judge(Timestamp time, double offered, bool automatic) {
   if (!window_) return false;
   const double passed = seconds(time - *window_);
   if (passed < 1) return false;

@@ -17,10 +17,12 @@ class LivePace {
   void drew(Timestamp begun, Timestamp done, std::optional<double> latency_ms);
   /// True once a second: the figures below are new, and with `automatic` so may be the quality. `offered`:
   /// instants a second that the cameras have.
-  bool look(Timestamp time, double offered, bool automatic);
+  bool judge(Timestamp time, double offered, bool automatic);
   /// The operator's choice; the control goes on from it.
   void choose(std::size_t quality) { control_ = QualityControl(target_, quality); }
 
+  /// When the second began that is judged next; absent before the first picture.
+  std::optional<Timestamp> window() const { return window_; }
   double fps() const { return fps_; }                ///< scenes a second
   double latency_ms() const { return latency_ms_; }  ///< the middle one of the last second
   std::size_t quality() const { return control_.level(); }

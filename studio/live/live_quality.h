@@ -7,7 +7,7 @@
 
 #include "core/time.h"
 #include "render/renderer.h"
-#include "studio/node/camera_node.h"
+#include "studio/node/camera_view_maker.h"
 
 namespace floatstage::studio {
 

@@ -65,7 +65,7 @@ nlohmann::ordered_json to_json(const LiveReconReport& report) {
             {"instants_failed", c.failed},
             {"views_late", c.gathered.late},
             {"views_off_clock", c.gathered.off_clock},
-            {"views_of_strangers", c.gathered.strangers},
+            {"views_of_unknown_cameras", c.gathered.unknown_cameras},
             {"messages", c.from_nodes.dropped}}}};
 }
 

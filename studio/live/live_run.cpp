@@ -5,13 +5,13 @@
 
 #include "core/log.h"
 #include "core/text.h"
+#include "studio/live/live_pace.h"
 #include "studio/messages/clock.h"
 
 namespace floatstage::studio {
 namespace {
 
 constexpr double kWarmUp = 2;  // seconds: shaders are compiled, storage grows
-constexpr double kWindow = 1;  // seconds between two judgements of the quality
 
 enum Stage { Wait, Nodes, Hull, Handover, Upload, Render, Download, Key, Outline, Tile, kStages };
 constexpr const char* kNames[kStages] = {"wait",   "nodes",    "hull",    "handover",    "upload",
@@ -20,7 +20,7 @@ constexpr const char* kNames[kStages] = {"wait",   "nodes",    "hull",    "hando
 class Run {
  public:
   Run(SceneFeed& chain, const LiveRunOptions& options)
-      : chain_(chain), options_(options), view_(chain.rig()), control_(options.target_fps, options.quality) {
+      : chain_(chain), options_(options), view_(chain.rig()), pace_(options.target_fps, options.quality) {
     for (const char* name : kNames) report_.stages.emplace_back(name, Series());
   }
 
@@ -28,7 +28,7 @@ class Run {
                           const std::function<Result<void>(const LivePicture&)>& visit);
 
  private:
-  const LiveQuality& quality() const { return live_qualities()[control_.level()]; }
+  const LiveQuality& quality() const { return live_qualities()[pace_.quality()]; }
   void use_quality(double fps);
   Result<void> warm_up(const View& view);
   Result<void> picture(const std::shared_ptr<const LiveScene>& fresh, const ViewAt& view_at,
@@ -41,15 +41,11 @@ class Run {
   SceneFeed& chain_;
   const LiveRunOptions& options_;
   LiveView view_;
-  QualityControl control_;
+  LivePace pace_;
   LiveReport report_;
   std::optional<Timestamp> begun_;
   SceneFeed::Counters at_warm_;
   bool was_warm_ = false;
-  // The window that is judged next.
-  Timestamp window_;
-  int shown_in_window_ = 0;
-  double busy_in_window_ = 0;
 };
 
 void Run::use_quality(double fps) {
@@ -72,15 +68,10 @@ Result<void> Run::warm_up(const View& view) {
 }
 
 void Run::judge(Timestamp time) {
-  const double passed = seconds(time - window_);
-  if (passed < kWindow) return;
-  if (warm(window_)) {
-    const double fps = shown_in_window_ / passed;
-    if (control_.judge(time, fps, chain_.frame_rate(), busy_in_window_ / passed)) use_quality(fps);
-  }
-  window_ = time;
-  shown_in_window_ = 0;
-  busy_in_window_ = 0;
+  const std::size_t before = pace_.quality();
+  const bool automatic = pace_.window() && warm(*pace_.window());
+  if (pace_.judge(time, chain_.frame_rate(), automatic) && pace_.quality() != before)
+    use_quality(pace_.fps());
 }
 
 void Run::measure(const LiveScene& scene, const double (&ms)[kStages], Timestamp done) {
@@ -94,7 +85,7 @@ Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const V
                           const std::function<Result<void>(const LivePicture&)>& visit) {
   const Timestamp begun = now();
   const bool first = !begun_;
-  if (first) begun_ = window_ = begun;
+  if (first) begun_ = begun;
   chain_.drawing(begun);
   const View view = view_at(at(begun));
   if (fresh) {
@@ -102,21 +93,20 @@ Result<void> Run::picture(const std::shared_ptr<const LiveScene>& fresh, const V
   }
   const LiveScene& scene = *view_.scene();
   if (!scene.scene.mesh.empty())  // whose pictures an empty stage needs is anybody's guess
-    chain_.want(needed_cameras(chain_.rig(), scene.scene.mesh, view, options_.renderer.cameras));
+    chain_.want(render::needed_cameras(chain_.rig(), scene.scene.mesh, view, options_.renderer.cameras));
   if (first)
     if (Result<void> ok = warm_up(view); !ok) return ok;
   const Timestamp uploaded = now();
   Result<std::optional<render::RenderedView>> rendered = view_.render(view, quality(), options_.renderer);
   if (!rendered) return forward(rendered);
   const Timestamp drawn = now();
-  LivePicture out{*rendered ? download(**rendered) : Image(options_.width, options_.height, 4), view, &scene,
-                  at(begun), fresh == nullptr};
+  LivePicture out{*rendered ? render::download(**rendered) : Image(options_.width, options_.height, 4), view,
+                  &scene, at(begun), fresh == nullptr};
   const Timestamp done = now();
   chain_.drawn(done);
   if (warm(begun)) report_.pictures.add(at(done) - kWarmUp);
-  busy_in_window_ += seconds(done - begun);
+  pace_.drew(begun, done, fresh ? std::optional(milliseconds_of(done - scene.scene.produced)) : std::nullopt);
   if (fresh) {
-    ++shown_in_window_;
     const SceneTimes& t = scene.times;
     const double ms[kStages] = {t.wait,
                                 t.nodes,
@@ -146,7 +136,7 @@ Result<LiveReport> Run::draw(const ViewAt& view_at, const std::function<bool()>&
       was_warm_ = true;
       at_warm_ = chain_.counters();
     }
-    chain_.look_after();
+    chain_.poll();
     const std::shared_ptr<const LiveScene> fresh = chain_.newest(last + patience);
     last = now();
     if (!fresh && chain_.over()) break;

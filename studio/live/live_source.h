@@ -29,7 +29,7 @@ class LiveSource {
   virtual bool over() const = 0;
   virtual void stop() = 0;
   /// Called a few times a second by the thread that runs the chain.
-  virtual void look_after() {}
+  virtual void poll() {}
   /// Health and recording; null where there is nothing to control.
   virtual StudioControl* control() { return nullptr; }
 };

@@ -27,7 +27,7 @@ Result<std::optional<render::RenderedView>> LiveView::render(const View& view, c
   if (!drawable_) return std::optional<render::RenderedView>();
   std::unique_ptr<render::ViewRenderer>& renderer = renderers_[quality.method];
   if (!renderer) {
-    Result<std::unique_ptr<render::ViewRenderer>> made = make_renderer(quality.method);
+    Result<std::unique_ptr<render::ViewRenderer>> made = render::make_renderer(quality.method);
     if (!made) return forward(made);
     renderer = std::move(*made);
   }

@@ -19,7 +19,7 @@ std::vector<std::string> serials_of(const Rig& rig) {
 
 }  // namespace
 
-std::string digest_of(const Rig& rig) { return sha256(to_json(rig)); }
+std::string digest_of(const Rig& rig) { return capture::sha256(to_json(rig)); }
 
 ReconService::ReconService(const Rig& rig, const ReconOptions& options)
     : options_(options), reconstruction_(rig, digest_of(rig)), gatherer_(serials_of(rig), options.gather) {}

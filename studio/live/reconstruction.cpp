@@ -11,7 +11,7 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
   StudioScene scene;
   scene.rig_sha256 = rig_sha256_;
   outlines_.resize(rig_.cameras.size());
-  for (recon::Silhouette& outline : outlines_) outline.clear();
+  for (Silhouette& outline : outlines_) outline.clear();
   remark_.clear();
   bool any = false;
   for (const std::shared_ptr<const CameraView>& view : views) {
@@ -36,7 +36,7 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
   options.quality = false;
   options.contour_tolerance = 0;  // the outlines have theirs already
   const Result<void> hull =
-      visual_hull(rig_, std::span<const recon::Silhouette>(outlines_), options, workspace_, report_);
+      recon::visual_hull(rig_, std::span<const Silhouette>(outlines_), options, workspace_, report_);
   if (!hull && hull.error().code != ErrorCode::BadData) return forward(hull);
   if (hull) {
     scene.mesh = std::move(report_.mesh);

@@ -34,7 +34,7 @@ class Reconstruction {
  private:
   const Rig rig_;
   const std::string rig_sha256_;
-  std::vector<recon::Silhouette> outlines_;
+  std::vector<Silhouette> outlines_;
   recon::HullWorkspace workspace_;
   recon::HullReport report_;
   std::string remark_;

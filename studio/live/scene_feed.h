@@ -8,7 +8,7 @@
 #include "core/rig.h"
 #include "studio/live/live_scene.h"
 #include "studio/messages/studio_control.h"
-#include "studio/node/camera_node.h"
+#include "studio/node/camera_view_maker.h"
 #include "studio/node/set_builder.h"
 
 namespace floatstage::studio {
@@ -39,7 +39,7 @@ class SceneFeed {
   virtual void drawing(Timestamp /*begun*/) {}
   virtual void drawn(Timestamp /*ended*/) {}
   virtual void set_quality(const NodeQuality& /*quality*/) {}
-  virtual void look_after() {}  ///< called between pictures
+  virtual void poll() {}  ///< called between pictures
   /// Health of the cameras, and takes; the feed's own. Null where there is nothing to ask.
   virtual StudioControl* control() { return nullptr; }
   virtual bool over() const { return false; }

@@ -40,7 +40,7 @@ void ViewGatherer::push(std::shared_ptr<const CameraView> view, Timestamp now) {
   ++counters_.views;
   const auto serial = std::find(serials_.begin(), serials_.end(), view->serial);
   if (serial == serials_.end()) {
-    ++counters_.strangers;
+    ++counters_.unknown_cameras;
     return;
   }
   const auto camera = static_cast<std::size_t>(serial - serials_.begin());

@@ -39,13 +39,13 @@ struct GatheredViews {
 class ViewGatherer {
  public:
   struct Counters {
-    std::uint64_t views = 0;       ///< that came
-    std::uint64_t strangers = 0;   ///< of cameras that nobody expects
-    std::uint64_t late = 0;        ///< their instant had gone
-    std::uint64_t off_clock = 0;   ///< their instant cannot be
-    std::uint64_t sets = 0;        ///< that were handed out
-    std::uint64_t incomplete = 0;  ///< of them: without the view of a camera
-    std::uint64_t overtaken = 0;   ///< instants that a newer one was handed out before
+    std::uint64_t views = 0;            ///< that came
+    std::uint64_t unknown_cameras = 0;  ///< of cameras that nobody expects
+    std::uint64_t late = 0;             ///< their instant had gone
+    std::uint64_t off_clock = 0;        ///< their instant cannot be
+    std::uint64_t sets = 0;             ///< that were handed out
+    std::uint64_t incomplete = 0;       ///< of them: without the view of a camera
+    std::uint64_t overtaken = 0;        ///< instants that a newer one was handed out before
   };
 
   ViewGatherer(std::vector<std::string> serials, const GatherOptions& options);

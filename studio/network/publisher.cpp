@@ -36,7 +36,7 @@ struct Publisher::Impl {
 
   void run();
   void read_subscriptions();
-  void tell(const Told& told);
+  void send(const Told& told);
   void send(Result<std::string> message, std::uint64_t PublisherCounters::*count,
             std::uint64_t PublisherCounters::*bytes);
   bool is_wanted(const std::string& topic) const;  // under `mutex`
@@ -102,7 +102,7 @@ void Publisher::Impl::send(Result<std::string> message, std::uint64_t PublisherC
   counts.*bytes += size;
 }
 
-void Publisher::Impl::tell(const Told& told) {
+void Publisher::Impl::send(const Told& told) {
   if (const auto* view = std::get_if<std::shared_ptr<const CameraView>>(&told)) {
     send(encode_outline(**view), &PublisherCounters::outlines, &PublisherCounters::outline_bytes);
     if (!(*view)->tile) return;
@@ -139,7 +139,7 @@ void Publisher::Impl::run() {
     for (; left > 0 && !stopping; --left) {
       const std::optional<Told> told = queue.pop_for(Nanoseconds{0});
       if (!told) break;
-      tell(*told);
+      send(*told);
     }
     if (left == 0) wake.signal();  // more may wait; first look at the rest
   }

@@ -26,7 +26,7 @@ capture::SourceStats operator+(capture::SourceStats a, const capture::SourceStat
 
 Result<std::unique_ptr<CameraLane>> CameraLane::open(const CaptureConfig::Camera& camera, int index) {
   std::unique_ptr<CameraLane> lane(new CameraLane(camera, index));
-  Result<std::unique_ptr<capture::FrameSource>> source = open_source(camera.source);
+  Result<std::unique_ptr<capture::FrameSource>> source = capture::open_source(camera.source);
   if (!source) return forward(source);
   lane->source_ = std::move(*source);
   Result<capture::StreamInfo> info = lane->source_->start();

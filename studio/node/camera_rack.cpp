@@ -11,8 +11,8 @@ Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
   FLOATSTAGE_CHECK(samples.size() == rig.cameras.size(), "samples of every camera");
   CameraRack rack;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-    Result<CameraNode> node =
-        CameraNode::make(rig.cameras[i].serial, rig.cameras[i].model, spec, std::move(samples[i]));
+    Result<CameraViewMaker> node =
+        CameraViewMaker::make(rig.cameras[i].serial, rig.cameras[i].model, spec, std::move(samples[i]));
     if (!node) return forward(node);
     rack.nodes_.push_back(std::move(*node));
   }
@@ -20,7 +20,7 @@ Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
 }
 
 Result<void> CameraRack::prepare(int shrink) {
-  for (CameraNode& node : nodes_)
+  for (CameraViewMaker& node : nodes_)
     if (Result<void> ok = node.prepare(shrink); !ok) return ok;
   return {};
 }
@@ -45,7 +45,7 @@ std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& 
   trouble_.clear();
   for (const std::string& trouble : troubles)
     if (trouble_.empty()) trouble_ = trouble;
-  for (const CameraNode& node : nodes_) {
+  for (const CameraViewMaker& node : nodes_) {
     times.key += node.timings().key;
     times.outline += node.timings().outline;
     times.tile += node.timings().tile;

@@ -7,7 +7,7 @@
 #include "core/rig.h"
 #include "studio/messages/camera_view.h"
 #include "studio/messages/scene_times.h"
-#include "studio/node/camera_node.h"
+#include "studio/node/camera_view_maker.h"
 #include "studio/node/set_builder.h"
 
 namespace floatstage::studio {
@@ -20,7 +20,7 @@ class CameraRack {
   static Result<CameraRack> make(const Rig& rig, const std::string& spec,
                                  std::vector<std::vector<Image>> samples);
 
-  /// CameraNode::prepare() of all.
+  /// CameraViewMaker::prepare() of all.
   Result<void> prepare(int shrink);
 
   /// views[i] is of rig.cameras[i]. `textured[i]`: somebody wants its texture; empty: of all. A camera whose
@@ -33,7 +33,7 @@ class CameraRack {
   const std::string& trouble() const { return trouble_; }  ///< of the last look(); empty when all went well
 
  private:
-  std::vector<CameraNode> nodes_;
+  std::vector<CameraViewMaker> nodes_;
   std::string trouble_;
 };
 

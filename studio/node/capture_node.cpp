@@ -240,7 +240,7 @@ Result<void> CaptureNode::stop_recording() {
   return end_take();
 }
 
-void CaptureNode::look_after() {
+void CaptureNode::poll() {
   watch_->look(now());
   std::shared_ptr<capture::Recorder> recorder;
   fs::path folder;

@@ -37,7 +37,7 @@ class CaptureNode final : public StudioControl {
   void begin();
   /// To be called about ten times a second: keeps the verdict of a take on disk, ends it before the disk is
   /// full or where it has failed, and watches the cameras' agreement.
-  void look_after();
+  void poll();
   /// Every camera's recording is over (never, for cameras that are no recordings).
   bool over() const;
   /// All cameras' threads live.

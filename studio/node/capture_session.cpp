@@ -41,7 +41,7 @@ CaptureReport report_of(const CaptureNode& node) {
 void look_before_recording(CaptureNode& node, const std::function<bool()>& stop) {
   const auto begun = Clock::now();
   while (!node.agreement_seen() && !node.over() && !stop() && Clock::now() - begun < kLongestLook) {
-    node.look_after();
+    node.poll();
     std::this_thread::sleep_for(kTurn);
   }
 }
@@ -98,7 +98,7 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
   const auto begun = Clock::now();
   auto told = begun;
   while (!node.over() && !stop()) {
-    node.look_after();
+    node.poll();
     if (node.alive()) notice.alive();
     if (options.seconds > 0 && since(begun) >= options.seconds) break;
     if (options.record && options.seconds > 0 && !node.recording()) break;  // it has failed

@@ -180,7 +180,7 @@ Result<void> PageServer::start(std::size_t cameras, int port) {
         static_cast<PageServer*>(self)->viewers_->remove(const_cast<mg_connection*>(c));
       },
       this);
-  teller_ = std::thread([this] { tell(); });
+  status_thread_ = std::thread([this] { send_status(); });
   return {};
 }
 
@@ -190,7 +190,7 @@ PageServer::~PageServer() {
     stopping_ = true;
   }
   wake_.notify_all();
-  if (teller_.joinable()) teller_.join();
+  if (status_thread_.joinable()) status_thread_.join();
   previews_.reset();
   if (viewers_) viewers_->close();
   if (context_) mg_stop(context_);
@@ -276,7 +276,7 @@ int PageServer::handle(mg_connection* connection) {
 }
 
 // The status, to everybody who watches.
-void PageServer::tell() {
+void PageServer::send_status() {
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, kStatusPeriod, [&] { return stopping_; })) {
     const bool watched = viewers_->count() > 0;

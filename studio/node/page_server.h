@@ -52,7 +52,7 @@ class PageServer {
   int handle(mg_connection* connection);
   int command(mg_connection* connection, const Request& request);
   bool knows_token(const Request& request) const;
-  void tell();
+  void send_status();
 
   StudioControl& control_;
   const std::string address_, token_;
@@ -65,7 +65,7 @@ class PageServer {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false;  // under mutex_
-  std::thread teller_;
+  std::thread status_thread_;
 };
 
 }  // namespace floatstage::studio

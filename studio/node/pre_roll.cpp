@@ -8,7 +8,7 @@ namespace floatstage::studio {
 
 void PreRoll::push(Frame frame, std::uint64_t failed) {
   if (frame.empty()) return;
-  kept_.push_back({detached(frame), failed});
+  kept_.push_back({capture::detached(frame), failed});
   const Timestamp newest = kept_.back().frame.info.exposure_start;
   while (kept_.size() > most_frames_ || newest - kept_.front().frame.info.exposure_start > longest_)
     kept_.pop_front();

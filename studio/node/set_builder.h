@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "capture/synchronizer.h"
-#include "studio/node/camera_node.h"
+#include "studio/node/camera_view_maker.h"
 
 namespace floatstage::studio {
 

@@ -43,7 +43,8 @@ void SyncWatch::look(Timestamp now) {
   begun_ = now;
   const capture::SyncStats stats = synchronizer_.take_stats();
   if (std::exchange(settled_, true))
-    seen_ = {stats.spread_p50_ms, stats.spread_max_ms, sync_complaints(stats, serials_, limits_), true};
+    seen_ = {stats.spread_p50_ms, stats.spread_max_ms, capture::sync_complaints(stats, serials_, limits_),
+             true};
 }
 
 SyncWatch::Seen SyncWatch::last() const {

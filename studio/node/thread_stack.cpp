@@ -10,7 +10,7 @@ extern "C" __attribute__((visibility("default"))) int pthread_attr_setstacksize(
                                                                                 std::size_t size) noexcept {
   using Function = int (*)(pthread_attr_t*, std::size_t);
   const auto next = reinterpret_cast<Function>(::dlsym(RTLD_NEXT, "pthread_attr_setstacksize"));
-  return next(attributes, std::max(size, floatstage::kSmallestStack));
+  return next(attributes, std::max(size, floatstage::studio::kSmallestStack));
 }
 
 namespace floatstage::studio {

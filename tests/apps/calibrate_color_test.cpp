@@ -108,8 +108,9 @@ TEST(CalibrateColor, BringsCamerasOfOtherWhiteBalanceAndGammaTogether) {
         };
         const Eigen::Vector3d s = rgb(seen), t = rgb(studio.truth[camera]);
         if (studio.mattes[camera].row(y)[x] < 255 || s.minCoeff() < 0.02 || s.maxCoeff() > 0.99) continue;
-        before += delta_e_2000(lab_from_srgb(s), lab_from_srgb(t));
-        after += delta_e_2000(lab_from_srgb(apply(rig->cameras[camera].color, s)), lab_from_srgb(t));
+        before += calib::delta_e_2000(calib::lab_from_srgb(s), calib::lab_from_srgb(t));
+        after += calib::delta_e_2000(calib::lab_from_srgb(apply(rig->cameras[camera].color, s)),
+                                     calib::lab_from_srgb(t));
         ++count;
       }
     ASSERT_GT(count, 500);
@@ -131,7 +132,7 @@ TEST(CalibrateColor, BringsCamerasOfOtherWhiteBalanceAndGammaTogether) {
 Image chart(const OddCamera& camera) {
   Image image(360, 260, 3, 25);
   for (int i = 0; i < 24; ++i) {
-    const Eigen::Vector3d seen = camera.see(chart_colors()[static_cast<std::size_t>(i)]);
+    const Eigen::Vector3d seen = camera.see(calib::chart_colors()[static_cast<std::size_t>(i)]);
     for (int y = 0; y < 40; ++y)
       for (int x = 0; x < 40; ++x)
         for (int c = 0; c < 3; ++c)
@@ -154,9 +155,9 @@ TEST(CalibrateColor, IsUsedByTheRendererOfTheTakeFromThenOn) {
   ASSERT_THAT((*writer)->finish(), IsOk());
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / "take");
   ASSERT_THAT(take, IsOk());
-  EXPECT_TRUE(rig_with_colors(**take)->cameras[1].color.is_identity());
+  EXPECT_TRUE(pipeline::rig_with_colors(**take)->cameras[1].color.is_identity());
   ASSERT_THAT(run((folder / "take").string() + " --chart"), IsOk());
-  const Result<Rig> colored = rig_with_colors(**take);
+  const Result<Rig> colored = pipeline::rig_with_colors(**take);
   ASSERT_THAT(colored, IsOk());
   EXPECT_FALSE(colored->cameras[1].color.is_identity());
   EXPECT_EQ(colored->cameras[1].cam_from_world.translation,
@@ -164,7 +165,8 @@ TEST(CalibrateColor, IsUsedByTheRendererOfTheTakeFromThenOn) {
   ASSERT_THAT(
       save_rig(synthetic_rig({.cameras = 1, .width = 360, .height = 260}), (*take)->layout().colors()),
       IsOk());
-  EXPECT_THAT(rig_with_colors(**take), FailsWith(ErrorCode::BadData, "camera 'cam01' is not in it"));
+  EXPECT_THAT(pipeline::rig_with_colors(**take),
+              FailsWith(ErrorCode::BadData, "camera 'cam01' is not in it"));
 }
 
 TEST(CalibrateColor, SaysWhatIsMissing) {
@@ -207,11 +209,12 @@ TEST(CalibrateColor, ReadsAChartThatEveryCameraWasShown) {
   ASSERT_THAT(rig, IsOk());
   for (int camera = 0; camera < 3; ++camera) {
     double mean = 0;
-    for (const Eigen::Vector3d& rgb : chart_colors())
-      mean += delta_e_2000(lab_from_srgb(apply(rig->cameras[static_cast<std::size_t>(camera)].color,
-                                               odd(camera + 1).see(rgb))),
-                           lab_from_srgb(rgb)) /
-              24;
+    for (const Eigen::Vector3d& rgb : calib::chart_colors())
+      mean +=
+          calib::delta_e_2000(calib::lab_from_srgb(apply(rig->cameras[static_cast<std::size_t>(camera)].color,
+                                                         odd(camera + 1).see(rgb))),
+                              calib::lab_from_srgb(rgb)) /
+          24;
     EXPECT_LE(mean, 1.5) << camera;
   }
   EXPECT_EQ(nlohmann::json::parse(*read_file(folder / "r.json"))["pass"], true);
@@ -230,7 +233,7 @@ TEST(DepthMap, IsThatOfTheNearerSurface) {
       mesh.positions.emplace_back(x, y, z);
     for (const std::uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.triangles.push_back(first + i);
   }
-  const std::vector<float> depth = depth_map(mesh, camera);
+  const std::vector<float> depth = calib::depth_map(mesh, camera);
   EXPECT_FLOAT_EQ(depth[20 * 40 + 20], 2);
   EXPECT_FLOAT_EQ(depth[20 * 40 + 6], 3);
   EXPECT_TRUE(std::isinf(depth[20 * 40 + 1]));

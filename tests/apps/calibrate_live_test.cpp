@@ -44,7 +44,7 @@ Rig arc_rig() {
 const std::filesystem::path& waved_take() {
   static const TempFolder folder;
   static const std::filesystem::path take = [] {
-    const calib::TargetDesign design = *parse_target(kTarget);
+    const calib::TargetDesign design = *calib::parse_target(kTarget);
     const Rig rig = arc_rig();
     Random random(11);
     std::vector<Rigid3> places;
@@ -57,7 +57,7 @@ const std::filesystem::path& waved_take() {
           Eigen::AngleAxisd(tilt(40), Eigen::Vector3d::UnitX()) *
           Eigen::AngleAxisd(tilt(30), Eigen::Vector3d::UnitY()) *
           Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
-      const std::vector<Eigen::Vector3d> points = target_points(design);
+      const std::vector<Eigen::Vector3d> points = calib::target_points(design);
       places.push_back({turned, center - turned * (0.5 * (points.front() + points.back()))});
     }
     std::vector<Image> pictures(3 * kFrames);
@@ -91,7 +91,7 @@ studio::CaptureConfig replayed() {
 
 LiveOptions options() {
   LiveOptions o;
-  o.target.design = *parse_target(kTarget);
+  o.target.design = *calib::parse_target(kTarget);
   o.solve_every = 15;
   return o;
 }
@@ -151,17 +151,17 @@ TEST(LiveCalibrationObject, AdviceChangesAsCoverageGrows) {
     cameras.push_back({.serial = c.serial, .width = 640, .height = 480, .model = {}, .cam_from_world = {}});
   calib::LiveCalibration live(options().target, cameras);
   std::vector<std::string> advice;
-  double before = completeness(coverage_of(live.observations()));
+  double before = calib::completeness(calib::coverage_of(live.observations()));
   for (int i = 0; i < kFrames; ++i) {
     const FrameSet set = *(*take)->frame_set(i);
     Result<calib::LiveInstant> instant = live.look(set);
     ASSERT_THAT(instant, IsOk());
     live.keep(set, *instant);
-    const calib::Coverage coverage = coverage_of(live.observations());
-    const double now = completeness(coverage);
+    const calib::Coverage coverage = calib::coverage_of(live.observations());
+    const double now = calib::completeness(coverage);
     EXPECT_GE(now, before) << "instant " << i;
     before = now;
-    const std::vector<calib::Advice> list = advise(coverage);
+    const std::vector<calib::Advice> list = calib::advise(coverage);
     const std::string next = list.empty() ? "enough" : list.front().sentence;
     if (advice.empty() || advice.back() != next) advice.push_back(next);
   }
@@ -266,12 +266,12 @@ TEST(Thinned, KeepsFramesThatJoinCameras) {
     for (int camera = 0; camera < 2; ++camera)
       if (camera == 0 || frame % 10 == 0)
         o.views.push_back({.camera = camera, .target = 0, .frame = frame, .time = {}, .points = {}});
-  const calib::Observations thin = thinned(o, 30);
+  const calib::Observations thin = calib::thinned(o, 30);
   int joined = 0;
   for (const calib::TargetView& v : thin.views) joined += v.camera == 1;
   EXPECT_EQ(joined, 10);
   EXPECT_EQ(thin.views.size(), 40u);
-  EXPECT_EQ(thinned(o, 100).views.size(), o.views.size());
+  EXPECT_EQ(calib::thinned(o, 100).views.size(), o.views.size());
 }
 
 }  // namespace

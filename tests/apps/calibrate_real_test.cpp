@@ -70,7 +70,7 @@ TEST(CalibrateReal, Pose2SimChessboardsAgreeWithItsOwnCalibration) {
   const Result<Rig> rig = load_rig(folder / "rig.json");
   ASSERT_THAT(rig, IsOk());
   const Result<calib::ForeignRig> known =
-      read_qualisys(real_data("pose2sim-balancing") / "calibration/Calib.qca.txt");
+      calib::read_qualisys(real_data("pose2sim-balancing") / "calibration/Calib.qca.txt");
   ASSERT_THAT(known, IsOk());
   for (const RigCamera& c : rig->cameras) {
     const RigCamera& was = known->rig.cameras[static_cast<std::size_t>(camera_index(known->rig, c.serial))];

@@ -163,7 +163,7 @@ TEST_F(CalibrateVerb, SaysWhenNoPictureShowsTheTarget) {
 
 TEST_F(CalibrateVerb, RefusesNumbersThatAreNone) {
   calib::Observations seen = failing_capture(calib::CalibrationFailure::PlanarMotion);
-  std::string json = to_json(seen);
+  std::string json = calib::to_json(seen);
   const std::size_t at = json.find("1280");
   ASSERT_NE(at, std::string::npos);
   for (const char* number : {"NaN", "1e999", "null"}) {
@@ -181,9 +181,10 @@ TEST_F(CalibrateVerb, RefusesNumbersThatAreNone) {
 }
 
 TEST_F(CalibrateVerb, WritesTheRigOfASoundCapture) {
-  const Rig truth = ring_rig(3);
+  const Rig truth = calib::ring_rig(3);
   folder_.write("seen.json",
-                to_json(capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(kStills), kStills)));
+                calib::to_json(calib::capture(truth, calib::two_sided_board(7, 5, 0.08, 0.005),
+                                              calib::wandering(calib::kStills), calib::kStills)));
   ASSERT_THAT(run("observations = \"seen.json\"\n[bars]\nrotation_sigma_degrees = 0.3\n"), IsOk());
   const nlohmann::json r = nlohmann::json::parse(content("R.json"));
   EXPECT_TRUE(r["pass"].get<bool>());
@@ -212,7 +213,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST_P(NamedByTheReport, AsPageAndAsJson) {
-  folder_.write("seen.json", to_json(failing_capture(GetParam())));
+  folder_.write("seen.json", calib::to_json(calib::failing_capture(GetParam())));
   EXPECT_THAT(run("observations = \"seen.json\"\n"), FailsWith(ErrorCode::BadData, "does not pass"));
   const nlohmann::json r = nlohmann::json::parse(content("R.json"));
   EXPECT_FALSE(r["pass"].get<bool>());

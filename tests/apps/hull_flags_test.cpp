@@ -31,11 +31,11 @@ TEST(HullFlags, ComeBackFromTheirDescription) {
        {"", "--votes strict", "--votes 5 --contour-tolerance 0.25",
         "--method octree --resolution 96 --smoothing 0.25", "--volume -1 -2 -3 1.5 2 3",
         "--collapse-slivers --smooth 3 --triangles 5000 --care-pixels 1 --care-loss 0.01"}) {
-    const Result<recon::HullOptions> options = hull_options(Parsed(words).flags);
+    const Result<recon::HullOptions> options = pipeline::hull_options(Parsed(words).flags);
     ASSERT_THAT(options, IsOk()) << words;
-    const std::optional<recon::HullOptions> back = parse_hull_options(describe(*options));
+    const std::optional<recon::HullOptions> back = pipeline::parse_hull_options(pipeline::describe(*options));
     ASSERT_TRUE(back) << words;
-    EXPECT_EQ(describe(*back), describe(*options)) << words;
+    EXPECT_EQ(pipeline::describe(*back), pipeline::describe(*options)) << words;
     EXPECT_EQ(back->method, options->method) << words;
     EXPECT_EQ(back->voting, options->voting) << words;
     EXPECT_EQ(back->votes, options->votes) << words;
@@ -48,7 +48,7 @@ TEST(HullFlags, AreNotReadFromADescriptionOfSomethingElse) {
   for (const char* text : {"null", "{}", "[1]", R"({"method": "guess"})", R"({"method": 3})",
                            R"({"method": "exact", "votes": [5]})", R"({"method": "exact", "volume": [1, 2]})",
                            R"({"method": "exact", "contour_tolerance": -1})"}) {
-    EXPECT_FALSE(parse_hull_options(nlohmann::json::parse(text))) << text;
+    EXPECT_FALSE(pipeline::parse_hull_options(nlohmann::json::parse(text))) << text;
   }
 }
 

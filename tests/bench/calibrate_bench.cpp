@@ -5,21 +5,19 @@
 #include "calib/calibrate.h"
 #include "tests/calib/synthetic_capture.h"
 
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 void solve_eight_cameras(benchmark::State& state) {
   const CaptureOptions options{.frames = 400, .extent = 0.9, .frame_seconds = 0.2};
-  calib::Observations seen =
-      capture(ring_rig(8), two_sided_board(8, 6, 0.12, 0.006), wandering(options), options);
+  Observations seen = capture(ring_rig(8), two_sided_board(8, 6, 0.12, 0.006), wandering(options), options);
   // As many views as the goal names, of every camera.
   constexpr int kViews = 200;
   std::vector<int> views(8);
-  std::erase_if(seen.views, [&](const calib::TargetView& v) {
-    return ++views[static_cast<std::size_t>(v.camera)] > kViews;
-  });
+  std::erase_if(seen.views,
+                [&](const TargetView& v) { return ++views[static_cast<std::size_t>(v.camera)] > kViews; });
   for (auto _ : state) {
-    const Result<calib::Calibration> solved = calibrate(seen, {.threads = static_cast<int>(state.range(0))});
+    const Result<Calibration> solved = calibrate(seen, {.threads = static_cast<int>(state.range(0))});
     if (!solved) return state.SkipWithError("it was not solved");
     benchmark::DoNotOptimize(solved->rig);
   }
@@ -28,4 +26,4 @@ void solve_eight_cameras(benchmark::State& state) {
 BENCHMARK(solve_eight_cameras)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(1);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

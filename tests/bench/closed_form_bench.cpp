@@ -4,11 +4,11 @@
 
 #include <benchmark/benchmark.h>
 
-#include "matting/video/clip_cut.h"
 #include "matting/video/closed_form_video.h"
+#include "matting/video/segment_clip.h"
 #include "tests/support/matte_clips.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 MatteClip clip(int width, int height) {
@@ -20,7 +20,7 @@ MatteClip clip(int width, int height) {
 void refine(benchmark::State& state) {
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
   const MatteClip made = clip(width, height);
-  matting::RefineOptions options = key_refinement();
+  RefineOptions options = key_refinement();
   options.band.margin = std::max(3, std::max(width, height) / 400);
   const Image band = trimap_around(made.truth[0], options.band);
   for (auto _ : state) benchmark::DoNotOptimize(refine_matte(made.frames[0], made.truth[0], options));
@@ -39,7 +39,7 @@ BENCHMARK(refine_from_small)->Unit(benchmark::kMillisecond);
 // A frame of a clip that is carried from its first matte, flow included.
 void carry(benchmark::State& state) {
   const MatteClip made = clip(360, 240);
-  Result<matting::ClosedFormVideo> video = matting::ClosedFormVideo::create();
+  Result<ClosedFormVideo> video = ClosedFormVideo::create();
   std::size_t frame = 0;
   for (auto _ : state) {
     if (frame == 0) benchmark::DoNotOptimize(video->keyframe(made.frames[0], made.truth[0]));
@@ -52,14 +52,14 @@ BENCHMARK(carry)->Unit(benchmark::kMillisecond);
 // A clip of twelve frames from one click: milliseconds for the whole of it.
 void cut(benchmark::State& state) {
   const MatteClip made = clip(360, 240);
-  matting::MattingClip frames;
+  MattingClip frames;
   frames.frames = static_cast<int>(made.frames.size());
   frames.photograph = [&](int f) -> Result<Image> { return made.frames[static_cast<std::size_t>(f)]; };
-  matting::MatteOpinion click{made.truth[0], made.truth[0]};
+  MatteConstraint click{made.truth[0], made.truth[0]};
   for (std::uint8_t& w : click.weight.pixels) w = w == 255 ? 255 : 0;
-  for (auto _ : state) benchmark::DoNotOptimize(cut_clip(frames, {{0, click}}));
+  for (auto _ : state) benchmark::DoNotOptimize(segment_clip(frames, {{0, click}}));
 }
 BENCHMARK(cut)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

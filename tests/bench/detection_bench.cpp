@@ -4,17 +4,17 @@
 #include "tests/support/board_picture.h"
 
 // One picture of 1280x720 px with the whole target, on one thread.
-namespace floatstage {
+namespace floatstage::calib {
 namespace {
 
 void find(benchmark::State& state, const char* line, double distance) {
-  const Result<calib::TargetDesign> design = parse_target(line);
+  const Result<TargetDesign> design = parse_target(line);
   const CameraModel camera = test::simple_camera(1280, 720, 60, BrownConrady{.k1 = -0.2, .k2 = 0.05});
   const Image picture = test::board_picture(
       *design, camera, test::before_camera(*design, distance, {20, 15, 5}), {.blur = 0.7, .noise = 2});
   std::size_t points = 0;
   for (auto _ : state) {
-    const calib::Detection found = detect(*design, picture);
+    const Detection found = detect(*design, picture);
     points = found.points.size();
     benchmark::DoNotOptimize(points);
   }
@@ -30,4 +30,4 @@ BENCHMARK_CAPTURE(find, apriltags, "apriltags columns=4 rows=3 tag=66mm gap=19.8
 BENCHMARK_CAPTURE(find, wand, "wand positions=0mm,150mm,450mm ball=25mm", 2.0)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::calib

@@ -18,7 +18,7 @@
 #include "tests/recon/real_sets.h"
 #include "tests/support/analytic_shapes.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 /// Drawn once: a bench's function is called several times, and drawing takes longer than what is measured.
@@ -31,20 +31,20 @@ const MatteSet& torus(int cameras) {
   return set;
 }
 
-double seconds_of(const MatteSet& set, const recon::HullOptions& options, recon::HullWorkspace& workspace) {
-  const Result<recon::HullReport> hull = visual_hull(set.rig, set.mattes, options, &workspace);
+double seconds_of(const MatteSet& set, const HullOptions& options, HullWorkspace& workspace) {
+  const Result<HullReport> hull = visual_hull(set.rig, set.mattes, options, &workspace);
   return hull ? hull->seconds : std::numeric_limits<double>::quiet_NaN();
 }
 
 void measure(benchmark::State& state, const MatteSet& set, double tolerance, int threads,
              bool with_octree = true) {
-  recon::HullOptions options;
+  HullOptions options;
   options.contour_tolerance = tolerance;
   options.threads = threads;
   options.quality = false;
-  recon::HullWorkspace workspace;
-  recon::HullTimings sum;
-  recon::HullReport last;
+  HullWorkspace workspace;
+  HullTimings sum;
+  HullReport last;
   std::vector<double> frames;  // ms
   for (auto _ : state) {
     const auto begin = std::chrono::steady_clock::now();
@@ -80,8 +80,8 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
   if (!with_octree) return;
   // Ratio to the octree, both the best of a few in this run.
   double exact = std::numeric_limits<double>::infinity(), octree = exact;
-  recon::HullOptions slow;
-  slow.method = recon::HullMethod::Octree;
+  HullOptions slow;
+  slow.method = HullMethod::Octree;
   slow.resolution = 256;
   slow.threads = threads;
   slow.quality = false;
@@ -93,8 +93,8 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
 void GreenDome(benchmark::State& state) {
   const std::filesystem::path folder = std::filesystem::path(FLOATSTAGE_DATA_DIR) / "green-dome";
   if (!std::filesystem::exists(folder)) return state.SkipWithError("the green dome is not on this machine");
-  MatteSet set = load_green_dome(folder);
-  if (state.range(0) == 8) set = subset(set, {0, 2, 5, 7, 10, 12, 15, 17});
+  recon::MatteSet set = load_green_dome(folder);
+  if (state.range(0) == 8) set = recon::subset(set, {0, 2, 5, 7, 10, 12, 15, 17});
   measure(state, set, static_cast<double>(state.range(1)) / 100, static_cast<int>(state.range(2)));
 }
 BENCHMARK(GreenDome)
@@ -124,13 +124,13 @@ BENCHMARK(Torus)
 
 /// Toy-size sets: polygons of a sphere, no pixels.
 void SphereCones(benchmark::State& state) {
-  std::vector<recon::ConeView> views;
+  std::vector<ConeView> views;
   for (const Eigen::Vector3d& center : cones::around(8, 3)) {
     views.push_back(cones::of_sphere(center, 0.5, static_cast<int>(state.range(0)) / 8));
   }
-  recon::ExactHull engine;
+  ExactHull engine;
   for (auto _ : state) {
-    std::vector<recon::ConeView> copy = views;
+    std::vector<ConeView> copy = views;
     benchmark::DoNotOptimize(engine.compute(copy, {}));
   }
   state.counters["vertices"] = static_cast<double>(engine.polygons().positions.size());
@@ -144,4 +144,4 @@ BENCHMARK(SphereCones)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

@@ -4,14 +4,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include "recon/mesh/mesh_care.h"
 #include "recon/mesh/mesh_check.h"
+#include "recon/mesh/mesh_cleanup.h"
 #include "recon/octree/octree_carve.h"
 #include "recon/octree/octree_surface.h"
 #include "recon/visual_hull.h"
 #include "tests/support/analytic_shapes.h"
 
-namespace floatstage {
+namespace floatstage::recon {
 namespace {
 
 struct Scene {
@@ -22,18 +22,18 @@ struct Scene {
   }
   Rig rig;
   std::vector<Matte> mattes;
-  std::vector<recon::OctreeView> views;
+  std::vector<OctreeView> views;
   Eigen::AlignedBox3d box{Eigen::Vector3d(-0.85, -0.85, -0.3), Eigen::Vector3d(0.85, 0.85, 0.3)};
 };
 
 void VisualHull(benchmark::State& state) {
   const Scene scene(static_cast<int>(state.range(0)));
-  recon::HullOptions options;
-  options.method = recon::HullMethod::Octree;
+  HullOptions options;
+  options.method = HullMethod::Octree;
   options.resolution = static_cast<int>(state.range(1));
   options.threads = static_cast<int>(state.range(2));
   for (auto _ : state) {
-    const Result<recon::HullReport> hull = visual_hull(scene.rig, scene.mattes, options);
+    const Result<HullReport> hull = visual_hull(scene.rig, scene.mattes, options);
     if (!hull) return state.SkipWithError(hull.error().message.c_str());
     state.counters["triangles"] = static_cast<double>(hull->mesh.triangle_count());
   }
@@ -50,7 +50,7 @@ BENCHMARK(VisualHull)
 
 void PrepareView(benchmark::State& state) {
   const Scene scene(1);
-  for (auto _ : state) benchmark::DoNotOptimize(recon::OctreeView(scene.rig.cameras[0], scene.mattes[0]));
+  for (auto _ : state) benchmark::DoNotOptimize(OctreeView(scene.rig.cameras[0], scene.mattes[0]));
 }
 BENCHMARK(PrepareView)->Unit(benchmark::kMillisecond);
 
@@ -63,29 +63,29 @@ BENCHMARK(Carve)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
 
 void ExtractSurface(benchmark::State& state) {
   const Scene scene(8);
-  const recon::CarvedGrid grid = carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1);
+  const CarvedGrid grid = carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1);
   for (auto _ : state) benchmark::DoNotOptimize(extract_surface(grid, scene.views, 1));
 }
 BENCHMARK(ExtractSurface)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
 
-void CareFor(benchmark::State& state) {
+void CleanupFor(benchmark::State& state) {
   const Scene scene(8);
-  const recon::CarvedGrid grid = carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1);
-  const recon::Surface surface = extract_surface(grid, scene.views, 1);
+  const CarvedGrid grid = carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1);
+  const Surface surface = extract_surface(grid, scene.views, 1);
   for (auto _ : state)
     benchmark::DoNotOptimize(care_for(surface, {.voxel = grid.voxel(), .largest_move = 0.5, .threads = 1}));
 }
-BENCHMARK(CareFor)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK(CleanupFor)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
 
 void CheckMesh(benchmark::State& state) {
   const Scene scene(8);
-  recon::HullOptions options;
-  options.method = recon::HullMethod::Octree;
+  HullOptions options;
+  options.method = HullMethod::Octree;
   options.resolution = static_cast<int>(state.range(0));
-  const Result<recon::HullReport> hull = visual_hull(scene.rig, scene.mattes, options);
+  const Result<HullReport> hull = visual_hull(scene.rig, scene.mattes, options);
   for (auto _ : state) benchmark::DoNotOptimize(check_mesh(hull->mesh));
 }
 BENCHMARK(CheckMesh)->Arg(160)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::recon

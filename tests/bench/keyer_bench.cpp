@@ -8,7 +8,7 @@
 
 // Milliseconds a frame on one core, clean-up included. A person-sized ellipse stands before a backing with
 // uneven light.
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 Image stage(int width, int height, bool black, bool person) {
@@ -42,7 +42,7 @@ void key_a_frame(benchmark::State& state, const std::string& spec, int width, in
 }
 
 int register_all() {
-  for (const matting::KeyerInfo& keyer : keyers())
+  for (const KeyerInfo& keyer : keyers())
     for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1024, 768}})
       benchmark::RegisterBenchmark(
           (keyer.name + "/" + std::to_string(width) + "x" + std::to_string(height)).c_str(),
@@ -56,4 +56,4 @@ int register_all() {
 const int registered = register_all();
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

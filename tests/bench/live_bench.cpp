@@ -13,7 +13,7 @@
 #include "studio/live/take_player.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::studio {
 namespace {
 
 constexpr int kWidth = 640, kHeight = 480, kInstants = 12;
@@ -28,25 +28,28 @@ struct Recorded {
     options.studio.samples = 4;
     options.frames = kInstants;
     options.take.codec = capture::TakeCodec::Raw;
-    if (const Result<void> ok = synthesize_take(options); !ok) throw std::runtime_error(ok.error().message);
+    if (const Result<void> ok = pipeline::synthesize_take(options); !ok)
+      throw std::runtime_error(ok.error().message);
   }
 };
 
 void live(benchmark::State& state) {
   static const Recorded recorded;
   const auto gl = std::move(*render::GlContext::headless());
-  studio::LiveRunOptions options;
+  LiveRunOptions options;
   options.width = kWidth;
   options.height = kHeight;
   options.quality = static_cast<std::size_t>(state.range(0));
   options.target_fps = 0;
   options.seconds = 10;
   for (auto _ : state) {
-    auto player = std::move(*studio::TakePlayer::open(recorded.folder / "take", {.loop = true}));
-    const pipeline::CameraPath path = orbit_path(player->rig(), {}, 20);
-    const Result<studio::LiveReport> report = run_live(
+    auto player = std::move(*TakePlayer::open(recorded.folder / "take", {.loop = true}));
+    const pipeline::CameraPath path = pipeline::orbit_path(player->rig(), {}, 20);
+    const Result<LiveReport> report = run_live(
         *player, {}, options,
-        [&](double s) { return view_of(sample(path, std::fmod(s, 20)), kWidth, kHeight, {}); },
+        [&](double s) {
+          return pipeline::view_of(pipeline::sample(path, std::fmod(s, 20)), kWidth, kHeight, {});
+        },
         [] { return false; }, {});
     if (!report) return state.SkipWithError(report.error().message.c_str());
     state.counters["fps"] = report->shown.mean(report->seconds);
@@ -64,4 +67,4 @@ BENCHMARK(live)
     ->Unit(benchmark::kSecond);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::studio

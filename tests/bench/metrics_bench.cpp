@@ -5,7 +5,7 @@
 
 // Each score of one 640x480 picture pair whose mask is a person's size (a quarter of the width, four fifths
 // high).
-namespace floatstage {
+namespace floatstage::pipeline {
 namespace {
 
 template <double (*metric)(const Image&, const Image&, const Image&)>
@@ -17,11 +17,11 @@ void score_a_picture(benchmark::State& state) {
   state.counters["value"] = value;
 }
 
-BENCHMARK(score_a_picture<psnr>)->Name("psnr")->Unit(benchmark::kMillisecond);
-BENCHMARK(score_a_picture<ssim>)->Name("ssim")->Unit(benchmark::kMillisecond);
-BENCHMARK(score_a_picture<cw_ssim>)->Name("cw_ssim")->Unit(benchmark::kMillisecond);
-BENCHMARK(score_a_picture<psnr_shift>)->Name("psnr_shift")->Unit(benchmark::kMillisecond);
-BENCHMARK(score_a_picture<sharpness>)->Name("sharpness")->Unit(benchmark::kMillisecond);
+BENCHMARK(score_a_picture<pipeline::psnr>)->Name("psnr")->Unit(benchmark::kMillisecond);
+BENCHMARK(score_a_picture<pipeline::ssim>)->Name("ssim")->Unit(benchmark::kMillisecond);
+BENCHMARK(score_a_picture<pipeline::cw_ssim>)->Name("cw_ssim")->Unit(benchmark::kMillisecond);
+BENCHMARK(score_a_picture<pipeline::psnr_shift>)->Name("psnr_shift")->Unit(benchmark::kMillisecond);
+BENCHMARK(score_a_picture<pipeline::sharpness>)->Name("sharpness")->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::pipeline

@@ -11,18 +11,18 @@
 #include "render/gl_context.h"
 #include "render/renderer.h"
 
-namespace floatstage {
+namespace floatstage::render {
 namespace {
 
 /// One instant of the studio on the GPU, shared by all benches of the program.
 struct Stage {
-  std::unique_ptr<render::GlContext> context;
+  std::unique_ptr<GlContext> context;
   Rig rig;
   SceneFrame scene;
-  render::SceneTextures textures;
+  SceneTextures textures;
 
   Stage() {
-    context = std::move(*render::GlContext::headless());
+    context = std::move(*GlContext::headless());
     rig = synthetic_rig({});
     const SyntheticStudio studio = std::move(*SyntheticStudio::create(rig, {}));
     for (int i = 0; i < static_cast<int>(rig.cameras.size()); ++i) {
@@ -77,7 +77,7 @@ void upload(benchmark::State& state) {
 }
 
 void flow(benchmark::State& state, const std::string& preset, int finest_scale) {
-  render::FlowOptions options;
+  FlowOptions options;
   options.preset = preset;
   options.finest_scale = finest_scale;
   auto estimator = std::move(*make_flow_estimator(options));
@@ -107,4 +107,4 @@ BENCHMARK_CAPTURE(flow, dis_medium_half, std::string("medium"), 1)->Apply(sizes)
 BENCHMARK_CAPTURE(flow, dis_fast_full, std::string("fast"), 0)->Apply(sizes);
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::render

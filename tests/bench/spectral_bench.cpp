@@ -19,7 +19,7 @@
 #include "matting/video/video_matting.h"
 #include "tests/support/matte_clips.h"
 
-namespace floatstage {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kWidth = 360, kHeight = 240;
@@ -51,7 +51,7 @@ double peak_gigabytes() {
 
 // The largest sine between the first 25 vectors and the space of the other's first 28 (near-equal values may
 // swap).
-double sine(const matting::EigenPairs& a, const matting::EigenPairs& b) {
+double sine(const EigenPairs& a, const EigenPairs& b) {
   using Eigen::MatrixXd;
   const MatrixXd va = a.vectors.leftCols(25).cast<double>(), vb = b.vectors.leftCols(28).cast<double>();
   const MatrixXd qa = Eigen::HouseholderQR<MatrixXd>(va).householderQ() * MatrixXd::Identity(va.rows(), 25);
@@ -59,7 +59,7 @@ double sine(const matting::EigenPairs& a, const matting::EigenPairs& b) {
   return (qa - qb * (qb.transpose() * qa)).jacobiSvd().singularValues()(0);
 }
 
-double measured_residual(const Image& picture, const matting::EigenPairs& pairs) {
+double measured_residual(const Image& picture, const EigenPairs& pairs) {
   const auto laplacian = matting_laplacian(picture);
   double worst = 0;
   for (int i = 0; i < 50; ++i) {
@@ -77,8 +77,8 @@ BENCHMARK(laplacian)->Unit(benchmark::kMillisecond);
 
 void cold_eigenpairs(benchmark::State& state, const MatteClip& of) {
   const double before = resident_gigabytes();
-  auto solver = matting::EigenSolver::create(kWidth, kHeight);
-  Result<matting::EigenPairs> pairs = solver->solve(of.frames[0]);
+  auto solver = EigenSolver::create(kWidth, kHeight);
+  Result<EigenPairs> pairs = solver->solve(of.frames[0]);
   for (auto _ : state) pairs = solver->solve(of.frames[1]);
   state.counters["residual"] = measured_residual(of.frames[1], *pairs);
   state.counters["worker_GB"] = resident_gigabytes() - before;
@@ -87,14 +87,14 @@ BENCHMARK_CAPTURE(cold_eigenpairs, green, clip())->Unit(benchmark::kMillisecond)
 BENCHMARK_CAPTURE(cold_eigenpairs, clutter, cluttered())->Unit(benchmark::kMillisecond)->MinTime(3);
 
 void warm_eigenpairs(benchmark::State& state, const MatteClip& of) {
-  auto solver = matting::EigenSolver::create(kWidth, kHeight);
+  auto solver = EigenSolver::create(kWidth, kHeight);
   const auto previous = solver->solve(of.frames[0]);
-  Result<matting::EigenPairs> pairs = matting::EigenPairs{};
+  Result<EigenPairs> pairs = EigenPairs{};
   for (auto _ : state) pairs = solver->solve(of.frames[1], &*previous);
-  matting::SpectralOptions exact;
+  SpectralOptions exact;
   exact.krylov_block = 25;
   exact.tolerance = 1e-9;
-  auto reference = matting::EigenSolver::create(kWidth, kHeight, exact);
+  auto reference = EigenSolver::create(kWidth, kHeight, exact);
   state.counters["sin_first_25"] = sine(*pairs, *reference->solve(of.frames[1]));
   state.counters["residual"] = pairs->residual;
 }
@@ -103,9 +103,9 @@ BENCHMARK_CAPTURE(warm_eigenpairs, clutter, cluttered())->Unit(benchmark::kMilli
 
 // Arguments: K, stride of the pixels that count.
 void components(benchmark::State& state) {
-  auto solver = matting::EigenSolver::create(kWidth, kHeight);
+  auto solver = EigenSolver::create(kWidth, kHeight);
   const auto pairs = solver->solve(clip().frames[0]);
-  matting::SpectralOptions options;
+  SpectralOptions options;
   options.components = static_cast<int>(state.range(0));
   options.newton_stride = static_cast<int>(state.range(1));
   for (auto _ : state) benchmark::DoNotOptimize(matting_components(*pairs, options));
@@ -115,15 +115,15 @@ BENCHMARK(components)->Args({10, 2})->Args({10, 1})->Args({20, 2})->Unit(benchma
 // A whole frame, eigenpairs and components, cold (a run's first) or warm (the eleven others).
 void preparation(benchmark::State& state) {
   const bool warm = state.range(0) != 0;
-  auto solver = matting::EigenSolver::create(kWidth, kHeight);
+  auto solver = EigenSolver::create(kWidth, kHeight);
   const auto before = solver->solve(clip().frames[0]);
   const auto first = matting_components(*before);
   for (auto _ : state) {
     const auto pairs = solver->solve(clip().frames[1], warm ? &*before : nullptr);
-    matting::MattingComponents followed = *first;
+    MattingComponents followed = *first;
     if (warm)
       followed.alpha =
-          carried(first->alpha, flow_between(clip().frames[0], clip().frames[1], matting::CarryingFlow::Dis));
+          carried(first->alpha, flow_between(clip().frames[0], clip().frames[1], CarryingFlow::Dis));
     benchmark::DoNotOptimize(matting_components(*pairs, {}, warm ? &followed : nullptr));
   }
 }
@@ -135,9 +135,9 @@ void clip_of_frames(benchmark::State& state) {
   double online = 0;
   for (auto _ : state) {
     std::filesystem::remove_all(cache);
-    matting::VideoMattingOptions options;
+    VideoMattingOptions options;
     options.threads = static_cast<int>(state.range(0));
-    auto video = matting::VideoMatting::create(
+    auto video = VideoMatting::create(
         {static_cast<int>(state.range(1)),
          [](int f) -> Result<Image> { return clip().frames[static_cast<std::size_t>(f)]; }},
         cache, options);
@@ -161,4 +161,4 @@ BENCHMARK(clip_of_frames)
     ->UseRealTime();
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::matting

@@ -10,7 +10,7 @@
 #include "core/synthetic/synthetic_studio.h"
 #include "tests/support/temp_folder.h"
 
-namespace floatstage {
+namespace floatstage::capture {
 namespace {
 
 constexpr int kFrames = 24;
@@ -36,10 +36,10 @@ Rig bench_rig(const benchmark::State& state) {
   return synthetic_rig(options);
 }
 
-void record(const std::filesystem::path& folder, const Rig& rig, capture::TakeCodec codec) {
-  capture::TakeWriterOptions options;
+void record(const std::filesystem::path& folder, const Rig& rig, TakeCodec codec) {
+  TakeWriterOptions options;
   options.codec = codec;
-  auto writer = capture::TakeWriter::create(folder, rig, options).value();
+  auto writer = TakeWriter::create(folder, rig, options).value();
   for (const Frame& frame : studio_frames(rig))
     if (!writer->write(frame)) std::abort();
   if (!writer->finish()) std::abort();
@@ -58,7 +58,7 @@ void write_take(benchmark::State& state) {
   double media = 0;
   for (auto _ : state) {
     const TempFolder folder;
-    record(folder / "take", rig, static_cast<capture::TakeCodec>(state.range(0)));
+    record(folder / "take", rig, static_cast<TakeCodec>(state.range(0)));
     state.PauseTiming();
     media =
         static_cast<double>(std::filesystem::file_size(folder / "take" / (rig.cameras[0].serial + ".mkv")));
@@ -72,8 +72,8 @@ void write_take(benchmark::State& state) {
 void read_take(benchmark::State& state) {
   const Rig rig = bench_rig(state);
   const TempFolder folder;
-  record(folder / "take", rig, static_cast<capture::TakeCodec>(state.range(0)));
-  auto reader = capture::TakeReader::open(folder / "take").value();
+  record(folder / "take", rig, static_cast<TakeCodec>(state.range(0)));
+  auto reader = TakeReader::open(folder / "take").value();
   for (auto _ : state)
     for (int k = 0; k < kFrames; ++k) benchmark::DoNotOptimize(reader->frame(0, k).value());
   report(state, rig, kFrames);
@@ -82,8 +82,8 @@ void read_take(benchmark::State& state) {
 void seek_take(benchmark::State& state) {
   const Rig rig = bench_rig(state);
   const TempFolder folder;
-  record(folder / "take", rig, static_cast<capture::TakeCodec>(state.range(0)));
-  auto reader = capture::TakeReader::open(folder / "take").value();
+  record(folder / "take", rig, static_cast<TakeCodec>(state.range(0)));
+  auto reader = TakeReader::open(folder / "take").value();
   for (auto _ : state)
     for (int k = 0; k < kFrames; ++k)
       benchmark::DoNotOptimize(reader->frame(0, (k * 11 + 5) % kFrames).value());
@@ -92,8 +92,7 @@ void seek_take(benchmark::State& state) {
 
 void codecs_and_sizes(benchmark::internal::Benchmark* bench) {
   bench->ArgNames({"codec", "width"})->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
-  for (const capture::TakeCodec codec :
-       {capture::TakeCodec::Ffv1, capture::TakeCodec::Raw, capture::TakeCodec::H264})
+  for (const TakeCodec codec : {TakeCodec::Ffv1, TakeCodec::Raw, TakeCodec::H264})
     for (const int width : {640, 1024}) bench->Args({static_cast<int>(codec), width});
 }
 
@@ -106,9 +105,9 @@ void open_long_take(benchmark::State& state) {
   SyntheticRigOptions options;
   options.cameras = 1;
   options.width = options.height = 16;
-  capture::TakeWriterOptions raw;
-  raw.codec = capture::TakeCodec::Raw;
-  auto writer = capture::TakeWriter::create(folder / "take", synthetic_rig(options), raw).value();
+  TakeWriterOptions raw;
+  raw.codec = TakeCodec::Raw;
+  auto writer = TakeWriter::create(folder / "take", synthetic_rig(options), raw).value();
   const auto pixels = std::make_shared<std::byte[]>(256);
   for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(state.range(0)); ++k) {
     Frame frame;
@@ -119,9 +118,9 @@ void open_long_take(benchmark::State& state) {
     if (!writer->write(frame)) std::abort();
   }
   if (!writer->finish()) std::abort();
-  for (auto _ : state) benchmark::DoNotOptimize(capture::TakeReader::open(folder / "take").value());
+  for (auto _ : state) benchmark::DoNotOptimize(TakeReader::open(folder / "take").value());
 }
 BENCHMARK(open_long_take)->Arg(90'000)->Unit(benchmark::kMillisecond)->ArgName("frames");
 
 }  // namespace
-}  // namespace floatstage
+}  // namespace floatstage::capture

@@ -21,9 +21,9 @@ const Odd kOdd[] = {{{1, 1, 1}, {2.2, 2.2, 2.2}},
                     {{0.9, 0.7, 0.6}, {2.5, 2.4, 2.6}}};
 const std::vector<std::string> kSerials = {"a", "b", "c", "d"};
 
-std::vector<ColorSight> sights(int wrong_every) {
+std::vector<ColorSample> sights(int wrong_every) {
   Random random(4);
-  std::vector<ColorSight> out;
+  std::vector<ColorSample> out;
   for (int i = 0; i < 600; ++i) {
     const Eigen::Vector3d rgb(random.uniform(0.15, 0.9), random.uniform(0.15, 0.9),
                               random.uniform(0.15, 0.9));
@@ -63,8 +63,8 @@ TEST(BalanceColors, MakesCamerasLookLikeTheGivenOneThroughTheirNeighbours) {
 }
 
 TEST(BalanceColors, NamesTheCameraThatSharesTooLittle) {
-  std::vector<ColorSight> few = sights(0);
-  std::erase_if(few, [](const ColorSight& s) { return s.camera == 2 && s.point > 10; });
+  std::vector<ColorSample> few = sights(0);
+  std::erase_if(few, [](const ColorSample& s) { return s.camera == 2 && s.point > 10; });
   EXPECT_THAT(balance_colors(few, {ColorTransform{}, std::nullopt, std::nullopt, std::nullopt}, kSerials),
               FailsWith(ErrorCode::BadData, "camera 'c' shares"));
   EXPECT_THAT(balance_colors(few, std::vector<std::optional<ColorTransform>>(4), kSerials),

@@ -24,8 +24,8 @@ class RealTake : public testing::Test {
     import.calibration.format = format;
     import.calibration.path = data_;
     import.out = take();
-    ASSERT_THAT(import_take(import), IsOk());
-    ASSERT_THAT(process_take({.take = take(), .key = key, .hull = recon::HullOptions{}}), IsOk());
+    ASSERT_THAT(pipeline::import_take(import), IsOk());
+    ASSERT_THAT(pipeline::process_take({.take = take(), .key = key, .hull = recon::HullOptions{}}), IsOk());
   }
 
   fs::path take() const { return folder_ / "take"; }
@@ -40,17 +40,17 @@ class RealTake : public testing::Test {
     const double n = static_cast<double>(views.size());
     pipeline::EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};
     options.hull.method = recon::HullMethod::Octree;
-    EXPECT_THAT(
-        evaluate_take(**reader, options,
-                      [&](pipeline::HeldOutView view) {
-                        for (const auto& [method, s] : view.scores)
-                          for (double pipeline::Scores::*m :
-                               {&pipeline::Scores::psnr, &pipeline::Scores::ssim, &pipeline::Scores::cw_ssim,
-                                &pipeline::Scores::psnr_shift, &pipeline::Scores::sharpness})
-                            mean[method].*m += s.*m / n;
-                        return Result<void>();
-                      }),
-        IsOk());
+    EXPECT_THAT(pipeline::evaluate_take(**reader, options,
+                                        [&](pipeline::HeldOutView view) {
+                                          for (const auto& [method, s] : view.scores)
+                                            for (double pipeline::Scores::*m :
+                                                 {&pipeline::Scores::psnr, &pipeline::Scores::ssim,
+                                                  &pipeline::Scores::cw_ssim, &pipeline::Scores::psnr_shift,
+                                                  &pipeline::Scores::sharpness})
+                                              mean[method].*m += s.*m / n;
+                                          return Result<void>();
+                                        }),
+                IsOk());
     return mean;
   }
 

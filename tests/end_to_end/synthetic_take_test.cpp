@@ -29,10 +29,10 @@ class SyntheticTake : public testing::Test {
     studio.studio.samples = 4;
     studio.studio.defects.calibration_error = 0.3;
     studio.frames = 1;
-    ASSERT_THAT(synthesize_take(studio), IsOk());
+    ASSERT_THAT(pipeline::synthesize_take(studio), IsOk());
     pipeline::ProcessOptions process{.take = studio.out, .key = "chroma", .hull = recon::HullOptions{}};
     process.hull->resolution = 160;
-    ASSERT_THAT(process_take(process), IsOk());
+    ASSERT_THAT(pipeline::process_take(process), IsOk());
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -48,10 +48,10 @@ class SyntheticTake : public testing::Test {
     options.hull.method = recon::HullMethod::Octree;
     options.hull.resolution = 160;
     std::vector<pipeline::HeldOutView> views;
-    EXPECT_THAT(evaluate_take(**take, options,
-                              [&](pipeline::HeldOutView view) {
-                                return views.push_back(std::move(view)), Result<void>();
-                              }),
+    EXPECT_THAT(pipeline::evaluate_take(**take, options,
+                                        [&](pipeline::HeldOutView view) {
+                                          return views.push_back(std::move(view)), Result<void>();
+                                        }),
                 IsOk());
     return views;
   }
@@ -100,18 +100,18 @@ TEST_F(SyntheticTake, RefusesToHoldOutACameraThatIsNotThere) {
   ASSERT_THAT(take, IsOk());
   ASSERT_THAT(gl, IsOk());
   pipeline::EvaluateOptions options{.hold_out = {"cam99"}, .renderer = {}, .hull = {}};
-  EXPECT_THAT(evaluate_take(**take, options, [](pipeline::HeldOutView) { return Result<void>(); }),
+  EXPECT_THAT(pipeline::evaluate_take(**take, options, [](pipeline::HeldOutView) { return Result<void>(); }),
               FailsWith(ErrorCode::NotFound, "cam99"));
 }
 
 TEST(Demo, MakesBothVideosAndAReportOfScoresAgainstTruth) {
   TempFolder folder;
-  pipeline::DemoOptions options = default_demo();
+  pipeline::DemoOptions options = pipeline::default_demo();
   options.out = folder / "demo";
   options.studio.frames = 2;
   options.film_rate = 12;
   options.score_every = 1;
-  ASSERT_THAT(run_demo(options), IsOk());
+  ASSERT_THAT(pipeline::run_demo(options), IsOk());
   const json report = json::parse(*read_file(options.out / "report.json"));
   EXPECT_GT(report["seconds"].get<double>(), 0);
   for (const char* method : {"linear", "floating"}) {
@@ -128,7 +128,7 @@ TEST(Demo, MakesBothVideosAndAReportOfScoresAgainstTruth) {
     EXPECT_THAT((*video)->next(), FailsWith(ErrorCode::EndOfStream, ""));
     EXPECT_NE(*first, *second) << "nothing moves";
   }
-  EXPECT_THAT(run_demo(options), IsOk()) << "a demo may be made again where one was";
+  EXPECT_THAT(pipeline::run_demo(options), IsOk()) << "a demo may be made again where one was";
 }
 
 }  // namespace

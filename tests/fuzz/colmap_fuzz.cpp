@@ -8,6 +8,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace floatstage;
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   const auto [cameras, images] = two_files(input);
-  expect_sound(parse_colmap(cameras, images, "cameras", "images"));
+  expect_sound(calib::parse_colmap(cameras, images, "cameras", "images"));
   return 0;
 }

@@ -8,8 +8,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
   const std::string_view input(reinterpret_cast<const char*>(data), size);
-  if (const Result<calib::Detection> detection = parse_detection(input, "fuzz")) {
-    const Result<calib::Detection> again = parse_detection(to_text(*detection), "again");
+  if (const Result<calib::Detection> detection = calib::parse_detection(input, "fuzz")) {
+    const Result<calib::Detection> again = calib::parse_detection(calib::to_text(*detection), "again");
     FLOATSTAGE_CHECK(again && *again == *detection, "a detection that changes when it is written");
   }
   return 0;

@@ -8,6 +8,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace floatstage;
   const std::string_view input(reinterpret_cast<const char*>(data), size);
   const auto [intri, extri] = two_files(input);
-  expect_sound(parse_easymocap(intri, extri, "intri", "extri"));
+  expect_sound(calib::parse_easymocap(intri, extri, "intri", "extri"));
   return 0;
 }

@@ -36,6 +36,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.resolution = 48;  // of the octree that helps out, so that a slow input is one of the exact hull
   if (byte(0) & 64)
     options.volume = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1));
-  claim_closed_or_refused(visual_hull(rig, mattes, options));
+  claim_closed_or_refused(recon::visual_hull(rig, mattes, options));
   return 0;
 }

@@ -28,7 +28,7 @@ inline void claim_closed_or_refused(const Result<recon::HullReport>& hull) {
     FLOATSTAGE_CHECK(hull.error().code == ErrorCode::BadData, "an error that is not about the input");
     return;
   }
-  const recon::MeshCheck mesh = check_mesh(hull->mesh);
+  const recon::MeshCheck mesh = recon::check_mesh(hull->mesh);
   FLOATSTAGE_CHECK(mesh.watertight && mesh.manifold && mesh.oriented, "an open hull: " + mesh.summary());
 }
 

@@ -4,6 +4,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
-  expect_sound(parse_kalibr({reinterpret_cast<const char*>(data), size}, "fuzz"));
+  expect_sound(calib::parse_kalibr({reinterpret_cast<const char*>(data), size}, "fuzz"));
   return 0;
 }

@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto byte = [&](std::size_t at) { return data[at % size]; };
   const std::size_t cameras = 2 + byte(0) % 4;
   Rig rig;
-  std::vector<recon::Silhouette> outlines;
+  std::vector<Silhouette> outlines;
   std::size_t at = 1;
   for (std::size_t c = 0; c < cameras; ++c) {
     const std::optional<Rigid3> pose = pose_from([&] { return byte(at++); });
@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     camera.cam_from_world = *pose;
     if (!check(Rig{{camera}})) return 0;
     rig.cameras.push_back(camera);
-    recon::Silhouette outline;
+    Silhouette outline;
     const std::uint8_t head = byte(at++);
     outline.beyond_counts = head & 128;
     const int polygons = head % 4;
@@ -45,6 +45,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.voting = byte(0) & 16 ? recon::HullVoting::Auto : recon::HullVoting::Strict;
   if (byte(0) & 64)
     options.volume = Eigen::AlignedBox3d(Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(1, 1, 1));
-  claim_closed_or_refused(visual_hull(rig, outlines, options));
+  claim_closed_or_refused(recon::visual_hull(rig, outlines, options));
   return 0;
 }

@@ -7,6 +7,6 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
   const std::string_view input(reinterpret_cast<const char*>(data), size);
-  expect_sound(parse_qualisys(input, "fuzz"));
+  expect_sound(calib::parse_qualisys(input, "fuzz"));
   return 0;
 }

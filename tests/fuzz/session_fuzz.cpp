@@ -9,7 +9,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace floatstage;
   const Result<pipeline::Session> session =
-      parse_session({reinterpret_cast<const char*>(data), size}, "fuzz");
+      pipeline::parse_session({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (!session) return 0;
   FLOATSTAGE_CHECK(!session->observations.empty() ||
                        ((session->target || session->markerless) && !session->cameras.empty()),

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "matting/closed_form.h"
-#include "matting/consistency.h"
 #include "matting/keyers/keyer.h"
+#include "matting/method_selection.h"
 #include "matting/video/video_matting.h"
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"
@@ -60,8 +60,8 @@ std::vector<Image> spectral(const MatteClip& clip, const std::vector<Image>& key
   MattingClip frames;
   frames.frames = static_cast<int>(clip.frames.size());
   frames.photograph = [&](int f) -> Result<Image> { return clip.frames[static_cast<std::size_t>(f)]; };
-  frames.likelihood = [&](int f) -> Result<MatteOpinion> {
-    return MatteOpinion{key[static_cast<std::size_t>(f)], {}};
+  frames.likelihood = [&](int f) -> Result<MatteConstraint> {
+    return MatteConstraint{key[static_cast<std::size_t>(f)], {}};
   };
   TempFolder cache;
   VideoMattingOptions options;

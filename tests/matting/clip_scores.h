@@ -19,12 +19,12 @@ inline ClipScores score_clip(const std::vector<Image>& mattes, const std::vector
   ClipScores s;
   const double n = static_cast<double>(truth.size() - first);
   for (std::size_t f = first; f < truth.size(); ++f) {
-    s.mse += matte_mse(mattes[f], truth[f]) / n;
-    s.iou += matte_iou(mattes[f], truth[f]) / n;
+    s.mse += pipeline::matte_mse(mattes[f], truth[f]) / n;
+    s.iou += pipeline::matte_iou(mattes[f], truth[f]) / n;
   }
   for (std::size_t f = 1; f < truth.size(); ++f)
-    s.dtssd +=
-        matte_dtssd(mattes[f - 1], mattes[f], truth[f - 1], truth[f]) / static_cast<double>(truth.size() - 1);
+    s.dtssd += pipeline::matte_dtssd(mattes[f - 1], mattes[f], truth[f - 1], truth[f]) /
+               static_cast<double>(truth.size() - 1);
   return s;
 }
 

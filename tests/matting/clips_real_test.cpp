@@ -2,8 +2,8 @@
 
 #include "core/png.h"
 #include "matting/closed_form.h"
-#include "matting/consistency.h"
 #include "matting/keyers/keyer.h"
+#include "matting/method_selection.h"
 #include "matting/video/closed_form_video.h"
 #include "tests/matting/clip_scores.h"
 #include "tests/support/matchers.h"
@@ -74,7 +74,7 @@ TEST_P(Lemur, IsMattedBestByWhatExplainsThePictureBest) {
       const Image refined = *refine_matte(c.frames[f], key, key_refinement());
       const std::vector<double> r =
           composite_residuals(c.frames[f], {key, refined}, green ? nullptr : &plate);
-      EXPECT_EQ(r[1] < r[0], matte_mse(refined, c.truth[f]) < matte_mse(key, c.truth[f]))
+      EXPECT_EQ(r[1] < r[0], pipeline::matte_mse(refined, c.truth[f]) < pipeline::matte_mse(key, c.truth[f]))
           << green << " frame " << f;
     }
   }

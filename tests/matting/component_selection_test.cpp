@@ -80,7 +80,7 @@ TEST(SelectComponents, IsAsGoodAsTheBestOfAllSubsets) {
 
 TEST(SelectComponents, TakesAClickForItsComponentOnly) {
   const MattingComponents c = stripes(4);
-  MatteOpinion click{Image(16, 5, 1), Image(16, 5, 1)};
+  MatteConstraint click{Image(16, 5, 1), Image(16, 5, 1)};
   *click.opacity.at(9, 2) = *click.weight.at(9, 2) = 255;
   const auto found = select_components(c, {{click, 1}});
   ASSERT_THAT(found, IsOk());
@@ -89,7 +89,7 @@ TEST(SelectComponents, TakesAClickForItsComponentOnly) {
 
 TEST(SelectComponents, LetsTheStrongerOpinionWin) {
   const MattingComponents c = stripes(3);
-  const MatteOpinion first{picture_of(c, {true, false, false}), {}},
+  const MatteConstraint first{picture_of(c, {true, false, false}), {}},
       second{picture_of(c, {false, true, false}), {}};
   const auto a = select_components(c, {{first, 1}, {second, 0.3}}),
              b = select_components(c, {{first, 0.3}, {second, 1}});
@@ -102,7 +102,7 @@ TEST(SelectComponents, LetsTheStrongerOpinionWin) {
 
 TEST(SelectComponents, PersistsInTheChoiceOfTheFrameBefore) {
   const MattingComponents c = stripes(3);
-  MatteOpinion vague{Image(12, 5, 1, 128), {}};  // slightly for subject
+  MatteConstraint vague{Image(12, 5, 1, 128), {}};  // slightly for subject
   const auto alone = select_components(c, {{vague, 1}});
   const auto persistent = select_components(c, {{vague, 1}}, {false, true, false}, 0.1);
   ASSERT_THAT(persistent, IsOk());
@@ -122,7 +122,7 @@ TEST(SelectComponents, TakesNothingWhenNothingIsWanted) {
 
 TEST(SelectComponents, SaysWhatDoesNotFit) {
   const MattingComponents c = stripes(4);
-  const MatteOpinion good{Image(16, 5, 1, 9), {}};
+  const MatteConstraint good{Image(16, 5, 1, 9), {}};
   EXPECT_THAT(select_components(c, {}), FailsWith(ErrorCode::InvalidArgument, "nothing says"));
   EXPECT_THAT(select_components(c, {{{Image(16, 5, 1), Image(16, 5, 1, 0)}, 1}}),
               FailsWith(ErrorCode::InvalidArgument, "nothing says"));

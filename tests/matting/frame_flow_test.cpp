@@ -39,7 +39,7 @@ TEST_P(EveryFlow, FollowsATextureThatMoves) {
 
 TEST_P(EveryFlow, CarriesTheMatteWithThePicture) {
   const DiscPicture before = disc_picture(120, 80, 0, 0), after = disc_picture(120, 80, 4, 0);
-  const MatteOpinion guidance = guidance_from(before.alpha, before.rgb, after.rgb, GetParam());
+  const MatteConstraint guidance = guidance_from(before.alpha, before.rgb, after.rgb, GetParam());
   EXPECT_LT(mean_square(guidance.opacity, after.alpha), 0.3 * mean_square(before.alpha, after.alpha));
 }
 
@@ -71,11 +71,11 @@ TEST(Filtered, SmoothsShimmerAndLeavesMotion) {
   Image matte(4, 1, 1), previous(4, 1, 1);
   matte.pixels = {100, 100, 100, 0};
   previous.pixels = {110, 250, 110, 0};
-  const MatteOpinion carried{previous, [] {
-                               Image w(4, 1, 1, 255);
-                               w.pixels[2] = 0;
-                               return w;
-                             }()};
+  const MatteConstraint carried{previous, [] {
+                                  Image w(4, 1, 1, 255);
+                                  w.pixels[2] = 0;
+                                  return w;
+                                }()};
   const Image out = filtered(matte, carried, 0.5);
   EXPECT_GT(out.pixels[0], 100);
   EXPECT_LT(out.pixels[0], 110);

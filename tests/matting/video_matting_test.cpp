@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "matting/guided_upsample.h"
 #include "tests/matting/small_scenes.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -43,8 +44,8 @@ Image matte_at(const VideoMatting& video, int frame) {
   return matte ? *matte : Image();
 }
 
-MatteOpinion click(int x, int y, int opacity) {
-  MatteOpinion said{Image(kWidth, kHeight, 1), Image(kWidth, kHeight, 1)};
+MatteConstraint click(int x, int y, int opacity) {
+  MatteConstraint said{Image(kWidth, kHeight, 1), Image(kWidth, kHeight, 1)};
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       *said.opacity.at(x + dx, y + dy) = static_cast<std::uint8_t>(opacity);
@@ -165,7 +166,9 @@ TEST_F(VideoMattingOfADisc, DoesNotDependOnTheOrderOfEdits) {
 
 TEST_F(VideoMattingOfADisc, LetsAKeyerSpeakForTheSubject) {
   MattingClip clip = clip_of(kFrames);
-  clip.likelihood = [](int frame) -> Result<MatteOpinion> { return MatteOpinion{frame_of(frame).alpha, {}}; };
+  clip.likelihood = [](int frame) -> Result<MatteConstraint> {
+    return MatteConstraint{frame_of(frame).alpha, {}};
+  };
   VideoMatting video = prepared({}, std::move(clip));
   ASSERT_THAT(video.propagate(), IsOk());
   for (int frame = 0; frame < kFrames; ++frame)
@@ -178,8 +181,8 @@ TEST_F(VideoMattingOfADisc, GoesOnFromAKeyThatNoComponentsCameNear) {
                 1);  // a key that went wrong in the first frame: no component ends along its edge
   for (int y = 0; y < kHeight; ++y)
     std::fill_n(slanted.at(0, y), kWidth * (y + 1) / kHeight, std::uint8_t{255});
-  clip.likelihood = [&](int frame) -> Result<MatteOpinion> {
-    return MatteOpinion{frame == 0 ? slanted : frame_of(frame).alpha, {}};
+  clip.likelihood = [&](int frame) -> Result<MatteConstraint> {
+    return MatteConstraint{frame == 0 ? slanted : frame_of(frame).alpha, {}};
   };
   VideoMatting video = prepared({.likelihood_is_matte = true}, std::move(clip));
   ASSERT_THAT(video.propagate(), IsOk());
@@ -315,19 +318,12 @@ TEST(CarryUp, GivesTheEdgeOfTheLargePictureBack) {
   Image coarse(80, 53, 1);
   for (int y = 0; y < 53; ++y)
     for (int x = 0; x < 80; ++x) *coarse.at(x, y) = *large.alpha.at(3 * x + 1, 3 * y + 1);
-  const auto up = carry_up(coarse, large.rgb);
+  const auto up = guided_upsample(coarse, large.rgb);
   ASSERT_THAT(up, IsOk());
   EXPECT_LT(mean_square(*up, large.alpha), 1.5e-3);
-  EXPECT_THAT(carry_up(coarse, Image(100, 100, 3)), FailsWith(ErrorCode::InvalidArgument, "80x53"));
-  EXPECT_THAT(carry_up(large.rgb, large.rgb), FailsWith(ErrorCode::InvalidArgument, "3 channels"));
-  EXPECT_EQ(*carry_up(large.alpha, large.rgb), large.alpha);
-}
-
-TEST(SilhouetteOf, ThresholdsTheMatte) {
-  Image matte(3, 1, 1);
-  matte.pixels = {127, 128, 255};
-  EXPECT_THAT(silhouette_of(matte).pixels, ElementsAre(0, 255, 255));
-  EXPECT_THAT(silhouette_of(matte, 200).pixels, ElementsAre(0, 0, 255));
+  EXPECT_THAT(guided_upsample(coarse, Image(100, 100, 3)), FailsWith(ErrorCode::InvalidArgument, "80x53"));
+  EXPECT_THAT(guided_upsample(large.rgb, large.rgb), FailsWith(ErrorCode::InvalidArgument, "3 channels"));
+  EXPECT_EQ(*guided_upsample(large.alpha, large.rgb), large.alpha);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST(Process, MakesAMatteForEveryPhotographAndAMeshForEveryInstant) {
   for (int f = 0; f < 2; ++f) {
     const Result<Mesh> mesh = load_ply(layout.mesh(f));
     ASSERT_THAT(mesh, IsOk());
-    EXPECT_TRUE(check_mesh(*mesh).good()) << check_mesh(*mesh).summary();
+    EXPECT_TRUE(recon::check_mesh(*mesh).good()) << recon::check_mesh(*mesh).summary();
   }
 }
 

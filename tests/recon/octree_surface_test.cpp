@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
-#include "recon/mesh/mesh_care.h"
 #include "recon/mesh/mesh_check.h"
+#include "recon/mesh/mesh_cleanup.h"
 #include "tests/support/analytic_shapes.h"
 
 namespace floatstage::recon {
@@ -93,7 +93,7 @@ TEST(ExtractSurface, CrossesItselfNowhereWithAllVerticesInTheirSafePlaces) {
   }
 }
 
-TEST(CareFor, KeepsAWildSurfaceAManifold) {
+TEST(CleanupFor, KeepsAWildSurfaceAManifold) {
   const Surface raw = wild_surface();
   const MeshCheck before = check_mesh(to_mesh(raw));
   const MeshCheck after =

@@ -77,7 +77,7 @@ Image largest_component(const Image& mask) {
 }
 
 MatteSet load_temple(const std::filesystem::path& folder, const std::string& calibration, int grey) {
-  const calib::ForeignRig foreign = need(read_middlebury(folder / calibration));
+  const calib::ForeignRig foreign = need(calib::read_middlebury(folder / calibration));
   MatteSet set;
   for (std::size_t i = 0; i < foreign.rig.cameras.size(); ++i) {
     if (!std::filesystem::exists(folder / foreign.image_names[i])) continue;
@@ -104,7 +104,7 @@ MatteSet load_temple_sparse_ring(const std::filesystem::path& folder) {
 
 MatteSet load_green_dome(const std::filesystem::path& folder) {
   MatteSet set;
-  set.rig = need(read_dome(folder / "calibration.txt", 0.1)).rig;
+  set.rig = need(calib::read_dome(folder / "calibration.txt", 0.1)).rig;
   for (RigCamera& camera : set.rig.cameras) {
     const Image mask = thresholded(need(load_png(folder / "mattes" / (camera.serial + ".png"))), 127);
     camera.model.width = mask.width;

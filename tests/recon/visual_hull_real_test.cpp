@@ -208,7 +208,7 @@ void expect_cared(const MatteSet& set, double largest_shift) {
   EXPECT_EQ(after.genus, before.genus);
   EXPECT_EQ(after.shells, before.shells);
   ASSERT_TRUE(cared->care);
-  const HullCareReport& care = *cared->care;
+  const MeshCleanupReport& care = *cared->care;
   EXPECT_LE(care.triangles_after, raw->mesh.triangle_count() / 3);
   EXPECT_LT(care.slivers_after, care.slivers_before / 4);
   for (std::size_t c = 0; c < set.rig.cameras.size(); ++c) {

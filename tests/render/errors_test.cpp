@@ -2,7 +2,7 @@
 
 #include "tests/render/stage.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 using testing::AllOf;
@@ -14,8 +14,8 @@ class RenderErrors : public Rendering {
   Result<void> upload(const std::vector<bool>& usable = {}) {
     return textures_.upload(stage_.rig, stage_.scene, usable);
   }
-  Result<RenderedView> render(const View& view, const RendererOptions& options = {}) {
-    auto renderer = make_renderer("linear");
+  Result<render::RenderedView> render(const View& view, const RendererOptions& options = {}) {
+    auto renderer = render::make_renderer("linear");
     EXPECT_THAT(renderer, IsOk());
     return (*renderer)->render(textures_, view, options);
   }
@@ -67,7 +67,7 @@ TEST_F(RenderErrors, AFailedUploadLeavesTheOldScene) {
   ASSERT_THAT(upload(), IsOk());
   const auto before = render(view_at(3));
   ASSERT_THAT(before, IsOk());
-  const Image picture = download(*before);
+  const Image picture = render::download(*before);
   stage_.scene.mattes[2] = make_matte({}, Image(80, 60, 1));
   ASSERT_FALSE(upload());
   const auto after = render(view_at(3));
@@ -102,7 +102,7 @@ TEST_F(RenderErrors, RenderingBeforeUploadingIsRefused) {
 
 TEST_F(RenderErrors, OptionsOutOfRangeAreRefused) {
   ASSERT_THAT(upload(), IsOk());
-  RendererOptions options;
+  render::RendererOptions options;
   options.cameras = 0;
   EXPECT_THAT(render(view_at(0), options), FailsWith(ErrorCode::InvalidArgument, "photographs"));
   options = {};
@@ -114,8 +114,8 @@ TEST_F(RenderErrors, OptionsOutOfRangeAreRefused) {
 }
 
 TEST_F(RenderErrors, UnknownRenderersAreListedAgainstKnownOnes) {
-  EXPECT_THAT(make_renderer("magic"), FailsWith(ErrorCode::InvalidArgument, "linear"));
+  EXPECT_THAT(render::make_renderer("magic"), FailsWith(ErrorCode::InvalidArgument, "linear"));
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

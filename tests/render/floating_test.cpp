@@ -2,7 +2,7 @@
 
 #include "tests/render/stage.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 class Floating : public Rendering {};
@@ -107,7 +107,7 @@ TEST_F(Floating, IdenticalProjectionsDoNotMoveAndBlendAsBefore) {
   const Image linear = rendered(stage, view_at(6), "linear"),
               floating = rendered(stage, view_at(6), "floating");
   for (std::size_t i = 0; i < linear.pixels.size(); ++i) ASSERT_NEAR(linear.pixels[i], floating.pixels[i], 1);
-  RendererOptions options;
+  render::RendererOptions options;
   options.output = RenderOutput::Flow;
   const Image flow = rendered(stage, view_at(6), "floating", options);
   for (std::size_t i = 0; i < flow.pixels.size(); i += 4) {
@@ -132,7 +132,7 @@ TEST_F(Floating, IsNearerToTheTruthThanLinearWhenTheProxyIsWrong) {
 
 TEST_F(Floating, TheNumberOfThreadsDoesNotChangeAByte) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 48), ball(0.265F, 24));
-  RendererOptions one, two;
+  render::RendererOptions one, two;
   one.threads = 1;
   two.threads = 2;
   EXPECT_EQ(rendered(stage, view_at(7), "floating", one), rendered(stage, view_at(7), "floating", two));
@@ -146,4 +146,4 @@ TEST_F(Floating, WorksWithASingleCamera) {
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

@@ -6,7 +6,7 @@
 #include "render/pairwise_flows.h"
 #include "tests/support/matchers.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 using testing::HasSubstr;
@@ -25,15 +25,15 @@ std::vector<std::uint8_t> texture(int width, int height, double dx, double dy) {
 
 class FlowBackend : public testing::TestWithParam<std::string> {
  protected:
-  std::unique_ptr<FlowEstimator> make() {
-    FlowOptions options;
+  std::unique_ptr<render::FlowEstimator> make() {
+    render::FlowOptions options;
     options.backend = GetParam();
-    auto made = make_flow_estimator(options);
+    auto made = render::make_flow_estimator(options);
     EXPECT_THAT(made, IsOk());
     return std::move(*made);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Conformance, FlowBackend, testing::ValuesIn(flow_backends()),
+INSTANTIATE_TEST_SUITE_P(Conformance, FlowBackend, testing::ValuesIn(render::flow_backends()),
                          [](const auto& param) { return param.param; });
 
 TEST_P(FlowBackend, FindsADisplacementWithItsSign) {
@@ -73,15 +73,15 @@ TEST_P(FlowBackend, RefusesPicturesOfDifferentSizes) {
 }
 
 TEST(Flow, RefusesUnknownNamesAndNumbers) {
-  FlowOptions options;
+  render::FlowOptions options;
   options.backend = "guess";
-  EXPECT_THAT(make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "'guess'"));
+  EXPECT_THAT(render::make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "'guess'"));
   options = {};
   options.preset = "slow";
-  EXPECT_THAT(make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "'slow'"));
+  EXPECT_THAT(render::make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "'slow'"));
   options = {};
   options.finest_scale = -1;
-  EXPECT_THAT(make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "finest scale"));
+  EXPECT_THAT(render::make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "finest scale"));
 }
 
 TEST(FillUnknown, KeepsWhatIsKnownAndContinuesItSmoothly) {
@@ -93,7 +93,7 @@ TEST(FillUnknown, KeepsWhatIsKnownAndContinuesItSmoothly) {
       known[static_cast<std::size_t>(y * kWidth + x)] = true;
       values[static_cast<std::size_t>(y * kWidth + x)] = x < 5 ? 10 : 20;
     }
-  fill_unknown(kWidth, kHeight, 1, known, values.data());
+  render::fill_unknown(kWidth, kHeight, 1, known, values.data());
   for (int i = 0; i < kWidth * kHeight; ++i) {
     const float v = values[static_cast<std::size_t>(i)];
     if (known[static_cast<std::size_t>(i)]) {
@@ -107,7 +107,7 @@ TEST(FillUnknown, KeepsWhatIsKnownAndContinuesItSmoothly) {
 
 TEST(FillUnknown, NothingKnownIsZero) {
   std::vector<float> values(30, 7);
-  fill_unknown(3, 5, 2, std::vector<bool>(15, false), values.data());
+  render::fill_unknown(3, 5, 2, std::vector<bool>(15, false), values.data());
   EXPECT_THAT(values, testing::Each(0.F));
 }
 
@@ -119,27 +119,27 @@ ProjectedImages two_images(double dx) {
 
 TEST(FlowTrust, BelievesARightFlowAndNotAWrongOne) {
   const ProjectedImages images = two_images(3);
-  FlowField right{160, 120, std::vector<float>(2 * 160 * 120, 0)}, wrong = right, back = right;
+  render::FlowField right{160, 120, std::vector<float>(2 * 160 * 120, 0)}, wrong = right, back = right;
   for (std::size_t i = 0; i < right.uv.size(); i += 2) {
     right.uv[i] = 3;
     wrong.uv[i] = -3;
     back.uv[i] = -3;
   }
   const std::size_t middle = 60 * 160 + 80;
-  EXPECT_TRUE(trusted(images, 0, 1, right, &back)[middle]);
-  EXPECT_FALSE(trusted(images, 0, 1, wrong, nullptr)[middle]) << "it makes the pictures differ more";
-  EXPECT_FALSE(trusted(images, 0, 1, right, &right)[middle]) << "the way back does not lead home";
+  EXPECT_TRUE(render::trusted(images, 0, 1, right, &back)[middle]);
+  EXPECT_FALSE(render::trusted(images, 0, 1, wrong, nullptr)[middle]) << "it makes the pictures differ more";
+  EXPECT_FALSE(render::trusted(images, 0, 1, right, &right)[middle]) << "the way back does not lead home";
 }
 
 TEST(FlowTrust, BelievesNothingWhereAColorIsBorrowed) {
-  ProjectedImages images = two_images(0);
+  render::ProjectedImages images = two_images(0);
   images.state[1].assign(images.state[1].size(), ProjectedImages::kFilled);
   const FlowField none{160, 120, std::vector<float>(2 * 160 * 120, 0)};
-  EXPECT_THAT(trusted(images, 0, 1, none, &none), testing::Each(false));
+  EXPECT_THAT(render::trusted(images, 0, 1, none, &none), testing::Each(false));
 }
 
 TEST(PairwiseFlows, HasBothDirections) {
-  PairwiseFlows flows;
+  render::PairwiseFlows flows;
   ASSERT_THAT(flows.estimate(two_images(3), {true, true}, {}, 1), IsOk());
   ASSERT_EQ(flows.fields().size(), 2U);
   const std::size_t middle = 2 * (60 * 160 + 80);
@@ -148,30 +148,30 @@ TEST(PairwiseFlows, HasBothDirections) {
 }
 
 TEST(PairwiseFlows, ContinuesTheFlowWhereAnImageHasNoColorOfItsOwn) {
-  ProjectedImages images = two_images(3);
+  render::ProjectedImages images = two_images(3);
   for (int y = 40; y < 80; ++y)  // a hole filled from the other image: there it would look unmoved
     for (int x = 60; x < 90; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * 160 + static_cast<std::size_t>(x);
       images.state[1][i] = ProjectedImages::kFilled;
       images.gray[1][i] = images.gray[0][i];
     }
-  PairwiseFlows flows;
+  render::PairwiseFlows flows;
   ASSERT_THAT(flows.estimate(images, {true, true}, {}, 1), IsOk());
   EXPECT_NEAR(flows.fields()[0].uv[2 * (60 * 160 + 75)], 3, 0.6);
 }
 
 TEST(PairwiseFlows, DropsDisplacementsWithinTheJitterOfTheFlow) {
-  PairwiseFlows flows;
+  render::PairwiseFlows flows;
   ASSERT_THAT(flows.estimate(two_images(0.1), {true, true}, {}, 1), IsOk());
   EXPECT_EQ(flows.fields()[0].uv[2 * (60 * 160 + 80)], 0);
 }
 
 TEST(PairwiseFlows, LeavesOutImagesThatPullNothing) {
-  PairwiseFlows flows;
+  render::PairwiseFlows flows;
   ASSERT_THAT(flows.estimate(two_images(3), {true, false}, {}, 1), IsOk());
   EXPECT_THAT(flows.fields()[0].uv, testing::Each(0.F));  // towards the second image
   EXPECT_NE(flows.fields()[1].uv[2 * (60 * 160 + 80)], 0);
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

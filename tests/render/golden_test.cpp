@@ -8,7 +8,7 @@
 #include "core/png.h"
 #include "tests/render/stage.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 constexpr double kMeanTolerance = 1.0;      // 8-bit steps, over the covered pixels: drivers round differently
@@ -60,7 +60,7 @@ TEST_P(Goldens, LooksAsBefore) {
   // A flattened ball with a wrong proxy, so that ghosts, occlusion and soft visibility have something to
   // show.
   const Stage stage = photographed(arc(5, 25), ball(0.25F, 48, 0.6F), ball(0.265F, 16, 0.6F));
-  RendererOptions options;
+  render::RendererOptions options;
   options.output = golden.output;
   const Image actual = rendered(stage, view_at(8, 25), golden.method, options);
   double covered = 0, mean[3] = {0, 0, 0};
@@ -96,4 +96,4 @@ TEST_P(Goldens, LooksAsBefore) {
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

@@ -2,7 +2,7 @@
 
 #include "tests/render/stage.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 class Renderers : public Rendering, public testing::WithParamInterface<const char*> {};
@@ -44,7 +44,7 @@ TEST_P(Renderers, RenderingTwiceGivesTheSameBytes) {
 TEST_P(Renderers, AnEmptyMeshGivesTheBackground) {
   Stage stage = photographed(arc(3, 20), ball(0.25F, 24), ball(0.25F, 24));
   stage.scene.mesh = {};
-  RendererOptions options;
+  render::RendererOptions options;
   options.background = {0, 0, 1};
   const Image picture = rendered(stage, view_at(0), GetParam(), options);
   for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
@@ -55,4 +55,4 @@ TEST_P(Renderers, AnEmptyMeshGivesTheBackground) {
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

@@ -5,7 +5,7 @@
 #include "render/camera_block.h"
 #include "tests/render/stage.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 TEST(PinholeBounds, HoldTheWholePictureOfACurvedLens) {
@@ -14,7 +14,7 @@ TEST(PinholeBounds, HoldTheWholePictureOfACurvedLens) {
   camera.model.lens = BrownConrady{-0.3, 0.1, 0.001, -0.002, 0};
   camera.cam_from_world = on_orbit(0);
   const Eigen::AlignedBox3f everything(Eigen::Vector3f::Constant(-10), Eigen::Vector3f::Constant(10));
-  const Eigen::AlignedBox2d bounds = pinhole_bounds(camera, everything, 0);
+  const Eigen::AlignedBox2d bounds = render::pinhole_bounds(camera, everything, 0);
   for (int y = 0; y <= 120; y += 5)
     for (int x = 0; x <= 160; x += 5) {
       const auto ray = unproject(camera.model, {x, y});
@@ -28,13 +28,13 @@ TEST(PinholeBounds, NeverReachFartherThanTheSubject) {
   camera.model = small_camera();
   camera.cam_from_world = on_orbit(0, 0);
   const Eigen::AlignedBox3f small(Eigen::Vector3f::Constant(-0.1F), Eigen::Vector3f::Constant(0.1F));
-  EXPECT_LT(pinhole_bounds(camera, small, 0).sizes().maxCoeff(), 0.25);
+  EXPECT_LT(render::pinhole_bounds(camera, small, 0).sizes().maxCoeff(), 0.25);
 }
 
 TEST(LargestRadius, EndsWhereTheLensTurnsBack) {
-  EXPECT_GT(largest_radius2(std::monostate{}), 1e10);
+  EXPECT_GT(render::largest_radius2(std::monostate{}), 1e10);
   const BrownConrady barrel{-0.3, 0, 0, 0, 0};  // r - 0.3 r³ rises until r² = 1 / 0.9
-  EXPECT_NEAR(largest_radius2(barrel), 1 / 0.9, 0.01);
+  EXPECT_NEAR(render::largest_radius2(barrel), 1 / 0.9, 0.01);
 }
 
 TEST(WindowOf, HoldsTheMeshWithItsMargin) {
@@ -54,9 +54,9 @@ TEST(WindowOf, HoldsTheMeshWithItsMargin) {
 TEST(WindowOf, IsEmptyWhenTheMeshIsNotInThePicture) {
   View view = view_at(0);
   view.view_from_world = look_at({1, 0, 0}, {2, 0, 0}, Eigen::Vector3d::UnitZ());  // away from it
-  EXPECT_TRUE(window_of(view, ball(0.1F, 6).positions, 0).empty());
+  EXPECT_TRUE(render::window_of(view, ball(0.1F, 6).positions, 0).empty());
   view.view_from_world = look_at({1, 0, 0}, {0, 3, 0}, Eigen::Vector3d::UnitZ());  // past it
-  EXPECT_TRUE(window_of(view, ball(0.1F, 6).positions, 0).empty());
+  EXPECT_TRUE(render::window_of(view, ball(0.1F, 6).positions, 0).empty());
 }
 
 class Geometry : public Rendering {};
@@ -177,8 +177,8 @@ TEST_F(Geometry, AColorOutsideTheMatteIsNotUsedWhereAnotherCameraKnowsBetter) {
 
 TEST_F(Geometry, EveryIntermediateCanBeShown) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 24), ball(0.265F, 24));
-  for (int output = 0; output < static_cast<int>(render_output_names().size()); ++output) {
-    RendererOptions options;
+  for (int output = 0; output < static_cast<int>(render::render_output_names().size()); ++output) {
+    render::RendererOptions options;
     options.output = static_cast<RenderOutput>(output);
     const Image picture = rendered(stage, view_at(7), "floating", options);
     int covered = 0, colored = 0;
@@ -187,10 +187,10 @@ TEST_F(Geometry, EveryIntermediateCanBeShown) {
       colored +=
           picture.pixels[i + 3] > 0 && picture.pixels[i] + picture.pixels[i + 1] + picture.pixels[i + 2] > 0;
     }
-    EXPECT_GT(covered, 1500) << render_output_names()[static_cast<std::size_t>(output)];
-    EXPECT_GT(colored, covered / 2) << render_output_names()[static_cast<std::size_t>(output)];
+    EXPECT_GT(covered, 1500) << render::render_output_names()[static_cast<std::size_t>(output)];
+    EXPECT_GT(colored, covered / 2) << render::render_output_names()[static_cast<std::size_t>(output)];
   }
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

@@ -10,7 +10,7 @@
 #include "tests/render/stage.h"
 #include "tests/support/real_data.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 constexpr int kGrid = 7;
@@ -76,15 +76,15 @@ class Bunny : public Rendering {
   /// Mean PSNR over the test views, in the eroded intersection of the true silhouette and the proxy.
   double score(const Mesh& proxy, const char* method) {
     stage_.scene.mesh = proxy;
-    SceneTextures textures;
+    render::SceneTextures textures;
     EXPECT_THAT(textures.upload(stage_.rig, stage_.scene), IsOk());
-    auto renderer = make_renderer(method);
+    auto renderer = render::make_renderer(method);
     EXPECT_THAT(renderer, IsOk());
     double sum = 0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       const auto rendering = (*renderer)->render(textures, view_of(views_[i]), {});
       EXPECT_THAT(rendering, IsOk());
-      const Image picture = download(*rendering);
+      const Image picture = render::download(*rendering);
       sum += psnr(picture, truth_[i].rgb, [&](int x, int y) {
         for (int v = -kErosion; v <= kErosion; ++v)
           for (int u = -kErosion; u <= kErosion; ++u) {
@@ -118,4 +118,4 @@ TEST_F(Bunny, FloatingBeatsLinearOnTheCoarseProxyAndLosesNothingOnTheExactOne) {
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

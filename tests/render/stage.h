@@ -9,7 +9,9 @@
 #include "tests/support/matchers.h"
 #include "tests/support/raster.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
+
+using namespace test;  // pictures with truth
 
 /// A small stage with truth: a checkered ball photographed by cameras on an arc.
 struct Stage {
@@ -105,15 +107,15 @@ inline View view_at(double degrees, double elevation = 10, const CameraModel& mo
 /// Renders one picture from scratch.
 inline Image rendered(const Stage& stage, const View& view, std::string_view method,
                       const RendererOptions& options = {}, const std::vector<bool>& usable = {}) {
-  SceneTextures textures;
+  render::SceneTextures textures;
   const Result<void> uploaded = textures.upload(stage.rig, stage.scene, usable);
   EXPECT_THAT(uploaded, IsOk());
-  Result<std::unique_ptr<ViewRenderer>> renderer = make_renderer(method);
+  Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(method);
   EXPECT_THAT(renderer, IsOk());
   if (!uploaded || !renderer) return {};
-  const Result<RenderedView> picture = (*renderer)->render(textures, view, options);
+  const Result<render::RenderedView> picture = (*renderer)->render(textures, view, options);
   EXPECT_THAT(picture, IsOk());
-  return picture ? download(*picture) : Image{};
+  return picture ? render::download(*picture) : Image{};
 }
 
 /// Pixels where `keep` holds, PSNR of the RGB of a 4-channel picture against a 3- or 4-channel one.
@@ -147,13 +149,13 @@ inline bool well_inside(const Image& picture, int x, int y, int radius) {
 class Rendering : public testing::Test {
  protected:
   void SetUp() override {
-    Result<std::unique_ptr<GlContext>> made = GlContext::headless();
+    Result<std::unique_ptr<render::GlContext>> made = GlContext::headless();
     ASSERT_THAT(made, IsOk());
     context_ = std::move(*made);
   }
 
  private:
-  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<render::GlContext> context_;
 };
 
-}  // namespace floatstage::test
+}  // namespace floatstage::render

@@ -5,7 +5,7 @@
 #include "render/camera_choice.h"
 #include "tests/render/stage.h"
 
-namespace floatstage::test {
+namespace floatstage::render {
 namespace {
 
 std::vector<Eigen::Vector3f> samples_of(const Mesh& mesh) {
@@ -108,15 +108,15 @@ TEST_F(Weights, PicturesAreContinuousAlongAPath) {
     const Image flat(160, 120, 3, static_cast<std::uint8_t>(40 * c + 20));
     stage.scene.images.frames[c] = make_frame(stage.scene.images.frames[c].info, flat);
   }
-  SceneTextures textures;
+  render::SceneTextures textures;
   ASSERT_THAT(textures.upload(stage.rig, stage.scene), IsOk());
-  auto renderer = make_renderer("linear");
+  auto renderer = render::make_renderer("linear");
   ASSERT_THAT(renderer, IsOk());
   Image before;
   for (double degrees = -12; degrees <= 12; degrees += 0.25) {
     const auto picture = (*renderer)->render(textures, view_at(degrees), {});
     ASSERT_THAT(picture, IsOk());
-    const Image now = download(*picture);
+    const Image now = render::download(*picture);
     for (int y = 50; y < 70 && !before.empty(); ++y)
       for (int x = 60; x < 100; ++x) ASSERT_NEAR(now.at(x, y)[0], before.at(x, y)[0], 6) << "at " << degrees;
     before = now;
@@ -124,4 +124,4 @@ TEST_F(Weights, PicturesAreContinuousAlongAPath) {
 }
 
 }  // namespace
-}  // namespace floatstage::test
+}  // namespace floatstage::render

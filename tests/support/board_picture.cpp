@@ -78,7 +78,7 @@ class Scene {
       for (const double x : wand->positions) balls_.push_back(cam_from_target * Vector3d(x, 0, 0));
       return;
     }
-    sheets_ = target_sheets(target);
+    sheets_ = calib::target_sheets(target);
     papers_.reserve(sheets_.size());
     for (const calib::Sheet& sheet : sheets_) {
       papers_.emplace_back(sheet, o);
@@ -204,7 +204,8 @@ Image board_picture(const calib::TargetDesign& target, const CameraModel& model,
 std::vector<std::optional<Vector2d>> true_pixels(const calib::TargetDesign& target, const CameraModel& model,
                                                  const Rigid3& cam_from_target) {
   std::vector<std::optional<Vector2d>> pixels;
-  for (const Vector3d& p : target_points(target)) pixels.push_back(project(model, cam_from_target * p));
+  for (const Vector3d& p : calib::target_points(target))
+    pixels.push_back(project(model, cam_from_target * p));
   return pixels;
 }
 
@@ -222,7 +223,7 @@ CameraModel simple_camera(int width, int height, double field_of_view, Lens lens
 Rigid3 before_camera(const calib::TargetDesign& target, double distance, const Vector3d& degrees,
                      const Vector3d& shift) {
   Vector3d low = Vector3d::Constant(1e9), high = -low;
-  for (const Vector3d& p : target_points(target)) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const Vector3d& p : calib::target_points(target)) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const Vector3d r = degrees * std::numbers::pi / 180;
   const Eigen::Quaterniond turn = Eigen::AngleAxisd(r.z(), Vector3d::UnitZ()) *
                                   Eigen::AngleAxisd(r.y(), Vector3d::UnitY()) *

@@ -17,7 +17,7 @@ inline std::filesystem::path small_take(const TempFolder& folder, int frames = 2
   options.rig.height = 120;
   options.studio.samples = 4;
   options.frames = frames;
-  EXPECT_THAT(synthesize_take(options), IsOk());
+  EXPECT_THAT(pipeline::synthesize_take(options), IsOk());
   return options.out;
 }
 

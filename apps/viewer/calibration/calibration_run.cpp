@@ -31,7 +31,7 @@ Result<std::unique_ptr<LiveRun>> LiveRun::start(const studio::CaptureConfig& con
   std::unique_ptr<LiveRun> run(new LiveRun(config, options));
   std::vector<calib::CalibrationCamera> cameras;
   for (const studio::CaptureConfig::Camera& from : config.cameras) {
-    Result<std::unique_ptr<capture::FrameSource>> source = open_source(from.source);
+    Result<std::unique_ptr<capture::FrameSource>> source = capture::open_source(from.source);
     if (!source) return forward(source);
     const Result<capture::StreamInfo> info = (*source)->start();
     if (!info) return forward(info);
@@ -51,8 +51,8 @@ Result<std::unique_ptr<LiveRun>> LiveRun::start(const studio::CaptureConfig& con
   run->live_ = std::make_unique<calib::LiveCalibration>(options.target, std::move(cameras));
   known(run->live_->observations());
   if (const Result<void> sound = check(run->live_->observations()); !sound) return forward(sound);
-  run->status_.coverage = coverage_of(run->live_->observations());
-  run->status_.advice = advise(run->status_.coverage, options.goals);
+  run->status_.coverage = calib::coverage_of(run->live_->observations());
+  run->status_.advice = calib::advise(run->status_.coverage, options.goals);
   for (std::size_t i = 0; i < run->lanes_.size(); ++i)
     run->lanes_[i]->thread = std::thread([r = run.get(), i] { r->stream(i); });
   run->looking_ = std::thread([r = run.get()] { r->look(); });
@@ -103,9 +103,9 @@ bool LiveRun::use(const FrameSet& set) {
     if (!lane->trouble.empty()) status_.trouble = text("camera '", lane->serial, "': ", lane->trouble);
   }
   if (instant->counted) {
-    status_.coverage = coverage_of(live_->observations());
-    status_.advice = advise(status_.coverage, options_.goals);
-    status_.completeness = completeness(status_.coverage, options_.goals);
+    status_.coverage = calib::coverage_of(live_->observations());
+    status_.advice = calib::advise(status_.coverage, options_.goals);
+    status_.completeness = calib::completeness(status_.coverage, options_.goals);
   }
   status_.instant = *std::move(instant);
   wake_.notify_all();
@@ -177,9 +177,9 @@ void LiveRun::solve() {
     calib::CalibrationOptions quick = options_.calibration;
     quick.holdout_every = 0;
     quick.time_offsets = false;
-    calib::Observations thin = thinned(snapshot, options_.quick_frames);
+    calib::Observations thin = calib::thinned(snapshot, options_.quick_frames);
     if (auto* floor = std::get_if<calib::FloorBoard>(&thin.gauge); floor) thin.gauge = calib::OwnGauge{};
-    Result<calib::Calibration> solution = calibrate(thin, quick);
+    Result<calib::Calibration> solution = calib::calibrate(thin, quick);
     std::lock_guard lock(mutex_);
     if (solution) {
       status_.solution = *std::move(solution);

@@ -31,8 +31,8 @@ void draw_camera(const LiveStatus& status, std::size_t c, float width) {
   const ImVec2 size(width, width * static_cast<float>(h) / static_cast<float>(w)),
       at = ImGui::GetCursorScreenPos();
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  const float cw = size.x / calib::kCoverageColumns, ch = size.y / kCoverageRows;
-  for (int row = 0; row < kCoverageRows; ++row)
+  const float cw = size.x / calib::kCoverageColumns, ch = size.y / calib::kCoverageRows;
+  for (int row = 0; row < calib::kCoverageRows; ++row)
     for (int column = 0; column < calib::kCoverageColumns; ++column) {
       const int n = coverage.cells[static_cast<std::size_t>(row * calib::kCoverageColumns + column)];
       const float full = std::min(1.f, std::log2(1.f + static_cast<float>(n)) / 6.f);
@@ -137,8 +137,8 @@ void draw_side(const LiveStatus& status, bool& floor) {
 
 Result<void> show_live(LiveRun& run, const LiveViewOptions& options,
                        const std::function<bool()>& interrupted) {
-  Result<std::unique_ptr<render::Window>> window =
-      render::Window::open("floatstage calibrate live", options.width, options.height);
+  Result<std::unique_ptr<Window>> window =
+      Window::open("floatstage calibrate live", options.width, options.height);
   if (!window) return forward(window);
   int after_end = 0;
   while (!(*window)->should_close() && !interrupted()) {

@@ -52,13 +52,13 @@ void draw_node(const studio::NodeStatus& node) {
   draw_cameras(node);
 }
 
-void draw_recording(LivePanelState& state, const ControlDesk::State& studio, ControlDesk& desk) {
+void draw_recording(LivePanelState& state, const ControlModel::State& studio, ControlModel& model) {
   if (studio.busy) {
     ImGui::TextDisabled("a moment...");
   } else if (studio.recording()) {
-    if (ImGui::Button("stop")) desk.stop();
+    if (ImGui::Button("stop")) model.stop();
   } else {
-    if (ImGui::Button("record")) desk.record(state.label);
+    if (ImGui::Button("record")) model.record(state.label);
     ImGui::SameLine();
     ImGui::SetNextItemWidth(120);
     ImGui::InputText("label", &state.label);
@@ -72,27 +72,27 @@ void draw_recording(LivePanelState& state, const ControlDesk::State& studio, Con
 
 }  // namespace
 
-void draw_live_panel(LivePanelState& state, ControlDesk& desk) {
+void draw_live_panel(LivePanelState& state, ControlModel& model) {
   ImGui::Text("%.1f scenes a second, %.0f ms old", state.fps, state.latency_ms);
   ImGui::Checkbox("hold this scene (space)", &state.hold);
   ImGui::Checkbox("automatic quality", &state.automatic);
-  const std::vector<studio::LiveQuality>& qualities = live_qualities();
+  const std::vector<studio::LiveQuality>& qualities = studio::live_qualities();
   ImGui::SetNextItemWidth(150);
   if (ImGui::BeginCombo("quality", qualities[state.quality].name.c_str())) {
     for (std::size_t i = 0; i < qualities.size(); ++i) {
-      if (!ImGui::Selectable(describe(qualities[i]).c_str(), i == state.quality)) continue;
+      if (!ImGui::Selectable(studio::describe(qualities[i]).c_str(), i == state.quality)) continue;
       state.quality = i;
       state.automatic = false;
     }
     ImGui::EndCombo();
   }
   if (!state.remark.empty()) complain(state.remark);
-  if (desk.empty()) {
+  if (model.empty()) {
     ImGui::TextDisabled("nothing to record here");
     return;
   }
-  const ControlDesk::State studio = desk.state();
-  draw_recording(state, studio, desk);
+  const ControlModel::State studio = model.state();
+  draw_recording(state, studio, model);
   for (const studio::NodeStatus& node : studio.nodes) draw_node(node);
 }
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "apps/viewer/live/control_desk.h"
+#include "apps/viewer/live/control_model.h"
 
 namespace floatstage::apps {
 
@@ -16,8 +16,8 @@ struct LivePanelState {
   std::string label = "take";      ///< of the next recording
 };
 
-/// Rate, latency, quality, the cameras' health and the record button, which goes to the desk at once. Draws
+/// Rate, latency, quality, the cameras' health and the record button, which goes to the model at once. Draws
 /// into the present ImGui window.
-void draw_live_panel(LivePanelState& state, ControlDesk& desk);
+void draw_live_panel(LivePanelState& state, ControlModel& model);
 
 }  // namespace floatstage::apps

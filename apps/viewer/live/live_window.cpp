@@ -26,15 +26,15 @@ constexpr Nanoseconds kPatience = milliseconds(20);  // for a scene, before the 
 
 class LiveWindow {
  public:
-  LiveWindow(studio::SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options)
+  LiveWindow(studio::SceneFeed& feed, ControlModel& model, const LiveWindowOptions& options)
       : feed_(feed),
-        desk_(desk),
+        model_(model),
         options_(options),
         home_(home_of(feed.rig())),
         canvas_(feed.rig(), {}),
         pace_(options.run.target_fps, options.run.quality),
         state_{TimeLine(1, 0), ViewerCamera(home_)} {
-    for (const render::RendererInfo& r : renderers()) state_.methods.push_back(r.name);
+    for (const render::RendererInfo& r : render::renderers()) state_.methods.push_back(r.name);
     state_.renderer = options.run.renderer;
     state_.show_cameras = options.show_cameras;
     state_.status = feed.description();
@@ -43,7 +43,7 @@ class LiveWindow {
   }
 
   Result<void> follow(const std::filesystem::path& file) {
-    Result<pipeline::CameraPath> path = load_path(file);
+    Result<pipeline::CameraPath> path = pipeline::load_path(file);
     if (!path) return forward(path);
     state_.path.set(std::move(*path));
     state_.path_file = file.string();
@@ -53,9 +53,9 @@ class LiveWindow {
 
   /// One frame of the user interface. Errors are shown, not returned: the window stays.
   void frame() {
-    feed_.look_after();
-    const std::shared_ptr<const studio::LiveScene> fresh = feed_.newest(now() + kPatience);
-    const Timestamp begun = now();
+    feed_.poll();
+    const std::shared_ptr<const studio::LiveScene> fresh = feed_.newest(studio::now() + kPatience);
+    const Timestamp begun = studio::now();
     feed_.drawing(begun);
     const bool shown = fresh && state_.time.playing;
     if (shown) show(fresh);
@@ -64,14 +64,15 @@ class LiveWindow {
     lay_out();
     if (scene_ && !scene_->scene.mesh.empty()) {
       // Textures of other machines come only when they are asked for: before the first picture too.
-      const View view =
-          canvas_.view() ? *canvas_.view() : view_of(home_, options_.run.width, options_.run.height, {});
-      feed_.want(needed_cameras(feed_.rig(), scene_->scene.mesh, view, state_.renderer.cameras));
+      const View view = canvas_.view()
+                            ? *canvas_.view()
+                            : pipeline::view_of(home_, options_.run.width, options_.run.height, {});
+      feed_.want(render::needed_cameras(feed_.rig(), scene_->scene.mesh, view, state_.renderer.cameras));
     }
-    const Timestamp done = now();
+    const Timestamp done = studio::now();
     feed_.drawn(done);
     pace_.drew(begun, done,
-               shown ? std::optional(milliseconds_of(done - fresh->scene.produced)) : std::nullopt);
+               shown ? std::optional(studio::milliseconds_of(done - fresh->scene.produced)) : std::nullopt);
     look_around(done);
   }
   bool stands() const { return shown_ >= kScenesBeforeScreenshot && canvas_.has_picture(); }
@@ -79,7 +80,7 @@ class LiveWindow {
  private:
   // Between two cameras: at a camera every method shows its photograph.
   static pipeline::PathKey home_of(const Rig& rig) {
-    return sample(orbit_path(rig, {}, 1), 0.5 / static_cast<double>(rig.cameras.size()));
+    return pipeline::sample(pipeline::orbit_path(rig, {}, 1), 0.5 / static_cast<double>(rig.cameras.size()));
   }
 
   void advance_path(double seconds) {
@@ -94,19 +95,19 @@ class LiveWindow {
   }
 
   void use_quality(std::size_t level) {
-    const studio::LiveQuality& quality = live_qualities()[level];
+    const studio::LiveQuality& quality = studio::live_qualities()[level];
     panel_.quality = level;
     feed_.set_quality(quality.node);
     state_.renderer.flow = quality.flow;
     state_.renderer.sharp = quality.sharp;
     const auto method = std::find(state_.methods.begin(), state_.methods.end(), quality.method);
     if (method != state_.methods.end()) state_.left = static_cast<int>(method - state_.methods.begin());
-    log::info(
-        text("live quality at ", std::round(10 * pace_.fps()) / 10, " scenes a second: ", describe(quality)));
+    log::info(text("live quality at ", std::round(10 * pace_.fps()) / 10,
+                   " scenes a second: ", studio::describe(quality)));
   }
 
   void look_around(Timestamp time) {
-    if (!pace_.look(time, feed_.frame_rate(), panel_.automatic && state_.time.playing)) return;
+    if (!pace_.judge(time, feed_.frame_rate(), panel_.automatic && state_.time.playing)) return;
     panel_.fps = pace_.fps();
     panel_.latency_ms = pace_.latency_ms();
     panel_.remark = feed_.remark();
@@ -115,13 +116,13 @@ class LiveWindow {
   }
 
   void draw_panels() {
-    if (ImGui::CollapsingHeader("Studio", ImGuiTreeNodeFlags_DefaultOpen)) draw_live_panel(panel_, desk_);
+    if (ImGui::CollapsingHeader("Studio", ImGuiTreeNodeFlags_DefaultOpen)) draw_live_panel(panel_, model_);
     if (panel_.quality != pace_.quality()) {
       pace_.choose(panel_.quality);
       use_quality(panel_.quality);
     }
     const PanelRequests requests = draw_controls(state_, canvas_.render_milliseconds(), -1);
-    obey_camera_requests(requests, home_, state_);
+    apply_camera_requests(requests, home_, state_);
     if (requests.render_film)
       state_.status = "a film is rendered of a take: record one, process it and play it";
   }
@@ -139,7 +140,7 @@ class LiveWindow {
   }
 
   studio::SceneFeed& feed_;
-  ControlDesk& desk_;
+  ControlModel& model_;
   const LiveWindowOptions& options_;
   const pipeline::PathKey home_;
   Canvas canvas_;
@@ -152,20 +153,20 @@ class LiveWindow {
 
 }  // namespace
 
-Result<void> run_live_window(studio::SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options) {
-  if (options.run.quality >= live_qualities().size())
-    return fail(ErrorCode::InvalidArgument,
-                text("live quality ", options.run.quality, "; there are 0 to ", live_qualities().size() - 1));
-  Result<std::unique_ptr<render::Window>> window =
-      render::Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
+Result<void> run_live_window(studio::SceneFeed& feed, ControlModel& model, const LiveWindowOptions& options) {
+  if (options.run.quality >= studio::live_qualities().size())
+    return fail(ErrorCode::InvalidArgument, text("live quality ", options.run.quality, "; there are 0 to ",
+                                                 studio::live_qualities().size() - 1));
+  Result<std::unique_ptr<Window>> window =
+      Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
   if (!window) return forward(window);
-  LiveWindow live(feed, desk, options);
+  LiveWindow live(feed, model, options);
   if (!options.path_file.empty())
     if (Result<void> ok = live.follow(options.path_file); !ok) return ok;
-  const Timestamp begun = now();
+  const Timestamp begun = studio::now();
   Image picture;
   while (!(*window)->should_close() && !(options.stop && options.stop()) && picture.empty()) {
-    if (options.run.seconds > 0 && seconds(now() - begun) > options.run.seconds) break;
+    if (options.run.seconds > 0 && seconds(studio::now() - begun) > options.run.seconds) break;
     (*window)->begin_frame(0);
     live.frame();
     (*window)->end_frame(!options.screenshot.empty() && live.stands() ? &picture : nullptr);

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "apps/viewer/live/control_desk.h"
+#include "apps/viewer/live/control_model.h"
 #include "studio/live/live_run.h"
 #include "studio/live/scene_feed.h"
 
@@ -19,6 +19,6 @@ struct LiveWindowOptions {
 
 /// The operator's window on a live studio: what the player has (methods, comparison, intermediates, cameras,
 /// paths), and the cameras' health, quality, and record and stop. Returns when it is closed.
-Result<void> run_live_window(studio::SceneFeed& feed, ControlDesk& desk, const LiveWindowOptions& options);
+Result<void> run_live_window(studio::SceneFeed& feed, ControlModel& model, const LiveWindowOptions& options);
 
 }  // namespace floatstage::apps

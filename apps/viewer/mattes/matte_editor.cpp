@@ -15,10 +15,10 @@ constexpr float kPanelWidth = 270, kTimeLineHeight = 92;
 
 }  // namespace
 
-Result<std::unique_ptr<MatteEditor>> MatteEditor::open(MatteDeskOptions options) {
-  Result<std::unique_ptr<MatteDesk>> desk = MatteDesk::open(options);
-  if (!desk) return forward(desk);
-  return std::unique_ptr<MatteEditor>(new MatteEditor(std::move(options), std::move(*desk)));
+Result<std::unique_ptr<MatteEditor>> MatteEditor::open(MatteEditorModelOptions options) {
+  Result<std::unique_ptr<MatteEditorModel>> model = MatteEditorModel::open(options);
+  if (!model) return forward(model);
+  return std::unique_ptr<MatteEditor>(new MatteEditor(std::move(options), std::move(*model)));
 }
 
 MatteEditor::~MatteEditor() {
@@ -26,11 +26,11 @@ MatteEditor::~MatteEditor() {
 }
 
 void MatteEditor::upload() {
-  if (texture_number_ == desk_->picture_number()) return;
-  texture_number_ = desk_->picture_number();
+  if (texture_number_ == model_->picture_number()) return;
+  texture_number_ = model_->picture_number();
   glDeleteTextures(1, &texture_);
   texture_ = 0;
-  const Image& rgb = desk_->picture();
+  const Image& rgb = model_->picture();
   if (rgb.empty()) return;
   glCreateTextures(GL_TEXTURE_2D, 1, &texture_);
   glTextureStorage2D(texture_, 1, GL_RGB8, rgb.width, rgb.height);
@@ -41,12 +41,12 @@ void MatteEditor::upload() {
 }
 
 void MatteEditor::draw_canvas() {
-  EditorState& state = desk_->state();
+  EditorState& state = model_->state();
   const ImVec2 origin = ImGui::GetCursorScreenPos(), size = ImGui::GetContentRegionAvail();
   state.fit.set_area(origin.x, origin.y, size.x, size.y);
   upload();
   ImDrawList* list = ImGui::GetWindowDrawList();
-  const Image& picture = desk_->picture();
+  const Image& picture = model_->picture();
   list->PushClipRect(origin, ImVec2(origin.x + size.x, origin.y + size.y), true);
   if (texture_) {
     const Eigen::Vector2d a = state.fit.to_window({0, 0}),
@@ -57,41 +57,41 @@ void MatteEditor::draw_canvas() {
   } else {
     list->AddText(ImVec2(origin.x + 20, origin.y + 20), IM_COL32_WHITE, "no photograph");
   }
-  draw_edits(*desk_, state);
-  if (texture_ && !desk_->has_matte() && state.view != MatteView::Photograph)
+  draw_edits(*model_, state);
+  if (texture_ && !model_->has_matte() && state.view != MatteView::Photograph)
     list->AddText(ImVec2(origin.x + 12, origin.y + 10), IM_COL32(255, 200, 80, 255),
                   "no matte yet: Enter makes it");
   list->PopClipRect();
 }
 
 std::string MatteEditor::serial_after() const {
-  const std::vector<RigCamera>& cameras = desk_->take().rig().cameras;
-  const int here = camera_index(desk_->take().rig(), desk_->serial());
+  const std::vector<RigCamera>& cameras = model_->take().rig().cameras;
+  const int here = camera_index(model_->take().rig(), model_->serial());
   return cameras[(static_cast<std::size_t>(here) + 1) % cameras.size()].serial;
 }
 
 void MatteEditor::change_camera(const std::string& serial) {
-  MatteDeskOptions options = options_;
+  MatteEditorModelOptions options = options_;
   options.camera.serial = serial;
   options.frame = frame_number();
-  options.view = desk_->state().view;
-  options.automatic = desk_->state().automatic;
-  Result<std::unique_ptr<MatteDesk>> desk = MatteDesk::open(options);
-  if (desk)
-    next_ = std::move(*desk);
+  options.view = model_->state().view;
+  options.automatic = model_->state().automatic;
+  Result<std::unique_ptr<MatteEditorModel>> model = MatteEditorModel::open(options);
+  if (model)
+    next_ = std::move(*model);
   else
-    desk_->state().status = desk.error().message;
+    model_->state().status = model.error().message;
 }
 
 EditorRequests MatteEditor::frame(const std::vector<InputEvent>& input) {
-  if (next_) desk_ = std::move(next_), texture_number_ = -1;
+  if (next_) model_ = std::move(next_), texture_number_ = -1;
   EditorRequests all;
   for (const InputEvent& event : input) {
-    const EditorRequests requests = take_input(event, desk_->state());
-    desk_->obey(requests);
+    const EditorRequests requests = take_input(event, model_->state());
+    model_->apply(requests);
     all.add(requests);
   }
-  desk_->update(ImGui::GetIO().DeltaTime);
+  model_->update(ImGui::GetIO().DeltaTime);
 
   constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                       ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
@@ -99,12 +99,12 @@ EditorRequests MatteEditor::frame(const std::vector<InputEvent>& input) {
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize({kPanelWidth, whole.y - kTimeLineHeight});
   ImGui::Begin("mattes", nullptr, kFixed & ~ImGuiWindowFlags_NoScrollbar);
-  const MattePanelRequests panel = draw_matte_controls(*desk_);
+  const MattePanelRequests panel = draw_matte_controls(*model_);
   ImGui::End();
   ImGui::SetNextWindowPos({0, whole.y - kTimeLineHeight});
   ImGui::SetNextWindowSize({whole.x, kTimeLineHeight});
   ImGui::Begin("matte time", nullptr, kFixed);
-  draw_matte_time_line(*desk_);
+  draw_matte_time_line(*model_);
   ImGui::End();
   ImGui::SetNextWindowPos({kPanelWidth, 0});
   ImGui::SetNextWindowSize({whole.x - kPanelWidth, whole.y - kTimeLineHeight});
@@ -113,7 +113,7 @@ EditorRequests MatteEditor::frame(const std::vector<InputEvent>& input) {
   draw_canvas();
   ImGui::End();
   ImGui::PopStyleVar();
-  desk_->obey(panel.editor);
+  model_->apply(panel.editor);
   if (!panel.camera.empty()) change_camera(panel.camera);
   if (all.next_camera) change_camera(serial_after());
   return all;

@@ -46,9 +46,9 @@ void draw_tools(EditSession& session) {
   ImGui::TextDisabled("left: paint  right: remove");
 }
 
-EditorRequests draw_work(MatteDesk& desk) {
+EditorRequests draw_work(MatteEditorModel& model) {
   EditorRequests requests;
-  EditorState& state = desk.state();
+  EditorState& state = model.state();
   if (ImGui::Button("undo")) requests.edited |= state.session.undo();
   ImGui::SameLine();
   if (ImGui::Button("redo")) requests.edited |= state.session.redo();
@@ -65,7 +65,7 @@ EditorRequests draw_work(MatteDesk& desk) {
     ImGui::TextColored(ImVec4(1, 0.67f, 0.16f, 1), "%ld of %d mattes to be made", stale, state.time.frames());
   else
     ImGui::TextUnformatted("all mattes are made");
-  if (const std::optional<BackgroundTask::Progress> p = desk.progress(); p && p->all > 0) {
+  if (const std::optional<BackgroundTask::Progress> p = model.progress(); p && p->all > 0) {
     ImGui::ProgressBar(static_cast<float>(p->done) / static_cast<float>(p->all), ImVec2(-1, 0));
     ImGui::TextWrapped("%s", p->what.c_str());
   }
@@ -99,18 +99,18 @@ void draw_mask(ImDrawList* list, const PictureFit& fit, const MatteMask& mask) {
 
 }  // namespace
 
-MattePanelRequests draw_matte_controls(MatteDesk& desk) {
+MattePanelRequests draw_matte_controls(MatteEditorModel& model) {
   MattePanelRequests requests;
-  EditorState& state = desk.state();
+  EditorState& state = model.state();
   ImGui::PushItemWidth(150);
-  if (ImGui::BeginCombo("camera", desk.serial().c_str())) {
-    for (const RigCamera& camera : desk.take().rig().cameras)
-      if (ImGui::Selectable(camera.serial.c_str(), camera.serial == desk.serial()) &&
-          camera.serial != desk.serial())
+  if (ImGui::BeginCombo("camera", model.serial().c_str())) {
+    for (const RigCamera& camera : model.take().rig().cameras)
+      if (ImGui::Selectable(camera.serial.c_str(), camera.serial == model.serial()) &&
+          camera.serial != model.serial())
         requests.camera = camera.serial;
     ImGui::EndCombo();
   }
-  ImGui::Text("method %s", desk.method().c_str());
+  ImGui::Text("method %s", model.method().c_str());
   ImGui::Separator();
   const std::vector<std::string>& views = matte_view_names();
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -120,7 +120,7 @@ MattePanelRequests draw_matte_controls(MatteDesk& desk) {
   ImGui::Separator();
   draw_tools(state.session);
   ImGui::Separator();
-  requests.editor = draw_work(desk);
+  requests.editor = draw_work(model);
   ImGui::Separator();
   ImGui::TextDisabled(
       ", .  keyframes   V  view\nCtrl-Z  undo\nCtrl-Shift-Z  redo\nwheel: zoom  middle: pan  0: all\nTab: "
@@ -129,8 +129,8 @@ MattePanelRequests draw_matte_controls(MatteDesk& desk) {
   return requests;
 }
 
-void draw_matte_time_line(MatteDesk& desk) {
-  EditorState& state = desk.state();
+void draw_matte_time_line(MatteEditorModel& model) {
+  EditorState& state = model.state();
   TimeLine& time = state.time;
   draw_transport(time);
   ImGui::Text("frame %d of %d%s", time.frame(), time.frames(),
@@ -165,7 +165,7 @@ void draw_matte_time_line(MatteDesk& desk) {
   list->AddLine(ImVec2(now, origin.y), ImVec2(now, bottom), kPlayhead, 2);
 }
 
-void draw_edits(const MatteDesk& desk, const EditorState& state) {
+void draw_edits(const MatteEditorModel& model, const EditorState& state) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const PictureFit& fit = state.fit;
   for (const MatteMask& mask : state.session.edits().masks)
@@ -173,7 +173,7 @@ void draw_edits(const MatteDesk& desk, const EditorState& state) {
   if (const MatteKeyframe* keyframe = state.session.keyframe(state.time.frame()))
     for (const MatteStroke& stroke : keyframe->strokes) draw_stroke(list, fit, stroke, 170);
   if (const MatteStroke* drawing = state.session.drawing()) draw_stroke(list, fit, *drawing, 170);
-  if (fit.holds(state.pointer_x, state.pointer_y) && !desk.picture().empty()) {
+  if (fit.holds(state.pointer_x, state.pointer_y) && !model.picture().empty()) {
     const ImVec2 at(static_cast<float>(state.pointer_x), static_cast<float>(state.pointer_y));
     const float radius = static_cast<float>(std::max(2.0, state.session.radius * fit.scale()));
     list->AddCircle(at, radius + 1, IM_COL32_BLACK, 0, 1);

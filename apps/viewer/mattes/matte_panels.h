@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/viewer/mattes/matte_desk.h"
+#include "apps/viewer/mattes/matte_editor_model.h"
 
 namespace floatstage::apps {
 
@@ -16,10 +16,10 @@ struct MattePanelRequests {
 // Each draws into the present ImGui window.
 
 /// Camera, view, tools, edits, work in progress.
-MattePanelRequests draw_matte_controls(MatteDesk& desk);
+MattePanelRequests draw_matte_controls(MatteEditorModel& model);
 /// Play, frame, and the line with keyframes, flicker and what is stale; a click seeks.
-void draw_matte_time_line(MatteDesk& desk);
+void draw_matte_time_line(MatteEditorModel& model);
 /// What lies over the photograph: strokes of this keyframe, masks, what is being drawn, the brush.
-void draw_edits(const MatteDesk& desk, const EditorState& state);
+void draw_edits(const MatteEditorModel& model, const EditorState& state);
 
 }  // namespace floatstage::apps

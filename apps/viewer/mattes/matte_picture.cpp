@@ -9,29 +9,29 @@ namespace {
 constexpr int kSquare = 8;  // px of the chessboard
 constexpr int kDark = 96, kLight = 160;
 
-using matting::Rgb = std::array<int, 3>;
+using Rgb = std::array<int, 3>;
 
 template <class Color>
 Image made(const Image& photograph, Color&& color) {
   Image out(photograph.width, photograph.height, 3);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
-      const matting::Rgb c = color(x, y);
+      const Rgb c = color(x, y);
       for (int i = 0; i < 3; ++i)
         out.at(x, y)[i] = static_cast<std::uint8_t>(std::clamp(c[static_cast<std::size_t>(i)], 0, 255));
     }
   return out;
 }
 
-matting::Rgb pixel(const Image& rgb, int x, int y) {
+Rgb pixel(const Image& rgb, int x, int y) {
   const std::uint8_t* p = rgb.at(x, y);
   return {p[0], p[1], p[2]};
 }
 
 Image dimmed(const Image& photograph) {
   return made(photograph, [&](int x, int y) {
-    const matting::Rgb p = pixel(photograph, x, y);
-    return matting::Rgb{p[0] / 3, p[1] / 3, p[2] / 3};
+    const Rgb p = pixel(photograph, x, y);
+    return Rgb{p[0] / 3, p[1] / 3, p[2] / 3};
   });
 }
 
@@ -39,8 +39,8 @@ template <class Backdrop>
 Image composed(const MatteViewInput& in, Backdrop&& backdrop) {
   return made(in.photograph, [&](int x, int y) {
     const int a = *in.matte.at(x, y);
-    const matting::Rgb p = pixel(in.photograph, x, y), b = backdrop(x, y);
-    matting::Rgb out;
+    const Rgb p = pixel(in.photograph, x, y), b = backdrop(x, y);
+    Rgb out;
     for (std::size_t i = 0; i < 3; ++i) out[i] = (a * p[i] + (255 - a) * b[i] + 127) / 255;
     return out;
   });
@@ -51,7 +51,7 @@ Image components_picture(const MatteViewInput& in) {
   return made(in.photograph, [&](int x, int y) {
     const int cx = std::min(c.width - 1, x * c.width / in.photograph.width),
               cy = std::min(c.height - 1, y * c.height / in.photograph.height);
-    const matting::Rgb p = pixel(in.photograph, x, y);
+    const Rgb p = pixel(in.photograph, x, y);
     const double brightness = 0.35 + 0.65 * (p[0] + 2 * p[1] + p[2]) / 1020.0;
     double sum[3] = {};
     for (int k = 0; k < c.count(); ++k) {
@@ -59,7 +59,7 @@ Image components_picture(const MatteViewInput& in) {
       const double share = std::clamp(static_cast<double>(c.alpha(cy * c.width + cx, k)), 0.0, 1.0);
       for (int i = 0; i < 3; ++i) sum[i] += share * color[static_cast<std::size_t>(i)];
     }
-    return matting::Rgb{static_cast<int>(sum[0] * brightness), static_cast<int>(sum[1] * brightness),
+    return Rgb{static_cast<int>(sum[0] * brightness), static_cast<int>(sum[1] * brightness),
                         static_cast<int>(sum[2] * brightness)};
   });
 }
@@ -94,20 +94,20 @@ Image matte_picture(MatteView view, const MatteViewInput& in) {
     case MatteView::Checker:
       return composed(in, [](int x, int y) {
         const int v = (x / kSquare + y / kSquare) % 2 ? kLight : kDark;
-        return matting::Rgb{v, v, v};
+        return Rgb{v, v, v};
       });
     case MatteView::Color:
-      return composed(in, [&](int, int) { return matting::Rgb{in.color[0], in.color[1], in.color[2]}; });
+      return composed(in, [&](int, int) { return Rgb{in.color[0], in.color[1], in.color[2]}; });
     case MatteView::Difference:
       return made(in.photograph, [&](int x, int y) {
         const int now = *in.matte.at(x, y), before = fits(in.before) ? *in.before.at(x, y) : now,
                   both = std::min(now, before) / 2;
-        return matting::Rgb{both + std::max(0, before - now), both + std::max(0, now - before), both};
+        return Rgb{both + std::max(0, before - now), both + std::max(0, now - before), both};
       });
     default:
       return made(in.photograph, [&](int x, int y) {
         const int a = *in.matte.at(x, y);
-        return matting::Rgb{a, a, a};
+        return Rgb{a, a, a};
       });
   }
 }

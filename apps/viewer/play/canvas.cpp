@@ -39,7 +39,7 @@ Result<void> Canvas::show(const std::shared_ptr<const SceneFrame>& scene) {
 
 Result<void> Canvas::show(const studio::LiveScene& scene) {
   ++shown_;
-  Result<bool> uploaded = upload(scene, rig_, textures_);
+  Result<bool> uploaded = studio::upload(scene, rig_, textures_);
   drawable_ = uploaded && *uploaded;
   return uploaded ? Result<void>() : forward(uploaded);
 }
@@ -53,7 +53,7 @@ bool Canvas::stale(const PlayerState& state, const pipeline::PathKey& key, int w
 Result<void> Canvas::render_side(Side& side, const std::string& method, const View& view,
                                  const render::RendererOptions& options) {
   if (side.method != method) {
-    Result<std::unique_ptr<render::ViewRenderer>> renderer = make_renderer(method);
+    Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(method);
     if (!renderer) return forward(renderer);
     side = {method, std::move(*renderer), {}};
   }
@@ -67,7 +67,7 @@ Result<void> Canvas::render(const PlayerState& state, const pipeline::PathKey& k
   const auto begin = std::chrono::steady_clock::now();
   // Recorded before rendering: a view that cannot be rendered is not tried again until something changes.
   made_ = Made{width, height, state.left, state.split ? state.right : -1, shown_, key, state.renderer};
-  const View view = view_of(key, width, height, subject_);
+  const View view = pipeline::view_of(key, width, height, subject_);
   view_ = view;
   if (Result<void> ok =
           render_side(left_, state.methods[static_cast<std::size_t>(state.left)], view, state.renderer);
@@ -116,7 +116,7 @@ Result<void> Canvas::draw(PlayerState& state) {
   if (!drawable_) return {};
 
   const pipeline::PathKey key = state.follow_path && !state.path.empty()
-                                    ? sample(state.path.path(), state.path_time)
+                                    ? pipeline::sample(state.path.path(), state.path_time)
                                     : state.camera.key();
   const int width = std::max(1, static_cast<int>(std::lround(size.x * state.render_scale)));
   const int height = std::max(1, static_cast<int>(std::lround(size.y * state.render_scale)));
@@ -141,7 +141,7 @@ Result<void> Canvas::draw(PlayerState& state) {
     const double depth = subject_.isEmpty() ? 0.3 : subject_.diagonal().norm() * 0.15;
     list->PushClipRect(origin, end, true);
     frusta_.draw(list, origin, size.x / static_cast<float>(width), rig_,
-                 view_of(key, width, height, subject_), depth, left_.view.cameras);
+                 pipeline::view_of(key, width, height, subject_), depth, left_.view.cameras);
     list->PopClipRect();
   }
   return rendered;

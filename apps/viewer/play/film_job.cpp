@@ -29,13 +29,13 @@ Result<pipeline::FilmReport> FilmJob::run(const std::filesystem::path& folder,
   Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
   if (!gl) return forward(gl);
   Result<std::unique_ptr<pipeline::PictureSink>> sink =
-      open_picture_sink(out, options.width, options.height, options.frame_rate);
+      pipeline::open_picture_sink(out, options.width, options.height, options.frame_rate);
   if (!sink) return forward(sink);
   Result<pipeline::FilmReport> report =
-      render_film(**take, path, options, [&](pipeline::FilmPicture picture) -> Result<void> {
+      pipeline::render_film(**take, path, options, [&](pipeline::FilmPicture picture) -> Result<void> {
         if (give_up_) return fail(ErrorCode::Cancelled, "the film was given up");
         ++pictures_;
-        return (*sink)->write(over(picture.renders.front(), options.renderer.background));
+        return (*sink)->write(pipeline::over(picture.renders.front(), options.renderer.background));
       });
   if (!report) return report;
   if (Result<void> ok = (*sink)->finish(); !ok) return forward(ok);

@@ -25,7 +25,7 @@ void draw_methods(PlayerState& state) {
     ImGui::SliderFloat("split at", &state.split_at, 0.02f, 0.98f, "%.2f");
   }
   int output = static_cast<int>(state.renderer.output);
-  choose("show", render_output_names(), output);
+  choose("show", render::render_output_names(), output);
   state.renderer.output = static_cast<render::RenderOutput>(output);
   ImGui::SliderInt("photographs", &state.renderer.cameras, 1, 6);
   float radius = static_cast<float>(state.renderer.soft_radius);
@@ -90,14 +90,14 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
   return requests;
 }
 
-void obey_camera_requests(const PanelRequests& requests, const pipeline::PathKey& home, PlayerState& state) {
+void apply_camera_requests(const PanelRequests& requests, const pipeline::PathKey& home, PlayerState& state) {
   if (requests.home) state.camera.set(home);
   if (requests.save_path) {
-    const Result<void> ok = save_path(state.path.path(), state.path_file);
+    const Result<void> ok = pipeline::save_path(state.path.path(), state.path_file);
     state.status = ok ? text("saved ", state.path_file) : ok.error().message;
   }
   if (requests.load_path) {
-    Result<pipeline::CameraPath> path = load_path(state.path_file);
+    Result<pipeline::CameraPath> path = pipeline::load_path(state.path_file);
     state.status = path ? text("loaded ", state.path_file) : path.error().message;
     if (path) state.path.set(std::move(*path));
   }

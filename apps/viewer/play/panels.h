@@ -14,7 +14,7 @@ struct PanelRequests {
 PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int film_pictures);
 
 /// Does what was asked for the camera and its path; what came of it is the state's status.
-void obey_camera_requests(const PanelRequests& requests, const pipeline::PathKey& home, PlayerState& state);
+void apply_camera_requests(const PanelRequests& requests, const pipeline::PathKey& home, PlayerState& state);
 
 /// The time line at the bottom: play, step, speed, frame slider, and the last message.
 void draw_time_line(PlayerState& state);

@@ -38,8 +38,8 @@ class PlayWindow {
     // What is wrong is said before a window opens.
     if (Result<void> ok = editing_ ? open_editor(options_.frame) : Player::check(options_, *take_); !ok)
       return ok;
-    Result<std::unique_ptr<render::Window>> window =
-        render::Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
+    Result<std::unique_ptr<Window>> window =
+        Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
     if (!window) return forward(window);
     window_ = std::move(*window);
     if (editing_) return {};
@@ -69,18 +69,18 @@ class PlayWindow {
 
  private:
   Result<void> open_editor(int frame) {
-    MatteDeskOptions desk;
-    desk.camera = {.take = options_.take,
-                   .serial = options_.camera.empty() ? take_->rig().cameras.front().serial : options_.camera,
-                   .method = options_.matte_method,
-                   .guide = options_.guide,
-                   .threads = 0,
-                   .replace = options_.redo};
-    desk.frame = frame;
-    desk.view = options_.view;
-    desk.automatic = options_.automatic;
-    desk.say = say;
-    Result<std::unique_ptr<MatteEditor>> editor = MatteEditor::open(std::move(desk));
+    MatteEditorModelOptions model;
+    model.camera = {.take = options_.take,
+                    .serial = options_.camera.empty() ? take_->rig().cameras.front().serial : options_.camera,
+                    .method = options_.matte_method,
+                    .guide = options_.guide,
+                    .threads = 0,
+                    .replace = options_.redo};
+    model.frame = frame;
+    model.view = options_.view;
+    model.automatic = options_.automatic;
+    model.say = say;
+    Result<std::unique_ptr<MatteEditor>> editor = MatteEditor::open(std::move(model));
     if (!editor) return forward(editor);
     editor_ = std::move(*editor);
     return {};
@@ -115,14 +115,14 @@ class PlayWindow {
   void to_editor() {
     if (!editor_)
       if (Result<void> ok = open_editor(player_->frame_number()); !ok)
-        return player_->tell(ok.error().message);
+        return player_->show_status(ok.error().message);
     editor_->go_to(player_->frame_number());
     editing_ = true;
   }
 
   void to_player() {
     if (!player_)
-      if (Result<void> ok = open_player(); !ok) return editor_->tell(ok.error().message);
+      if (Result<void> ok = open_player(); !ok) return editor_->show_status(ok.error().message);
     player_->forget_scenes();
     player_->go_to(editor_->frame_number());
     editing_ = false;
@@ -133,13 +133,13 @@ class PlayWindow {
     const Result<void> ok = save_png(picture, file);
     const std::string line = ok ? text("screenshot ", file.string()) : ok.error().message;
     say(line);
-    editing_ ? editor_->tell(line) : player_->tell(line);
+    editing_ ? editor_->show_status(line) : player_->show_status(line);
   }
 
   const PlayOptions& options_;
   bool editing_, screenshot_ = false;
   std::unique_ptr<capture::TakeReader> take_;
-  std::unique_ptr<render::Window> window_;  // outlives what draws in it
+  std::unique_ptr<Window> window_;  // outlives what draws in it
   std::unique_ptr<Player> player_;
   std::unique_ptr<MatteEditor> editor_;
 };

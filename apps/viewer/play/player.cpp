@@ -50,7 +50,7 @@ class WindowPlayer : public Player {
   bool busy() const override { return state_.time.playing || shown_ != state_.time.frame() || film_; }
   int frame_number() const override { return state_.time.frame(); }
   void go_to(int frame) override { state_.time.seek(frame); }
-  void tell(std::string status) override { state_.status = std::move(status); }
+  void show_status(std::string status) override { state_.status = std::move(status); }
   void forget_scenes() override {
     cache_.clear();
     shown_ = -1;
@@ -90,7 +90,7 @@ class WindowPlayer : public Player {
                         [&] {
                           if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
                         }});
-    obey_camera_requests(requests, home_, state_);
+    apply_camera_requests(requests, home_, state_);
     if (requests.render_film) begin_film();
   }
 
@@ -132,10 +132,10 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
     return fail(ErrorCode::InvalidArgument,
                 text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
   // Home lies between two cameras: at a camera every method shows its photograph.
-  const pipeline::PathKey home =
-      sample(orbit_path(take.rig(), subject, 1), 0.5 / static_cast<double>(take.rig().cameras.size()));
+  const pipeline::PathKey home = pipeline::sample(pipeline::orbit_path(take.rig(), subject, 1),
+                                                  0.5 / static_cast<double>(take.rig().cameras.size()));
   PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
-  for (const render::RendererInfo& r : renderers()) state.methods.push_back(r.name);
+  for (const render::RendererInfo& r : render::renderers()) state.methods.push_back(r.name);
   Result<int> left = method_index(state.methods, options.method),
               right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
   if (!left) return forward(left);
@@ -150,7 +150,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
   state.status = text(options.take.string(), ": ", take.frame_count(), " frames of ",
                       take.rig().cameras.size(), " cameras");
   if (!options.path_file.empty()) {
-    Result<pipeline::CameraPath> path = load_path(options.path_file);
+    Result<pipeline::CameraPath> path = pipeline::load_path(options.path_file);
     if (!path) return forward(path);
     state.path.set(std::move(*path));
     state.path_file = options.path_file;
@@ -162,17 +162,17 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
 }  // namespace
 
 Result<void> Player::check(const PlayOptions& options, const capture::TakeReader& take) {
-  Result<Eigen::AlignedBox3d> subject = subject_box(take);
+  Result<Eigen::AlignedBox3d> subject = pipeline::subject_box(take);
   if (!subject) return forward(subject);
-  if (const Result<Rig> rig = rig_with_colors(take); !rig) return forward(rig);
+  if (const Result<Rig> rig = pipeline::rig_with_colors(take); !rig) return forward(rig);
   const Result<PlayerState> state = initial_state(options, take, *subject);
   return state ? Result<void>() : Result<void>(forward(state));
 }
 
 Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, capture::TakeReader& take) {
-  Result<Eigen::AlignedBox3d> subject = subject_box(take);
+  Result<Eigen::AlignedBox3d> subject = pipeline::subject_box(take);
   if (!subject) return forward(subject);
-  const Result<Rig> rig = rig_with_colors(take);
+  const Result<Rig> rig = pipeline::rig_with_colors(take);
   if (!rig) return forward(rig);
   Result<PlayerState> state = initial_state(options, take, *subject);
   if (!state) return forward(state);

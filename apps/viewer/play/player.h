@@ -23,7 +23,7 @@ class Player {
   virtual bool busy() const = 0;
   virtual int frame_number() const = 0;
   virtual void go_to(int frame) = 0;
-  virtual void tell(std::string status) = 0;
+  virtual void show_status(std::string status) = 0;
   /// Mattes have changed.
   virtual void forget_scenes() = 0;
 };

@@ -26,8 +26,8 @@ static_assert(GLFW_KEY_ESCAPE == kKeyEscape && GLFW_KEY_ENTER == kKeyEnter && GL
               GLFW_KEY_HOME == kKeyHome && GLFW_KEY_END == kKeyEnd && GLFW_KEY_F12 == kKeyF12);
 static_assert(GLFW_MOUSE_BUTTON_LEFT == 0 && GLFW_MOUSE_BUTTON_RIGHT == 1 && GLFW_MOUSE_BUTTON_MIDDLE == 2);
 
-render::Window::Input& input_of(GLFWwindow* window) {
-  return *static_cast<render::Window::Input*>(glfwGetWindowUserPointer(window));
+Window::Input& input_of(GLFWwindow* window) {
+  return *static_cast<Window::Input*>(glfwGetWindowUserPointer(window));
 }
 
 // Where the pointer is by now is another matter: a hand may have moved on before its button was heard of.
@@ -43,7 +43,7 @@ InputEvent event_of(GLFWwindow* window, InputEvent::Kind kind, int mods) {
 }  // namespace
 
 // Before ImGui listens: it calls on what was there before.
-void render::Window::listen() {
+void Window::listen() {
   glfwSetWindowUserPointer(window_, &input_);
   glfwGetCursorPos(window_, &input_.x, &input_.y);
   glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
@@ -72,14 +72,14 @@ void render::Window::listen() {
   });
 }
 
-std::vector<InputEvent> render::Window::take_input() { return std::exchange(input_.events, {}); }
+std::vector<InputEvent> Window::take_input() { return std::exchange(input_.events, {}); }
 
-Result<std::unique_ptr<render::Window>> render::Window::open(const std::string& title, int width,
+Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width,
                                                              int height) {
   if (!glfwInit())
     return fail(ErrorCode::Unsupported, text("no window can be opened (", glfw_error(),
                                              "); run on a desktop, or `floatstage render` for a video"));
-  std::unique_ptr<render::Window> window(new render::Window);
+  std::unique_ptr<Window> window(new Window);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -101,7 +101,7 @@ Result<std::unique_ptr<render::Window>> render::Window::open(const std::string& 
   return window;
 }
 
-render::Window::~render::Window() {
+Window::~Window() {
   if (ImGui::GetCurrentContext()) {
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
@@ -112,11 +112,11 @@ render::Window::~render::Window() {
   glfwTerminate();
 }
 
-bool render::Window::should_close() const { return glfwWindowShouldClose(window_); }
+bool Window::should_close() const { return glfwWindowShouldClose(window_); }
 
-void render::Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 
-void render::Window::begin_frame(double patience) {
+void Window::begin_frame(double patience) {
   if (patience > 0)
     glfwWaitEventsTimeout(patience);
   else
@@ -126,7 +126,7 @@ void render::Window::begin_frame(double patience) {
   ImGui::NewFrame();
 }
 
-void render::Window::end_frame(Image* picture) {
+void Window::end_frame(Image* picture) {
   ImGui::Render();
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
@@ -142,7 +142,7 @@ void render::Window::end_frame(Image* picture) {
   glfwSwapBuffers(window_);
 }
 
-Image render::Window::grab(int width, int height) const {
+Image Window::grab(int width, int height) const {
   Image upside_down(width, height, 3), image(width, height, 3);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
   glReadBuffer(GL_BACK);

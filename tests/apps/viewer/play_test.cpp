@@ -20,7 +20,7 @@ class PlayUnderXvfb : public testing::Test {
     take_ = small_take(*folder_, 2);
     pipeline::ProcessOptions options{.take = take_, .key = "chroma", .hull = recon::HullOptions{}};
     options.hull->resolution = 64;
-    ASSERT_THAT(process_take(options), IsOk());
+    ASSERT_THAT(pipeline::process_take(options), IsOk());
   }
   static void TearDownTestSuite() {
     delete folder_;

@@ -9,9 +9,9 @@
 #include "core/file.h"
 #include "core/rig_io.h"
 #include "core/text.h"
-#include "pipeline/calibrate/collect.h"
 #include "pipeline/calibrate/report_pictures.h"
 #include "pipeline/calibrate/scene_points.h"
+#include "pipeline/calibrate/session_observations.h"
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -25,16 +25,18 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::Not;
 
-const CaptureOptions kCapture{.frames = 40, .frame_seconds = 0.2};
+const calib::CaptureOptions kCapture{.frames = 40, .frame_seconds = 0.2};
+
 calib::Observations seen() {
-  return capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(kCapture), kCapture);
+  return calib::capture(calib::ring_rig(3), calib::two_sided_board(7, 5, 0.08, 0.005),
+                        calib::wandering(kCapture), kCapture);
 }
 
 // Three cameras far apart know less of one another than the bars ask for.
 const CalibrationBars kBars{.rotation_sigma_degrees = 0.3};
 
 const calib::Calibration& solved() {
-  static const Result<calib::Calibration> result = calibrate(seen());
+  static const Result<calib::Calibration> result = calib::calibrate(seen());
   return *result;
 }
 
@@ -105,7 +107,7 @@ TEST(CalibrationVerdict, FailsByANumberOfTheSessionAbove) {
 }
 
 TEST(ScenePoints, MeetInTheRigThatSawThem) {
-  Rig rig = ring_rig(3);
+  Rig rig = calib::ring_rig(3);
   std::vector<SessionPoint> points;
   for (const Eigen::Vector3d& x : {Eigen::Vector3d(0.3, 0.2, 1), Eigen::Vector3d(-0.4, 0.1, 0.6)}) {
     SessionPoint p{text("mark ", points.size()), {}};
@@ -144,19 +146,19 @@ TEST(CalibrationReport, IsTwoFilesInAFolder) {
 
 TEST(CalibrationKnown, AppliesWhatIsKnownToTheCamerasOfItsName) {
   calib::Observations o = seen();
-  const Rig rig = ring_rig(3);
+  const Rig rig = calib::ring_rig(3);
   ASSERT_THAT(apply_known({"rig", "r.json", calib::Prior::Fixed, calib::Prior::Start}, rig, o), IsOk());
   EXPECT_EQ(o.cameras[2].intrinsics, calib::Prior::Fixed);
   EXPECT_EQ(o.cameras[2].model, rig.cameras[2].model);
   EXPECT_EQ(o.cameras[2].pose, calib::Prior::Start);
-  EXPECT_THAT(apply_known({"rig", "r.json", calib::Prior::Fixed, calib::Prior::Start}, ring_rig(2), o),
+  EXPECT_THAT(apply_known({"rig", "r.json", calib::Prior::Fixed, calib::Prior::Start}, calib::ring_rig(2), o),
               FailsWith(ErrorCode::NotFound, "'cam2'"));
 }
 
 TEST(CalibrationKnown, IsComparedWithWhereItIsNotTaken) {
-  Rig known = ring_rig(3);
+  Rig known = calib::ring_rig(3);
   for (RigCamera& c : known.cameras) c.model.fx *= 1.01;
-  const std::vector<std::string> sentences = compare_to_known({}, known, ring_rig(3));
+  const std::vector<std::string> sentences = compare_to_known({}, known, calib::ring_rig(3));
   ASSERT_EQ(sentences.size(), 3u);
   EXPECT_THAT(sentences[0], HasSubstr("-0.99 %"));
   EXPECT_TRUE(

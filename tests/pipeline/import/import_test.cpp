@@ -33,14 +33,14 @@ class Import : public testing::Test {
       images.push_back(std::string(1, static_cast<char>('a' + i)) + ".png");
       ASSERT_THAT(save_png(test_picture(i, 0), folder_ / "in" / images.back()), IsOk());
     }
-    ASSERT_THAT(write_middlebury(test_rig(cameras), images, folder_ / "in" / "x_par.txt"), IsOk());
+    ASSERT_THAT(calib::write_middlebury(test_rig(cameras), images, folder_ / "in" / "x_par.txt"), IsOk());
     options_.calibration = {CalibrationFormat::Middlebury, folder_ / "in"};
   }
 
   // OpenCV: a folder of pictures a camera, with as many pictures as `counts` says.
   void opencv_folders(const std::vector<int>& counts) {
     const Rig rig = test_rig(static_cast<int>(counts.size()));
-    ASSERT_THAT(write_easymocap(rig, folder_ / "in"), IsOk());
+    ASSERT_THAT(calib::write_easymocap(rig, folder_ / "in"), IsOk());
     for (std::size_t i = 0; i < counts.size(); ++i)
       save_pictures(folder_ / "in" / "images" / rig.cameras[i].serial, static_cast<int>(i), counts[i]);
     options_.calibration = {CalibrationFormat::OpenCv, folder_ / "in"};
@@ -159,7 +159,7 @@ TEST_F(Import, TakesOnlyTheFramesAndCamerasThatAreAskedFor) {
 
 TEST_F(Import, ReadsVideosWithTheirOwnRate) {
   const Rig rig = test_rig(2);
-  ASSERT_THAT(write_colmap(rig, {"a.png", "b.png"}, folder_ / "in"), IsOk());
+  ASSERT_THAT(calib::write_colmap(rig, {"a.png", "b.png"}, folder_ / "in"), IsOk());
   fs::create_directories(folder_ / "in" / "images");
   for (int camera = 0; camera < 2; ++camera) {
     auto video = capture::VideoWriter::create(

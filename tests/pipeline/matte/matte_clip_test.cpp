@@ -134,7 +134,7 @@ TEST(AutoWithoutAKey, IsSpectral) {
   // Light that comes and goes on browns: no cloth, no plate, and nothing looks the same for long.
   MatteClip clip;
   for (const double light : {1.0, 0.5, 0.75, 0.3}) {
-    const DiscPicture disc = disc_picture(90, 60, 0, 0);
+    const matting::DiscPicture disc = matting::disc_picture(90, 60, 0, 0);
     Image rgb(90, 60, 3);
     for (std::size_t p = 0; p < rgb.pixels.size(); p += 3) {
       const std::uint8_t* from = disc.rgb.pixels.data() + p;

@@ -11,12 +11,15 @@ namespace floatstage::pipeline {
 namespace {
 
 MatteImageOptions options_for(std::string method) {
-  return {.method = std::move(method), .picture = photograph(Scene{}), .trimap = {}, .scribbled = {}};
+  return {.method = std::move(method),
+          .picture = matting::photograph(matting::Scene{}),
+          .trimap = {},
+          .scribbled = {}};
 }
 
 double error(const Result<Image>& matte) {
   EXPECT_THAT(matte, IsOk());
-  return matte ? matte_mad(*matte, to_image(truth(Scene{}))) : 1;
+  return matte ? matte_mad(*matte, to_image(matting::truth(matting::Scene{}))) : 1;
 }
 
 TEST(MatteImage, KeysClothWithoutBeingToldAnything) {
@@ -43,7 +46,7 @@ TEST(MatteImage, FollowsScribblesAndATrimap) {
 }
 
 TEST(MatteImage, ChoosesSpectralComponentsByClicksScribblesOrItsOwnGuess) {
-  const DiscPicture disc = disc_picture(120, 90);
+  const matting::DiscPicture disc = matting::disc_picture(120, 90);
   MatteImageOptions options{.method = "spectral", .picture = disc.rgb, .trimap = {}, .scribbled = {}};
   const auto off = [&] {
     const Result<Image> matte = matte_image(options);

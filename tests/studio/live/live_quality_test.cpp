@@ -28,7 +28,7 @@ TEST(LiveQualities, ArePossibleAndOrderedFromTheBestToTheFastest) {
     renderer.flow = q.flow;
     EXPECT_THAT(check(q.node), IsOk()) << q.name;
     EXPECT_THAT(check(renderer), IsOk()) << q.name;
-    EXPECT_THAT(make_flow_estimator(q.flow), IsOk()) << q.name;
+    EXPECT_THAT(render::make_flow_estimator(q.flow), IsOk()) << q.name;
     EXPECT_THAT(describe(q), testing::HasSubstr(q.name));
     if (i == 0) continue;
     const LiveQuality& better = live_qualities()[i - 1];

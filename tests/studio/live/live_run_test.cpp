@@ -26,7 +26,8 @@ class ALiveRun : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
     take_ = small_take(*folder_, kRows);
-    ASSERT_THAT(process_take({.take = take_, .key = "chroma", .hull = recon::HullOptions{}}), IsOk());
+    ASSERT_THAT(pipeline::process_take({.take = take_, .key = "chroma", .hull = recon::HullOptions{}}),
+                IsOk());
   }
   static void TearDownTestSuite() { delete folder_; }
   void SetUp() override { gl_ = std::move(*render::GlContext::headless()); }
@@ -43,7 +44,7 @@ class ALiveRun : public testing::Test {
   };
 
   static View view(const Rig& rig) {
-    return view_of(sample(orbit_path(rig, {}, 1), 0.29), kWidth, kHeight, {});
+    return pipeline::view_of(pipeline::sample(pipeline::orbit_path(rig, {}, 1), 0.29), kWidth, kHeight, {});
   }
 
   /// Slowly enough that any machine keeps up.
@@ -60,7 +61,8 @@ class ALiveRun : public testing::Test {
         [&](const LivePicture& p) -> Result<void> {
           std::size_t textures = 0;
           for (const auto& seen : p.scene->views) textures += seen && seen->tile;
-          out.pictures.push_back({p.scene->scene.epoch, over(p.picture, kBlack), p.again, textures});
+          out.pictures.push_back(
+              {p.scene->scene.epoch, pipeline::over(p.picture, kBlack), p.again, textures});
           return {};
         });
     EXPECT_THAT(report, IsOk());
@@ -71,11 +73,11 @@ class ALiveRun : public testing::Test {
   /// What `render` draws of an instant.
   static Image offline(int frame) {
     auto take = std::move(*capture::TakeReader::open(take_));
-    const SceneFrame scene = *load_scene(*take, frame, true);
+    const SceneFrame scene = *pipeline::load_scene(*take, frame, true);
     render::SceneTextures textures;
     EXPECT_THAT(textures.upload(take->rig(), scene), IsOk());
-    auto renderer = std::move(*make_renderer("floating"));
-    return over(download(*renderer->render(textures, view(take->rig()), {})), kBlack);
+    auto renderer = std::move(*render::make_renderer("floating"));
+    return pipeline::over(render::download(*renderer->render(textures, view(take->rig()), {})), kBlack);
   }
 
   static TempFolder* folder_;

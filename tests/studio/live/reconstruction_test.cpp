@@ -25,8 +25,8 @@ class AReconstruction : public testing::Test {
       view.width = 320;
       view.height = 240;
       view.known = true;
-      view.outline =
-          outline_of(shots_.studio.shoot(i, 0).matte, shots_.rig.cameras[static_cast<std::size_t>(i)].model);
+      view.outline = recon::outline_of(shots_.studio.shoot(i, 0).matte,
+                                       shots_.rig.cameras[static_cast<std::size_t>(i)].model);
       views_.push_back(view);
     }
   }

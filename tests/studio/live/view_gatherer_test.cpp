@@ -109,7 +109,7 @@ TEST(ViewGatherer, TakesACameraThatSaysItMissedTheInstantForAnAnswer) {
 TEST(ViewGatherer, CountsStrangersAndKeepsNothingOfThem) {
   Studio s;
   s.push("abcx", 1000, 1010);
-  EXPECT_EQ(s.gatherer.counters().strangers, 1u);
+  EXPECT_EQ(s.gatherer.counters().unknown_cameras, 1u);
   s.push("d", 1000, 1011);
   ASSERT_TRUE(s.gatherer.newest(at_ms(1011)));
 }

@@ -1,4 +1,4 @@
-// What strangers, other releases and programs that hang do to a studio: nothing.
+// What unknown_cameras, other releases and programs that hang do to a studio: nothing.
 
 #include <gtest/gtest.h>
 #include <zmq.hpp>

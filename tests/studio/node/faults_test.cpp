@@ -28,10 +28,10 @@ namespace {
 
 using testing::HasSubstr;
 
-bool look_after_until(CaptureNode& node, const std::function<bool()>& so) {
+bool poll_until(CaptureNode& node, const std::function<bool()>& so) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(90);
   while (!so() && std::chrono::steady_clock::now() < end) {
-    node.look_after();
+    node.poll();
     ::poll(nullptr, 0, 20);
   }
   return so();
@@ -52,7 +52,7 @@ class AStudioOfGigeCameras : public testing::Test {
     for (int n = 1; n <= cameras; ++n) {
       ASSERT_TRUE(n == 1 || add_loopback_address(n));
       const std::string serial = "FAKE" + std::to_string(n);
-      devices_.push_back(std::make_unique<FakeGigeCamera>(n, serial));
+      devices_.push_back(std::make_unique<capture::FakeGigeCamera>(n, serial));
       config.cameras.push_back(
           {serial, devices_.back()->uri("format=gray8&width=64&height=48&rate=20&resend=off")});
     }
@@ -60,7 +60,7 @@ class AStudioOfGigeCameras : public testing::Test {
     ASSERT_THAT(node, IsOk());
     node_ = std::move(*node);
     node_->begin();
-    ASSERT_TRUE(look_after_until(*node_, [&] { return node_->agreement_seen(); }));
+    ASSERT_TRUE(poll_until(*node_, [&] { return node_->agreement_seen(); }));
     const Result<std::string> name = node_->start_recording("");
     ASSERT_THAT(name, IsOk());
     take_ = folder_ / *name;
@@ -69,7 +69,7 @@ class AStudioOfGigeCameras : public testing::Test {
   std::string trouble(std::size_t camera) { return node_->status().cameras[camera].trouble; }
   bool comes_more_of(std::size_t camera, std::uint64_t frames) {
     const std::uint64_t seen = delivered(camera);
-    return look_after_until(*node_, [&] { return delivered(camera) >= seen + frames; });
+    return poll_until(*node_, [&] { return delivered(camera) >= seen + frames; });
   }
   /// Stops, and checks what every take keeps to: as many rows for each camera, each row's picture or gap
   /// accounted for, rows of all cameras at the same instants.
@@ -95,7 +95,7 @@ class AStudioOfGigeCameras : public testing::Test {
   }
 
   TempFolder folder_;
-  std::vector<std::unique_ptr<FakeGigeCamera>> devices_;
+  std::vector<std::unique_ptr<capture::FakeGigeCamera>> devices_;
   std::unique_ptr<CaptureNode> node_;
   std::filesystem::path take_;
 };
@@ -104,10 +104,10 @@ TEST_F(AStudioOfGigeCameras, GoesOnWhileACameraIsFrozenAndTakesItBack) {
   begin(3);
   ASSERT_TRUE(comes_more_of(2, 20));
   devices_[1]->freeze();
-  ASSERT_TRUE(look_after_until(*node_, [&] { return !trouble(1).empty(); }));
+  ASSERT_TRUE(poll_until(*node_, [&] { return !trouble(1).empty(); }));
   ASSERT_TRUE(comes_more_of(0, 20)) << "the others go on";
   devices_[1]->thaw();
-  ASSERT_TRUE(look_after_until(*node_, [&] { return trouble(1).empty(); })) << "it comes back by itself";
+  ASSERT_TRUE(poll_until(*node_, [&] { return trouble(1).empty(); })) << "it comes back by itself";
   ASSERT_TRUE(comes_more_of(1, 20));
   const std::vector<std::size_t> gaps = finished_gaps();
   EXPECT_GE(gaps[1], 20u);
@@ -119,12 +119,12 @@ TEST_F(AStudioOfGigeCameras, RecoversFromALinkThatWasCutForFiveSeconds) {
   ASSERT_TRUE(comes_more_of(1, 20));
   ASSERT_TRUE(set_loopback(false));
   const auto cut = std::chrono::steady_clock::now();
-  ASSERT_TRUE(look_after_until(*node_, [&] {
+  ASSERT_TRUE(poll_until(*node_, [&] {
     return std::chrono::steady_clock::now() - cut > std::chrono::seconds(5) && !trouble(0).empty() &&
            !trouble(1).empty();
   }));
   ASSERT_TRUE(set_loopback(true));
-  ASSERT_TRUE(look_after_until(*node_, [&] { return trouble(0).empty() && trouble(1).empty(); }));
+  ASSERT_TRUE(poll_until(*node_, [&] { return trouble(0).empty() && trouble(1).empty(); }));
   ASSERT_TRUE(comes_more_of(0, 20));
   ASSERT_TRUE(comes_more_of(1, 20));
   const std::vector<std::size_t> gaps = finished_gaps();
@@ -141,10 +141,10 @@ TEST(CaptureFaults, AFullDiskEndsTheTakeAndNotTheStudio) {
       CaptureNode::open(live_studio(2, 50, folder.path()));  // keeps nothing free: it runs into the wall
   ASSERT_THAT(node, IsOk());
   (*node)->begin();
-  ASSERT_TRUE(look_after_until(**node, [&] { return (*node)->agreement_seen(); }));
+  ASSERT_TRUE(poll_until(**node, [&] { return (*node)->agreement_seen(); }));
   const Result<std::string> first = (*node)->start_recording("full");
   ASSERT_THAT(first, IsOk());
-  ASSERT_TRUE(look_after_until(**node, [&] { return !(*node)->recording(); }));
+  ASSERT_TRUE(poll_until(**node, [&] { return !(*node)->recording(); }));
   EXPECT_THAT((*node)->status().last_recording, HasSubstr("could not be written further"));
   {
     const Result<std::unique_ptr<capture::TakeReader>> cut = capture::TakeReader::open(folder / *first);
@@ -159,7 +159,7 @@ TEST(CaptureFaults, AFullDiskEndsTheTakeAndNotTheStudio) {
   std::filesystem::remove_all(folder / *first);
   const Result<std::string> second = (*node)->start_recording("again");
   ASSERT_THAT(second, IsOk());
-  ASSERT_TRUE(look_after_until(**node, [&] { return (*node)->quality()->cameras[0].recorded > 10; }));
+  ASSERT_TRUE(poll_until(**node, [&] { return (*node)->quality()->cameras[0].recorded > 10; }));
   EXPECT_THAT((*node)->stop_recording(), IsOk());
   EXPECT_TRUE((*capture::TakeReader::open(folder / *second))->manifest().complete);
   node->reset();
@@ -171,11 +171,11 @@ TEST(CaptureFaults, AClockThatIsTwentyMillisecondsOffIsNamedAndItsFramesKeepThei
   auto node = CaptureNode::open(live_studio(3, 20, folder.path(), "&late-ms=20"));
   ASSERT_THAT(node, IsOk());
   (*node)->begin();
-  ASSERT_TRUE(look_after_until(**node, [&] { return !(*node)->status().complaints.empty(); }));
+  ASSERT_TRUE(poll_until(**node, [&] { return !(*node)->status().complaints.empty(); }));
   EXPECT_THAT((*node)->status().complaints, testing::Contains(HasSubstr("camera 'CAM1'")));
   const Result<std::string> name = (*node)->start_recording("");
   ASSERT_THAT(name, IsOk());
-  ASSERT_TRUE(look_after_until(**node, [&] { return (*node)->quality()->cameras[0].recorded > 40; }));
+  ASSERT_TRUE(poll_until(**node, [&] { return (*node)->quality()->cameras[0].recorded > 40; }));
   ASSERT_THAT((*node)->stop_recording(), IsOk());
   const capture::RecordingQuality quality = *(*node)->quality();
   EXPECT_FALSE(quality.pass());

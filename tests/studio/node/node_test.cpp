@@ -15,10 +15,10 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// A node that is looked after until something is so; false when it is not within a minute.
-bool look_after_until(CaptureNode& node, const std::function<bool()>& so) {
+bool poll_until(CaptureNode& node, const std::function<bool()>& so) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (!so() && std::chrono::steady_clock::now() < end) {
-    node.look_after();
+    node.poll();
     ::poll(nullptr, 0, 20);
   }
   return so();
@@ -41,14 +41,14 @@ std::uint64_t recorded(const CaptureNode& node) {
 TEST(CaptureNode, RecordsTakeAfterTakeWhileTheCamerasGoOn) {
   const TempFolder folder;
   const auto node = running(live_studio(3, 50, folder.path()));
-  ASSERT_TRUE(look_after_until(*node, [&] { return node->agreement_seen(); }));
+  ASSERT_TRUE(poll_until(*node, [&] { return node->agreement_seen(); }));
   EXPECT_THAT(node->stop_recording(), FailsWith(ErrorCode::NotFound, "no take"));
   for (int i = 0; i < 2; ++i) {
     const Result<std::string> name = node->start_recording(i == 0 ? "" : "second");
     ASSERT_THAT(name, IsOk());
     EXPECT_THAT(*name, HasSubstr(i == 0 ? "-take" : "-second"));
     EXPECT_THAT(node->start_recording(""), FailsWith(ErrorCode::AlreadyExists, *name));
-    ASSERT_TRUE(look_after_until(*node, [&] { return recorded(*node) >= 20; }));
+    ASSERT_TRUE(poll_until(*node, [&] { return recorded(*node) >= 20; }));
     EXPECT_EQ(node->status().recording->take, *name);
     ASSERT_THAT(node->stop_recording(), IsOk());
     EXPECT_FALSE(node->status().recording.has_value());
@@ -70,12 +70,12 @@ TEST(CaptureNode, BeginsATakeSecondsBeforeItWasAskedTo) {
   config.preroll_seconds = 1;
   const auto node = running(config);
   // Two seconds have been seen, so one is there to be had.
-  ASSERT_TRUE(look_after_until(*node, [&] { return node->status().cameras[1].delivered > 100; }));
+  ASSERT_TRUE(poll_until(*node, [&] { return node->status().cameras[1].delivered > 100; }));
   const auto newest = [&] { return node->status().cameras[0].delivered; };
   const std::uint64_t asked = newest();
   const Result<std::string> name = node->start_recording("");
   ASSERT_THAT(name, IsOk());
-  ASSERT_TRUE(look_after_until(*node, [&] { return recorded(*node) > 60; }));
+  ASSERT_TRUE(poll_until(*node, [&] { return recorded(*node) > 60; }));
   const std::uint64_t stopped = newest();
   ASSERT_THAT(node->stop_recording(), IsOk());
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / *name);
@@ -89,7 +89,7 @@ TEST(CaptureNode, RefusesATakeWhileTheCamerasDisagree) {
   CaptureConfig config = live_studio(3, 20, folder.path(), "&late-ms=20");
   config.refuse_disagreement = true;
   const auto node = running(config);
-  ASSERT_TRUE(look_after_until(*node, [&] { return !node->status().complaints.empty(); }));
+  ASSERT_TRUE(poll_until(*node, [&] { return !node->status().complaints.empty(); }));
   EXPECT_THAT(node->start_recording(""), FailsWith(ErrorCode::InvalidArgument, "camera 'CAM1'"));
   EXPECT_THAT(*node->takes(), IsEmpty());
 }
@@ -103,21 +103,21 @@ TEST(CaptureNode, EndsATakeBeforeTheDiskIsFullAndRecordsAgainWhenThereIsRoom) {
   const auto node = running(config);
   const Result<std::string> name = node->start_recording("");
   if (!name) GTEST_SKIP() << "another program wrote to the disk meanwhile";
-  ASSERT_TRUE(look_after_until(*node, [&] { return !node->recording(); }));
+  ASSERT_TRUE(poll_until(*node, [&] { return !node->recording(); }));
   EXPECT_THAT(node->status().last_recording, HasSubstr("the disk is full"));
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder / *name);
   ASSERT_THAT(take, IsOk());
   EXPECT_TRUE((*take)->manifest().complete) << "there was room to end it well";
   EXPECT_EQ((*take)->rows(0).size(), (*take)->rows(1).size());
   const std::uint64_t seen = node->status().cameras[0].delivered;
-  EXPECT_TRUE(look_after_until(*node, [&] { return node->status().cameras[0].delivered > seen + 5; }))
+  EXPECT_TRUE(poll_until(*node, [&] { return node->status().cameras[0].delivered > seen + 5; }))
       << "the cameras go on";
 }
 
 TEST(CaptureNode, TellsHowItIs) {
   const TempFolder folder;
   const auto node = running(live_studio(2, 50, folder.path()));
-  ASSERT_TRUE(look_after_until(*node, [&] { return node->status().cameras[1].delivered > 50; }));
+  ASSERT_TRUE(poll_until(*node, [&] { return node->status().cameras[1].delivered > 50; }));
   const NodeStatus status = node->status();
   EXPECT_EQ(status.node, "test studio");
   EXPECT_NEAR(status.cameras[1].frame_rate, 50, 10);

@@ -34,7 +34,7 @@ class ANodesPage : public testing::Test {
     node_->add_tap([this](const Frame& frame) { page_->offer(frame); });
     node_->begin();
     keeper_ = std::thread([this] {
-      for (; !done_; std::this_thread::sleep_for(std::chrono::milliseconds(50))) node_->look_after();
+      for (; !done_; std::this_thread::sleep_for(std::chrono::milliseconds(50))) node_->poll();
     });
   }
   void TearDown() override {

@@ -79,8 +79,8 @@ TEST(CaptureSession, RefusesCamerasOfTwoClocks) {
   ASSERT_TRUE(enter_own_network());
   ASSERT_TRUE(add_loopback_address(2));
   const TempFolder folder;
-  const auto description = described_with(ptp_features("Enable"), folder);
-  const FakeGigeCamera left(1, "LEFT", 0, description), right(2, "RIGHT", 0, description);
+  const auto description = capture::described_with(capture::ptp_features("Enable"), folder);
+  const capture::FakeGigeCamera left(1, "LEFT", 0, description), right(2, "RIGHT", 0, description);
   const auto both = [&](const char* of_left, const char* of_right) {
     return CaptureNode::open(config_of({{"LEFT", left.uri(of_left)}, {"RIGHT", right.uri(of_right)}}, 20));
   };
@@ -95,13 +95,13 @@ TEST(CaptureSession, RefusesCamerasOfTwoClocks) {
 TEST(CaptureSession, LeavesExactlyAsManyGapsAsPicturesFailed) {
   ASSERT_TRUE(enter_own_network());
   const TempFolder folder;
-  std::vector<std::unique_ptr<FakeGigeCamera>> devices;
+  std::vector<std::unique_ptr<capture::FakeGigeCamera>> devices;
   std::vector<CaptureConfig::Camera> cameras;
   for (int n = 1; n <= 3; ++n) {
     ASSERT_TRUE(n == 1 || add_loopback_address(n));
     const std::string serial = "FAKE" + std::to_string(n);
     // 1 of 1000 packets is never sent, and a picture has 228.
-    devices.push_back(std::make_unique<FakeGigeCamera>(n, serial, n == 1 ? 0 : 1));
+    devices.push_back(std::make_unique<capture::FakeGigeCamera>(n, serial, n == 1 ? 0 : 1));
     cameras.push_back({serial, devices.back()->uri("format=gray8&width=640&height=480&rate=15&resend=off")});
   }
   CaptureOptions options;
@@ -133,8 +133,8 @@ TEST(CaptureSession, GoesOnWithTheOthersAndTakesACameraBack) {
   ASSERT_TRUE(enter_own_network());
   ASSERT_TRUE(add_loopback_address(2));
   const TempFolder folder;
-  FakeGigeCamera steady(1, "STEADY");
-  auto shaky = std::make_unique<FakeGigeCamera>(2, "SHAKY");
+  capture::FakeGigeCamera steady(1, "STEADY");
+  auto shaky = std::make_unique<capture::FakeGigeCamera>(2, "SHAKY");
   const char* options_of_both = "format=gray8&width=64&height=48&rate=20&packet-socket=off";
   const CaptureConfig config =
       config_of({{"STEADY", steady.uri(options_of_both)}, {"SHAKY", shaky->uri(options_of_both)}}, 20);
@@ -152,7 +152,7 @@ TEST(CaptureSession, GoesOnWithTheOthersAndTakesACameraBack) {
           shaky->kill();
           state = Pulled;
         } else if (state == Pulled && !seen.cameras[1].trouble.empty()) {
-          shaky = std::make_unique<FakeGigeCamera>(2, "SHAKY");
+          shaky = std::make_unique<capture::FakeGigeCamera>(2, "SHAKY");
           state = Back;
         } else if (state == Back) {
           done = seen.cameras[1].reconnects == 1 && seen.cameras[1].trouble.empty();

@@ -1,0 +1,156 @@
+#include "studio/node/camera_view_maker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/text.h"
+#include "studio/node/foreground_tile.h"
+
+namespace floatstage::studio {
+namespace {
+
+constexpr int kMostShrink = 8;
+
+class Stopwatch {
+ public:
+  /// Milliseconds since the last lap.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The camera that would have taken the shrunk picture.
+CameraModel shrunk(CameraModel model, int factor) {
+  model.width = (model.width + factor - 1) / factor;
+  model.height = (model.height + factor - 1) / factor;
+  for (double* v : {&model.fx, &model.fy, &model.cx, &model.cy, &model.skew}) *v /= factor;
+  return model;
+}
+
+matting::CleanupOptions shrunk(matting::CleanupOptions cleanup, int factor) {
+  cleanup.close_radius /= factor;
+  cleanup.thin_radius /= factor;
+  return cleanup;
+}
+
+/// Blames the camera by its name.
+Unexpected blame(const std::string& serial, const Error& error) {
+  return fail(error.code, text("camera '", serial, "': ", error.message));
+}
+
+}  // namespace
+
+Result<void> check(const NodeQuality& quality) {
+  if (quality.shrink < 1 || quality.shrink > kMostShrink)
+    return fail(
+        ErrorCode::InvalidArgument,
+        text("keying at 1/", quality.shrink, " of the picture's size; 1 to ", kMostShrink, " are possible"));
+  if (!(quality.tolerance >= 0 && quality.tolerance <= 16))
+    return fail(ErrorCode::InvalidArgument,
+                text("a contour tolerance of ", quality.tolerance, " px is not between 0 and 16"));
+  return {};
+}
+
+Result<CameraViewMaker> CameraViewMaker::make(const std::string& serial, const CameraModel& model,
+                                              const std::string& spec, std::vector<Image> samples) {
+  CameraViewMaker node;
+  node.serial_ = serial;
+  node.model_ = model;
+  node.samples_ = std::move(samples);
+  Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, node.samples_);
+  if (!keyer) return blame(serial, keyer.error());
+  node.keyers_[1] = std::move(*keyer);
+  return node;
+}
+
+Result<const matting::Keyer*> CameraViewMaker::keyer_at(int factor) {
+  std::unique_ptr<matting::Keyer>& keyer = keyers_[factor];
+  if (keyer) return keyer.get();
+  const matting::Keyer& whole = *keyers_.at(1);
+  std::vector<Image> samples;
+  for (const Image& sample : samples_) {
+    Result<Image> small = shrink(make_frame({}, sample), factor);
+    if (!small) return forward(small);
+    samples.push_back(std::move(*small));
+  }
+  Result<std::unique_ptr<matting::Keyer>> made =
+      matting::make_keyer(whole.spec(), samples, shrunk(whole.cleanup(), factor));
+  if (!made) return forward(made);
+  keyer = std::move(*made);
+  return keyer.get();
+}
+
+Result<void> CameraViewMaker::prepare(int factor) {
+  const Result<const matting::Keyer*> keyer = keyer_at(factor);
+  return keyer ? Result<void>() : blame(serial_, keyer.error());
+}
+
+Result<std::shared_ptr<const ForegroundTile>> CameraViewMaker::tile_of(const Frame& frame, const Matte& small,
+                                                                       int factor) const {
+  PixelBox box = subject_box(small, factor, model_.width, model_.height);
+  if (box.empty()) return std::shared_ptr<const ForegroundTile>();
+  const Result<Frame> part = crop(frame, box);
+  if (!part) return forward(part);
+  Result<Image> picture = keyers_.at(1)->suppress_spill(*part);
+  if (!picture) return forward(picture);
+  auto tile = std::make_shared<ForegroundTile>();
+  tile->x = box.x;
+  tile->y = box.y;
+  tile->picture = std::move(*picture);
+  tile->matte = enlarged(small, factor, box);
+  return std::shared_ptr<const ForegroundTile>(std::move(tile));
+}
+
+Result<CameraView> CameraViewMaker::look(const Frame& frame, const Instant& instant, Timestamp produced,
+                                         bool textured, const NodeQuality& quality) {
+  CameraView view;
+  view.serial = serial_;
+  view.epoch = instant.epoch;
+  view.instant = view.exposed = instant.time;
+  view.produced = produced;
+  view.width = model_.width;
+  view.height = model_.height;
+  timings_ = {};
+  if (frame.empty() || frame.info.status != FrameStatus::Ok) return view;
+  if (frame.layout.width != model_.width || frame.layout.height != model_.height)
+    return fail(ErrorCode::BadData,
+                text("camera '", serial_, "' delivers ", frame.layout.width, "x", frame.layout.height,
+                     " and was calibrated at ", model_.width, "x", model_.height, "; set that size"));
+  view.exposed = frame.info.exposure_start;
+
+  Stopwatch watch;
+  const int factor = quality.shrink;
+  const Result<Image> small = shrink(frame, factor);
+  if (!small) return blame(serial_, small.error());
+  const Result<const matting::Keyer*> keyer = keyer_at(factor);
+  if (!keyer) return blame(serial_, keyer.error());
+  const Result<Matte> matte = (*keyer)->key(make_frame(frame.info, *small));
+  if (!matte) return blame(serial_, matte.error());
+  timings_.key = watch.lap();
+
+  recon::SilhouetteOptions options;
+  options.tolerance = quality.tolerance / factor;
+  recon::outline_of(*matte, shrunk(model_, factor), options, outlines_, view.outline);
+  const Eigen::Array2d size(model_.width,
+                            model_.height);  // the last shrunk pixel may reach beyond the picture
+  for (Eigen::Vector2d& p : view.outline.points) p = (p.array() * factor).min(size);
+  view.known = true;
+  timings_.outline = watch.lap();
+
+  if (textured) {
+    Result<std::shared_ptr<const ForegroundTile>> tile = tile_of(frame, *matte, factor);
+    if (!tile) return blame(serial_, tile.error());
+    view.tile = std::move(*tile);
+    timings_.tile = watch.lap();
+  }
+  return view;
+}
+
+}  // namespace floatstage::studio

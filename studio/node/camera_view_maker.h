@@ -1,0 +1,77 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/frame.h"
+#include "core/result.h"
+#include "matting/keyers/keyer.h"
+#include "recon/outline.h"
+#include "studio/messages/camera_view.h"
+
+namespace floatstage::studio {
+
+/// How well a camera node looks: what may be changed from one frame to the next.
+struct NodeQuality {
+  int shrink = 2;          ///< photograph pixels per keyed pixel, along each side
+  double tolerance = 0.5;  ///< px of the photograph by which outlines may leave the key's edge
+  bool operator==(const NodeQuality&) const = default;
+};
+
+/// InvalidArgument with a sentence for numbers out of range.
+Result<void> check(const NodeQuality& quality);
+
+/// Milliseconds that one look took.
+struct NodeTimings {
+  double key = 0, outline = 0, tile = 0;
+};
+
+/// The instant of a set of frames, as the synchroniser found it.
+struct Instant {
+  std::uint64_t epoch = 0;
+  Timestamp time;
+};
+
+/// One camera of a camera node: a frame in, the subject's outline and on request its texture out. Keys a
+/// down-sampled picture, and touches the photograph's own pixels only where the subject is. Used by one
+/// thread at a time; different nodes run side by side.
+class CameraViewMaker {
+ public:
+  /// `spec` as for make_keyer(); `samples` are whole photographs or the clean plate of this camera. Errors:
+  /// those of make_keyer(), with the camera's name.
+  static Result<CameraViewMaker> make(const std::string& serial, const CameraModel& model,
+                                      const std::string& spec, std::vector<Image> samples);
+
+  /// Makes what look() needs to key at 1/`shrink`, which it otherwise does when that is first asked of it:
+  /// keyers learn from whole pictures, which takes longer than a frame. Errors: those of make_keyer().
+  Result<void> prepare(int shrink);
+
+  /// `frame` as the source delivered it at `produced`; an empty or corrupt one makes a view that is not
+  /// known. With `textured`, the view has a tile when the subject is in the picture. Errors: those of
+  /// shrink() and Keyer::key(), and BadData for a frame of another size than the model's.
+  Result<CameraView> look(const Frame& frame, const Instant& instant, Timestamp produced, bool textured,
+                          const NodeQuality& quality);
+
+  const std::string& serial() const { return serial_; }
+  const NodeTimings& timings() const { return timings_; }  ///< of the last look()
+  std::string spec() const { return keyers_.at(1)->spec(); }
+
+ private:
+  CameraViewMaker() = default;
+  Result<const matting::Keyer*> keyer_at(int shrink);
+  Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small,
+                                                        int shrink) const;
+
+  std::string serial_;
+  CameraModel model_;
+  std::vector<Image> samples_;
+  std::map<int, std::unique_ptr<matting::Keyer>>
+      keyers_;  // by shrink: each knows the clean plate at its size
+  recon::OutlineWorkspace outlines_;
+  NodeTimings timings_;
+};
+
+}  // namespace floatstage::studio
