@@ -145,7 +145,7 @@ TEST(Layering, KeepsAppsToPublicHeaders) {
 }
 
 TEST(Layering, KeepsAppsAndTestsOutOfTheStages) {
-  EXPECT_THAT(layering("render/ulr.cpp", "#include \"pipeline/film.h\"\n"),
+  EXPECT_THAT(layering("render/ulr.cpp", "#include \"apps/text_options.h\"\n"),
               ElementsAre(HasSubstr("apps is the top floor")));
   EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"),
               ElementsAre(HasSubstr("must not include tests")));

@@ -55,7 +55,8 @@ class Keyer {
 ///   "luminance" or "luminance:T"   black stage: grey > T (default 12) is subject, but for lit cloth: what is
 ///                                  under 5 T and joined to the picture's border by such pixels alone
 ///   "plate" or "plate:K"           against a plate with per-pixel noise, learnt from the samples
-///                                  (matting/keyers/plate.h); K standard deviations (default 6) tell the subject
+///                                  (matting/keyers/plate.h); K standard deviations (default 6) tell the
+///                                  subject
 /// `samples` are pictures (1 or 3 channels) of this one camera: plates first, else some photographs of the
 /// take. Without `cleanup` the keyer uses its own default. Errors: InvalidArgument lists the keyers when the
 /// name is unknown, and says what a parameter or sample should be; NotFound when the samples show no green or
