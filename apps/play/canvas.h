@@ -8,7 +8,7 @@
 #include "apps/play/player_state.h"
 #include "apps/studio/live_scene.h"
 #include "core/rig.h"
-#include "render/scene_textures.h"
+#include "render/gl/scene_textures.h"
 
 namespace floatstage {
 
