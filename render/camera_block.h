@@ -8,7 +8,7 @@
 
 namespace floatstage::render {
 
-/// One camera as the shaders read it (std430; shaders/camera.glsl has the twin).
+/// One camera as the shaders read it (std430; gl/shaders/camera.glsl has the twin).
 struct CameraBlock {
   std::array<float, 16> cam_from_world;  ///< column by column
   std::array<float, 4> center;           ///< world

@@ -5,9 +5,9 @@
 #include <epoxy/gl.h>
 
 #include "core/text.h"
-#include "render/blend_renderer.h"
 #include "render/camera_choice.h"
-#include "render/floating_renderer.h"
+#include "render/gl/blend_renderer.h"
+#include "render/gl/floating_renderer.h"
 
 namespace floatstage::render {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "core/view.h"
 #include "render/flow.h"
-#include "render/scene_textures.h"
+#include "render/gl/scene_textures.h"
 
 namespace floatstage::render {
 

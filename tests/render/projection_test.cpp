@@ -1,4 +1,4 @@
-#include "render/projection.h"
+#include "render/gl/projection.h"
 
 #include <cmath>
 

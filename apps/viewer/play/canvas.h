@@ -7,7 +7,7 @@
 #include "apps/viewer/play/camera_frusta.h"
 #include "apps/viewer/play/player_state.h"
 #include "core/rig.h"
-#include "render/scene_textures.h"
+#include "render/gl/scene_textures.h"
 #include "studio/live/live_scene.h"
 
 namespace floatstage::apps {

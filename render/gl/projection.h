@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "render/camera_choice.h"
-#include "render/gl_objects.h"
+#include "render/gl/gl_objects.h"
 #include "render/renderer.h"
 
 namespace floatstage::render {

@@ -5,9 +5,9 @@ foreach(file IN LISTS SHADERS)
   file(READ "${file}" content)
   string(APPEND table "  if (name == \"${name}\") return R\"glsl(${content})glsl\";\n")
 endforeach()
-file(WRITE "${OUTPUT}" "// Made by render/embed_shaders.cmake from render/shaders.
+file(WRITE "${OUTPUT}" "// Made by render/gl/embed_shaders.cmake from render/gl/shaders.
 #include \"core/check.h\"
-#include \"render/shader_text.h\"
+#include \"render/gl/shader_text.h\"
 
 namespace floatstage::render::gl {
 

@@ -1,6 +1,6 @@
-#include "render/inspection.h"
+#include "render/gl/inspection.h"
 
-#include "render/scene_textures_impl.h"
+#include "render/gl/scene_textures_impl.h"
 
 namespace floatstage::render {
 

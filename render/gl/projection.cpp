@@ -1,11 +1,11 @@
-#include "render/projection.h"
+#include "render/gl/projection.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/text.h"
-#include "render/scene_textures_impl.h"
+#include "render/gl/scene_textures_impl.h"
 
 namespace floatstage::render {
 namespace {

@@ -1,12 +1,12 @@
-#include "render/floating_renderer.h"
+#include "render/gl/floating_renderer.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "render/inspection.h"
+#include "render/gl/inspection.h"
+#include "render/gl/projection.h"
 #include "render/pairwise_flows.h"
 #include "render/projected_images.h"
-#include "render/projection.h"
 
 namespace floatstage::render {
 namespace {

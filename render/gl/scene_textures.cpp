@@ -1,4 +1,4 @@
-#include "render/scene_textures.h"
+#include "render/gl/scene_textures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "core/parallel.h"
 #include "core/text.h"
-#include "render/scene_textures_impl.h"
+#include "render/gl/scene_textures_impl.h"
 
 namespace floatstage::render {
 namespace {

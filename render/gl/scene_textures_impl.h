@@ -7,9 +7,9 @@
 #include "core/rig.h"
 #include "render/camera_block.h"
 #include "render/camera_choice.h"
-#include "render/depth_maps.h"
-#include "render/gl_objects.h"
-#include "render/scene_textures.h"
+#include "render/gl/depth_maps.h"
+#include "render/gl/gl_objects.h"
+#include "render/gl/scene_textures.h"
 
 namespace floatstage::render {
 

@@ -1,4 +1,4 @@
-#include "render/depth_maps.h"
+#include "render/gl/depth_maps.h"
 
 #include <algorithm>
 #include <cmath>

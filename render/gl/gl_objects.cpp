@@ -1,10 +1,10 @@
-#include "render/gl_objects.h"
+#include "render/gl/gl_objects.h"
 
 #include <algorithm>
 #include <vector>
 
 #include "core/text.h"
-#include "render/shader_text.h"
+#include "render/gl/shader_text.h"
 
 namespace floatstage::render::gl {
 namespace {

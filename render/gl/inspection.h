@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/projection.h"
+#include "render/gl/projection.h"
 
 namespace floatstage::render {
 

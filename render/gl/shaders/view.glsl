@@ -1,4 +1,4 @@
-// What every pass knows of the view being drawn. Mirrors ViewBlock in render/projection.h.
+// What every pass knows of the view being drawn. Mirrors ViewBlock in render/gl/projection.h.
 layout(std140, binding = 0) uniform ViewBlock {
   mat4 clip_from_world;
   mat4 world_from_view;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "render/camera_block.h"
-#include "render/gl_objects.h"
+#include "render/gl/gl_objects.h"
 
 namespace floatstage::render {
 

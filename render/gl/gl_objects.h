@@ -91,7 +91,7 @@ class Texture {
   int width_ = 0, height_ = 0, layers_ = 0;
 };
 
-/// Compiles and links embedded shaders (names as in render/shaders). `preamble` comes after the #version
+/// Compiles and links embedded shaders (names as in render/gl/shaders). `preamble` comes after the #version
 /// line, then the shared files named in `shared`. Unsupported with the compiler's own message.
 Result<Program> make_program(std::string_view vertex, std::string_view fragment,
                              std::initializer_list<std::string_view> shared = {});

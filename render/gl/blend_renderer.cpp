@@ -1,7 +1,7 @@
-#include "render/blend_renderer.h"
+#include "render/gl/blend_renderer.h"
 
-#include "render/inspection.h"
-#include "render/projection.h"
+#include "render/gl/inspection.h"
+#include "render/gl/projection.h"
 
 namespace floatstage::render {
 namespace {
