@@ -1,0 +1,81 @@
+// Reads the project's own documents: a link that leads nowhere sends a reader away.
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/file.h"
+#include "tests/document_links.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage::architecture {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+namespace fs = std::filesystem;
+const fs::path kRoot = FLOATSTAGE_SOURCE_DIR;
+
+// Those beside the README, and all below docs/.
+std::vector<Document> documents_of_the_project() {
+  std::vector<Document> documents;
+  const auto add = [&](const fs::directory_entry& entry) {
+    if (!entry.is_regular_file() || entry.path().extension() != ".md") return;
+    const Result<std::string> text = read_file(entry.path());
+    ASSERT_THAT(text, IsOk());
+    documents.push_back({fs::relative(entry.path(), kRoot).generic_string(), *text});
+  };
+  for (const auto& entry : fs::directory_iterator(kRoot)) add(entry);
+  for (const auto& entry : fs::recursive_directory_iterator(kRoot / "docs")) add(entry);
+  return documents;
+}
+
+bool exists_in_a_small_tree(const std::string& path) { return path == "core/rig.h" || path == "docs/adr"; }
+
+std::vector<std::string> broken(const char* path, const char* text) {
+  return broken_links({{path, text}}, exists_in_a_small_tree);
+}
+
+TEST(Documents, LinkOnlyToWhatIsThere) {
+  const std::vector<Document> documents = documents_of_the_project();
+  EXPECT_GT(documents.size(), 50u);
+  EXPECT_THAT(broken_links(documents, [](const std::string& path) { return fs::exists(kRoot / path); }),
+              IsEmpty());
+}
+
+TEST(DocumentLinks, AreFoundOutsideOfCode) {
+  const std::vector<DocumentLink> links = links_of(
+      "one [a](x.md) and ![b](../y.png#top)\n```\n[no](fence.md)\n```\n`[no](code.md)` [c](#here)\n"
+      "[other](https://example.org/z.md)\n");
+  ASSERT_EQ(links.size(), 3u);
+  EXPECT_EQ(links[0].target, "x.md");
+  EXPECT_EQ(links[1].target, "../y.png");
+  EXPECT_EQ(links[1].heading, "top");
+  EXPECT_EQ(links[2].target, "");
+  EXPECT_EQ(links[2].heading, "here");
+  EXPECT_EQ(links[2].line, 5);
+}
+
+TEST(DocumentLinks, AreFoundWithCodeAsTheirText) {
+  const std::vector<DocumentLink> links = links_of("[`rig.h`](../core/rig.h)\n");
+  ASSERT_EQ(links.size(), 1u);
+  EXPECT_EQ(links[0].target, "../core/rig.h");
+}
+
+TEST(DocumentLinks, AreFollowedFromTheirOwnFolder) {
+  EXPECT_THAT(broken("docs/takes.md", "[a](../core/rig.h) [b](adr)\n"), IsEmpty());
+  EXPECT_THAT(broken("docs/takes.md", "\n[a](core/rig.h)\n"),
+              ElementsAre(HasSubstr("docs/takes.md:2: links to core/rig.h, which is not there")));
+}
+
+TEST(DocumentLinks, NeedTheHeadingThatTheyName) {
+  const std::vector<Document> two = {{"a.md", "[b](b.md#who-calls-whom) [c](b.md#nobody)\n"},
+                                     {"b.md", "# B\n## Who calls whom?\n```\n# nobody\n```\n"}};
+  EXPECT_THAT(broken_links(two, exists_in_a_small_tree), ElementsAre("a.md:1: b.md has no heading 'nobody'"));
+}
+
+}  // namespace
+}  // namespace floatstage::architecture
