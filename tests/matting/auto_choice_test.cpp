@@ -5,6 +5,7 @@
 #include "matting/method_selection.h"
 #include "matting/video/video_matting.h"
 #include "tests/matting/clip_scores.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"
 #include "tests/support/temp_folder.h"
@@ -82,6 +83,7 @@ class AutoChoice : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(AutoChoice, IsNeverWorseThanTheBestOverGreenCloth) {
+  FLOATSTAGE_LONG_FORM(GetParam() != 1 && GetParam() != 21);
   const MatteClip clip = make_clip(studio_cutout(GetParam()), green_cloth(240, 160, GetParam()), options());
   const std::vector<Image> key = keyed(clip, "chroma", {clip.frames[0]});
   expect_the_best(
@@ -89,6 +91,7 @@ TEST_P(AutoChoice, IsNeverWorseThanTheBestOverGreenCloth) {
 }
 
 TEST_P(AutoChoice, IsNeverWorseThanTheBestBeforeACleanPlate) {
+  FLOATSTAGE_LONG_FORM(GetParam() != 1 && GetParam() != 21);
   const MatteClip clip =
       make_clip(studio_cutout(GetParam()), cluttered_place(240, 160, GetParam()), options());
   const std::vector<Image> key = keyed(clip, "plate", {clip.plate});

@@ -6,6 +6,7 @@
 #include "matting/color_model.h"
 #include "matting/keyers/backdrop_memory.h"
 #include "tests/matting/clip_scores.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 #include "tests/support/matte_clips.h"
 
@@ -46,6 +47,7 @@ MatteConstraint click_on(const Image& truth) {
 class SegmentClipClips : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(SegmentClipClips, FollowADancerThroughAClutteredPlaceFromOneClick) {
+  FLOATSTAGE_LONG_FORM(GetParam() > 2);
   const MatteClip clip = make_clip(studio_cutout(GetParam()), cluttered_place(360, 240, GetParam()),
                                    {.frames = 24, .seed = GetParam()});
   const Result<std::vector<Image>> cut = segment_clip(as_clip(clip.frames), {{0, click_on(clip.truth[0])}});

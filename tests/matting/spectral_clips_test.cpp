@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/long_tests.h"
+
 // The dancer of the embedded studio with her loose hair, moved and turned; her matte is known in the first
 // frame only.
 namespace floatstage::matting {
@@ -12,6 +14,7 @@ namespace {
 class SpectralClips : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(SpectralClips, FollowTheDancerOverGreenClothFromTheFirstFrame) {
+  FLOATSTAGE_LONG_FORM(GetParam() != 1);
   const MatteClip clip =
       make_clip(studio_cutout(GetParam()), green_cloth(360, 240, GetParam()), {.seed = GetParam()});
   const SpectralResult result = spectral_mattes(clip);
@@ -24,6 +27,7 @@ TEST_P(SpectralClips, FollowTheDancerOverGreenClothFromTheFirstFrame) {
 }
 
 TEST_P(SpectralClips, FollowTheDancerThroughAClutteredPlaceFromTheFirstFrame) {
+  FLOATSTAGE_LONG_FORM(GetParam() != 1);
   const MatteClip clip =
       make_clip(studio_cutout(GetParam()), cluttered_place(360, 240, GetParam()), {.seed = GetParam()});
   const SpectralResult result = spectral_mattes(clip);
