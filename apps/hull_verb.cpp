@@ -12,6 +12,7 @@
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/mesh_io.h"
+#include "core/statistics.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
 #include "pipeline/progress.h"
@@ -54,13 +55,6 @@ Result<Input> load(const Options& given) {
     input.mattes.push_back((*mattes)[static_cast<std::size_t>(camera)]);
   }
   return input;
-}
-
-double percentile(std::vector<double> sorted, double share) {
-  std::sort(sorted.begin(), sorted.end());
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  const std::size_t low = static_cast<std::size_t>(at), high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (at - static_cast<double>(low)) * (sorted[high] - sorted[low]);
 }
 
 nlohmann::json spread_of(const std::vector<double>& ms) {

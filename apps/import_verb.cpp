@@ -1,4 +1,3 @@
-#include <array>
 #include <cstdio>
 #include <memory>
 
@@ -53,29 +52,18 @@ Result<void> run(const Options& given) {
   return {};
 }
 
-struct Format {
-  pipeline::CalibrationFormat format;
-  const char* help;
-  const char* path_help;
+// What one sub-verb reads.
+struct Reads {
+  std::string name, title, files;
+  bool states_unit;
 };
 
-constexpr std::array kFormats{
-    Format{pipeline::CalibrationFormat::Middlebury, "Middlebury multi-view stereo",
-           "Folder with one *_par.txt and the images, or that file"},
-    Format{pipeline::CalibrationFormat::Colmap, "COLMAP text model",
-           "Folder with cameras.txt and images.txt"},
-    Format{pipeline::CalibrationFormat::OpenCv, "OpenCV / EasyMocap YAML",
-           "Folder with intri.yml and extri.yml"},
-    Format{pipeline::CalibrationFormat::Qualisys, "Qualisys calibration", "The .qca.txt file"},
-    Format{pipeline::CalibrationFormat::Dome, "Plain text of the green dome",
-           "Folder with calibration.txt and images/, or that file"}};
-
-void add_format(CLI::App& verb, const Format& format, Chosen& chosen) {
+void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   pipeline::ImportOptions& import = options->import;
-  import.calibration.format = format.format;
-  CLI::App* app = verb.add_subcommand(name_of(format.format), format.help);
-  app->add_option("calibration", import.calibration.path, format.path_help)->required();
+  import.calibration.format = format.name;
+  CLI::App* app = verb.add_subcommand(format.name, format.title);
+  app->add_option("calibration", import.calibration.path, format.files)->required();
   app->add_option("--out", import.out, "The new take's folder")->required();
   app->add_option("--images,--videos", import.pictures,
                   "Folder with a picture, a video or a folder of pictures for each camera (default: beside "
@@ -100,7 +88,7 @@ void add_format(CLI::App& verb, const Format& format, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app->add_option("--json", options->json, "Write a report to this file");
-  if (format.format == pipeline::CalibrationFormat::Dome)
+  if (!format.states_unit)
     app->add_option("--metres-per-unit", import.calibration.metres_per_unit,
                     "Length of the calibration's unit, which it does not state")
         ->capture_default_str()
@@ -114,7 +102,13 @@ void add_import(CLI::App& app, Chosen& chosen) {
   CLI::App* verb =
       app.add_subcommand("import", "Makes a take of others' pictures or videos and their calibration");
   verb->require_subcommand(1);
-  for (const Format& format : kFormats) add_format(*verb, format, chosen);
+  add_format(*verb,
+             {std::string(calib::kAnyRigFormat), "Whichever of the formats is there",
+              "a calibration's file, or the folder that holds it", false},
+             chosen);
+  for (const calib::RigFormat& f : calib::rig_formats())
+    add_format(*verb, {std::string(f.name), std::string(f.title), std::string(f.files), f.states_unit},
+               chosen);
 }
 
 }  // namespace floatstage::apps

@@ -1,6 +1,5 @@
 #include "calib/color.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -8,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/mcc.hpp>
 
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -127,8 +127,7 @@ Result<ColorFit> fit_color(std::span<const ColorPair> pairs) {
     fit.mean_before += delta_e_2000(lab_from_srgb(used[i].seen), wanted[i]) / fit.used;
     fit.mean_delta_e += off.back() / fit.used;
   }
-  std::sort(off.begin(), off.end());
-  fit.p95_delta_e = off[static_cast<std::size_t>(0.95 * static_cast<double>(off.size() - 1))];
+  fit.p95_delta_e = percentile(std::move(off), 0.95);
   return fit;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -38,12 +39,6 @@ std::vector<ColorPair> pairs_of(const ByPoint& points, int camera,
   return pairs;
 }
 
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
-
 bool well_exposed(const Eigen::Vector3d& rgb) { return rgb.minCoeff() >= 0.01 && rgb.maxCoeff() <= 0.99; }
 
 ColorAgreement judge(const ByPoint& points, int camera,
@@ -76,8 +71,7 @@ ColorAgreement judge(const ByPoint& points, int camera,
   a.points = static_cast<int>(kept.size());
   a.mean_after /= a.points;
   a.mean_before /= a.points;
-  std::sort(kept.begin(), kept.end());
-  a.p95_after = kept[static_cast<std::size_t>(0.95 * static_cast<double>(kept.size() - 1))];
+  a.p95_after = percentile(std::move(kept), 0.95);
   return a;
 }
 

@@ -7,6 +7,7 @@
 #include "calib/board_detection.h"
 #include "calib/grey.h"
 #include "calib/marker_dictionary.h"
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -45,9 +46,7 @@ double edge_width(const cv::Mat& grey) {
     }
   }
   if (widths.size() < 200) return 0;  // hardly an edge anywhere: not a question of sharpness
-  const auto sharp = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 50);
-  std::nth_element(widths.begin(), sharp, widths.end());
-  return *sharp;
+  return percentile(std::move(widths), 0.02);
 }
 
 bool near_rim(const cv::Mat& grey, cv::Point2f p, float distance) {

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calib/grey.h"
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -81,12 +82,6 @@ Eigen::Matrix3d rotation(const Eigen::Vector3d& turn) {
   return Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Parallax that `turn` leaves, and the direction that explains it: rays before and after lie in one plane
 // with the move (Longuet-Higgins 1981, the turn being known; what it took of a sideways shift runs along the
 // same lines). People are outliers: medians and falling weights.
@@ -98,9 +93,7 @@ void measure_parallax(const std::vector<Match>& matches, const Eigen::Vector3d& 
     normals.emplace_back((rotation(turn) * m.before).cross(m.now));
     shifts.push_back(normals.back().norm() / pixel);
   }
-  const auto quartile = shifts.begin() + static_cast<std::ptrdiff_t>(3 * shifts.size() / 4);
-  std::nth_element(shifts.begin(), quartile, shifts.end());
-  result.parallax_px = *quartile;
+  result.parallax_px = percentile(std::move(shifts), 0.75);
   // Those that shift far more than most are people from the start.
   std::vector<double> weights, across(matches.size());
   for (const Eigen::Vector3d& n : normals)
@@ -116,6 +109,29 @@ void measure_parallax(const std::vector<Match>& matches, const Eigen::Vector3d& 
     for (std::size_t i = 0; i < normals.size(); ++i) weights[i] = 1 / (1 + std::pow(across[i] / scale, 2));
   }
   result.epipolar_px = median(across) / pixel;
+}
+
+// How far off a turn leaves each match, in rad.
+std::vector<double> errors_of(const std::vector<Match>& matches, const Eigen::Vector3d& turn) {
+  const Eigen::Matrix3d r = rotation(turn);
+  std::vector<double> e;
+  for (const Match& m : matches) e.push_back((m.now - r * m.before).norm());
+  return e;
+}
+
+// Each pair of matches proposes a turn; the one with the least median error leads (no chance is involved).
+// Returns that error.
+double lead_by_consensus(const std::vector<Match>& matches, Eigen::Vector3d& best) {
+  best = Eigen::Vector3d::Zero();
+  double least = median(errors_of(matches, best));
+  const std::size_t stride = matches.size() / 2;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    const std::vector<Match> pair = {matches[i], matches[(i + stride) % matches.size()]};
+    const Eigen::Vector3d turn = fit_turn(pair, {1, 1});
+    const double e = median(errors_of(matches, turn));
+    if (e < least) least = e, best = turn;
+  }
+  return least;
 }
 
 double hundredths(double v) { return std::round(100 * v) / 100; }
@@ -185,24 +201,9 @@ CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>&
   if (result.matches < kFewestMatches) return result;
   result.moved_px = median(shifts);
 
-  // Consensus: each pair of matches proposes a turn; the one with the least median error leads (no chance is
-  // involved).
   const double pixel = 1 / model.fx;
-  auto errors = [&](const Eigen::Vector3d& turn) {
-    const Eigen::Matrix3d r = rotation(turn);
-    std::vector<double> e;
-    for (const Match& m : matches) e.push_back((m.now - r * m.before).norm());
-    return e;
-  };
-  Eigen::Vector3d best = Eigen::Vector3d::Zero();
-  double least = median(errors(best));
-  const std::size_t stride = matches.size() / 2;
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    const std::vector<Match> pair = {matches[i], matches[(i + stride) % matches.size()]};
-    const Eigen::Vector3d turn = fit_turn(pair, {1, 1});
-    const double e = median(errors(turn));
-    if (e < least) least = e, best = turn;
-  }
+  Eigen::Vector3d best;
+  const double least = lead_by_consensus(matches, best);
   // All that agree, to a pixel or three times their own spread.
   const double slack = std::max(pixel, 3 * least);
   Eigen::Matrix3d information;
@@ -211,11 +212,12 @@ CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>&
   for (int step = 0; step < 3; ++step) {
     weights.clear();
     agree = 0;
-    for (const double e : errors(best)) weights.push_back(e <= slack ? 1 : 0), agree += e <= slack;
+    for (const double e : errors_of(matches, best))
+      weights.push_back(e <= slack ? 1 : 0), agree += e <= slack;
     best = fit_turn(matches, weights, &information);
   }
   double squares = 0;
-  const std::vector<double> last = errors(best);
+  const std::vector<double> last = errors_of(matches, best);
   for (std::size_t i = 0; i < last.size(); ++i) squares += weights[i] * last[i] * last[i];
   const double rms = std::sqrt(squares / std::max(agree, 1));
   result.residual_px = rms / pixel;

@@ -6,7 +6,7 @@
 
 #include "calib/calibrate.h"
 #include "calib/colmap_steps.h"
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 #include "calib/scene_features.h"
 #include "calib/scene_matching.h"
 #include "core/parallel.h"

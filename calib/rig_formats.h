@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,36 +11,59 @@
 
 namespace floatstage::calib {
 
-/// A foreign calibration: the rig in our conventions, and what its file says about pictures.
+/// A calibration that was read: the rig in our conventions, and what its format says about pictures.
 struct ForeignRig {
   Rig rig;                               ///< width and height may be 0 where the format does not state them
   std::vector<std::string> image_names;  ///< per camera, where the format names one; else the serial
+  std::filesystem::path pictures;        ///< the folder where such a calibration's pictures lie, if anywhere
 };
 
-/// Middlebury multi-view `*_par.txt`: count, then name, K (3×3), R (3×3), t a line; pixel centres at
-/// integers.
-Result<ForeignRig> read_middlebury(const std::filesystem::path& par_txt);
-/// COLMAP text model: a folder with cameras.txt and images.txt; corner convention like ours.
-Result<ForeignRig> read_colmap(const std::filesystem::path& folder);
-/// OpenCV/EasyMocap: a folder with intri.yml and extri.yml; pixel centres at integers.
-Result<ForeignRig> read_easymocap(const std::filesystem::path& folder);
-/// Qualisys `.qca.txt` (XML, millimetres, units of 1/64 px).
-Result<ForeignRig> read_qualisys(const std::filesystem::path& qca_txt);
-/// The plain text of the green dome: index; K; k1 k2; R|t, blank line; pixel centres at integers.
-/// `metres_per_unit` scales its translations (its unit is not stated; about a decimetre).
-Result<ForeignRig> read_dome(const std::filesystem::path& calibration_txt, double metres_per_unit);
-/// Kalibr's camchain YAML: pinhole cameras with radtan, equidistant or no distortion; pixel centres at
-/// integers. The world is the first camera's frame.
-Result<ForeignRig> read_kalibr(const std::filesystem::path& camchain_yaml);
+/// One calibration format: a row of the table that import, known rigs, export, session files and the help of
+/// all of them read. docs/calibration-formats.md says what each file is taken to mean.
+struct RigFormat {
+  std::string_view name;   ///< as commands and session files say it: "middlebury"
+  std::string_view title;  ///< "Middlebury multi-view stereo"
+  std::string_view files;  ///< what is read: "a folder with one *_par.txt and the images, or that file"
+  std::string_view
+      written;  ///< what export makes: "a _par.txt"; empty: this format is not written, `write` is null
+  bool states_unit = true;  ///< false: `metres_per_unit` is needed to read it
 
-/// The same formats written, so that others' tools open our rigs. Writers refuse what a format cannot hold.
-Result<void> write_middlebury(const Rig& rig, const std::vector<std::string>& image_names,
-                              const std::filesystem::path& par_txt);
-Result<void> write_colmap(const Rig& rig, const std::vector<std::string>& image_names,
-                          const std::filesystem::path& folder);
-Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder);
-/// Only relative to its first camera: a camchain has no world. Serials stand in the topics.
-Result<void> write_kalibr(const Rig& rig, const std::filesystem::path& camchain_yaml);
-Result<void> write_qualisys(const Rig& rig, const std::filesystem::path& qca_txt);
+  /// Whether what lies at the path (the calibration's file, or a folder that holds it) has this format's
+  /// names. Opens no file.
+  bool (*recognises)(const std::filesystem::path& path);
+  /// Finds the file or files at or below the path and reads them. NotFound says what should lie there,
+  /// InvalidArgument which of several to name.
+  Result<ForeignRig> (*read)(const std::filesystem::path& path, double metres_per_unit);
+  /// One image name a camera, which formats without pictures' names ignore. Refuses what the format cannot
+  /// hold; a folder may then be written in part.
+  Result<void> (*write)(const Rig& rig, const std::vector<std::string>& image_names,
+                        const std::filesystem::path& out);
+};
+
+/// All of them, our own rig.json first.
+std::span<const RigFormat> rig_formats();
+
+/// The green dome's, about a decimetre: for formats that state no unit.
+inline constexpr double kMetresPerUnit = 0.1;
+
+/// The name that stands for "whichever format recognises what is there".
+inline constexpr std::string_view kAnyRigFormat = "auto";
+
+/// The row of that name; for "auto" the one that recognises `path`. InvalidArgument lists the names, or those
+/// that might be meant; NotFound when nothing is there or nothing recognises it. Never null.
+Result<const RigFormat*> rig_format(std::string_view name, const std::filesystem::path& path);
+
+/// "auto, rig, middlebury, …"
+std::string rig_format_names();
+
+/// A calibration where it lies: what import and known rigs are given.
+struct RigFile {
+  std::string format = std::string(kAnyRigFormat);
+  std::filesystem::path path;  ///< the calibration's file, or the folder that holds it
+  double metres_per_unit = kMetresPerUnit;
+};
+
+/// Errors of rig_format() and of the format's reader.
+Result<ForeignRig> read_rig(const RigFile& file);
 
 }  // namespace floatstage::calib

@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "calib/scene_rays.h"
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -17,12 +18,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Cameras that both rigs have: indices.
 std::vector<std::pair<std::size_t, std::size_t>> common(const Rig& rig, const Rig& known) {
@@ -113,7 +108,8 @@ std::optional<Rig> onto_known(const Rig& rig, const Rig& known) {
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
   for (const Eigen::Quaterniond& candidate : turns) {
     std::vector<double> angles;
-    for (const Eigen::Quaterniond& other : turns) angles.push_back(candidate.angularDistance(other));
+    for (const Eigen::Quaterniond& other : turns)
+      if (&other != &candidate) angles.push_back(candidate.angularDistance(other));
     if (const double m = median(std::move(angles)); m < least) {
       least = m;
       turn = candidate;

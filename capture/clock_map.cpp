@@ -1,4 +1,5 @@
 #include "capture/clock_map.h"
+#include "core/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -92,9 +93,8 @@ ClockFit ClockMap::fit() const {
   fit.offset = {at(samples_.back().device) - samples_.back().device};
   std::vector<std::int64_t> delays;
   for (const Sample& s : samples_) delays.push_back(s.arrival - at(s.device));
-  std::sort(delays.begin(), delays.end());
-  fit.delay_p50 = {delays[(delays.size() - 1) / 2]};
-  fit.delay_p95 = {delays[(delays.size() - 1) * 95 / 100]};
+  fit.delay_p50 = {median(delays)};
+  fit.delay_p95 = {percentile(std::move(delays), 0.95)};
   return fit;
 }
 

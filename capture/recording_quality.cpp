@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::capture {
@@ -53,10 +54,8 @@ RecordingQuality QualityMeter::judge() const {
   for (const std::optional<Instant>& instant : instants_)
     if (instant) spreads.push_back(seconds(instant->latest - instant->earliest) * 1e3);
   if (!spreads.empty()) {
-    const auto middle = spreads.begin() + static_cast<std::ptrdiff_t>((spreads.size() - 1) / 2);
-    std::nth_element(spreads.begin(), middle, spreads.end());
-    quality.spread_p50_ms = *middle;
-    quality.spread_max_ms = *std::max_element(spreads.begin(), spreads.end());
+    quality.spread_p50_ms = median(spreads);
+    quality.spread_max_ms = percentile(std::move(spreads), 1);
   }
   complain(quality);
   return quality;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::capture {
@@ -18,17 +19,6 @@ constexpr double kPeriodGain = kPhaseGain * kPhaseGain / (2 - kPhaseGain);
 constexpr double kPeriodBound = 0.02;
 
 constexpr std::array kPolicies = {MissingPolicy::LeaveEmpty, MissingPolicy::DropSet};
-
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double percentile(const std::vector<double>& sorted, double share) {
-  return sorted.empty() ? 0
-                        : sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-}
 
 }  // namespace
 
@@ -150,7 +140,7 @@ FrameSet Synchronizer::take_set() {
   gone_ = end;
   if (times.empty()) return set;
 
-  const double middle = median_of(times);
+  const double middle = median(std::move(times));
   double first = middle, last = middle;
   for (std::size_t i = 0; i < lanes_.size(); ++i) {
     if (set.frames[i].empty()) continue;
@@ -207,11 +197,11 @@ std::optional<FrameSet> Synchronizer::drain() { return settle({}, Wait::NotAtAll
 
 SyncStats Synchronizer::stats() const {
   SyncStats stats = totals_;
-  std::vector<double> sorted = spreads_ms_;
-  std::sort(sorted.begin(), sorted.end());
-  stats.spread_p50_ms = percentile(sorted, 0.50);
-  stats.spread_p99_ms = percentile(sorted, 0.99);
-  stats.spread_max_ms = percentile(sorted, 1);
+  if (!spreads_ms_.empty()) {
+    stats.spread_p50_ms = median(spreads_ms_);
+    stats.spread_p99_ms = percentile(spreads_ms_, 0.99);
+    stats.spread_max_ms = percentile(spreads_ms_, 1);
+  }
   for (const Lane& lane : lanes_) {
     stats.cameras.push_back(lane.counts);
     if (lane.measured > 0) {

@@ -37,21 +37,17 @@ void find_offsets(const Silhouette& full, const Silhouette& simple, std::span<co
   }
 }
 
-}  // namespace
-
-void fit_outline(const Silhouette& full, const Silhouette& simple, std::span<const int> origin, double most,
-                 SilhouetteScratch& scratch, Silhouette& out) {
-  std::vector<double>& offset = scratch.offsets;
-  find_offsets(full, simple, origin, offset);
-  const EdgeGrid& before = scratch.grid;
-  scratch.grid.fill(simple);
+// Each corner where its two edges meet when both are moved outwards by their offset, at most `most` away.
+void move_corners(const Silhouette& simple, double most, SilhouetteScratch& scratch) {
+  const std::vector<double>& offset = scratch.offsets;
+  const EdgeGrid& grid = scratch.grid;
   std::vector<Vector2d>& moved = scratch.moved;
   moved.resize(simple.points.size());
   std::vector<int>& previous = scratch.previous;
   previous.resize(simple.points.size());
-  for (int e = 0; e < static_cast<int>(previous.size()); ++e) previous[before.next(e)] = e;
+  for (int e = 0; e < static_cast<int>(previous.size()); ++e) previous[grid.next(e)] = e;
   const auto outward = [&](int e) {
-    const Vector2d d = (simple.points[before.next(e)] - simple.points[e]).normalized();
+    const Vector2d d = (simple.points[grid.next(e)] - simple.points[e]).normalized();
     return Vector2d(d.y(), -d.x());
   };
   for (int e = 0; e < static_cast<int>(moved.size()); ++e) {
@@ -68,6 +64,36 @@ void fit_outline(const Silhouette& full, const Silhouette& simple, std::span<con
     if (!(length <= most)) move *= most / length;
     moved[e] = move.allFinite() ? Vector2d(simple.points[e] + move) : simple.points[e];
   }
+}
+
+// Whether moving edge e to where it is in `out` would sweep over a corner of another chain.
+bool sweeps_over_a_corner(const EdgeGrid& grid, const Silhouette& simple, const Silhouette& out, int e,
+                          int f) {
+  const std::array<Vector2d, 4> swept = {simple.points[e], simple.points[f], out.points[f], out.points[e]};
+  Eigen::AlignedBox2d box;
+  for (const Vector2d& p : swept) box.extend(p);
+  return grid.any_point_in(box, [&](int other) {
+    if (other == e || other == f) return false;
+    bool inside = false;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vector2d &u = swept[k], &v = swept[(k + 1) % 4], &q = out.points[other];
+      if ((u.y() > q.y()) != (v.y() > q.y()) &&
+          q.x() < u.x() + (q.y() - u.y()) / (v.y() - u.y()) * (v.x() - u.x())) {
+        inside = !inside;
+      }
+    }
+    return inside;
+  });
+}
+
+}  // namespace
+
+void fit_outline(const Silhouette& full, const Silhouette& simple, std::span<const int> origin, double most,
+                 SilhouetteScratch& scratch, Silhouette& out) {
+  find_offsets(full, simple, origin, scratch.offsets);
+  scratch.grid.fill(simple);
+  move_corners(simple, most, scratch);
+  const std::vector<Vector2d>& moved = scratch.moved;
   // Corners whose move would let two chains touch, or jump over a corner of another chain, go back.
   out = simple;
   std::vector<char>& back = scratch.back;
@@ -88,24 +114,7 @@ void fit_outline(const Silhouette& full, const Silhouette& simple, std::span<con
     }
     for (int e = 0; e < static_cast<int>(moved.size()); ++e) {
       const int f = grid.next(e);
-      if (back[e] && back[f]) continue;
-      const std::array<Vector2d, 4> swept = {simple.points[e], simple.points[f], out.points[f],
-                                             out.points[e]};
-      Eigen::AlignedBox2d box;
-      for (const Vector2d& p : swept) box.extend(p);
-      const bool hit = grid.any_point_in(box, [&](int other) {
-        if (other == e || other == f) return false;
-        bool inside = false;
-        for (std::size_t k = 0; k < 4; ++k) {
-          const Vector2d &u = swept[k], &v = swept[(k + 1) % 4], &q = out.points[other];
-          if ((u.y() > q.y()) != (v.y() > q.y()) &&
-              q.x() < u.x() + (q.y() - u.y()) / (v.y() - u.y()) * (v.x() - u.x())) {
-            inside = !inside;
-          }
-        }
-        return inside;
-      });
-      if (!hit) continue;
+      if ((back[e] && back[f]) || !sweeps_over_a_corner(grid, simple, out, e, f)) continue;
       retreat(e);
       retreat(f);
     }

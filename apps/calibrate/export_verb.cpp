@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <functional>
 
 #include "apps/calibrate/calibrate_verbs.h"
 #include "calib/rig_formats.h"
@@ -16,43 +15,19 @@ struct Options {
   std::string format, pictures = "png";
 };
 
-using Names = std::vector<std::string>;
-using Write = std::function<Result<void>(const Rig&, const Names&, const std::filesystem::path&)>;
-
-struct Format {
-  const char* name;
-  const char* writes;
-  Write write;
-};
-
-// Those that carry no names of pictures.
-template <auto kWrite>
-Result<void> nameless(const Rig& rig, const Names&, const std::filesystem::path& out) {
-  return kWrite(rig, out);
-}
-
-const std::vector<Format>& formats() {
-  static const std::vector<Format> all = {
-      {"colmap", "a folder with cameras.txt, images.txt, points3D.txt", calib::write_colmap},
-      {"opencv", "a folder with intri.yml and extri.yml, as EasyMocap has them",
-       nameless<calib::write_easymocap>},
-      {"kalibr", "a camchain .yaml", nameless<calib::write_kalibr>},
-      {"middlebury", "a _par.txt", calib::write_middlebury},
-      {"qualisys", "a .qca.txt", nameless<calib::write_qualisys>},
-  };
-  return all;
-}
-
 std::string list_of_formats() {
   std::string out;
-  for (const Format& f : formats()) out += text(out.empty() ? "" : "; ", f.name, ": ", f.writes);
+  for (const calib::RigFormat& f : calib::rig_formats())
+    if (f.write) out += text(out.empty() ? "" : "; ", f.name, ": ", f.written);
   return out;
 }
 
 Result<void> run(const Options& given) {
-  const auto format = std::find_if(formats().begin(), formats().end(),
-                                   [&](const Format& f) { return f.name == given.format; });
-  if (format == formats().end())
+  const auto formats = calib::rig_formats();
+  const auto format = std::find_if(formats.begin(), formats.end(), [&](const calib::RigFormat& f) {
+    return f.write && f.name == given.format;
+  });
+  if (format == formats.end())
     return fail(ErrorCode::InvalidArgument,
                 text("'", given.format, "' is no format that is written; there are ", list_of_formats()));
   if (std::filesystem::exists(given.out))
@@ -61,7 +36,7 @@ Result<void> run(const Options& given) {
   const bool take = std::filesystem::is_directory(given.rig);
   const Result<Rig> rig = load_rig(take ? TakeLayout(given.rig).rig() : given.rig);
   if (!rig) return forward(rig);
-  Names pictures;
+  std::vector<std::string> pictures;
   for (const RigCamera& camera : rig->cameras) pictures.push_back(camera.serial + "." + given.pictures);
   const Result<void> written = format->write(*rig, pictures, given.out);
   std::error_code ignored;

@@ -6,7 +6,7 @@
 
 namespace floatstage::calib {
 
-/// The readers of rig_formats.h on text in memory: what tests and fuzzers call. `name` stands in messages.
+/// The readers of format_files.h on text in memory: what tests and fuzzers call. `name` stands in messages.
 
 Result<ForeignRig> parse_middlebury(std::string_view text, std::string_view name);
 Result<ForeignRig> parse_dome(std::string_view text, double metres_per_unit, std::string_view name);

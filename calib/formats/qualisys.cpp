@@ -4,6 +4,7 @@
 #include <pugixml.hpp>
 
 #include "calib/formats/camera_parts.h"
+#include "calib/formats/format_files.h"
 #include "calib/formats/parsers.h"
 #include "calib/formats/text_lines.h"
 #include "core/file.h"

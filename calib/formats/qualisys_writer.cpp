@@ -2,7 +2,7 @@
 
 #include "calib/formats/camera_parts.h"
 #include "calib/formats/text_lines.h"
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 #include "core/file.h"
 #include "core/text.h"
 

@@ -1,3 +1,9 @@
+// Method:  the cameras' covariance: the inverse of the Schur
+//          complement of boards and markers
+// Paper:   B. Triggs and others, "Bundle adjustment: a modern synthesis", 2000, section 6
+// Differs: weak priors take part; directions that are nothing but rounding stay out
+// ADR:     none; docs/algorithms/calibration.md
+
 #include "calib/solver/covariance.h"
 
 #include <algorithm>
@@ -42,10 +48,8 @@ MatrixXd inverse(const MatrixXd& m) {
          eigen.eigenvectors().transpose() * scale.asDiagonal();
 }
 
-}  // namespace
-
-MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
-  const Index size = kCameraParameters * static_cast<Index>(scene.cameras.size());
+// The rows of what is solved for.
+std::vector<Index> free_rows(const Scene& scene, const BundleOptions& options) {
   std::vector<Index> free;
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
     if (!scene.cameras[c].placed) continue;
@@ -53,7 +57,10 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
     for (Index k = 0; k < kCameraParameters; ++k)
       if (mask[k]) free.push_back(kCameraParameters * static_cast<Index>(c) + k);
   }
-  MatrixXd information = MatrixXd::Zero(size, size);
+  return free;
+}
+
+void add_distances(const Scene& scene, MatrixXd& information) {
   for (const SceneDistance& d : scene.distances) {
     const Eigen::Matrix<double, 1, 12> row =
         linearize_distance(d, scene.cameras[static_cast<std::size_t>(d.a)].cam_from_world,
@@ -64,41 +71,60 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
       for (int k = 0; k < 2; ++k)
         information.block<6, 6>(at[i], at[k]) += row.segment<6>(6 * i).transpose() * row.segment<6>(6 * k);
   }
-  for (const auto& [object, views] : by_object(scene)) {
-    const SceneMarkers* markers =
-        object.first ? nullptr : &scene.markers[static_cast<std::size_t>(object.second)];
-    const SceneBoard* board = markers ? nullptr : &scene.boards[static_cast<std::size_t>(object.second)];
-    if (markers && views.size() < 2)
-      continue;  // one ray says nothing of its camera, and cannot place its points
-    const Index width = markers              ? 3 * static_cast<Index>(markers->positions.size())
-                        : board->free_motion ? 12
-                                             : 6;
-    MatrixXd own = MatrixXd::Zero(width, width);
-    std::vector<std::pair<Index, MatrixXd>> shared;  // camera's first row, its block with the object
-    for (const SceneView* v : views) {
-      LinearView linear;
-      linearize(scene, *v, options.loss, true, linear);
-      if (!linear.valid) continue;
-      const MatrixXd j = by_parameters(linear);
-      const Index at = kCameraParameters * v->camera;
-      information.block(at, at, kCameraParameters, kCameraParameters) += j.transpose() * j;
-      shared.emplace_back(at, j.transpose() * linear.by_object);
-      own += linear.by_object.transpose() * linear.by_object;
-    }
-    if (markers) {
-      MatrixXd by_positions;
-      marker_residual(*markers, scene.targets[static_cast<std::size_t>(markers->target)], &by_positions);
-      own += by_positions.transpose() * by_positions;
-    }
-    if (board && board->free_motion) own.diagonal().tail<6>() += motion_weights(*board).cwiseAbs2();
-    const Eigen::LDLT<MatrixXd> solved(own);
-    std::vector<MatrixXd> eliminated;
-    for (const auto& [at, block] : shared) eliminated.push_back(solved.solve(block.transpose()));
-    for (const auto& [row, block] : shared)
-      for (std::size_t k = 0; k < shared.size(); ++k)
-        information.block(row, shared[k].first, kCameraParameters, kCameraParameters) -=
-            block * eliminated[k];
+}
+
+// What is known of an object beside its views.
+MatrixXd own_knowledge(const Scene& scene, const SceneMarkers* markers, const SceneBoard* board) {
+  const Index width = markers              ? 3 * static_cast<Index>(markers->positions.size())
+                      : board->free_motion ? 12
+                                           : 6;
+  MatrixXd own = MatrixXd::Zero(width, width);
+  if (markers) {
+    MatrixXd by_positions;
+    marker_residual(*markers, scene.targets[static_cast<std::size_t>(markers->target)], &by_positions);
+    own += by_positions.transpose() * by_positions;
   }
+  if (board && board->free_motion) own.diagonal().tail<6>() += motion_weights(*board).cwiseAbs2();
+  return own;
+}
+
+// The views of one board or of one instant's markers, with the object eliminated (Schur complement).
+void add_object(const Scene& scene, bool is_board, int object, const std::vector<const SceneView*>& views,
+                Loss loss, MatrixXd& information) {
+  const SceneMarkers* markers = is_board ? nullptr : &scene.markers[static_cast<std::size_t>(object)];
+  const SceneBoard* board = is_board ? &scene.boards[static_cast<std::size_t>(object)] : nullptr;
+  if (markers && views.size() < 2) return;  // one ray says nothing of its camera, and cannot place its points
+  const MatrixXd known = own_knowledge(scene, markers, board);
+  MatrixXd own = MatrixXd::Zero(known.rows(), known.cols());
+  std::vector<std::pair<Index, MatrixXd>> shared;  // camera's first row, its block with the object
+  for (const SceneView* v : views) {
+    LinearView linear;
+    linearize(scene, *v, loss, true, linear);
+    if (!linear.valid) continue;
+    const MatrixXd j = by_parameters(linear);
+    const Index at = kCameraParameters * v->camera;
+    information.block(at, at, kCameraParameters, kCameraParameters) += j.transpose() * j;
+    shared.emplace_back(at, j.transpose() * linear.by_object);
+    own += linear.by_object.transpose() * linear.by_object;
+  }
+  own += known;
+  const Eigen::LDLT<MatrixXd> solved(own);
+  std::vector<MatrixXd> eliminated;
+  for (const auto& [at, block] : shared) eliminated.push_back(solved.solve(block.transpose()));
+  for (const auto& [row, block] : shared)
+    for (std::size_t k = 0; k < shared.size(); ++k)
+      information.block(row, shared[k].first, kCameraParameters, kCameraParameters) -= block * eliminated[k];
+}
+
+}  // namespace
+
+MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
+  const Index size = kCameraParameters * static_cast<Index>(scene.cameras.size());
+  const std::vector<Index> free = free_rows(scene, options);
+  MatrixXd information = MatrixXd::Zero(size, size);
+  add_distances(scene, information);
+  for (const auto& [object, views] : by_object(scene))
+    add_object(scene, object.first, object.second, views, options.loss, information);
   for (std::size_t c = 0; c < scene.cameras.size(); ++c)
     information.diagonal().segment<kIntrinsics>(kCameraParameters * static_cast<Index>(c)) +=
         prior_sigmas(scene.cameras[c]).cwiseMax(1e-12).cwiseAbs2().cwiseInverse();

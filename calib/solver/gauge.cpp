@@ -1,3 +1,9 @@
+// Method:  the solved scene and its covariance moved into the world that was asked for
+// Paper:   S. Umeyama's alignment (1991) without scale, weighted by one over its distances
+// Differs: what has moved since yesterday is weighted down, so
+//          that the rest stays where it was
+// ADR:     none; docs/algorithms/calibration.md
+
 #include "calib/solver/gauge.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  cross-validation: folds of frames are predicted by
+//          solutions that know nothing of them
+// Paper:   M. Stone, "Cross-validatory choice and assessment of statistical predictions", 1974
+// Differs: only what moves is held out; folds are taken until enough frames were predicted
+// ADR:     0122
+
 #include "calib/solver/holdout.h"
 
 #include <algorithm>

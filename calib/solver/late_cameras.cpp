@@ -1,3 +1,9 @@
+// Method:  cameras whose errors follow the targets' motion,
+//          solved again with time offsets
+// Paper:   none
+// Differs: named only where that explains the errors; of two cameras the later one is late
+// ADR:     0113, 0155
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -5,6 +11,7 @@
 #include "calib/solver/failures.h"
 #include "calib/solver/linearize.h"
 #include "calib/solver/stages.h"
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::calib::solver {
@@ -26,12 +33,6 @@ std::vector<double> suspected_offsets(const Scene& scene) {
   std::vector<double> out;
   for (std::size_t c = 0; c < along.size(); ++c) out.push_back(square[c] > 0 ? -along[c] / square[c] : 0);
   return out;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n == 0 ? 0 : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
 std::vector<double> offsets_of(const Scene& scene) {
@@ -81,16 +82,17 @@ std::vector<NamedFailure> late_cameras(const Scene& scene, const CalibrationOpti
   }
   constexpr double kConvincing = 0.9;  // of the errors' cost before
   if (!(cost_of(moving) < kConvincing * before)) return {};
-  const std::vector<double> offsets = offsets_of(moving);
-  const double middle = median(offsets);
+  // Pictures that show an earlier instant than their frame's came late. Of two cameras the later one is late.
+  std::vector<double> lateness;
+  for (const double offset : offsets_of(moving)) lateness.push_back(-offset);
+  const double usual = median(std::move(lateness));
   std::vector<NamedFailure> out;
   for (const SceneCamera& c : moving.cameras) {
-    // Pictures that show an earlier instant than their frame's came late.
-    const double frames = (c.offset - middle) / scene.period;
+    const double frames = (-c.offset - usual) / scene.period;
     if (std::abs(frames) < options.late_frames) continue;
     out.push_back({CalibrationFailure::LateCamera, c.serial,
                    text("camera '", c.serial, "' is ", std::fixed, std::setprecision(2), std::abs(frames),
-                        " frames ", frames < 0 ? "late" : "early",
+                        " frames ", frames > 0 ? "late" : "early",
                         ": its errors follow the target's motion; repair its synchronisation (or, for a "
                         "steady lag, let the session solve for "
                         "time offsets) and record again")});

@@ -1,3 +1,9 @@
+// Method:  known lengths as the cameras alone measure them, points from their rays
+// Paper:   R. I. Hartley, P. Sturm, "Triangulation", 1997: the point nearest to rays, then least squares in
+//          pixels
+// Differs: without the board's shape, so that a wrong print shows
+// ADR:     none; docs/algorithms/calibration.md
+
 #include <cmath>
 #include <limits>
 #include <map>

@@ -1,7 +1,14 @@
+// Method:  a view's residual and its derivatives, a board's
+//          compressed by a QR decomposition
+// Paper:   none: a board's view depends on its pixels through fifteen numbers
+// Differs: the view's own jitter in time is eliminated, so that its direction counts less
+// ADR:     0112, 0121
+
 #include "calib/solver/linearize.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/QR>
 
@@ -75,21 +82,14 @@ void eliminate_jitter(const SceneView& v, double sigma, LinearView& out) {
   divide(out.by_offset);
 }
 
-void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool with_derivatives,
-                     LinearView& out) {
-  const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
-  const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
-  const Target& target = scene.targets[static_cast<std::size_t>(board.target)];
-  const double dt = v.lag + v.jitter + camera.offset;
-  const Rigid3 world_from_target = board.at(dt);
-  const Rigid3 from_target = camera.cam_from_world * world_from_target;
-  const Matrix3d turn = from_target.rotation.toRotationMatrix();
+using BoardRows = Eigen::Matrix<double, Eigen::Dynamic, kBoardRows>;
 
-  const auto kept =
-      std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
-  Eigen::Matrix<double, Eigen::Dynamic, kBoardRows> rows(2 * kept, kBoardRows);
-  const bool jitters = board.has_motion && scene.jitter_sigma > 0;
-  const bool needs_rows = with_derivatives || jitters;
+// Fills in two rows a kept point: the derivatives by the intrinsics and by a twist of the camera's frame
+// (which moves a point by ω × p + v), and the residual; none where only the sum of squares is asked for.
+// Returns the sum of squares; absent when a point is behind the camera.
+std::optional<double> fill_rows(const SceneCamera& camera, const Target& target, const SceneView& v,
+                                const Rigid3& from_target, Loss loss, bool with_rows, BoardRows& rows) {
+  const Matrix3d turn = from_target.rotation.toRotationMatrix();
   Eigen::Index row = 0;
   double cost = 0;
   Projected projected;
@@ -97,12 +97,12 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
     if (!p.kept) continue;
     const Vector3d in_camera =
         turn * target.points[static_cast<std::size_t>(p.index)].position + from_target.translation;
-    if (!project(camera.intrinsics, camera.lens, in_camera, projected)) return;
+    if (!project(camera.intrinsics, camera.lens, in_camera, projected)) return std::nullopt;
     const double weight = 1 / (p.sigma * camera.noise);
     const Vector2d residual = (projected.pixel - p.pixel) * weight;
     const Robust r = robust(loss, residual.squaredNorm());
     cost += (r.scale * residual).squaredNorm();
-    if (!needs_rows) continue;
+    if (!with_rows) continue;
     auto block = rows.middleRows<2>(row);
     block.leftCols<kIntrinsics>() = weight * projected.by_intrinsics;
     block.middleCols<3>(kIntrinsics) = -weight * projected.by_point * cross_matrix(in_camera);
@@ -111,17 +111,13 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
     block.col(kIntrinsics + 6) = r.scale * residual;
     row += 2;
   }
-  out.valid = true;
-  if (!needs_rows) {  // only the sum of squares is asked for
-    out.residual = Eigen::VectorXd::Zero(kBoardRows);
-    out.residual[0] = std::sqrt(cost);
-    return;
-  }
-  const Compressed r = compress(rows);
-  const Eigen::Matrix<double, kBoardRows, 6> by_twist = r.middleCols<6>(kIntrinsics);
-  out.residual = r.col(kIntrinsics + 6);
-  out.by_intrinsics = r.leftCols<kIntrinsics>();
-  // A twist of the camera's frame moves a point by ω × p + v. Both poses act on it through such a twist.
+  return cost;
+}
+
+// From the derivative by a twist of the camera's frame to those by both poses, the motion and the offset,
+// which all act through such a twist.
+void spread_twist(const Eigen::Matrix<double, kBoardRows, 6>& by_twist, const SceneCamera& camera,
+                  const SceneBoard& board, const Rigid3& from_target, double dt, LinearView& out) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   const Matrix3d rotation = camera.cam_from_world.rotation.toRotationMatrix();
   Matrix6 of_camera = Matrix6::Identity(), of_board = Matrix6::Zero();
@@ -130,22 +126,47 @@ void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool wit
   of_board.bottomLeftCorner<3, 3>() = cross_matrix(from_target.translation) * rotation;
   of_board.bottomRightCorner<3, 3>() = rotation;
   Eigen::Matrix<double, 6, 1> motion = Eigen::Matrix<double, 6, 1>::Zero();
+  out.by_object.resize(kBoardRows, board.free_motion ? 12 : 6);
   if (board.has_motion) {
     motion << board.spin, board.velocity + board.acceleration * dt;
     motion = of_board * motion;
     if (board.free_motion) {
       Matrix6 of_motion = dt * of_board;
       of_motion.leftCols<3>() *= left_jacobian(board.spin * dt);
-      out.by_object.resize(kBoardRows, 12);
       out.by_object.rightCols<6>() = by_twist * of_motion;
     }
     // What turns the board at its own time is carried along by the turn since.
     of_board.leftCols<3>() *= rotation_from_vector(board.spin * dt).toRotationMatrix();
   }
   out.by_camera = by_twist * of_camera;
-  if (!board.free_motion) out.by_object.resize(kBoardRows, 6);
   out.by_object.leftCols<6>() = by_twist * of_board;
   out.by_offset = by_twist * motion;
+}
+
+void linearize_board(const Scene& scene, const SceneView& v, Loss loss, bool with_derivatives,
+                     LinearView& out) {
+  const SceneCamera& camera = scene.cameras[static_cast<std::size_t>(v.camera)];
+  const SceneBoard& board = scene.boards[static_cast<std::size_t>(v.board)];
+  const Target& target = scene.targets[static_cast<std::size_t>(board.target)];
+  const double dt = v.lag + v.jitter + camera.offset;
+  const Rigid3 from_target = camera.cam_from_world * board.at(dt);
+  const auto kept =
+      std::count_if(v.points.begin(), v.points.end(), [](const ScenePoint& p) { return p.kept; });
+  BoardRows rows(2 * kept, kBoardRows);
+  const bool jitters = board.has_motion && scene.jitter_sigma > 0;
+  const bool needs_rows = with_derivatives || jitters;
+  const std::optional<double> cost = fill_rows(camera, target, v, from_target, loss, needs_rows, rows);
+  if (!cost) return;
+  out.valid = true;
+  if (!needs_rows) {  // only the sum of squares is asked for
+    out.residual = Eigen::VectorXd::Zero(kBoardRows);
+    out.residual[0] = std::sqrt(*cost);
+    return;
+  }
+  const Compressed r = compress(rows);
+  out.residual = r.col(kIntrinsics + 6);
+  out.by_intrinsics = r.leftCols<kIntrinsics>();
+  spread_twist(r.middleCols<6>(kIntrinsics), camera, board, from_target, dt, out);
   if (jitters) eliminate_jitter(v, scene.jitter_sigma, out);
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "calib/solver/start.h"
+#include "core/statistics.h"
 
 namespace floatstage::calib::solver {
 namespace {
@@ -14,13 +15,6 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
-}
 
 // The largest angle between a camera's board views and their mean direction; opposite faces count as one.
 double tilt_of(const Scene& scene, int camera) {
@@ -101,7 +95,7 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
     }
     q.views = static_cast<int>(frames.size());
     q.rms_px = rms_of(errors, index);
-    q.p95_px = percentile(lengths, 0.95);
+    q.p95_px = lengths.empty() ? 0 : percentile(std::move(lengths), 0.95);
     if (!depths.empty()) q.depth_ratio = percentile(depths, 0.95) / percentile(depths, 0.05);
     q.tilt_degrees = tilt_of(scene, index);
     q.covered = static_cast<double>(cells.size()) / (kColumns * kRows);

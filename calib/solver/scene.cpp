@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "core/statistics.h"
+
 namespace floatstage::calib::solver {
 namespace {
 
@@ -24,13 +26,6 @@ SceneCamera make_camera(const CalibrationCamera& c) {
   s.placed = c.pose != Prior::Unknown || c.found;
   if (s.placed) s.cam_from_world = c.found && c.pose != Prior::Fixed ? *c.found : c.cam_from_world;
   return s;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Boards or markers of each target in the order of their frames.
@@ -57,6 +52,61 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> parabola(const Eigen::Vector3d& befo
                                                      const Eigen::Vector3d& after, double back, double on) {
   const Eigen::Vector3d v0 = (here - before) / back, v1 = (after - here) / on;
   return {(v0 * on + v1 * back) / (back + on), 2 * (v1 - v0) / (back + on)};
+}
+
+// The views of a target in a frame, by target and frame; what never moves has one frame for all.
+std::map<std::pair<int, int>, std::vector<int>> instants(const Observations& o) {
+  std::map<std::pair<int, int>, std::vector<int>> groups;
+  for (std::size_t i = 0; i < o.views.size(); ++i) {
+    const TargetView& v = o.views[i];
+    const Target& target = o.targets[static_cast<std::size_t>(v.target)];
+    const bool still = target.kind == TargetKind::Markers || target.is_static;
+    groups[{v.target, still ? kAlways : v.frame}].push_back(static_cast<int>(i));
+  }
+  return groups;
+}
+
+// A marker needs two rays.
+SceneMarkers markers_seen_twice(const Observations& o, const std::vector<int>& views) {
+  SceneMarkers markers;
+  std::map<int, int> seen;
+  for (const int i : views) {
+    const TargetView& v = o.views[static_cast<std::size_t>(i)];
+    for (const SeenPoint& p : v.points)
+      ++seen[point_index(o.targets[static_cast<std::size_t>(v.target)], p.id)];
+  }
+  for (const auto& [index, count] : seen)
+    if (count >= 2) markers.indices.push_back(index);
+  markers.positions.resize(markers.indices.size(), Eigen::Vector3d::Zero());
+  return markers;
+}
+
+// The view of a board or of markers that are in the scene; none when nothing of it is.
+void add_view(const Observations& o, SceneView view, Scene& scene) {
+  const TargetView& from = o.views[static_cast<std::size_t>(view.source)];
+  const Target& target = o.targets[static_cast<std::size_t>(from.target)];
+  view.camera = from.camera;
+  for (const SeenPoint& p : from.points) {
+    int index = point_index(target, p.id);
+    if (view.board < 0) {
+      const std::vector<int>& known = scene.markers[static_cast<std::size_t>(view.markers)].indices;
+      const auto found = std::find(known.begin(), known.end(), index);
+      if (found == known.end()) continue;
+      index = static_cast<int>(found - known.begin());
+    }
+    view.points.push_back({index, p.pixel, p.sigma, true});
+  }
+  if (!view.points.empty()) scene.views.push_back(std::move(view));
+}
+
+// Seconds from one frame to the next; 0 for stills, which have no times.
+double period_of(const std::map<int, double>& frame_times) {
+  std::vector<double> steps;
+  for (auto a = frame_times.begin(); a != frame_times.end(); ++a)
+    if (const auto b = std::next(a); b != frame_times.end() && b->first > a->first)
+      if (const double step = (b->second - a->second) / (b->first - a->first); step > 0)
+        steps.push_back(step);
+  return steps.empty() ? 0 : median(std::move(steps));
 }
 
 }  // namespace
@@ -97,71 +147,38 @@ Scene make_scene(const Observations& o) {
   for (const CameraDistance& d : o.distances) scene.distances.push_back({d.a, d.b, d.metres, d.sigma});
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
   for (const TargetView& v : o.views) first = std::min(first, v.time.ns);
-
-  std::map<std::pair<int, int>, std::vector<int>> groups;  // by target and frame: the views
-  for (std::size_t i = 0; i < o.views.size(); ++i) {
-    const TargetView& v = o.views[i];
-    const Target& target = o.targets[static_cast<std::size_t>(v.target)];
-    const bool still = target.kind == TargetKind::Markers || target.is_static;
-    groups[{v.target, still ? kAlways : v.frame}].push_back(static_cast<int>(i));
-  }
   std::map<int, double> frame_times;
-  for (const auto& [key, members] : groups) {
-    const auto [target_index, frame] = key;
-    const Target& target = o.targets[static_cast<std::size_t>(target_index)];
-    const bool is_board = target.kind == TargetKind::Board;
+  for (const auto& [key, members] : instants(o)) {
+    const auto [target, frame] = key;
     std::vector<double> times;
     for (const int i : members)
       times.push_back(1e-9 * static_cast<double>(o.views[static_cast<std::size_t>(i)].time.ns - first));
-    const double time = median(times);
+    const double time = median(std::move(times));
     if (frame != kAlways) frame_times.emplace(frame, time);
-    SceneMarkers markers;
-    if (is_board) {
-      SceneBoard board;
-      board.target = target_index;
+    SceneView like;  // what the instant's views have in common
+    if (o.targets[static_cast<std::size_t>(target)].kind == TargetKind::Board) {
+      like.board = static_cast<int>(scene.boards.size());
+      SceneBoard& board = scene.boards.emplace_back();
+      board.target = target;
       board.frame = frame;
       board.time = time;
-      scene.boards.push_back(board);
     } else {
-      // A marker needs two rays.
-      std::map<int, int> seen;
-      for (const int i : members)
-        for (const SeenPoint& p : o.views[static_cast<std::size_t>(i)].points)
-          ++seen[point_index(target, p.id)];
-      for (const auto& [index, count] : seen)
-        if (count >= 2) markers.indices.push_back(index);
-      markers.target = target_index;
-      markers.frame = frame;
-      markers.time = time;
-      markers.positions.resize(markers.indices.size(), Eigen::Vector3d::Zero());
-      scene.markers.push_back(markers);
+      like.markers = static_cast<int>(scene.markers.size());
+      scene.markers.push_back(markers_seen_twice(o, members));
+      scene.markers.back().target = target;
+      scene.markers.back().frame = frame;
+      scene.markers.back().time = time;
     }
     for (const int i : members) {
-      const TargetView& from = o.views[static_cast<std::size_t>(i)];
-      SceneView view;
-      view.camera = from.camera;
-      view.source = i;
-      view.lag = frame == kAlways ? 0 : 1e-9 * static_cast<double>(from.time.ns - first) - time;
-      (is_board ? view.board : view.markers) =
-          static_cast<int>(is_board ? scene.boards.size() : scene.markers.size()) - 1;
-      for (const SeenPoint& p : from.points) {
-        int index = point_index(target, p.id);
-        if (!is_board) {
-          const auto found = std::find(markers.indices.begin(), markers.indices.end(), index);
-          if (found == markers.indices.end()) continue;
-          index = static_cast<int>(found - markers.indices.begin());
-        }
-        view.points.push_back({index, p.pixel, p.sigma, true});
-      }
-      if (!view.points.empty()) scene.views.push_back(std::move(view));
+      like.source = i;
+      like.lag =
+          frame == kAlways
+              ? 0
+              : 1e-9 * static_cast<double>(o.views[static_cast<std::size_t>(i)].time.ns - first) - time;
+      add_view(o, like, scene);
     }
   }
-  std::vector<double> steps;
-  for (auto a = frame_times.begin(); a != frame_times.end(); ++a)
-    if (const auto b = std::next(a); b != frame_times.end() && b->first > a->first)
-      if (const double step = (b->second - a->second) / (b->first - a->first); step > 0)
-        steps.push_back(step);  // stills have no times
-  scene.period = std::max(0.0, median(steps));
+  scene.period = period_of(frame_times);
   return scene;
 }
 

@@ -1,3 +1,9 @@
+// Method:  from a loose solution to a full one, outliers out and
+//          back in, noise measured on the way
+// Paper:   W. Förstner's estimate of variance components
+// Differs: no camera is trusted more than is usual in its rig
+// ADR:     0114
+
 #include "calib/solver/stages.h"
 
 #include <algorithm>
@@ -9,6 +15,7 @@
 #include "calib/solver/linearize.h"
 #include "calib/solver/timing.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 
 namespace floatstage::calib::solver {
 namespace {
@@ -130,13 +137,11 @@ void measure_noise(Scene& scene, const BundleOptions& options) {
   // What was solved for has taken up its share of the errors: of each board as much as a camera knew of it.
   const std::vector<double> shares = free_shares(scene, options);
   for (std::size_t c = 0; c < squares.size(); ++c) {
-    std::vector<double>& s = squares[c];
+    const std::vector<double>& s = squares[c];
     if (s.empty()) continue;
-    const auto middle = s.begin() + static_cast<std::ptrdiff_t>(s.size() / 2);
-    std::nth_element(s.begin(), middle, s.end());
     // The median of a squared length of two normal numbers is 2 ln 2; from there the mean of what is no
     // outlier.
-    const double robust = *middle / (2 * std::log(2.0)), limit = 4.5 * 4.5 * robust;
+    const double robust = median(s) / (2 * std::log(2.0)), limit = 4.5 * 4.5 * robust;
     double sum = 0;
     int count = 0;
     for (const double q : s)
@@ -150,12 +155,11 @@ void measure_noise(Scene& scene, const BundleOptions& options) {
   // No camera is trusted more than is usual in its rig: where cameras contradict one another (they are not
   // synchronous, say), one of them would otherwise win the boards for itself. One that is worse is trusted
   // less.
-  std::vector<double> all;
+  std::vector<double> trust;
   for (std::size_t c = 0; c < squares.size(); ++c)
-    if (!squares[c].empty()) all.push_back(scene.cameras[c].noise);
-  if (all.empty()) return;
-  std::sort(all.begin(), all.end());
-  const double usual = all[all.size() / 2];
+    if (!squares[c].empty()) trust.push_back(1 / scene.cameras[c].noise);
+  if (trust.empty()) return;
+  const double usual = 1 / median(std::move(trust));
   constexpr double kWorst = 30;  // a camera that is a frame late
   for (SceneCamera& c : scene.cameras) c.noise = std::clamp(c.noise, usual, kWorst * usual);
 }

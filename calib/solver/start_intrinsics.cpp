@@ -1,3 +1,9 @@
+// Method:  a camera's focal length by trying it on some views, then the camera alone
+// Paper:   Z. Zhang, "A flexible new technique for camera calibration", 2000, for each trial's poses
+// Differs: the median error decides, not a closed form: a
+//          few wrong points do no harm
+// ADR:     none; docs/algorithms/calibration.md
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,3 +1,9 @@
+// Method:  when pictures were taken and how far hands stray from
+//          smooth motion, as variance components
+// Paper:   W. Förstner's estimate of variance components
+// Differs: each picture has an instant of its own; a view goes to the frame nearest to it
+// ADR:     0113, 0121
+
 #include "calib/solver/timing.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  a target's pose in one picture from a homography or a projection matrix, then refined
+// Paper:   Z. Zhang, "A flexible new technique for camera calibration", 2000, section 3.1; Hartley's
+//          normalisation, 1997
+// Differs: weighted again by its residuals, and refined from both tilts that a flat board can have
+// ADR:     none; docs/algorithms/calibration.md
+
 #include "calib/solver/view_pose.h"
 
 #include <algorithm>
@@ -7,6 +13,7 @@
 #include <Eigen/Dense>
 
 #include "calib/solver/scene.h"
+#include "core/statistics.h"
 
 namespace floatstage::calib::solver {
 namespace {
@@ -16,13 +23,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-double median(std::vector<double> values) {
-  if (values.empty()) return kInfinity;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The plane through a target's points: an orthonormal frame with z across it, and whether they lie in it.
 struct Plane {
@@ -156,7 +156,7 @@ double median_error(const Intrinsics& in, LensKind lens, const std::vector<Corre
   for (const Correspondence& c : points)
     errors.push_back(project(in, lens, pose * c.position, projected) ? (projected.pixel - c.pixel).norm()
                                                                      : kInfinity);
-  return median(std::move(errors));
+  return errors.empty() ? kInfinity : median(std::move(errors));
 }
 
 }  // namespace

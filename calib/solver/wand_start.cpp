@@ -1,3 +1,9 @@
+// Method:  two cameras' relative pose from wand markers, its scale from the wand's lengths
+// Paper:   H. C. Longuet-Higgins, "A computer algorithm for reconstructing a scene from two projections",
+//          1981
+// Differs: all points at once, on undistorted rays, weighted again by Sampson's distance
+// ADR:     none; docs/algorithms/calibration.md
+
 #include "calib/solver/wand_start.h"
 
 #include <algorithm>
@@ -7,6 +13,8 @@
 #include <vector>
 
 #include <Eigen/Dense>
+
+#include "core/statistics.h"
 
 namespace floatstage::calib::solver {
 namespace {
@@ -70,10 +78,7 @@ Matrix3d essential(const std::vector<Pair>& pairs) {
       errors[i] = std::abs(pairs[i].b.dot(ea)) /
                   std::max(1e-12, std::sqrt(ea.head<2>().squaredNorm() + eb.head<2>().squaredNorm()));
     }
-    std::vector<double> sorted = errors;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                     sorted.end());
-    const double scale = std::max(1e-9, 3 * sorted[sorted.size() / 2]);
+    const double scale = std::max(1e-9, 3 * median(errors));
     for (std::size_t i = 0; i < pairs.size(); ++i)
       weights[i] = 1 / std::pow(1 + std::pow(errors[i] / scale, 2), 2);
   }
@@ -144,9 +149,7 @@ std::optional<Rigid3> pose_from_wand(const Scene& scene, int a, int b) {
     }
   }
   if (scales.empty()) return std::nullopt;
-  const auto middle = scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
-  std::nth_element(scales.begin(), middle, scales.end());
-  best.translation *= *middle;
+  best.translation *= median(std::move(scales));
   return best.inverse();
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::matting {
@@ -17,12 +18,6 @@ using Pixel = std::array<std::uint8_t, 3>;
 
 bool agree(const Pixel& a, const Pixel& b, int steps) {
   return std::abs(a[0] - b[0]) <= steps && std::abs(a[1] - b[1]) <= steps && std::abs(a[2] - b[2]) <= steps;
-}
-
-std::uint8_t median(std::vector<std::uint8_t>& values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 // What one pixel shows most often.
@@ -44,7 +39,7 @@ class ModeFinder {
     for (std::size_t c = 0; c < 3; ++c) {
       values_.clear();
       for (const Pixel& s : samples) values_.push_back(s[c]);
-      best[c] = median(values_);
+      best[c] = percentile_in_place<std::uint8_t>(values_, 0.5);
     }
     std::size_t most = company_of(best, samples);
     if (2 * most <= samples.size()) {
@@ -59,7 +54,7 @@ class ModeFinder {
       values_.clear();
       for (const Pixel& s : samples)
         if (agree(s, best, steps_)) values_.push_back(s[c]);
-      mode.color[c] = median(values_);
+      mode.color[c] = percentile_in_place<std::uint8_t>(values_, 0.5);
       for (const std::uint8_t v : values_)
         spread.push_back(static_cast<std::uint8_t>(std::abs(v - mode.color[c])));
     }
@@ -138,12 +133,7 @@ Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOpti
     if (mode.noise >= 0) all_noise.push_back(mode.noise);
   }
   // A pixel that was seen too rarely to tell gets the picture's middle noise.
-  double middle = 2;
-  if (!all_noise.empty()) {
-    std::nth_element(all_noise.begin(), all_noise.begin() + static_cast<std::ptrdiff_t>(all_noise.size() / 2),
-                     all_noise.end());
-    middle = all_noise[all_noise.size() / 2];
-  }
+  const double middle = all_noise.empty() ? 2 : median(std::move(all_noise));
   for (std::size_t p = 0; p < noise.size(); ++p) {
     const double own = noise[p] < 0 ? middle : noise[p];
     plate.noise.pixels[p] =

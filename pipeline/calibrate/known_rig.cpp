@@ -3,27 +3,15 @@
 #include <iomanip>
 
 #include "calib/rig_formats.h"
-#include "core/rig_io.h"
 #include "core/text.h"
 #include "pipeline/calibrate/session_observations.h"
 
 namespace floatstage::pipeline {
-namespace {
-
-Result<Rig> foreign(Result<calib::ForeignRig> read) {
-  if (!read) return forward(read);
-  return std::move(read->rig);
-}
-
-}  // namespace
 
 Result<Rig> load_known(const SessionKnown& known) {
-  if (known.format == "middlebury") return foreign(calib::read_middlebury(known.file));
-  if (known.format == "colmap") return foreign(calib::read_colmap(known.file));
-  if (known.format == "opencv") return foreign(calib::read_easymocap(known.file));
-  if (known.format == "qualisys") return foreign(calib::read_qualisys(known.file));
-  if (known.format == "kalibr") return foreign(calib::read_kalibr(known.file));
-  return load_rig(known.file);
+  Result<calib::ForeignRig> read = calib::read_rig({known.format, known.file, known.metres_per_unit});
+  if (!read) return forward(read);
+  return std::move(read->rig);
 }
 
 Result<void> apply_known(const SessionKnown& known, const Rig& rig, calib::Observations& o) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::pipeline {
@@ -130,9 +131,7 @@ std::string uncertainty_picture(const calib::Calibration& c, const calib::Projec
   const double height = rc.model.height * scale_of(rc.model), w = kWidth / kColumns, h = height / kRows;
   std::string out = begin_svg(kWidth, height + kLegend, "projection uncertainty");
   if (depths.empty()) return out + "</svg>";
-  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
-                   depths.end());
-  const double depth = depths[depths.size() / 2];
+  const double depth = median(std::move(depths));
   constexpr double kDarkest = 1;  // px
   for (int r = 0; r < kRows; ++r)
     for (int k = 0; k < kColumns; ++k) {

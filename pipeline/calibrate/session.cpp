@@ -178,9 +178,13 @@ SessionKnown read_known(Table t) {
   SessionKnown k;
   t.path("file", k.file);
   t.string("format", k.format);
-  const std::set<std::string> formats = {"rig", "middlebury", "colmap", "opencv", "qualisys", "kalibr"};
-  if (!formats.contains(k.format))
-    t.complain(text("'format' is rig, middlebury, colmap, opencv, qualisys or kalibr, not '", k.format, "'"));
+  if (k.format != calib::kAnyRigFormat) {
+    if (const Result<const calib::RigFormat*> format = calib::rig_format(k.format, k.file); !format)
+      t.complain(text("'format': ", format.error().message));
+    else if ((*format)->states_unit && t.node("metres_per_unit"))
+      t.complain(text("'metres_per_unit' is for formats that state no unit, which ", k.format, " does"));
+  }
+  t.number("metres_per_unit", k.metres_per_unit, 1e-6, kLarge);
   const std::initializer_list<std::pair<const char*, calib::Prior>> priors = {
       {"compare", calib::Prior::Unknown}, {"start", calib::Prior::Start}, {"fixed", calib::Prior::Fixed}};
   t.one_of("intrinsics", priors, k.intrinsics);

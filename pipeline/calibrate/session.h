@@ -8,6 +8,7 @@
 
 #include "calib/board.h"
 #include "calib/calibrate.h"
+#include "calib/rig_formats.h"
 #include "core/result.h"
 
 namespace floatstage::pipeline {
@@ -42,10 +43,11 @@ struct SessionCamera {
   bool carried = false;  ///< it is not of the rig: its pictures tie the others together
 };
 
-/// What is known beforehand, from a file of any supported format.
+/// What is known beforehand, from a calibration of any format of calib/rig_formats.h.
 struct SessionKnown {
-  std::string format = "rig";  ///< rig (rig.json), middlebury, colmap, opencv, qualisys, kalibr
+  std::string format = std::string(calib::kAnyRigFormat);
   std::filesystem::path file;
+  double metres_per_unit = calib::kMetresPerUnit;  ///< of formats that state no unit
   calib::Prior intrinsics = calib::Prior::Unknown,
                poses = calib::Prior::Unknown;  ///< Unknown: only compared with
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/statistics.h"
 #include "core/text.h"
 #include "pipeline/calibrate/report_pictures.h"
 
@@ -27,9 +28,7 @@ std::optional<double> projection_sigma(const calib::Calibration& c,
           uncertainty.sigma_px(e.camera, world_from_cam * Eigen::Vector3d(*ray * (e.depth / ray->z()))));
   }
   if (sigmas.empty()) return std::nullopt;
-  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), middle, sigmas.end());
-  return *middle;
+  return median(std::move(sigmas));
 }
 
 }  // namespace

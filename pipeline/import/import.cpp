@@ -21,6 +21,7 @@ constexpr double kFolderFrameRate = 25;  // of numbered pictures, which state no
 struct Plan {
   calib::ForeignRig foreign;
   std::vector<CameraMedia> media;
+  std::string format;
   std::vector<std::string> notes;
 };
 
@@ -53,7 +54,11 @@ Result<calib::ForeignRig> chosen_cameras(const calib::ForeignRig& all,
 }
 
 Result<Plan> make_plan(const ImportOptions& options) {
-  Result<LoadedCalibration> calibration = load_calibration(options.calibration);
+  const Result<const calib::RigFormat*> format =
+      calib::rig_format(options.calibration.format, options.calibration.path);
+  if (!format) return forward(format);
+  const Result<calib::ForeignRig> calibration =
+      (*format)->read(options.calibration.path, options.calibration.metres_per_unit);
   if (!calibration) return forward(calibration);
   std::error_code error;
   // Mattes alone make a take for hulls; their own pictures are then all that there is to see.
@@ -62,12 +67,13 @@ Result<Plan> make_plan(const ImportOptions& options) {
   const fs::path folder = mattes_alone               ? options.mattes
                           : options.pictures.empty() ? calibration->pictures
                                                      : options.pictures;
-  Result<MediaSearch> search = find_media(folder, calibration->foreign);
+  Result<MediaSearch> search = find_media(folder, *calibration);
   if (!search) return forward(search);
-  Result<calib::ForeignRig> chosen = chosen_cameras(calibration->foreign, options.cameras);
+  Result<calib::ForeignRig> chosen = chosen_cameras(*calibration, options.cameras);
   if (!chosen) return forward(chosen);
 
   Plan plan;
+  plan.format = (*format)->name;
   std::vector<std::string> without;
   if (mattes_alone)
     plan.notes.push_back(text("there are no pictures in ", calibration->pictures.string(),
@@ -75,7 +81,7 @@ Result<Plan> make_plan(const ImportOptions& options) {
   for (std::size_t i = 0; i < chosen->rig.cameras.size(); ++i) {
     const RigCamera& camera = chosen->rig.cameras[i];
     const CameraMedia& media =
-        search->cameras[static_cast<std::size_t>(camera_index(calibration->foreign.rig, camera.serial))];
+        search->cameras[static_cast<std::size_t>(camera_index(calibration->rig, camera.serial))];
     if (media.empty()) {
       without.push_back(camera.serial);
       continue;
@@ -248,7 +254,7 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
   capture::TakeWriterOptions take_options;
   take_options.codec = options.codec;
   take_options.frame_rate = rate;
-  take_options.label = options.label.empty() ? name_of(options.calibration.format) : options.label;
+  take_options.label = options.label;
   Result<std::unique_ptr<capture::TakeWriter>> writer =
       capture::TakeWriter::create(folder, rig, take_options);
   if (!writer) return forward(writer);
@@ -285,7 +291,8 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
 
 }  // namespace
 
-Result<ImportReport> import_take(const ImportOptions& options) {
+Result<ImportReport> import_take(const ImportOptions& given) {
+  ImportOptions options = given;
   fs::path out = options.out.lexically_normal();
   if (!out.has_filename()) out = out.parent_path();  // "T/"
   if (out.empty() || out == "." || out == "..")
@@ -295,6 +302,7 @@ Result<ImportReport> import_take(const ImportOptions& options) {
   if (Result<void> ok = take.prepare(); !ok) return forward(ok);
   Result<Plan> plan = make_plan(options);
   if (!plan) return forward(plan);
+  if (options.label.empty()) options.label = plan->format;
   std::optional<MatteFiles> mattes;
   if (!options.mattes.empty()) {
     Result<MatteFiles> found = MatteFiles::find(options.mattes, plan->foreign, options.frames);

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "calib/rig_formats.h"
 #include "capture/take.h"
 #include "core/result.h"
-#include "pipeline/import/calibration_input.h"
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
 
@@ -21,7 +21,7 @@ enum class OtherSize {
 };
 
 struct ImportOptions {
-  CalibrationInput calibration;  ///< which format, and where
+  calib::RigFile calibration;  ///< which format, and where
   std::filesystem::path
       pictures;  ///< folder of images, of folders of images, or of videos; empty: beside the calibration
   std::filesystem::path mattes;  ///< the same for mattes that exist already; empty: none. They are also the

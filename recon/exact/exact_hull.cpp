@@ -29,6 +29,34 @@ constexpr int kFacesPerPart =
 
 }  // namespace
 
+// Faces in parts of a fixed size. A worker takes one stretch of parts after the other; the sweep's scratch
+// lives as long as the stretch.
+std::span<FaceOutput> ExactHull::sweep_faces(std::int32_t faces, int threads) {
+  const std::size_t parts = static_cast<std::size_t>((faces + kFacesPerPart - 1) / kFacesPerPart);
+  parts_.resize(std::max(parts_.size(), parts));
+  input_.most_relations = kMostRelations / static_cast<std::int64_t>(std::max<std::size_t>(1, parts));
+  const std::size_t stretches = threads == 1 ? 1 : std::min<std::size_t>(parts, 32);
+  sweeps_.resize(std::max(sweeps_.size(), stretches));
+  parallel_for(stretches, threads, [&](std::size_t stretch) {
+    FaceSweep& sweep = sweeps_[stretch];
+    sweep.start(input_);
+    for (std::size_t p = parts * stretch / stretches; p < parts * (stretch + 1) / stretches; ++p) {
+      FaceOutput& part = parts_[p];
+      part.clear();
+      const std::int32_t end =
+          std::min<std::int32_t>(faces, static_cast<std::int32_t>((p + 1) * kFacesPerPart));
+      for (std::int32_t face = static_cast<std::int32_t>(p) * kFacesPerPart; face < end;) {
+        const auto next = std::upper_bound(input_.first_face.begin(), input_.first_face.end(), face);
+        const std::int32_t stop = next == input_.first_face.end() ? end : std::min(end, *next);
+        sweep.run(static_cast<int>(next - input_.first_face.begin()) - 1, face - *(next - 1),
+                  stop - *(next - 1), part);
+        face = stop;
+      }
+    }
+  });
+  return std::span(parts_).first(parts);
+}
+
 void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, const ExactOptions& options,
                         ExactOutcome& outcome) {
   Stopwatch watch;
@@ -53,30 +81,7 @@ void ExactHull::attempt(std::span<const ConeView> views, const GridViews* grid, 
   input_.rays = &rays_;
   input_.grid = grid;
   input_.cull = options.cull;
-  const std::size_t parts = static_cast<std::size_t>((faces + kFacesPerPart - 1) / kFacesPerPart);
-  parts_.resize(std::max(parts_.size(), parts));
-  const std::span<FaceOutput> used = std::span(parts_).first(parts);
-  input_.most_relations = kMostRelations / static_cast<std::int64_t>(std::max<std::size_t>(1, parts));
-  // A worker takes one stretch of parts after the other; the sweep's scratch lives as long as the stretch.
-  const std::size_t stretches = options.threads == 1 ? 1 : std::min<std::size_t>(parts, 32);
-  sweeps_.resize(std::max(sweeps_.size(), stretches));
-  parallel_for(stretches, options.threads, [&](std::size_t stretch) {
-    FaceSweep& sweep = sweeps_[stretch];
-    sweep.start(input_);
-    for (std::size_t p = parts * stretch / stretches; p < parts * (stretch + 1) / stretches; ++p) {
-      FaceOutput& part = parts_[p];
-      part.clear();
-      const std::int32_t end =
-          std::min<std::int32_t>(faces, static_cast<std::int32_t>((p + 1) * kFacesPerPart));
-      for (std::int32_t face = static_cast<std::int32_t>(p) * kFacesPerPart; face < end;) {
-        const auto next = std::upper_bound(input_.first_face.begin(), input_.first_face.end(), face);
-        const std::int32_t stop = next == input_.first_face.end() ? end : std::min(end, *next);
-        sweep.run(static_cast<int>(next - input_.first_face.begin()) - 1, face - *(next - 1),
-                  stop - *(next - 1), part);
-        face = stop;
-      }
-    }
-  });
+  const std::span<FaceOutput> used = sweep_faces(faces, options.threads);
   outcome.timings.faces = watch.lap();
 
   bool tie = pairs_.tie() || rays_.tie;

@@ -68,6 +68,7 @@ class ExactHull {
  private:
   void attempt(std::span<const ConeView> views, const GridViews* grid, const ExactOptions& options,
                ExactOutcome& outcome);
+  std::span<FaceOutput> sweep_faces(std::int32_t faces, int threads);
 
   PairTables pairs_;
   RayIntervals rays_;

@@ -51,9 +51,7 @@ std::int32_t MeshWelder::number_of(VertexName name, const FaceCorner& corner, co
   return values_[at];
 }
 
-void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput> parts, HullPolygons& out) {
-  out.clear();
-  kind_.clear();
+void MeshWelder::place_hits(const ArrangementInput& input, HullPolygons& out) {
   of_hit_.assign(static_cast<std::size_t>(input.pairs->hit_count()), -1);
   for (std::size_t v = 0; v < input.views.size(); ++v) {
     const ConeView& view = input.views[v];
@@ -71,6 +69,48 @@ void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput>
       }
     }
   }
+}
+
+void MeshWelder::note_face(std::int32_t vertex, std::int32_t face) {
+  if (kind_[vertex] == kApexVertex) return;
+  std::int32_t* of = &faces_of_[kFaces * vertex];
+  for (int k = 0; k < kFaces && of[k] != face; ++k) {
+    if (of[k] >= 0) continue;
+    of[k] = face;
+    break;
+  }
+}
+
+bool MeshWelder::add_face(const FaceOutput& part, std::size_t f, const ArrangementInput& input,
+                          HullPolygons& out) {
+  const FaceOutput::Face& face = part.faces[f];
+  const int last = f + 1 < part.faces.size() ? part.faces[f + 1].first_polygon
+                                             : static_cast<int>(part.polygon_start.size()) - 1;
+  out.faces.push_back({face.view, face.edge, static_cast<std::int32_t>(out.polygon_start.size()) - 1});
+  Eigen::Vector3d area = Eigen::Vector3d::Zero();
+  for (int p = face.first_polygon; p < last; ++p) {
+    const std::size_t first = out.corners.size();
+    for (int c = part.polygon_start[p]; c < part.polygon_start[p + 1]; ++c) {
+      const std::int32_t number = number_of(part.corners[c].name, part.corners[c], face, input, out);
+      if (number < 0) return false;
+      note_face(number, static_cast<std::int32_t>(out.faces.size()) - 1);
+      out.corners.push_back(number);
+    }
+    out.polygon_start.push_back(static_cast<std::int32_t>(out.corners.size()));
+    const Eigen::Vector3d origin = out.positions[out.corners[first]];
+    for (std::size_t k = first + 1; k + 1 < out.corners.size(); ++k) {
+      area += (out.positions[out.corners[k]] - origin).cross(out.positions[out.corners[k + 1]] - origin);
+    }
+  }
+  // The face's plane passes through the camera's centre.
+  out.volume += (input.views[face.view].center - input.views[0].center).dot(area) / 6;
+  return true;
+}
+
+void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput> parts, HullPolygons& out) {
+  out.clear();
+  kind_.clear();
+  place_hits(input, out);
   std::size_t corner_count = 0;
   for (const FaceOutput& part : parts) corner_count += part.corners.size();
   std::size_t capacity = 1024;
@@ -79,45 +119,13 @@ void MeshWelder::weld(const ArrangementInput& input, std::span<const FaceOutput>
   values_.resize(capacity);
   named_ = 0;
   faces_of_.assign(kFaces * (out.positions.size() + corner_count), -1);
-  const auto note_face = [&](std::int32_t vertex, std::int32_t face) {
-    if (kind_[vertex] == kApexVertex) return;
-    std::int32_t* of = &faces_of_[kFaces * vertex];
-    for (int k = 0; k < kFaces && of[k] != face; ++k) {
-      if (of[k] >= 0) continue;
-      of[k] = face;
-      break;
-    }
-  };
-
   out.corners.reserve(corner_count);
-  for (const FaceOutput& part : parts) {
-    for (std::size_t f = 0; f < part.faces.size(); ++f) {
-      const FaceOutput::Face& face = part.faces[f];
-      const int last = f + 1 < part.faces.size() ? part.faces[f + 1].first_polygon
-                                                 : static_cast<int>(part.polygon_start.size()) - 1;
-      out.faces.push_back({face.view, face.edge, static_cast<std::int32_t>(out.polygon_start.size()) - 1});
-      Eigen::Vector3d area = Eigen::Vector3d::Zero();
-      for (int p = face.first_polygon; p < last; ++p) {
-        const std::size_t first = out.corners.size();
-        for (int c = part.polygon_start[p]; c < part.polygon_start[p + 1]; ++c) {
-          const std::int32_t number = number_of(part.corners[c].name, part.corners[c], face, input, out);
-          if (number < 0) {
-            ++out.unmatched;  // the face uses a hit that its ray does not know as a vertex
-            return;
-          }
-          note_face(number, static_cast<std::int32_t>(out.faces.size()) - 1);
-          out.corners.push_back(number);
-        }
-        out.polygon_start.push_back(static_cast<std::int32_t>(out.corners.size()));
-        const Eigen::Vector3d origin = out.positions[out.corners[first]];
-        for (std::size_t k = first + 1; k + 1 < out.corners.size(); ++k) {
-          area += (out.positions[out.corners[k]] - origin).cross(out.positions[out.corners[k + 1]] - origin);
-        }
+  for (const FaceOutput& part : parts)
+    for (std::size_t f = 0; f < part.faces.size(); ++f)
+      if (!add_face(part, f, input, out)) {
+        ++out.unmatched;  // the face uses a hit that its ray does not know as a vertex
+        return;
       }
-      // The face's plane passes through the camera's centre.
-      out.volume += (input.views[face.view].center - input.views[0].center).dot(area) / 6;
-    }
-  }
   check(input, out);
 }
 
@@ -171,6 +179,65 @@ bool MeshWelder::share_another_face(std::int32_t u, std::int32_t v, std::int32_t
   return false;
 }
 
+// Cuts a face (polygons first … last - 1 of a part) into triangles of its own corners, in scratch.local.
+void MeshWelder::cut_face(const FaceOutput& part, int first, int last, Scratch& scratch) {
+  const int begin = part.polygon_start[first], end = part.polygon_start[last];
+  scratch.points.clear();
+  scratch.ends.clear();
+  double highest = 0;
+  for (int c = begin; c < end; ++c) {
+    scratch.points.emplace_back(part.corners[c].s, part.corners[c].w);
+    if (std::isfinite(part.corners[c].w)) highest = std::max(highest, part.corners[c].w);
+  }
+  for (auto& point : scratch.points) {
+    if (!std::isfinite(point.y())) point = {0.5, 1e6 * (highest + 1)};  // the camera's centre
+  }
+  for (int p = first; p < last; ++p) scratch.ends.push_back(part.polygon_start[p + 1] - begin);
+  scratch.local.clear();
+  scratch.cutter.cut(scratch.points, scratch.ends, scratch.local);
+}
+
+// Whether two corners are neighbours on one of the face's own polygons.
+bool MeshWelder::adjacent(const Scratch& scratch, std::int32_t a, std::int32_t b) {
+  const auto next = std::upper_bound(scratch.ends.begin(), scratch.ends.end(), a);
+  const std::int32_t ring_begin = next == scratch.ends.begin() ? 0 : *(next - 1), ring_end = *next;
+  if (b < ring_begin || b >= ring_end) return false;
+  return std::abs(a - b) == 1 || std::abs(a - b) == ring_end - ring_begin - 1;
+}
+
+// Notes the new edges of a face's triangles that another face could have made too: only vertices with another
+// face in common can be joined twice. Clipping an ear leaves its third side.
+void MeshWelder::note_risky(FaceOutput& part, std::size_t first_triangle, bool ears_only, std::int32_t number,
+                            Scratch& scratch) const {
+  const std::size_t triangles = part.triangles.size() - (ears_only ? 3 : 0);
+  const auto first_risky = static_cast<std::ptrdiff_t>(part.risky.size());
+  scratch.within.clear();
+  for (std::size_t t = first_triangle; t < triangles; t += 3) {
+    for (std::size_t k = ears_only ? 2 : 0; k < 3; ++k) {
+      const std::int32_t u = static_cast<std::int32_t>(part.triangles[t + k]),
+                         v = static_cast<std::int32_t>(part.triangles[t + (k + 1) % 3]);
+      if (!ears_only) {
+        const std::int32_t *ends = &scratch.local[t - first_triangle], a = ends[k], b = ends[(k + 1) % 3];
+        scratch.within.emplace_back(a, b);
+        if (adjacent(scratch, a, b)) continue;
+      }
+      if (!share_another_face(u, v, number)) continue;
+      const std::int32_t* edges = &out_edges_[static_cast<std::size_t>(u) * kSlots];
+      const std::int32_t* back = &out_edges_[static_cast<std::size_t>(v) * kSlots];
+      part.doubled |= std::find(edges, edges + degree_[u], v) != edges + degree_[u] ||
+                      std::find(back, back + degree_[v], u) != back + degree_[v];
+      const std::uint64_t low = static_cast<std::uint64_t>(std::min(u, v)),
+                          high = static_cast<std::uint64_t>(std::max(u, v));
+      part.risky.push_back(low << 32 | high);
+    }
+  }
+  // Bridges pass points twice, so rounding can join two of them twice within one face.
+  std::sort(scratch.within.begin(), scratch.within.end());
+  part.doubled |= std::adjacent_find(scratch.within.begin(), scratch.within.end()) != scratch.within.end();
+  std::sort(part.risky.begin() + first_risky, part.risky.end());
+  part.risky.erase(std::unique(part.risky.begin() + first_risky, part.risky.end()), part.risky.end());
+}
+
 void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullPolygons& hull,
                                   Scratch& scratch) const {
   part.triangles.clear();
@@ -182,61 +249,13 @@ void MeshWelder::triangulate_part(FaceOutput& part, PartStart start, const HullP
     const int first = part.faces[f].first_polygon;
     const int last = f + 1 < part.faces.size() ? part.faces[f + 1].first_polygon
                                                : static_cast<int>(part.polygon_start.size()) - 1;
-    const int begin = part.polygon_start[first], end = part.polygon_start[last];
-    scratch.points.clear();
-    scratch.ends.clear();
-    double highest = 0;
-    for (int c = begin; c < end; ++c) {
-      scratch.points.emplace_back(part.corners[c].s, part.corners[c].w);
-      if (std::isfinite(part.corners[c].w)) highest = std::max(highest, part.corners[c].w);
-    }
-    for (auto& point : scratch.points) {
-      if (!std::isfinite(point.y())) point = {0.5, 1e6 * (highest + 1)};  // the camera's centre
-    }
-    for (int p = first; p < last; ++p) scratch.ends.push_back(part.polygon_start[p + 1] - begin);
-    scratch.local.clear();
-    scratch.cutter.cut(scratch.points, scratch.ends, scratch.local);
-    const std::int32_t* corners = hull.corners.data() + start.corner + begin;
+    cut_face(part, first, last, scratch);
+    const std::int32_t* corners = hull.corners.data() + start.corner + part.polygon_start[first];
     const std::size_t first_triangle = part.triangles.size();
     for (const std::int32_t k : scratch.local)
       part.triangles.push_back(static_cast<std::uint32_t>(corners[k]));
     part.triangle_face.insert(part.triangle_face.end(), scratch.local.size() / 3, number);
-    // Only vertices with another face in common can be joined twice. Clipping an ear leaves its third side.
-    const bool ears_only = last == first + 1;
-    const std::size_t triangles = part.triangles.size() - (ears_only ? 3 : 0);
-    const auto first_risky = static_cast<std::ptrdiff_t>(part.risky.size());
-    // Whether two corners are neighbours on one of the face's own polygons.
-    const auto adjacent = [&](std::int32_t a, std::int32_t b) {
-      const auto next = std::upper_bound(scratch.ends.begin(), scratch.ends.end(), a);
-      const std::int32_t ring_begin = next == scratch.ends.begin() ? 0 : *(next - 1), ring_end = *next;
-      if (b < ring_begin || b >= ring_end) return false;
-      return std::abs(a - b) == 1 || std::abs(a - b) == ring_end - ring_begin - 1;
-    };
-    scratch.within.clear();
-    for (std::size_t t = first_triangle; t < triangles; t += 3) {
-      for (std::size_t k = ears_only ? 2 : 0; k < 3; ++k) {
-        const std::int32_t u = static_cast<std::int32_t>(part.triangles[t + k]),
-                           v = static_cast<std::int32_t>(part.triangles[t + (k + 1) % 3]);
-        if (!ears_only) {
-          const std::int32_t *ends = &scratch.local[t - first_triangle], a = ends[k], b = ends[(k + 1) % 3];
-          scratch.within.emplace_back(a, b);
-          if (adjacent(a, b)) continue;
-        }
-        if (!share_another_face(u, v, number)) continue;
-        const std::int32_t* edges = &out_edges_[static_cast<std::size_t>(u) * kSlots];
-        const std::int32_t* back = &out_edges_[static_cast<std::size_t>(v) * kSlots];
-        part.doubled |= std::find(edges, edges + degree_[u], v) != edges + degree_[u] ||
-                        std::find(back, back + degree_[v], u) != back + degree_[v];
-        const std::uint64_t low = static_cast<std::uint64_t>(std::min(u, v)),
-                            high = static_cast<std::uint64_t>(std::max(u, v));
-        part.risky.push_back(low << 32 | high);
-      }
-    }
-    // Bridges pass points twice, so rounding can join two of them twice within one face.
-    std::sort(scratch.within.begin(), scratch.within.end());
-    part.doubled |= std::adjacent_find(scratch.within.begin(), scratch.within.end()) != scratch.within.end();
-    std::sort(part.risky.begin() + first_risky, part.risky.end());
-    part.risky.erase(std::unique(part.risky.begin() + first_risky, part.risky.end()), part.risky.end());
+    note_risky(part, first_triangle, last == first + 1, number, scratch);
   }
 }
 

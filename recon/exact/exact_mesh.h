@@ -45,6 +45,10 @@ class MeshWelder {
  private:
   std::int32_t number_of(VertexName name, const FaceCorner& corner, const FaceOutput::Face& face,
                          const ArrangementInput& input, HullPolygons& out);
+  void place_hits(const ArrangementInput& input, HullPolygons& out);
+  void note_face(std::int32_t vertex, std::int32_t face);
+  /// Face f of a part with its corners' numbers; false when it uses a hit that its ray does not know.
+  bool add_face(const FaceOutput& part, std::size_t f, const ArrangementInput& input, HullPolygons& out);
   void check(const ArrangementInput& input, HullPolygons& out);
   struct Scratch {
     std::vector<Eigen::Vector2d> points;
@@ -55,6 +59,10 @@ class MeshWelder {
   struct PartStart {
     std::int32_t corner, face;
   };
+  static void cut_face(const FaceOutput& part, int first, int last, Scratch& scratch);
+  static bool adjacent(const Scratch& scratch, std::int32_t a, std::int32_t b);
+  void note_risky(FaceOutput& part, std::size_t first_triangle, bool ears_only, std::int32_t number,
+                  Scratch& scratch) const;
   void triangulate_part(FaceOutput& part, PartStart start, const HullPolygons& hull, Scratch& scratch) const;
   bool share_another_face(std::int32_t u, std::int32_t v, std::int32_t face) const;
 

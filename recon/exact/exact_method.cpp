@@ -98,53 +98,66 @@ void take_over(const HullPolygons& polygons, const SilhouetteCones& cones, HullR
                  });
 }
 
-}  // namespace
+// The cones of the cameras' outlines. `cut`: some outlines are open; `empty`: nothing can be inside.
+struct Cones {
+  bool cut = false, empty = false;
+};
 
-Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptions& options,
-                               HullWorkspace::Impl& workspace, HullReport& report) {
-  const auto begin = std::chrono::steady_clock::now();
+Result<Cones> make_cones(const Rig& rig, HullInput& input, const HullOptions& options,
+                         const ConeOptions& settings, HullWorkspace::Impl& workspace) {
   SilhouetteCones& cones = workspace.cones;
+  workspace.builder.build(rig, input, settings, cones);
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (!cones.details[c].torn) continue;
+    return fail(ErrorCode::BadData,
+                text("camera '", rig.cameras[c].serial,
+                     "': without its lens, its outline crosses itself too badly to be mended; "
+                     "check its calibration and where the outline comes from"));
+  }
+  Cones made;
+  made.cut =
+      std::any_of(cones.views.begin(), cones.views.end(), [](const ConeView& v) { return v.beyond_counts; });
+  if (options.volume || (!made.cut && cones.views.size() >= 2)) return made;
+  // Some silhouettes are open: what the others bound is where the hull is sought.
+  const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, input.mattes());
+  if (!box) return unbounded();
+  made.empty = box->isEmpty();
+  if (made.empty) return made;
+  const Eigen::Vector3d margin = 0.01 * box->sizes();
+  add_volume({box->min() - margin, box->max() + margin}, cones);
+  return made;
+}
+
+ExactOptions engine_options(const HullOptions& options) {
+  ExactOptions engine;
+  engine.threads = options.threads;
+  engine.votes = options.voting == HullVoting::MofN ? options.votes : 0;
+  return engine;
+}
+
+ExactOutcome compute(HullWorkspace::Impl& workspace, const HullOptions& options) {
+  ExactOptions engine = engine_options(options);
+  workspace.views = workspace.cones.views;
+  engine.pixel = workspace.cones.pixel;
+  return workspace.engine.compute(workspace.views, engine);
+}
+
+// Mattes of noise have outlines that cross each other millions of times: those are made coarser until the
+// frame's time is bounded.
+Result<Cones> compute_in_time(const Rig& rig, HullInput& input, const HullOptions& options, double tolerance,
+                              HullWorkspace::Impl& workspace, ExactOutcome& outcome, HullReport& report) {
   ConeOptions settings;
-  const double tolerance = input.outlined() ? 0 : options.contour_tolerance;
   settings.tolerance = tolerance;
   settings.volume = options.volume;
   settings.threads = options.threads;
-  ExactOptions engine_options;
-  engine_options.threads = options.threads;
-  engine_options.votes = options.voting == HullVoting::MofN ? options.votes : 0;
-  const auto compute = [&] {
-    workspace.views = cones.views;
-    engine_options.pixel = cones.pixel;
-    return workspace.engine.compute(workspace.views, engine_options);
-  };
-  ExactOutcome outcome;
-  bool cut = false;
-  // Mattes of noise have outlines that cross each other millions of times: those are made coarser until the
-  // frame's time is bounded.
   constexpr int kRounds = 6;
   for (int round = 0;; ++round) {
-    const auto again = std::chrono::steady_clock::now();
-    workspace.builder.build(rig, input, settings, cones);
-    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-      if (!cones.details[c].torn) continue;
-      return fail(ErrorCode::BadData,
-                  text("camera '", rig.cameras[c].serial,
-                       "': without its lens, its outline crosses itself too badly to be mended; "
-                       "check its calibration and where the outline comes from"));
-    }
-    cut = std::any_of(cones.views.begin(), cones.views.end(),
-                      [](const ConeView& v) { return v.beyond_counts; });
-    if (!options.volume && (cut || cones.views.size() < 2)) {
-      // Some silhouettes are open: what the others bound is where the hull is sought.
-      const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, input.mattes());
-      if (!box) return unbounded();
-      if (box->isEmpty()) return true;
-      const Eigen::Vector3d margin = 0.01 * box->sizes();
-      add_volume({box->min() - margin, box->max() + margin}, cones);
-    }
-    report.timings.contours = seconds_since(round == 0 ? begin : again);
-    outcome = compute();
-    if (!outcome.too_complex) break;
+    const auto begin = std::chrono::steady_clock::now();
+    const Result<Cones> cones = make_cones(rig, input, options, settings, workspace);
+    if (!cones || cones->empty) return cones;
+    report.timings.contours = seconds_since(begin);
+    outcome = compute(workspace, options);
+    if (!outcome.too_complex) return cones;
     if (round == kRounds) {
       return fail(
           ErrorCode::BadData,
@@ -154,31 +167,34 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
     settings.tolerance = std::max(settings.tolerance, std::clamp(2 * settings.tolerance, 0.5, 4.0));
     settings.smallest = std::max(16.0, 16 * settings.smallest);
   }
-  remark_on_noise(rig, input, tolerance, cones, report);
-  if (outcome.unbounded) return unbounded();
-  if (!outcome.closed) return false;
-  take_over(workspace.engine.polygons(), cones, report);
-  if (options.voting == HullVoting::Auto) {  // its trials use the same engine
-    const auto voting = std::chrono::steady_clock::now();
-    report.voted_down = find_bad_views(rig, input, report.mesh, options.threads, workspace);
-    report.timings.voting = seconds_since(voting);
-    if (!report.voted_down.empty()) {
-      for (const int camera : report.voted_down) {
-        const std::size_t v = static_cast<std::size_t>(
-            std::find(cones.camera.begin(), cones.camera.end(), camera) - cones.camera.begin());
-        cones.views.erase(cones.views.begin() + static_cast<std::ptrdiff_t>(v));
-        cones.camera.erase(cones.camera.begin() + static_cast<std::ptrdiff_t>(v));
-        report.remarks.push_back(text("camera '", rig.cameras[static_cast<std::size_t>(camera)].serial,
-                                      "' was voted down: its matte lacks what all others show; look at it"));
-      }
-      const ExactOutcome again = compute();
-      if (again.unbounded || !again.closed) return false;
-      outcome.attempts += again.attempts;
-      outcome.timings = again.timings;
-      --outcome.attempts;
-      take_over(workspace.engine.polygons(), cones, report);
-    }
+}
+
+// Leaves out the cameras whose mattes lack what all others show, and computes again without them. False when
+// the rest is not closed.
+bool vote_down(const Rig& rig, HullInput& input, const HullOptions& options, HullWorkspace::Impl& workspace,
+               ExactOutcome& outcome, HullReport& report) {
+  SilhouetteCones& cones = workspace.cones;
+  const auto begin = std::chrono::steady_clock::now();  // its trials use the same engine
+  report.voted_down = find_bad_views(rig, input, report.mesh, options.threads, workspace);
+  report.timings.voting = seconds_since(begin);
+  if (report.voted_down.empty()) return true;
+  for (const int camera : report.voted_down) {
+    const std::ptrdiff_t v =
+        std::find(cones.camera.begin(), cones.camera.end(), camera) - cones.camera.begin();
+    cones.views.erase(cones.views.begin() + v);
+    cones.camera.erase(cones.camera.begin() + v);
+    report.remarks.push_back(text("camera '", rig.cameras[static_cast<std::size_t>(camera)].serial,
+                                  "' was voted down: its matte lacks what all others show; look at it"));
   }
+  const ExactOutcome again = compute(workspace, options);
+  if (again.unbounded || !again.closed) return false;
+  outcome.attempts += again.attempts - 1;
+  outcome.timings = again.timings;
+  take_over(workspace.engine.polygons(), cones, report);
+  return true;
+}
+
+void report_cost(const ExactOutcome& outcome, const SilhouetteCones& cones, HullReport& report) {
   report.escalations = outcome.attempts - 1;
   report.work = {0, outcome.work.hits, outcome.work.lines, outcome.work.relations};
   for (const Silhouette& outline : cones.outlines)
@@ -188,7 +204,25 @@ Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptio
   report.timings.faces = outcome.timings.faces;
   report.timings.weld = outcome.timings.weld;
   report.timings.triangles = outcome.timings.triangles;
-  if (cut) drop_unseen_shells(rig, input, report);
+}
+
+}  // namespace
+
+Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptions& options,
+                               HullWorkspace::Impl& workspace, HullReport& report) {
+  const double tolerance = input.outlined() ? 0 : options.contour_tolerance;
+  ExactOutcome outcome;
+  const Result<Cones> cones = compute_in_time(rig, input, options, tolerance, workspace, outcome, report);
+  if (!cones) return forward(cones);
+  if (cones->empty) return true;
+  remark_on_noise(rig, input, tolerance, workspace.cones, report);
+  if (outcome.unbounded) return unbounded();
+  if (!outcome.closed) return false;
+  take_over(workspace.engine.polygons(), workspace.cones, report);
+  if (options.voting == HullVoting::Auto && !vote_down(rig, input, options, workspace, outcome, report))
+    return false;
+  report_cost(outcome, workspace.cones, report);
+  if (cones->cut) drop_unseen_shells(rig, input, report);
   const Eigen::AlignedBox3f bounds = bounding_box(report.mesh);
   report.searched = options.volume
                         ? *options.volume

@@ -33,6 +33,206 @@ Vector3d mean_of(const std::vector<Vector3d>& rays) {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnsure = 1e-12;  // relative: far above the rounding of a triple product in doubles
 
+// Edges of a view in bins of phi, so that a ray is tried against few of them. The memory is the axis table's.
+class EdgeBins {
+ public:
+  EdgeBins(std::span<const double> keys, std::span<const std::int32_t> next, AxisTable& axis) : axis_(axis) {
+    choose_width(keys, next);
+    axis.first_bin.resize(keys.size());
+    axis.last_bin.resize(keys.size());
+    axis.bin_start.assign(static_cast<std::size_t>(bins_) + 2, 0);
+    const int edges = static_cast<int>(keys.size());
+    for (int f = 0; f < edges; ++f) {
+      set_range(f, keys[f], keys[next[f]]);
+      each_bin(f, [&](int bin) { ++axis_.bin_start[bin + 2]; });
+    }
+    for (int bin = 0; bin <= bins_; ++bin) axis.bin_start[bin + 1] += axis.bin_start[bin];
+    axis.bin_edges.resize(axis.bin_start[bins_ + 1]);
+    for (int f = 0; f < edges; ++f)
+      each_bin(f, [&](int bin) { axis_.bin_edges[axis_.bin_start[bin + 1]++] = f; });
+  }
+
+  // Those whose arc may hold an angle.
+  std::span<const std::int32_t> around(double key) const {
+    const int bin = bin_of(key, 0);
+    const std::int32_t first = axis_.bin_start[bin], end = axis_.bin_start[bin + 1];
+    return {axis_.bin_edges.data() + first, static_cast<std::size_t>(end - first)};
+  }
+
+ private:
+  // As many bins as edges; fewer where so many edges lie over each other that each would fill hundreds of
+  // bins.
+  void choose_width(std::span<const double> keys, std::span<const std::int32_t> next) {
+    double most = -2, length = 0;
+    for (const double key : keys) {
+      least_ = std::min(least_, key);
+      most = std::max(most, key);
+    }
+    for (std::size_t f = 0; f < keys.size(); ++f) length += std::abs(keys[f] - keys[next[f]]);
+    const double layers = most > least_ ? length / (most - least_) : 1,
+                 edges = static_cast<double>(keys.size());
+    bins_ = std::max(16, static_cast<int>(edges * std::min(1.0, 64 / std::max(layers, 1.0))));
+    scale_ = most > least_ ? bins_ / (most - least_) : 0;
+  }
+
+  int bin_of(double key, double margin) const {
+    return std::clamp(static_cast<int>((key - least_) * scale_ + margin), 0, bins_ - 1);
+  }
+
+  // First and last bin of an edge; first > last means over the cut: [0, last] and [first, bins).
+  void set_range(int f, double p, double q) {
+    int first = bin_of(std::min(p, q), -1e-6), last = bin_of(std::max(p, q), 1e-6);
+    if (std::abs(p - q) > 2) {
+      std::swap(first, last);
+      if (first <= last) {  // the whole circle
+        first = 0;
+        last = bins_ - 1;
+      }
+    }
+    axis_.first_bin[f] = first;
+    axis_.last_bin[f] = last;
+  }
+
+  template <class Visit>
+  void each_bin(int f, const Visit& visit) const {
+    const int first = axis_.first_bin[f], last = axis_.last_bin[f];
+    if (first <= last) {
+      for (int bin = first; bin <= last; ++bin) visit(bin);
+    } else {
+      for (int bin = 0; bin <= last; ++bin) visit(bin);
+      for (int bin = first; bin < bins_; ++bin) visit(bin);
+    }
+  }
+
+  AxisTable& axis_;
+  double least_ = 2, scale_ = 0;
+  int bins_ = 0;
+};
+
+// The hits of rays of view i on edges of view j.
+class HitSearch {
+ public:
+  HitSearch(std::span<const ConeView> views, const GridViews* grid, AxisTable& axis, int i, int j,
+            PairTable& pair)
+      : grid_(grid),
+        axis_(axis),
+        pair_(pair),
+        from_(views[i]),
+        to_(views[j]),
+        rays_(i < j ? axis.low : axis.high),
+        ends_(i < j ? axis.high : axis.low),
+        i_(i),
+        j_(j),
+        forward_(i < j) {}
+
+  // False when there are more than `most`.
+  bool run(std::size_t most) {
+    const EdgeBins bins(forward_ ? axis_.high_key : axis_.low_key, to_.next, axis_);
+    const std::vector<double>& key = forward_ ? axis_.low_key : axis_.high_key;
+    const int count = static_cast<int>(rays_.size());
+    pair_.hits.clear();
+    pair_.bounds.resize(rays_.size());
+    pair_.ray_start.resize(rays_.size() + 1);
+    pair_.face_start.assign(ends_.size() + 1, 0);
+    axis_.found.resize(ends_.size());
+    for (int a = 0; a < count; ++a) {
+      pair_.ray_start[a] = static_cast<std::int32_t>(pair_.hits.size());
+      const std::span<const std::int32_t> met = edges_met(a, bins.around(key[a]));
+      if (a == 0) begin_with(met);
+      if (pair_.hits.size() + met.size() > most) return false;
+      add_hits(a, met);
+    }
+    pair_.ray_start[count] = static_cast<std::int32_t>(pair_.hits.size());
+    order_by_face();
+    return true;
+  }
+
+  bool tie() const { return tie_; }
+
+ private:
+  // On which side of edge end p ray a is. Zero counts as "the higher view's ray is on the positive side", the
+  // same for both directions of the pair.
+  bool positive(int a, int p) {
+    const double c = cross2(rays_[a], ends_[p]);
+    if (grid_ && std::abs(c) < kUnsure * from_.rays[a].norm() * to_.rays[p].norm()) {
+      const GridViews::Vector e =
+          forward_ ? grid_->centers[j_] - grid_->centers[i_] : grid_->centers[i_] - grid_->centers[j_];
+      const Int128 exact = dot(cross(grid_->rays[i_][a], grid_->rays[j_][p]), e);
+      tie_ |= exact == 0;
+      return exact > 0;
+    }
+    return forward_ ? c >= 0 : c > 0;
+  }
+
+  // Which of `near` hold the ray's angle: counted without a branch, for it is as good as random.
+  std::span<const std::int32_t> edges_met(int a, std::span<const std::int32_t> near) {
+    std::int32_t* const met = axis_.found.data();
+    std::size_t found = 0;
+    for (const std::int32_t f : near) {
+      const bool ccw = (pair_.upper[f] != 0) == forward_;
+      met[found] = f;
+      found += static_cast<std::size_t>(positive(a, f) != ccw) &
+               static_cast<std::size_t>(positive(a, to_.next[f]) == ccw);
+    }
+    return {met, found};
+  }
+
+  // The first ray tells whether the centre of i is inside the silhouette of j: upper minus lower bounds are
+  // the same in every half-plane.
+  void begin_with(std::span<const std::int32_t> met) {
+    for (const std::int32_t f : met) net_ += pair_.upper[f] ? 1 : -1;
+    pair_.top = net_ == 0 ? to_.beyond_counts : net_ < 0;
+  }
+
+  // 1/depth at which ray a passes through edge f's plane.
+  double inverse_depth(int a, int f) {
+    if (!grid_) return pair_.slope[f].dot(from_.rays[a]);
+    const auto &p = grid_->rays[j_][f], &q = grid_->rays[j_][to_.next[f]];
+    const GridViews::Vector n = cross(p, q);
+    const Int128 above = dot(n, grid_->rays[i_][a]), below = dot(n, grid_->centers[j_] - grid_->centers[i_]);
+    tie_ |= above == 0;
+    return static_cast<double>(above) / static_cast<double>(below) * (grid_->center_scale / grid_->ray_scale);
+  }
+
+  void add_hits(int a, std::span<const std::int32_t> met) {
+    PairTable::Bound bound{pair_.top + net_ > 0 ? -kInfinity : kInfinity, pair_.top ? kInfinity : -kInfinity};
+    for (const std::int32_t f : met) {
+      const double w = inverse_depth(a, f);
+      pair_.hits.push_back({f, a, w});
+      ++pair_.face_start[f + 1];
+      if (pair_.upper[f]) {
+        bound.high = std::max(bound.high, w);
+      } else {
+        bound.low = std::min(bound.low, w);
+      }
+    }
+    pair_.bounds[a] = bound;
+  }
+
+  // The hits once more, sorted by edge, then ray.
+  void order_by_face() {
+    const int edges = static_cast<int>(ends_.size());
+    for (int f = 0; f < edges; ++f) pair_.face_start[f + 1] += pair_.face_start[f];
+    pair_.face_hits.resize(pair_.hits.size());
+    for (std::size_t h = 0; h < pair_.hits.size(); ++h) {
+      const RayHit& hit = pair_.hits[h];
+      pair_.face_hits[pair_.face_start[hit.edge]++] = {hit.w, hit.ray, static_cast<std::int32_t>(h)};
+    }
+    for (int f = edges; f > 0; --f) pair_.face_start[f] = pair_.face_start[f - 1];
+    pair_.face_start[0] = 0;
+  }
+
+  const GridViews* const grid_;
+  AxisTable& axis_;
+  PairTable& pair_;
+  const ConeView &from_, &to_;
+  const std::vector<Vector2d>&rays_, &ends_;
+  const int i_, j_;
+  const bool forward_;
+  bool tie_ = false;
+  int net_ = 0;
+};
+
 }  // namespace
 
 bool PairTables::build(std::span<const ConeView> views, const GridViews* grid, int threads) {
@@ -122,130 +322,10 @@ void PairTables::build_axis(std::span<const ConeView> views, const GridViews* gr
 
 void PairTables::find_hits(std::span<const ConeView> views, const GridViews* grid, AxisTable& axis, int i,
                            int j, bool& tie) {
-  PairTable& pair = pairs_[static_cast<std::size_t>(i) * views_ + j];
-  const bool forward = i < j;
-  const ConeView &from = views[i], &to = views[j];
-  const auto &rays = forward ? axis.low : axis.high, &ends = forward ? axis.high : axis.low;
-  const auto &ray_key = forward ? axis.low_key : axis.high_key,
-             &end_key = forward ? axis.high_key : axis.low_key;
-  const int edges = static_cast<int>(ends.size()), count = static_cast<int>(rays.size());
-
-  // Edges of j in bins of phi.
-  double least = 2, most = -2;
-  for (const double key : end_key) {
-    least = std::min(least, key);
-    most = std::max(most, key);
-  }
-  // As many bins as edges; fewer where so many edges lie over each other that each would fill hundreds of
-  // bins.
-  double length = 0;
-  for (int f = 0; f < edges; ++f) length += std::abs(end_key[f] - end_key[to.next[f]]);
-  const double layers = most > least ? length / (most - least) : 1;
-  const int bins = std::max(16, static_cast<int>(edges * std::min(1.0, 64 / std::max(layers, 1.0))));
-  const double scale = most > least ? bins / (most - least) : 0;
-  const auto bin_of = [&](double key, double margin) {
-    return std::clamp(static_cast<int>((key - least) * scale + margin), 0, bins - 1);
-  };
-  // First and last bin of every edge; first > last means over the cut: [0, last] and [first, bins).
-  axis.first_bin.resize(ends.size());
-  axis.last_bin.resize(ends.size());
-  axis.bin_start.assign(static_cast<std::size_t>(bins) + 2, 0);
-  const auto each_bin = [&](int f, const auto& visit) {
-    const int first = axis.first_bin[f], last = axis.last_bin[f];
-    if (first <= last) {
-      for (int bin = first; bin <= last; ++bin) visit(bin);
-    } else {
-      for (int bin = 0; bin <= last; ++bin) visit(bin);
-      for (int bin = first; bin < bins; ++bin) visit(bin);
-    }
-  };
-  for (int f = 0; f < edges; ++f) {
-    const double p = end_key[f], q = end_key[to.next[f]];
-    int first = bin_of(std::min(p, q), -1e-6), last = bin_of(std::max(p, q), 1e-6);
-    if (std::abs(p - q) > 2) {
-      std::swap(first, last);
-      if (first <= last) {  // the whole circle
-        first = 0;
-        last = bins - 1;
-      }
-    }
-    axis.first_bin[f] = first;
-    axis.last_bin[f] = last;
-    each_bin(f, [&](int bin) { ++axis.bin_start[bin + 2]; });
-  }
-  for (int bin = 0; bin <= bins; ++bin) axis.bin_start[bin + 1] += axis.bin_start[bin];
-  axis.bin_edges.resize(axis.bin_start[bins + 1]);
-  for (int f = 0; f < edges; ++f)
-    each_bin(f, [&](int bin) { axis.bin_edges[axis.bin_start[bin + 1]++] = f; });
-
-  // Zero counts as "the higher view's ray is on the positive side", the same for both directions of the pair.
-  const auto positive = [&](int a, int p) {
-    const double c = cross2(rays[a], ends[p]);
-    if (grid && std::abs(c) < kUnsure * from.rays[a].norm() * to.rays[p].norm()) {
-      const GridViews::Vector e =
-          forward ? grid->centers[j] - grid->centers[i] : grid->centers[i] - grid->centers[j];
-      const Int128 exact = dot(cross(grid->rays[i][a], grid->rays[j][p]), e);
-      tie |= exact == 0;
-      return exact > 0;
-    }
-    return forward ? c >= 0 : c > 0;
-  };
-  pair.hits.clear();
-  pair.bounds.resize(rays.size());
-  pair.ray_start.resize(static_cast<std::size_t>(count) + 1);
-  pair.face_start.assign(static_cast<std::size_t>(edges) + 1, 0);
-  axis.found.resize(ends.size());
-  const std::size_t limit = most_hits(views_, rays.size());
-  int net = 0;  // upper minus lower: the same in every half-plane
-  for (int a = 0; a < count; ++a) {
-    pair.ray_start[a] = static_cast<std::int32_t>(pair.hits.size());
-    const int bin = bin_of(ray_key[a], 0);
-    int found = 0;
-    for (int at = axis.bin_start[bin]; at < axis.bin_start[bin + 1]; ++at) {
-      const int f = axis.bin_edges[at];
-      const bool ccw = (pair.upper[f] != 0) == forward;
-      axis.found[found] = f;  // counted without a branch: which edges are met is as good as random
-      found += static_cast<int>(positive(a, f) != ccw) & static_cast<int>(positive(a, to.next[f]) == ccw);
-    }
-    if (a == 0) {
-      for (int k = 0; k < found; ++k) net += pair.upper[axis.found[k]] ? 1 : -1;
-      pair.top = net == 0 ? to.beyond_counts : net < 0;
-    }
-    if (pair.hits.size() + static_cast<std::size_t>(found) > limit) {
-      too_many_[static_cast<std::size_t>(i) * views_ + j] = 1;
-      return;
-    }
-    PairTable::Bound bound{pair.top + net > 0 ? -kInfinity : kInfinity, pair.top ? kInfinity : -kInfinity};
-    for (int k = 0; k < found; ++k) {
-      const int f = axis.found[k];
-      double w = pair.slope[f].dot(from.rays[a]);
-      if (grid) {
-        const auto &p = grid->rays[j][f], &q = grid->rays[j][to.next[f]];
-        const GridViews::Vector n = cross(p, q);
-        const Int128 above = dot(n, grid->rays[i][a]), below = dot(n, grid->centers[j] - grid->centers[i]);
-        tie |= above == 0;
-        w = static_cast<double>(above) / static_cast<double>(below) * (grid->center_scale / grid->ray_scale);
-      }
-      pair.hits.push_back({f, a, w});
-      ++pair.face_start[f + 1];
-      if (pair.upper[f]) {
-        bound.high = std::max(bound.high, w);
-      } else {
-        bound.low = std::min(bound.low, w);
-      }
-    }
-    pair.bounds[a] = bound;
-  }
-  pair.ray_start[count] = static_cast<std::int32_t>(pair.hits.size());
-
-  for (int f = 0; f < edges; ++f) pair.face_start[f + 1] += pair.face_start[f];
-  pair.face_hits.resize(pair.hits.size());
-  for (std::size_t h = 0; h < pair.hits.size(); ++h) {
-    const RayHit& hit = pair.hits[h];
-    pair.face_hits[pair.face_start[hit.edge]++] = {hit.w, hit.ray, static_cast<std::int32_t>(h)};
-  }
-  for (int f = edges; f > 0; --f) pair.face_start[f] = pair.face_start[f - 1];
-  pair.face_start[0] = 0;
+  const std::size_t pair = static_cast<std::size_t>(i) * views_ + j;
+  HitSearch search(views, grid, axis, i, j, pairs_[pair]);
+  too_many_[pair] = !search.run(most_hits(views_, views[i].rays.size()));
+  tie |= search.tie();
 }
 
 }  // namespace floatstage::recon

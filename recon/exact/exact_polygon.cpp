@@ -151,69 +151,76 @@ void PolygonCutter::bridge(const Ring& hole) {
   loop_.swap(merged_);
 }
 
-void PolygonCutter::cut(std::span<const Vector2d> points, std::span<const std::int32_t> ends,
-                        std::vector<std::int32_t>& triangles) {
-  points_ = points;
-  const auto load = [&](std::int32_t begin, std::int32_t end) {
-    loop_.resize(static_cast<std::size_t>(end - begin));
-    for (std::int32_t k = begin; k < end; ++k) loop_[k - begin] = k;
-  };
-  if (ends.size() == 1) {
-    load(0, ends[0]);
-    clip(triangles);
-    return;
-  }
+void PolygonCutter::load(const Ring& ring) {
+  loop_.resize(static_cast<std::size_t>(ring.end - ring.begin));
+  for (std::int32_t k = ring.begin; k < ring.end; ++k) loop_[k - ring.begin] = k;
+}
+
+void PolygonCutter::find_rings(std::span<const std::int32_t> ends) {
   rings_.clear();
   std::int32_t begin = 0;
-  int holes = 0;
+  std::size_t holes = 0;
   for (const std::int32_t end : ends) {
     double area = 0;
-    for (std::int32_t k = begin; k < end; ++k) {
-      area += clockwise(points[begin], points[k], points[k + 1 < end ? k + 1 : begin]);
-    }
-    rings_.push_back({begin, end, area});
+    for (std::int32_t k = begin; k < end; ++k)
+      area += clockwise(points_[begin], points_[k], points_[k + 1 < end ? k + 1 : begin]);
+    rings_.push_back({begin, end, area, area < 0});
     holes += area < 0;
     begin = end;
   }
-  if (holes == static_cast<int>(rings_.size())) holes = 0;  // flattened by rounding: treat all as outlines
-  const auto is_hole = [&](const Ring& ring) { return holes > 0 && ring.area < 0; };
-  const auto contains = [&](const Ring& ring, const Vector2d& p) {
-    bool inside = false;
-    for (std::int32_t k = ring.begin; k < ring.end; ++k) {
-      const Vector2d &u = points[k], &v = points[k + 1 < ring.end ? k + 1 : ring.begin];
-      if ((u.y() > p.y()) != (v.y() > p.y()) &&
-          p.x() < u.x() + (p.y() - u.y()) / (v.y() - u.y()) * (v.x() - u.x())) {
-        inside = !inside;
-      }
+  if (holes < rings_.size()) return;
+  for (Ring& ring : rings_) ring.is_hole = false;  // flattened by rounding: treat all as outlines
+}
+
+bool PolygonCutter::contains(const Ring& ring, const Vector2d& p) const {
+  bool inside = false;
+  for (std::int32_t k = ring.begin; k < ring.end; ++k) {
+    const Vector2d &u = points_[k], &v = points_[k + 1 < ring.end ? k + 1 : ring.begin];
+    if ((u.y() > p.y()) != (v.y() > p.y()) &&
+        p.x() < u.x() + (p.y() - u.y()) / (v.y() - u.y()) * (v.x() - u.x())) {
+      inside = !inside;
     }
-    return inside;
-  };
-  const auto left_of = [&](const Ring& ring) {
-    double left = points[ring.begin].x();
-    for (std::int32_t k = ring.begin; k < ring.end; ++k) left = std::min(left, points[k].x());
-    return left;
-  };
-  // Each hole belongs to the smallest outline around it. Holes are connected from left to right: then what
-  // lies to the left of a hole is connected already.
+  }
+  return inside;
+}
+
+std::size_t PolygonCutter::owner_of(const Ring& hole) const {
+  std::size_t owner = rings_.size();
+  for (std::size_t r = 0; r < rings_.size(); ++r) {
+    if (rings_[r].is_hole || (owner < rings_.size() && rings_[r].area >= rings_[owner].area)) continue;
+    if (contains(rings_[r], points_[hole.begin])) owner = r;
+  }
+  if (owner < rings_.size()) return owner;
+  owner = 0;
+  while (rings_[owner].is_hole) ++owner;
+  return owner;
+}
+
+void PolygonCutter::sort_holes() {
   holes_.clear();
   for (std::size_t h = 0; h < rings_.size(); ++h) {
-    if (!is_hole(rings_[h])) continue;
-    std::size_t owner = rings_.size();
-    for (std::size_t r = 0; r < rings_.size(); ++r) {
-      if (is_hole(rings_[r]) || (owner < rings_.size() && rings_[r].area >= rings_[owner].area)) continue;
-      if (contains(rings_[r], points[rings_[h].begin])) owner = r;
-    }
-    if (owner == rings_.size()) {
-      owner = 0;
-      while (is_hole(rings_[owner])) ++owner;
-    }
-    holes_.push_back({owner, left_of(rings_[h]), h});
+    if (!rings_[h].is_hole) continue;
+    double left = points_[rings_[h].begin].x();
+    for (std::int32_t k = rings_[h].begin; k < rings_[h].end; ++k) left = std::min(left, points_[k].x());
+    holes_.push_back({owner_of(rings_[h]), left, h});
   }
   std::sort(holes_.begin(), holes_.end());
+}
+
+void PolygonCutter::cut(std::span<const Vector2d> points, std::span<const std::int32_t> ends,
+                        std::vector<std::int32_t>& triangles) {
+  points_ = points;
+  if (ends.size() == 1) {
+    load({0, ends[0], 0, false});
+    clip(triangles);
+    return;
+  }
+  find_rings(ends);
+  sort_holes();
   auto hole = holes_.begin();
   for (std::size_t r = 0; r < rings_.size(); ++r) {
-    if (is_hole(rings_[r])) continue;
-    load(rings_[r].begin, rings_[r].end);
+    if (rings_[r].is_hole) continue;
+    load(rings_[r]);
     for (; hole != holes_.end() && hole->owner == r; ++hole) bridge(rings_[hole->ring]);
     clip(triangles);
   }

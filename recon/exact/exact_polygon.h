@@ -24,6 +24,7 @@ class PolygonCutter {
   struct Ring {
     std::int32_t begin, end;
     double area;  ///< positive for clockwise
+    bool is_hole;
   };
   struct Hole {
     std::size_t owner;
@@ -31,6 +32,13 @@ class PolygonCutter {
     std::size_t ring;
     auto operator<=>(const Hole&) const = default;
   };
+  void load(const Ring& ring);
+  void find_rings(std::span<const std::int32_t> ends);
+  bool contains(const Ring& ring, const Eigen::Vector2d& p) const;
+  /// The smallest outline around a hole.
+  std::size_t owner_of(const Ring& hole) const;
+  /// By owner, from left to right: what lies to the left of a hole is connected before it.
+  void sort_holes();
   void clip(std::vector<std::int32_t>& triangles);
   void bridge(const Ring& hole);
   bool is_ear(std::int32_t at) const;

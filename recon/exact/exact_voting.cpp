@@ -63,18 +63,10 @@ std::vector<double> missed_shares(const Rig& rig, std::span<const Matte> mattes,
   return missed;
 }
 
-std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& strict, int threads,
-                                HullWorkspace::Impl& workspace) {
-  const std::span<const Matte> mattes = input.mattes();
-  std::vector<int> bad;
-  std::vector<double> missed = missed_shares(rig, mattes, strict, threads);
-  const auto in_doubt = [&] {
-    const auto views =
-        std::count_if(missed.begin(), missed.end(), [](double share) { return share > kAllowed; });
-    return views >= std::max<std::ptrdiff_t>(2, static_cast<std::ptrdiff_t>(mattes.size() + 1) / 2);
-  };
-  if (!in_doubt()) return bad;
+namespace {
 
+// The views of the hull once more, coarsely: what trials are made with.
+void make_coarse_cones(const Rig& rig, HullInput& input, int threads, HullWorkspace::Impl& workspace) {
   SilhouetteCones& cones = workspace.coarse;
   ConeOptions settings;
   settings.tolerance = kTolerance;
@@ -93,36 +85,62 @@ std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& st
     cones.views.push_back(workspace.cones.views[v]);
     cones.camera.push_back(-1);
   }
+}
+
+// The view without which the others miss least, if they miss less than with all.
+struct Trial {
+  int view = -1;
+  double excess = 0;
+  std::vector<double> missed;
+};
+
+Trial try_without_each(const Rig& rig, std::span<const Matte> mattes, double most, int threads,
+                       HullWorkspace::Impl& workspace) {
+  const SilhouetteCones& cones = workspace.coarse;
+  Trial best{.excess = most, .missed = {}};
+  for (std::size_t k = 0; k < cones.views.size(); ++k) {
+    if (cones.camera[k] < 0 || cones.views.size() < 4) continue;
+    workspace.views = cones.views;
+    workspace.views.erase(workspace.views.begin() + static_cast<std::ptrdiff_t>(k));
+    ExactOptions options;
+    options.threads = threads;
+    options.pixel = cones.pixel;
+    if (!workspace.engine.compute(workspace.views, options).closed) continue;
+    std::vector<double> missed = missed_shares(rig, mattes, to_mesh(workspace.engine.polygons()), threads);
+    const double left = excess(missed, cones.camera[k]);
+    if (left < best.excess) best = {static_cast<int>(k), left, std::move(missed)};
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<int> find_bad_views(const Rig& rig, HullInput& input, const Mesh& strict, int threads,
+                                HullWorkspace::Impl& workspace) {
+  const std::span<const Matte> mattes = input.mattes();
+  std::vector<int> bad;
+  std::vector<double> missed = missed_shares(rig, mattes, strict, threads);
+  const auto in_doubt = [&] {
+    const auto views =
+        std::count_if(missed.begin(), missed.end(), [](double share) { return share > kAllowed; });
+    return views >= std::max<std::ptrdiff_t>(2, static_cast<std::ptrdiff_t>(mattes.size() + 1) / 2);
+  };
+  if (!in_doubt()) return bad;
+
+  make_coarse_cones(rig, input, threads, workspace);
+  SilhouetteCones& cones = workspace.coarse;
   const std::size_t most = std::max<std::size_t>(1, mattes.size() / 4);
   while (in_doubt() && bad.size() < most) {
-    int worst = -1;
-    double best_excess = excess(missed, -1);
-    const double before = best_excess;
-    std::vector<double> best_missed;
-    for (std::size_t k = 0; k < cones.views.size(); ++k) {
-      if (cones.camera[k] < 0 || cones.views.size() < 4) continue;
-      workspace.views = cones.views;
-      workspace.views.erase(workspace.views.begin() + static_cast<std::ptrdiff_t>(k));
-      ExactOptions options;
-      options.threads = threads;
-      options.pixel = cones.pixel;
-      const ExactOutcome outcome = workspace.engine.compute(workspace.views, options);
-      if (!outcome.closed) continue;
-      std::vector<double> without = missed_shares(rig, mattes, to_mesh(workspace.engine.polygons()), threads);
-      const double left = excess(without, cones.camera[k]);
-      if (left >= best_excess) continue;
-      best_excess = left;
-      worst = static_cast<int>(k);
-      best_missed = std::move(without);
-    }
+    const double before = excess(missed, -1);
+    Trial best = try_without_each(rig, mattes, before, threads, workspace);
     // What does not heal without one camera has another cause: calibration, or mattes that disagree a little
     // everywhere.
-    if (worst < 0 || best_excess > kHealed * before) break;
-    bad.push_back(cones.camera[static_cast<std::size_t>(worst)]);
-    missed = std::move(best_missed);
+    if (best.view < 0 || best.excess > kHealed * before) break;
+    bad.push_back(cones.camera[static_cast<std::size_t>(best.view)]);
+    missed = std::move(best.missed);
     missed[static_cast<std::size_t>(bad.back())] = 0;
-    cones.views.erase(cones.views.begin() + worst);
-    cones.camera.erase(cones.camera.begin() + worst);
+    cones.views.erase(cones.views.begin() + best.view);
+    cones.camera.erase(cones.camera.begin() + best.view);
   }
   return bad;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/statistics.h"
+
 namespace floatstage::studio {
 
 double Series::mean() const {
@@ -13,11 +15,7 @@ double Series::mean() const {
 }
 
 double Series::percentile(double share) const {
-  if (values_.empty()) return 0;
-  std::vector<double> sorted = values_;
-  std::sort(sorted.begin(), sorted.end());
-  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
-  return sorted[static_cast<std::size_t>(std::clamp(rank, 1.0, static_cast<double>(sorted.size()))) - 1];
+  return values_.empty() ? 0 : floatstage::percentile(values_, share);
 }
 
 double Rate::slowest(double duration, int window) const {

@@ -12,7 +12,7 @@ class Series {
   void add(double value) { values_.push_back(value); }
   std::size_t count() const { return values_.size(); }
   double mean() const;
-  /// The smallest value that `share` of all are not above; 0 without any.
+  /// As core/statistics.h has it; 0 without any.
   double percentile(double share) const;
   double largest() const { return percentile(1); }
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 #include "core/file.h"
 #include "core/rig_io.h"
 #include "tests/calib/format_support.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 #include "core/file.h"
 #include "core/rig.h"
 #include "core/rig_io.h"

@@ -12,6 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/statistics.h"
 #include "recon/exact/exact_hull.h"
 #include "recon/visual_hull.h"
 #include "tests/recon/cone_views.h"
@@ -61,9 +62,8 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
   const auto mean_ms = [](double seconds) {
     return benchmark::Counter(1e3 * seconds, benchmark::Counter::kAvgIterations);
   };
-  std::sort(frames.begin(), frames.end());
-  state.counters["p50_ms"] = frames[(frames.size() - 1) / 2];
-  state.counters["p95_ms"] = frames[(frames.size() - 1) * 95 / 100];
+  state.counters["p50_ms"] = median(frames);
+  state.counters["p95_ms"] = percentile(std::move(frames), 0.95);
   state.counters["contours_ms"] = mean_ms(sum.contours);
   state.counters["tables_ms"] = mean_ms(sum.tables);
   state.counters["rays_ms"] = mean_ms(sum.rays);

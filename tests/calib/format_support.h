@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 
 namespace floatstage::calib {
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "calib/markerless.h"
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 #include "core/png.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 #include "core/png.h"
 #include "core/text.h"
 

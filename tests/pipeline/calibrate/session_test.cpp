@@ -97,6 +97,28 @@ TEST(CalibrationSession, FindsItsFilesBesideItself) {
   EXPECT_EQ(s->known->file, folder / "yesterday.json");
 }
 
+TEST(CalibrationSession, KnowsRigsOfEveryFormat) {
+  EXPECT_EQ(parse(kWhole)->known->format, calib::kAnyRigFormat);
+  for (const calib::RigFormat& f : calib::rig_formats()) {
+    const Result<Session> s =
+        with("\"yesterday.json\"", text("\"yesterday.json\"\nformat = \"", f.name, "\""));
+    ASSERT_THAT(s, IsOk()) << f.name;
+    EXPECT_EQ(s->known->format, f.name);
+  }
+  EXPECT_THAT(
+      with("\"yesterday.json\"", "\"yesterday.json\"\nformat = \"blender\""),
+      FailsWith(ErrorCode::BadData, "line 10: 'format': 'blender' is no calibration format; there are"));
+}
+
+TEST(CalibrationSession, TakesAUnitOnlyForFormatsThatStateNone) {
+  const Result<Session> s =
+      with("\"yesterday.json\"", "\"calibration.txt\"\nformat = \"dome\"\nmetres_per_unit = 0.2");
+  ASSERT_THAT(s, IsOk());
+  EXPECT_EQ(s->known->metres_per_unit, 0.2);
+  EXPECT_THAT(with("\"yesterday.json\"", "\"r.qca.txt\"\nformat = \"qualisys\"\nmetres_per_unit = 0.2"),
+              FailsWith(ErrorCode::BadData, "formats that state no unit, which qualisys does"));
+}
+
 TEST(CalibrationSession, NamesTheLineOfAMistake) {
   EXPECT_THAT(with("every = 3", "evry = 3"),
               FailsWith(ErrorCode::BadData, "s.toml: line 4: unknown key 'evry'"));

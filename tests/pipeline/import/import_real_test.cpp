@@ -16,7 +16,7 @@ TEST(ImportReal, TempleRingTakesTheNineteenViewsThatHaveAnImage) {
   FLOATSTAGE_NEEDS_DATA(real_data("middlebury-temple-ring"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {CalibrationFormat::Middlebury, real_data("middlebury-temple-ring")};
+  options.calibration = {"middlebury", real_data("middlebury-temple-ring")};
   options.out = folder / "T";
   const Result<ImportReport> report = import_take(options);
   ASSERT_THAT(report, IsOk());
@@ -38,7 +38,7 @@ TEST(ImportReal, DomeComesWithItsMattes) {
   FLOATSTAGE_NEEDS_DATA(real_data("green-dome"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {CalibrationFormat::Dome, real_data("green-dome")};
+  options.calibration = {"dome", real_data("green-dome")};
   options.mattes = real_data("green-dome/mattes");
   options.out = folder / "G";
   const Result<ImportReport> report = import_take(options);
@@ -64,7 +64,7 @@ TEST(ImportReal, QualisysVideosOfAnotherSizeAreRefusedAndTheOthersTaken) {
   FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {CalibrationFormat::Qualisys,
+  options.calibration = {"qualisys",
                          real_data("pose2sim-balancing/calibration/Calib.qca.txt")};
   options.pictures = real_data("pose2sim-balancing/videos");
   options.frames = {.first = 4, .end = 6};

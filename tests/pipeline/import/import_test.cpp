@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "calib/rig_formats.h"
+#include "calib/formats/format_files.h"
 #include "core/file.h"
 #include "core/png.h"
 #include "pipeline/import/matte_files.h"
@@ -34,7 +34,7 @@ class Import : public testing::Test {
       ASSERT_THAT(save_png(test_picture(i, 0), folder_ / "in" / images.back()), IsOk());
     }
     ASSERT_THAT(calib::write_middlebury(test_rig(cameras), images, folder_ / "in" / "x_par.txt"), IsOk());
-    options_.calibration = {CalibrationFormat::Middlebury, folder_ / "in"};
+    options_.calibration = {"middlebury", folder_ / "in"};
   }
 
   // OpenCV: a folder of pictures a camera, with as many pictures as `counts` says.
@@ -43,7 +43,7 @@ class Import : public testing::Test {
     ASSERT_THAT(calib::write_easymocap(rig, folder_ / "in"), IsOk());
     for (std::size_t i = 0; i < counts.size(); ++i)
       save_pictures(folder_ / "in" / "images" / rig.cameras[i].serial, static_cast<int>(i), counts[i]);
-    options_.calibration = {CalibrationFormat::OpenCv, folder_ / "in"};
+    options_.calibration = {"opencv", folder_ / "in"};
     options_.frame_rate = 50;
   }
 
@@ -169,7 +169,7 @@ TEST_F(Import, ReadsVideosWithTheirOwnRate) {
     for (int frame = 0; frame < 4; ++frame) ASSERT_THAT((*video)->write(test_picture(camera, frame)), IsOk());
     ASSERT_THAT((*video)->finish(), IsOk());
   }
-  options_.calibration = {CalibrationFormat::Colmap, folder_ / "in"};
+  options_.calibration = {"colmap", folder_ / "in"};
   options_.frames.first = 1;
   const auto take = imported();
   ASSERT_TRUE(take);
@@ -180,6 +180,29 @@ TEST_F(Import, ReadsVideosWithTheirOwnRate) {
   const Result<Image> rgb = to_rgb(*frame);
   ASSERT_THAT(rgb, IsOk());
   EXPECT_THAT(*rgb, ImageNear(test_picture(1, 3), 20.0));  // the video is lossy, the take is not
+}
+
+TEST_F(Import, TakesWhicheverCalibrationIsThere) {
+  middlebury_stills(2);
+  options_.calibration.format = calib::kAnyRigFormat;
+  const auto take = imported();
+  ASSERT_TRUE(take);
+  EXPECT_EQ(take->manifest().label, "middlebury") << "the format that it was";
+}
+
+TEST_F(Import, FindsPicturesBesideACamchainByTheirTopics) {
+  const Rig rig = test_rig(2);
+  fs::create_directories(folder_ / "in");
+  ASSERT_THAT(calib::write_kalibr(rig, folder_ / "in" / "camchain.yaml"), IsOk());
+  for (int i = 0; i < 2; ++i)
+    ASSERT_THAT(save_png(test_picture(i, 0),
+                         folder_ / "in" / (rig.cameras[static_cast<std::size_t>(i)].serial + ".png")),
+                IsOk());
+  options_.calibration = {"kalibr", folder_ / "in"};
+  const auto take = imported();
+  ASSERT_TRUE(take);
+  EXPECT_THAT(report_->serials, ElementsAre(rig.cameras[0].serial, rig.cameras[1].serial));
+  expect_picture(*take, 1, 0, test_picture(1, 0));
 }
 
 TEST_F(Import, MattesBesideTheImagesSpareTheKeying) {
@@ -297,7 +320,7 @@ TEST_F(Import, PicturesOfOneCameraMustKeepTheirSize) {
 }
 
 TEST_F(Import, NamesWhatIsMissing) {
-  options_.calibration = {CalibrationFormat::Middlebury, folder_ / "nowhere"};
+  options_.calibration = {"middlebury", folder_ / "nowhere"};
   expect_refused(ErrorCode::NotFound, "nowhere");
   middlebury_stills(2);
   options_.cameras = {"z"};

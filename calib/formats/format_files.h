@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "calib/rig_formats.h"
+
+namespace floatstage::calib {
+
+/// Each format's reader and writer of named files. Outside of calib/formats the table of rig_formats.h is what
+/// knows of them; tests call them by themselves.
+
+/// Middlebury multi-view `*_par.txt`: count, then name, K (3×3), R (3×3), t a line; pixel centres at
+/// integers.
+Result<ForeignRig> read_middlebury(const std::filesystem::path& par_txt);
+/// COLMAP text model: a folder with cameras.txt and images.txt; corner convention like ours.
+Result<ForeignRig> read_colmap(const std::filesystem::path& folder);
+/// OpenCV/EasyMocap: a folder with intri.yml and extri.yml; pixel centres at integers.
+Result<ForeignRig> read_easymocap(const std::filesystem::path& folder);
+/// Qualisys `.qca.txt` (XML, millimetres, units of 1/64 px).
+Result<ForeignRig> read_qualisys(const std::filesystem::path& qca_txt);
+/// The plain text of the green dome: index; K; k1 k2; R|t, blank line; pixel centres at integers.
+/// `metres_per_unit` scales its translations (its unit is not stated; about a decimetre).
+Result<ForeignRig> read_dome(const std::filesystem::path& calibration_txt, double metres_per_unit);
+/// Kalibr's camchain YAML: pinhole cameras with radtan, equidistant or no distortion; pixel centres at
+/// integers. The world is the first camera's frame.
+Result<ForeignRig> read_kalibr(const std::filesystem::path& camchain_yaml);
+
+/// The same formats written, so that others' tools open our rigs. Writers refuse what a format cannot hold.
+Result<void> write_middlebury(const Rig& rig, const std::vector<std::string>& image_names,
+                              const std::filesystem::path& par_txt);
+Result<void> write_colmap(const Rig& rig, const std::vector<std::string>& image_names,
+                          const std::filesystem::path& folder);
+Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder);
+/// Only relative to its first camera: a camchain has no world. Serials stand in the topics.
+Result<void> write_kalibr(const Rig& rig, const std::filesystem::path& camchain_yaml);
+Result<void> write_qualisys(const Rig& rig, const std::filesystem::path& qca_txt);
+
+}  // namespace floatstage::calib

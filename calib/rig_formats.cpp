@@ -1,0 +1,218 @@
+#include "calib/rig_formats.h"
+
+#include <algorithm>
+#include <array>
+
+#include "calib/formats/format_files.h"
+#include "core/rig_io.h"
+#include "core/text.h"
+
+namespace floatstage::calib {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+// What the names of a format's one file look like.
+struct FileName {
+  const char* pattern;  // for people
+  bool (*fits)(std::string_view name);
+};
+
+constexpr FileName kRigJson{"rig.json", [](std::string_view n) { return n == "rig.json"; }};
+constexpr FileName kParTxt{"*_par.txt", [](std::string_view n) { return n.ends_with("_par.txt"); }};
+constexpr FileName kQcaTxt{"*.qca.txt", [](std::string_view n) { return n.ends_with(".qca.txt"); }};
+constexpr FileName kCamchain{"*camchain*.yaml", [](std::string_view n) {
+                               return n.find("camchain") != n.npos && n.ends_with(".yaml");
+                             }};
+constexpr FileName kDomeTxt{"*calibration.txt",
+                            [](std::string_view n) { return n.ends_with("calibration.txt"); }};
+
+// The files in a folder that fit, sorted.
+std::vector<fs::path> fitting(const fs::path& folder, const FileName& name, std::error_code& error) {
+  std::vector<fs::path> found;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (name.fits(it->path().filename().string())) found.push_back(it->path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// `path` itself when it is a file, else the one file in it that fits.
+Result<fs::path> find_file(const fs::path& path, const FileName& name) {
+  std::error_code error;
+  if (is_file(path)) return path;
+  if (!fs::is_directory(path, error))
+    return fail(ErrorCode::NotFound, text(path.string(), ": there is no such file or folder"));
+  const std::vector<fs::path> found = fitting(path, name, error);
+  if (error) return fail(ErrorCode::Io, text(path.string(), ": cannot list this folder: ", error.message()));
+  if (found.empty())
+    return fail(ErrorCode::NotFound,
+                text(path.string(), ": there is no file ", name.pattern, " in this folder"));
+  if (found.size() > 1)
+    return fail(ErrorCode::InvalidArgument,
+                text(path.string(), ": holds ", found.size(), " files ", name.pattern, " (",
+                     found[0].filename().string(), ", ", found[1].filename().string(),
+                     ", …); name the one you mean"));
+  return found[0];
+}
+
+template <const FileName& kName>
+bool has_file(const fs::path& path) {
+  std::error_code ignored;
+  return is_file(path) ? kName.fits(path.filename().string()) : !fitting(path, kName, ignored).empty();
+}
+
+// COLMAP keeps text models in <project>/sparse/0 or wherever the user wrote them.
+fs::path colmap_model(const fs::path& folder) {
+  for (const fs::path& below : {folder, folder / "sparse" / "0", folder / "sparse"})
+    if (is_file(below / "images.txt")) return below;
+  return folder;
+}
+
+Result<ForeignRig> with_pictures(Result<ForeignRig> foreign, fs::path pictures) {
+  if (foreign) foreign->pictures = std::move(pictures);
+  return foreign;
+}
+
+Result<ForeignRig> read_own(const fs::path& file) {
+  Result<Rig> rig = load_rig(file);
+  if (!rig) return forward(rig);
+  ForeignRig foreign;
+  for (const RigCamera& c : rig->cameras) foreign.image_names.push_back(c.serial);
+  foreign.rig = *std::move(rig);
+  return foreign;
+}
+
+// Formats of one file, whose pictures lie in its folder or in a folder beside it.
+template <const FileName& kName, auto kRead>
+Result<ForeignRig> read_file_of(const fs::path& path, double) {
+  const Result<fs::path> file = find_file(path, kName);
+  if (!file) return forward(file);
+  return with_pictures(kRead(*file), file->parent_path());
+}
+
+Result<ForeignRig> read_dome_of(const fs::path& path, double metres_per_unit) {
+  const Result<fs::path> file = find_file(path, kDomeTxt);
+  if (!file) return forward(file);
+  return with_pictures(read_dome(*file, metres_per_unit), file->parent_path() / "images");
+}
+
+Result<ForeignRig> read_colmap_of(const fs::path& path, double) {
+  return with_pictures(read_colmap(colmap_model(path)), path / "images");
+}
+
+Result<ForeignRig> read_easymocap_of(const fs::path& path, double) {
+  return with_pictures(read_easymocap(path), path / "images");
+}
+
+// Those that carry no names of pictures.
+template <auto kWrite>
+Result<void> nameless(const Rig& rig, const std::vector<std::string>&, const fs::path& out) {
+  return kWrite(rig, out);
+}
+
+constexpr std::array kFormats = {
+    RigFormat{
+        .name = "rig",
+        .title = "Floatstage's own rig.json",
+        .files = "a rig.json, or a folder that holds one",
+        .written = "",
+        .recognises = [](const fs::path& p) { return has_file<kRigJson>(p) || p.extension() == ".json"; },
+        .read = read_file_of<kRigJson, read_own>,
+        .write = nullptr},
+    RigFormat{.name = "middlebury",
+              .title = "Middlebury multi-view stereo",
+              .files = "a folder with one *_par.txt and the images, or that file",
+              .written = "a _par.txt",
+              .recognises = has_file<kParTxt>,
+              .read = read_file_of<kParTxt, read_middlebury>,
+              .write = write_middlebury},
+    RigFormat{.name = "colmap",
+              .title = "COLMAP text model",
+              .files = "a folder with cameras.txt and images.txt, or a project's",
+              .written = "a folder with cameras.txt, images.txt, points3D.txt",
+              .recognises = [](const fs::path& p) { return is_file(colmap_model(p) / "images.txt"); },
+              .read = read_colmap_of,
+              .write = write_colmap},
+    RigFormat{.name = "opencv",
+              .title = "OpenCV / EasyMocap YAML",
+              .files = "a folder with intri.yml and extri.yml",
+              .written = "a folder with intri.yml and extri.yml, as EasyMocap has them",
+              .recognises = [](const fs::path& p) { return is_file(p / "intri.yml"); },
+              .read = read_easymocap_of,
+              .write = nameless<write_easymocap>},
+    RigFormat{.name = "kalibr",
+              .title = "Kalibr camchain",
+              .files = "a camchain .yaml, or a folder with one *camchain*.yaml",
+              .written = "a camchain .yaml",
+              .recognises = has_file<kCamchain>,
+              .read = read_file_of<kCamchain, read_kalibr>,
+              .write = nameless<write_kalibr>},
+    RigFormat{.name = "qualisys",
+              .title = "Qualisys calibration",
+              .files = "a .qca.txt, or a folder with one",
+              .written = "a .qca.txt",
+              .recognises = has_file<kQcaTxt>,
+              .read = read_file_of<kQcaTxt, read_qualisys>,
+              .write = nameless<write_qualisys>},
+    RigFormat{.name = "dome",
+              .title = "Plain text of the green dome",
+              .files = "a folder with calibration.txt and images/, or that file",
+              .written = "",
+              .states_unit = false,
+              .recognises = has_file<kDomeTxt>,
+              .read = read_dome_of,
+              .write = nullptr},
+};
+
+Result<const RigFormat*> recognised(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error))
+    return fail(ErrorCode::NotFound, text(path.string(), ": there is no such file or folder"));
+  const RigFormat* found = nullptr;
+  std::string names;
+  for (const RigFormat& f : kFormats) {
+    if (!f.recognises(path)) continue;
+    names += text(found ? " or " : "", f.name);
+    found = &f;
+  }
+  if (!found)
+    return fail(ErrorCode::NotFound,
+                text(path.string(), ": is no calibration by its name, and holds none; name its format (",
+                     rig_format_names(), ")"));
+  if (names != found->name)
+    return fail(ErrorCode::InvalidArgument, text(path.string(), ": could be ", names, "; name the format"));
+  return found;
+}
+
+}  // namespace
+
+std::span<const RigFormat> rig_formats() { return kFormats; }
+
+std::string rig_format_names() {
+  std::string names(kAnyRigFormat);
+  for (const RigFormat& f : kFormats) names += text(", ", f.name);
+  return names;
+}
+
+Result<const RigFormat*> rig_format(std::string_view name, const fs::path& path) {
+  if (name == kAnyRigFormat) return recognised(path);
+  const auto* const found =
+      std::find_if(kFormats.begin(), kFormats.end(), [&](const RigFormat& f) { return f.name == name; });
+  if (found == kFormats.end())
+    return fail(ErrorCode::InvalidArgument,
+                text("'", name, "' is no calibration format; there are ", rig_format_names()));
+  return found;
+}
+
+Result<ForeignRig> read_rig(const RigFile& file) {
+  const Result<const RigFormat*> format = rig_format(file.format, file.path);
+  if (!format) return forward(format);
+  return (*format)->read(file.path, file.metres_per_unit);
+}
+
+}  // namespace floatstage::calib
