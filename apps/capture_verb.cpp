@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "apps/flags.h"
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
 #include "core/text.h"
@@ -110,15 +111,18 @@ Result<void> run(const Options& options) {
 
 void add_capture(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("capture", "Streams a studio's cameras and records a take");
+  CLI::App* verb =
+      add_verb(app, chosen, "capture", "Streams a studio's cameras and records a take",
+               {"floatstage capture --config studio.toml",
+                "floatstage capture --config studio.toml --record --seconds 60 -o take --json report.json"});
   verb->add_option("--config", options->config, "The studio: cameras, recording and limits (TOML)")
-      ->required();
+      ->required()
+      ->type_name("FILE");
   verb->add_flag("--record", options->capture.record, "Record a take");
-  verb->add_option("--out", options->capture.take,
-                   "The new take's folder; default: named by the time, where the config says");
-  verb->add_option("--seconds", options->capture.seconds, "How long; default: until Ctrl-C")
-      ->check(CLI::PositiveNumber);
-  verb->add_option("--json", options->json, "Write a report for machines");
+  add_out(*verb, options->capture.take,
+          "The new take's folder (default: named by the time, where the config says)");
+  add_seconds(*verb, options->capture.seconds, "How long (default: until Ctrl-C)");
+  add_json(*verb, options->json);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

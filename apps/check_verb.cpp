@@ -3,11 +3,15 @@
 #include <cstdlib>
 #include <thread>
 
+#include <nlohmann/json.hpp>
+
 #include "apps/check/machine.h"
 #include "apps/check/studio.h"
+#include "apps/flags.h"
 #include "apps/verbs.h"
 #include "capture/media_file.h"
 #include "core/text.h"
+#include "pipeline/json_report.h"
 #include "render/gl_context.h"
 
 namespace floatstage::apps {
@@ -55,7 +59,7 @@ Finding look_at_video() {
 }
 
 struct Options {
-  fs::path folder = ".", config;
+  fs::path folder = ".", config, json;
 };
 
 // What the machine has, whoever records.
@@ -84,10 +88,16 @@ Result<void> run(const Options& options) {
   if (!studio) return forward(studio);
   findings.insert(findings.end(), studio->begin(), studio->end());
   int failed = 0;
+  nlohmann::json report = nlohmann::json::array();
   for (const Finding& f : findings) {
+    report.push_back({{"verdict", kNames[static_cast<int>(f.verdict)]}, {"finding", f.what}});
     std::printf("%s  %s\n", kNames[static_cast<int>(f.verdict)], f.what.c_str());
     failed += f.verdict == Verdict::Fail;
   }
+  if (!options.json.empty())
+    if (Result<void> ok = pipeline::save_json({{"ready", failed == 0}, {"checks", report}}, options.json);
+        !ok)
+      return ok;
   if (failed)
     return fail(ErrorCode::Unsupported, text("this machine is not ready: ", failed, " check(s) failed"));
   return {};
@@ -97,10 +107,15 @@ Result<void> run(const Options& options) {
 
 void add_check(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("check", "Is this machine ready? Each line says what to do");
-  verb->add_option("--folder", options->folder, "Where takes will be recorded")->capture_default_str();
+  CLI::App* verb = add_verb(app, chosen, "check", "Is this machine ready? Each line says what to do",
+                            {"floatstage check --folder /takes", "floatstage check --config studio.toml"});
+  verb->add_option("--folder", options->folder, "Where takes will be recorded")
+      ->capture_default_str()
+      ->type_name("FOLDER");
   verb->add_option("--config", options->config,
-                   "A studio (TOML): starts its cameras once and measures what they need");
+                   "A studio (TOML): starts its cameras once and measures what they need")
+      ->type_name("FILE");
+  add_json(*verb, options->json);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -1,11 +1,20 @@
 #include <cstdio>
 
+#include <nlohmann/json.hpp>
+
+#include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "pipeline/demo/demo.h"
+#include "pipeline/json_report.h"
 
 namespace floatstage::apps {
 namespace {
+
+struct Options {
+  pipeline::DemoOptions demo = pipeline::default_demo();
+  std::filesystem::path json;
+};
 
 double mean_of(const std::vector<pipeline::Scores>& scores, double pipeline::Scores::*member) {
   double sum = 0;
@@ -13,7 +22,21 @@ double mean_of(const std::vector<pipeline::Scores>& scores, double pipeline::Sco
   return scores.empty() ? 0 : sum / static_cast<double>(scores.size());
 }
 
-Result<void> run(pipeline::DemoOptions options) {
+nlohmann::json to_json(const pipeline::DemoOptions& options, const pipeline::DemoReport& report) {
+  nlohmann::json json = {{"out", options.out.string()},
+                         {"frames", options.studio.frames},
+                         {"cameras", options.studio.rig.cameras},
+                         {"seconds", report.seconds},
+                         {"stage_seconds", report.stage_seconds}};
+  for (const auto& [method, scores] : report.scores)
+    json["scores"][method] = {{"views", scores.size()},
+                              {"psnr_mask", mean_of(scores, &pipeline::Scores::psnr)},
+                              {"ssim_mask", mean_of(scores, &pipeline::Scores::ssim)}};
+  return json;
+}
+
+Result<void> run(const Options& given) {
+  pipeline::DemoOptions options = given.demo;
   ProgressBar bar;
   options.progress = &bar;
   Result<pipeline::DemoReport> report = pipeline::run_demo(options);
@@ -27,23 +50,23 @@ Result<void> run(pipeline::DemoOptions options) {
   for (const auto& [method, scores] : report->scores)
     std::printf("  %-10s PSNR %.2f dB   SSIM %.4f\n", method.c_str(),
                 mean_of(scores, &pipeline::Scores::psnr), mean_of(scores, &pipeline::Scores::ssim));
-  return {};
+  return given.json.empty() ? Result<void>() : pipeline::save_json(to_json(options, *report), given.json);
 }
 
 }  // namespace
 
 void add_demo(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<pipeline::DemoOptions>(pipeline::default_demo());
-  CLI::App* verb = app.add_subcommand("demo", "The embedded synthetic studio through the whole main job");
-  verb->add_option("--out", options->out, "Folder of the demo")->capture_default_str();
-  verb->add_option("--frames", options->studio.frames, "Instants of the take")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  verb->add_option("--cameras", options->studio.rig.cameras, "Cameras around the stage")
-      ->capture_default_str()
-      ->check(CLI::Range(3, 1000));
-  verb->add_option("--seed", options->studio.studio.seed, "Same seed, same performance")
-      ->capture_default_str();
+  auto options = std::make_shared<Options>();
+  pipeline::DemoOptions& demo = options->demo;
+  CLI::App* verb =
+      add_verb(app, chosen, "demo", "The embedded synthetic studio through the whole main job",
+               {"floatstage demo", "floatstage demo -o demo --camera-count 12 --frame-count 48 --blend 4"});
+  add_out(*verb, demo.out, "Folder of the demo")->capture_default_str();
+  add_frame_count(*verb, demo.studio.frames, "Instants of the take");
+  add_camera_count(*verb, demo.studio.rig.cameras, 3);
+  verb->add_option("--seed", demo.studio.studio.seed, "Same seed, same performance")->capture_default_str();
+  add_blend(*verb, demo.blend);
+  add_json(*verb, options->json);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/flags.h"
 #include "apps/hull_flags.h"
 #include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
@@ -24,11 +25,12 @@ using nlohmann::json;
 
 struct Options {
   std::filesystem::path take, json_file, csv_file, sheet;
-  std::string hold_out, methods = "nearest,linear,floating", frames, hull_method = "octree";
+  std::vector<std::string> hold_out, methods = {"nearest", "linear", "floating"};
+  std::string frames;
   bool mattes = false;
   std::filesystem::path truth;
   RendererFlags renderer;
-  recon::HullOptions hull;
+  HullFlags hull;
 };
 
 struct Column {
@@ -177,12 +179,10 @@ Result<void> run_mattes(const Options& given) {
 
 Result<void> run(const Options& given) {
   if (given.mattes) return run_mattes(given);
-  pipeline::EvaluateOptions options{.hold_out = split_list(given.hold_out),
-                                    .methods = split_list(given.methods),
-                                    .renderer = {},
-                                    .hull = given.hull};
-  options.hull.method = given.hull_method == "octree" ? recon::HullMethod::Octree : recon::HullMethod::Exact;
-  if (options.methods.empty()) return fail(ErrorCode::InvalidArgument, "--methods names none; see --help");
+  const Result<recon::HullOptions> hull = hull_options(given.hull);
+  if (!hull) return forward(hull);
+  pipeline::EvaluateOptions options{
+      .hold_out = given.hold_out, .methods = given.methods, .renderer = {}, .hull = *hull};
   Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
@@ -222,31 +222,30 @@ Result<void> run(const Options& given) {
 
 void add_evaluate(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "evaluate", "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones");
-  verb->add_option("take", options->take, "The take's folder")->required();
-  verb->add_option("--hold-out", options->hold_out,
-                   "Cameras, each left out in turn, separated by commas (default: every one)");
-  verb->add_option("--methods", options->methods, method_help())->capture_default_str();
-  verb->add_option("--frames", options->frames,
-                   "Frames of the take: 5, 2:10 or 2:10:4 (default: 0; with --mattes: all)");
-  verb->add_flag("--mattes", options->mattes,
-                 "Score the take's mattes against true ones instead of rendered views");
-  verb->add_option(
-      "--truth", options->truth,
-      "With --mattes: folder of true mattes, <serial>/<frame>.png (default: the take's truth/mattes)");
-  // The reference by default: it is soft, so scores do not hang on how the outlines were made polygons.
-  verb->add_option("--hull", options->hull_method, "Hull method: octree or exact")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"octree", "exact"}));
-  add_care_flags(*verb, options->hull.care);
-  verb->add_option("--resolution", options->hull.resolution, "Octree: voxels along the hull's longest side")
-      ->capture_default_str();
-  verb->add_option("--json", options->json_file, "Write the scores as JSON");
-  verb->add_option("--csv", options->csv_file, "Write the scores as CSV");
+  CLI::App* verb =
+      add_verb(app, chosen, "evaluate",
+               "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones",
+               {"floatstage evaluate take --hold-out cam02,cam05 --frames 0:50:10 --json scores.json",
+                "floatstage evaluate take --mattes --truth true-mattes"});
+  add_take(*verb, options->take);
+  add_list(*verb, "--hold-out", options->hold_out,
+           "Cameras, by serial, each left out in turn (default: every one)");
+  add_list(*verb, "--methods", options->methods, method_help(), renderer_names());
+  add_frames(*verb, options->frames, "0; with --mattes: all");
+  verb->add_option("--csv", options->csv_file, "Write the scores as CSV")->type_name("FILE");
   verb->add_option("--sheet", options->sheet,
-                   "Write a picture sheet a view to this folder: truth, methods, difference");
+                   "Write a picture sheet a view to this folder: truth, methods, difference")
+      ->type_name("FOLDER");
+  verb->add_flag("--mattes", options->mattes,
+                 "Score the take's mattes against true ones instead of rendered views")
+      ->group(kGroupMattes);
+  verb->add_option("--truth", options->truth,
+                   "Folder of true mattes, <serial>/<frame>.png (default: the take's truth/mattes)")
+      ->type_name("FOLDER")
+      ->group(kGroupMattes);
+  add_hull_flags(*verb, options->hull);
   add_renderer_flags(*verb, options->renderer);
+  add_json(*verb, options->json_file);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -8,7 +8,7 @@
 
 namespace floatstage::apps {
 
-/// The command line's words for HullOptions, shared by the verbs that compute hulls.
+/// The command line's words for HullOptions, shared by the verbs that compute hulls: one default for all.
 struct HullFlags : pipeline::HullWords {
   std::vector<const CLI::Option*> words;  ///< what add_hull_flags() added
 
@@ -17,8 +17,5 @@ struct HullFlags : pipeline::HullWords {
 };
 
 void add_hull_flags(CLI::App& verb, HullFlags& flags);
-
-/// The words for MeshCleanup alone, for verbs with words of their own for the rest.
-std::vector<const CLI::Option*> add_care_flags(CLI::App& verb, recon::MeshCleanup& care);
 
 }  // namespace floatstage::apps

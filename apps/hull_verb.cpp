@@ -1,15 +1,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <optional>
-#include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "apps/did_you_mean.h"
+#include "apps/flags.h"
 #include "apps/hull_flags.h"
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
-#include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/mesh_io.h"
 #include "core/statistics.h"
@@ -23,8 +22,8 @@ namespace floatstage::apps {
 namespace {
 
 struct Options {
-  std::filesystem::path take, out;
-  std::string cameras, json_file;
+  std::filesystem::path take, out, json_file;
+  std::vector<std::string> cameras;
   HullFlags hull;
   int frame = 0, threads = 0, repeat = 1;
 };
@@ -45,11 +44,14 @@ Result<Input> load(const Options& given) {
   if (!mattes) return forward(mattes);
   if (given.cameras.empty()) return Input{(*take)->rig(), std::move(*mattes)};
   Input input;
-  for (const std::string& serial : split_list(given.cameras)) {
+  for (const std::string& serial : given.cameras) {
     const int camera = camera_index((*take)->rig(), serial);
     if (camera < 0) {
-      return fail(ErrorCode::InvalidArgument, text("--cameras: ", given.take.string(), " has no camera '",
-                                                   serial, "'; see its rig.json"));
+      std::vector<std::string> serials;
+      for (const RigCamera& c : (*take)->rig().cameras) serials.push_back(c.serial);
+      return fail(ErrorCode::InvalidArgument,
+                  text("--cameras: ", given.take.string(), " has no camera '", serial, "'",
+                       did_you_mean(serial, serials), "; see its rig.json"));
     }
     input.rig.cameras.push_back((*take)->rig().cameras[static_cast<std::size_t>(camera)]);
     input.mattes.push_back((*mattes)[static_cast<std::size_t>(camera)]);
@@ -107,112 +109,124 @@ Result<void> save_mesh(const Mesh& mesh, const std::filesystem::path& file) {
   return file.extension() == ".glb" ? save_glb(mesh, file) : save_ply(mesh, file);
 }
 
+// What a live chain pays for a frame, over the repeats.
+struct Times {
+  std::vector<double> ms, without_contours;
+  recon::HullTimings phases;  ///< of the last
+};
+
+Result<Times> measure(const Input& input, recon::HullOptions options, int repeats,
+                      recon::HullWorkspace& workspace) {
+  options.care = {};
+  options.quality = false;
+  Times times;
+  recon::HullReport report;
+  ProgressBar bar;
+  pipeline::ProgressPart progress(&bar, "hulls", static_cast<std::size_t>(repeats));
+  for (int k = 0; k < repeats; ++k) {
+    if (interrupted()) return pipeline::cancelled_unwritten();
+    const auto begin = std::chrono::steady_clock::now();
+    if (Result<void> ok = recon::visual_hull(input.rig, input.mattes, options, workspace, report); !ok)
+      return forward(ok);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    times.ms.push_back(1e3 * seconds);
+    times.without_contours.push_back(1e3 * (seconds - report.timings.contours));
+    progress.advance();
+  }
+  times.phases = report.timings;
+  return times;
+}
+
+double mean_iou(const recon::HullReport& hull) {
+  double sum = 0;
+  int counted = 0;
+  for (const double iou : hull.silhouette_iou)
+    if (iou >= 0) sum += iou, ++counted;
+  return counted > 0 ? sum / counted : 0;
+}
+
+void print(const recon::HullReport& hull, const recon::MeshCheck& check, const Times& times) {
+  for (const std::string& remark : hull.remarks) std::fprintf(stderr, "floatstage: %s\n", remark.c_str());
+  std::printf(
+      "%zu vertices, %zu triangles, %.6g m³; mean IoU %.4f; %s; %.2f ms (p95 %.2f), %.2f ms without "
+      "contours\n",
+      hull.mesh.positions.size(), hull.mesh.triangle_count(), hull.volume, mean_iou(hull),
+      check.watertight && check.manifold ? "closed and manifold" : "NOT CLOSED", percentile(times.ms, 0.5),
+      percentile(times.ms, 0.95), percentile(times.without_contours, 0.5));
+  if (hull.care) print_care(*hull.care);
+}
+
+nlohmann::json to_json(const Rig& rig, const recon::HullOptions& options, const recon::HullReport& hull,
+                       const recon::MeshCheck& check, const Times& times) {
+  nlohmann::json voted_down = nlohmann::json::array();
+  for (const int camera : hull.voted_down)
+    voted_down.push_back(rig.cameras[static_cast<std::size_t>(camera)].serial);
+  return {{"options", pipeline::describe(options)},
+          {"ms", spread_of(times.ms)},
+          {"ms_without_contours", spread_of(times.without_contours)},
+          {"phases_ms", phases(times.phases)},
+          {"work",
+           {{"points", hull.work.points},
+            {"hits", hull.work.hits},
+            {"lines", hull.work.lines},
+            {"relations", hull.work.relations}}},
+          {"faces", hull.faces},
+          {"vertices", hull.mesh.positions.size()},
+          {"triangles", hull.mesh.triangle_count()},
+          {"volume", hull.volume},
+          {"watertight", check.watertight},
+          {"manifold", check.manifold},
+          {"oriented", check.oriented && check.outward},
+          {"iou", by_camera(rig, hull.silhouette_iou)},
+          {"mean_iou", mean_iou(hull)},
+          {"escalations", hull.escalations},
+          {"voted_down", voted_down},
+          {"remarks", hull.remarks},
+          {"care", care_json(rig, hull)}};
+}
+
 Result<void> run(const Options& given) {
-  if (given.repeat < 1)
-    return fail(ErrorCode::InvalidArgument, text("--repeat ", given.repeat, " is less than 1"));
   if (Result<void> ok = check_name_of_mesh(given.out); !ok) return ok;
   Result<recon::HullOptions> options = pipeline::hull_options(given.hull);
   if (!options) return forward(options);
   options->threads = given.threads;
-  Result<Input> input = load(given);
+  const Result<Input> input = load(given);
   if (!input) return forward(input);
-
-  // The repeats measure what a live chain pays for a frame; how good the mesh is, is found out once,
-  // afterwards.
+  // The repeats are what is timed; how good the mesh is, is found out once, afterwards.
   recon::HullWorkspace workspace;
-  std::vector<double> ms, without_contours;
-  recon::HullTimings timings;
-  recon::HullReport repeated;
-  const recon::MeshCleanup care = std::exchange(options->care, {});
-  options->quality = false;
-  ProgressBar bar;
-  std::optional<pipeline::ProgressPart> progress(std::in_place, &bar, "hulls",
-                                                 static_cast<std::size_t>(given.repeat));
-  for (int k = 0; k < given.repeat; ++k) {
-    if (interrupted()) return pipeline::cancelled_unwritten();
-    const auto begin = std::chrono::steady_clock::now();
-    if (Result<void> ok = recon::visual_hull(input->rig, input->mattes, *options, workspace, repeated); !ok)
-      return ok;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    ms.push_back(1e3 * seconds);
-    without_contours.push_back(1e3 * (seconds - repeated.timings.contours));
-    timings = repeated.timings;
-    progress->advance();
-  }
-  progress.reset();  // off the terminal, before anything else is said
+  const Result<Times> times = measure(*input, *options, given.repeat, workspace);
+  if (!times) return forward(times);
   options->quality = true;
-  options->care = care;
   const Result<recon::HullReport> hull = recon::visual_hull(input->rig, input->mattes, *options, &workspace);
   if (!hull) return forward(hull);
   const recon::MeshCheck check = recon::check_mesh(hull->mesh);
-
-  nlohmann::json iou = nlohmann::json::object(), voted_down = nlohmann::json::array();
-  double sum = 0;
-  int counted = 0;
-  for (std::size_t c = 0; c < input->rig.cameras.size(); ++c) {
-    iou[input->rig.cameras[c].serial] = hull->silhouette_iou[c];
-    if (!(hull->silhouette_iou[c] >= 0)) continue;
-    sum += hull->silhouette_iou[c];
-    ++counted;
-  }
-  for (const int camera : hull->voted_down)
-    voted_down.push_back(input->rig.cameras[static_cast<std::size_t>(camera)].serial);
-  const double mean_iou = counted > 0 ? sum / counted : 0;
-  for (const std::string& remark : hull->remarks) std::fprintf(stderr, "floatstage: %s\n", remark.c_str());
-  std::printf(
-      "%zu vertices, %zu triangles, %.6g m³; mean IoU %.4f; %s; %.2f ms (p95 %.2f), %.2f ms without "
-      "contours\n",
-      hull->mesh.positions.size(), hull->mesh.triangle_count(), hull->volume, mean_iou,
-      check.watertight && check.manifold ? "closed and manifold" : "NOT CLOSED", percentile(ms, 0.5),
-      percentile(ms, 0.95), percentile(without_contours, 0.5));
-  if (hull->care) print_care(*hull->care);
-  if (!given.out.empty()) {
+  print(*hull, check, *times);
+  if (!given.out.empty())
     if (Result<void> ok = save_mesh(hull->mesh, given.out); !ok) return ok;
-  }
   if (given.json_file.empty()) return {};
-  return pipeline::save_json({{"options", pipeline::describe(*options)},
-                              {"ms", spread_of(ms)},
-                              {"ms_without_contours", spread_of(without_contours)},
-                              {"phases_ms", phases(timings)},
-                              {"work",
-                               {{"points", hull->work.points},
-                                {"hits", hull->work.hits},
-                                {"lines", hull->work.lines},
-                                {"relations", hull->work.relations}}},
-                              {"faces", hull->faces},
-                              {"vertices", hull->mesh.positions.size()},
-                              {"triangles", hull->mesh.triangle_count()},
-                              {"volume", hull->volume},
-                              {"watertight", check.watertight},
-                              {"manifold", check.manifold},
-                              {"oriented", check.oriented && check.outward},
-                              {"iou", iou},
-                              {"mean_iou", mean_iou},
-                              {"escalations", hull->escalations},
-                              {"voted_down", voted_down},
-                              {"remarks", hull->remarks},
-                              {"care", care_json(input->rig, *hull)}},
-                             given.json_file);
+  return pipeline::save_json(to_json(input->rig, *options, *hull, check, *times), given.json_file);
 }
 
 }  // namespace
 
 void add_hull(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("hull", "The visual hull of one frame of a take that has mattes, timed and checked");
-  verb->add_option("take", options->take, "The take's folder")->required();
-  verb->add_option("--frame", options->frame, "Which frame")->capture_default_str();
-  verb->add_option("--cameras", options->cameras, "Only these serials, separated by commas (default: all)");
-  options->hull.votes = "strict";
+  CLI::App* verb = add_verb(app, chosen, "hull",
+                            "The visual hull of one frame of a take that has mattes, timed and checked",
+                            {"floatstage hull take --frame 12 -o hull.glb",
+                             "floatstage hull take --votes strict --repeat 50 --json hull.json"});
+  add_take(*verb, options->take);
+  verb->add_option("--frame", options->frame, "Which frame")->capture_default_str()->type_name("N");
+  add_out(*verb, options->out, "Write the mesh: .ply or .glb");
+  add_cameras(*verb, options->cameras);
   add_hull_flags(*verb, options->hull);
-  verb->add_option("--threads", options->threads, "Threads; 0: one per core")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1024));
   verb->add_option("--repeat", options->repeat, "Compute it this often and report the times")
-      ->capture_default_str();
-  verb->add_option("--out", options->out, "Write the mesh: .ply or .glb");
-  verb->add_option("--json", options->json_file, "Write a report as JSON");
+      ->capture_default_str()
+      ->type_name("N")
+      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+      ->group(kGroupRun);
+  add_threads(*verb, options->threads);
+  add_json(*verb, options->json_file);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -1,28 +1,39 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
+#include "apps/flags.h"
 #include "apps/verbs.h"
+#include "pipeline/json_report.h"
 #include "studio/network/keys.h"
 
 namespace floatstage::apps {
 namespace {
 
-Result<void> run(const std::filesystem::path& file) {
+struct Options {
+  std::filesystem::path file, json;
+};
+
+Result<void> run(const Options& given) {
   const Result<studio::wire::StudioKeys> keys = studio::wire::make_keys();
   if (!keys) return forward(keys);
-  if (Result<void> saved = studio::wire::save_keys(*keys, file); !saved) return saved;
-  std::printf("%s: copy it to the studio's machines, and to no other\n", file.c_str());
-  return {};
+  if (Result<void> saved = studio::wire::save_keys(*keys, given.file); !saved) return saved;
+  std::printf("%s: copy it to the studio's machines, and to no other\n", given.file.c_str());
+  if (given.json.empty()) return {};
+  return pipeline::save_json({{"keys", given.file.string()}}, given.json);
 }
 
 }  // namespace
 
 void add_keys(CLI::App& app, Chosen& chosen) {
-  auto file = std::make_shared<std::filesystem::path>();
+  auto options = std::make_shared<Options>();
   CLI::App* verb =
-      app.add_subcommand("keys", "Makes the keys with which a studio's machines know one another");
-  verb->add_option("--out", *file, "A new file; only its owner can read it")->required();
-  verb->callback([file, &chosen] { chosen.run = [file] { return run(*file); }; });
+      add_verb(app, chosen, "keys", "Makes the keys with which a studio's machines know one another",
+               {"floatstage keys -o studio.keys", "floatstage keys --out /media/stick/studio.keys"});
+  add_out(*verb, options->file, "A new file; only its owner can read it")->required();
+  add_json(*verb, options->json);
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -3,11 +3,15 @@
 #include <cstdio>
 #include <memory>
 
+#include <nlohmann/json.hpp>
+
+#include "apps/flags.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "matting/foreground.h"
+#include "pipeline/json_report.h"
 #include "pipeline/matte/matte_image.h"
 
 namespace floatstage::apps {
@@ -17,7 +21,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string method = "auto";
-  fs::path image, trimap, scribbles, out, foreground;
+  fs::path image, trimap, scribbles, out, foreground, json;
   std::vector<std::string> subject, background;
 };
 
@@ -59,6 +63,25 @@ Result<MatteStroke> click_at(const std::string& place, MatteLabel label, const I
   return MatteStroke{label, std::max(2.0, std::max(picture.width, picture.height) / 200.0), {{at[0], at[1]}}};
 }
 
+// The subject's own colours with straight alpha.
+Result<void> save_foreground(const Image& picture, const Image& matte, const fs::path& file) {
+  Result<matting::Layers> layers = matting::estimate_foreground(picture, matte);
+  if (!layers) return forward(layers);
+  Image rgba(matte.width, matte.height, 4);
+  for (std::size_t p = 0; p < matte.pixels.size(); ++p) {
+    std::copy_n(layers->foreground.pixels.data() + 3 * p, 3, rgba.pixels.data() + 4 * p);
+    rgba.pixels[4 * p + 3] = matte.pixels[p];
+  }
+  return save_png(rgba, file);
+}
+
+// How much of a picture its matte takes for the subject, 0 to 1.
+double share_of(const Image& matte) {
+  double sum = 0;
+  for (const std::uint8_t alpha : matte.pixels) sum += alpha / 255.0;
+  return matte.pixels.empty() ? 0 : sum / static_cast<double>(matte.pixels.size());
+}
+
 Result<void> run(const Options& given) {
   Result<Image> picture = load_png(given.image);
   if (!picture) return forward(picture);
@@ -84,36 +107,42 @@ Result<void> run(const Options& given) {
   Result<Image> matte = pipeline::matte_image(options);
   if (!matte) return fail(matte.error().code, text(given.image.string(), ": ", matte.error().message));
   if (Result<void> ok = save_png(*matte, given.out); !ok) return ok;
-  if (given.foreground.empty()) return {};
-  Result<matting::Layers> layers = matting::estimate_foreground(options.picture, *matte);
-  if (!layers) return forward(layers);
-  Image rgba(matte->width, matte->height, 4);
-  for (std::size_t p = 0; p < matte->pixels.size(); ++p) {
-    std::copy_n(layers->foreground.pixels.data() + 3 * p, 3, rgba.pixels.data() + 4 * p);
-    rgba.pixels[4 * p + 3] = matte->pixels[p];
-  }
-  return save_png(rgba, given.foreground);
+  if (!given.foreground.empty())
+    if (Result<void> ok = save_foreground(options.picture, *matte, given.foreground); !ok) return ok;
+  if (given.json.empty()) return {};
+  return pipeline::save_json({{"matte", given.out.string()},
+                              {"width", matte->width},
+                              {"height", matte->height},
+                              {"subject", share_of(*matte)}},
+                             given.json);
 }
 
 }  // namespace
 
 void add_matte_image(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth");
+  CLI::App* verb = add_verb(
+      app, chosen, "matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth",
+      {"floatstage matte-image portrait.png --trimap trimap.png -o matte.png",
+       "floatstage matte-image portrait.png --method spectral --subject 120,80 --background 10,10 -o "
+       "matte.png"});
   verb->add_option("image", options->image, "A PNG")->required();
-  verb->add_option("--scribbles", options->scribbles,
-                   "The same picture with subject painted white and background black (PNG)");
-  verb->add_option("--trimap", options->trimap, "Black background, white subject, grey unknown (PNG)");
-  verb->add_option("--method", options->method, "auto, chroma, closed-form or spectral")
+  add_out(*verb, options->out, "Write the matte (PNG, one channel)")->required();
+  verb->add_option("--method", options->method, "How")
       ->capture_default_str()
-      ->check(CLI::IsMember({"auto", "chroma", "closed-form", "spectral"}));
-  verb->add_option("--subject", options->subject,
-                   "A click on the subject: x,y in pixels; may be given again");
-  verb->add_option("--background", options->background, "A click on the background: x,y");
-  verb->add_option("--out", options->out, "Write the matte (PNG, one channel)")->required();
+      ->check(one_of({"auto", "chroma", "closed-form", "spectral"}));
+  verb->add_option("--scribbles", options->scribbles,
+                   "The same picture with subject painted white and background black (PNG)")
+      ->type_name("FILE");
+  verb->add_option("--trimap", options->trimap, "Black background, white subject, grey unknown (PNG)")
+      ->type_name("FILE");
+  verb->add_option("--subject", options->subject, "A click on the subject, in pixels; may be given again")
+      ->type_name("X,Y");
+  verb->add_option("--background", options->background, "A click on the background")->type_name("X,Y");
   verb->add_option("--foreground", options->foreground,
-                   "Write the subject's own colours with straight alpha (PNG)");
+                   "Write the subject's own colours with straight alpha (PNG)")
+      ->type_name("FILE");
+  add_json(*verb, options->json);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

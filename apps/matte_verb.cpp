@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/flags.h"
 #include "apps/progress_bar.h"
-#include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/log.h"
 #include "core/text.h"
@@ -21,7 +21,6 @@ constexpr std::size_t kWorstShown = 5;
 
 struct Options {
   pipeline::MatteTakeOptions matte;
-  std::string cameras;
   std::filesystem::path json_file;
   pipeline::ExportOptions layers;
 };
@@ -49,7 +48,6 @@ json to_json(const pipeline::MatteReport& report) {
 
 Result<void> run(const Options& given) {
   pipeline::MatteTakeOptions options = given.matte;
-  options.cameras = split_list(given.cameras);
   ProgressBar bar;
   options.progress = &bar;
   Result<pipeline::MatteReport> report = pipeline::matte_take(options);
@@ -93,36 +91,36 @@ Result<void> run(const Options& given) {
 
 void add_matte(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "matte", "Mattes of all cameras of a take, refined and checked against one another; resumable");
+  CLI::App* verb =
+      add_verb(app, chosen, "matte",
+               "Mattes of all cameras of a take, refined and checked against one another; resumable",
+               {"floatstage matte take --method auto --json mattes.json",
+                "floatstage matte take --cameras cam01,cam04 --export cut-out --export-format exr"});
   std::string help = "How:";
   std::vector<std::string> names;
   for (const pipeline::MatteMethod& m : pipeline::matte_methods())
     help += "\n  " + m.name + ": " + m.help, names.push_back(m.name);
-  verb->add_option("take", options->matte.take, "The take's folder; its mattes/edits.json is replayed")
-      ->required();
-  verb->add_option("--method", options->matte.method, help)
-      ->capture_default_str()
-      ->check(CLI::IsMember(names));
+  add_take(*verb, options->matte.take, "The take's folder; its mattes/edits.json is replayed");
+  verb->add_option("--method", options->matte.method, help)->capture_default_str()->check(one_of(names));
+  add_cameras(*verb, options->matte.cameras);
   verb->add_option("--guide", options->matte.guide,
-                   "Others' mattes to start from: a folder with <serial>/<frame>.png");
-  verb->add_option("--cameras", options->cameras, "Only these serials: a,b,c");
-  verb->add_option("--threads", options->matte.threads, "Threads; 0: one per core")
+                   "Others' mattes to start from: a folder with <serial>/<frame>.png")
+      ->type_name("FOLDER");
+  add_redo(*verb, options->matte.redo, "Make again what was made with another method, guide or other edits");
+  verb->add_option("--export", options->layers.out,
+                   "Write the subject with straight alpha to this folder: <serial>/<frame>")
+      ->type_name("FOLDER");
+  verb->add_option("--export-format", options->layers.format,
+                   "8 or 16 bits RGBA in sRGB, or half floats in linear light")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(one_of({"png8", "png16", "exr"}));
+  add_threads(*verb, options->matte.threads);
+  add_json(*verb, options->json_file);
   verb->add_option("--hull-frames", options->matte.hull_frames,
                    "Check silhouettes against the others' hull at so many instants; 0: not at all")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  verb->add_flag("--redo", options->matte.redo,
-                 "Make again what was made with another method, guide or other edits");
-  verb->add_option("--json", options->json_file, "Write a report as JSON");
-  verb->add_option("--export", options->layers.out,
-                   "Write the subject with straight alpha to this folder: <serial>/<frame>");
-  verb->add_option("--export-format", options->layers.format,
-                   "png8, png16 (RGBA, sRGB) or exr (half floats, linear light)")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"png8", "png16", "exr"}));
+      ->check(CLI::NonNegativeNumber)
+      ->group(kGroupTuning);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

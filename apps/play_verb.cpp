@@ -1,8 +1,8 @@
 #include <algorithm>
 
+#include "apps/flags.h"
 #include "apps/interrupt.h"
 #include "apps/renderer_options.h"
-#include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/play/play.h"
 #include "pipeline/matte/matte_take.h"
@@ -12,21 +12,20 @@ namespace {
 
 struct Options {
   PlayOptions play;
-  std::string size = "1280x800", view = "checker";
+  std::string view = "checker";
+  Size size{1280, 800};
   bool by_hand = false;
   RendererFlags renderer;
 };
 
 Result<void> run(const Options& given) {
   PlayOptions options = given.play;
-  Result<std::pair<int, int>> size = parse_size(given.size);
-  if (!size) return forward(size);
-  std::tie(options.width, options.height) = *size;
+  options.width = given.size.width;
+  options.height = given.size.height;
   Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
-  const std::vector<std::string>& views = matte_view_names();
-  options.view = static_cast<MatteView>(std::find(views.begin(), views.end(), given.view) - views.begin());
+  options.view = static_cast<MatteView>(place_of(matte_view_names(), given.view));
   options.automatic = !given.by_hand;
   options.stop = interrupted;
   return play_take(options);
@@ -36,36 +35,46 @@ Result<void> run(const Options& given) {
 
 void add_play(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
+  PlayOptions& play = options->play;
   options->renderer.background = "292b30";
-  CLI::App* verb = app.add_subcommand(
-      "play",
-      "The interactive player: time line, orbit camera, comparison, camera path; and the matte editor");
-  verb->add_option("take", options->play.take, "The take's folder")->required();
-  verb->add_option("--method", options->play.method, method_help())->capture_default_str();
-  verb->add_option("--compare", options->play.compare, "Split the screen: this method at the right");
-  verb->add_option("--frame", options->play.frame, "Frame to begin with")->capture_default_str();
-  verb->add_flag("--playing", options->play.playing, "Begin to play at once");
-  verb->add_flag("--show-cameras", options->play.show_cameras, "Draw the cameras with thumbnails");
-  verb->add_option("--path", options->play.path_file, "Begin with this camera path and follow it");
-  verb->add_option("--size", options->size, "Size of the window")->capture_default_str();
-  verb->add_option("--screenshot", options->play.screenshot,
-                   "Write the window to this PNG once the picture stands, then end");
+  CLI::App* verb = add_verb(
+      app, chosen, "play",
+      "The interactive player: time line, orbit camera, comparison, camera path; and the matte editor",
+      {"floatstage play take --compare linear", "floatstage play take --mattes --camera cam02 --frame 40"});
+  add_take(*verb, play.take);
+  verb->add_option("--method", play.method, method_help())
+      ->capture_default_str()
+      ->check(one_of(renderer_names()));
+  verb->add_option("--compare", play.compare, "Split the screen: this method at the right")
+      ->check(one_of(renderer_names()));
+  verb->add_option("--frame", play.frame, "Frame to begin with")->capture_default_str()->type_name("N");
+  verb->add_flag("--playing", play.playing, "Begin to play at once");
+  verb->add_option("--path", play.path_file, "Begin with this camera path and follow it")->type_name("FILE");
+  add_size(*verb, options->size, "Size of the window");
   add_renderer_flags(*verb, options->renderer);
+  verb->add_flag("--show-cameras", play.show_cameras, "Draw the cameras with thumbnails")
+      ->group(kGroupWindow);
+  verb->add_option("--screenshot", play.screenshot,
+                   "Write the window to this PNG once the picture stands, then end")
+      ->type_name("FILE")
+      ->group(kGroupWindow);
   std::vector<std::string> methods;
   for (const pipeline::MatteMethod& m : pipeline::matte_methods()) methods.push_back(m.name);
-  verb->add_flag("--mattes", options->play.mattes,
-                 "Begin in the matte editor (M goes there and back); needs no meshes");
-  verb->add_option("--camera", options->play.camera,
-                   "Edit this camera's mattes: its serial; the first when left out");
-  verb->add_option("--view", options->view, "Look at mattes as")
-      ->capture_default_str()
-      ->check(CLI::IsMember(matte_view_names()));
-  verb->add_option("--matte-method", options->play.matte_method,
-                   "Make mattes by this method of `matte`; as they were made when left out")
-      ->check(CLI::IsMember(methods));
-  verb->add_option("--guide", options->play.guide, "Others' mattes to start from, as in `matte`");
-  verb->add_flag("--redo", options->play.redo, "Let the editor replace mattes that `matte` did not make");
-  verb->add_flag("--by-hand", options->by_hand, "Make mattes when Enter is pressed, not after every edit");
+  const std::vector<CLI::Option*> mattes = {
+      verb->add_flag("--mattes", play.mattes,
+                     "Begin in the matte editor (M goes there and back); needs no meshes"),
+      verb->add_option("--camera", play.camera, "Edit this camera's mattes: its serial (default: the first)"),
+      verb->add_option("--view", options->view, "Look at mattes as")
+          ->capture_default_str()
+          ->check(one_of(matte_view_names())),
+      verb->add_option("--matte-method", play.matte_method,
+                       "Make mattes by this method of `matte` (default: as they were made)")
+          ->check(one_of(methods)),
+      verb->add_option("--guide", play.guide, "Others' mattes to start from, as in `matte`"),
+      add_redo(*verb, play.redo, "Let the editor replace mattes that `matte` did not make"),
+      verb->add_flag("--by-hand", options->by_hand,
+                     "Make mattes when Enter is pressed, not after every edit")};
+  for (CLI::Option* option : mattes) option->group(kGroupMattes);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -2,12 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/flags.h"
 #include "apps/hull_flags.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/take_layout.h"
 #include "core/text.h"
-#include "matting/keyers/keyer.h"
 #include "pipeline/json_report.h"
 #include "pipeline/process/process.h"
 
@@ -16,7 +16,8 @@ namespace {
 
 struct Options {
   pipeline::ProcessOptions process;
-  std::string key, json_file;
+  std::string key;
+  std::filesystem::path json_file;
   HullFlags hull;
 };
 
@@ -68,16 +69,15 @@ Result<void> run(const Options& given) {
 
 void add_process(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "process", "Every offline stage on a take: mattes, then meshes; does only what is missing");
-  std::string keys = "How the subject is keyed:";
-  for (const matting::KeyerInfo& k : matting::keyers()) keys += "\n  " + k.name + ": " + k.help;
-  verb->add_option("take", options->process.take, "The take's folder")->required();
-  verb->add_option("--key", options->key, keys);
+  CLI::App* verb = add_verb(
+      app, chosen, "process", "Every offline stage on a take: mattes, then meshes; does only what is missing",
+      {"floatstage process take --key chroma", "floatstage process take --votes strict --redo -j 4"});
+  add_take(*verb, options->process.take);
+  add_key(*verb, options->key);
+  add_redo(*verb, options->process.redo, "Make again what was made with other options");
   add_hull_flags(*verb, options->hull);
-  verb->add_option("--threads", options->process.threads, "Threads; 0: one per core")->capture_default_str();
-  verb->add_flag("--redo", options->process.redo, "Make again what was made with other options");
-  verb->add_option("--json", options->json_file, "Write a report as JSON");
+  add_threads(*verb, options->process.threads);
+  add_json(*verb, options->json_file);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

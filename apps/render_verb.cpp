@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
@@ -17,8 +18,10 @@ namespace floatstage::apps {
 namespace {
 
 struct Options {
-  std::filesystem::path take, path_file, out;
-  std::string size = "640x480", method = "floating", frames, json_file;
+  std::filesystem::path take, path_file, out, json_file;
+  std::vector<std::string> methods = {"floating"};
+  std::string frames;
+  Size size;
   bool orbit = false, keep_spill = false;
   double seconds = 0;
   pipeline::FilmOptions film;
@@ -29,10 +32,9 @@ Result<void> run(const Options& given) {
   if (given.orbit == !given.path_file.empty())
     return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
   pipeline::FilmOptions film = given.film;
-  Result<std::pair<int, int>> size = parse_size(given.size);
-  if (!size) return forward(size);
-  std::tie(film.width, film.height) = *size;
-  film.methods = split_list(given.method);
+  film.width = given.size.width;
+  film.height = given.size.height;
+  film.methods = given.methods;
   film.seconds = given.seconds;
   film.suppress_spill = !given.keep_spill;
   Result<render::RendererOptions> renderer = renderer_options(given.renderer);
@@ -70,8 +72,8 @@ Result<void> run(const Options& given) {
       });
   if (!report) return forward(report);
   if (Result<void> ok = (*sink)->finish(); !ok) return ok;
-  std::printf("%s: %d pictures of %s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
-              report->pictures, given.size.c_str(), report->seconds,
+  std::printf("%s: %d pictures of %dx%d in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
+              report->pictures, film.width, film.height, report->seconds,
               report->pictures / report->render_seconds);
   if (given.json_file.empty()) return {};
   return pipeline::save_json({{"out", given.out.string()},
@@ -87,21 +89,25 @@ Result<void> run(const Options& given) {
 void add_render(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   CLI::App* verb =
-      app.add_subcommand("render", "A camera path through a processed take → H.264 video or PNGs");
-  verb->add_option("take", options->take, "The take's folder")->required();
+      add_verb(app, chosen, "render", "A camera path through a processed take → H.264 video or PNGs",
+               {"floatstage render take --orbit -o orbit.mp4",
+                "floatstage render take --path path.json --method linear,floating --size 1280x720 "
+                "-o compare.mp4"});
+  add_take(*verb, options->take);
   verb->add_flag("--orbit", options->orbit, "Walk around the performer where the cameras stand");
-  verb->add_option("--path", options->path_file, "A camera path written by `floatstage play`");
-  verb->add_option("--method", options->method,
-                   method_help() + " Several, separated by commas, stand side by side.")
-      ->capture_default_str();
-  verb->add_option("--size", options->size, "Size of one picture")->capture_default_str();
-  verb->add_option("--fps", options->film.frame_rate, "Frame rate of the film")->capture_default_str();
-  verb->add_option("--seconds", options->seconds, "Length of the film (default: the take's, or the path's)");
-  verb->add_option("--frames", options->frames, "Frames of the take: 5, 2:10 or 2:10:4 (default: all)");
-  verb->add_option("--out", options->out, "A .mp4, .mkv or .mov file, or a folder for PNGs")->required();
-  verb->add_flag("--keep-spill", options->keep_spill, "Leave the cloth's colour cast on the photographs");
+  verb->add_option("--path", options->path_file, "A camera path written by `floatstage play`")
+      ->type_name("FILE");
+  add_out(*verb, options->out, "A .mp4, .mkv or .mov file, or a folder for PNGs")->required();
+  add_list(*verb, "--method", options->methods, method_help() + "\nSeveral stand side by side",
+           renderer_names());
+  add_size(*verb, options->size, "Size of one picture");
+  add_frames(*verb, options->frames, "all");
+  add_fps(*verb, options->film.frame_rate, "Pictures a second of the film");
+  add_seconds(*verb, options->seconds, "Length of the film (default: the take's, or the path's)");
+  verb->add_flag("--keep-spill", options->keep_spill, "Leave the cloth's colour cast on the photographs")
+      ->group(kGroupPicture);
   add_renderer_flags(*verb, options->renderer);
-  verb->add_option("--json", options->json_file, "Write a report as JSON");
+  add_json(*verb, options->json_file);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -1,34 +1,35 @@
 #include "apps/renderer_options.h"
 
-#include <algorithm>
-
+#include "apps/flags.h"
 #include "core/text.h"
 
 namespace floatstage::apps {
 
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
   render::RendererOptions& o = flags.options;
-  verb.add_option("--cameras", o.cameras, "Photographs blended per view")->capture_default_str();
-  verb.add_option("--soft-radius", o.soft_radius, "Radius of soft visibility, px")->capture_default_str();
-  verb.add_option("--flow", o.flow.backend, "Flow back-end")->capture_default_str();
-  verb.add_option("--flow-preset", o.flow.preset, "ultrafast, fast or medium")->capture_default_str();
-  verb.add_option("--flow-finest-scale", o.flow.finest_scale,
-                  "Pyramid level at which the flow stops; 0: full resolution")
-      ->capture_default_str();
-  std::string names;
-  for (const std::string& n : render::render_output_names()) names += (names.empty() ? "" : ", ") + n;
-  verb.add_option("--output", flags.output, "What is shown: " + names)->capture_default_str();
-  verb.add_option("--background", flags.background, "Colour behind the performer, rrggbb")
-      ->capture_default_str();
+  add_blend(verb, o.cameras);
+  add_background(verb, flags.background);
+  verb.add_option("--show", flags.show, "What the picture shows: the colours, or an intermediate")
+      ->capture_default_str()
+      ->check(one_of(render::render_output_names()))
+      ->group(kGroupPicture);
+  const std::vector<CLI::Option*> tuning = {
+      verb.add_option("--soft-radius", o.soft_radius, "Radius of soft visibility, px"),
+      verb.add_option("--flow", o.flow.backend, "Flow back-end"),
+      verb.add_option("--flow-preset", o.flow.preset, "ultrafast, fast or medium")
+          ->check(one_of({"ultrafast", "fast", "medium"})),
+      verb.add_option("--flow-finest-scale", o.flow.finest_scale,
+                      "Pyramid level at which the flow stops; 0: full resolution")};
+  for (CLI::Option* option : tuning) option->capture_default_str()->group(kGroupTuning);
 }
 
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
   render::RendererOptions options = flags.options;
   const std::vector<std::string>& names = render::render_output_names();
-  const auto found = std::find(names.begin(), names.end(), flags.output);
-  if (found == names.end())
-    return fail(ErrorCode::InvalidArgument, text("--output '", flags.output, "' is unknown; see --help"));
-  options.output = static_cast<render::RenderOutput>(found - names.begin());
+  const std::size_t shown = place_of(names, flags.show);
+  if (shown == names.size())
+    return fail(ErrorCode::InvalidArgument, text("--show '", flags.show, "' is unknown; see --help"));
+  options.output = static_cast<render::RenderOutput>(shown);
   const bool hex = flags.background.size() == 6 &&
                    flags.background.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
   if (!hex)
@@ -43,8 +44,8 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
 
 std::string method_help() {
   std::string help = "Method:";
-  for (const render::RendererInfo& r : render::renderers()) help += text(" ", r.name, " (", r.help, ")");
-  return help + ".";
+  for (const render::RendererInfo& r : render::renderers()) help += text("\n  ", r.name, ": ", r.help);
+  return help;
 }
 
 }  // namespace floatstage::apps

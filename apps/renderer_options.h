@@ -12,13 +12,13 @@ namespace floatstage::apps {
 /// The renderer's options as flags, the same for every verb that renders.
 struct RendererFlags {
   render::RendererOptions options;
-  std::string output = "color", background = "000000";
+  std::string show = "color", background = "000000";
 };
 
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags);
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags);
 
-/// "Method: nearest (…), linear (…), floating (…)."
+/// "Method:" and a line for each: nearest, linear, floating.
 std::string method_help();
 
 }  // namespace floatstage::apps

@@ -1,9 +1,12 @@
 #include <cstdio>
 
+#include <nlohmann/json.hpp>
+
+#include "apps/flags.h"
 #include "apps/progress_bar.h"
-#include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/text.h"
+#include "pipeline/json_report.h"
 #include "pipeline/synthesize.h"
 
 namespace floatstage::apps {
@@ -11,26 +14,49 @@ namespace {
 
 struct Options {
   pipeline::SynthesizeOptions synthesize;
-  std::string size = "640x480", shape = "ring", codec = "ffv1";
+  std::filesystem::path json_file;
+  std::string shape = "ring";
+  Size size;
   bool black = false;
 };
 
 Result<void> run(const Options& given) {
   pipeline::SynthesizeOptions options = given.synthesize;
-  Result<std::pair<int, int>> size = parse_size(given.size);
-  if (!size) return forward(size);
-  std::tie(options.rig.width, options.rig.height) = *size;
+  options.rig.width = given.size.width;
+  options.rig.height = given.size.height;
   options.rig.shape = given.shape == "ring" ? RigShape::Ring : RigShape::QuarterDome;
-  options.take.codec = given.codec == "ffv1"  ? capture::TakeCodec::Ffv1
-                       : given.codec == "raw" ? capture::TakeCodec::Raw
-                                              : capture::TakeCodec::H264;
   options.studio.green_room = !given.black;
   ProgressBar bar;
   options.progress = &bar;
   if (Result<void> ok = pipeline::synthesize_take(options); !ok) return ok;
-  std::printf("%s: %d frames of %d cameras, %s\n", options.out.c_str(), options.frames, options.rig.cameras,
-              given.size.c_str());
-  return {};
+  std::printf("%s: %d frames of %d cameras, %dx%d\n", options.out.c_str(), options.frames,
+              options.rig.cameras, options.rig.width, options.rig.height);
+  if (given.json_file.empty()) return {};
+  return pipeline::save_json({{"take", options.out.string()},
+                              {"frames", options.frames},
+                              {"cameras", options.rig.cameras},
+                              {"width", options.rig.width},
+                              {"height", options.rig.height},
+                              {"seed", options.studio.seed}},
+                             given.json_file);
+}
+
+void add_defect_flags(CLI::App& verb, Defects& d) {
+  const std::vector<CLI::Option*> defects = {
+      verb.add_option("--noise", d.noise, "Sensor noise, 8-bit steps")->check(CLI::NonNegativeNumber),
+      verb.add_option("--lens-k1", d.lens_k1, "Radial lens distortion"),
+      verb.add_option("--color-gain", d.color_gain, "Relative spread of the cameras' colour gains")
+          ->check(CLI::NonNegativeNumber),
+      verb.add_option("--calibration-error", d.calibration_error,
+                      "Spread of the published rig's projections, px")
+          ->check(CLI::NonNegativeNumber),
+      verb.add_option("--green-spill", d.green_spill, "Green light on the performer, 0 to 1")
+          ->check(CLI::Range(0.0, 1.0)),
+      verb.add_option("--dropped-frames", d.dropped_frames, "Fraction of frames lost")
+          ->check(CLI::Range(0.0, 1.0)),
+      verb.add_option("--time-jitter", d.time_jitter, "Spread of the exposures' starts, seconds")
+          ->check(CLI::NonNegativeNumber)};
+  for (CLI::Option* defect : defects) defect->capture_default_str()->group(kGroupDefects);
 }
 
 }  // namespace
@@ -38,53 +64,29 @@ Result<void> run(const Options& given) {
 void add_synthesize(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   pipeline::SynthesizeOptions& s = options->synthesize;
-  Defects& d = s.studio.defects;
   CLI::App* verb =
-      app.add_subcommand("synthesize", "Writes a take with ground truth from the synthetic studio");
-  verb->add_option("--out", s.out, "The new take's folder")->required();
-  verb->add_option("--cameras", s.rig.cameras, "Number of cameras")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+      add_verb(app, chosen, "synthesize", "Writes a take with ground truth from the synthetic studio",
+               {"floatstage synthesize -o take --camera-count 8 --frame-count 50",
+                "floatstage synthesize -o noisy --size 320x240 --noise 2 --calibration-error 0.5"});
+  add_out(*verb, s.out, "The new take's folder")->required();
+  add_camera_count(*verb, s.rig.cameras, 1);
   verb->add_option("--shape", options->shape, "Where they stand")
       ->capture_default_str()
-      ->check(CLI::IsMember({"ring", "quarter-dome"}));
-  verb->add_option("--size", options->size, "Size of the photographs")->capture_default_str();
-  verb->add_option("--frames", s.frames, "Number of instants")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  verb->add_option("--fps", s.studio.frame_rate, "Instants a second")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(one_of({"ring", "quarter-dome"}));
+  add_size(*verb, options->size, "Size of the photographs");
+  add_frame_count(*verb, s.frames, "Instants of the take");
+  add_fps(*verb, s.studio.frame_rate, "Instants a second");
   verb->add_option("--seed", s.studio.seed, "Same seed, same bytes")->capture_default_str();
-  verb->add_option("--samples", s.studio.samples, "Rays a pixel, a square number")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 256));
   verb->add_flag("--black", options->black, "A black stage instead of green cloth");
   verb->add_flag("--depth", s.depth, "Write the true depth maps too");
-  verb->add_option("--codec", options->codec, "Media codec")
+  add_codec(*verb, s.take.codec);
+  add_defect_flags(*verb, s.studio.defects);
+  add_threads(*verb, s.threads);
+  add_json(*verb, options->json_file);
+  verb->add_option("--samples", s.studio.samples, "Rays a pixel, a square number")
       ->capture_default_str()
-      ->check(CLI::IsMember({"ffv1", "raw", "h264"}));
-  verb->add_option("--threads", s.threads, "Threads; 0: one per core")->capture_default_str();
-  verb->add_option("--noise", d.noise, "Defect: sensor noise, 8-bit steps")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  verb->add_option("--lens-k1", d.lens_k1, "Defect: radial lens distortion")->capture_default_str();
-  verb->add_option("--color-gain", d.color_gain, "Defect: relative spread of the cameras' colour gains")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  verb->add_option("--calibration-error", d.calibration_error,
-                   "Defect: spread of the published rig's projections, px")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
-  verb->add_option("--green-spill", d.green_spill, "Defect: green light on the performer, 0 to 1")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  verb->add_option("--dropped-frames", d.dropped_frames, "Defect: fraction of frames lost")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  verb->add_option("--time-jitter", d.time_jitter, "Defect: spread of the exposures' starts, seconds")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(1, 256))
+      ->group(kGroupTuning);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

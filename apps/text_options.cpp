@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/text.h"
+#include "pipeline/import/picture_stream.h"
 
 namespace floatstage::apps {
 namespace {
@@ -44,24 +45,18 @@ std::vector<std::string> split_list(std::string_view s) {
 }
 
 Result<std::vector<int>> parse_frames(std::string_view s, int count) {
-  int begin = 0, end = count, step = 1;
+  pipeline::FrameRange range;
   if (!s.empty()) {
-    const std::vector<std::string> parts = split(s, ':');
-    std::vector<int> numbers;
-    for (const std::string& p : parts)
-      if (const std::optional<int> n = whole_number(p)) numbers.push_back(*n);
-    if (numbers.size() != parts.size() || numbers.size() > 3)
-      return fail(ErrorCode::InvalidArgument,
-                  text("'", s, "' names no frames; write 5, 2:10 or 2:10:4 (the end is not included)"));
-    begin = numbers[0];
-    end = numbers.size() > 1 ? numbers[1] : begin + 1;
-    step = numbers.size() > 2 ? numbers[2] : 1;
+    const Result<pipeline::FrameRange> parsed = pipeline::parse_frame_range(s);
+    if (!parsed) return forward(parsed);
+    range = *parsed;
   }
-  if (begin < 0 || end > count || begin >= end || step <= 0)
+  const int end = range.end.value_or(count);
+  if (end > count || range.first >= end)
     return fail(ErrorCode::InvalidArgument,
                 text("frames '", s, "' are not all in the take, which has ", count));
   std::vector<int> frames;
-  for (int f = begin; f < end; f += step) frames.push_back(f);
+  for (int f = range.first; f < end; f += range.step) frames.push_back(f);
   return frames;
 }
 

@@ -15,7 +15,8 @@ Result<std::pair<int, int>> parse_size(std::string_view text);
 /// "a,b,c" → parts, empty ones left out.
 std::vector<std::string> split_list(std::string_view text);
 
-/// "5", "2:10" or "2:10:4" (end exclusive) → frame numbers inside [0, count); "" → all.
+/// "5", "2:10" or "2:10:4" (end exclusive; either may be left out) → frame numbers inside [0, count); "" →
+/// all.
 Result<std::vector<int>> parse_frames(std::string_view text, int count);
 
 }  // namespace floatstage::apps

@@ -16,7 +16,7 @@ Result<recon::HullOptions> hull_options(const HullWords& words) {
     options.method = recon::HullMethod::Octree;
   } else {
     return fail(ErrorCode::InvalidArgument,
-                text("--method '", words.method, "' is neither exact nor octree"));
+                text("--hull '", words.method, "' is neither exact nor octree"));
   }
   if (words.votes == "strict") {
     options.voting = recon::HullVoting::Strict;

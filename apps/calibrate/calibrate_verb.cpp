@@ -3,8 +3,10 @@
 namespace floatstage::apps {
 
 void add_calibrate(CLI::App& app, Chosen& chosen) {
-  CLI::App* verb = app.add_subcommand(
-      "calibrate", "Cameras from pictures of a target: intrinsics, poses, and how good they are");
+  CLI::App* verb = add_verb(app, chosen, "calibrate",
+                            "Cameras from pictures of a target: intrinsics, poses, and how good they are",
+                            {"floatstage calibrate session.toml -o rig.json --report report",
+                             "floatstage calibrate session.toml --from yesterday.json -o rig.json"});
   verb->require_subcommand(0, 1);
   add_calibrate_session(*verb, chosen);
   add_calibrate_color(*verb, chosen);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
+#include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "calib/color_balance.h"
 #include "calib/surface_colors.h"
@@ -24,7 +25,7 @@ struct Options {
   std::filesystem::path take, rig, out, report, json;
   std::string reference;
   bool chart = false;
-  int frames = 5;
+  int frame_count = 5;
   double bar = 1.5;
 };
 
@@ -211,7 +212,7 @@ Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows)
 Result<void> run_chart(const Options& given, capture::TakeReader& take, Rig rig) {
   std::vector<Row> rows;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    const Result<ChartFound> found = look_for_chart(take, static_cast<int>(c), 4 * given.frames);
+    const Result<ChartFound> found = look_for_chart(take, static_cast<int>(c), 4 * given.frame_count);
     if (!found)
       return fail(found.error().code, text("camera '", rig.cameras[c].serial, "': ", found.error().message));
     rig.cameras[c].color = found->fit.transform;
@@ -245,7 +246,7 @@ Result<void> run(Options given) {
     rig = *std::move(other);
   }
   if (given.chart) return run_chart(given, **take, std::move(rig));
-  const Result<std::vector<calib::ColorSample>> sights = overlap(**take, rig, given.frames);
+  const Result<std::vector<calib::ColorSample>> sights = overlap(**take, rig, given.frame_count);
   if (!sights) return forward(sights);
   const int reference =
       given.reference.empty() ? busiest(*sights, rig.cameras.size()) : camera_index(rig, given.reference);
@@ -269,27 +270,29 @@ Result<void> run(Options given) {
 
 void add_calibrate_color(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = calibrate.add_subcommand(
-      "color", "Cameras' colours made to agree, by a chart or by the surfaces that several of them see");
-  verb->add_option("take", options->take,
-                   "The take's folder; processed (meshes), or showing a 24-patch chart")
-      ->required();
-  verb->add_option("--out", options->out,
-                   "The rig.json to write, with a colour transform for every camera; default: the take's "
-                   "colors.json, which render and play use");
-  verb->add_option("--rig", options->rig, "Geometry from this rig.json and not from the take");
+  CLI::App* verb =
+      add_verb(calibrate, chosen, "color",
+               "Cameras' colours made to agree, by a chart or by the surfaces that several of them see",
+               {"floatstage calibrate color take --report report",
+                "floatstage calibrate color chart-take --chart -o rig.json"});
+  add_take(*verb, options->take, "The take's folder; processed (meshes), or showing a 24-patch chart");
+  add_out(*verb, options->out,
+          "The rig.json to write, with a colour transform for every camera (default: the take's colors.json, "
+          "which render and play use)");
+  verb->add_option("--rig", options->rig, "Geometry from this rig.json and not from the take")
+      ->type_name("FILE");
   verb->add_flag("--chart", options->chart,
                  "Every camera sees a 24-patch chart somewhere in the take: colours become its nominal ones");
-  verb->add_option(
-      "--reference", options->reference,
-      "Without a chart: the camera that the others are to look like; default: the one that sees most");
-  verb->add_option("--frames", options->frames, "How many instants are looked at")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+  verb->add_option("--reference", options->reference,
+                   "Without a chart: the camera, by serial, that the others are to look like (default: the "
+                   "one that sees most)")
+      ->type_name("SERIAL");
+  add_frame_count(*verb, options->frame_count, "How many instants are looked at");
+  verb->add_option("--report", options->report, "Folder for color.html and color.json")->type_name("FOLDER");
+  add_json(*verb, options->json);
   verb->add_option("--bar", options->bar, "CIEDE2000 that every camera must reach, on average")
-      ->capture_default_str();
-  verb->add_option("--report", options->report, "Folder for color.html and color.json");
-  verb->add_option("--json", options->json, "Write the report as JSON to this file");
+      ->capture_default_str()
+      ->group(kGroupTuning);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

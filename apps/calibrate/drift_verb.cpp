@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
+#include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "calib/drift.h"
 #include "capture/take.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr std::size_t kFewestPatches = 12;
 
 struct Options {
-  std::filesystem::path take, reference, make;
+  std::filesystem::path take, reference, make, json;
   double every = 2, alarm = 0.1;
 };
 
@@ -35,7 +36,7 @@ Result<Image> still(capture::TakeReader& take, int camera) {
               text("camera '", serial, "' has no picture in ", take.layout().folder().string()));
 }
 
-Result<void> make_reference(capture::TakeReader& take, const std::filesystem::path& file) {
+Result<void> make_reference(capture::TakeReader& take, const Options& given) {
   std::vector<Image> images;
   for (int c = 0; c < static_cast<int>(take.rig().cameras.size()); ++c) {
     Result<Image> image = still(take, c);
@@ -44,6 +45,7 @@ Result<void> make_reference(capture::TakeReader& take, const std::filesystem::pa
   }
   const Result<calib::DriftReference> reference = calib::make_drift_reference(take.rig(), images);
   if (!reference) return forward(reference);
+  nlohmann::json cameras = nlohmann::json::array();
   for (std::size_t c = 0; c < images.size(); ++c) {
     const std::size_t patches = reference->patches[c].size();
     if (patches < kFewestPatches)
@@ -52,8 +54,11 @@ Result<void> make_reference(capture::TakeReader& take, const std::filesystem::pa
                        " textured spots of the background and ", kFewestPatches,
                        " are needed; put stickers or printed markers where every camera sees some"));
     std::printf("%s: %zu patches\n", reference->serials[c].c_str(), patches);
+    cameras.push_back({{"serial", reference->serials[c]}, {"patches", patches}});
   }
-  return calib::save_drift_reference(*reference, file);
+  if (Result<void> ok = calib::save_drift_reference(*reference, given.make); !ok) return ok;
+  if (given.json.empty()) return {};
+  return pipeline::save_json({{"reference", given.make.string()}, {"cameras", cameras}}, given.json);
 }
 
 // Beside what the recorder found out.
@@ -70,6 +75,50 @@ Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json dr
   return pipeline::save_json(quality, file);
 }
 
+// One camera's pictures, `every` so many seconds.
+Result<nlohmann::json> watch_camera(capture::TakeReader& take, int camera, const Options& given,
+                                    calib::DriftWatch& drift, pipeline::ProgressPart& progress,
+                                    nlohmann::json& alarms) {
+  const std::vector<FrameRow>& rows = take.rows(camera);
+  double largest = 0, parallax = 0, next = 0;
+  int checks = 0, known = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    progress.advance();
+    const double time = seconds(rows[i].info.exposure_start - rows[0].info.exposure_start);
+    if (time < next || !rows[i].media_index) continue;
+    const Result<Frame> frame = take.frame(camera, static_cast<int>(i));
+    if (!frame) return forward(frame);
+    if (frame->empty()) continue;
+    const Result<Image> image = to_rgb(*frame);
+    if (!image) return forward(image);
+    next = time + given.every;
+    ++checks;
+    if (const std::optional<calib::DriftAlarm> alarm = drift.check(camera, time, *image)) {
+      std::printf("%.1f s: %s\n", time, alarm->sentence.c_str());
+      alarms.push_back({{"camera", alarm->serial},
+                        {"seconds", time},
+                        {"degrees", alarm->degrees},
+                        {"residual_px", alarm->residual_px},
+                        {"moved", alarm->moved},
+                        {"parallax_px", alarm->parallax_px},
+                        {"sentence", alarm->sentence}});
+    }
+    const calib::CameraTurn& turn = drift.turns()[static_cast<std::size_t>(camera)];
+    known += turn.known;
+    if (turn.known)
+      largest = std::max(largest, turn.degrees), parallax = std::max(parallax, turn.parallax_px);
+  }
+  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
+  if (2 * known < checks)
+    std::printf("%s: its background was seen in only %d of %d checks: whether it turned is not known\n",
+                serial.c_str(), known, checks);
+  return nlohmann::json{{"serial", serial},
+                        {"checks", checks},
+                        {"known", known},
+                        {"largest_degrees", largest},
+                        {"largest_parallax_px", parallax}};
+}
+
 Result<void> watch(capture::TakeReader& take, const Options& given) {
   Result<calib::DriftReference> reference = calib::load_drift_reference(given.reference);
   if (!reference) return forward(reference);
@@ -82,47 +131,15 @@ Result<void> watch(capture::TakeReader& take, const Options& given) {
   pipeline::ProgressPart progress(&bar, "watching for drift",
                                   count * static_cast<std::size_t>(take.frame_count()));
   for (int c = 0; c < static_cast<int>(count); ++c) {
-    const std::vector<FrameRow>& rows = take.rows(c);
-    double largest = 0, parallax = 0, next = 0;
-    int checks = 0, known = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      progress.advance();
-      const double time = seconds(rows[i].info.exposure_start - rows[0].info.exposure_start);
-      if (time < next || !rows[i].media_index) continue;
-      const Result<Frame> frame = take.frame(c, static_cast<int>(i));
-      if (!frame) return forward(frame);
-      if (frame->empty()) continue;
-      const Result<Image> image = to_rgb(*frame);
-      if (!image) return forward(image);
-      next = time + given.every;
-      ++checks;
-      if (const std::optional<calib::DriftAlarm> alarm = drift->check(c, time, *image)) {
-        std::printf("%.1f s: %s\n", time, alarm->sentence.c_str());
-        alarms.push_back({{"camera", alarm->serial},
-                          {"seconds", time},
-                          {"degrees", alarm->degrees},
-                          {"residual_px", alarm->residual_px},
-                          {"moved", alarm->moved},
-                          {"parallax_px", alarm->parallax_px},
-                          {"sentence", alarm->sentence}});
-      }
-      const calib::CameraTurn& turn = drift->turns()[static_cast<std::size_t>(c)];
-      known += turn.known;
-      if (turn.known)
-        largest = std::max(largest, turn.degrees), parallax = std::max(parallax, turn.parallax_px);
-    }
-    const std::string& serial = take.rig().cameras[static_cast<std::size_t>(c)].serial;
-    if (2 * known < checks)
-      std::printf("%s: its background was seen in only %d of %d checks: whether it turned is not known\n",
-                  serial.c_str(), known, checks);
-    cameras.push_back({{"serial", serial},
-                       {"checks", checks},
-                       {"known", known},
-                       {"largest_degrees", largest},
-                       {"largest_parallax_px", parallax}});
+    Result<nlohmann::json> camera = watch_camera(take, c, given, *drift, progress, alarms);
+    if (!camera) return forward(camera);
+    cameras.push_back(std::move(*camera));
   }
   if (alarms.empty()) std::printf("no camera was seen to turn by more than %g degrees\n", given.alarm);
-  return add_to_quality(take.layout().quality(), {{"alarms", alarms}, {"cameras", cameras}});
+  const nlohmann::json report = {{"alarms", alarms}, {"cameras", cameras}};
+  if (!given.json.empty())
+    if (Result<void> ok = pipeline::save_json(report, given.json); !ok) return ok;
+  return add_to_quality(take.layout().quality(), report);
 }
 
 Result<void> run(const Options& given) {
@@ -132,20 +149,27 @@ Result<void> run(const Options& given) {
   if (!(given.every > 0)) return fail(ErrorCode::InvalidArgument, "--every must be positive");
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
-  return given.make.empty() ? watch(**take, given) : make_reference(**take, given.make);
+  return given.make.empty() ? watch(**take, given) : make_reference(**take, given);
 }
 
 }  // namespace
 
 void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = calibrate.add_subcommand(
-      "drift", "Has a camera turned since the calibration? Written to the take's quality.json");
-  verb->add_option("take", options->take, "The take's folder")->required();
-  verb->add_option("--reference", options->reference, "Patches of the background to compare with");
-  verb->add_option("--make-reference", options->make, "Write them, from the take's plates or first pictures");
-  verb->add_option("--every", options->every, "Seconds from one check to the next")->capture_default_str();
+  CLI::App* verb = add_verb(calibrate, chosen, "drift",
+                            "Has a camera turned since the calibration? Written to the take's quality.json",
+                            {"floatstage calibrate drift monday --make-reference studio.drift",
+                             "floatstage calibrate drift friday --reference studio.drift --alarm 0.05"});
+  add_take(*verb, options->take);
+  verb->add_option("--reference", options->reference, "Patches of the background to compare with")
+      ->type_name("FILE");
+  verb->add_option("--make-reference", options->make, "Write them, from the take's plates or first pictures")
+      ->type_name("FILE");
   verb->add_option("--alarm", options->alarm, "Degrees that raise an alarm")->capture_default_str();
+  add_json(*verb, options->json);
+  verb->add_option("--every", options->every, "Seconds from one check to the next")
+      ->capture_default_str()
+      ->group(kGroupTuning);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -3,8 +3,9 @@
 #include <thread>
 
 #include "apps/calibrate/calibrate_verbs.h"
+#include "apps/did_you_mean.h"
+#include "apps/flags.h"
 #include "apps/interrupt.h"
-#include "apps/text_options.h"
 #include "apps/viewer/calibration/calibration_view.h"
 #include "core/text.h"
 #include "pipeline/calibrate/calibration_outcome.h"
@@ -15,7 +16,8 @@ namespace {
 
 struct Options {
   std::filesystem::path config, out, report, json, observations, from, screenshot;
-  std::string target, lens = "brown-conrady", size = "1280x800";
+  std::string target, lens = "brown-conrady";
+  Size size{1280, 800};
   double seconds = 0, least_move = 0.01;
   int threads = 0, solve_every = 20;
   bool headless = false, keep_failed = false, floor_at_end = false, fixed_intrinsics = false;
@@ -26,7 +28,8 @@ Result<calib::LensKind> lens_named(const std::string& name) {
   if (name == "brown-conrady") return calib::LensKind::BrownConrady;
   if (name == "kannala-brandt") return calib::LensKind::KannalaBrandt;
   return fail(ErrorCode::InvalidArgument,
-              text("--lens is none, brown-conrady or kannala-brandt, not '", name, "'"));
+              text("--lens is none, brown-conrady or kannala-brandt, not '", name, "'",
+                   did_you_mean(name, {"none", "brown-conrady", "kannala-brandt"})));
 }
 
 // A line when the advice changes, and everything now and then.
@@ -46,6 +49,30 @@ void watch(const LiveRun& run) {
   }
 }
 
+// What was seen becomes a rig, once nothing more comes.
+Result<void> solve(LiveRun& live, const LiveOptions& options, const Options& given) {
+  live.stop();
+  if (Result<void> ok = live.outcome(); !ok) return ok;
+  if (given.floor_at_end) live.set_floor(0);
+  const calib::Observations observations = live.observations();
+  const LiveStatus status = live.status();
+  std::printf("%s\n", describe_live(status).c_str());
+  if (!given.observations.empty()) {
+    if (Result<void> ok = calib::save_observations(observations, given.observations); !ok) return ok;
+  }
+  const Result<calib::Calibration> solved = calib::calibrate(observations, options.calibration);
+  if (!solved) return forward(solved);
+  pipeline::ReportContext context{
+      given.config.stem().string(),
+      {text(status.sets, " instants were looked at live, ", status.counted, " of them counted")},
+      {},
+      0};
+  for (const calib::Advice& a : status.advice) context.remarks.push_back("still wanted: " + a.sentence);
+  return pipeline::write_outcome(
+      *solved, {}, {}, context,
+      {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
+}
+
 Result<void> run(const Options& given) {
   Result<studio::CaptureConfig> config = studio::load_capture_config(given.config);
   if (!config) return forward(config);
@@ -53,8 +80,6 @@ Result<void> run(const Options& given) {
   if (!design) return forward(design);
   const Result<calib::LensKind> lens = lens_named(given.lens);
   if (!lens) return forward(lens);
-  const Result<std::pair<int, int>> size = parse_size(given.size);
-  if (!size) return forward(size);
   std::optional<Rig> known;
   const pipeline::SessionKnown how{
       .format = "rig",
@@ -81,74 +106,64 @@ Result<void> run(const Options& given) {
   if (given.headless) {
     watch(**live);
   } else if (Result<void> shown =
-                 show_live(**live, {size->first, size->second, given.screenshot}, interrupted);
+                 show_live(**live, {given.size.width, given.size.height, given.screenshot}, interrupted);
              !shown) {
     return fail(shown.error().code,
                 text(shown.error().message, "; --headless prints what the window would show"));
   }
-  (*live)->stop();
-  if (Result<void> ok = (*live)->outcome(); !ok) return ok;
-  if (given.floor_at_end) (*live)->set_floor(0);
-  const calib::Observations observations = (*live)->observations();
-  const LiveStatus status = (*live)->status();
-  std::printf("%s\n", describe_live(status).c_str());
-  if (!given.observations.empty()) {
-    if (Result<void> ok = calib::save_observations(observations, given.observations); !ok) return ok;
-  }
-  const Result<calib::Calibration> solved = calib::calibrate(observations, options.calibration);
-  if (!solved) return forward(solved);
-  pipeline::ReportContext context{
-      given.config.stem().string(),
-      {text(status.sets, " instants were looked at live, ", status.counted, " of them counted")},
-      {},
-      0};
-  for (const calib::Advice& a : status.advice) context.remarks.push_back("still wanted: " + a.sentence);
-  return pipeline::write_outcome(
-      *solved, {}, {}, context,
-      {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
+  return solve(**live, options, given);
 }
 
 }  // namespace
 
 void add_calibrate_live(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = calibrate.add_subcommand(
-      "live", "Wave a target before running cameras: coverage, errors, and what to show next");
+  CLI::App* verb = add_verb(
+      calibrate, chosen, "live",
+      "Wave a target before running cameras: coverage, errors, and what to show next",
+      {"floatstage calibrate live studio.toml --target \"charuco columns=5 rows=7 square=40mm marker=30mm "
+       "dictionary=5x5_100\" -o rig.json",
+       "floatstage calibrate live studio.toml --target \"chessboard columns=8 rows=5 square=30mm\" --from "
+       "rig.json --headless"});
   verb->add_option("config", options->config, "The studio: its cameras, as for capture (TOML)")->required();
   verb->add_option("--target", options->target,
                    "What is waved, in one line of words: \"charuco columns=5 …\"")
       ->required();
+  add_out(*verb, options->out, "The rig.json to write when the calibration passes");
+  verb->add_option("--report", options->report, "Folder for calibration.html and calibration.json")
+      ->type_name("FOLDER");
   verb->add_option("--lens", options->lens, "none, brown-conrady or kannala-brandt")->capture_default_str();
-  verb->add_option("--from", options->from, "A rig.json of before: solved again from there, in its world");
+  verb->add_option("--from", options->from, "A rig.json of before: solved again from there, in its world")
+      ->type_name("FILE");
   verb->add_flag("--fixed-intrinsics", options->fixed_intrinsics,
                  "With --from: lenses stay as they are there");
-  verb->add_option("--seconds", options->seconds,
-                   "How long; default: until the window is closed, Ctrl-C, or recordings are over")
-      ->check(CLI::PositiveNumber);
-  verb->add_option("--least-move", options->least_move,
-                   "An instant counts when the target has moved by this share of a picture's width")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  verb->add_option("--solve-every", options->solve_every,
-                   "Instants that counted, between two quick solutions")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+  add_seconds(*verb, options->seconds,
+              "How long (default: until the window is closed, Ctrl-C, or recordings are over)");
   verb->add_flag("--headless", options->headless, "No window: print it");
   verb->add_flag("--floor-at-end", options->floor_at_end,
                  "In the last instant that counted the target lies on the floor");
-  verb->add_option("--size", options->size, "Size of the window")->capture_default_str();
-  verb->add_option("--screenshot", options->screenshot,
-                   "Write the window to this PNG when the pictures are over, then end");
-  verb->add_option("--out", options->out, "The rig.json to write when the calibration passes");
-  verb->add_option("--report", options->report, "Folder for calibration.html and calibration.json");
-  verb->add_option("--json", options->json, "Write the report as JSON to this file");
   verb->add_option("--observations", options->observations,
-                   "Write what was detected to this file: a session can solve it again");
-  verb->add_option("--threads", options->threads, "Threads; 0: one per core")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+                   "Write what was detected to this file: a session can solve it again")
+      ->type_name("FILE");
   verb->add_flag("--keep-failed", options->keep_failed,
                  "Write --out even when the calibration does not pass");
+  add_size(*verb, options->size, "Size of the window")->group(kGroupWindow);
+  verb->add_option("--screenshot", options->screenshot,
+                   "Write the window to this PNG when the pictures are over, then end")
+      ->type_name("FILE")
+      ->group(kGroupWindow);
+  add_threads(*verb, options->threads);
+  add_json(*verb, options->json);
+  verb->add_option("--least-move", options->least_move,
+                   "An instant counts when the target has moved by this share of a picture's width")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(kGroupTuning);
+  verb->add_option("--solve-every", options->solve_every,
+                   "Instants that counted, between two quick solutions")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber)
+      ->group(kGroupTuning);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -3,6 +3,7 @@
 #include <iomanip>
 
 #include "apps/calibrate/calibrate_verbs.h"
+#include "apps/flags.h"
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
 #include "calib/calibrate.h"
@@ -51,30 +52,32 @@ class Workspace {
   Result<void> ready_;
 };
 
-Result<void> run(const Options& given) {
-  if (given.session.empty())
-    return fail(ErrorCode::InvalidArgument,
-                "calibrate: give a session (a .toml file; docs/calibrating.md), or 'target' to print one");
+// The session's file, and the rig of before where one is given.
+Result<pipeline::Session> open_session(const Options& given) {
   Result<pipeline::Session> session = pipeline::load_session(given.session);
   if (!session) return forward(session);
   session->options.threads = given.threads;
-  if (!given.from.empty()) {
-    // A target measures the lenses again; the scene alone does not.
-    const calib::Prior intrinsics = session->known && session->known->intrinsics == calib::Prior::Fixed
-                                        ? calib::Prior::Fixed
-                                    : session->markerless ? calib::Prior::Fixed
-                                                          : calib::Prior::Start;
-    session->known = pipeline::SessionKnown{
-        .format = "rig", .file = given.from, .intrinsics = intrinsics, .poses = calib::Prior::Start};
-  }
+  if (given.from.empty()) return session;
+  // A target measures the lenses again; the scene alone does not.
+  const bool keep =
+      session->markerless || (session->known && session->known->intrinsics == calib::Prior::Fixed);
+  session->known = pipeline::SessionKnown{.format = "rig",
+                                          .file = given.from,
+                                          .intrinsics = keep ? calib::Prior::Fixed : calib::Prior::Start,
+                                          .poses = calib::Prior::Start};
+  return session;
+}
+
+// What the session's pictures show: the target, and without one what COLMAP finds in the scene.
+Result<pipeline::SessionObservations> observe(const pipeline::Session& session, const Options& given) {
   ProgressBar bar;
   Result<pipeline::SessionObservations> collected =
-      pipeline::collect(*session, given.cache, given.threads, &bar);
-  if (!collected) return forward(collected);
-  if (session->markerless) {
+      pipeline::collect(session, given.cache, given.threads, &bar);
+  if (!collected) return collected;
+  if (session.markerless) {
     const Workspace workspace(given.workspace);
     if (!workspace.ready()) return forward(workspace.ready());
-    if (Result<void> ok = pipeline::add_scene(*session, workspace.folder(), given.threads, &bar, *collected);
+    if (Result<void> ok = pipeline::add_scene(session, workspace.folder(), given.threads, &bar, *collected);
         !ok) {
       if (ok.error().code == ErrorCode::Cancelled) return pipeline::cancelled_unwritten();
       workspace.keep();
@@ -83,41 +86,53 @@ Result<void> run(const Options& given) {
   }
   if (interrupted()) return pipeline::cancelled_unwritten();
   for (const std::string& sentence : collected->detection) log::info(sentence);
-  if (!given.observations.empty()) {
+  if (!given.observations.empty())
     if (Result<void> ok = calib::save_observations(collected->observations, given.observations); !ok)
-      return ok;
+      return forward(ok);
+  return collected;
+}
+
+// How the solution compares with the rig that is known, as remarks and checks.
+Result<void> compare_with_known(const pipeline::Session& session, const Rig& solved,
+                                pipeline::ReportContext& context, std::vector<pipeline::BarCheck>& checks) {
+  const Result<Rig> known = pipeline::load_known(*session.known);
+  if (!known) return forward(known);
+  for (std::string& sentence : pipeline::compare_to_known(*session.known, *known, solved))
+    context.remarks.push_back(std::move(sentence));
+  if (const std::optional<calib::RigAgreement> a = pipeline::compare_poses(*session.known, *known, solved)) {
+    context.remarks.push_back(
+        text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent,
+             " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
+             "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale,
+             "; rotations at worst ", a->worst_turn_degrees, "°"));
+    if (session.bars.known_center_percent)
+      checks.push_back(
+          {"known_center_percent", a->worst, a->worst_percent, *session.bars.known_center_percent, false});
   }
+  if (session.points.empty()) return {};
+  const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session.points, *known);
+  if (!measured)
+    return fail(measured.error().code, text(session.known->file.string(), ": ", measured.error().message));
+  context.remarks.push_back(pipeline::describe(*measured, *known, "known"));
+  return {};
+}
+
+Result<void> run(const Options& given) {
+  if (given.session.empty())
+    return fail(ErrorCode::InvalidArgument,
+                "calibrate: give a session (a .toml file; docs/calibrating.md), or 'target' to print one");
+  const Result<pipeline::Session> session = open_session(given);
+  if (!session) return forward(session);
+  const Result<pipeline::SessionObservations> collected = observe(*session, given);
+  if (!collected) return forward(collected);
   const Result<calib::Calibration> solved = calib::calibrate(collected->observations, session->options);
   if (!solved) return fail(solved.error().code, text(given.session.string(), ": ", solved.error().message));
-
   if (interrupted()) return pipeline::cancelled_unwritten();
   pipeline::ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
                                   collected->seconds};
   std::vector<pipeline::BarCheck> checks;
-  if (session->known) {
-    const Result<Rig> known = pipeline::load_known(*session->known);
-    if (!known) return forward(known);
-    for (std::string& sentence : pipeline::compare_to_known(*session->known, *known, solved->rig))
-      context.remarks.push_back(std::move(sentence));
-    if (const std::optional<calib::RigAgreement> a =
-            pipeline::compare_poses(*session->known, *known, solved->rig)) {
-      context.remarks.push_back(
-          text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent,
-               " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
-               "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale,
-               "; rotations at worst ", a->worst_turn_degrees, "°"));
-      if (session->bars.known_center_percent)
-        checks.push_back(
-            {"known_center_percent", a->worst, a->worst_percent, *session->bars.known_center_percent, false});
-    }
-    if (!session->points.empty()) {
-      const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session->points, *known);
-      if (!measured)
-        return fail(measured.error().code,
-                    text(session->known->file.string(), ": ", measured.error().message));
-      context.remarks.push_back(pipeline::describe(*measured, *known, "known"));
-    }
-  }
+  if (session->known)
+    if (Result<void> ok = compare_with_known(*session, solved->rig, context, checks); !ok) return ok;
   if (!session->points.empty() && !solved->rig.cameras.empty()) {
     const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session->points, solved->rig);
     context.remarks.push_back(measured ? pipeline::describe(*measured, solved->rig, "solved")
@@ -137,21 +152,27 @@ void add_calibrate_session(CLI::App& calibrate, Chosen& chosen) {
   calibrate.add_option(
       "session", options->session,
       "The session (.toml): which pictures are of which camera, what they show, what is known");
-  calibrate.add_option("--out", options->out, "The rig.json to write when the calibration passes");
-  calibrate.add_option("--report", options->report, "Folder for calibration.html and calibration.json");
-  calibrate.add_option("--json", options->json, "Write the report as JSON to this file");
-  calibrate.add_option("--cache", options->cache, "Folder that keeps what was detected, for the next time");
-  calibrate.add_option("--observations", options->observations, "Write what was detected to this file");
-  calibrate.add_option(
-      "--from", options->from,
-      "A rig.json of before: solved again from there, in its world, saying which camera has moved");
-  calibrate.add_option("--workspace", options->workspace,
-                       "New folder for what COLMAP writes, kept (markerless sessions)");
-  calibrate.add_option("--threads", options->threads, "Threads; 0: one per core")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+  add_out(calibrate, options->out, "The rig.json to write when the calibration passes");
+  calibrate.add_option("--report", options->report, "Folder for calibration.html and calibration.json")
+      ->type_name("FOLDER");
+  calibrate
+      .add_option(
+          "--from", options->from,
+          "A rig.json of before: solved again from there, in its world, saying which camera has moved")
+      ->type_name("FILE");
+  calibrate.add_option("--cache", options->cache, "Folder that keeps what was detected, for the next time")
+      ->type_name("FOLDER");
+  calibrate.add_option("--observations", options->observations, "Write what was detected to this file")
+      ->type_name("FILE");
   calibrate.add_flag("--keep-failed", options->keep_failed,
                      "Write --out even when the calibration does not pass");
+  add_threads(calibrate, options->threads);
+  add_json(calibrate, options->json);
+  calibrate
+      .add_option("--workspace", options->workspace,
+                  "New folder for what COLMAP writes, kept (markerless sessions)")
+      ->type_name("FOLDER")
+      ->group(kGroupTuning);
   calibrate.callback([options, &calibrate, &chosen] {
     if (calibrate.get_subcommands().empty()) chosen.run = [options] { return run(*options); };
   });

@@ -1,15 +1,19 @@
 #include <cstdio>
 
+#include <nlohmann/json.hpp>
+
 #include "apps/calibrate/calibrate_verbs.h"
+#include "apps/flags.h"
 #include "calib/board.h"
 #include "calib/target_sheet.h"
+#include "pipeline/json_report.h"
 
 namespace floatstage::apps {
 namespace {
 
 struct Options {
   std::vector<std::string> words;
-  std::filesystem::path out;
+  std::filesystem::path out, json;
 };
 
 Result<void> run(const Options& given) {
@@ -23,23 +27,29 @@ Result<void> run(const Options& given) {
   std::printf("%s\nprint at 100 %% and measure the ruler\n", calib::to_text(*target).c_str());
   if (const std::optional<std::string> warning = calib::ambiguity(*target))
     std::fprintf(stderr, "floatstage: %s\n", warning->c_str());
-  return {};
+  if (given.json.empty()) return {};
+  nlohmann::json sheets = nlohmann::json::array();
+  for (const std::filesystem::path& file : *files) sheets.push_back(file.string());
+  return pipeline::save_json({{"target", to_text(*target)}, {"sheets", sheets}}, given.json);
 }
 
 }  // namespace
 
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      calibrate.add_subcommand("target", "Prints a calibration target, true to scale, to PDF or SVG");
+  CLI::App* verb = add_verb(
+      calibrate, chosen, "target", "Prints a calibration target, true to scale, to PDF or SVG",
+      {"floatstage calibrate target charuco columns=5 rows=7 square=40mm marker=30mm dictionary=5x5_100 -o "
+       "board.pdf",
+       "floatstage calibrate target chessboard columns=8 rows=5 square=30mm -o board.svg"});
   verb->add_option("words", options->words,
                    "The target: 'chessboard columns=8 rows=5 square=30mm', 'charuco columns=5 rows=7 "
-                   "square=40mm marker=30mm "
-                   "dictionary=5x5_100 [inverted]', 'apriltags columns=6 rows=6 tag=88mm gap=26.4mm', "
-                   "'two-sided … thickness=5mm', "
-                   "'wand positions=0mm,150mm,450mm ball=25mm' or '… tag=40mm dictionary=4x4_50'")
+                   "square=40mm marker=30mm dictionary=5x5_100 [inverted]', 'apriltags columns=6 rows=6 "
+                   "tag=88mm gap=26.4mm', 'two-sided … thickness=5mm', 'wand positions=0mm,150mm,450mm "
+                   "ball=25mm' or '… tag=40mm dictionary=4x4_50'")
       ->required();
-  verb->add_option("--out", options->out, "The .pdf or .svg to write")->required();
+  add_out(*verb, options->out, "The .pdf or .svg to write")->required();
+  add_json(*verb, options->json);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }
 

@@ -64,6 +64,7 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
   FilmOptions film{.frame_rate = options.film_rate, .frames = {}, .methods = kMethods, .renderer = {}};
   for (int f = 0; f < (*take)->frame_count(); ++f) film.frames.push_back(f);
   film.renderer.background = {0.16f, 0.17f, 0.19f};
+  film.renderer.cameras = options.blend;
   Result<std::unique_ptr<PictureSink>> freeview =
       open_picture_sink(options.out / "freeview.mp4", film.width, film.height, film.frame_rate);
   if (!freeview) return forward(freeview);

@@ -15,6 +15,7 @@ struct DemoOptions {
   std::filesystem::path out = "demo";
   SynthesizeOptions studio;      ///< its `out` is ignored: the take goes to out/take
   double film_rate = 24;         ///< pictures a second of the two videos
+  int blend = 3;                 ///< photographs blended in a view
   Progress* progress = nullptr;  ///< null: unwatched
   int score_every = 6;  ///< every how many pictures of the film one is compared with what the studio really
                         ///< looks like from there

@@ -179,9 +179,9 @@ Result<double> frame_rate(const ImportOptions& options, const Plan& plan,
     if (rate == 0) rate = own;
   }
   if (rate == 0 && folders) {
-    notes.push_back(text("folders of pictures state no frame rate: ", kFolderFrameRate,
-                         " frames a second are assumed (--fps)"));
-    rate = kFolderFrameRate;
+    rate = kFolderFrameRate / options.frames.step;
+    notes.push_back(
+        text("folders of pictures state no frame rate: ", rate, " frames a second are assumed (--fps)"));
   }
   return rate;  // 0: one instant
 }

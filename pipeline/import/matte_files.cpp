@@ -49,7 +49,7 @@ Result<void> MatteFiles::save(std::size_t camera, const RigCamera& rig_camera, i
                 text("cannot make a folder in ", layout.mattes().string(), ": ", error.message()));
   const std::size_t first = stills.size() == 1 ? 0 : static_cast<std::size_t>(range_.first);
   for (int frame = 0; frame < count; ++frame) {
-    const std::size_t at = first + static_cast<std::size_t>(frame);
+    const std::size_t at = first + static_cast<std::size_t>(frame * range_.step);
     if (at >= stills.size())
       return fail(ErrorCode::NotFound,
                   text(stills.back().parent_path().string(), ": camera '", rig_camera.serial, "' has ",

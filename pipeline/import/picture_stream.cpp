@@ -1,6 +1,8 @@
 #include "pipeline/import/picture_stream.h"
 
+#include <algorithm>
 #include <charconv>
+#include <vector>
 
 #include "core/text.h"
 
@@ -21,24 +23,27 @@ std::filesystem::path place_of(const CameraMedia& media) {
 }  // namespace
 
 Result<FrameRange> parse_frame_range(std::string_view s) {
-  const std::size_t colon = s.find(':');
-  const auto bad = [&] {
-    return fail(
-        ErrorCode::InvalidArgument,
-        text("'", s, "' is not a range of frames; write 10:20, 10: or :20 (the end is not included)"));
-  };
-  if (colon == std::string_view::npos || s.size() == 1) return bad();
-  const std::string_view a = s.substr(0, colon), b = s.substr(colon + 1);
-  FrameRange range;
-  if (!a.empty()) {
-    const std::optional<int> first = whole_number(a);
-    if (!first) return bad();
-    range.first = *first;
+  const auto bad =
+      fail(ErrorCode::InvalidArgument,
+           text("'", s, "' names no frames; write 5, 10:20, 10:, :20 or 10:20:2 (the end is not included)"));
+  std::vector<std::string_view> parts;
+  for (std::size_t begin = 0; begin <= s.size();) {
+    const std::size_t end = std::min(s.find(':', begin), s.size());
+    parts.push_back(s.substr(begin, end - begin));
+    begin = end + 1;
   }
-  if (!b.empty()) {
-    range.end = whole_number(b);
-    if (!range.end || *range.end <= range.first) return bad();
+  std::vector<std::optional<int>> numbers(3);
+  bool any = false;
+  if (parts.size() > numbers.size()) return bad;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].empty()) continue;
+    numbers[i] = whole_number(parts[i]);
+    if (!numbers[i]) return bad;
+    any = true;
   }
+  FrameRange range{numbers[0].value_or(0), numbers[1], numbers[2].value_or(1)};
+  if (parts.size() == 1) range.end = range.first + 1;
+  if (!any || range.step < 1 || (range.end && *range.end <= range.first)) return bad;
   return range;
 }
 
@@ -46,11 +51,12 @@ Result<PictureStream> PictureStream::open(const CameraMedia& media, const FrameR
   PictureStream stream;
   stream.media_ = media;
   stream.end_ = range.end;
+  stream.step_ = range.step;
   if (!media.video.empty()) {
     Result<std::unique_ptr<capture::MediaReader>> video = capture::MediaReader::open(media.video);
     if (!video) return forward(video);
     stream.video_ = std::move(*video);
-    stream.frame_rate_ = stream.video_->frame_rate();
+    stream.frame_rate_ = stream.video_->frame_rate() / range.step;
   }
   // A camera of a single picture has it at every range's beginning: a range is about films.
   const bool one_still = media.video.empty() && media.stills.size() == 1;
@@ -75,12 +81,27 @@ Result<PictureStream> PictureStream::open(const CameraMedia& media, const FrameR
 
 Result<std::optional<Image>> PictureStream::next() {
   if (first_) return std::exchange(first_, std::nullopt);
+  if (Result<void> ok = skip(step_ - 1); !ok) return forward(ok);
   Result<std::optional<Image>> picture = decode();
   if (picture && *picture && ((*picture)->width != width_ || (*picture)->height != height_))
     return fail(ErrorCode::BadData,
                 text(place_of(media_).string(), ": picture ", position_ - 1, " is ", (*picture)->width, "x",
                      (*picture)->height, ", but the first one is ", width_, "x", height_));
   return picture;
+}
+
+// Files of their own are passed over; a video has to be decoded on the way.
+Result<void> PictureStream::skip(int pictures) {
+  for (int i = 0; i < pictures; ++i) {
+    if (!video_) {
+      ++next_still_, ++position_;
+      continue;
+    }
+    const Result<std::optional<Image>> skipped = decode();
+    if (!skipped) return forward(skipped);
+    if (!*skipped) break;
+  }
+  return {};
 }
 
 Result<std::optional<Image>> PictureStream::decode() {

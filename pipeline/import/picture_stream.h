@@ -11,13 +11,14 @@
 
 namespace floatstage::pipeline {
 
-/// Frames [first, end) of a video or a folder.
+/// Frames [first, end) of a video or a folder, every step-th of them.
 struct FrameRange {
   int first = 0;
   std::optional<int> end;
+  int step = 1;
 };
 
-/// "A:B" (B not included), "A:" or ":B".
+/// "5", "A:B" (B not included), "A:", ":B", or with a step behind a second colon: "A:B:2".
 Result<FrameRange> parse_frame_range(std::string_view text);
 
 /// One camera's pictures, one after the other, whether they lie in a video or in single files.
@@ -29,18 +30,20 @@ class PictureStream {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  double frame_rate() const { return frame_rate_; }  ///< the video's; 0 for single files
+  double frame_rate() const { return frame_rate_; }  ///< the video's by the step; 0 for single files
   /// The next picture, 3 channels, always of the first one's size (BadData otherwise); nothing after the
   /// last.
   Result<std::optional<Image>> next();
 
  private:
   Result<std::optional<Image>> decode();
+  Result<void> skip(int pictures);
 
   CameraMedia media_;
   std::size_t next_still_ = 0;
   int position_ = 0;  // of the next picture, in the video or folder
   std::optional<int> end_;
+  int step_ = 1;
   std::unique_ptr<capture::MediaReader> video_;
   std::optional<Image> first_;
   int width_ = 0, height_ = 0;

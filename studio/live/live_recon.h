@@ -12,7 +12,7 @@
 
 namespace floatstage::studio {
 
-/// Of `live --recon`: the machine of the studio that reconstructs.
+/// Of `live recon`: the machine of the studio that reconstructs.
 struct LiveReconOptions {
   std::string address;             ///< where viewers get the scenes
   std::vector<std::string> nodes;  ///< addresses of the capture nodes

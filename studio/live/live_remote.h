@@ -13,7 +13,7 @@
 
 namespace floatstage::studio {
 
-/// Of `live --view`: the machine of the studio that shows.
+/// Of `live view`: the machine of the studio that shows.
 struct LiveRemoteOptions {
   std::string recon;                 ///< address of the machine that reconstructs
   std::vector<std::string> nodes;    ///< addresses of the capture nodes

@@ -66,7 +66,7 @@ void RemoteScenes::notice_silence(Timestamp time) {
   silent_ = true;
   if (!remark_.empty()) return;  // scenes of another rig come
   remark_ = text("no scene comes from ", recon_,
-                 "; is `floatstage live --recon` running there, with this studio's keys and with nodes that "
+                 "; is `floatstage live recon` running there, with this studio's keys and with nodes that "
                  "see something?");
   log::warning(remark_);
 }

@@ -29,8 +29,8 @@ TEST(HullFlags, KnowWhetherAnythingWasSaid) {
 TEST(HullFlags, ComeBackFromTheirDescription) {
   for (const char* words :
        {"", "--votes strict", "--votes 5 --contour-tolerance 0.25",
-        "--method octree --resolution 96 --smoothing 0.25", "--volume -1 -2 -3 1.5 2 3",
-        "--collapse-slivers --smooth 3 --triangles 5000 --care-pixels 1 --care-loss 0.01"}) {
+        "--hull octree --resolution 96 --smoothing 0.25", "--volume -1 -2 -3 1.5 2 3",
+        "--collapse-slivers --smooth 3 --triangles 5000 --cleanup-pixels 1 --cleanup-loss 0.01"}) {
     const Result<recon::HullOptions> options = pipeline::hull_options(Parsed(words).flags);
     ASSERT_THAT(options, IsOk()) << words;
     const std::optional<recon::HullOptions> back = pipeline::parse_hull_options(pipeline::describe(*options));

@@ -40,84 +40,92 @@ EditorRequests control_key(const InputEvent& e, EditorState& state) {
   return requests;
 }
 
+// Whether the key moves in time.
+bool time_key(int key, EditorState& state) {
+  TimeLine& time = state.time;
+  switch (key) {
+    case ' ':
+      time.playing = !time.playing;
+      return true;
+    case kKeyLeft:
+      time.step(-1);
+      return true;
+    case kKeyRight:
+      time.step(1);
+      return true;
+    case kKeyHome:
+      time.seek(0);
+      return true;
+    case kKeyEnd:
+      time.seek(time.frames() - 1);
+      return true;
+    case ',':
+      jump(state, state.session.keyframe_before(time.frame()), "there is no keyframe before this frame");
+      return true;
+    case '.':
+      jump(state, state.session.keyframe_after(time.frame()), "there is no keyframe after this frame");
+      return true;
+    case 'W':
+      go_to_worst(state);
+      return true;
+    default:
+      return false;
+  }
+}
+
+// Whether the key changes the tool or how the matte is looked at.
+bool tool_key(int key, EditorState& state) {
+  EditSession& session = state.session;
+  const int views = static_cast<int>(matte_view_names().size());
+  if (key >= '1' && key < '1' + views) {
+    state.view = static_cast<MatteView>(key - '1');
+    return true;
+  }
+  switch (key) {
+    case 'V':
+      state.view = static_cast<MatteView>((static_cast<int>(state.view) + 1) % views);
+      return true;
+    case 'F':
+      session.tool = EditTool::Stroke;
+      return true;
+    case 'G':
+      session.tool = EditTool::Garbage;
+      return true;
+    case 'H':
+      session.tool = EditTool::HoldOut;
+      return true;
+    case '[':
+      session.grow(1 / kBrushStep);
+      return true;
+    case ']':
+      session.grow(kBrushStep);
+      return true;
+    case '0':
+      state.fit.whole();
+      return true;
+    case 'A':
+      state.automatic = !state.automatic;
+      return true;
+    case kKeyEscape:
+      session.give_up();
+      return true;
+    default:
+      return false;
+  }
+}
+
 EditorRequests key(const InputEvent& e, EditorState& state) {
   if (e.control) return control_key(e, state);
   EditorRequests requests;
-  TimeLine& time = state.time;
-  EditSession& session = state.session;
-  const int views = static_cast<int>(matte_view_names().size());
-  if (e.key >= '1' && e.key < '1' + views) state.view = static_cast<MatteView>(e.key - '1');
-  switch (e.key) {
-    case ' ':
-      time.playing = !time.playing;
-      break;
-    case kKeyLeft:
-      time.step(-1);
-      break;
-    case kKeyRight:
-      time.step(1);
-      break;
-    case kKeyHome:
-      time.seek(0);
-      break;
-    case kKeyEnd:
-      time.seek(time.frames() - 1);
-      break;
-    case ',':
-      jump(state, session.keyframe_before(time.frame()), "there is no keyframe before this frame");
-      break;
-    case '.':
-      jump(state, session.keyframe_after(time.frame()), "there is no keyframe after this frame");
-      break;
-    case 'W':
-      go_to_worst(state);
-      break;
-    case 'V':
-      state.view = static_cast<MatteView>((static_cast<int>(state.view) + 1) % views);
-      break;
-    case 'F':
-      session.tool = EditTool::Stroke;
-      break;
-    case 'G':
-      session.tool = EditTool::Garbage;
-      break;
-    case 'H':
-      session.tool = EditTool::HoldOut;
-      break;
-    case '[':
-      session.grow(1 / kBrushStep);
-      break;
-    case ']':
-      session.grow(kBrushStep);
-      break;
-    case '0':
-      state.fit.whole();
-      break;
-    case 'A':
-      state.automatic = !state.automatic;
-      break;
-    case kKeyEscape:
-      session.give_up();
-      break;
-    case kKeyDelete:
-      requests.edited = session.remove_keyframe(time.frame());
-      if (!requests.edited) state.status = "this frame is no keyframe";
-      break;
-    case kKeyEnter:
-      requests.remake = true;
-      break;
-    case kKeyTab:
-      requests.next_camera = true;
-      break;
-    case 'M':
-      requests.player = true;
-      break;
-    case kKeyF12:
-      requests.screenshot = true;
-      break;
-    default:
-      break;
+  if (time_key(e.key, state) || tool_key(e.key, state)) return requests;
+  if (e.key == kKeyDelete) {
+    requests.edited = state.session.remove_keyframe(state.time.frame());
+    if (!requests.edited) state.status = "this frame is no keyframe";
   }
+  requests.remake = e.key == kKeyEnter;
+  requests.next_camera = e.key == kKeyTab;
+  requests.player = e.key == 'M';
+  requests.screenshot = e.key == kKeyF12;
   return requests;
 }
 

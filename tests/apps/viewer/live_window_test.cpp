@@ -34,7 +34,7 @@ TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
   const Ended ended =
       run("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
           " live --source " +
-          take.string() + " --seconds 60 --rate 8 --out-size 900x600 --screenshot " + shot.string());
+          take.string() + " --seconds 60 --rate 8 --size 900x600 --screenshot " + shot.string());
   ASSERT_EQ(ended.code, 0) << ended.output;
   const Result<Image> picture = load_png(shot);
   ASSERT_THAT(picture, IsOk());

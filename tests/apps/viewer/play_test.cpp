@@ -137,7 +137,7 @@ TEST_F(PlayUnderXvfb, ShowsCamerasAndIntermediates) {
   const double plain = look_at_stage(screenshot("--background 000000"), 0).coverage;
   EXPECT_GT(look_at_stage(screenshot("--background 000000 --show-cameras"), 0).coverage, plain)
       << "no frusta";
-  const Stage weights = look_at_stage(screenshot("--background 000000 --output weights"), 0);
+  const Stage weights = look_at_stage(screenshot("--background 000000 --show weights"), 0);
   EXPECT_GT(weights.coverage, plain / 2);
 }
 

@@ -356,7 +356,10 @@ TEST(FrameRange, IsWrittenWithAColon) {
   EXPECT_EQ(parse_frame_range("2:5")->end, 5);
   EXPECT_EQ(parse_frame_range("2:")->end, std::nullopt);
   EXPECT_EQ(parse_frame_range(":5")->first, 0);
-  for (const char* bad : {"", ":", "5", "5:5", "5:2", "-1:2", "a:b", "1:2:3"})
+  EXPECT_EQ(parse_frame_range("2:9:3")->step, 3);
+  EXPECT_EQ(parse_frame_range("5")->first, 5);
+  EXPECT_EQ(parse_frame_range("5")->end, 6);
+  for (const char* bad : {"", ":", "5:5", "5:2", "-1:2", "a:b", "1:2:0", "1:2:3:4", "::"})
     EXPECT_THAT(parse_frame_range(bad), FailsWith(ErrorCode::InvalidArgument, bad)) << bad;
 }
 

@@ -65,11 +65,12 @@ struct StudioLab {
   }
 
   std::unique_ptr<RunningProgram> start_recon() const {
-    return lab->run(kRecon,
-                    {FLOATSTAGE_PROGRAM, "live", "--recon", recon_address(), "--nodes", node_address(kLeft),
-                     node_address(kRight), "--rig", (folder / "rig.json").string(), "--keys",
-                     (folder / "studio.keys").string(), "--longest-wait", "1000", "--json", json_of("recon")},
-                    (folder / "recon.log").string());
+    return lab->run(
+        kRecon,
+        {FLOATSTAGE_PROGRAM, "live", "recon", recon_address(), "--nodes",
+         node_address(kLeft) + "," + node_address(kRight), "--rig", (folder / "rig.json").string(), "--keys",
+         (folder / "studio.keys").string(), "--longest-wait", "1000", "--json", json_of("recon")},
+        (folder / "recon.log").string());
   }
 };
 
