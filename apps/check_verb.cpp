@@ -23,13 +23,12 @@ using Verdict = Finding::Verdict;
 
 Finding look_at_gl() {
   Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
-  if (!gl) return {Verdict::Fail, "OpenGL: " + gl.error().message};
+  if (!gl) return {Verdict::Warn, "OpenGL: " + gl.error().message + "; pictures are drawn in native code"};
   const std::string who = (*gl)->description();
-  const bool software = who.find("llvmpipe") != std::string::npos;
-  return software
-             ? Finding{Verdict::Warn,
-                       "OpenGL: " + who + "; renders on the processor, a GPU with its driver would be faster"}
-             : Finding{Verdict::Pass, "OpenGL: " + who};
+  if ((*gl)->is_software())
+    return {Verdict::Warn,
+            "OpenGL: " + who + "; pictures are drawn in native code, a GPU with its driver would be faster"};
+  return {Verdict::Pass, "OpenGL: " + who};
 }
 
 Finding look_at_display() {

@@ -16,7 +16,7 @@
 #include "pipeline/evaluate/evaluate_mattes.h"
 #include "pipeline/evaluate/picture_sheet.h"
 #include "pipeline/json_report.h"
-#include "render/gl_context.h"
+#include "render/back_end.h"
 
 namespace floatstage::apps {
 namespace {
@@ -194,8 +194,9 @@ Result<void> run(const Options& given) {
   options.frames = std::move(*frames);
   if (!given.sheet.empty())
     if (Result<void> ok = make_folder(given.sheet); !ok) return ok;
-  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
-  if (!gl) return forward(gl);
+  const Result<render::OpenBackEnd> drawing = render::open_back_end(options.renderer.back_end);
+  if (!drawing) return forward(drawing);
+  options.renderer.back_end = drawing->back_end;
 
   std::vector<Row> rows;
   const std::size_t held = options.hold_out.empty() ? (*take)->rig().cameras.size() : options.hold_out.size();

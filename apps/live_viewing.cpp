@@ -14,7 +14,7 @@
 #include "pipeline/camera_path.h"
 #include "pipeline/film.h"
 #include "pipeline/json_report.h"
-#include "render/gl_context.h"
+#include "render/back_end.h"
 #include "studio/live/live_chain.h"
 #include "studio/live/live_remote.h"
 #include "studio/messages/clock.h"
@@ -27,10 +27,10 @@ nlohmann::ordered_json to_json(const studio::Series& s) {
 }
 
 nlohmann::ordered_json to_report(const studio::LiveReport& r, const std::string& source,
-                                 const std::string& gl) {
+                                 const std::string& renderer) {
   nlohmann::ordered_json json;
   json["source"] = source;
-  json["gl"] = gl;
+  json["renderer"] = renderer;
   json["seconds"] = r.seconds;
   json["fps"] = r.shown.mean(r.seconds);
   json["fps_slowest_second"] = r.shown.slowest(r.seconds, 1);
@@ -98,16 +98,18 @@ Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* 
   };
   if (!o.snapshots.empty())
     if (Result<void> ok = make_folder(o.snapshots); !ok) return ok;
-  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
-  if (!gl) return forward(gl);
+  const Result<render::OpenBackEnd> drawing = render::open_back_end(o.run.renderer.back_end);
+  if (!drawing) return forward(drawing);
+  studio::LiveRunOptions options = o.run;
+  options.renderer.back_end = drawing->back_end;
   Snapshots snapshots(o.snapshots, o.run.renderer.background);
   const Timestamp begun = studio::now();
   const Result<studio::LiveReport> report = studio::run_live(
-      feed, o.run, view_at, interrupted, [&](const studio::LivePicture& p) { return snapshots.take(p); });
+      feed, options, view_at, interrupted, [&](const studio::LivePicture& p) { return snapshots.take(p); });
   if (!report) return forward(report);
   print(*report);
   if (o.json.empty()) return {};
-  nlohmann::ordered_json json = to_report(*report, feed.description(), (*gl)->description());
+  nlohmann::ordered_json json = to_report(*report, feed.description(), drawing->description);
   if (network != nullptr) json["network"] = to_json(network->network(), seconds(studio::now() - begun));
   return pipeline::save_json(json, o.json);
 }
@@ -136,6 +138,7 @@ void add_viewing_flags(CLI::App& verb, LiveViewing& o) {
   add_json(verb, o.json);
   add_blend(verb, o.blend);
   add_background(verb, o.background);
+  add_back_end_flag(verb, o.back_end);
   verb.add_option("--orbit", o.orbit, "Headless: seconds of a walk around the stage")
       ->capture_default_str()
       ->check(CLI::PositiveNumber)
@@ -171,6 +174,7 @@ Result<void> settle(LiveViewing& o) {
   o.run.height = o.size.height;
   RendererFlags flags;
   flags.background = o.background;
+  flags.back_end = o.back_end;
   flags.options.cameras = o.blend;
   const Result<render::RendererOptions> renderer = renderer_options(flags);
   if (!renderer) return forward(renderer);

@@ -12,7 +12,7 @@
 #include "pipeline/json_report.h"
 #include "pipeline/picture_sink.h"
 #include "pipeline/scene_loader.h"
-#include "render/gl_context.h"
+#include "render/back_end.h"
 
 namespace floatstage::apps {
 namespace {
@@ -55,8 +55,9 @@ Result<void> run(const Options& given) {
     if (!box) return forward(box);
     *path = pipeline::orbit_path((*take)->rig(), *box, given.seconds > 0 ? given.seconds : kOrbitSeconds);
   }
-  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
-  if (!gl) return forward(gl);
+  const Result<render::OpenBackEnd> drawing = render::open_back_end(film.renderer.back_end);
+  if (!drawing) return forward(drawing);
+  film.renderer.back_end = drawing->back_end;
   const int columns = static_cast<int>(film.methods.size());
   Result<std::unique_ptr<pipeline::PictureSink>> sink =
       pipeline::open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
@@ -80,7 +81,7 @@ Result<void> run(const Options& given) {
                               {"pictures", report->pictures},
                               {"seconds", report->seconds},
                               {"render_seconds", report->render_seconds},
-                              {"gl", (*gl)->description()}},
+                              {"renderer", drawing->description}},
                              given.json_file);
 }
 

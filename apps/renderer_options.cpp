@@ -5,7 +5,16 @@
 
 namespace floatstage::apps {
 
+void add_back_end_flag(CLI::App& verb, std::string& back_end) {
+  verb.add_option("--renderer", back_end,
+                  "What draws: cpu (native code), gl (OpenGL), or auto: gl where a GPU draws, else cpu")
+      ->capture_default_str()
+      ->check(one_of(render::back_end_names()))
+      ->group(kGroupPicture);
+}
+
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
+  add_back_end_flag(verb, flags.back_end);
   render::RendererOptions& o = flags.options;
   add_blend(verb, o.cameras);
   add_background(verb, flags.background);
@@ -25,6 +34,9 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
 
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
   render::RendererOptions options = flags.options;
+  const Result<render::BackEnd> back_end = render::parse_back_end(flags.back_end);
+  if (!back_end) return forward(back_end);
+  options.back_end = *back_end;
   const std::vector<std::string>& names = render::render_output_names();
   const std::size_t shown = place_of(names, flags.show);
   if (shown == names.size())

@@ -12,10 +12,12 @@ namespace floatstage::apps {
 /// The renderer's options as flags, the same for every verb that renders.
 struct RendererFlags {
   render::RendererOptions options;
-  std::string show = "color", background = "000000";
+  std::string show = "color", background = "000000", back_end = "auto";
 };
 
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags);
+/// --renderer alone, for verbs that choose the rest by themselves.
+void add_back_end_flag(CLI::App& verb, std::string& back_end);
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags);
 
 /// "Method:" and a line for each: nearest, linear, floating.

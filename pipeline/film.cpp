@@ -105,7 +105,8 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   const Clock::time_point begin = Clock::now();
   std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
   for (const std::string& method : options.methods) {
-    Result<std::unique_ptr<render::ViewRenderer>> r = render::make_renderer(method);
+    Result<std::unique_ptr<render::ViewRenderer>> r =
+        render::make_renderer(method, options.renderer.back_end);
     if (!r) return forward(r);
     renderers.push_back(std::move(*r));
   }
@@ -117,7 +118,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
   const double film_seconds = static_cast<double>(frames.size()) / options.frame_rate;
   SceneStream scenes(take, options.suppress_spill, frames);
-  render::SceneTextures textures;
+  render::Scene drawn;
   FilmReport report;
   ProgressPart progress(options.progress, "pictures", frames.size());
   for (std::size_t p = 0; p < frames.size(); ++p) {
@@ -127,14 +128,14 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     if (p == 0 || frames[p] != frames[p - 1]) {
       Result<SceneFrame> scene = scenes.at(p);
       if (!scene) return forward(scene);
-      if (Result<void> ok = textures.upload(*rig, *scene); !ok) return in_frame(ok.error());
+      if (Result<void> ok = drawn.set(*rig, *scene); !ok) return in_frame(ok.error());
     }
     const double film_time = static_cast<double>(p) / options.frame_rate;
     const PathKey key = sample(path, film_time / film_seconds * path.duration());
     FilmPicture picture{
         static_cast<int>(p), frames[p], view_of(key, options.width, options.height, *box), {}};
     for (const std::unique_ptr<render::ViewRenderer>& renderer : renderers) {
-      Result<render::RenderedView> rendered = renderer->render(textures, picture.view, options.renderer);
+      Result<render::RenderedView> rendered = renderer->render(drawn, picture.view, options.renderer);
       if (!rendered) return in_frame(rendered.error());
       picture.renders.push_back(render::download(*rendered));
     }

@@ -39,7 +39,8 @@ struct FilmReport {
 };
 
 /// Walks the virtual camera along `path` while the take plays and hands each picture to `visit`, in order, on
-/// the calling thread. Needs a current GL context. Stops at the first error of `visit`.
+/// the calling thread. The renderer's back-end must be open (open_back_end()). Stops at the first error of
+/// `visit`.
 Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path, const FilmOptions& options,
                                const std::function<Result<void>(FilmPicture)>& visit);
 

@@ -23,7 +23,7 @@ struct FlowField {
 };
 
 struct FlowOptions {
-  std::string backend = "dis";    ///< see flow_backends()
+  std::string backend = "dis";    ///< see flow_backends(); "none": nothing moves (no estimator)
   std::string preset = "medium";  ///< dis: "ultrafast", "fast", "medium"
   int finest_scale = 0;           ///< dis: level at which the search stops; 0 is full resolution
   int iterations = 0;             ///< 0: the preset's own

@@ -1,7 +1,9 @@
 #include "render/gl_context.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,7 @@ namespace floatstage::render {
 namespace {
 
 constexpr int kMajor = 4, kMinor = 5;
+constexpr const char* kSoftware[] = {"llvmpipe", "softpipe", "swrast", "SWR", "Software"};  // GL_RENDERER
 
 bool has_extension(const char* list, const char* name) {
   if (list == nullptr) return false;
@@ -44,6 +47,11 @@ class AdoptedContext : public GlContext {
  public:
   std::string description() const override {
     return text(gl_string(GL_VENDOR), ", ", gl_string(GL_RENDERER), ", OpenGL ", gl_string(GL_VERSION));
+  }
+  bool is_software() const override {
+    const std::string name = gl_string(GL_RENDERER);
+    return std::any_of(std::begin(kSoftware), std::end(kSoftware),
+                       [&](const char* s) { return name.find(s) != std::string::npos; });
   }
 };
 

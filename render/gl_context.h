@@ -8,8 +8,8 @@
 namespace floatstage::render {
 
 /// An OpenGL 4.5 core context that is current on the thread that made it, with our conventions set
-/// (glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE)). Everything of render/ is used on that thread, while it
-/// lives.
+/// (glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE)). Everything that draws with GL is used on that thread,
+/// while it lives.
 class GlContext {
  public:
   /// Without a window: EGL on a GPU's device platform where there is one, else surfaceless Mesa (llvmpipe).
@@ -20,6 +20,7 @@ class GlContext {
 
   virtual ~GlContext() = default;
   virtual std::string description() const = 0;  ///< vendor, renderer, version
+  virtual bool is_software() const = 0;         ///< drawn by the CPU (llvmpipe and its like)
 };
 
 }  // namespace floatstage::render

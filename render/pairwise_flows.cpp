@@ -51,6 +51,15 @@ void drop_jitter(FlowField& field) {
 Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<bool>& wanted,
                                      const FlowOptions& options, int threads) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
+  if (options.backend == "none") {
+    fields_.resize(pairs);
+    for (FlowField& field : fields_) {
+      field.width = images.width;
+      field.height = images.height;
+      field.uv.assign(2 * images.gray.front().size(), 0);
+    }
+    return {};
+  }
   if (options_ != options) estimators_.clear();
   options_ = options;
   while (estimators_.size() < pairs) {

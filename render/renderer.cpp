@@ -6,6 +6,7 @@
 
 #include "core/text.h"
 #include "render/camera_choice.h"
+#include "render/cpu/renderers.h"
 #include "render/gl/blend_renderer.h"
 #include "render/gl/floating_renderer.h"
 
@@ -16,17 +17,19 @@ constexpr int kMostFlowShrink = 8;
 constexpr double kLargestRadius = 64;  // px; distances are stored in bytes
 
 // The table of renderers: one line each.
+using Maker = Result<std::unique_ptr<ViewRenderer>> (*)();
 struct Entry {
   const char* name;
   const char* help;
-  Result<std::unique_ptr<ViewRenderer>> (*make)();
+  Maker cpu, gl;
 };
 constexpr Entry kRenderers[] = {
-    {"nearest", "the best camera per pixel, no blending", [] { return make_blend_renderer(true); }},
+    {"nearest", "the best camera per pixel, no blending", [] { return cpu::make_blend_renderer(true); },
+     [] { return make_blend_renderer(true); }},
     {"linear", "Unstructured Lumigraph: photographs blended by viewing angle",
-     [] { return make_blend_renderer(false); }},
+     [] { return cpu::make_blend_renderer(false); }, [] { return make_blend_renderer(false); }},
     {"floating", "Floating Textures: photographs aligned by optical flow, then blended",
-     make_floating_renderer},
+     cpu::make_floating_renderer, make_floating_renderer},
 };
 
 }  // namespace
@@ -53,10 +56,10 @@ Result<void> check(const RendererOptions& o) {
   return {};
 }
 
-Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name) {
+Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name, BackEnd back_end) {
   std::string known;
   for (const Entry& entry : kRenderers) {
-    if (name == entry.name) return entry.make();
+    if (name == entry.name) return back_end == BackEnd::Gl ? entry.gl() : entry.cpu();
     known += text(known.empty() ? "" : ", ", entry.name);
   }
   return fail(ErrorCode::InvalidArgument, text("unknown renderer '", name, "'; there are: ", known));
@@ -75,6 +78,7 @@ std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& vi
 }
 
 Image download(const RenderedView& view) {
+  if (view.picture != nullptr) return *view.picture;
   Image image(view.width, view.height, 4);
   glGetTextureImage(view.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, static_cast<GLsizei>(image.pixels.size()),
                     image.pixels.data());

@@ -9,8 +9,9 @@
 #include "core/image.h"
 #include "core/result.h"
 #include "core/view.h"
+#include "render/back_end.h"
 #include "render/flow.h"
-#include "render/gl/scene_textures.h"
+#include "render/scene.h"
 
 namespace floatstage::render {
 
@@ -34,31 +35,35 @@ struct RendererOptions {
   FlowOptions flow;            ///< floating only
   bool sharp = true;  ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
                       ///< and much faster without a GPU
-  int threads = 0;    ///< CPU threads of the flow; 0: one per core. The picture does not depend on it
+  int threads = 0;    ///< CPU threads; 0: one per core. The picture does not depend on it
+  BackEnd back_end = BackEnd::Auto;  ///< what callers ask make_renderer() for
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;
 };
 Result<void> check(const RendererOptions& options);
 
-/// A rendered picture on the GPU. The texture belongs to the renderer and is valid until its next render().
+/// A rendered picture, which belongs to the renderer and is valid until its next render(): RGBA8, alpha = the
+/// proxy's coverage, straight.
 struct RenderedView {
-  unsigned texture = 0;  ///< GL_TEXTURE_2D, RGBA8, alpha = the proxy's coverage, straight
+  unsigned texture = 0;            ///< GL back-end: a GL_TEXTURE_2D; 0 otherwise
+  const Image* picture = nullptr;  ///< CPU back-end: rows top first; null otherwise
   int width = 0, height = 0;
   std::vector<int> cameras;  ///< the photographs used, strongest first
 };
 
-/// Draws a SceneFrame from a View. Use on the GL thread only. Same inputs, same bytes.
+/// Draws a Scene from a View. One thread at a time, with GL the GL thread. Same inputs, same bytes.
 class ViewRenderer {
  public:
   virtual ~ViewRenderer() = default;
   /// InvalidArgument for a view with a lens, an empty size or no usable camera (the sentence says which).
-  virtual Result<RenderedView> render(const SceneTextures& scene, const View& view,
+  virtual Result<RenderedView> render(const Scene& scene, const View& view,
                                       const RendererOptions& options) = 0;
 };
 
 /// "nearest": the best camera per pixel. "linear": Unstructured Lumigraph (Buehler et al. 2001) angular
-/// weights. "floating": Floating Textures (thesis ch. 11).
-Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name);
+/// weights. "floating": Floating Textures (thesis ch. 11). Auto makes one for the CPU, which always works;
+/// open_back_end() says what is best. For Gl a context must be current.
+Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name, BackEnd back_end);
 struct RendererInfo {
   std::string name, help;
 };
@@ -68,7 +73,7 @@ std::vector<RendererInfo> renderers();
 /// rig.cameras. What a viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count);
 
-/// Reads a rendered view back: RGBA, rows top first.
+/// A copy of a rendered view, from wherever it is: RGBA, rows top first.
 Image download(const RenderedView& view);
 
 }  // namespace floatstage::render

@@ -13,7 +13,7 @@
 #include "pipeline/picture_sink.h"
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
-#include "render/gl_context.h"
+#include "render/back_end.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -56,13 +56,14 @@ Scores against_truth(const SyntheticStudio& studio, const FilmPicture& picture, 
 Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studio, DemoReport& report) {
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.out / "take");
   if (!take) return forward(take);
-  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
-  if (!gl) return forward(gl);
+  const Result<render::OpenBackEnd> drawing = render::open_back_end(render::BackEnd::Auto);
+  if (!drawing) return forward(drawing);
   Result<Eigen::AlignedBox3d> box = subject_box(**take);
   if (!box) return forward(box);
 
   FilmOptions film{.frame_rate = options.film_rate, .frames = {}, .methods = kMethods, .renderer = {}};
   for (int f = 0; f < (*take)->frame_count(); ++f) film.frames.push_back(f);
+  film.renderer.back_end = drawing->back_end;
   film.renderer.background = {0.16f, 0.17f, 0.19f};
   film.renderer.cameras = options.blend;
   Result<std::unique_ptr<PictureSink>> freeview =

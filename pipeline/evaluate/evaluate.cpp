@@ -74,7 +74,7 @@ Result<Instant> load_instant(capture::TakeReader& take, int frame) {
 struct Methods {
   std::vector<std::string> names;
   std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
-  render::SceneTextures textures;
+  render::Scene scene;
 };
 
 Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int held, Methods& methods,
@@ -104,12 +104,12 @@ Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int he
   scene.mesh = std::move(hull->mesh);
   std::vector<bool> usable(rig.cameras.size(), true);
   usable[h] = false;
-  if (Result<void> ok = methods.textures.upload(rig, scene, usable); !ok) return forward(ok);
+  if (Result<void> ok = methods.scene.set(rig, scene, usable); !ok) return forward(ok);
 
   const View from = view_of_camera(camera, scene.mesh);
   for (std::size_t m = 0; m < methods.names.size(); ++m) {
     Result<render::RenderedView> rendered =
-        methods.renderers[m]->render(methods.textures, from, options.renderer);
+        methods.renderers[m]->render(methods.scene, from, options.renderer);
     if (!rendered) return forward(rendered);
     const Image rgba = render::download(*rendered);
     if (view.mask.empty()) view.mask = erode_mask(both(view.silhouette, rgba), kErode);
@@ -139,7 +139,8 @@ Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& opt
   if (!held) return forward(held);
   Methods methods{options.methods, {}, {}};
   for (const std::string& name : options.methods) {
-    Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(name);
+    Result<std::unique_ptr<render::ViewRenderer>> renderer =
+        render::make_renderer(name, options.renderer.back_end);
     if (!renderer) return forward(renderer);
     methods.renderers.push_back(std::move(*renderer));
   }

@@ -37,8 +37,8 @@ struct HeldOutView {
 };
 
 /// Leave-one-out on a processed take: each held-out photograph is never used (not for the hull, colour or
-/// flow), every other view stays. Calls `report` once per view as soon as it is done. Needs a current GL
-/// context.
+/// flow), every other view stays. Calls `report` once per view as soon as it is done. The renderer's
+/// back-end must be open (open_back_end()).
 Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& options,
                            const std::function<Result<void>(HeldOutView)>& report);
 

@@ -14,17 +14,18 @@ class BlendRenderer : public ViewRenderer {
         inspection_(std::move(inspection)),
         blend_(std::move(blend)) {}
 
-  Result<RenderedView> render(const SceneTextures& scene, const View& view,
-                              const RendererOptions& options) override {
+  Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    const Result<const SceneTextures*> textures = SceneTextures::of(scene);
+    if (!textures) return forward(textures);
     if (options.output == RenderOutput::Flow)
       return fail(ErrorCode::InvalidArgument,
                   "only the floating renderer has a flow to show; choose another output");
-    projection_.run(scene, view, options, 0, one_camera_);
+    projection_.run(**textures, view, options, 0, one_camera_);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
       if (inspection_.shows(options.output)) {
-        inspection_.draw(projection_, scene, view, target_);
+        inspection_.draw(projection_, **textures, view, target_);
       } else {
         glUseProgram(blend_.id());
         glUniform2i(0, w.x, w.y);

@@ -24,15 +24,16 @@ class FloatingRenderer : public ViewRenderer {
         float_(std::move(composite)),
         images_target_(gl::Framebuffer::create()) {}
 
-  Result<RenderedView> render(const SceneTextures& scene, const View& view,
-                              const RendererOptions& options) override {
+  Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
-    projection_.run(scene, view, options, kMargin, false);
+    const Result<const SceneTextures*> textures = SceneTextures::of(scene);
+    if (!textures) return forward(textures);
+    projection_.run(**textures, view, options, kMargin, false);
     const Window& w = projection_.window();
     target_.begin(view.model.width, view.model.height, options.background);
     if (!w.empty()) {
       if (inspection_.shows(options.output)) {
-        inspection_.draw(projection_, scene, view, target_);
+        inspection_.draw(projection_, **textures, view, target_);
       } else {
         project_images();
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);

@@ -1,7 +1,5 @@
 #include "render/gl/inspection.h"
 
-#include "render/gl/scene_textures_impl.h"
-
 namespace floatstage::render {
 
 Result<Inspection> Inspection::create() {
@@ -20,7 +18,7 @@ bool Inspection::shows(RenderOutput output) const {
 
 void Inspection::draw(const Projection& projection, const SceneTextures& scene, const View& view,
                       const ViewTarget& target) const {
-  const Eigen::AlignedBox3f& box = scene.impl().box;
+  const Eigen::AlignedBox3f& box = scene.scene->box;
   const float middle =
       static_cast<float>((view.view_from_world * Eigen::Vector3d(box.center().cast<double>())).z());
   const float radius = 0.5F * box.diagonal().norm() + 1e-6F;
@@ -34,21 +32,12 @@ void Inspection::draw(const Projection& projection, const SceneTextures& scene, 
                      w.x, w.y, w.width, w.height);
 }
 
-Result<void> check_render(const SceneTextures& scene, const View& view, const RendererOptions& options) {
-  if (Result<void> ok = check(options); !ok) return ok;
-  if (Result<void> ok = check(view); !ok) return ok;
-  if (scene.impl().cameras.empty())
-    return fail(ErrorCode::InvalidArgument,
-                "the scene has no usable camera: upload pictures before rendering");
-  return {};
-}
-
-RenderedView rendered_view(const SceneTextures& scene, const View& view, const Projection& projection,
+RenderedView rendered_view(const Scene& scene, const View& view, const Projection& projection,
                            const ViewTarget& target) {
-  RenderedView out{target.texture(), view.model.width, view.model.height, {}};
-  for (std::size_t i = 0; i < projection.choice().chosen; ++i)
-    out.cameras.push_back(scene.impl().rig_index[static_cast<std::size_t>(projection.choice().listed[i])]);
-  return out;
+  return {.texture = target.texture(),
+          .width = view.model.width,
+          .height = view.model.height,
+          .cameras = cameras_of(scene, projection.choice())};
 }
 
 }  // namespace floatstage::render

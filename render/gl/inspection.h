@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/gl/projection.h"
+#include "render/renderer_checks.h"
 
 namespace floatstage::render {
 
@@ -16,11 +17,8 @@ class Inspection {
   gl::Program program_;
 };
 
-/// The refusals that all renderers share.
-Result<void> check_render(const SceneTextures& scene, const View& view, const RendererOptions& options);
-
 /// What render() returns once the target is drawn.
-RenderedView rendered_view(const SceneTextures& scene, const View& view, const Projection& projection,
+RenderedView rendered_view(const Scene& scene, const View& view, const Projection& projection,
                            const ViewTarget& target);
 
 }  // namespace floatstage::render

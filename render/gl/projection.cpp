@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "core/text.h"
-#include "render/gl/scene_textures_impl.h"
 
 namespace floatstage::render {
 namespace {
 
-constexpr int kWindowGrid = 16;             // px
-constexpr double kToleranceShare = 0.0125;  // of the proxy's diagonal: the automatic depth tolerance
-constexpr float kNothing = 1e30F;           // shaders/view.glsl has the same
+constexpr float kNothing = 1e30F;  // shaders/view.glsl has the same
 
 Eigen::Matrix4d clip_from_view(const View& view) {
   const CameraModel& m = view.model;
@@ -46,61 +40,6 @@ std::array<float, 16> columns(const Eigen::Matrix4d& m) {
 float f(double v) { return static_cast<float>(v); }
 
 }  // namespace
-
-Result<void> check(const View& view) {
-  if (!std::holds_alternative<std::monostate>(view.model.lens))
-    return fail(ErrorCode::InvalidArgument,
-                "the view has a lens; a virtual camera is a pinhole: pass pinhole(model)");
-  if (Result<void> ok = check(view.model); !ok)
-    return fail(ErrorCode::InvalidArgument, text("the view: ", ok.error().message));
-  if (!(view.near_plane > 0) || !(view.far_plane > view.near_plane) || !std::isfinite(view.far_plane))
-    return fail(ErrorCode::InvalidArgument, text("the view's planes ", view.near_plane, " and ",
-                                                 view.far_plane, " m are not 0 < near < far"));
-  if (!view.view_from_world.translation.allFinite() || !view.view_from_world.rotation.coeffs().allFinite() ||
-      std::abs(view.view_from_world.rotation.norm() - 1) > 1e-6)
-    return fail(ErrorCode::InvalidArgument, "the view's transform is not a finite rotation and translation");
-  return {};
-}
-
-Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions, int margin) {
-  const CameraModel& m = view.model;
-  const Eigen::Matrix<float, 3, 4> transform =
-      (Eigen::Matrix4d() << m.k(), Eigen::Vector3d::Zero(), 0, 0, 0, 1)
-          .finished()
-          .topRows<3>()
-          .cast<float>() *
-      view.view_from_world.matrix().cast<float>();
-  const float near_plane = f(view.near_plane), infinity = std::numeric_limits<float>::infinity();
-  float low_x = infinity, low_y = infinity, high_x = -infinity, high_y = -infinity;
-  bool crosses_near = false;
-  for (const Eigen::Vector3f& position : positions) {
-    const Eigen::Vector3f p = transform * position.homogeneous();
-    if (p.z() < near_plane) {
-      crosses_near = true;
-      continue;
-    }
-    const float x = p.x() / p.z(), y = p.y() / p.z();
-    low_x = std::min(low_x, x);
-    low_y = std::min(low_y, y);
-    high_x = std::max(high_x, x);
-    high_y = std::max(high_y, y);
-  }
-  if (!(low_x <= high_x)) return {};
-  if (crosses_near) {  // what is cut at the near plane can cover anything
-    low_x = low_y = 0;
-    high_x = f(m.width);
-    high_y = f(m.height);
-  }
-  auto down = [](float v) { return static_cast<int>(std::floor(v / kWindowGrid)) * kWindowGrid; };
-  auto up = [](float v) { return static_cast<int>(std::ceil(v / kWindowGrid)) * kWindowGrid; };
-  const float grow = static_cast<float>(margin);
-  const float x0 = std::clamp(low_x, 0.F, f(m.width)) - grow, x1 = std::clamp(high_x, 0.F, f(m.width)) + grow;
-  const float y0 = std::clamp(low_y, 0.F, f(m.height)) - grow,
-              y1 = std::clamp(high_y, 0.F, f(m.height)) + grow;
-  if (high_x < -grow || low_x > f(m.width) + grow || high_y < -grow || low_y > f(m.height) + grow) return {};
-  const int left = down(x0), top = down(y0);
-  return {left, top, up(x1) - left, up(y1) - top};
-}
 
 void set_draw_buffers(const gl::Framebuffer& framebuffer, int count) {
   std::array<GLenum, 8> buffers{};
@@ -156,7 +95,6 @@ void Projection::reserve() {
 
 void Projection::write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options,
                                 bool one_camera) {
-  const SceneTextures::Impl& s = scene.impl();
   const CameraModel& m = view.model;
   ViewBlock block{};
   block.clip_from_world =
@@ -166,9 +104,8 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
   block.view_center = {f(eye.x()), f(eye.y()), f(eye.z()), 1};
   block.view_k = {f(m.fx), f(m.fy), f(m.cx), f(m.cy)};
   block.window = {f(window_.x), f(window_.y), f(window_.width), f(window_.height)};
-  const double tolerance = options.depth_tolerance > 0
-                               ? options.depth_tolerance
-                               : kToleranceShare * static_cast<double>(s.box.diagonal().norm());
+  const double tolerance =
+      options.depth_tolerance > 0 ? options.depth_tolerance : automatic_depth_tolerance(scene.scene->box);
   block.settings = {f(m.skew), f(options.soft_radius), f(tolerance), f(options.flow.shrink)};
   block.background = {options.background[0], options.background[1], options.background[2],
                       options.sharp ? 0.F : 1.F};
@@ -180,20 +117,19 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
   }
   gl::upload(uniforms_, uniform_capacity_, &block, sizeof block);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms_.id());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, s.camera_buffer.id());
-  glBindTextureUnit(0, s.photographs.id());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, scene.camera_buffer.id());
+  glBindTextureUnit(0, scene.photographs.id());
 }
 
 void Projection::run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
                      bool one_camera) {
-  const SceneTextures::Impl& s = scene.impl();
-  choice_ = s.choose(view, options.cameras);
-  window_ = window_of(view, s.positions, margin);
+  choice_ = scene.scene->choose(view, options.cameras);
+  window_ = window_of(view, scene.scene->mesh.positions, margin);
   if (window_.empty()) return;
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   glDisable(GL_SCISSOR_TEST);
-  s.depth_maps.ensure(choice_.listed, depth_map_.id(), s.mesh.id(), s.indices);
+  scene.depth_maps.ensure(choice_.listed, depth_map_.id(), scene.mesh.id(), scene.indices);
   reserve();
   write_uniforms(scene, view, options, one_camera);
 
@@ -205,11 +141,11 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glUseProgram(proxy_.id());
-  glBindVertexArray(s.mesh.id());
-  glDrawElements(GL_TRIANGLES, s.indices, GL_UNSIGNED_INT, nullptr);
+  glBindVertexArray(scene.mesh.id());
+  glDrawElements(GL_TRIANGLES, scene.indices, GL_UNSIGNED_INT, nullptr);
   glDisable(GL_DEPTH_TEST);
 
-  draw(visibility_target_.id(), visibility_pass_, {surface_.id(), s.depth_maps.texture()});
+  draw(visibility_target_.id(), visibility_pass_, {surface_.id(), scene.depth_maps.texture()});
   draw(rows_target_.id(), soft_rows_, {visibility_.id()});
   draw(weights_target_.id(), weights_pass_,
        {visibility_.id(), row_distances_.id(), angular_[0].id(), angular_[1].id()});

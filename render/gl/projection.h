@@ -5,15 +5,11 @@
 
 #include "render/camera_choice.h"
 #include "render/gl/gl_objects.h"
+#include "render/gl/scene_textures.h"
 #include "render/renderer.h"
+#include "render/view_window.h"
 
 namespace floatstage::render {
-
-/// A rectangle of a view, px. May reach beyond the view on every side.
-struct Window {
-  int x = 0, y = 0, width = 0, height = 0;
-  bool empty() const { return width <= 0 || height <= 0; }
-};
 
 /// Uniforms of every pass (std140; shaders/view.glsl has the twin).
 struct ViewBlock {
@@ -24,13 +20,6 @@ struct ViewBlock {
   std::array<std::array<float, 4>, kMostListed> camera_fade;
 };
 static_assert(sizeof(ViewBlock) == 128 + 5 * 16 + 3 * 16 + kMostListed * 16);
-
-/// InvalidArgument with a sentence for a view that cannot be drawn.
-Result<void> check(const View& view);
-
-/// The part of a view that a mesh covers, grown by `margin` px, cut at the view's border plus `margin`, with
-/// corners on multiples of 16 px (so that coarse levels of the flow see the same grid from view to view).
-Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions, int margin);
 
 /// The first half of every renderer: the proxy from the view, who sees what (depth maps, frame, matte), soft
 /// visibility (Eq. 11.5), and the cameras' weights, all as textures over a window of the view.

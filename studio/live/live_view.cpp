@@ -2,7 +2,7 @@
 
 namespace floatstage::studio {
 
-Result<bool> upload(const LiveScene& scene, const Rig& rig, render::SceneTextures& textures) {
+Result<bool> set_scene(const LiveScene& scene, const Rig& rig, render::Scene& to) {
   std::vector<render::PictureTile> tiles;
   for (const std::shared_ptr<const CameraView>& view : scene.views) {
     if (!view || !view->tile) continue;
@@ -11,13 +11,13 @@ Result<bool> upload(const LiveScene& scene, const Rig& rig, render::SceneTexture
       tiles.push_back({camera, view->tile->x, view->tile->y, &view->tile->picture, &view->tile->matte});
   }
   if (tiles.empty() || scene.scene.mesh.empty()) return false;
-  if (Result<void> ok = textures.upload(rig, scene.scene.mesh, tiles); !ok) return forward(ok);
+  if (Result<void> ok = to.set(rig, scene.scene.mesh, tiles); !ok) return forward(ok);
   return true;
 }
 
 Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
   scene_ = scene;
-  const Result<bool> uploaded = upload(*scene, rig_, textures_);
+  const Result<bool> uploaded = set_scene(*scene, rig_, drawn_);
   drawable_ = uploaded && *uploaded;
   return uploaded ? Result<void>() : forward(uploaded);
 }
@@ -27,13 +27,14 @@ Result<std::optional<render::RenderedView>> LiveView::render(const View& view, c
   if (!drawable_) return std::optional<render::RenderedView>();
   std::unique_ptr<render::ViewRenderer>& renderer = renderers_[quality.method];
   if (!renderer) {
-    Result<std::unique_ptr<render::ViewRenderer>> made = render::make_renderer(quality.method);
+    Result<std::unique_ptr<render::ViewRenderer>> made =
+        render::make_renderer(quality.method, options.back_end);
     if (!made) return forward(made);
     renderer = std::move(*made);
   }
   options.flow = quality.flow;
   options.sharp = quality.sharp;
-  Result<render::RenderedView> picture = renderer->render(textures_, view, options);
+  Result<render::RenderedView> picture = renderer->render(drawn_, view, options);
   if (!picture) return forward(picture);
   return std::optional<render::RenderedView>(*picture);
 }

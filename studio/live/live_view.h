@@ -12,11 +12,11 @@
 
 namespace floatstage::studio {
 
-/// Brings a scene's surface and textures to the GPU. False when there is nothing to draw: no subject, or no
-/// texture of it.
-Result<bool> upload(const LiveScene& scene, const Rig& rig, render::SceneTextures& textures);
+/// Prepares a scene's surface and textures for drawing. False when there is nothing to draw: no subject, or
+/// no texture of it.
+Result<bool> set_scene(const LiveScene& scene, const Rig& rig, render::Scene& to);
 
-/// Draws live scenes. GL thread only.
+/// Draws live scenes with options.back_end, which must be open. One thread, with GL the GL thread.
 class LiveView {
  public:
   explicit LiveView(Rig rig) : rig_(std::move(rig)) {}
@@ -29,14 +29,13 @@ class LiveView {
                                                      render::RendererOptions options);
 
   const LiveScene* scene() const { return scene_.get(); }
-  const render::SceneTextures& textures() const { return textures_; }
   bool has_subject() const { return drawable_; }
   const Rig& rig() const { return rig_; }
 
  private:
   const Rig rig_;
   std::shared_ptr<const LiveScene> scene_;
-  render::SceneTextures textures_;
+  render::Scene drawn_;
   std::map<std::string, std::unique_ptr<render::ViewRenderer>> renderers_;
   bool drawable_ = false;
 };

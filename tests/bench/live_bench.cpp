@@ -8,7 +8,7 @@
 
 #include "pipeline/camera_path.h"
 #include "pipeline/synthesize.h"
-#include "render/gl_context.h"
+#include "render/back_end.h"
 #include "studio/live/live_run.h"
 #include "studio/live/take_player.h"
 #include "tests/support/temp_folder.h"
@@ -35,8 +35,9 @@ struct Recorded {
 
 void live(benchmark::State& state) {
   static const Recorded recorded;
-  const auto gl = std::move(*render::GlContext::headless());
+  const auto drawing = std::move(*render::open_back_end(render::BackEnd::Auto));
   LiveRunOptions options;
+  options.renderer.back_end = drawing.back_end;
   options.width = kWidth;
   options.height = kHeight;
   options.quality = static_cast<std::size_t>(state.range(0));

@@ -1,7 +1,14 @@
-// Every render method at 640x480 and 1024x768 on the synthetic performer, and the flow alone.
-// Run: render_bench --benchmark_filter=Render/
+// Every render method at 640x480, 930x720 and 1024x768 on the synthetic performer, on both back-ends; how
+// they compare; and the flow alone. Run: render_bench --benchmark_filter=compare
+//
+// compare/…: `cpu_ms` and `gl_ms` are the process's CPU milliseconds a picture (so other work on the machine
+// does not count), `ratio` is gl / cpu, `psnr_db` and `coverage` (share of pixels) how far the pictures are
+// apart. `draw` is floating without flow, `picture` is floating with the flow of a default render.
 
+#include <chrono>
 #include <cmath>
+#include <ctime>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -14,12 +21,12 @@
 namespace floatstage::render {
 namespace {
 
-/// One instant of the studio on the GPU, shared by all benches of the program.
+/// One instant of the studio, shared by all benches of the program.
 struct Stage {
   std::unique_ptr<GlContext> context;
   Rig rig;
-  SceneFrame scene;
-  SceneTextures textures;
+  SceneFrame frame;
+  render::Scene scene;
 
   Stage() {
     context = std::move(*GlContext::headless());
@@ -27,12 +34,11 @@ struct Stage {
     const SyntheticStudio studio = std::move(*SyntheticStudio::create(rig, {}));
     for (int i = 0; i < static_cast<int>(rig.cameras.size()); ++i) {
       SyntheticShot shot = studio.shoot(i, 0);
-      scene.images.frames.push_back(std::move(shot.frame));
-      scene.mattes.push_back(std::move(shot.matte));
+      frame.images.frames.push_back(std::move(shot.frame));
+      frame.mattes.push_back(std::move(shot.matte));
     }
-    scene.mesh = studio.performer(0);
-    if (const Result<void> ok = textures.upload(rig, scene); !ok)
-      throw std::runtime_error(ok.error().message);
+    frame.mesh = studio.performer(0);
+    if (const Result<void> ok = scene.set(rig, frame); !ok) throw std::runtime_error(ok.error().message);
   }
 };
 
@@ -56,24 +62,111 @@ View orbit_view(int width, int height, int step) {
   return view;
 }
 
-void render(benchmark::State& state, const std::string& method) {
+double cpu_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+double wall_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void draw(benchmark::State& state, const std::string& method, render::BackEnd back_end) {
   const Stage& on = stage();  // first: it makes the context current
-  auto renderer = std::move(*make_renderer(method));
+  auto renderer = std::move(*make_renderer(method, back_end));
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
   int step = 0;
   for (auto _ : state) {
-    const auto picture = renderer->render(on.textures, orbit_view(width, height, step++), {});
+    const auto picture = renderer->render(on.scene, orbit_view(width, height, step++), {});
     if (!picture) return state.SkipWithError(picture.error().message.c_str());
     benchmark::DoNotOptimize(download(*picture));
   }
   state.SetItemsProcessed(state.iterations());
+}
+
+/// Squared differences and coverage of pictures of the same views.
+struct Apart {
+  double squares = 0, both = 0, one = 0, all = 0;
+  void add(const Image& a, const Image& b) {
+    for (std::size_t i = 0; i < a.pixels.size(); i += 4) {
+      ++all;
+      const bool in_a = a.pixels[i + 3] != 0, in_b = b.pixels[i + 3] != 0;
+      one += in_a != in_b;
+      if (!in_a || !in_b) continue;
+      ++both;
+      for (std::size_t c = 0; c < 3; ++c) squares += std::pow(a.pixels[i + c] - b.pixels[i + c], 2);
+    }
+  }
+  double psnr() const { return 10 * std::log10(255.0 * 255 / std::max(squares / (3 * both), 1e-9)); }
+};
+
+/// A new scene every time, as films of moving subjects and live pictures have it: depth maps are drawn too.
+void compare(benchmark::State& state, const FlowOptions& flow, bool same_scene) {
+  Stage& on = stage();
+  const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
+  RendererOptions options;
+  options.flow = flow;
+  constexpr int kPictures = 4;
+  std::map<render::BackEnd, double> ms;
+  for (auto _ : state) {
+    std::map<render::BackEnd, std::vector<Image>> pictures;
+    for (const render::BackEnd back_end : {render::BackEnd::Gl, render::BackEnd::Cpu}) {
+      auto renderer = std::move(*make_renderer("floating", back_end));
+      for (int i = -1; i < kPictures; ++i) {
+        if (!same_scene)
+          if (!on.scene.set(on.rig, on.frame)) return state.SkipWithError("the scene cannot be set");
+        const double begun = cpu_ms();
+        const auto picture = renderer->render(on.scene, orbit_view(width, height, std::max(i, 0)), options);
+        if (!picture) return state.SkipWithError(picture.error().message.c_str());
+        Image copy = download(*picture);
+        if (i < 0) continue;  // storage grows, shaders are compiled
+        ms[back_end] += (cpu_ms() - begun) / kPictures;
+        pictures[back_end].push_back(std::move(copy));
+      }
+    }
+    Apart apart;
+    for (std::size_t i = 0; i < kPictures; ++i)
+      apart.add(pictures[render::BackEnd::Gl][i], pictures[render::BackEnd::Cpu][i]);
+    state.counters["psnr_db"] = apart.psnr();
+    state.counters["coverage"] = apart.one / apart.all;
+  }
+  const auto n = static_cast<double>(state.iterations());
+  state.counters["gl_ms"] = ms[render::BackEnd::Gl] / n;
+  state.counters["cpu_ms"] = ms[render::BackEnd::Cpu] / n;
+  state.counters["ratio"] = ms[render::BackEnd::Gl] / ms[render::BackEnd::Cpu];
   state.SetLabel(on.context->description());
 }
 
-void upload(benchmark::State& state) {
+/// Wall time of the draw on one thread and on two.
+void two_threads(benchmark::State& state) {
+  Stage& on = stage();
+  const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
+  RendererOptions options;
+  options.flow.backend = "none";
+  auto renderer = std::move(*make_renderer("floating", render::BackEnd::Cpu));
+  std::map<int, double> best;
+  for (auto _ : state)
+    for (int round = 0; round < 12; ++round)
+      for (const int threads : {1, 2}) {
+        options.threads = threads;
+        if (!on.scene.set(on.rig, on.frame)) return state.SkipWithError("the scene cannot be set");
+        const double begun = wall_ms();
+        if (!renderer->render(on.scene, orbit_view(width, height, round), options))
+          return state.SkipWithError("no picture");
+        const double took = wall_ms() - begun;
+        if (round > 0) best[threads] = best[threads] == 0 ? took : std::min(best[threads], took);
+      }
+  state.counters["one_ms"] = best[1];
+  state.counters["two_ms"] = best[2];
+  state.counters["ratio"] = best[1] / best[2];
+}
+
+void set_scene(benchmark::State& state) {
   Stage& s = stage();
   for (auto _ : state)
-    if (!s.textures.upload(s.rig, s.scene)) state.SkipWithError("upload failed");
+    if (!s.scene.set(s.rig, s.frame)) state.SkipWithError("the scene cannot be set");
 }
 
 void flow(benchmark::State& state, const std::string& preset, int finest_scale) {
@@ -95,13 +188,27 @@ void flow(benchmark::State& state, const std::string& preset, int finest_scale) 
 }
 
 void sizes(benchmark::internal::Benchmark* bench) {
-  bench->Args({640, 480})->Args({1024, 768})->Unit(benchmark::kMillisecond)->UseRealTime();
+  bench->Args({640, 480})->Args({930, 720})->Args({1024, 768})->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
-BENCHMARK_CAPTURE(render, nearest, std::string("nearest"))->Apply(sizes);
-BENCHMARK_CAPTURE(render, linear, std::string("linear"))->Apply(sizes);
-BENCHMARK_CAPTURE(render, floating, std::string("floating"))->Apply(sizes);
-BENCHMARK(upload)->Unit(benchmark::kMillisecond);
+FlowOptions no_flow() {
+  FlowOptions options;
+  options.backend = "none";
+  return options;
+}
+
+constexpr render::BackEnd kCpu = render::BackEnd::Cpu, kGl = render::BackEnd::Gl;
+BENCHMARK_CAPTURE(compare, draw, no_flow(), false)->Apply(sizes)->Iterations(2);
+BENCHMARK_CAPTURE(compare, draw_same_scene, no_flow(), true)->Apply(sizes)->Iterations(2);
+BENCHMARK_CAPTURE(compare, picture, FlowOptions{}, false)->Apply(sizes)->Iterations(1);
+BENCHMARK(two_threads)->Apply(sizes)->Iterations(1);
+BENCHMARK_CAPTURE(draw, nearest_cpu, std::string("nearest"), kCpu)->Apply(sizes);
+BENCHMARK_CAPTURE(draw, linear_cpu, std::string("linear"), kCpu)->Apply(sizes);
+BENCHMARK_CAPTURE(draw, floating_cpu, std::string("floating"), kCpu)->Apply(sizes);
+BENCHMARK_CAPTURE(draw, nearest_gl, std::string("nearest"), kGl)->Apply(sizes);
+BENCHMARK_CAPTURE(draw, linear_gl, std::string("linear"), kGl)->Apply(sizes);
+BENCHMARK_CAPTURE(draw, floating_gl, std::string("floating"), kGl)->Apply(sizes);
+BENCHMARK(set_scene)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(flow, dis_medium_full, std::string("medium"), 0)->Apply(sizes);
 BENCHMARK_CAPTURE(flow, dis_medium_half, std::string("medium"), 1)->Apply(sizes);
 BENCHMARK_CAPTURE(flow, dis_fast_full, std::string("fast"), 0)->Apply(sizes);

@@ -6,7 +6,6 @@
 #include "pipeline/evaluate/evaluate.h"
 #include "pipeline/import/import.h"
 #include "pipeline/process/process.h"
-#include "render/gl_context.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
@@ -33,9 +32,7 @@ class RealTake : public testing::Test {
   /// Mean scores per method over the views, each held out in turn.
   std::map<std::string, pipeline::Scores> leave_out(const std::vector<std::string>& views) {
     auto reader = capture::TakeReader::open(take());
-    auto gl = render::GlContext::headless();
     EXPECT_THAT(reader, IsOk());
-    EXPECT_THAT(gl, IsOk());
     std::map<std::string, pipeline::Scores> mean;
     const double n = static_cast<double>(views.size());
     pipeline::EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};

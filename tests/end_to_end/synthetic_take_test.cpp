@@ -9,7 +9,6 @@
 #include "pipeline/evaluate/evaluate.h"
 #include "pipeline/process/process.h"
 #include "pipeline/synthesize.h"
-#include "render/gl_context.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
@@ -41,9 +40,7 @@ class SyntheticTake : public testing::Test {
 
   static std::vector<pipeline::HeldOutView> evaluate(const std::vector<std::string>& hold_out) {
     auto take = capture::TakeReader::open(*folder_ / "take");
-    auto gl = render::GlContext::headless();
     EXPECT_THAT(take, IsOk());
-    EXPECT_THAT(gl, IsOk());
     pipeline::EvaluateOptions options{.hold_out = hold_out, .renderer = {}, .hull = {}};
     options.hull.method = recon::HullMethod::Octree;
     options.hull.resolution = 160;
@@ -96,9 +93,7 @@ TEST_F(SyntheticTake, NeverUsesTheHeldOutPhotograph) {
 
 TEST_F(SyntheticTake, RefusesToHoldOutACameraThatIsNotThere) {
   auto take = capture::TakeReader::open(*folder_ / "take");
-  auto gl = render::GlContext::headless();
   ASSERT_THAT(take, IsOk());
-  ASSERT_THAT(gl, IsOk());
   pipeline::EvaluateOptions options{.hold_out = {"cam99"}, .renderer = {}, .hull = {}};
   EXPECT_THAT(pipeline::evaluate_take(**take, options, [](pipeline::HeldOutView) { return Result<void>(); }),
               FailsWith(ErrorCode::NotFound, "cam99"));

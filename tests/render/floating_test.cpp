@@ -5,7 +5,8 @@
 namespace floatstage::render {
 namespace {
 
-class Floating : public Rendering {};
+class Floating : public OnEachBackEnd {};
+FLOATSTAGE_ON_EACH_BACK_END(Floating);
 
 /// A large square in the plane x = 0, facing the cameras at positive x.
 Mesh wall(float half) {
@@ -61,7 +62,7 @@ Stage misprojected_square(double shift) {
   return stage;
 }
 
-TEST_F(Floating, AMisprojectedSquareAppearsOnceAtTheMeanPosition) {
+TEST_P(Floating, AMisprojectedSquareAppearsOnceAtTheMeanPosition) {
   const Stage stage = misprojected_square(4);
   const View view = view_at(0, 10, small_camera(200, 160));
   const Image linear = rendered(stage, view, "linear"), floating = rendered(stage, view, "floating");
@@ -79,7 +80,7 @@ TEST_F(Floating, AMisprojectedSquareAppearsOnceAtTheMeanPosition) {
   EXPECT_GE(width_at_half(linear), 31) << "the photographs do not disagree: nothing is tested";
 }
 
-TEST_F(Floating, TheMeanPositionFollowsTheWeights) {
+TEST_P(Floating, TheMeanPositionFollowsTheWeights) {
   const Stage stage = misprojected_square(4);
   const CameraModel model = small_camera(200, 160);
   // At a camera the square is where that photograph has it; in between it moves steadily from one to the
@@ -98,7 +99,7 @@ TEST_F(Floating, TheMeanPositionFollowsTheWeights) {
   EXPECT_NEAR(offsets.back(), 4, 0.7);
 }
 
-TEST_F(Floating, IdenticalProjectionsDoNotMoveAndBlendAsBefore) {
+TEST_P(Floating, IdenticalProjectionsDoNotMoveAndBlendAsBefore) {
   Stage stage = photographed(arc(1, 0), ball(0.25F, 48), ball(0.265F, 24));
   stage.rig.cameras.push_back(stage.rig.cameras[0]);
   stage.rig.cameras[1].serial = "twin";
@@ -117,7 +118,7 @@ TEST_F(Floating, IdenticalProjectionsDoNotMoveAndBlendAsBefore) {
   }
 }
 
-TEST_F(Floating, IsNearerToTheTruthThanLinearWhenTheProxyIsWrong) {
+TEST_P(Floating, IsNearerToTheTruthThanLinearWhenTheProxyIsWrong) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 48), ball(0.265F, 24));
   const View view = view_at(10);
   const Photograph truth =
@@ -130,7 +131,7 @@ TEST_F(Floating, IsNearerToTheTruthThanLinearWhenTheProxyIsWrong) {
   EXPECT_GT(score("floating"), score("linear") + 1);
 }
 
-TEST_F(Floating, TheNumberOfThreadsDoesNotChangeAByte) {
+TEST_P(Floating, TheNumberOfThreadsDoesNotChangeAByte) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 48), ball(0.265F, 24));
   render::RendererOptions one, two;
   one.threads = 1;
@@ -138,7 +139,7 @@ TEST_F(Floating, TheNumberOfThreadsDoesNotChangeAByte) {
   EXPECT_EQ(rendered(stage, view_at(7), "floating", one), rendered(stage, view_at(7), "floating", two));
 }
 
-TEST_F(Floating, WorksWithASingleCamera) {
+TEST_P(Floating, WorksWithASingleCamera) {
   const Stage stage = photographed(arc(1, 20), ball(0.25F, 24), ball(0.25F, 24));
   const Image linear = rendered(stage, view_at(4), "linear"),
               floating = rendered(stage, view_at(4), "floating");

@@ -1,9 +1,10 @@
 // Pictures compared with pictures looked at by a person. On failure expected, actual and difference are
 // written to FLOATSTAGE_GOLDEN_OUT (a folder; default: golden_failures in the working folder).
-// FLOATSTAGE_GOLDEN_UPDATE=1 writes the goldens anew: look at them before committing.
+// FLOATSTAGE_GOLDEN_UPDATE=1 writes the goldens anew, from the GL back-end: look at them before committing.
 
 #include <cstdlib>
 #include <filesystem>
+#include <tuple>
 
 #include "core/png.h"
 #include "tests/render/stage.h"
@@ -51,12 +52,21 @@ void write_failure(const Golden& golden, const Image& expected, const Image& act
     EXPECT_THAT(save_png(*image, folder / text(golden.name, "_", suffix, ".png")), IsOk());
 }
 
-class Goldens : public Rendering, public testing::WithParamInterface<Golden> {};
-INSTANTIATE_TEST_SUITE_P(Render, Goldens, testing::ValuesIn(kGoldens),
-                         [](const auto& param) { return std::string(param.param.name); });
+using Case = std::tuple<Golden, render::BackEnd>;
+
+class Goldens : public Rendering, public testing::WithParamInterface<Case> {
+ protected:
+  void SetUp() override { open(std::get<1>(GetParam())); }
+};
+INSTANTIATE_TEST_SUITE_P(Render, Goldens,
+                         testing::Combine(testing::ValuesIn(kGoldens),
+                                          testing::Values(render::BackEnd::Gl, render::BackEnd::Cpu)),
+                         [](const auto& param) {
+                           return text(std::get<0>(param.param).name, "_", name_of(std::get<1>(param.param)));
+                         });
 
 TEST_P(Goldens, LooksAsBefore) {
-  const Golden& golden = GetParam();
+  const auto& [golden, back_end] = GetParam();
   // A flattened ball with a wrong proxy, so that ghosts, occlusion and soft visibility have something to
   // show.
   const Stage stage = photographed(arc(5, 25), ball(0.25F, 48, 0.6F), ball(0.265F, 16, 0.6F));
@@ -70,7 +80,7 @@ TEST_P(Goldens, LooksAsBefore) {
     for (std::size_t c = 0; c < 3; ++c) mean[c] += actual.pixels[i + c];
   }
   for (double& m : mean) m /= covered;
-  if (std::getenv("FLOATSTAGE_GOLDEN_UPDATE") != nullptr) {
+  if (std::getenv("FLOATSTAGE_GOLDEN_UPDATE") != nullptr && back_end == render::BackEnd::Gl) {
     std::filesystem::create_directories(golden_file(golden).parent_path());
     ASSERT_THAT(save_png(actual, golden_file(golden), 9), IsOk());
     GTEST_SKIP() << golden.name << ": coverage " << covered / (actual.width * actual.height) << ", mean "

@@ -1,18 +1,29 @@
 #include <algorithm>
+#include <tuple>
 
 #include "tests/render/stage.h"
 
 namespace floatstage::render {
 namespace {
 
-class Renderers : public Rendering, public testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(All, Renderers, testing::Values("nearest", "linear", "floating"),
-                         [](const auto& param) { return std::string(param.param); });
+using Kind = std::tuple<render::BackEnd, const char*>;
+
+class Renderers : public Rendering, public testing::WithParamInterface<Kind> {
+ protected:
+  void SetUp() override { open(std::get<0>(GetParam())); }
+  static const char* method() { return std::get<1>(GetParam()); }
+};
+INSTANTIATE_TEST_SUITE_P(All, Renderers,
+                         testing::Combine(testing::Values(render::BackEnd::Cpu, render::BackEnd::Gl),
+                                          testing::Values("nearest", "linear", "floating")),
+                         [](const auto& param) {
+                           return text(std::get<1>(param.param), "_", name_of(std::get<0>(param.param)));
+                         });
 
 TEST_P(Renderers, ACameraAtTheViewReturnsItsPhotograph) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 48), ball(0.27F, 24));
   const View view = view_of(stage.rig.cameras[2]);
-  const Image picture = rendered(stage, view, GetParam());
+  const Image picture = rendered(stage, view, method());
   const Image truth = *to_rgb(stage.scene.images.frames[2]);
   EXPECT_GE(psnr(picture, truth,
                  [&](int x, int y) {
@@ -31,14 +42,14 @@ TEST_P(Renderers, TheOrderOfTheCamerasDoesNotMatter) {
     permuted.scene.mattes[i] = stage.scene.mattes[from];
   }
   const View view = view_at(7);
-  EXPECT_EQ(rendered(stage, view, GetParam()), rendered(permuted, view, GetParam()));
+  EXPECT_EQ(rendered(stage, view, method()), rendered(permuted, view, method()));
   const View between = view_at(10);  // two cameras equally near
-  EXPECT_EQ(rendered(stage, between, GetParam()), rendered(permuted, between, GetParam()));
+  EXPECT_EQ(rendered(stage, between, method()), rendered(permuted, between, method()));
 }
 
 TEST_P(Renderers, RenderingTwiceGivesTheSameBytes) {
   const Stage stage = photographed(arc(4, 20), ball(0.25F, 48), ball(0.27F, 24));
-  EXPECT_EQ(rendered(stage, view_at(3), GetParam()), rendered(stage, view_at(3), GetParam()));
+  EXPECT_EQ(rendered(stage, view_at(3), method()), rendered(stage, view_at(3), method()));
 }
 
 TEST_P(Renderers, AnEmptyMeshGivesTheBackground) {
@@ -46,7 +57,7 @@ TEST_P(Renderers, AnEmptyMeshGivesTheBackground) {
   stage.scene.mesh = {};
   render::RendererOptions options;
   options.background = {0, 0, 1};
-  const Image picture = rendered(stage, view_at(0), GetParam(), options);
+  const Image picture = rendered(stage, view_at(0), method(), options);
   for (std::size_t i = 0; i < picture.pixels.size(); i += 4) {
     ASSERT_EQ(picture.pixels[i], 0);
     ASSERT_EQ(picture.pixels[i + 2], 255);

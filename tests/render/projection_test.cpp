@@ -1,8 +1,7 @@
-#include "render/gl/projection.h"
-
 #include <cmath>
 
 #include "render/camera_block.h"
+#include "render/view_window.h"
 #include "tests/render/stage.h"
 
 namespace floatstage::render {
@@ -59,10 +58,11 @@ TEST(WindowOf, IsEmptyWhenTheMeshIsNotInThePicture) {
   EXPECT_TRUE(render::window_of(view, ball(0.1F, 6).positions, 0).empty());
 }
 
-class Geometry : public Rendering {};
+class Geometry : public OnEachBackEnd {};
+FLOATSTAGE_ON_EACH_BACK_END(Geometry);
 
 // The half-pixel test: a square with known corners covers exactly its pixels.
-TEST_F(Geometry, ASquareCoversExactlyItsPixels) {
+TEST_P(Geometry, ASquareCoversExactlyItsPixels) {
   CameraModel model = small_camera(64, 48);
   Stage stage{{}, {}};
   RigCamera camera;
@@ -92,7 +92,7 @@ TEST_F(Geometry, ASquareCoversExactlyItsPixels) {
   }
 }
 
-TEST_F(Geometry, ADistortedPhotographGivesThePictureOfAPinholeOne) {
+TEST_P(Geometry, ADistortedPhotographGivesThePictureOfAPinholeOne) {
   CameraModel lens = small_camera();
   for (const Lens& kind :
        {Lens(BrownConrady{-0.25, 0.08, 0.002, -0.001, 0.01}), Lens(KannalaBrandt{0.05, -0.02, 0.01, 0})}) {
@@ -113,7 +113,7 @@ TEST_F(Geometry, ADistortedPhotographGivesThePictureOfAPinholeOne) {
   }
 }
 
-TEST_F(Geometry, AHiddenPartIsNotPaintedWithWhatHidesIt) {
+TEST_P(Geometry, AHiddenPartIsNotPaintedWithWhatHidesIt) {
   // A red plate before a green wall; the camera on the left sees red where the view sees the wall.
   Stage stage{arc(2, 40), {}};
   Mesh mesh;
@@ -151,7 +151,7 @@ TEST_F(Geometry, AHiddenPartIsNotPaintedWithWhatHidesIt) {
   }
 }
 
-TEST_F(Geometry, AColorOutsideTheMatteIsNotUsedWhereAnotherCameraKnowsBetter) {
+TEST_P(Geometry, AColorOutsideTheMatteIsNotUsedWhereAnotherCameraKnowsBetter) {
   // The proxy is fatter than the subject: beyond its silhouette the photographs show a loud background.
   const Mesh subject = ball(0.2F, 48), proxy = ball(0.22F, 24);
   Stage stage{arc(5, 20), {}};
@@ -175,7 +175,7 @@ TEST_F(Geometry, AColorOutsideTheMatteIsNotUsedWhereAnotherCameraKnowsBetter) {
   EXPECT_LT(with_mattes, 0.7 * loud());
 }
 
-TEST_F(Geometry, EveryIntermediateCanBeShown) {
+TEST_P(Geometry, EveryIntermediateCanBeShown) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 24), ball(0.265F, 24));
   for (int output = 0; output < static_cast<int>(render::render_output_names().size()); ++output) {
     render::RendererOptions options;

@@ -40,12 +40,12 @@ std::vector<RigCamera> test_views() {
   return views;
 }
 
-class Bunny : public Rendering {
+class Bunny : public OnEachBackEnd {
  protected:
   void SetUp() override {
     const std::filesystem::path folder = real_data("stanford-bunny");
     FLOATSTAGE_NEEDS_DATA(folder);
-    Rendering::SetUp();
+    OnEachBackEnd::SetUp();
     const Result<Mesh> full = load_ply(folder / "bun_zipper.ply"),
                        coarse = load_ply(folder / "bun_zipper_res4.ply");
     ASSERT_THAT(full, IsOk());
@@ -76,15 +76,14 @@ class Bunny : public Rendering {
   /// Mean PSNR over the test views, in the eroded intersection of the true silhouette and the proxy.
   double score(const Mesh& proxy, const char* method) {
     stage_.scene.mesh = proxy;
-    render::SceneTextures textures;
-    EXPECT_THAT(textures.upload(stage_.rig, stage_.scene), IsOk());
-    auto renderer = render::make_renderer(method);
-    EXPECT_THAT(renderer, IsOk());
+    render::Scene scene;
+    EXPECT_THAT(scene.set(stage_.rig, stage_.scene), IsOk());
+    const auto renderer = make(method);
     double sum = 0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      const auto rendering = (*renderer)->render(textures, view_of(views_[i]), {});
+      const auto rendering = renderer->render(scene, view_of(views_[i]), {});
       EXPECT_THAT(rendering, IsOk());
-      const Image picture = render::download(*rendering);
+      const Image picture = download(*rendering);
       sum += psnr(picture, truth_[i].rgb, [&](int x, int y) {
         for (int v = -kErosion; v <= kErosion; ++v)
           for (int u = -kErosion; u <= kErosion; ++u) {
@@ -103,8 +102,9 @@ class Bunny : public Rendering {
   std::vector<RigCamera> views_;
   std::vector<Photograph> truth_;
 };
+FLOATSTAGE_ON_EACH_BACK_END(Bunny);
 
-TEST_F(Bunny, FloatingBeatsLinearOnTheCoarseProxyAndLosesNothingOnTheExactOne) {
+TEST_P(Bunny, FloatingBeatsLinearOnTheCoarseProxyAndLosesNothingOnTheExactOne) {
   const double nearest = score(coarse_, "nearest"), linear = score(coarse_, "linear"),
                floating = score(coarse_, "floating");
   EXPECT_GT(linear, nearest + 1);

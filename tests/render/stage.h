@@ -104,20 +104,6 @@ inline View view_at(double degrees, double elevation = 10, const CameraModel& mo
   return view;
 }
 
-/// Renders one picture from scratch.
-inline Image rendered(const Stage& stage, const View& view, std::string_view method,
-                      const RendererOptions& options = {}, const std::vector<bool>& usable = {}) {
-  render::SceneTextures textures;
-  const Result<void> uploaded = textures.upload(stage.rig, stage.scene, usable);
-  EXPECT_THAT(uploaded, IsOk());
-  Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(method);
-  EXPECT_THAT(renderer, IsOk());
-  if (!uploaded || !renderer) return {};
-  const Result<render::RenderedView> picture = (*renderer)->render(textures, view, options);
-  EXPECT_THAT(picture, IsOk());
-  return picture ? render::download(*picture) : Image{};
-}
-
 /// Pixels where `keep` holds, PSNR of the RGB of a 4-channel picture against a 3- or 4-channel one.
 template <class Keep>
 double psnr(const Image& picture, const Image& truth, Keep keep) {
@@ -145,17 +131,53 @@ inline bool well_inside(const Image& picture, int x, int y, int radius) {
   return true;
 }
 
-/// A GL context for each test.
+/// What a test that draws needs: a back-end.
 class Rendering : public testing::Test {
  protected:
-  void SetUp() override {
-    Result<std::unique_ptr<render::GlContext>> made = GlContext::headless();
-    ASSERT_THAT(made, IsOk());
-    context_ = std::move(*made);
+  void open(render::BackEnd back_end) {
+    if (back_end == render::BackEnd::Gl) {
+      Result<std::unique_ptr<GlContext>> made = GlContext::headless();
+      ASSERT_THAT(made, IsOk());
+      context_ = std::move(*made);
+    }
+    back_end_ = back_end;
+  }
+  std::unique_ptr<ViewRenderer> make(std::string_view method) const {
+    Result<std::unique_ptr<ViewRenderer>> renderer = make_renderer(method, back_end_);
+    EXPECT_THAT(renderer, IsOk());
+    return renderer ? std::move(*renderer) : nullptr;
+  }
+  /// Renders one picture from scratch.
+  Image rendered(const Stage& stage, const View& view, std::string_view method,
+                 const RendererOptions& options = {}, const std::vector<bool>& usable = {}) const {
+    render::Scene scene;
+    const Result<void> set = scene.set(stage.rig, stage.scene, usable);
+    EXPECT_THAT(set, IsOk());
+    const std::unique_ptr<ViewRenderer> renderer = make(method);
+    if (!set || !renderer) return {};
+    const Result<RenderedView> picture = renderer->render(scene, view, options);
+    EXPECT_THAT(picture, IsOk());
+    return picture ? download(*picture) : Image{};
   }
 
  private:
-  std::unique_ptr<render::GlContext> context_;
+  std::unique_ptr<GlContext> context_;
+  render::BackEnd back_end_ = render::BackEnd::Cpu;
 };
+
+inline std::string name_of(render::BackEnd back_end) {
+  return render::back_end_names()[static_cast<std::size_t>(back_end)];
+}
+
+/// A test that must pass on every back-end.
+class OnEachBackEnd : public Rendering, public testing::WithParamInterface<render::BackEnd> {
+ protected:
+  void SetUp() override { open(GetParam()); }
+};
+
+// Runs the tests of a fixture on every back-end.
+#define FLOATSTAGE_ON_EACH_BACK_END(fixture)                                                        \
+  INSTANTIATE_TEST_SUITE_P(On, fixture, testing::Values(render::BackEnd::Cpu, render::BackEnd::Gl), \
+                           [](const auto& param) { return name_of(param.param); })
 
 }  // namespace floatstage::render

@@ -13,7 +13,7 @@ using testing::SizeIs;
 struct Cut {
   int camera = 0, x = 0, y = 0;
   Image picture, matte;
-  PictureTile tile() const { return {camera, x, y, &picture, &matte}; }
+  render::PictureTile tile() const { return {camera, x, y, &picture, &matte}; }
 };
 
 Cut cut(const Stage& stage, int camera, int border = 4) {
@@ -34,25 +34,27 @@ Cut cut(const Stage& stage, int camera, int border = 4) {
   return out;
 }
 
-Image rendered_from(const Stage& stage, const std::vector<Cut>& cuts, const View& view,
-                    const RendererOptions& options) {
-  std::vector<render::PictureTile> tiles;
-  for (const Cut& c : cuts) tiles.push_back(c.tile());
-  render::SceneTextures textures;
-  EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, tiles), IsOk());
-  auto renderer = std::move(*render::make_renderer("floating"));
-  const Result<render::RenderedView> picture = renderer->render(textures, view, options);
-  EXPECT_THAT(picture, IsOk());
-  return picture ? render::download(*picture) : Image{};
-}
+class Tiles : public OnEachBackEnd {
+ protected:
+  Image rendered_from(const Stage& stage, const std::vector<Cut>& cuts, const View& view,
+                      const RendererOptions& options) const {
+    std::vector<render::PictureTile> tiles;
+    for (const Cut& c : cuts) tiles.push_back(c.tile());
+    render::Scene scene;
+    EXPECT_THAT(scene.set(stage.rig, stage.scene.mesh, tiles), IsOk());
+    const auto renderer = make("floating");
+    const Result<RenderedView> picture = renderer->render(scene, view, options);
+    EXPECT_THAT(picture, IsOk());
+    return picture ? download(*picture) : Image{};
+  }
+};
+FLOATSTAGE_ON_EACH_BACK_END(Tiles);
 
-class Tiles : public Rendering {};
-
-TEST_F(Tiles, OfTheNeededCamerasDrawWhatAllPhotographsDraw) {
+TEST_P(Tiles, OfTheNeededCamerasDrawWhatAllPhotographsDraw) {
   const Stage stage = photographed(arc(8, 20), ball(0.25F, 48), ball(0.25F, 48));
   for (double degrees : {-47.0, 3.0, 16.0, 66.0}) {
     const View view = view_at(degrees);
-    const std::vector<int> needed = render::needed_cameras(stage.rig, stage.scene.mesh, view, 3);
+    const std::vector<int> needed = needed_cameras(stage.rig, stage.scene.mesh, view, 3);
     ASSERT_THAT(needed, SizeIs(3));
     std::vector<Cut> cuts;
     for (int camera : needed) cuts.push_back(cut(stage, camera));
@@ -62,59 +64,57 @@ TEST_F(Tiles, OfTheNeededCamerasDrawWhatAllPhotographsDraw) {
   }
 }
 
-TEST_F(Tiles, OfTheLastInstantStillDrawAViewThatHasMovedOn) {
+TEST_P(Tiles, OfTheLastInstantStillDrawAViewThatHasMovedOn) {
   const Stage stage = photographed(arc(8, 20), ball(0.25F, 48), ball(0.25F, 24));
   std::vector<Cut> cuts;
-  for (int camera : render::needed_cameras(stage.rig, stage.scene.mesh, view_at(0), 3))
+  for (int camera : needed_cameras(stage.rig, stage.scene.mesh, view_at(0), 3))
     cuts.push_back(cut(stage, camera));
   const View moved = view_at(35);
   const Image whole = rendered(stage, moved, "floating"), live = rendered_from(stage, cuts, moved, {});
   EXPECT_GT(psnr(live, whole, [&](int x, int y) { return well_inside(whole, x, y, 2); }), 14);
 }
 
-TEST_F(Tiles, MayChangeTheirSizeFromInstantToInstant) {
+TEST_P(Tiles, MayChangeTheirSizeFromInstantToInstant) {
   const Stage stage = photographed(arc(3, 20), ball(0.25F, 48), ball(0.25F, 24));
-  render::SceneTextures textures;
-  auto renderer = std::move(*render::make_renderer("linear"));
+  render::Scene scene;
+  const auto renderer = make("linear");
   Image first;
   for (int border : {4, 60, 4}) {
     std::vector<Cut> cuts;
     std::vector<render::PictureTile> tiles;
     for (int camera = 0; camera < 3; ++camera) cuts.push_back(cut(stage, camera, border));
     for (const Cut& c : cuts) tiles.push_back(c.tile());
-    ASSERT_THAT(textures.upload(stage.rig, stage.scene.mesh, tiles), IsOk());
-    const Image picture = render::download(*renderer->render(textures, view_at(5), {}));
+    ASSERT_THAT(scene.set(stage.rig, stage.scene.mesh, tiles), IsOk());
+    const Image picture = download(*renderer->render(scene, view_at(5), {}));
     if (first.empty()) first = picture;
     EXPECT_GT(psnr(picture, first, [](int, int) { return true; }), 50)
         << "with a border of " << border << " px";
   }
 }
 
-TEST_F(Tiles, ThatFitNoPhotographAreRefused) {
+TEST_P(Tiles, ThatFitNoPhotographAreRefused) {
   const Stage stage = photographed(arc(3, 20), ball(0.25F, 24), ball(0.25F, 24));
-  render::SceneTextures textures;
+  render::Scene scene;
   const Cut good = cut(stage, 1);
   render::PictureTile outside = good.tile(), unknown = good.tile(), torn = good.tile();
   outside.x = 159;
   unknown.camera = 3;
   const Image small(2, 2, 1);
   torn.matte = &small;
-  for (const PictureTile& bad : {outside, unknown, torn}) {
+  for (const render::PictureTile& bad : {outside, unknown, torn}) {
     const std::vector<render::PictureTile> tiles = {bad};
-    EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, tiles),
-                FailsWith(ErrorCode::InvalidArgument, "tile"));
+    EXPECT_THAT(scene.set(stage.rig, stage.scene.mesh, tiles), FailsWith(ErrorCode::InvalidArgument, "tile"));
   }
   const std::vector<render::PictureTile> twice = {good.tile(), good.tile()};
-  EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, twice),
+  EXPECT_THAT(scene.set(stage.rig, stage.scene.mesh, twice),
               FailsWith(ErrorCode::InvalidArgument, "has one already"));
-  EXPECT_THAT(textures.upload(stage.rig, stage.scene.mesh, {}),
-              FailsWith(ErrorCode::InvalidArgument, "no camera"));
+  EXPECT_THAT(scene.set(stage.rig, stage.scene.mesh, {}), FailsWith(ErrorCode::InvalidArgument, "no camera"));
 }
 
-TEST_F(Tiles, WithAFlowAtHalfSizeStayNearTheFullOne) {
+TEST_P(Tiles, WithAFlowAtHalfSizeStayNearTheFullOne) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 48), ball(0.27F, 24));
   const Image full = rendered(stage, view_at(7), "floating"), linear = rendered(stage, view_at(7), "linear");
-  render::RendererOptions half;
+  RendererOptions half;
   half.flow.shrink = 2;
   const Image coarse = rendered(stage, view_at(7), "floating", half);
   const auto inside = [&](int x, int y) { return well_inside(full, x, y, 3); };
@@ -122,7 +122,7 @@ TEST_F(Tiles, WithAFlowAtHalfSizeStayNearTheFullOne) {
 }
 
 TEST(FlowSize, MustBeAFractionThatLeavesSomething) {
-  render::RendererOptions options;
+  RendererOptions options;
   for (int shrink : {0, -1, 9}) {
     options.flow.shrink = shrink;
     EXPECT_THAT(check(options), FailsWith(ErrorCode::InvalidArgument, "flow"));
@@ -131,11 +131,10 @@ TEST(FlowSize, MustBeAFractionThatLeavesSomething) {
 
 TEST(NeededCameras, AreTheNearestByAngleStrongestFirst) {
   const Rig rig = arc(8, 20);  // at -70, -50, … 70 degrees
-  const std::vector<int> needed = render::needed_cameras(rig, ball(0.25F), view_at(-45), 3);
+  const std::vector<int> needed = needed_cameras(rig, ball(0.25F), view_at(-45), 3);
   EXPECT_EQ(needed, (std::vector<int>{1, 2, 0}));
-  EXPECT_THAT(render::needed_cameras(rig, ball(0.25F), view_at(0), 20), SizeIs(8))
-      << "never more than there are";
-  EXPECT_THAT(render::needed_cameras(rig, Mesh{}, view_at(0), 3), SizeIs(3))
+  EXPECT_THAT(needed_cameras(rig, ball(0.25F), view_at(0), 20), SizeIs(8)) << "never more than there are";
+  EXPECT_THAT(needed_cameras(rig, Mesh{}, view_at(0), 3), SizeIs(3))
       << "before there is a subject, any will do";
 }
 

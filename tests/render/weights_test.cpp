@@ -73,10 +73,11 @@ TEST(CameraChoice, EqualAnglesAreOrderedByPlaceNotByNumber) {
     EXPECT_EQ(forward_order.listed[i], 3 - backward.listed[i]);
 }
 
-class Weights : public Rendering {};
+class Weights : public OnEachBackEnd {};
+FLOATSTAGE_ON_EACH_BACK_END(Weights);
 
 // Photographs of one colour: whatever the weights, they must sum to one for the colour to come out.
-TEST_F(Weights, SumToOneEverywhere) {
+TEST_P(Weights, SumToOneEverywhere) {
   Stage stage = photographed(arc(6, 25), ball(0.25F, 24, 0.5F), ball(0.25F, 24, 0.5F), false);
   for (Frame& frame : stage.scene.images.frames) {
     Image flat(160, 120, 3);
@@ -102,21 +103,20 @@ TEST_F(Weights, SumToOneEverywhere) {
 }
 
 // A small step of the view changes every pixel of a smooth scene little, also while cameras are exchanged.
-TEST_F(Weights, PicturesAreContinuousAlongAPath) {
+TEST_P(Weights, PicturesAreContinuousAlongAPath) {
   Stage stage = photographed(arc(6, 20), ball(0.25F, 48), ball(0.25F, 48), false);
   for (std::size_t c = 0; c < 6; ++c) {  // one grey a camera: the picture shows the weights
     const Image flat(160, 120, 3, static_cast<std::uint8_t>(40 * c + 20));
     stage.scene.images.frames[c] = make_frame(stage.scene.images.frames[c].info, flat);
   }
-  render::SceneTextures textures;
-  ASSERT_THAT(textures.upload(stage.rig, stage.scene), IsOk());
-  auto renderer = render::make_renderer("linear");
-  ASSERT_THAT(renderer, IsOk());
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  const auto renderer = make("linear");
   Image before;
   for (double degrees = -12; degrees <= 12; degrees += 0.25) {
-    const auto picture = (*renderer)->render(textures, view_at(degrees), {});
+    const auto picture = renderer->render(scene, view_at(degrees), {});
     ASSERT_THAT(picture, IsOk());
-    const Image now = render::download(*picture);
+    const Image now = download(*picture);
     for (int y = 50; y < 70 && !before.empty(); ++y)
       for (int x = 60; x < 100; ++x) ASSERT_NEAR(now.at(x, y)[0], before.at(x, y)[0], 6) << "at " << degrees;
     before = now;

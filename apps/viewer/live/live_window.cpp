@@ -160,7 +160,9 @@ Result<void> run_live_window(studio::SceneFeed& feed, ControlModel& model, const
   Result<std::unique_ptr<Window>> window =
       Window::open("Floatstage live: " + feed.description(), options.run.width, options.run.height);
   if (!window) return forward(window);
-  LiveWindow live(feed, model, options);
+  LiveWindowOptions here = options;
+  here.run.renderer.back_end = render::back_end_in_window(options.run.renderer.back_end, (*window)->gl());
+  LiveWindow live(feed, model, here);
   if (!options.path_file.empty())
     if (Result<void> ok = live.follow(options.path_file); !ok) return ok;
   const Timestamp begun = studio::now();

@@ -12,8 +12,8 @@
 namespace floatstage::apps {
 namespace {
 
-ImTextureID texture_id(const render::RenderedView& view) {
-  return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(view.texture));
+ImTextureID texture_id(unsigned texture) {
+  return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture));
 }
 
 bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
@@ -29,7 +29,7 @@ bool same(const render::RendererOptions& a, const render::RendererOptions& b) {
 
 Result<void> Canvas::show(const std::shared_ptr<const SceneFrame>& scene) {
   if (!scene || scene == scene_) return {};
-  if (Result<void> ok = textures_.upload(rig_, *scene); !ok) return ok;
+  if (Result<void> ok = drawn_.set(rig_, *scene); !ok) return ok;
   scene_ = scene;
   ++shown_;
   drawable_ = true;
@@ -39,7 +39,7 @@ Result<void> Canvas::show(const std::shared_ptr<const SceneFrame>& scene) {
 
 Result<void> Canvas::show(const studio::LiveScene& scene) {
   ++shown_;
-  Result<bool> uploaded = studio::upload(scene, rig_, textures_);
+  Result<bool> uploaded = studio::set_scene(scene, rig_, drawn_);
   drawable_ = uploaded && *uploaded;
   return uploaded ? Result<void>() : forward(uploaded);
 }
@@ -53,13 +53,17 @@ bool Canvas::stale(const PlayerState& state, const pipeline::PathKey& key, int w
 Result<void> Canvas::render_side(Side& side, const std::string& method, const View& view,
                                  const render::RendererOptions& options) {
   if (side.method != method) {
-    Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(method);
+    Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(method, options.back_end);
     if (!renderer) return forward(renderer);
-    side = {method, std::move(*renderer), {}};
+    side.method = method;
+    side.renderer = std::move(*renderer);
+    side.texture = 0;
   }
-  Result<render::RenderedView> rendered = side.renderer->render(textures_, view, options);
+  Result<render::RenderedView> rendered = side.renderer->render(drawn_, view, options);
   if (!rendered) return forward(rendered);
   side.view = *rendered;
+  if (rendered->picture != nullptr) side.copy.show(*rendered->picture);
+  side.texture = rendered->picture != nullptr ? side.copy.id() : rendered->texture;
   return {};
 }
 
@@ -126,10 +130,10 @@ Result<void> Canvas::draw(PlayerState& state) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   const ImVec2 end(origin.x + size.x, origin.y + size.y);
   const float middle = state.split ? state.split_at : 1.f, x = origin.x + size.x * middle;
-  if (left_.view.texture)
-    list->AddImage(texture_id(left_.view), origin, ImVec2(x, end.y), {0, 0}, {middle, 1});
-  if (state.split && right_.view.texture) {
-    list->AddImage(texture_id(right_.view), ImVec2(x, origin.y), end, {middle, 0}, {1, 1});
+  if (left_.texture != 0)
+    list->AddImage(texture_id(left_.texture), origin, ImVec2(x, end.y), {0, 0}, {middle, 1});
+  if (state.split && right_.texture != 0) {
+    list->AddImage(texture_id(right_.texture), ImVec2(x, origin.y), end, {middle, 0}, {1, 1});
     list->AddLine(ImVec2(x, origin.y), ImVec2(x, end.y), IM_COL32(255, 190, 60, 255), 1.5f);
     const std::string& name = state.methods[static_cast<std::size_t>(state.left)];
     list->AddText(ImVec2(x - 10 - ImGui::CalcTextSize(name.c_str()).x, origin.y + 8), IM_COL32_WHITE,

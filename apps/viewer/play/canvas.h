@@ -6,8 +6,9 @@
 
 #include "apps/viewer/play/camera_frusta.h"
 #include "apps/viewer/play/player_state.h"
+#include "apps/viewer/play/shown_texture.h"
 #include "core/rig.h"
-#include "render/gl/scene_textures.h"
+#include "render/renderer.h"
 #include "studio/live/live_scene.h"
 
 namespace floatstage::apps {
@@ -26,7 +27,7 @@ class Canvas {
   Result<void> draw(PlayerState& state);
 
   double render_milliseconds() const { return render_milliseconds_; }
-  bool has_picture() const { return left_.view.texture != 0; }
+  bool has_picture() const { return left_.texture != 0; }
   /// Where the last picture was drawn from; absent before the first.
   const std::optional<View>& view() const { return view_; }
 
@@ -35,6 +36,8 @@ class Canvas {
     std::string method;
     std::unique_ptr<render::ViewRenderer> renderer;
     render::RenderedView view;
+    ShownTexture copy;     // of a picture that is not on the GPU
+    unsigned texture = 0;  // what is shown; 0: nothing yet
   };
   // What the last pictures were made of; any difference makes new ones.
   struct Made {
@@ -56,7 +59,7 @@ class Canvas {
   std::uint64_t shown_ = 0;  // scenes so far
   bool drawable_ = false;
   std::optional<View> view_;
-  render::SceneTextures textures_;
+  render::Scene drawn_;
   Side left_, right_;
   std::optional<Made> made_;
   CameraFrusta frusta_;

@@ -1,7 +1,7 @@
 #include "apps/viewer/play/film_job.h"
 
 #include "pipeline/picture_sink.h"
-#include "render/gl_context.h"
+#include "render/back_end.h"
 
 namespace floatstage::apps {
 
@@ -26,8 +26,8 @@ Result<pipeline::FilmReport> FilmJob::run(const std::filesystem::path& folder,
                                           const std::filesystem::path& out) {
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder);
   if (!take) return forward(take);
-  Result<std::unique_ptr<render::GlContext>> gl = render::GlContext::headless();
-  if (!gl) return forward(gl);
+  const Result<render::OpenBackEnd> drawing = render::open_back_end(options.renderer.back_end);
+  if (!drawing) return forward(drawing);
   Result<std::unique_ptr<pipeline::PictureSink>> sink =
       pipeline::open_picture_sink(out, options.width, options.height, options.frame_rate);
   if (!sink) return forward(sink);

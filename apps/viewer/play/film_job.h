@@ -8,7 +8,7 @@
 
 namespace floatstage::apps {
 
-/// "Render this path", beside the player: a thread with its own take reader and GL context.
+/// "Render this path", beside the player: a thread with its own take reader and, with GL, its own context.
 class FilmJob {
  public:
   FilmJob(std::filesystem::path take, pipeline::CameraPath path, pipeline::FilmOptions options,

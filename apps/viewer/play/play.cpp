@@ -42,6 +42,7 @@ class PlayWindow {
         Window::open("Floatstage: " + options_.take.string(), options_.width, options_.height);
     if (!window) return forward(window);
     window_ = std::move(*window);
+    options_.renderer.back_end = render::back_end_in_window(options_.renderer.back_end, window_->gl());
     if (editing_) return {};
     return open_player();
   }
@@ -136,7 +137,7 @@ class PlayWindow {
     editing_ ? editor_->show_status(line) : player_->show_status(line);
   }
 
-  const PlayOptions& options_;
+  PlayOptions options_;
   bool editing_, screenshot_ = false;
   std::unique_ptr<capture::TakeReader> take_;
   std::unique_ptr<Window> window_;  // outlives what draws in it

@@ -8,7 +8,6 @@
 #include "pipeline/film.h"
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
-#include "render/gl_context.h"
 #include "studio/live/take_player.h"
 #include "tests/support/small_take.h"
 
@@ -30,7 +29,6 @@ class ALiveRun : public testing::Test {
                 IsOk());
   }
   static void TearDownTestSuite() { delete folder_; }
-  void SetUp() override { gl_ = std::move(*render::GlContext::headless()); }
 
   struct Shown {
     std::uint64_t instant;
@@ -74,15 +72,14 @@ class ALiveRun : public testing::Test {
   static Image offline(int frame) {
     auto take = std::move(*capture::TakeReader::open(take_));
     const SceneFrame scene = *pipeline::load_scene(*take, frame, true);
-    render::SceneTextures textures;
-    EXPECT_THAT(textures.upload(take->rig(), scene), IsOk());
-    auto renderer = std::move(*render::make_renderer("floating"));
-    return pipeline::over(render::download(*renderer->render(textures, view(take->rig()), {})), kBlack);
+    render::Scene drawn;
+    EXPECT_THAT(drawn.set(take->rig(), scene), IsOk());
+    auto renderer = std::move(*render::make_renderer("floating", render::BackEnd::Cpu));
+    return pipeline::over(render::download(*renderer->render(drawn, view(take->rig()), {})), kBlack);
   }
 
   static TempFolder* folder_;
   static std::filesystem::path take_;
-  std::unique_ptr<render::GlContext> gl_;
 };
 TempFolder* ALiveRun::folder_ = nullptr;
 std::filesystem::path ALiveRun::take_;

@@ -1,0 +1,197 @@
+// Warps the intermediate images onto one another and blends them (Eq. 11.2, 11.3). The pass of
+// render/gl/shaders/float.frag.
+#include <algorithm>
+#include <cmath>
+
+#include "render/cpu/picture.h"
+#include "render/cpu/renderers.h"
+#include "render/cpu/warp_kernels.h"
+#include "render/pairwise_flows.h"
+#include "render/renderer_checks.h"
+
+namespace floatstage::render::cpu {
+namespace {
+
+constexpr int kMargin = 16;  // px around the view: what the warps may pull in from outside
+constexpr float kFaint = 1.F / 1024, kLeastFade = 1e-4F, kUnseen = 1e-4F, kNobodySees = 1e-3F;
+
+class FloatingRenderer : public ViewRenderer {
+ public:
+  Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
+    if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    const bool intermediate = is_shared_intermediate(options.output);
+    projection_.run(scene, view, options, {.margin = kMargin, .images = !intermediate});
+    picture_.begin(view, options.background);
+    if (!projection_.window().empty()) {
+      if (intermediate) {
+        draw_intermediate(projection_, scene, view, options.output, picture_);
+      } else {
+        if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
+        projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
+      }
+    }
+    return rendered_view(scene, view, projection_, picture_);
+  }
+
+ private:
+  // Of one row; lists of an image each.
+  struct Lists {
+    std::array<float*, kMostListed> pull{}, visible{}, follow{}, rgba{}, used{}, from_x{}, from_y{};
+  };
+
+  std::size_t count() const { return projection_.choice().chosen; }
+  Result<void> estimate_flows(const RendererOptions& options);
+  void share_out(const Covered::Row& row, Lists& lists, RowMemory& memory) const;
+  void float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
+  void float_row(int y, const RendererOptions& options, RowMemory& memory);
+
+  Projection projection_;
+  Picture picture_;
+  ProjectedImages images_;
+  PairwiseFlows pairwise_;
+};
+
+Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
+  if (count() < 2) return {};
+  std::vector<bool> pulls(count());
+  for (std::size_t i = 0; i < count(); ++i) pulls[i] = projection_.choice().fade[i] >= kLeastFade;
+  if (std::find(pulls.begin(), pulls.end(), true) == pulls.end()) pulls.assign(count(), true);
+  projection_.gray_images(options.flow.shrink, images_);
+  return pairwise_.estimate(images_, pulls, options.flow, options.threads);
+}
+
+// How much each camera's idea of a position counts (angular weights, visible or not), and its colour.
+void FloatingRenderer::share_out(const Covered::Row& row, Lists& lists, RowMemory& memory) const {
+  const auto pixels = static_cast<std::size_t>(row.count);
+  const float even = 1 / static_cast<float>(count());
+  float *pull_total = memory.floats(pixels), *visible_total = memory.floats(pixels);
+  std::fill_n(pull_total, pixels, 0.F);
+  std::fill_n(visible_total, pixels, 0.F);
+  for (std::size_t i = 0; i < count(); ++i) {
+    const float fade = projection_.choice().fade[i], share = fade < kLeastFade ? 0 : fade;
+    const float *angular = projection_.angular(i) + row.list, *weight = projection_.weight(i) + row.list;
+    lists.pull[i] = memory.floats(pixels);
+    lists.visible[i] = memory.floats(pixels);
+    lists.follow[i] = memory.floats(pixels);
+    for (std::size_t k = 0; k < pixels; ++k) {
+      lists.pull[i][k] = share * std::abs(angular[k]);
+      lists.visible[i][k] = weight[k];
+      pull_total[k] += lists.pull[i][k];
+      visible_total[k] += weight[k];
+    }
+  }
+  for (std::size_t i = 0; i < count(); ++i)
+    for (std::size_t k = 0; k < pixels; ++k) {
+      const float pull = pull_total[k] > 0 ? lists.pull[i][k] / pull_total[k] : even;
+      lists.pull[i][k] = pull;
+      lists.follow[i][k] = pull < kFaint ? 0 : pull;
+      // Where only stand-ins see the proxy all images hold the same filled colour.
+      lists.visible[i][k] = visible_total[k] > kNobodySees ? lists.visible[i][k] / visible_total[k] : even;
+    }
+}
+
+void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists,
+                                   RowMemory& memory) {
+  const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+  const auto pixels = static_cast<std::size_t>(row.count);
+  WarpFields fields;
+  for (std::size_t j = 0; j < count(); ++j) {
+    if (j == image) continue;
+    const FlowField& field = pairwise_.fields()[image * (count() - 1) + (j < image ? j : j - 1)];
+    fields.uv[static_cast<std::size_t>(fields.count)] = field.uv.data();
+    fields.pulls[static_cast<std::size_t>(fields.count++)] = lists.follow[j];
+    fields.width = field.width;
+    fields.height = field.height;
+  }
+  fields.shrink = static_cast<float>(options.flow.shrink);
+  WarpSource source;
+  source.width = projection_.window().width;
+  source.height = projection_.window().height;
+  source.inverse_z = projection_.inverse_z();
+  source.own = projection_.own();
+  source.image = projection_.image(image);
+  source.soft = projection_.soft_plane(image);
+  source.slot = static_cast<int>(image);
+  source.tolerance = projection_.tolerance();
+  WarpedRow warped;
+  warped.count = row.count;
+  warped.x = projection_.covered().x.data() + row.list;
+  warped.y = static_cast<float>(y) + 0.5F;
+  warped.from_x = lists.from_x[image] = memory.floats(pixels);
+  warped.from_y = lists.from_y[image] = memory.floats(pixels);
+  warped.inverse_z = memory.floats(pixels);
+  warped.direct = memory.ints(pixels);
+  warped.seen = memory.floats(pixels);
+  float *u = memory.floats(pixels), *v = memory.floats(pixels);
+  std::int32_t* inside = memory.ints(pixels);
+  lists.rgba[image] = memory.floats(4 * pixels);
+  lists.used[image] = memory.floats(pixels);
+
+  if (fields.count > 0) {
+    invert_warps(fields, warped);
+  } else {
+    std::copy_n(warped.x, pixels, warped.from_x);
+    std::fill_n(warped.from_y, pixels, warped.y);
+  }
+  look_up(source, warped);
+  project_points(projection_.camera(image), projection_.rays(),
+                 {warped.from_x, warped.from_y, warped.inverse_z, 0, row.count}, u, v, inside);
+  for (std::size_t k = 0; k < pixels; ++k) warped.direct[k] &= inside[k];
+  read_colors(projection_.camera(image), projection_.sharp(), u, v, warped.direct, row.count,
+              lists.rgba[image]);
+  borrow_colors(source, warped, lists.rgba[image]);
+  for (std::size_t k = 0; k < pixels; ++k) {
+    const bool counts = lists.pull[image][k] >= kFaint || lists.visible[image][k] >= kFaint;
+    // What matters is whether camera i sees the point whose colour arrives here, not the point that is here.
+    lists.used[image][k] =
+        counts ? lists.pull[image][k] * warped.seen[k] + kUnseen * lists.visible[image][k] : 0;
+  }
+}
+
+void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemory& memory) {
+  const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+  const auto pixels = static_cast<std::size_t>(row.count);
+  Lists lists;
+  share_out(row, lists, memory);
+  for (std::size_t i = 0; i < count(); ++i) float_image(i, y, options, lists, memory);
+  float* mean = memory.floats(3 * pixels);
+  for (std::size_t k = 0; k < pixels; ++k) {
+    float sum[3] = {0, 0, 0}, total = 0;
+    for (std::size_t i = 0; i < count(); ++i) {
+      const float used = lists.used[i][k];
+      if (used == 0) continue;
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += used * lists.rgba[i][4 * k + c];
+      total += used;
+    }
+    for (std::size_t c = 0; c < 3; ++c) mean[3 * k + c] = sum[c] / total;
+    std::array<float, 3> shown{};
+    if (options.output == RenderOutput::Flow) {
+      std::size_t strongest = 0;
+      for (std::size_t i = 1; i < count(); ++i)
+        if (lists.pull[i][k] > lists.pull[strongest][k]) strongest = i;
+      const float x = projection_.covered().x[row.list + k], line = static_cast<float>(y) + 0.5F;
+      shown = flow_color(x - lists.from_x[strongest][k], line - lists.from_y[strongest][k]);
+    } else if (options.output == RenderOutput::Ghosting) {
+      float apart = 0;
+      for (std::size_t i = 0; i < count(); ++i) {
+        const float* c = lists.rgba[i] + 4 * k;
+        if (lists.used[i][k] > 0)
+          apart += lists.used[i][k] / total *
+                   std::hypot(c[0] - mean[3 * k], c[1] - mean[3 * k + 1], c[2] - mean[3 * k + 2]) / 255;
+      }
+      shown = heat_color(3 * apart);
+    } else {
+      continue;
+    }
+    std::copy(shown.begin(), shown.end(), mean + 3 * k);
+  }
+  picture_.write(projection_, y, mean, 3);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
+  return std::unique_ptr<ViewRenderer>(std::make_unique<FloatingRenderer>());
+}
+
+}  // namespace floatstage::render::cpu

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+
+#include "render/cpu/projection.h"
+
+namespace floatstage::render::cpu {
+
+/// The picture a renderer hands out: RGBA8 of the view's size, the background with alpha 0 where the proxy is
+/// not.
+class Picture {
+ public:
+  void begin(const View& view, const std::array<float, 3>& background);
+  const Image& image() const { return image_; }
+
+  /// Writes a row of the window: rgb (0…255, three or four floats a pixel) for its covered pixels, opaque.
+  /// What lies outside the view is left out.
+  void write(const Projection& projection, int y, const float* rgb, int floats);
+
+ private:
+  Image image_;
+};
+
+/// The intermediates that all renderers share: weights, visibility, soft visibility, depth.
+bool is_shared_intermediate(RenderOutput output);
+void draw_intermediate(Projection& projection, const Scene& scene, const View& view, RenderOutput output,
+                       Picture& picture);
+
+// False colours, rgb 0…255.
+std::array<float, 3> flow_color(float u, float v);
+std::array<float, 3> heat_color(float amount);  ///< black, red, yellow, white over 0…1
+
+/// What render() returns once the picture is drawn.
+RenderedView rendered_view(const Scene& scene, const View& view, const Projection& projection,
+                           const Picture& picture);
+
+}  // namespace floatstage::render::cpu

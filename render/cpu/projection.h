@@ -1,0 +1,116 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/parallel.h"
+#include "render/camera_choice.h"
+#include "render/cpu/covered.h"
+#include "render/cpu/photo_kernels.h"
+#include "render/cpu/scene_maps.h"
+#include "render/projected_images.h"
+#include "render/renderer.h"
+#include "render/view_window.h"
+
+namespace floatstage::render::cpu {
+
+/// Memory for one row's work, handed out in pieces and taken back all at once. One thread at a time.
+class RowMemory {
+ public:
+  void begin(std::size_t floats) {
+    if (memory_.size() < floats) memory_.resize(floats);
+    used_ = 0;
+  }
+  float* floats(std::size_t count);
+  std::int32_t* ints(std::size_t count) { return reinterpret_cast<std::int32_t*>(floats(count)); }
+
+ private:
+  std::vector<float> memory_;
+  std::size_t used_ = 0;
+};
+
+/// The first half of every renderer: the proxy from the view, who sees what (depth maps, frame, matte), soft
+/// visibility (Eq. 11.5), the cameras' weights, and the intermediate images I_i^v where they are wanted.
+/// Planes have a value for each pixel of the window, lists one for each covered pixel (see Covered). Storage
+/// only grows.
+class Projection {
+ public:
+  struct Wanted {
+    int margin = 0;           ///< px around the view
+    bool one_camera = false;  ///< all weight to the best visible camera of each pixel
+    bool images = false;
+  };
+  void run(const Scene& scene, const View& view, const RendererOptions& options, const Wanted& wanted);
+
+  const Window& window() const { return window_; }
+  const CameraChoice& choice() const { return choice_; }
+  const Covered& covered() const { return covered_; }
+  const ViewRays& rays() const { return rays_; }
+  const PhotoCamera& camera(std::size_t slot) const { return cameras_[slot]; }
+  float tolerance() const { return tolerance_; }
+  bool sharp() const { return sharp_; }
+
+  const float* inverse_z() const { return inverse_z_.data(); }  ///< plane, 0 off the proxy
+  const std::uint8_t* own() const { return own_.data(); }       ///< plane, with images: a bit an image
+  const std::uint32_t* image(std::size_t i) const { return images_[i].data(); }    ///< plane: RGBA bytes
+  const float* soft_plane(std::size_t i) const { return soft_planes_[i].data(); }  ///< plane, with images
+  const std::uint8_t* visible() const { return visible_.data(); }                  ///< list: a bit a camera
+  const float* angular(std::size_t slot) const { return angular_[slot].data(); }   ///< list
+  const float* weight(std::size_t slot) const { return weight_[slot].data(); }     ///< list
+  const float* soft(std::size_t slot) const { return soft_[slot].data(); }         ///< list
+
+  /// Calls body(y, memory) for every row with covered pixels, rows of a band in order on one thread.
+  template <class Body>
+  void for_rows(const Body& body) {
+    parallel_for(bands_.size(), threads_, [&](std::size_t band) {
+      for (int y = bands_[band].first; y < bands_[band].last; ++y) {
+        if (covered_.rows[static_cast<std::size_t>(y)].count == 0) continue;
+        memory_[band].begin(row_floats_);
+        body(y, memory_[band]);
+      }
+    });
+  }
+
+  /// The images for the flow: grey, and at 1/shrink of their size.
+  void gray_images(int shrink, ProjectedImages& out);
+
+ private:
+  struct Band {
+    int first, last;
+  };
+  void reserve();
+  void plan_bands();
+  void write_normals(int y, float* x, float* nz_y, float* z) const;
+  void see_row(int y, bool images, RowMemory& memory);
+  void weigh_row(int y, const Wanted& wanted, RowMemory& memory);
+  void soften_row(int y, RowMemory& memory);
+  void fill_row(int y, const std::int32_t* best, RowMemory& memory);
+  std::size_t line(int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);
+  }
+
+  Window window_;
+  CameraChoice choice_;
+  Covered covered_;
+  ViewRays rays_{};
+  std::array<PhotoCamera, kMostListed> cameras_{};
+  const Mesh* mesh_ = nullptr;
+  float tolerance_ = 0, radius_ = 0;
+  bool sharp_ = true;
+  int threads_ = 0;
+
+  ProxyRaster raster_;
+  std::vector<float> inverse_z_;
+  std::vector<std::uint32_t> triangle_;
+  std::vector<std::uint8_t> hidden_, own_, visible_;
+  std::array<std::vector<std::int16_t>, kMostListed> row_distances_;
+  std::array<std::vector<std::uint8_t>, kMostListed> row_has_hidden_;
+  std::array<std::vector<float>, kMostListed> angular_, weight_, soft_, soft_planes_;
+  std::array<std::vector<std::uint32_t>, kMostListed> images_;
+  std::vector<Band> bands_;
+  std::vector<RowMemory> memory_;
+  std::size_t row_floats_ = 0;
+};
+
+}  // namespace floatstage::render::cpu

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/rig.h"
+
+namespace floatstage::render {
+
+/// Where a camera's depth map lies: ideal pinhole coordinates (x/z, y/z), so that one map serves any lens.
+struct DepthWindow {
+  std::array<float, 4> place{};  ///< depth map pixel = xy * (x/z, y/z) + zw
+  int width = 2, height = 2;     ///< texels, at least 2
+  float near_plane = 0, far_plane = 0;
+};
+
+/// Every camera's depth map over the part of its picture that `box` can cover, one texel a photograph pixel:
+/// finer shows nothing that the photograph has, coarser blurs occlusion borders.
+std::vector<DepthWindow> depth_windows(const std::vector<RigCamera>& cameras, const Eigen::AlignedBox3f& box);
+
+/// The automatic depth tolerance (RendererOptions::depth_tolerance 0) for a proxy with this box, metres.
+double automatic_depth_tolerance(const Eigen::AlignedBox3f& box);
+
+}  // namespace floatstage::render

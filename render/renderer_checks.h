@@ -1,0 +1,14 @@
+#pragma once
+
+#include "render/camera_choice.h"
+#include "render/renderer.h"
+
+namespace floatstage::render {
+
+/// The refusals that all renderers share.
+Result<void> check_render(const Scene& scene, const View& view, const RendererOptions& options);
+
+/// RenderedView::cameras of a choice.
+std::vector<int> cameras_of(const Scene& scene, const CameraChoice& choice);
+
+}  // namespace floatstage::render

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/rig.h"
+#include "render/camera_block.h"
+#include "render/camera_choice.h"
+#include "render/depth_windows.h"
+#include "render/scene.h"
+
+namespace floatstage::render {
+
+/// A photograph or a part of one: RGBA8, alpha is the matte, with `kApron` px around it that repeat its
+/// border, so that a spline's sixteen pixels can be read without asking where they lie.
+struct SceneTile {
+  static constexpr int kApron = 2;
+  int width = 0, height = 0;  ///< without the apron
+  std::vector<std::uint8_t> rgba;
+
+  int stride() const { return width + 2 * kApron; }  ///< px from row to row
+  void resize(int w, int h);
+  /// x and y from -kApron to the size + kApron - 1.
+  const std::uint8_t* at(int x, int y) const { return rgba.data() + offset(x, y); }
+  std::uint8_t* at(int x, int y) { return rgba.data() + offset(x, y); }
+  void repeat_border();
+
+ private:
+  std::size_t offset(int x, int y) const {
+    return 4 * (static_cast<std::size_t>(y + kApron) * static_cast<std::size_t>(stride()) +
+                static_cast<std::size_t>(x + kApron));
+  }
+};
+
+struct Scene::Impl {
+  CameraChoice choose(const View& view, int count) const;  ///< listed are indices into `cameras`
+
+  std::vector<RigCamera> cameras;  ///< those in use, in the rig's order
+  std::vector<int> rig_index;      ///< of each, in the rig
+  std::vector<CameraBlock> blocks;
+  std::vector<DepthWindow> depth_windows;
+  std::vector<SceneTile> tiles;   ///< of each camera; may hold more, kept for their storage
+  std::vector<RigCamera> ranked;  ///< those whose angles say how the others' weights fade: these, or all
+  std::vector<int> slot;          ///< of each ranked camera in `cameras`; -1: it has no picture
+  Mesh mesh;
+  std::vector<Eigen::Vector3f> samples;  ///< a few of its corners, spread over it, for ranking cameras
+  Eigen::AlignedBox3f box;
+  std::uint64_t version = 0;  ///< counts what was set
+
+  mutable std::shared_ptr<void> on_gpu;  ///< gl::SceneTextures of a version
+  mutable std::shared_ptr<void> on_cpu;  ///< cpu::SceneMaps of a version
+
+  void begin(const Rig& rig, const Mesh& mesh);
+  void add(const RigCamera& camera, int index);  ///< its tile's size and place come after
+  void finish();                                 ///< once all cameras and their tiles are there
+};
+
+}  // namespace floatstage::render

@@ -1,0 +1,160 @@
+// render/cpu against its reference, render/gl, at small sizes.
+#include <map>
+
+#include "tests/render/stage.h"
+
+namespace floatstage::render {
+namespace {
+
+class BackEnds : public testing::Test {
+ protected:
+  void SetUp() override {
+    Result<std::unique_ptr<GlContext>> made = GlContext::headless();
+    ASSERT_THAT(made, IsOk());
+    context_ = std::move(*made);
+  }
+  static Image drawn(render::BackEnd back_end, const render::Scene& scene, const View& view,
+                     const char* method, const RendererOptions& options) {
+    const auto renderer = std::move(*make_renderer(method, back_end));
+    const Result<RenderedView> picture = renderer->render(scene, view, options);
+    EXPECT_THAT(picture, IsOk());
+    return picture ? download(*picture) : Image{};
+  }
+
+ private:
+  std::unique_ptr<GlContext> context_;
+};
+
+struct Difference {
+  double psnr = 0;            // of pixels that both cover
+  double coverage_share = 0;  // pixels that only one covers, of all
+  double large_share = 0;     // of pixels that both cover: more than 24 steps apart in a channel
+};
+
+Difference difference(const Image& a, const Image& b) {
+  Difference d;
+  double both = 0, one = 0, large = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); i += 4) {
+    const bool in_a = a.pixels[i + 3] != 0, in_b = b.pixels[i + 3] != 0;
+    one += in_a != in_b;
+    if (!in_a || !in_b) continue;
+    ++both;
+    int most = 0;
+    for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a.pixels[i + c] - b.pixels[i + c]));
+    large += most > 24;
+  }
+  d.psnr = psnr(a, b, [&](int x, int y) { return a.at(x, y)[3] != 0 && b.at(x, y)[3] != 0; });
+  d.coverage_share = one / (static_cast<double>(a.pixels.size()) / 4);
+  d.large_share = large / both;
+  return d;
+}
+
+// A flattened ball with a wrong proxy: ghosts, occlusion and soft visibility have something to show.
+Stage troubled(const CameraModel& model = small_camera()) {
+  return photographed(arc(5, 25, model), ball(0.25F, 48, 0.6F), ball(0.265F, 16, 0.6F));
+}
+
+TEST_F(BackEnds, DrawTheSamePictures) {
+  const Stage stage = troubled();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  RendererOptions options;
+  options.flow.backend = "none";  // a flow of pictures that differ by a step differs too
+  for (const char* method : {"nearest", "linear", "floating"})
+    for (const bool sharp : {true, false}) {
+      options.sharp = sharp;
+      const View view = view_at(8, 25, small_camera(256, 192));
+      const Difference d = difference(drawn(render::BackEnd::Cpu, scene, view, method, options),
+                                      drawn(render::BackEnd::Gl, scene, view, method, options));
+      EXPECT_GT(d.psnr, method == std::string("nearest") ? 40 : 48) << method << ", sharp " << sharp;
+      EXPECT_LE(d.coverage_share, 0.0002) << method << ", sharp " << sharp;
+      RecordProperty(text(method, sharp ? "_sharp" : "_soft"), text(d.psnr, " dB"));
+    }
+}
+
+TEST_F(BackEnds, DrawTheSamePicturesThroughLenses) {
+  CameraModel model = small_camera();
+  for (const Lens& lens :
+       {Lens(BrownConrady{-0.25, 0.08, 0.002, -0.001, 0.01}), Lens(KannalaBrandt{0.05, -0.02, 0.01, 0})}) {
+    model.lens = lens;
+    const Stage stage = troubled(model);
+    render::Scene scene;
+    ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+    const View view = view_at(-13, 5);
+    const Difference d = difference(drawn(render::BackEnd::Cpu, scene, view, "linear", {}),
+                                    drawn(render::BackEnd::Gl, scene, view, "linear", {}));
+    EXPECT_GT(d.psnr, 45);
+    EXPECT_LE(d.coverage_share, 0.0002);
+  }
+}
+
+TEST_F(BackEnds, ShowTheSameIntermediates) {
+  const Stage stage = troubled();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  const View view = view_at(8, 25, small_camera(256, 192));
+  for (int output = 1; output < static_cast<int>(render_output_names().size()); ++output) {
+    RendererOptions options;
+    options.output = static_cast<RenderOutput>(output);
+    // What ghosts depends on the flow, and that of pictures which differ by a step differs too.
+    if (options.output == RenderOutput::Ghosting) options.flow.backend = "none";
+    const Difference d = difference(drawn(render::BackEnd::Cpu, scene, view, "floating", options),
+                                    drawn(render::BackEnd::Gl, scene, view, "floating", options));
+    EXPECT_LE(d.large_share, 0.02) << render_output_names()[static_cast<std::size_t>(output)];
+    EXPECT_LE(d.coverage_share, 0.0002) << render_output_names()[static_cast<std::size_t>(output)];
+  }
+}
+
+TEST_F(BackEnds, AgreeOnAMeshThatIsCutByTheNearPlaneOrHasHoles) {
+  Stage stage = troubled();
+  stage.scene.mesh.triangles.resize(stage.scene.mesh.triangles.size() * 2 / 3);  // open: its inside is seen
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  View view = view_at(8, 60);
+  for (const double near_plane : {0.01, 0.9}) {
+    view.near_plane = near_plane;
+    const Difference d = difference(drawn(render::BackEnd::Cpu, scene, view, "linear", {}),
+                                    drawn(render::BackEnd::Gl, scene, view, "linear", {}));
+    EXPECT_LE(d.coverage_share, 0.0003) << "near plane at " << near_plane;
+    EXPECT_LE(d.large_share, 0.01) << "near plane at " << near_plane;
+  }
+}
+
+TEST_F(BackEnds, DrawOneSceneInTurns) {
+  const Stage stage = troubled();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  std::map<render::BackEnd, Image> first;
+  for (int turn = 0; turn < 2; ++turn)
+    for (const render::BackEnd back_end : {render::BackEnd::Cpu, render::BackEnd::Gl}) {
+      const Image picture = drawn(back_end, scene, view_at(3), "linear", {});
+      if (turn == 0)
+        first[back_end] = picture;
+      else
+        EXPECT_EQ(picture, first[back_end]);
+    }
+}
+
+TEST(BackEnd, CpuNeedsNoOpenGl) {
+  const auto opened = render::open_back_end(render::BackEnd::Cpu);
+  ASSERT_THAT(opened, IsOk());
+  EXPECT_EQ(opened->context, nullptr);
+  EXPECT_EQ(opened->back_end, render::BackEnd::Cpu);
+  EXPECT_THAT(opened->description, testing::HasSubstr("CPU"));
+}
+
+TEST(BackEnd, AutoTakesTheCpuWhereOpenGlIsSoftware) {
+  const auto gl = GlContext::headless();
+  const bool gpu = gl && !(*gl)->is_software();
+  const auto opened = render::open_back_end(render::BackEnd::Auto);
+  ASSERT_THAT(opened, IsOk());
+  EXPECT_EQ(opened->back_end, gpu ? render::BackEnd::Gl : render::BackEnd::Cpu);
+}
+
+TEST(BackEnd, NamesAreListedAgainstUnknownOnes) {
+  EXPECT_THAT(render::parse_back_end("cpu"), IsOk());
+  EXPECT_THAT(render::parse_back_end("vulkan"), FailsWith(ErrorCode::InvalidArgument, "gl"));
+}
+
+}  // namespace
+}  // namespace floatstage::render
