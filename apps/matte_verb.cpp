@@ -25,6 +25,15 @@ struct Options {
   pipeline::ExportOptions layers;
 };
 
+json to_json(const std::optional<pipeline::ConsistentView>& view) {
+  if (!view) return {};
+  return {{"subject", view->subject},
+          {"sure", view->sure},
+          {"border", view->border},
+          {"missing", view->missing},
+          {"surplus", view->surplus}};
+}
+
 json to_json(const pipeline::MatteReport& report) {
   json per_camera = json::object(), worst = json::array();
   for (const pipeline::CameraMattes& c : report.cameras)
@@ -37,12 +46,15 @@ json to_json(const pipeline::MatteReport& report) {
                             {"clicks", c.clicks},
                             {"flicker", c.flicker},
                             {"hull_agreement", c.hull_agreement ? json(*c.hull_agreement) : json()},
+                            {"consistent", to_json(c.consistent)},
                             {"failures", c.failures}};
   for (const pipeline::SilhouetteAgreement& a : report.worst)
     worst.push_back({{"camera", a.serial}, {"frame", a.frame}, {"iou", a.iou}, {"surplus", a.surplus}});
   return {{"seconds_per_frame", report.seconds_per_frame},
           {"seconds", report.seconds},
           {"per_camera", per_camera},
+          {"remarks", report.remarks},
+          {"distrusted", report.distrusted},
           {"worst", worst}};
 }
 
@@ -65,6 +77,7 @@ Result<void> run(const Options& given) {
     for (const std::string& f : c.failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
     failures += c.failures.size();
   }
+  for (const std::string& r : report->remarks) log::warning(r);
   for (std::size_t i = 0; i < std::min(kWorstShown, report->worst.size()); ++i)
     std::printf("worst: %s frame %d, IoU %.3f, %.1f %% outside\n", report->worst[i].serial.c_str(),
                 report->worst[i].frame, report->worst[i].iou, 100 * report->worst[i].surplus);

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc/detail/gcgraph.hpp>
-
 #include "core/check.h"
+#include "matting/graph_cut.h"
 
 namespace floatstage::matting {
 namespace {
@@ -58,25 +56,25 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
       [&](std::size_t p, std::size_t q, float) { contrast += difference(colour(p), colour(q)), ++pairs; });
   const float beta = contrast > 0 ? static_cast<float>(static_cast<double>(pairs) / (2 * contrast)) : 0;
 
-  cv::detail::GCGraph<int> graph(static_cast<unsigned>(nodes), static_cast<unsigned>(nodes) * 8);
+  GraphCut graph(nodes, static_cast<std::size_t>(nodes) * 4);
   std::vector<float> odds(static_cast<std::size_t>(nodes));
   for (std::size_t p = 0; p < node.size(); ++p)
-    if (node[p] >= 0) graph.addVtx(), odds[static_cast<std::size_t>(node[p])] = evidence.odds[p];
+    if (node[p] >= 0) odds[static_cast<std::size_t>(node[p])] = evidence.odds[p];
   each_pair([&](std::size_t p, std::size_t q, float length) {
     const float calm = evidence.calm.empty() ? 1 : std::min(evidence.calm[p], evidence.calm[q]);
     const float alike = std::exp(-beta * calm * difference(colour(p), colour(q)));
     const float weight = static_cast<float>(smooth) * std::max(alike, kFloor) / length;
     if (node[p] >= 0 && node[q] >= 0)
-      graph.addEdges(node[p], node[q], whole(weight), whole(weight));
+      graph.add_edge(node[p], node[q], whole(weight), whole(weight));
     else
       odds[static_cast<std::size_t>(std::max(node[p], node[q]))] -= weight;  // the other one is background
   });
   for (int i = 0; i < nodes; ++i)
-    graph.addTermWeights(i, whole(std::max(0.0f, odds[static_cast<std::size_t>(i)])),
+    graph.add_terminals(i, whole(std::max(0.0f, odds[static_cast<std::size_t>(i)])),
                          whole(std::max(0.0f, -odds[static_cast<std::size_t>(i)])));
-  graph.maxFlow();
+  graph.solve();
   for (std::size_t p = 0; p < node.size(); ++p)
-    if (node[p] >= 0 && graph.inSourceSegment(node[p])) out.pixels[p] = 255;
+    if (node[p] >= 0 && graph.on_source_side(node[p])) out.pixels[p] = 255;
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/keying.h"
 #include "pipeline/matte/camera_matting.h"
+#include "pipeline/matte/consistent_take.h"
 #include "pipeline/matte/matting_record.h"
 #include "pipeline/matte/spectral_take.h"
 #include "pipeline/progress.h"
@@ -249,6 +250,23 @@ void make_items(const capture::TakeReader& take, Run& run, std::vector<Job>& job
   });
 }
 
+// All cameras at once, instant after instant.
+Result<void> make_consistent(capture::TakeReader& take, const MatteTakeOptions& options,
+                             const MatteEdits& edits, std::vector<Job>& jobs, MatteReport& report) {
+  ConsistentTakeOptions consistent{.matting = {.threads = options.threads}, .progress = options.progress};
+  for (const Job& job : jobs) consistent.cameras.push_back(job.camera);
+  Result<ConsistentTakeReport> made = consistent_take(take, edits, consistent);
+  if (!made) return forward(made);
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    CameraMattes& c = jobs[i].report;
+    c.made = made->cameras[i].made, c.kept = made->cameras[i].kept, c.gaps = made->cameras[i].gaps;
+    if (c.made > 0) c.consistent = made->cameras[i].mean;
+  }
+  report.remarks = std::move(made->remarks);
+  report.distrusted = made->distrusted;
+  return {};
+}
+
 double flicker_of(const capture::TakeReader& take, const std::string& serial, const Progress* progress) {
   Image before;
   double sum = 0;
@@ -293,7 +311,7 @@ Result<void> save_keying_of(const capture::TakeReader& take, const std::vector<J
   KeyingRecord record{"matte:" + method, {}};
   const bool all_chroma =
       jobs.size() == take.rig().cameras.size() && std::all_of(jobs.begin(), jobs.end(), [](const Job& j) {
-        return j.matting->key().kind() == CameraKey::Kind::Chroma;
+        return j.matting && j.matting->key().kind() == CameraKey::Kind::Chroma;
       });
   if (all_chroma)
     for (const Job& job : jobs) record.specs.push_back(job.record.key);
@@ -311,6 +329,7 @@ const std::vector<MatteMethod>& matte_methods() {
       {"plate", "against plates/, or the backdrop found behind the performance"},
       {"closed-form", "closed-form matting in the band around the key"},
       {"spectral", "spectral video matting from the key, from clicks, or from its own first guess"},
+      {"consistent", "no key: what lies where the cameras look and is consistent across all their pictures"},
   };
   return methods;
 }
@@ -341,9 +360,14 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
     if (Result<void> ok = settle(take, job, all, options.redo); !ok) return forward(ok);
   }
   Run run(options.progress);
+  const bool consistent = options.method == "consistent";
+  if (consistent && !options.guide.empty())
+    return fail(ErrorCode::InvalidArgument, "the method 'consistent' takes no guide");
+  for (Job& job : *jobs)
+    if (consistent) job.report.key = job.report.method = job.record.key = job.record.chosen = options.method;
   ProgressPart keys(options.progress, "keys", jobs->size());
   parallel_for(jobs->size(), options.threads, [&](std::size_t i) {
-    if (run.stopped()) return;
+    if (run.stopped() || consistent) return;
     if (Result<void> ok = prepare(take, options, *edits, (*jobs)[i]); !ok) run.stop(ok.error());
     keys.advance();
   });
@@ -358,12 +382,17 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   }
   if (Result<void> ok = save_matting(all, take.layout()); !ok) return forward(ok);
   if (Result<void> ok = save_keying_of(take, *jobs, options.method); !ok) return forward(ok);
-  make_items(take, run, *jobs, options.threads);
+  MatteReport report;
+  if (consistent) {
+    if (Result<void> ok = make_consistent(take, options, *edits, *jobs, report); !ok) return forward(ok);
+  } else {
+    make_items(take, run, *jobs, options.threads);
+  }
   for (Job& job : *jobs)
-    if (job.matting->spectral() && !run.stopped()) make_spectral(take, run, job, options.threads);
+    if (!consistent && job.matting->spectral() && !run.stopped())
+      make_spectral(take, run, job, options.threads);
   if (Result<void> ok = run.result(); !ok) return forward(ok);
 
-  MatteReport report;
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   std::vector<double> flicker(jobs->size());
   parallel_for(jobs->size(), options.threads,

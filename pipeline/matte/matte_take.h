@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "pipeline/matte/consistent.h"
 #include "pipeline/matte/hull_agreement.h"
 
 namespace floatstage::pipeline {
@@ -34,12 +35,15 @@ struct CameraMattes {
   int keyframes = 0, clicks = 0;         ///< of a person; scribbles count as clicks
   double flicker = 0;                    ///< mean |opacity - that of the frame before| over frames in a row
   std::optional<double> hull_agreement;  ///< mean IoU with the hull of the others
-  std::vector<std::string> failures;     ///< one sentence each, in the order of the frames
+  std::optional<ConsistentView> consistent;  ///< means over the instants, of the method of that name
+  std::vector<std::string> failures;         ///< one sentence each, in the order of the frames
 };
 
 struct MatteReport {
   std::vector<CameraMattes> cameras;
   std::vector<SilhouetteAgreement> worst;  ///< least agreement first
+  std::vector<std::string> remarks;        ///< of `consistent`: what may be wrong, with frames and cameras
+  int distrusted = 0;                      ///< likewise: instants whose mattes are probably wrong
   int made = 0;
   double seconds = 0;            ///< of making mattes, the hull check left out
   double seconds_per_frame = 0;  ///< of wall time, a photograph made in this run; 0 when none was

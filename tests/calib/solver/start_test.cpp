@@ -15,7 +15,7 @@
 namespace floatstage::calib::solver {
 namespace {
 
-constexpr CaptureOptions kCapture{.frames = 40, .noise_px = 0.1, .outliers = 0.02, .frame_seconds = 0.4};
+const CaptureOptions kCapture{.frames = 40, .noise_px = 0.1, .outliers = 0.02, .frame_seconds = 0.4};
 
 Scene unsolved(const TrueScene& s) { return make_scene(s.seen); }
 

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/image.h"
+#include "core/result.h"
+
+namespace floatstage::matting {
+
+/// The picture at a smaller size, by area means; the picture itself when the size fits.
+Image shrunk(const Image& picture, int width, int height);
+
+/// Of each pixel of an RGB picture how much of edges lies between it and the picture's border on the way that
+/// crosses least: the geodesic distance of Y. Wei, F. Wen, W. Zhu and J. Sun, "Geodesic Saliency Using
+/// Background Priors", ECCV 2012, where what is no steeper than light or noise costs nothing. Cloth that
+/// is lit unevenly lies near the border by that, a subject before it far. In 8-bit steps, summed over
+/// channels.
+std::vector<float> edges_to_border(const Image& picture);
+
+/// The standard deviation of a picture's noise, 8-bit steps summed over channels: from the median difference
+/// of neighbours, which shows noise wherever more than half of the picture is calm. At least 1.
+double noise_of(const Image& picture);
+
+/// What a still camera sees at each place when the subject is elsewhere, learnt from a clip: a colour, how
+/// often it was there, and whether anything else ever was.
+class StillBackdrop {
+ public:
+  /// `pictures`: RGB, of one size, spread over a clip; at least two. Errors: InvalidArgument.
+  static Result<StillBackdrop> learn(std::span<const Image> pictures);
+
+  /// Of each pixel the log of how much likelier its colour is if something stands before the place. A place
+  /// that never changed speaks softly against it: the subject may have stood there all the time.
+  std::vector<float> odds(const Image& picture) const;
+
+ private:
+  Image color_, noise_, confidence_;  // as of a Plate
+  std::vector<std::uint8_t> changed_;
+};
+
+/// What is known of a pixel when a picture is cut.
+enum class Certain : std::uint8_t { No, Backdrop, Subject };
+
+/// The cheapest split into subject (255) and background (0): the sum of the odds of pixels on the wrong side
+/// plus, for 8-neighbours on different sides, `smooth` times how alike they look, against the mean contrast
+/// (Boykov, Jolly 2001). Exact: a minimum cut (matting/graph_cut.h). `odds`: log of how much likelier subject
+/// is than background. `certain`: empty, or of every pixel. Deterministic.
+Image cut_view(const Image& picture, std::span<const float> odds, std::span<const Certain> certain,
+               double smooth);
+
+}  // namespace floatstage::matting

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/image.h"
+#include "core/result.h"
+#include "core/rig.h"
+
+namespace floatstage::pipeline {
+
+struct ConsistentOptions {
+  int working_pixels = 100'000;  ///< the turns are made at about so many a picture; 2'000 … 1'000'000
+  int voxels = 500'000;          ///< space is asked at about so many places; 10'000 … 10'000'000
+  int turns = 6;                 ///< at most, where nothing is known yet; 1 … 50
+  int later_turns = 2;           ///< likewise of an instant that follows another; 1 … 50
+  double smooth = 3;             ///< of a step of the outline, against log-likelihoods; 0 … 100
+  bool refine = true;            ///< closed form around the edge at full size; else what was cut, enlarged
+  int threads = 0;               ///< 0: one per core; the result is the same at any number
+
+  Result<void> check() const;
+};
+
+/// How one camera came out, measured at the turns' size.
+struct ConsistentView {
+  bool pictured = false;  ///< there was a photograph; else all else is 0
+  double subject = 0;     ///< share of the picture
+  double sure = 0;        ///< share of what it or the others hold for subject that its colours bear out
+  double border = 0;      ///< share of the picture's border that is subject
+  double missing = 0;     ///< share of what the others clearly see that it lacks
+  double surplus = 0;     ///< share of its subject that the others deny
+};
+
+struct ConsistentMattes {
+  std::vector<Image> mattes;          ///< one channel, of the photographs' sizes; empty without a photograph
+  std::vector<ConsistentView> views;  ///< in rig order
+  /// What a person should know before using them, a sentence each, with the cameras' names.
+  std::vector<std::string> remarks;
+  bool trusted = true;  ///< false where a remark says that mattes are probably wrong
+  int turns = 0;
+};
+
+/// Mattes of all cameras of one instant without a key: the subject is what lies around the point that the
+/// cameras look at and is consistent across their pictures.
+///
+/// In turns, colours of the subject (shared by all cameras) and of each camera's backdrop are learnt from the
+/// last cut, all cameras are asked about space (recon/occupancy.h), and every picture is cut anew between its
+/// colours and what the others say of it: the scheme of N. Campbell, G. Vogiatzis, C. Hernández, R. Cipolla,
+/// "Automatic 3D Object Segmentation in Multiple Views using Volumetric Graph-Cuts" (2010), with a soft
+/// occupancy grid in place of the volumetric cut, as W. Lee, W. Woo, E. Boyer, "Silhouette Segmentation in
+/// Multiple Views" (2011), go to and fro between silhouettes and their hull. It begins with what edges
+/// separate from the picture's border. Closed form then solves the edges at full size.
+///
+/// State is what the last instant left: colours and where the subject was. Not for two threads at once.
+class ConsistentMatting {
+ public:
+  /// Errors: those of check() and of recon::shared_view().
+  static Result<ConsistentMatting> create(const Rig& rig, const ConsistentOptions& options);
+  ConsistentMatting(ConsistentMatting&&) noexcept;
+  ConsistentMatting& operator=(ConsistentMatting&&) noexcept;
+  ~ConsistentMatting();
+
+  /// Pixels of a camera's picture in the turns.
+  Eigen::Vector2i working_size(int camera) const;
+  /// What a still camera saw at other instants, at least two, of its working size: what moves then counts as
+  /// more likely subject. Errors: InvalidArgument.
+  Result<void> learn_backdrop(int camera, const std::vector<Image>& pictures);
+  /// The next instant begins as if it were the first.
+  void forget();
+
+  /// `pictures`: of each camera an RGB photograph of its size, or empty. `said`: empty, or of each camera
+  /// what a person marked: one channel of the photograph's size (0 background, 255 subject, else unknown) or
+  /// empty. `go_on` may stop the work between two turns (Cancelled). Errors: InvalidArgument for pictures
+  /// that do not fit, BadData when fewer than two cameras have one.
+  Result<ConsistentMattes> matte(std::span<const Image> pictures, std::span<const Image> said = {},
+                                 const std::function<bool()>& go_on = nullptr);
+
+ private:
+  struct Impl;
+  explicit ConsistentMatting(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace floatstage::pipeline

@@ -1,0 +1,184 @@
+#include "pipeline/matte/consistent_take.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/parallel.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "matting/view_cut.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFewInstants = 8;  // below, a clip does not show what stands still
+constexpr int kLessons = 16;
+constexpr std::size_t kMostRemarks = 40;
+
+Result<Image> photograph(capture::TakeReader& take, int camera, int frame) {
+  Result<Frame> photograph = take.frame(camera, frame);
+  if (!photograph) return forward(photograph);
+  if (photograph->empty()) return Image();
+  return to_rgb(*photograph);
+}
+
+Result<void> learn_backdrop(capture::TakeReader& take, int camera, ConsistentMatting& matting) {
+  const int count = take.frame_count(), lessons = std::min(kLessons, count);
+  const Eigen::Vector2i size = matting.working_size(camera);
+  std::vector<Image> pictures;
+  for (int i = 0; i < lessons; ++i) {
+    Result<Image> picture = photograph(take, camera, static_cast<int>((2L * i + 1) * count / (2L * lessons)));
+    if (!picture) return forward(picture);
+    if (!picture->empty()) pictures.push_back(matting::shrunk(*picture, size.x(), size.y()));
+  }
+  if (static_cast<int>(pictures.size()) < kFewInstants) return {};
+  return matting.learn_backdrop(camera, pictures);
+}
+
+// What a person marked in one camera's frame; empty where nobody did.
+Image said_of(const CameraEdits& edits, int frame, const CameraModel& model) {
+  Image map(model.width, model.height, 1, 128);
+  for (const MatteKeyframe& k : edits.keyframes)
+    if (k.frame == frame) paint_strokes(k.strokes, 1, map);
+  paint_masks(edits.masks, frame, 1, map);
+  const bool marked = std::any_of(map.pixels.begin(), map.pixels.end(), [](int v) { return v != 128; });
+  return marked ? map : Image();
+}
+
+class Maker {
+ public:
+  Maker(capture::TakeReader& take, const MatteEdits& edits, const ConsistentTakeOptions& options,
+        ConsistentMatting matting)
+      : take_(take), edits_(edits), options_(options), matting_(std::move(matting)) {
+    report_.cameras.resize(options.cameras.size());
+  }
+
+  Result<void> prepare() {
+    const std::size_t cameras = take_.rig().cameras.size();
+    if (take_.frame_count() < kFewInstants) return {};
+    std::vector<Result<void>> learnt(cameras);
+    ProgressPart progress(options_.progress, "backdrops", cameras);
+    parallel_for(cameras, options_.matting.threads, [&](std::size_t i) {
+      if (is_cancelled(options_.progress)) return;
+      learnt[i] = learn_backdrop(take_, static_cast<int>(i), matting_);
+      progress.advance();
+    });
+    for (const Result<void>& ok : learnt)
+      if (!ok) return ok;
+    return {};
+  }
+
+  Result<void> make(int frame) {
+    bool missing = false;
+    for (std::size_t i = 0; i < options_.cameras.size(); ++i)
+      missing = missing || !fs::exists(file(i, frame));
+    if (!missing) {
+      for (ConsistentTakeReport::Camera& c : report_.cameras) ++c.kept;
+      matting_.forget();
+      warm_ = false;
+      return {};
+    }
+    Result<ConsistentMattes> made = mattes_of(frame);
+    if (!made) return forward(made);
+    report_.distrusted += !made->trusted;
+    for (const std::string& r : made->remarks) report_.remarks.push_back(text("frame ", frame, ": ", r));
+    for (std::size_t i = 0; i < options_.cameras.size(); ++i) {
+      const auto camera = static_cast<std::size_t>(options_.cameras[i]);
+      ConsistentTakeReport::Camera& c = report_.cameras[i];
+      if (fs::exists(file(i, frame))) {
+        ++c.kept;
+        continue;
+      }
+      if (made->mattes[camera].empty()) {
+        ++c.gaps;
+        continue;
+      }
+      if (Result<void> ok = save_png(made->mattes[camera], file(i, frame)); !ok) return ok;
+      add(made->views[camera], c);
+    }
+    return {};
+  }
+
+  ConsistentTakeReport finish() {
+    for (ConsistentTakeReport::Camera& c : report_.cameras)
+      for (double* sum : {&c.mean.subject, &c.mean.sure, &c.mean.border, &c.mean.missing, &c.mean.surplus})
+        *sum /= std::max(1, c.made);
+    if (report_.remarks.size() > kMostRemarks) {
+      const std::size_t more = report_.remarks.size() - kMostRemarks;
+      report_.remarks.resize(kMostRemarks);
+      report_.remarks.push_back(text("and ", more, " more remarks like these"));
+    }
+    return std::move(report_);
+  }
+
+ private:
+  fs::path file(std::size_t i, int frame) const {
+    const auto camera = static_cast<std::size_t>(options_.cameras[i]);
+    return take_.layout().matte(take_.rig().cameras[camera].serial, frame);
+  }
+
+  static void add(const ConsistentView& view, ConsistentTakeReport::Camera& c) {
+    ++c.made;
+    c.mean.pictured = true;
+    c.mean.subject += view.subject;
+    c.mean.sure += view.sure;
+    c.mean.border += view.border;
+    c.mean.missing += view.missing;
+    c.mean.surplus += view.surplus;
+  }
+
+  Result<ConsistentMattes> mattes_of(int frame) {
+    const std::vector<RigCamera>& cameras = take_.rig().cameras;
+    std::vector<Result<Image>> read(cameras.size(), Image());
+    std::vector<Image> pictures(cameras.size()), said(cameras.size());
+    parallel_for(cameras.size(), options_.matting.threads, [&](std::size_t i) {
+      read[i] = photograph(take_, static_cast<int>(i), frame);
+      const auto found = edits_.cameras.find(cameras[i].serial);
+      if (found != edits_.cameras.end()) said[i] = said_of(found->second, frame, cameras[i].model);
+    });
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      if (!read[i])
+        return fail(read[i].error().code,
+                    text("camera '", cameras[i].serial, "', frame ", frame, ": ", read[i].error().message));
+      pictures[i] = std::move(*read[i]);
+    }
+    const auto go_on = [&] { return !is_cancelled(options_.progress); };
+    Result<ConsistentMattes> made = matting_.matte(pictures, said, go_on);
+    if (made && !made->trusted && warm_) {  // what the last instant left may be what is wrong
+      matting_.forget();
+      made = matting_.matte(pictures, said, go_on);
+    }
+    if (!made && made.error().code != ErrorCode::Cancelled)
+      return fail(made.error().code, text("frame ", frame, ": ", made.error().message));
+    warm_ = static_cast<bool>(made);
+    return made;
+  }
+
+  capture::TakeReader& take_;
+  const MatteEdits& edits_;
+  const ConsistentTakeOptions& options_;
+  ConsistentMatting matting_;
+  ConsistentTakeReport report_;
+  bool warm_ = false;
+};
+
+}  // namespace
+
+Result<ConsistentTakeReport> consistent_take(capture::TakeReader& take, const MatteEdits& edits,
+                                             const ConsistentTakeOptions& options) {
+  Result<ConsistentMatting> matting = ConsistentMatting::create(take.rig(), options.matting);
+  if (!matting) return forward(matting);
+  Maker maker(take, edits, options, std::move(*matting));
+  if (Result<void> ok = maker.prepare(); !ok) return forward(ok);
+  ProgressPart progress(options.progress, "mattes", static_cast<std::size_t>(take.frame_count()));
+  for (int frame = 0; frame < take.frame_count(); ++frame) {
+    if (is_cancelled(options.progress)) return cancelled();
+    if (Result<void> ok = maker.make(frame); !ok) return forward(ok);
+    progress.advance();
+  }
+  return maker.finish();
+}
+
+}  // namespace floatstage::pipeline

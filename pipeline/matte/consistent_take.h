@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/matte_edits.h"
+#include "core/result.h"
+#include "pipeline/matte/consistent.h"
+#include "pipeline/progress.h"
+
+namespace floatstage::pipeline {
+
+struct ConsistentTakeOptions {
+  ConsistentOptions matting;
+  std::vector<int> cameras = {};  ///< whose mattes are written; all cameras are looked at in any case
+  Progress* progress = nullptr;   ///< null: unwatched
+};
+
+struct ConsistentTakeReport {
+  struct Camera {
+    int made = 0, kept = 0, gaps = 0;
+    /// Means over the instants that were made: see ConsistentView.
+    ConsistentView mean;
+  };
+  std::vector<Camera> cameras;       ///< as in the options
+  std::vector<std::string> remarks;  ///< "frame 3: cameras 04 (62 %): …"; no more than some dozens
+  int distrusted = 0;                ///< instants whose mattes are probably wrong
+};
+
+/// Makes what is missing of a take's mattes by ConsistentMatting, instant after instant, each beginning where
+/// the last one ended; one that cannot be trusted is tried again as if it were the first. A run that goes on
+/// after an interruption begins anew at the first instant with a matte missing, so that its mattes may differ
+/// there by a few pixels. Where the take has eight instants or more, each camera's backdrop is learnt from
+/// up to sixteen of them. Strokes and masks of `edits` are certain, strokes in their own frame only.
+/// Errors: those of ConsistentMatting and of reading and writing; Cancelled.
+Result<ConsistentTakeReport> consistent_take(capture::TakeReader& take, const MatteEdits& edits,
+                                             const ConsistentTakeOptions& options);
+
+}  // namespace floatstage::pipeline
