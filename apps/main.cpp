@@ -12,7 +12,7 @@ int run(const std::vector<std::string>& words) {
   using namespace floatstage;
   apps::Chosen chosen;
   const std::unique_ptr<CLI::App> app = apps::command_line(chosen);
-  if (const std::optional<apps::Ending> ending = read_command_line(*app, words)) {
+  if (const std::optional<apps::Ending> ending = apps::read_command_line(*app, words)) {
     std::fputs(ending->output.c_str(), stdout);
     if (!ending->error.empty()) std::fprintf(stderr, "%s\n", ending->error.c_str());
     return ending->code;

@@ -29,7 +29,8 @@ std::string list_of_formats() {
 
 std::vector<std::string> names_of_formats() {
   std::vector<std::string> names;
-  for (const Format& f : formats()) names.push_back(f.name);
+  for (const calib::RigFormat& f : calib::rig_formats())
+    if (f.write) names.emplace_back(f.name);
   return names;
 }
 

@@ -22,7 +22,7 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  const GlContext& gl() const { return *gl_; }
+  const render::GlContext& gl() const { return *gl_; }
   bool should_close() const;
   void close();  ///< as if somebody had closed it
   /// Takes events and begins a frame of the user interface; waits up to `patience` seconds for an event
