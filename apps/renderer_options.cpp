@@ -25,8 +25,10 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
   const std::vector<CLI::Option*> tuning = {
       verb.add_option("--soft-radius", o.soft_radius, "Radius of soft visibility, px"),
       verb.add_option("--flow", o.flow.backend, "Flow back-end"),
-      verb.add_option("--flow-preset", o.flow.preset, "ultrafast, fast or medium")
-          ->check(one_of({"ultrafast", "fast", "medium"})),
+      verb.add_option(
+              "--flow-preset", o.flow.preset,
+              "dis: ultrafast, fast or medium; variational: fast or quality (default: the back-end's own)")
+          ->check(one_of({"ultrafast", "fast", "medium", "quality"})),
       verb.add_option("--flow-finest-scale", o.flow.finest_scale,
                       "Pyramid level at which the flow stops; 0: full resolution")};
   for (CLI::Option* option : tuning) option->capture_default_str()->group(kGroupTuning);

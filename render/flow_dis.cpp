@@ -1,13 +1,17 @@
 #include "render/flow_dis.h"
 
 #include <algorithm>
-#include <cstring>
+#include <atomic>
+#include <cmath>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "core/parallel.h"
 #include "core/text.h"
+#include "render/image_fill.h"
 
 namespace floatstage::render {
 namespace {
@@ -19,38 +23,96 @@ constexpr int kMostScales = 6;
 // iterations are FlowOptions::refinement.
 constexpr float kSmoothness = 10, kGradientConstancy = 5;
 
+/// A picture as DIS takes it: continued beyond its content, so that the content's outline is no edge, and
+/// padded where it is too small for DIS.
+class DisPicture {
+ public:
+  void load(const FlowImage& image) {
+    const cv::Mat gray(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.gray));
+    gray.copyTo(picture_);
+    if (image.state != nullptr) continue_beyond_content(image);
+    if (std::min(image.width, image.height) < kSmallestSide)
+      cv::copyMakeBorder(picture_, picture_, 0, std::max(0, kSmallestSide - image.height), 0,
+                         std::max(0, kSmallestSide - image.width), cv::BORDER_REPLICATE);
+  }
+  const cv::Mat& picture() const { return picture_; }
+
+ private:
+  void continue_beyond_content(const FlowImage& image) {
+    const std::size_t size = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    known_.resize(size);
+    values_.assign(image.gray, image.gray + size);
+    for (std::size_t i = 0; i < size; ++i) known_[i] = image.state[i] != 0;
+    fill_unknown(image.width, image.height, 1, known_, values_.data());
+    std::uint8_t* gray = picture_.ptr<std::uint8_t>();
+    for (std::size_t i = 0; i < size; ++i)
+      if (!known_[i]) gray[i] = static_cast<std::uint8_t>(std::clamp(std::lround(values_[i]), 0L, 255L));
+  }
+
+  cv::Mat picture_;
+  std::vector<bool> known_;
+  std::vector<float> values_;
+};
+
 class DisFlow : public FlowEstimator {
  public:
-  explicit DisFlow(cv::Ptr<cv::DISOpticalFlow> dis) : dis_(std::move(dis)) {}
+  explicit DisFlow(const FlowOptions& options, int preset) : options_(options), preset_(preset) {}
 
-  Result<FlowField> estimate(const FlowImage& a, const FlowImage& b) override {
-    if (a.gray == nullptr || b.gray == nullptr || a.width <= 0 || a.height <= 0)
-      return fail(ErrorCode::InvalidArgument, "optical flow of an empty picture");
-    if (a.width != b.width || a.height != b.height)
-      return fail(ErrorCode::InvalidArgument, text("optical flow between pictures of different sizes, ",
-                                                   a.width, "x", a.height, " and ", b.width, "x", b.height));
-    FlowField field{a.width, a.height, {}};
-    field.uv.resize(static_cast<std::size_t>(a.width) * a.height * 2);
-    if (std::equal(a.gray, a.gray + static_cast<std::size_t>(a.width) * a.height, b.gray)) return field;
-    cv::Mat flow;
-    dis_->calc(padded(a), padded(b), flow);
-    for (int y = 0; y < a.height; ++y)
-      std::memcpy(field.uv.data() + static_cast<std::size_t>(y) * a.width * 2, flow.ptr<float>(y),
-                  static_cast<std::size_t>(a.width) * 2 * sizeof(float));
-    return field;
+  Result<void> estimate(std::span<const FlowImage> images, std::span<const FlowPair> pairs,
+                        std::span<const FlowField> initial, int threads,
+                        std::span<FlowField> result) override {
+    if (Result<void> ok = check_flow_input(images, pairs, initial, result); !ok) return ok;
+    pictures_.resize(std::max(pictures_.size(), images.size()));
+    parallel_for(images.size(), threads, [&](std::size_t i) { pictures_[i].load(images[i]); });
+    const std::size_t workers =
+        std::min(pairs.size(), static_cast<std::size_t>(threads > 0 ? threads : default_threads()));
+    while (solvers_.size() < workers) solvers_.push_back(make());
+    std::atomic<std::size_t> next = 0;
+    parallel_for(workers, threads, [&](std::size_t worker) {
+      for (std::size_t i; (i = next.fetch_add(1)) < pairs.size();) {
+        const FlowField* from = initial.empty() || initial[i].uv.empty() ? nullptr : &initial[i];
+        solve(*solvers_[worker], images[pairs[i].first], images[pairs[i].second], pairs[i], from, result[i]);
+      }
+    });
+    return {};
   }
 
  private:
-  static cv::Mat padded(const FlowImage& image) {
-    const cv::Mat gray(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.gray));
-    if (std::min(image.width, image.height) >= kSmallestSide) return gray;
-    cv::Mat larger;
-    cv::copyMakeBorder(gray, larger, 0, std::max(0, kSmallestSide - image.height), 0,
-                       std::max(0, kSmallestSide - image.width), cv::BORDER_REPLICATE);
-    return larger;
+  cv::Ptr<cv::DISOpticalFlow> make() const {
+    cv::Ptr<cv::DISOpticalFlow> dis = cv::DISOpticalFlow::create(preset_);
+    dis->setFinestScale(options_.finest_scale);
+    if (preset_ != cv::DISOpticalFlow::PRESET_ULTRAFAST) {
+      dis->setVariationalRefinementIterations(options_.refinement);
+      dis->setVariationalRefinementAlpha(kSmoothness);
+      dis->setVariationalRefinementGamma(kGradientConstancy);
+    }
+    if (options_.iterations > 0) dis->setGradientDescentIterations(options_.iterations);
+    return dis;
   }
 
-  cv::Ptr<cv::DISOpticalFlow> dis_;
+  void solve(cv::DISOpticalFlow& dis, const FlowImage& a, const FlowImage& b, const FlowPair& pair,
+             const FlowField* initial, FlowField& field) const {
+    field.width = a.width;
+    field.height = a.height;
+    const auto width = static_cast<std::size_t>(a.width), height = static_cast<std::size_t>(a.height);
+    field.uv.assign(2 * width * height, 0.F);
+    if (std::equal(a.gray, a.gray + width * height, b.gray)) return;
+    const cv::Mat &first = pictures_[pair.first].picture(), &second = pictures_[pair.second].picture();
+    cv::Mat flow;
+    if (initial != nullptr) {
+      flow = cv::Mat::zeros(first.size(), CV_32FC2);
+      for (std::size_t y = 0; y < height; ++y)
+        std::copy_n(initial->uv.data() + 2 * y * width, 2 * width, flow.ptr<float>(static_cast<int>(y)));
+    }
+    dis.calc(first, second, flow);
+    for (std::size_t y = 0; y < height; ++y)
+      std::copy_n(flow.ptr<float>(static_cast<int>(y)), 2 * width, field.uv.data() + 2 * y * width);
+  }
+
+  FlowOptions options_;
+  int preset_;
+  std::vector<DisPicture> pictures_;
+  std::vector<cv::Ptr<cv::DISOpticalFlow>> solvers_;  // one a thread
 };
 
 }  // namespace
@@ -61,7 +123,7 @@ Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options)
     preset = cv::DISOpticalFlow::PRESET_ULTRAFAST;
   else if (options.preset == "fast")
     preset = cv::DISOpticalFlow::PRESET_FAST;
-  else if (options.preset == "medium")
+  else if (options.preset == "medium" || options.preset.empty())
     preset = cv::DISOpticalFlow::PRESET_MEDIUM;
   else
     return fail(ErrorCode::InvalidArgument,
@@ -74,15 +136,7 @@ Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options)
   // DIS cuts its search into one stripe a thread and propagates only inside a stripe: with OpenCV's own
   // threads the result would depend on the machine. We run whole fields in parallel instead.
   cv::setNumThreads(1);
-  cv::Ptr<cv::DISOpticalFlow> dis = cv::DISOpticalFlow::create(preset);
-  dis->setFinestScale(options.finest_scale);
-  if (preset != cv::DISOpticalFlow::PRESET_ULTRAFAST) {
-    dis->setVariationalRefinementIterations(options.refinement);
-    dis->setVariationalRefinementAlpha(kSmoothness);
-    dis->setVariationalRefinementGamma(kGradientConstancy);
-  }
-  if (options.iterations > 0) dis->setGradientDescentIterations(options.iterations);
-  return std::unique_ptr<FlowEstimator>(std::make_unique<DisFlow>(std::move(dis)));
+  return std::unique_ptr<FlowEstimator>(std::make_unique<DisFlow>(options, preset));
 }
 
 }  // namespace floatstage::render

@@ -25,16 +25,6 @@ std::size_t index_of(Pair pair, std::size_t images) {
   return pair.from * (images - 1) + (pair.to < pair.from ? pair.to : pair.to - 1);
 }
 
-void continue_beyond_proxy(int width, int height, const std::vector<std::uint8_t>& state,
-                           std::vector<std::uint8_t>& gray) {
-  std::vector<bool> known(state.size());
-  std::vector<float> values(gray.begin(), gray.end());
-  for (std::size_t i = 0; i < state.size(); ++i) known[i] = state[i] != ProjectedImages::kNoProxy;
-  fill_unknown(width, height, 1, known, values.data());
-  for (std::size_t i = 0; i < gray.size(); ++i)
-    if (!known[i]) gray[i] = static_cast<std::uint8_t>(std::clamp(std::lround(values[i]), 0L, 255L));
-}
-
 /// Where the projections already meet, the flow still jitters by a fraction of a pixel (resampling noise):
 /// following it would only blur. Such displacements become zero, larger ones stay as they are.
 void drop_jitter(FlowField& field) {
@@ -48,7 +38,7 @@ void drop_jitter(FlowField& field) {
 
 }  // namespace
 
-Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<bool>& wanted,
+Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
                                      const FlowOptions& options, int threads) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
   if (options.backend == "none") {
@@ -60,26 +50,27 @@ Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<b
     }
     return {};
   }
-  if (options_ != options) estimators_.clear();
+  if (options_ != options) estimator_.reset();
   options_ = options;
-  while (estimators_.size() < pairs) {
-    auto estimator = make_flow_estimator(options);
-    if (!estimator) return forward(estimator);
-    estimators_.push_back(std::move(*estimator));
+  if (!estimator_) {
+    auto made = make_flow_estimator(options);
+    if (!made) return forward(made);
+    estimator_ = std::move(*made);
   }
-  parallel_for(count, threads, [&](std::size_t i) {
-    continue_beyond_proxy(images.width, images.height, images.state[i], images.gray[i]);
-  });
-
-  std::vector<Result<FlowField>> raw(pairs, Result<FlowField>(FlowField{}));
-  parallel_for(pairs, threads, [&](std::size_t index) {
+  std::vector<FlowImage> pictures;
+  for (std::size_t i = 0; i < count; ++i)
+    pictures.push_back({images.width, images.height, images.gray[i].data(), images.state[i].data()});
+  std::vector<FlowPair> asked;
+  std::vector<std::size_t> place(pairs, pairs);  // of a pair among those that are asked for
+  for (std::size_t index = 0; index < pairs; ++index) {
     const Pair pair = pair_at(index, count);
-    if (!wanted[pair.to]) return;
-    raw[index] = estimators_[index]->estimate({images.width, images.height, images.gray[pair.from].data()},
-                                              {images.width, images.height, images.gray[pair.to].data()});
-  });
-  for (const Result<FlowField>& field : raw)
-    if (!field) return forward(field);
+    if (!wanted[pair.to]) continue;
+    place[index] = asked.size();
+    asked.push_back({pair.from, pair.to});
+  }
+  raw_.resize(std::max(raw_.size(), asked.size()));
+  if (Result<void> ok = estimator_->estimate(pictures, asked, {}, threads, {raw_.data(), asked.size()}); !ok)
+    return ok;
 
   fields_.resize(pairs);
   parallel_for(pairs, threads, [&](std::size_t index) {
@@ -91,9 +82,9 @@ Result<void> PairwiseFlows::estimate(ProjectedImages images, const std::vector<b
       field.uv.assign(2 * images.gray[pair.from].size(), 0);
       return;
     }
-    field = *raw[index];
-    const FlowField* back = wanted[pair.from] ? &*raw[index_of({pair.to, pair.from}, count)] : nullptr;
-    fill_unknown(images.width, images.height, 2, trusted(images, pair.from, pair.to, *raw[index], back),
+    field = raw_[place[index]];
+    const FlowField* back = wanted[pair.from] ? &raw_[place[index_of({pair.to, pair.from}, count)]] : nullptr;
+    fill_unknown(images.width, images.height, 2, trusted(images, pair.from, pair.to, field, back),
                  field.uv.data());
     drop_jitter(field);
   });

@@ -10,21 +10,19 @@ namespace floatstage::render {
 
 /// Flow fields between all ordered pairs of images, made dependable: what an estimator says is kept where
 /// it is trusted() and replaced by the smooth continuation of what is known around it elsewhere;
-/// displacements within the estimator's own jitter become zero. Deterministic at any thread count: each pair
-/// has its own estimator.
+/// displacements within the estimator's own jitter become zero. Deterministic at any thread count.
 class PairwiseFlows {
  public:
   /// fields()[i * (n - 1) + (j < i ? j : j - 1)] is I_i -> I_j. Pairs whose j is not `wanted` stay zero.
-  /// Pictures are continued beyond the proxy first, so that its outline is no edge.
-  Result<void> estimate(ProjectedImages images, const std::vector<bool>& wanted, const FlowOptions& options,
-                        int threads);
+  Result<void> estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
+                        const FlowOptions& options, int threads);
 
   const std::vector<FlowField>& fields() const { return fields_; }
 
  private:
   std::optional<FlowOptions> options_;
-  std::vector<std::unique_ptr<FlowEstimator>> estimators_;
-  std::vector<FlowField> fields_;
+  std::unique_ptr<FlowEstimator> estimator_;
+  std::vector<FlowField> raw_, fields_;
 };
 
 }  // namespace floatstage::render

@@ -184,7 +184,7 @@ void flow(benchmark::State& state, const std::string& preset, int finest_scale) 
                                             60 * std::sin(0.11 * (x - 3) + 0.17 * y)));
     }
   for (auto _ : state)
-    benchmark::DoNotOptimize(estimator->estimate({width, height, a.data()}, {width, height, b.data()}));
+    benchmark::DoNotOptimize(estimate_flow(*estimator, {width, height, a.data()}, {width, height, b.data()}));
 }
 
 void sizes(benchmark::internal::Benchmark* bench) {

@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(Conformance, FlowBackend, testing::ValuesIn(render::flo
 
 TEST_P(FlowBackend, FindsADisplacementWithItsSign) {
   const auto first = texture(160, 120, 0, 0), second = texture(160, 120, 3.5, -2);
-  const auto flow = make()->estimate({160, 120, first.data()}, {160, 120, second.data()});
+  const auto flow = estimate_flow(*make(), {160, 120, first.data()}, {160, 120, second.data()});
   ASSERT_THAT(flow, IsOk());
   for (int y = 30; y < 90; y += 5)
     for (int x = 30; x < 130; x += 5) {
@@ -50,7 +50,7 @@ TEST_P(FlowBackend, FindsADisplacementWithItsSign) {
 
 TEST_P(FlowBackend, EqualPicturesDoNotMove) {
   const auto picture = texture(96, 80, 0, 0);
-  const auto flow = make()->estimate({96, 80, picture.data()}, {96, 80, picture.data()});
+  const auto flow = estimate_flow(*make(), {96, 80, picture.data()}, {96, 80, picture.data()});
   ASSERT_THAT(flow, IsOk());
   EXPECT_THAT(flow->uv, testing::Each(0.F));
 }
@@ -58,7 +58,7 @@ TEST_P(FlowBackend, EqualPicturesDoNotMove) {
 TEST_P(FlowBackend, TakesPicturesOfAnySize) {
   for (const auto& [width, height] : {std::pair(1, 1), std::pair(7, 200), std::pair(65, 33)}) {
     const auto first = texture(width, height, 0, 0), second = texture(width, height, 1, 0);
-    const auto flow = make()->estimate({width, height, first.data()}, {width, height, second.data()});
+    const auto flow = estimate_flow(*make(), {width, height, first.data()}, {width, height, second.data()});
     ASSERT_THAT(flow, IsOk());
     EXPECT_EQ(flow->width, width);
     EXPECT_EQ(flow->uv.size(), static_cast<std::size_t>(2 * width * height));
@@ -68,7 +68,7 @@ TEST_P(FlowBackend, TakesPicturesOfAnySize) {
 
 TEST_P(FlowBackend, RefusesPicturesOfDifferentSizes) {
   const auto picture = texture(96, 80, 0, 0);
-  EXPECT_THAT(make()->estimate({96, 80, picture.data()}, {80, 96, picture.data()}),
+  EXPECT_THAT(estimate_flow(*make(), {96, 80, picture.data()}, {80, 96, picture.data()}),
               FailsWith(ErrorCode::InvalidArgument, "different sizes"));
 }
 
