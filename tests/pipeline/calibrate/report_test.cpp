@@ -147,11 +147,14 @@ TEST(CalibrationReport, IsTwoFilesInAFolder) {
 TEST(CalibrationKnown, AppliesWhatIsKnownToTheCamerasOfItsName) {
   calib::Observations o = seen();
   const Rig rig = calib::ring_rig(3);
-  ASSERT_THAT(apply_known({"rig", "r.json", calib::Prior::Fixed, calib::Prior::Start}, rig, o), IsOk());
+  ASSERT_THAT(
+      apply_known({"rig", "r.json", calib::kMetresPerUnit, calib::Prior::Fixed, calib::Prior::Start}, rig, o),
+      IsOk());
   EXPECT_EQ(o.cameras[2].intrinsics, calib::Prior::Fixed);
   EXPECT_EQ(o.cameras[2].model, rig.cameras[2].model);
   EXPECT_EQ(o.cameras[2].pose, calib::Prior::Start);
-  EXPECT_THAT(apply_known({"rig", "r.json", calib::Prior::Fixed, calib::Prior::Start}, calib::ring_rig(2), o),
+  EXPECT_THAT(apply_known({"rig", "r.json", calib::kMetresPerUnit, calib::Prior::Fixed, calib::Prior::Start},
+                          calib::ring_rig(2), o),
               FailsWith(ErrorCode::NotFound, "'cam2'"));
 }
 
@@ -161,8 +164,9 @@ TEST(CalibrationKnown, IsComparedWithWhereItIsNotTaken) {
   const std::vector<std::string> sentences = compare_to_known({}, known, calib::ring_rig(3));
   ASSERT_EQ(sentences.size(), 3u);
   EXPECT_THAT(sentences[0], HasSubstr("-0.99 %"));
-  EXPECT_TRUE(
-      compare_to_known({"rig", "", calib::Prior::Fixed, calib::Prior::Unknown}, known, known).empty());
+  EXPECT_TRUE(compare_to_known({"rig", "", calib::kMetresPerUnit, calib::Prior::Fixed, calib::Prior::Unknown},
+                               known, known)
+                  .empty());
 }
 
 }  // namespace
