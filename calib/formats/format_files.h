@@ -8,8 +8,8 @@
 
 namespace floatstage::calib {
 
-/// Each format's reader and writer of named files. Outside of calib/formats the table of rig_formats.h is what
-/// knows of them; tests call them by themselves.
+/// Each format's reader and writer of named files. Outside of calib/formats the table of rig_formats.h is
+/// what knows of them; tests call them by themselves.
 
 /// Middlebury multi-view `*_par.txt`: count, then name, K (3×3), R (3×3), t a line; pixel centres at
 /// integers.

@@ -48,8 +48,9 @@ struct LiveReport {
 /// Where the virtual camera is, `seconds` after the first picture.
 using ViewAt = std::function<View(double seconds)>;
 
-/// Draws scenes without a window, on the calling thread, where the renderer's back-end is open. The first two seconds
-/// warm up and are not in the report. `visit` gets every picture; `stop` is asked between them.
+/// Draws scenes without a window, on the calling thread, where the renderer's back-end is open. The
+/// first two seconds warm up and are not in the report. `visit` gets every picture; `stop` is asked between
+/// them.
 Result<LiveReport> run_live(SceneFeed& scenes, const LiveRunOptions& options, const ViewAt& view_at,
                             const std::function<bool()>& stop,
                             const std::function<Result<void>(const LivePicture&)>& visit);

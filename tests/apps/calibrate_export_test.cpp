@@ -91,7 +91,7 @@ TEST_F(CalibrateExport, OverwritesNothing) {
 TEST_F(CalibrateExport, SaysWhichFormatsThereAre) {
   EXPECT_THAT(
       run(saved(calib::sample_rig(std::monostate{})), "blender", "x"),
-      FailsWith(ErrorCode::InvalidArgument, "'blender' is no format that is written; there are colmap"));
+      FailsWith(ErrorCode::InvalidArgument, "'blender' is no format that is written; there are middlebury"));
   EXPECT_THAT(run(folder_ / "nobody.json", "colmap", "x"), FailsWith(ErrorCode::NotFound, "nobody.json"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x"));
 }

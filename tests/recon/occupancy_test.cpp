@@ -94,12 +94,30 @@ double iou_with(const std::vector<float>& said, const Matte& matte) {
   return iou(make_matte({}, silhouette), matte);
 }
 
+// Share of the matte that is said to be subject.
+double kept_of(const std::vector<float>& said, const Matte& matte) {
+  int all = 0, kept = 0;
+  for (int y = 0; y < matte.height; ++y)
+    for (int x = 0; x < matte.width; ++x) {
+      if (matte.row(y)[x] < 128) continue;
+      ++all;
+      kept += said[static_cast<std::size_t>(y) * static_cast<std::size_t>(matte.width) +
+                   static_cast<std::size_t>(x)] > 0;
+    }
+  return static_cast<double>(kept) / all;
+}
+
+// Seven cameras in one plane leave the ball's hull taller than the ball, so the others' silhouette holds all of
+// it and more.
 TEST(Occupancy, SaysOfAPictureWhatTheOthersSee) {
   const Seen s = ball_in_a_ring();
   OccupancyGrid grid(s.rig, s.box, 200'000, s.sizes, 8, 1);
   grid.fuse(s.odds, {});
-  for (int i = 0; i < 8; ++i)
-    EXPECT_GT(iou_with(grid.said_by_others(i), s.mattes[static_cast<std::size_t>(i)]), 0.85) << i;
+  for (int i = 0; i < 8; ++i) {
+    const Matte& truth = s.mattes[static_cast<std::size_t>(i)];
+    EXPECT_GT(iou_with(grid.said_by_others(i), truth), 0.75) << i;
+    EXPECT_GT(kept_of(grid.said_by_others(i), truth), 0.97) << i;
+  }
   EXPECT_GT(grid.occupied(), 0u);
   EXPECT_TRUE(s.box.contains(grid.subject_box()));
 }
@@ -109,7 +127,8 @@ TEST(Occupancy, SurvivesACameraThatSeesNothing) {
   for (float& o : s.odds[2].odds) o = -4;
   OccupancyGrid grid(s.rig, s.box, 200'000, s.sizes, 8, 1);
   grid.fuse(s.odds, {});
-  EXPECT_GT(iou_with(grid.said_by_others(2), s.mattes[2]), 0.85);
+  EXPECT_GT(iou_with(grid.said_by_others(2), s.mattes[2]), 0.75);
+  EXPECT_GT(kept_of(grid.said_by_others(2), s.mattes[2]), 0.97);
   EXPECT_GT(iou_with(grid.said_by_others(6), s.mattes[6]), 0.7);  // outvoted
 }
 

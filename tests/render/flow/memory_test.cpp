@@ -18,6 +18,9 @@ void* counted(std::size_t size, std::size_t alignment) {
 }
 }  // namespace
 
+// g++ 12 inlines one half of the pair and then finds the other mismatched.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+
 void* operator new(std::size_t size) { return counted(size, 16); }
 void* operator new[](std::size_t size) { return counted(size, 16); }
 void* operator new(std::size_t size, std::align_val_t a) {
