@@ -1,3 +1,9 @@
+// Method:  the colours of subject and background, level by level from one pixel upwards
+// Paper:   T. Germer, T. Uelwer, S. Conrad, S. Harmeling, "Fast multi-level foreground estimation", 2020,
+//          eq. 4
+// Differs: where the subject is absent its colour is the nearest subject's: layers scale without fringes
+// ADR:     0101
+
 #include "matting/foreground.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  opacity as an affine function of colour, fitted small and applied large
+// Paper:   K. He, J. Sun, X. Tang, "Guided image filtering", 2013, eq. 16; K. He, J. Sun, "Fast guided
+//          filter", 2015
+// Differs: coefficients come from the small picture's windows only
+// ADR:     0097
+
 #include "matting/guided_filter.h"
 
 #include <algorithm>

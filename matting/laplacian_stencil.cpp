@@ -1,3 +1,9 @@
+// Method:  the matting Laplacian: opacity is an affine function of colour in every 3x3 window
+// Paper:   A. Levin, D. Lischinski, Y. Weiss, "A closed-form solution to natural image matting", 2008, eq.
+//          12
+// Differs: made from thin QRs of the windows' colours, never through an inverse of their covariance
+// ADR:     0090
+
 #include "matting/laplacian_stencil.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  the matte that composes its picture best and is calm wins
+// Paper:   none: the residual of compositing, with colours extended from where all mattes agree
+// Differs: residual times flicker decides, with an advantage for
+//          the method that is usually best
+// ADR:     0099
+
 #include "matting/method_selection.h"
 
 #include <algorithm>

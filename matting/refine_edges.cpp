@@ -1,3 +1,9 @@
+// Method:  the opacity of mixed pixels from a measure that is
+//          linear in the subject's share
+// Paper:   A. R. Smith, J. F. Blinn, "Blue screen matting", 1996, eq. 1, along one axis
+// Differs: both ends of the axis are means over what is near: no second backing is needed
+// ADR:     0043
+
 #include "matting/refine_edges.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  a box around the intersection of the
+//          silhouettes' bounding pyramids
+// Paper:   none: half spaces cut a convex body, face by face
+// Differs: what the border of a picture cuts does not bound on that side
+// ADR:     none; docs/algorithms/visual-hull.md, section 1
+
 #include "recon/bounding_volume.h"
 
 #include <algorithm>

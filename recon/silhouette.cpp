@@ -1,3 +1,9 @@
+// Method:  the iso-line of a matte at half opacity, walked along pixel edges
+// Paper:   marching squares: W. E. Lorensen, H. E. Cline, "Marching cubes", 1987, in two dimensions
+// Differs: foreground connects over sides only, so that
+//          outlines are simple and disjoint
+// ADR:     none; docs/algorithms/visual-hull.md, section 1
+
 #include "recon/silhouette.h"
 
 #include <algorithm>

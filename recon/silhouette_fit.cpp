@@ -1,3 +1,9 @@
+// Method:  chords moved sideways until they cut off as much
+//          of their outline as they add
+// Paper:   none: the area between a chain and its chord, over the chord's length
+// Differs: corners that would change the topology by moving go back
+// ADR:     0073
+
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,3 +1,9 @@
+// Method:  chords instead of chains of points, as few as a tolerance allows
+// Paper:   D. H. Douglas, T. K. Peucker, "Algorithms for the reduction of the number of points", 1973
+// Differs: the topology stays: chords that come too near another
+//          or jump over a point are cut again
+// ADR:     0073, 0076
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -1,3 +1,9 @@
+// Method:  closing, thin attachments, small islands, small holes, in this order
+// Paper:   mathematical morphology: J. Serra, "Image analysis and mathematical morphology", 1982
+// Differs: sizes are shares of the largest island; soft
+//          edges of what stays are kept
+// ADR:     0041
+
 #include <algorithm>
 #include <vector>
 

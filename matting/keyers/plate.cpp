@@ -1,3 +1,9 @@
+// Method:  a clean plate as the mode of each pixel, with its noise
+// Paper:   after C. Stauffer, W. E. L. Grimson, "Adaptive background mixture models", 1999
+// Differs: one mode, learnt once and frozen: who stands
+//          still does not melt into it
+// ADR:     0098
+
 #include "matting/keyers/plate.h"
 
 #include <algorithm>

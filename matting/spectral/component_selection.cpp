@@ -1,3 +1,9 @@
+// Method:  the subset of components that fits what is wanted, through their Gram matrix
+// Paper:   the thesis, eq. 7.5 and 7.6
+// Differs: all subsets by a Gray code up to 16 components, so that the choice is the best one, not a greedy
+//          one
+// ADR:     0094
+
 #include <algorithm>
 #include <bit>
 #include <cmath>

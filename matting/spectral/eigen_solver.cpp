@@ -1,3 +1,9 @@
+// Method:  the smallest eigenpairs of the matting Laplacian by shift-invert
+// Paper:   block Krylov and inverse iteration with Rayleigh-Ritz, for "Spectral matting" (Levin and others,
+//          2008)
+// Differs: warm from the frame before; one factor does for all steps
+// ADR:     0091
+
 #include <algorithm>
 #include <cmath>
 

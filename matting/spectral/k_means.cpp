@@ -1,3 +1,9 @@
+// Method:  k-means: seeds by k-means++, then Lloyd's iteration
+// Paper:   D. Arthur, S. Vassilvitskii, "k-means++: the advantages of careful seeding", 2007
+// Differs: one seeded generator, the best of some restarts; an empty
+//          centre moves to the farthest point
+// ADR:     none; docs/algorithms/spectral-matting.md
+
 #include "matting/spectral/k_means.h"
 
 #include <limits>

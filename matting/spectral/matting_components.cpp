@@ -1,3 +1,9 @@
+// Method:  eigenvectors turned into matting components
+// Paper:   A. Levin, A. Rav-Acha, D. Lischinski, "Spectral matting", PAMI 2008, section 3.2; thesis,
+//          section 7.2
+// Differs: component k continues component k of the frame before, so that a choice made once lasts
+// ADR:     0093
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,3 +1,9 @@
+// Method:  the order in which a grid's pixels are eliminated:
+//          halves first, the line between them last
+// Paper:   A. George, "Nested dissection of a regular finite element mesh", 1973
+// Differs: lines are two pixels wide, since neighbours reach two rows far
+// ADR:     0091
+
 #include "matting/spectral/nested_dissection.h"
 
 #include <cstddef>

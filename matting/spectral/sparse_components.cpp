@@ -1,3 +1,9 @@
+// Method:  Newton's method on the sparsity of matting components
+// Paper:   A. Levin, A. Rav-Acha, D. Lischinski, "Spectral matting", PAMI 2008, eq. 14 and 15
+// Differs: on a part of the pixels; each power is replaced by
+//          the parabola that touches it
+// ADR:     none; docs/algorithms/spectral-matting.md
+
 #include "matting/spectral/sparse_components.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  a matte carried along a clip: flow, a band around
+//          its edge, closed form in the band
+// Paper:   thesis, section 7.3, with closed form (Levin and others 2008) in the place of components
+// Differs: backdrop that was uncovered once is remembered and known
+// ADR:     0094, 0097
+
 #include "matting/video/closed_form_video.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  the cheapest split of a frame into subject and background: a minimum cut
+// Paper:   Y. Boykov, M.-P. Jolly, "Interactive graph cuts", 2001; J. Sun and others, "Background cut",
+//          2006
+// Differs: edges that the backdrop has itself cost nothing extra
+// ADR:     0102
+
 #include "matting/video/frame_cut.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  what moved between two frames: dense inverse search
+// Paper:   T. Kroeger and others, "Fast optical flow using dense inverse search", 2016; thesis, eq. 7.3
+// Differs: dense flow where the thesis matches blocks; on one
+//          thread, so that no machine differs
+// ADR:     none; docs/algorithms/spectral-matting.md
+
 #include "matting/video/frame_flow.h"
 
 #include <algorithm>

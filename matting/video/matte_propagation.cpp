@@ -1,3 +1,9 @@
+// Method:  a frame's matte from its neighbours': carried along
+//          flow as guidance, chosen anew
+// Paper:   the thesis, section 7.3, eq. 7.3 to 7.5
+// Differs: guidance counts less where the carried picture does not explain the frame
+// ADR:     0094
+
 #include "matting/video/matte_propagation.h"
 
 #include <algorithm>

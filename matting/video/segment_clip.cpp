@@ -1,3 +1,9 @@
+// Method:  one subject through a clip by minimum cuts, colours and cut in turns
+// Paper:   after C. Rother, V. Kolmogorov, A. Blake, "GrabCut", 2004
+// Differs: the backdrop's model is each place's own and holds only what was seen; others who move are left
+//          alone
+// ADR:     0102
+
 #include "matting/video/segment_clip.h"
 
 #include <algorithm>

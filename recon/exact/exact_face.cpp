@@ -1,3 +1,9 @@
+// Method:  a sweep along s in the plane of one contour edge, where planes of other views are straight lines
+// Paper:   none: a line sweep over segments that are cut where they cross, in the coordinates X = C +
+//          ((1-s) da + s db) / w
+// Differs: vertices have names instead of places, so that neighbouring faces meet without a tolerance
+// ADR:     0070, 0074
+
 #include "recon/exact/exact_face.h"
 
 #include <algorithm>

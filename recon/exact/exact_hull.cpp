@@ -1,3 +1,9 @@
+// Method:  the hull of polygonal silhouettes: one planar sweep a contour edge, then a weld by names
+// Paper:   J.-S. Franco, E. Boyer, "Exact polyhedral visual hulls", 2003; thesis, sections 2.8.2 and 11.5
+// Differs: no tolerance: each face is found by itself; an open result is computed again, at last in
+//          integers
+// ADR:     0070, 0071, 0074, 0076
+
 #include "recon/exact/exact_hull.h"
 
 #include <algorithm>

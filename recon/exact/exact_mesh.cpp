@@ -1,3 +1,9 @@
+// Method:  faces joined by the names of their corners, checked edge by edge, cut into triangles
+// Paper:   none: in a closed oriented surface every edge has its reverse and every vertex one fan
+// Differs: the volume comes from the faces, before there are
+//          triangles; shared diagonals are found
+// ADR:     0070, 0075
+
 #include "recon/exact/exact_mesh.h"
 
 #include <algorithm>

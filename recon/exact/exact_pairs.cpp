@@ -1,3 +1,9 @@
+// Method:  rays of one view against edges of another, in the pencil of planes through both centres
+// Paper:   W. Matusik, C. Buehler, L. McMillan, "Polyhedral visual hulls for real-time rendering", 2001:
+//          edge bins
+// Differs: angles about the baseline and triple products, not slopes about an epipole: no special case
+// ADR:     0070, 0071
+
 #include "recon/exact/exact_pairs.h"
 
 #include <algorithm>

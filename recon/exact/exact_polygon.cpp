@@ -1,3 +1,9 @@
+// Method:  ear clipping; a hole is joined to the outline around it by a bridge first
+// Paper:   G. H. Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975
+// Differs: n + 2 holes - 2 triangles always, the least bad ear where rounding leaves none: a closed surface
+//          stays closed
+// ADR:     0070
+
 #include "recon/exact/exact_polygon.h"
 
 #include <algorithm>

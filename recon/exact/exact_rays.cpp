@@ -1,3 +1,9 @@
+// Method:  where along each ray enough views agree: the hull's edges
+//          along viewing rays, by counting bounds
+// Paper:   J.-S. Franco, E. Boyer, "Exact polyhedral visual hulls", BMVC 2003: viewing edges
+// Differs: m of n views may decide, and views that cannot be outvoted weigh as much as all others together
+// ADR:     0070, 0072, 0074
+
 #include "recon/exact/exact_rays.h"
 
 #include <algorithm>

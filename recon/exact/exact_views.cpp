@@ -1,3 +1,9 @@
+// Method:  moves of rays and centres by hashes, and the same numbers on an integer grid
+// Paper:   after H. Edelsbrunner, E. P. Mücke, "Simulation of simplicity", 1990
+// Differs: the move is real and tiny (1e-4 px), not symbolic; a predicate that is still zero asks for
+//          another hash
+// ADR:     0071
+
 #include "recon/exact/exact_views.h"
 
 #include <algorithm>

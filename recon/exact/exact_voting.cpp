@@ -1,3 +1,9 @@
+// Method:  the camera whose matte lacks what all others show, found
+//          by leaving each out of a coarse hull
+// Paper:   none
+// Differs: a camera is left out whole, and only where without it most of what others miss comes back
+// ADR:     0072
+
 #include "recon/exact/exact_voting.h"
 
 #include <algorithm>

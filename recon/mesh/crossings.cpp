@@ -1,3 +1,9 @@
+// Method:  pairs of triangles that pass through each other, over a
+//          tree of boxes along a Morton curve
+// Paper:   none: an edge of one pierces the inside of the other, by signs of tetrahedra
+// Differs: touching is not crossing; the number of pairs of one triangle is limited
+// ADR:     0078
+
 #include "recon/mesh/crossings.h"
 
 #include <algorithm>

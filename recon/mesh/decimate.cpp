@@ -1,3 +1,9 @@
+// Method:  edges collapse in the order of their quadric errors
+// Paper:   M. Garland, P. S. Heckbert, "Surface simplification using quadric error metrics", 1997
+// Differs: vertices stay vertices of the input, and none leaves
+//          its pixels; shells and handles stay
+// ADR:     0078, 0050
+
 #include "recon/mesh/decimate.h"
 
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>

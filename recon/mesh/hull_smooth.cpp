@@ -1,3 +1,9 @@
+// Method:  normals are averaged with those that nearly agree; vertices follow them
+// Paper:   X. Sun and others, "Fast and effective feature-preserving mesh denoising", 2007
+// Differs: slivers take the normals of the hull's faces, nothing
+//          folds, vertices stay within their pixels
+// ADR:     0078
+
 #include "recon/mesh/hull_smooth.h"
 
 #include <algorithm>

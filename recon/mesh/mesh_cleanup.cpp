@@ -1,3 +1,9 @@
+// Method:  short edges collapse, then a step inwards and a larger
+//          one outwards smooth without shrinking
+// Paper:   G. Taubin, "A signal processing approach to fair surface design", 1995
+// Differs: vertices whose triangles pass through each other go back to where they were
+// ADR:     0050
+
 #include "recon/mesh/mesh_cleanup.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  needles lose their short edge, caps their blunt
+//          corner or their long edge
+// Paper:   none: edge collapses and flips, greedily, each leaving fewer slivers
+// Differs: bounded in the cameras' pixels
+// ADR:     0078
+
 #include "recon/mesh/slivers.h"
 
 #include <algorithm>

@@ -1,3 +1,9 @@
+// Method:  an octree whose nodes are carved by integral images of the mattes
+// Paper:   R. Szeliski, "Rapid octree construction from image sequences", 1993; thesis, section 2.8.2
+// Differs: conservative bounds for whole nodes in the place of a distance threshold; what no camera sees is
+//          not hull
+// ADR:     0052
+
 #include "recon/octree/octree_carve.h"
 
 #include <algorithm>

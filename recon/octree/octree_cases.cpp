@@ -1,3 +1,9 @@
+// Method:  the table of marching cubes, derived
+// Paper:   W. E. Lorensen, H. E. Cline, "Marching cubes", 1987
+// Differs: faces with two crossings are decided by one rule for both cells, so that the surface is a closed
+//          manifold
+// ADR:     0051
+
 #include "recon/octree/octree_cases.h"
 
 #include <span>

@@ -1,3 +1,9 @@
+// Method:  marching cubes over a carved grid
+// Paper:   W. E. Lorensen, H. E. Cline, "Marching cubes", 1987
+// Differs: vertices lie where a grid edge leaves the hull, bisected against the mattes, not where grid
+//          values interpolate
+// ADR:     0051
+
 #include "recon/octree/octree_surface.h"
 
 #include <algorithm>

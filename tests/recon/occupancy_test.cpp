@@ -107,8 +107,8 @@ double kept_of(const std::vector<float>& said, const Matte& matte) {
   return static_cast<double>(kept) / all;
 }
 
-// Seven cameras in one plane leave the ball's hull taller than the ball, so the others' silhouette holds all of
-// it and more.
+// Seven cameras in one plane leave the ball's hull taller than the ball, so the others' silhouette holds
+// all of it and more.
 TEST(Occupancy, SaysOfAPictureWhatTheOthersSee) {
   const Seen s = ball_in_a_ring();
   OccupancyGrid grid(s.rig, s.box, 200'000, s.sizes, 8, 1);
