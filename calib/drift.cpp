@@ -235,8 +235,7 @@ DriftWatch::DriftWatch(const Rig& rig, DriftReference reference, const DriftOpti
       options_(options),
       turns_(rig.cameras.size()),
       in_a_row_(rig.cameras.size(), 0),
-      alarmed_(rig.cameras.size(), false),
-      next_(rig.cameras.size()) {}
+      alarmed_(rig.cameras.size(), false) {}
 
 Result<DriftWatch> DriftWatch::create(const Rig& rig, DriftReference reference, const DriftOptions& options) {
   bool same =
@@ -281,22 +280,6 @@ std::optional<DriftAlarm> DriftWatch::check(int camera, double time, const Image
                     moved,
                     turn.parallax_px,
                     sentence + "; set it right or calibrate again"};
-}
-
-Result<std::optional<DriftAlarm>> DriftWatch::push(const Frame& frame) {
-  const int camera = frame.info.camera;
-  if (camera < 0 || camera >= static_cast<int>(rig_.cameras.size()))
-    return fail(ErrorCode::InvalidArgument,
-                text("the drift watch has ", rig_.cameras.size(), " cameras, and none of index ", camera));
-  std::optional<Timestamp>& next = next_[static_cast<std::size_t>(camera)];
-  const Timestamp now = frame.info.exposure_start;
-  if (frame.empty() || frame.info.status != FrameStatus::Ok || (next && now < *next))
-    return std::optional<DriftAlarm>();
-  const Result<Image> image = to_rgb(frame);
-  if (!image) return forward(image);
-  if (!first_) first_ = now;
-  next = now + Nanoseconds{std::llround(1e9 * options_.every)};
-  return check(camera, seconds(now - *first_), *image);
 }
 
 }  // namespace floatstage::calib

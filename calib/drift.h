@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include "core/frame.h"
 #include "core/image.h"
 #include "core/result.h"
 #include "core/rig.h"
@@ -66,7 +65,6 @@ CameraTurn measure_turn(const CameraModel& model, const std::vector<DriftPatch>&
 struct DriftOptions {
   double alarm_degrees = 0.1;
   double alarm_parallax_px = 0.8;
-  double every = 2;     ///< seconds between the checks of a camera that push() makes
   int consecutive = 2;  ///< checks in a row that must say so
 };
 
@@ -89,10 +87,6 @@ class DriftWatch {
   /// One camera's picture at a time (seconds). An alarm is given once, when it is raised; the camera's next
   /// only after it came back.
   std::optional<DriftAlarm> check(int camera, double time, const Image& image);
-  /// A live camera's frame (info.camera is its index): checked when `every` seconds have gone by since the
-  /// last one that was, at the time since the first. Errors of to_rgb(); Warmup, Corrupt and Lost frames are
-  /// passed over.
-  Result<std::optional<DriftAlarm>> push(const Frame& frame);
   /// Of the latest check of each camera.
   const std::vector<CameraTurn>& turns() const { return turns_; }
 
@@ -104,8 +98,6 @@ class DriftWatch {
   std::vector<CameraTurn> turns_;
   std::vector<int> in_a_row_;
   std::vector<bool> alarmed_;
-  std::vector<std::optional<Timestamp>> next_;
-  std::optional<Timestamp> first_;
 };
 
 }  // namespace floatstage::calib

@@ -18,20 +18,7 @@ constexpr double kPeriodGain = kPhaseGain * kPhaseGain / (2 - kPhaseGain);
 // The period never strays further from the nominal one than a camera's clock can.
 constexpr double kPeriodBound = 0.02;
 
-constexpr std::array kPolicies = {MissingPolicy::LeaveEmpty, MissingPolicy::DropSet};
-
 }  // namespace
-
-const char* name_of(MissingPolicy policy) {
-  return policy == MissingPolicy::LeaveEmpty ? "leave-empty" : "drop-set";
-}
-
-std::optional<MissingPolicy> missing_policy_named(std::string_view name) {
-  for (const MissingPolicy policy : kPolicies) {
-    if (name == name_of(policy)) return policy;
-  }
-  return std::nullopt;
-}
 
 Result<Synchronizer> Synchronizer::make(int cameras, const SyncOptions& options) {
   if (cameras < 1) return fail(ErrorCode::InvalidArgument, "synchroniser: there is no camera to group");
@@ -59,8 +46,7 @@ void Synchronizer::push(Frame frame) {
   const int camera = frame.info.camera;
   FLOATSTAGE_CHECK(camera >= 0 && camera < static_cast<int>(lanes_.size()),
                    "a frame of no camera of the rig");
-  if (frame.empty() || frame.info.status == FrameStatus::Warmup || frame.info.status == FrameStatus::Lost)
-    return;
+  if (frame.empty() || frame.info.status == FrameStatus::Lost) return;
   Lane& lane = lanes_[static_cast<std::size_t>(camera)];
   const bool gone = begun_ && static_cast<double>(frame.info.exposure_start.ns - base_) < gone_;
   const bool back =
@@ -170,25 +156,19 @@ void Synchronizer::follow(double middle) {
 }
 
 std::optional<FrameSet> Synchronizer::settle(Timestamp now, Wait wait) {
-  while (begin(now, wait)) {
-    const bool any =
-        std::any_of(lanes_.begin(), lanes_.end(), [](const Lane& l) { return !l.waiting.empty(); });
-    if (!any || !is_settled(now, wait)) return std::nullopt;
-    skip_empty_instants();
-    FrameSet set = take_set();
-    bool complete = true;
-    for (std::size_t i = 0; i < lanes_.size(); ++i) {
-      complete = complete && !set.frames[i].empty();
-      ++(set.frames[i].empty() ? lanes_[i].counts.missing : lanes_[i].counts.used);
-    }
-    if (!complete && options_.missing == MissingPolicy::DropSet) {
-      ++totals_.dropped;
-      continue;
-    }
-    ++(complete ? totals_.complete : totals_.incomplete);
-    return set;
+  if (!begin(now, wait)) return std::nullopt;
+  const bool any =
+      std::any_of(lanes_.begin(), lanes_.end(), [](const Lane& l) { return !l.waiting.empty(); });
+  if (!any || !is_settled(now, wait)) return std::nullopt;
+  skip_empty_instants();
+  FrameSet set = take_set();
+  bool complete = true;
+  for (std::size_t i = 0; i < lanes_.size(); ++i) {
+    complete = complete && !set.frames[i].empty();
+    ++(set.frames[i].empty() ? lanes_[i].counts.missing : lanes_[i].counts.used);
   }
-  return std::nullopt;
+  ++(complete ? totals_.complete : totals_.incomplete);
+  return set;
 }
 
 std::optional<FrameSet> Synchronizer::next(Timestamp now) { return settle(now, Wait::UntilLate); }

@@ -12,20 +12,10 @@
 
 namespace floatstage::capture {
 
-/// What becomes of an instant that not every camera saw.
-enum class MissingPolicy {
-  LeaveEmpty,  ///< the set goes out with an empty frame there: a missing camera does not carve
-  DropSet,     ///< the set is dropped, and counted
-};
-
-const char* name_of(MissingPolicy policy);
-std::optional<MissingPolicy> missing_policy_named(std::string_view name);
-
 struct SyncOptions {
   double frame_rate = 0;                    ///< nominal, of all cameras; > 0
   Nanoseconds tolerance = milliseconds(4);  ///< a frame further from its set's middle is not of that instant
   Nanoseconds longest_wait = milliseconds(100);  ///< for a late camera, after the instant; then it is missing
-  MissingPolicy missing = MissingPolicy::LeaveEmpty;
 };
 
 /// One camera in the sets so far.
@@ -40,7 +30,6 @@ struct CameraSync {
 
 struct SyncStats {
   std::uint64_t complete = 0, incomplete = 0;                      ///< sets that went out
-  std::uint64_t dropped = 0;                                       ///< incomplete ones that did not (DropSet)
   std::uint64_t skipped = 0;                                       ///< instants that no camera saw
   double spread_p50_ms = 0, spread_p99_ms = 0, spread_max_ms = 0;  ///< last - first exposure in a set
   std::vector<CameraSync> cameras;
@@ -61,7 +50,7 @@ class Synchronizer {
   /// more.
   static Result<Synchronizer> make(int cameras, const SyncOptions& options);
 
-  /// Takes a frame; frame.info.camera is its index. Lost frames and frames of warm-up belong to no set.
+  /// Takes a frame; frame.info.camera is its index. Lost frames belong to no set.
   void push(Frame frame);
 
   /// The next set that is settled at `now`; nothing when none is. Sets come in the order of time.

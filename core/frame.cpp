@@ -11,7 +11,7 @@ namespace floatstage {
 namespace {
 
 constexpr std::array<const char*, 6> kFormats = {"gray8", "rgb8", "yuyv", "nv12", "bayer-rggb8", "mjpeg"};
-constexpr std::array<const char*, 4> kStatuses = {"ok", "warmup", "corrupt", "lost"};
+constexpr std::array<const char*, 3> kStatuses = {"ok", "corrupt", "lost"};
 
 template <class Enum, std::size_t N>
 std::optional<Enum> named(const std::array<const char*, N>& names, std::string_view name) {

@@ -34,7 +34,6 @@ ImageLayout packed_layout(PixelFormat format, int width, int height);
 
 enum class FrameStatus {
   Ok,
-  Warmup,   ///< delivered before the stream settled (exposure, trigger); recorded, not used
   Corrupt,  ///< incomplete or damaged; the pixels may be partly old
   Lost,     ///< expected and never arrived: a gap. Such a frame has no pixels.
 };

@@ -38,7 +38,7 @@ std::vector<DepthWindow> depth_windows(const std::vector<RigCamera>& cameras,
   return windows;
 }
 
-double automatic_depth_tolerance(const Eigen::AlignedBox3f& box) {
+double depth_tolerance(const Eigen::AlignedBox3f& box) {
   return kToleranceShare * static_cast<double>(box.diagonal().norm());
 }
 

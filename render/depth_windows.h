@@ -20,7 +20,7 @@ struct DepthWindow {
 /// finer shows nothing that the photograph has, coarser blurs occlusion borders.
 std::vector<DepthWindow> depth_windows(const std::vector<RigCamera>& cameras, const Eigen::AlignedBox3f& box);
 
-/// The automatic depth tolerance (RendererOptions::depth_tolerance 0) for a proxy with this box, metres.
-double automatic_depth_tolerance(const Eigen::AlignedBox3f& box);
+/// How far behind a depth map a point of a proxy with this box is still seen, metres.
+double depth_tolerance(const Eigen::AlignedBox3f& box);
 
 }  // namespace floatstage::render

@@ -46,8 +46,6 @@ Result<void> check(const RendererOptions& o) {
     return bad(o.cameras, " photographs a view; 1 to ", kMostListed, " are possible");
   if (!(o.soft_radius >= 0) || o.soft_radius > kLargestRadius)
     return bad("the soft visibility radius ", o.soft_radius, " px is not between 0 and ", kLargestRadius);
-  if (!(o.depth_tolerance >= 0) || !std::isfinite(o.depth_tolerance))
-    return bad("the depth tolerance ", o.depth_tolerance, " m is negative or not a number");
   if (o.flow.shrink < 1 || o.flow.shrink > kMostFlowShrink)
     return bad("a flow at 1/", o.flow.shrink, " of the view's size; 1 to ", kMostFlowShrink, " are possible");
   if (o.threads < 0) return bad(o.threads, " threads; 0 means one per core");

@@ -28,11 +28,9 @@ enum class RenderOutput {
 const std::vector<std::string>& render_output_names();  ///< "color", "weights", … in the enum's order
 
 struct RendererOptions {
-  int cameras = 3;             ///< k: photographs blended per view
-  double soft_radius = 8;      ///< px: r of Eq. 11.5
-  double depth_tolerance = 0;  ///< metres the proxy may lie behind a camera's depth map and still be seen;
-                               ///< 0: 1.25 % of its diagonal
-  FlowOptions flow;            ///< floating only
+  int cameras = 3;         ///< k: photographs blended per view
+  double soft_radius = 8;  ///< px: r of Eq. 11.5
+  FlowOptions flow;        ///< floating only
   bool sharp = true;  ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
                       ///< and much faster without a GPU
   int threads = 0;    ///< CPU threads; 0: one per core. The picture does not depend on it

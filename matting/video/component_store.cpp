@@ -17,12 +17,12 @@ namespace floatstage::matting {
 namespace {
 
 // Everything that the components depend on, but the pictures.
-std::uint64_t key_of(const SpectralOptions& o, int width, int height, CarryingFlow flow) {
+std::uint64_t key_of(const SpectralOptions& o, int width, int height) {
   std::ostringstream words;
   words << std::hexfloat << o.laplacian.epsilon << ' ' << o.eigenvectors << ' ' << o.components << ' '
         << o.krylov_block << ' ' << o.krylov_steps << ' ' << o.tolerance << ' ' << o.warm_steps << ' '
         << o.sparsity << ' ' << o.newton_steps << ' ' << o.newton_stride << ' ' << o.clusterings << ' '
-        << o.seed << ' ' << width << ' ' << height << ' ' << static_cast<int>(flow);
+        << o.seed << ' ' << width << ' ' << height;
   return hash_of(words.str());
 }
 
@@ -66,7 +66,7 @@ Result<void> ComponentStore::prepare_run(int first, int last, const std::functio
   std::optional<EigenSolver> solver;
   std::optional<EigenPairs> pairs;              // of the frame before, once they are needed
   std::optional<MattingComponents> components;  // likewise
-  std::uint64_t key = key_of(options_, width_, height_, flow_);
+  std::uint64_t key = key_of(options_, width_, height_);
   Image before;
   for (int frame = first; frame < last; ++frame, ++made) {
     const auto picture = small(frame);
@@ -95,7 +95,7 @@ Result<void> ComponentStore::prepare_run(int first, int last, const std::functio
     std::optional<MattingComponents> followed;
     if (frame > first && components) {
       followed = std::move(*components);
-      followed->alpha = carried(followed->alpha, flow_between(before, *picture, flow_));
+      followed->alpha = carried(followed->alpha, flow_between(before, *picture));
     }
     auto found = matting_components(*solved, options_, followed ? &*followed : nullptr);
     if (!found) return in_frame(frame, found.error());

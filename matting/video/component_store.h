@@ -18,9 +18,8 @@ class ComponentStore {
  public:
   static constexpr int kRun = 12;
 
-  ComponentStore(std::filesystem::path folder, int width, int height, const SpectralOptions& options,
-                 CarryingFlow flow)
-      : folder_(std::move(folder)), width_(width), height_(height), options_(options), flow_(flow) {}
+  ComponentStore(std::filesystem::path folder, int width, int height, const SpectralOptions& options)
+      : folder_(std::move(folder)), width_(width), height_(height), options_(options) {}
 
   /// `small` gives a frame in working size. Returns how many frames from the first are there, and the error
   /// of the first that is not.
@@ -41,7 +40,6 @@ class ComponentStore {
   std::filesystem::path folder_;
   int width_, height_;
   SpectralOptions options_;
-  CarryingFlow flow_;
 };
 
 }  // namespace floatstage::matting

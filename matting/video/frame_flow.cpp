@@ -17,9 +17,8 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr int kBlock = 8, kReach = 8;  // px: published block matching
-constexpr int kSmallestForDis = 32;    // px: DIS needs a few of its 8 px patches
-constexpr double kAgreement = 12;      // 8-bit steps of colour within which a carried pixel explains another
+constexpr int kSmallestForDis = 32;  // px: DIS needs a few of its 8 px patches
+constexpr double kAgreement = 12;    // 8-bit steps of colour within which a carried pixel explains another
 constexpr double kLeastConfidence = 0.1;
 
 cv::Mat view(const Image& image) {
@@ -32,41 +31,6 @@ cv::Mat grey(const Image& image) {
   cv::Mat out;
   cv::cvtColor(view(image), out, cv::COLOR_RGB2GRAY);
   return out;
-}
-
-int difference(const cv::Mat& to, int x, int y, const cv::Mat& from, int fx, int fy, int w, int h) {
-  int sum = 0;
-  for (int dy = 0; dy < h; ++dy) {
-    const std::uint8_t *a = to.ptr(y + dy) + x, *b = from.ptr(fy + dy) + fx;
-    for (int dx = 0; dx < w; ++dx) sum += std::abs(a[dx] - b[dx]);
-  }
-  return sum;
-}
-
-// The best whole-pixel displacement of each block; of equal ones the shortest.
-void match_blocks(const cv::Mat& from, const cv::Mat& to, FrameFlow& flow) {
-  for (int y = 0; y < to.rows; y += kBlock) {
-    for (int x = 0; x < to.cols; x += kBlock) {
-      const int w = std::min(kBlock, to.cols - x), h = std::min(kBlock, to.rows - y);
-      int best_u = 0, best_v = 0;
-      long least = std::numeric_limits<long>::max();
-      for (int v = std::max(-kReach, -y); v <= std::min(kReach, to.rows - h - y); ++v) {
-        for (int u = std::max(-kReach, -x); u <= std::min(kReach, to.cols - w - x); ++u) {
-          const long cost = 256L * difference(to, x, y, from, x + u, y + v, w, h) + u * u + v * v;
-          if (cost >= least) continue;
-          least = cost;
-          best_u = u;
-          best_v = v;
-        }
-      }
-      for (int dy = 0; dy < h; ++dy)
-        for (int dx = 0; dx < w; ++dx) {
-          float* uv = &flow.uv[2 * (static_cast<std::size_t>(y + dy) * flow.width + x + dx)];
-          uv[0] = static_cast<float>(best_u);
-          uv[1] = static_cast<float>(best_v);
-        }
-    }
-  }
 }
 
 cv::Mat lookup(const FrameFlow& flow) {
@@ -82,13 +46,10 @@ cv::Mat lookup(const FrameFlow& flow) {
 
 }  // namespace
 
-FrameFlow flow_between(const Image& from, const Image& to, CarryingFlow method) {
+FrameFlow flow_between(const Image& from, const Image& to) {
   FrameFlow flow{to.width, to.height, std::vector<float>(2 * static_cast<std::size_t>(to.width) * to.height)};
+  if (std::min(to.width, to.height) < kSmallestForDis) return flow;
   const cv::Mat a = grey(to), b = grey(from);
-  if (method == CarryingFlow::BlockMatching || std::min(to.width, to.height) < kSmallestForDis) {
-    match_blocks(b, a, flow);
-    return flow;
-  }
   // DIS cuts its search into one stripe a thread: with OpenCV's own threads the result depends on the
   // machine.
   cv::setNumThreads(1);

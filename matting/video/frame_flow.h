@@ -14,9 +14,9 @@ struct FrameFlow {
   std::vector<float> uv;  ///< interleaved
 };
 
-/// The flow that carries `from` to `to` (W of eq. 7.3, looked up backwards). RGB or grey pictures of one
-/// size.
-FrameFlow flow_between(const Image& from, const Image& to, CarryingFlow method);
+/// The flow that carries `from` to `to` (W of eq. 7.3, looked up backwards), by dense inverse search (Kroeger
+/// et al. 2016). RGB or grey pictures of one size; none is found in pictures of less than 32 px.
+FrameFlow flow_between(const Image& from, const Image& to);
 
 /// What `from` looks like when it is carried: bilinear, edges repeated (eq. 7.4).
 Image carried(const Image& from, const FrameFlow& flow);

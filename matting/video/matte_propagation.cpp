@@ -30,9 +30,8 @@ double gathered(const MatteConstraint& opinion) {
 
 }  // namespace
 
-MatteConstraint guidance_from(const Image& matte, const Image& its_picture, const Image& picture,
-                              CarryingFlow method) {
-  const FrameFlow flow = flow_between(its_picture, picture, method);
+MatteConstraint guidance_from(const Image& matte, const Image& its_picture, const Image& picture) {
+  const FrameFlow flow = flow_between(its_picture, picture);
   return {carried(matte, flow), confidence_of(its_picture, picture, flow)};
 }
 

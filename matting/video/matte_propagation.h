@@ -22,8 +22,7 @@ struct FrameEvidence {
 };
 
 /// The guidance that a matte gives to a neighbouring frame (eq. 7.4).
-MatteConstraint guidance_from(const Image& matte, const Image& its_picture, const Image& picture,
-                              CarryingFlow flow);
+MatteConstraint guidance_from(const Image& matte, const Image& its_picture, const Image& picture);
 
 /// Chooses components by all the evidence (eq. 7.5). InvalidArgument when there is none.
 Result<Selection> choose(const MattingComponents& components, const FrameEvidence& evidence,

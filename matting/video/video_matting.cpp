@@ -165,7 +165,7 @@ Result<FrameEvidence::Carried> VideoMatting::Impl::carry(int from, const Step& b
                                                          const Image& before_picture, int to,
                                                          const Image& picture) const {
   const bool same_run = from / ComponentStore::kRun == to / ComponentStore::kRun;
-  return FrameEvidence::Carried{guidance_from(before.matte, before_picture, picture, options.flow),
+  return FrameEvidence::Carried{guidance_from(before.matte, before_picture, picture),
                                 same_run ? before.chosen : std::vector<bool>{}, 1};
 }
 
@@ -290,7 +290,7 @@ Result<VideoMatting> VideoMatting::create(MattingClip clip, const std::filesyste
   const double scale = std::min(1.0, std::sqrt(options.working_pixels / pixels));
   impl->small_width = std::max(3, static_cast<int>(std::lround(first->width * scale)));
   impl->small_height = std::max(3, static_cast<int>(std::lround(first->height * scale)));
-  impl->store.emplace(cache, impl->small_width, impl->small_height, options.spectral, options.flow);
+  impl->store.emplace(cache, impl->small_width, impl->small_height, options.spectral);
   impl->states.resize(static_cast<std::size_t>(impl->clip.frames));
   return VideoMatting(std::move(impl));
 }
@@ -383,8 +383,8 @@ Result<std::vector<int>> VideoMatting::propagate(const std::function<bool(int)>&
       state = {step.matte, {step.energy, 0, s.keyframes.contains(frame), step.fits}};
       // A keyframe that begins this span is not filtered; the span before it may not be made yet.
       if (frame > 0 && !s.states[static_cast<std::size_t>(frame - 1)].matte.empty()) {
-        const MatteConstraint previous = guidance_from(s.states[static_cast<std::size_t>(frame - 1)].matte,
-                                                       before_picture, *picture, s.options.flow);
+        const MatteConstraint previous =
+            guidance_from(s.states[static_cast<std::size_t>(frame - 1)].matte, before_picture, *picture);
         if (s.options.temporal_filter > 0 && !state.report.keyframe)
           state.matte = filtered(state.matte, previous, s.options.temporal_filter);
         state.report.flicker = flicker_between(state.matte, previous.opacity);
@@ -411,7 +411,7 @@ Result<double> matte_flicker(const Image& photograph_before, const Image& matte_
   const int height = std::max(3, static_cast<int>(std::lround(matte.height * scale)));
   const MatteConstraint carried =
       guidance_from(scaled(matte_before, width, height), scaled(photograph_before, width, height),
-                    scaled(photograph, width, height), CarryingFlow::Dis);
+                    scaled(photograph, width, height));
   return flicker_between(scaled(matte, width, height), carried.opacity);
 }
 

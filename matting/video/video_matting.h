@@ -23,16 +23,10 @@ struct MattingClip {
   std::function<Result<MatteConstraint>(int frame)> likelihood = nullptr;
 };
 
-enum class CarryingFlow {
-  Dis,            ///< dense inverse search (Kroeger et al. 2016)
-  BlockMatching,  ///< 8x8 blocks within 8 px, as published
-};
-
 struct VideoMattingOptions {
   SpectralOptions spectral = {};
   int working_pixels =
       86400;  ///< photographs are scaled to about so many (360x240) for everything but the way back up
-  CarryingFlow flow = CarryingFlow::Dis;
   double guidance_strength = 1;    ///< of the carried matte, eq. 7.5
   double likelihood_strength = 1;  ///< of MattingClip::likelihood
   bool likelihood_is_matte =

@@ -77,7 +77,7 @@ void Projection::run(const Scene& scene, const View& view, const RendererOptions
   threads_ = options.threads;
   sharp_ = options.sharp;
   radius_ = f(options.soft_radius);
-  tolerance_ = f(options.depth_tolerance > 0 ? options.depth_tolerance : automatic_depth_tolerance(s.box));
+  tolerance_ = f(depth_tolerance(s.box));
   rays_ = view_rays(view, window_);
 
   const std::size_t pixels = line(window_.height);

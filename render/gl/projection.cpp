@@ -104,8 +104,7 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
   block.view_center = {f(eye.x()), f(eye.y()), f(eye.z()), 1};
   block.view_k = {f(m.fx), f(m.fy), f(m.cx), f(m.cy)};
   block.window = {f(window_.x), f(window_.y), f(window_.width), f(window_.height)};
-  const double tolerance =
-      options.depth_tolerance > 0 ? options.depth_tolerance : automatic_depth_tolerance(scene.scene->box);
+  const double tolerance = depth_tolerance(scene.scene->box);
   block.settings = {f(m.skew), f(options.soft_radius), f(tolerance), f(options.flow.shrink)};
   block.background = {options.background[0], options.background[1], options.background[2],
                       options.sharp ? 0.F : 1.F};

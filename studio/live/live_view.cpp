@@ -25,16 +25,9 @@ Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
 Result<std::optional<render::RenderedView>> LiveView::render(const View& view, const LiveQuality& quality,
                                                              render::RendererOptions options) {
   if (!drawable_) return std::optional<render::RenderedView>();
-  std::unique_ptr<render::ViewRenderer>& renderer = renderers_[quality.method];
-  if (!renderer) {
-    Result<std::unique_ptr<render::ViewRenderer>> made =
-        render::make_renderer(quality.method, options.back_end);
-    if (!made) return forward(made);
-    renderer = std::move(*made);
-  }
   options.flow = quality.flow;
   options.sharp = quality.sharp;
-  Result<render::RenderedView> picture = renderer->render(drawn_, view, options);
+  Result<render::RenderedView> picture = renderers_.render(quality.method, drawn_, view, options);
   if (!picture) return forward(picture);
   return std::optional<render::RenderedView>(*picture);
 }

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "core/rig.h"
-#include "render/renderer.h"
+#include "render/method_renderers.h"
 #include "studio/live/live_quality.h"
 #include "studio/live/live_scene.h"
 
@@ -36,7 +34,7 @@ class LiveView {
   const Rig rig_;
   std::shared_ptr<const LiveScene> scene_;
   render::Scene drawn_;
-  std::map<std::string, std::unique_ptr<render::ViewRenderer>> renderers_;
+  render::MethodRenderers renderers_;
   bool drawable_ = false;
 };
 

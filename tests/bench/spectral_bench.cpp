@@ -121,9 +121,7 @@ void preparation(benchmark::State& state) {
   for (auto _ : state) {
     const auto pairs = solver->solve(clip().frames[1], warm ? &*before : nullptr);
     MattingComponents followed = *first;
-    if (warm)
-      followed.alpha =
-          carried(first->alpha, flow_between(clip().frames[0], clip().frames[1], CarryingFlow::Dis));
+    if (warm) followed.alpha = carried(first->alpha, flow_between(clip().frames[0], clip().frames[1]));
     benchmark::DoNotOptimize(matting_components(*pairs, {}, warm ? &followed : nullptr));
   }
 }

@@ -191,34 +191,6 @@ TEST(DriftWatch, TellsAMoveFromATurn) {
   for (int i = 0; i < 100; ++i) EXPECT_FALSE(still.check(0, i, with_performer(before, i, random))) << i;
 }
 
-TEST(DriftWatch, TakesLiveFramesAndLooksAtThemNowAndThen) {
-  const Image before = empty_stage({0, 0, 0}), after = empty_stage({0, 0.2, 0});
-  DriftWatch watch = watch_of(before);
-  Random random(3);
-  std::optional<DriftAlarm> alarm;
-  constexpr double kKicked = 7.3;
-  for (int i = 0; i < 350 && !alarm;
-       i += 5) {  // 25 frames a second, of which the network brought every fifth
-    const double time = 0.04 * i;
-    FrameInfo info;
-    info.camera = 0, info.sequence = static_cast<std::uint64_t>(i),
-    info.exposure_start = Timestamp{5'000'000'000 + static_cast<std::int64_t>(1e9 * time)};
-    info.status = i == 100 ? FrameStatus::Corrupt : FrameStatus::Ok;
-    const Result<std::optional<DriftAlarm>> pushed =
-        watch.push(make_frame(info, with_performer(time < kKicked ? before : after, time, random)));
-    ASSERT_THAT(pushed, IsOk());
-    alarm = *pushed;
-  }
-  ASSERT_TRUE(alarm);
-  EXPECT_EQ(alarm->serial, "left");
-  EXPECT_GE(alarm->time, kKicked + 2) << "two checks, two seconds apart";
-  EXPECT_LE(alarm->time, kKicked + 5);
-  FrameInfo stranger;
-  stranger.camera = 3;
-  EXPECT_THAT(watch.push(make_frame(stranger, before)),
-              FailsWith(ErrorCode::InvalidArgument, "none of index 3"));
-}
-
 TEST(DriftReference, SurvivesItsFileAndEveryDamageToIt) {
   const TempFolder folder;
   const Result<DriftReference> reference = make_drift_reference(one_camera(), {empty_stage({0, 0, 0})}, 8);

@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(
         SourceUnderTest{"fake",
                         [](const TempFolder&) -> std::unique_ptr<FrameSource> {
                           return std::make_unique<FakeSource>(
-                              std::vector<FakeStep>{Step::Warmup, Step::Deliver, Step::Timeout, Step::Gap,
+                              std::vector<FakeStep>{Step::Deliver, Step::Deliver, Step::Timeout, Step::Gap,
                                                     Step::Starve, Step::Corrupt, Step::Deliver});
                         },
                         5, 2, false,

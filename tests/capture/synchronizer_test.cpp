@@ -188,19 +188,8 @@ TEST(Synchronizer, KeepsTheFrameNearestToTheInstantOfTwo) {
   EXPECT_EQ(sync.stats().cameras[1].duplicates, 1u);
 }
 
-TEST(Synchronizer, DropsIncompleteSetsWhenToldTo) {
-  Synchronizer sync = synchronizer(2, {.frame_rate = 30, .missing = MissingPolicy::DropSet});
-  sync.push(frame_at(0, 0));
-  sync.push(frame_at(0, 33'333'333));
-  sync.push(frame_at(1, 33'333'333));
-  EXPECT_THAT(members(drained(sync)), ElementsAre("ab"));
-  EXPECT_EQ(sync.stats().dropped, 1u);
-  EXPECT_EQ(sync.stats().incomplete, 0u);
-}
-
-TEST(Synchronizer, PutsNoLostOrWarmUpFrameInASet) {
+TEST(Synchronizer, PutsNoLostFrameInASet) {
   Synchronizer sync = synchronizer(1);
-  sync.push(frame_at(0, 0, FrameStatus::Warmup));
   sync.push(frame_at(0, 33'333'333));
   Frame lost;
   lost.info.camera = 0;
@@ -236,13 +225,6 @@ TEST(Synchronizer, MeasuresTheSpreadOfItsSets) {
   EXPECT_NEAR(stats.spread_max_ms, 3, 1e-9);
   EXPECT_THAT(sync_complaints(stats, {"a", "b"}, {.spread_ms = 1}), Contains(HasSubstr("up to 3 ms apart")));
   EXPECT_THAT(sync_complaints(stats, {"a", "b"}, {.spread_ms = 3.1}), IsEmpty());
-}
-
-TEST(Synchronizer, KnowsItsPoliciesByName) {
-  for (const MissingPolicy policy : {MissingPolicy::LeaveEmpty, MissingPolicy::DropSet}) {
-    EXPECT_EQ(missing_policy_named(name_of(policy)), policy);
-  }
-  EXPECT_FALSE(missing_policy_named("hope").has_value());
 }
 
 }  // namespace

@@ -161,7 +161,7 @@ TEST(Frame, MadeFromGreyIsGrey) {
 TEST(Frame, IsNotMadeFromTransparency) { EXPECT_THROW(make_frame({}, Image(2, 2, 4)), CheckFailure); }
 
 TEST(FrameStatus, IsFoundByItsName) {
-  for (FrameStatus s : {FrameStatus::Ok, FrameStatus::Warmup, FrameStatus::Corrupt, FrameStatus::Lost})
+  for (FrameStatus s : {FrameStatus::Ok, FrameStatus::Corrupt, FrameStatus::Lost})
     EXPECT_EQ(frame_status_named(name_of(s)), s);
   EXPECT_FALSE(frame_status_named("OK"));
   EXPECT_FALSE(pixel_format_named(""));

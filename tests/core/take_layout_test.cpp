@@ -102,7 +102,7 @@ FrameRow full_row() {
                    .exposure_start = {-5},
                    .exposure = Nanoseconds{8'000'000},
                    .device_time = Nanoseconds{9'000'000'000'000'000'001},
-                   .status = FrameStatus::Warmup},
+                   .status = FrameStatus::Corrupt},
           .media_index = 0};
 }
 

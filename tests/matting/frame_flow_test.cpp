@@ -25,11 +25,9 @@ Image texture(int width, int height, double shift) {
   return out;
 }
 
-class EveryFlow : public testing::TestWithParam<CarryingFlow> {};
-
-TEST_P(EveryFlow, FollowsATextureThatMoves) {
+TEST(FlowBetween, FollowsATextureThatMoves) {
   const Image before = texture(96, 64, 0), after = texture(96, 64, 3);
-  const FrameFlow flow = flow_between(before, after, GetParam());
+  const FrameFlow flow = flow_between(before, after);
   double error = 0, count = 0;
   for (int y = 16; y < 48; ++y)
     for (int x = 16; x < 80; ++x, ++count)
@@ -37,23 +35,21 @@ TEST_P(EveryFlow, FollowsATextureThatMoves) {
   EXPECT_LT(error / count, 0.3) << "a pixel was 3 px to the left before";
 }
 
-TEST_P(EveryFlow, CarriesTheMatteWithThePicture) {
+TEST(FlowBetween, CarriesTheMatteWithThePicture) {
   const DiscPicture before = disc_picture(120, 80, 0, 0), after = disc_picture(120, 80, 4, 0);
-  const MatteConstraint guidance = guidance_from(before.alpha, before.rgb, after.rgb, GetParam());
+  const MatteConstraint guidance = guidance_from(before.alpha, before.rgb, after.rgb);
   EXPECT_LT(mean_square(guidance.opacity, after.alpha), 0.3 * mean_square(before.alpha, after.alpha));
 }
 
-TEST_P(EveryFlow, GivesTheSameBytesAgain) {
+TEST(FlowBetween, GivesTheSameBytesAgain) {
   const Image before = texture(70, 50, 0), after = texture(70, 50, 2);
-  EXPECT_EQ(flow_between(before, after, GetParam()).uv, flow_between(before, after, GetParam()).uv);
+  EXPECT_EQ(flow_between(before, after).uv, flow_between(before, after).uv);
 }
 
-TEST_P(EveryFlow, TakesPicturesSmallerThanItsBlocks) {
-  const FrameFlow flow = flow_between(texture(5, 4, 0), texture(5, 4, 0), GetParam());
+TEST(FlowBetween, FindsNoneInPicturesSmallerThanItsPatches) {
+  const FrameFlow flow = flow_between(texture(5, 4, 0), texture(5, 4, 0));
   for (const float value : flow.uv) EXPECT_EQ(value, 0);
 }
-
-INSTANTIATE_TEST_SUITE_P(Both, EveryFlow, testing::Values(CarryingFlow::Dis, CarryingFlow::BlockMatching));
 
 TEST(ConfidenceOf, IsLowWhereThePictureIsNotExplained) {
   const Image before = texture(64, 48, 0);

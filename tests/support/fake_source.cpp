@@ -68,8 +68,6 @@ Result<Frame> FakeSource::next(Nanoseconds) {
       break;
     case FakeStep::Corrupt:
       return deliver(FrameStatus::Corrupt);
-    case FakeStep::Warmup:
-      return deliver(FrameStatus::Warmup);
     case FakeStep::Starve:
       lose_one();
       ++starved_;

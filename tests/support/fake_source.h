@@ -13,7 +13,6 @@ enum class FakeStep {
   Timeout,      ///< nothing arrived in time
   Gap,          ///< the frame after the next one: one is lost
   Corrupt,      ///< the next frame, with status Corrupt
-  Warmup,       ///< the next frame, with status Warmup
   Starve,       ///< a frame is lost because there was no free buffer; then a Timeout
   Disconnect,   ///< the cable is pulled: Disconnected until it is started again
   Duplicate,    ///< the last frame again: against the contract

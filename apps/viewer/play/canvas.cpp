@@ -21,8 +21,8 @@ bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
 }
 
 bool same(const render::RendererOptions& a, const render::RendererOptions& b) {
-  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.depth_tolerance == b.depth_tolerance &&
-         a.flow == b.flow && a.sharp == b.sharp && a.background == b.background && a.output == b.output;
+  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.flow == b.flow && a.sharp == b.sharp &&
+         a.background == b.background && a.output == b.output;
 }
 
 }  // namespace
@@ -50,16 +50,9 @@ bool Canvas::stale(const PlayerState& state, const pipeline::PathKey& key, int w
          !same(made_->key, key) || !same(made_->renderer, state.renderer);
 }
 
-Result<void> Canvas::render_side(Side& side, const std::string& method, const View& view,
-                                 const render::RendererOptions& options) {
-  if (side.method != method) {
-    Result<std::unique_ptr<render::ViewRenderer>> renderer = render::make_renderer(method, options.back_end);
-    if (!renderer) return forward(renderer);
-    side.method = method;
-    side.renderer = std::move(*renderer);
-    side.texture = 0;
-  }
-  Result<render::RenderedView> rendered = side.renderer->render(drawn_, view, options);
+Result<void> Canvas::render_side(Side& side, int method, const PlayerState& state, const View& view) {
+  Result<render::RenderedView> rendered =
+      renderers_.render(state.methods[static_cast<std::size_t>(method)], drawn_, view, state.renderer);
   if (!rendered) return forward(rendered);
   side.view = *rendered;
   if (rendered->picture != nullptr) side.copy.show(*rendered->picture);
@@ -73,15 +66,9 @@ Result<void> Canvas::render(const PlayerState& state, const pipeline::PathKey& k
   made_ = Made{width, height, state.left, state.split ? state.right : -1, shown_, key, state.renderer};
   const View view = pipeline::view_of(key, width, height, subject_);
   view_ = view;
-  if (Result<void> ok =
-          render_side(left_, state.methods[static_cast<std::size_t>(state.left)], view, state.renderer);
-      !ok)
-    return ok;
+  if (Result<void> ok = render_side(left_, state.left, state, view); !ok) return ok;
   if (state.split)
-    if (Result<void> ok =
-            render_side(right_, state.methods[static_cast<std::size_t>(state.right)], view, state.renderer);
-        !ok)
-      return ok;
+    if (Result<void> ok = render_side(right_, state.right, state, view); !ok) return ok;
   render_milliseconds_ =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return {};

@@ -8,7 +8,7 @@
 #include "apps/viewer/play/player_state.h"
 #include "apps/viewer/play/shown_texture.h"
 #include "core/rig.h"
-#include "render/renderer.h"
+#include "render/method_renderers.h"
 #include "studio/live/live_scene.h"
 
 namespace floatstage::apps {
@@ -33,8 +33,6 @@ class Canvas {
 
  private:
   struct Side {
-    std::string method;
-    std::unique_ptr<render::ViewRenderer> renderer;
     render::RenderedView view;
     ShownTexture copy;     // of a picture that is not on the GPU
     unsigned texture = 0;  // what is shown; 0: nothing yet
@@ -49,8 +47,7 @@ class Canvas {
 
   bool stale(const PlayerState& state, const pipeline::PathKey& key, int width, int height) const;
   Result<void> render(const PlayerState& state, const pipeline::PathKey& key, int width, int height);
-  Result<void> render_side(Side& side, const std::string& method, const View& view,
-                           const render::RendererOptions& options);
+  Result<void> render_side(Side& side, int method, const PlayerState& state, const View& view);
   void take_mouse(PlayerState& state, float width, float height);
 
   const Rig rig_;
@@ -60,6 +57,7 @@ class Canvas {
   bool drawable_ = false;
   std::optional<View> view_;
   render::Scene drawn_;
+  render::MethodRenderers renderers_;
   Side left_, right_;
   std::optional<Made> made_;
   CameraFrusta frusta_;
