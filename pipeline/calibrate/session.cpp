@@ -180,9 +180,10 @@ SessionKnown read_known(Table t) {
   t.string("format", k.format);
   if (k.format != calib::kAnyRigFormat) {
     if (const Result<const calib::RigFormat*> format = calib::rig_format(k.format, k.file); !format)
-      t.complain(text("'format': ", format.error().message));
+      t.complain(*t.node("format"), text("'format': ", format.error().message));
     else if ((*format)->states_unit && t.node("metres_per_unit"))
-      t.complain(text("'metres_per_unit' is for formats that state no unit, which ", k.format, " does"));
+      t.complain(*t.node("metres_per_unit"),
+                 text("'metres_per_unit' is for formats that state no unit, which ", k.format, " does"));
   }
   t.number("metres_per_unit", k.metres_per_unit, 1e-6, kLarge);
   const std::initializer_list<std::pair<const char*, calib::Prior>> priors = {

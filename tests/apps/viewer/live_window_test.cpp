@@ -60,7 +60,7 @@ TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
 TEST(LiveVerb, SaysWhatIsMissing) {
   const Ended nothing = run(FLOATSTAGE_PROGRAM " live --headless");
   EXPECT_EQ(nothing.code, 3);
-  EXPECT_THAT(nothing.output, HasSubstr("--source TAKE, --config STUDIO.toml"));
+  EXPECT_THAT(nothing.output, HasSubstr("--source TAKE or --config STUDIO.toml"));
   const Ended unseen = run(FLOATSTAGE_PROGRAM " live --source /no/such/take --json L.json");
   EXPECT_EQ(unseen.code, 3);
   EXPECT_THAT(unseen.output, HasSubstr("add --headless"));

@@ -107,7 +107,7 @@ TEST(CalibrationSession, KnowsRigsOfEveryFormat) {
   }
   EXPECT_THAT(
       with("\"yesterday.json\"", "\"yesterday.json\"\nformat = \"blender\""),
-      FailsWith(ErrorCode::BadData, "line 10: 'format': 'blender' is no calibration format; there are"));
+      FailsWith(ErrorCode::BadData, "line 11: 'format': 'blender' is no calibration format; there are"));
 }
 
 TEST(CalibrationSession, TakesAUnitOnlyForFormatsThatStateNone) {
