@@ -9,8 +9,8 @@
 
 namespace floatstage::render {
 
-/// Draws with whatever method is asked for: one renderer a method and back-end, made for its first picture and
-/// kept. As a ViewRenderer: one thread at a time, with GL the GL thread.
+/// Draws with whatever method is asked for: one renderer a method and back-end, made for its first picture
+/// and kept. As a ViewRenderer: one thread at a time, with GL the GL thread.
 class MethodRenderers {
  public:
   /// The picture belongs to the method's renderer and is valid until the method's next one. InvalidArgument
