@@ -52,8 +52,10 @@ class Keyer {
 ///                                  borders show the cloth
 ///   "difference" or "difference:T" against this camera's clean plate, threshold T in 8-bit steps (default
 ///                                  24). Several samples: their median, the plate where the subject moves
-///   "luminance" or "luminance:T"   black stage: grey > T (default 12) is subject, but for lit cloth: what is
-///                                  under 5 T and joined to the picture's border by such pixels alone
+///   "luminance" or "luminance:T"   black stage: what differs from the black, and from cloth that catches
+///                                  light, as the rims of `samples` (or else of each frame) show them; with T
+///                                  only where grey > T; with T and without samples wherever
+///                                  grey > T
 ///   "plate" or "plate:K"           against a plate with per-pixel noise, learnt from the samples
 ///                                  (matting/keyers/plate.h); K standard deviations (default 6) tell the
 ///                                  subject

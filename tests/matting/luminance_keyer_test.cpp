@@ -33,7 +33,7 @@ TEST(LuminanceKeyer, WeighsColoursAsLuma) {
   EXPECT_LT(alpha.pixels[2], 128);
 }
 
-TEST(LuminanceKeyer, ByDefaultClosesCrevicesAndKeepsTheLargestComponent) {
+TEST(LuminanceKeyer, ByDefaultClosesCrevicesAndDropsSpecks) {
   Image image(100, 100, 3, 2);
   for (int y = 20; y < 80; ++y)
     for (int x = 20; x < 80; ++x)
@@ -41,7 +41,9 @@ TEST(LuminanceKeyer, ByDefaultClosesCrevicesAndKeepsTheLargestComponent) {
   std::fill_n(image.at(5, 5), 15, std::uint8_t{120});
   const auto matte = (*make_keyer("luminance", {}))->key(make_frame({}, image));
   ASSERT_TRUE(matte);
-  EXPECT_NEAR(coverage(*matte), 0.36, 0.002);
+  // The crevice's two ends lie on the outline, where it is solved: up to the closing's radius and a pixel of
+  // band, three columns of four rows each are the stage's.
+  EXPECT_NEAR(coverage(*matte), 0.36, 2 * 3 * 4 / 10000.0 + 1e-9);
 }
 
 TEST(LuminanceKeyer, TakesLitClothAtTheBorderForBackgroundButNotADarkCoat) {
