@@ -114,11 +114,14 @@ std::string unknown_verb(const CLI::App& app, const std::vector<std::string>& wo
 }
 
 // The same thing in other verbs, in other programs, and in this one before.
-constexpr std::array<std::pair<const char*, const char*>, 12> kSynonyms = {{{"--cameras", "--camera-count"},
+constexpr std::array<std::pair<const char*, const char*>, 15> kSynonyms = {{{"--cameras", "--camera-count"},
                                                                             {"--cameras", "--blend"},
                                                                             {"--frames", "--frame-count"},
                                                                             {"--method", "--methods"},
+                                                                            {"--method", "--matte"},
                                                                             {"--method", "--hull"},
+                                                                            {"--key", "--matte"},
+                                                                            {"--matte-method", "--matte"},
                                                                             {"--output", "--out"},
                                                                             {"--output", "--show"},
                                                                             {"--jobs", "--threads"},

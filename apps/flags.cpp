@@ -6,6 +6,7 @@
 #include "apps/text_options.h"
 #include "core/text.h"
 #include "matting/keyers/keyer.h"
+#include "pipeline/matte/matte_how.h"
 #include "render/renderer.h"
 
 namespace floatstage::apps {
@@ -135,14 +136,48 @@ CLI::Option* add_codec(CLI::App& verb, capture::TakeCodec& codec) {
       ->check(one_of(codec_names()));
 }
 
-CLI::Option* add_redo(CLI::App& verb, bool& redo, const std::string& help) {
-  return verb.add_flag("--redo", redo, help);
+CLI::Option* add_redo(CLI::App& verb, bool& redo) {
+  return verb.add_flag("--redo", redo,
+                       "Make again what Floatstage made, with these options; files of unknown origin stay");
 }
 
-CLI::Option* add_key(CLI::App& verb, std::string& key) {
-  std::string help = "How the subject is keyed:";
-  for (const matting::KeyerInfo& k : matting::keyers()) help += "\n  " + k.name + ": " + k.help;
-  return verb.add_option("--key", key, help)->type_name("KEYER");
+Result<std::vector<int>> frames_of_take(const std::filesystem::path& take, const std::string& frames) {
+  const Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(take);
+  if (!opened) return forward(opened);
+  return parse_frames(frames, (*opened)->frame_count());
+}
+
+CLI::Option* add_matte_how(CLI::App& verb, std::string& how, const std::string& usual) {
+  std::vector<std::string> names;
+  std::string help = text("How mattes are made (default: ", usual, "):");
+  for (const pipeline::MatteMethod& m : pipeline::matte_methods()) {
+    help += "\n  " + (m.keyer ? m.help : m.name + ": " + m.help);
+    names.push_back(m.name);
+  }
+  const auto fault = [names](const std::string& word) {
+    const Result<void> ok = pipeline::check_matte_how(word);
+    return ok ? "" : ok.error().message + did_you_mean(pipeline::method_name(word), names);
+  };
+  return verb.add_option("--matte", how, help)->type_name("HOW")->check(CLI::Validator(fault, ""));
+}
+
+CLI::Option* add_matte_keyer(CLI::App& verb, std::string& keyer) {
+  std::vector<std::string> names;
+  std::string help = "How the subject is keyed, picture by picture:";
+  for (const matting::KeyerInfo& k : matting::keyers()) help += "\n  " + k.help, names.push_back(k.name);
+  const auto fault = [names](const std::string& word) {
+    return fault_of(pipeline::method_name(word), names);
+  };
+  return verb.add_option("--matte", keyer, help)
+      ->capture_default_str()
+      ->type_name("HOW")
+      ->check(CLI::Validator(fault, ""));
+}
+
+CLI::Option* add_guide(CLI::App& verb, std::filesystem::path& folder) {
+  return verb
+      .add_option("--guide", folder, "Others' mattes to start from: a folder with <serial>/<frame>.png")
+      ->type_name("FOLDER");
 }
 
 CLI::Option* add_list(CLI::App& verb, const std::string& name, std::vector<std::string>& list,

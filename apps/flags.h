@@ -59,10 +59,20 @@ CLI::Option* add_blend(CLI::App& verb, int& photographs);
 CLI::Option* add_background(CLI::App& verb, std::string& color);
 /// --codec of a take's media.
 CLI::Option* add_codec(CLI::App& verb, capture::TakeCodec& codec);
-/// --redo: products made with other options are made again.
-CLI::Option* add_redo(CLI::App& verb, bool& redo, const std::string& help);
-/// --key of `process` and `live`, with every keyer's line.
-CLI::Option* add_key(CLI::App& verb, std::string& key);
+/// --redo: what the program made is made again; files of unknown origin stay.
+CLI::Option* add_redo(CLI::App& verb, bool& redo);
+/// --matte HOW: one way to mattes, `usual` where none is said. With a line for each.
+CLI::Option* add_matte_how(CLI::App& verb, std::string& how, const std::string& usual);
+/// --matte HOW of what keys picture by picture: keyers alone.
+CLI::Option* add_matte_keyer(CLI::App& verb, std::string& keyer);
+/// --guide: others' mattes to start from.
+CLI::Option* add_guide(CLI::App& verb, std::filesystem::path& folder);
+
+/// What --matte is where nobody says it.
+inline constexpr const char* kUsualMattes = "as before; given where mattes were put into the take; else auto";
+
+/// The frames that --frames names of a take. Errors: those of TakeReader::open() and parse_frames().
+Result<std::vector<int>> frames_of_take(const std::filesystem::path& take, const std::string& frames);
 
 /// A list in one word: a,b,c; anything before the name's first comma. Elements are checked when `known` is
 /// not empty.

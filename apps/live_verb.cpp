@@ -65,7 +65,7 @@ void add_live(CLI::App& app, Chosen& chosen) {
   verb->add_option("--rate", options->rate, "With --source: instants a second (default: as recorded)")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
-  add_key(*verb, options->chain.key)->capture_default_str();
+  add_matte_keyer(*verb, options->chain.key);
   add_threads(*verb, options->chain.threads);
   add_viewing_flags(*verb, options->viewing);
   add_live_recon(*verb, chosen);

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string method = "auto";
+  std::string how = "auto";
   fs::path image, trimap, scribbles, out, foreground, json;
   std::vector<std::string> subject, background;
 };
@@ -86,7 +86,7 @@ Result<void> run(const Options& given) {
   Result<Image> picture = load_png(given.image);
   if (!picture) return forward(picture);
   pipeline::MatteImageOptions options{
-      .method = given.method, .picture = rgb_of(*picture), .trimap = {}, .scribbled = {}};
+      .how = given.how, .picture = rgb_of(*picture), .trimap = {}, .scribbled = {}};
   if (!given.trimap.empty()) {
     Result<Image> trimap = load_png(given.trimap);
     if (!trimap) return forward(trimap);
@@ -124,13 +124,14 @@ void add_matte_image(CLI::App& app, Chosen& chosen) {
   CLI::App* verb = add_verb(
       app, chosen, "matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth",
       {"floatstage matte-image portrait.png --trimap trimap.png -o matte.png",
-       "floatstage matte-image portrait.png --method spectral --subject 120,80 --background 10,10 -o "
+       "floatstage matte-image portrait.png --matte spectral --subject 120,80 --background 10,10 -o "
        "matte.png"});
   verb->add_option("image", options->image, "A PNG")->required();
   add_out(*verb, options->out, "Write the matte (PNG, one channel)")->required();
-  verb->add_option("--method", options->method, "How")
+  verb->add_option("--matte", options->how, "How the matte is made: auto, chroma, closed-form or spectral")
       ->capture_default_str()
-      ->check(one_of({"auto", "chroma", "closed-form", "spectral"}));
+      ->type_name("HOW")
+      ->check(one_of({"auto", "chroma", "closed-form", "spectral"}).description(""));
   verb->add_option("--scribbles", options->scribbles,
                    "The same picture with subject painted white and background black (PNG)")
       ->type_name("FILE");

@@ -21,6 +21,7 @@ constexpr std::size_t kWorstShown = 5;
 
 struct Options {
   pipeline::MatteTakeOptions matte;
+  std::string how, frames;
   std::filesystem::path json_file;
   pipeline::ExportOptions layers;
 };
@@ -41,6 +42,7 @@ json to_json(const pipeline::MatteReport& report) {
                             {"method", c.method},
                             {"made", c.made},
                             {"kept", c.kept},
+                            {"others", c.others},
                             {"gaps", c.gaps},
                             {"keyframes", c.keyframes},
                             {"clicks", c.clicks},
@@ -60,6 +62,12 @@ json to_json(const pipeline::MatteReport& report) {
 
 Result<void> run(const Options& given) {
   pipeline::MatteTakeOptions options = given.matte;
+  if (!given.how.empty()) options.how = given.how;
+  if (!given.frames.empty()) {
+    Result<std::vector<int>> frames = frames_of_take(options.take, given.frames);
+    if (!frames) return forward(frames);
+    options.frames = std::move(*frames);
+  }
   ProgressBar bar;
   options.progress = &bar;
   Result<pipeline::MatteReport> report = pipeline::matte_take(options);
@@ -68,12 +76,9 @@ Result<void> run(const Options& given) {
   for (const pipeline::CameraMattes& c : report->cameras) {
     std::printf("%s: %s by %s; %d made, %d kept, %d gaps", c.serial.c_str(), c.method.c_str(), c.key.c_str(),
                 c.made, c.kept, c.gaps);
+    if (c.others > 0) std::printf("; %d of unknown origin, used as they are", c.others);
     if (c.hull_agreement) std::printf("; agrees %.3f with the others' hull", *c.hull_agreement);
     std::printf("\n");
-    if (c.key == "none" && c.clicks == 0)
-      log::warning(text("camera '", c.serial,
-                        "' has no cloth, plate or backdrop that stands still, so the subject was guessed; "
-                        "look at it, and click on it (mattes/edits.json, or the editor in `play`)"));
     for (const std::string& f : c.failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
     failures += c.failures.size();
   }
@@ -88,6 +93,7 @@ Result<void> run(const Options& given) {
     pipeline::ExportOptions layers = given.layers;
     layers.take = options.take;
     layers.cameras = options.cameras;
+    layers.frames = options.frames;
     layers.threads = options.threads;
     layers.progress = &bar;
     Result<int> written = pipeline::export_layers(layers);
@@ -107,19 +113,14 @@ void add_matte(CLI::App& app, Chosen& chosen) {
   CLI::App* verb =
       add_verb(app, chosen, "matte",
                "Mattes of all cameras of a take, refined and checked against one another; resumable",
-               {"floatstage matte take --method auto --json mattes.json",
+               {"floatstage matte take --matte luminance:30 --frames 12 --json mattes.json",
                 "floatstage matte take --cameras cam01,cam04 --export cut-out --export-format exr"});
-  std::string help = "How:";
-  std::vector<std::string> names;
-  for (const pipeline::MatteMethod& m : pipeline::matte_methods())
-    help += "\n  " + m.name + ": " + m.help, names.push_back(m.name);
   add_take(*verb, options->matte.take, "The take's folder; its mattes/edits.json is replayed");
-  verb->add_option("--method", options->matte.method, help)->capture_default_str()->check(one_of(names));
+  add_matte_how(*verb, options->how, kUsualMattes);
+  add_guide(*verb, options->matte.guide);
+  add_frames(*verb, options->frames, "all");
   add_cameras(*verb, options->matte.cameras);
-  verb->add_option("--guide", options->matte.guide,
-                   "Others' mattes to start from: a folder with <serial>/<frame>.png")
-      ->type_name("FOLDER");
-  add_redo(*verb, options->matte.redo, "Make again what was made with another method, guide or other edits");
+  add_redo(*verb, options->matte.redo);
   verb->add_option("--export", options->layers.out,
                    "Write the subject with straight alpha to this folder: <serial>/<frame>")
       ->type_name("FOLDER");

@@ -5,7 +5,6 @@
 #include "apps/renderer_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/play/play.h"
-#include "pipeline/matte/matte_take.h"
 
 namespace floatstage::apps {
 namespace {
@@ -58,8 +57,6 @@ void add_play(CLI::App& app, Chosen& chosen) {
                    "Write the window to this PNG once the picture stands, then end")
       ->type_name("FILE")
       ->group(kGroupWindow);
-  std::vector<std::string> methods;
-  for (const pipeline::MatteMethod& m : pipeline::matte_methods()) methods.push_back(m.name);
   const std::vector<CLI::Option*> mattes = {
       verb->add_flag("--mattes", play.mattes,
                      "Begin in the matte editor (M goes there and back); needs no meshes"),
@@ -67,11 +64,8 @@ void add_play(CLI::App& app, Chosen& chosen) {
       verb->add_option("--view", options->view, "Look at mattes as")
           ->capture_default_str()
           ->check(one_of(matte_view_names())),
-      verb->add_option("--matte-method", play.matte_method,
-                       "Make mattes by this method of `matte` (default: as they were made)")
-          ->check(one_of(methods)),
-      verb->add_option("--guide", play.guide, "Others' mattes to start from, as in `matte`"),
-      add_redo(*verb, play.redo, "Let the editor replace mattes that `matte` did not make"),
+      add_matte_how(*verb, play.matte, kUsualMattes),
+      add_guide(*verb, play.guide),
       verb->add_flag("--by-hand", options->by_hand,
                      "Make mattes when Enter is pressed, not after every edit")};
   for (CLI::Option* option : mattes) option->group(kGroupMattes);

@@ -6,6 +6,7 @@
 #include "apps/hull_flags.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
+#include "core/log.h"
 #include "core/take_layout.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
@@ -16,18 +17,27 @@ namespace {
 
 struct Options {
   pipeline::ProcessOptions process;
-  std::string key;
+  std::string how, frames;
   std::filesystem::path json_file;
   HullFlags hull;
 };
 
 nlohmann::json to_json(const pipeline::StageReport& stage) {
-  return {{"made", stage.made}, {"kept", stage.kept}, {"gaps", stage.gaps}, {"failures", stage.failures}};
+  return {{"made", stage.made},
+          {"kept", stage.kept},
+          {"others", stage.others},
+          {"gaps", stage.gaps},
+          {"failures", stage.failures}};
 }
 
 Result<void> run(const Options& given) {
   pipeline::ProcessOptions options = given.process;
-  if (!given.key.empty()) options.key = given.key;
+  if (!given.how.empty()) options.matte = given.how;
+  if (!given.frames.empty()) {
+    Result<std::vector<int>> frames = frames_of_take(options.take, given.frames);
+    if (!frames) return forward(frames);
+    options.frames = std::move(*frames);
+  }
   Result<recon::HullOptions> hull = pipeline::hull_options(given.hull);
   if (!hull) return forward(hull);
   if (given.hull.given()) options.hull = *hull;
@@ -38,11 +48,15 @@ Result<void> run(const Options& given) {
 
   std::vector<std::string> failures = report->mattes.failures;
   failures.insert(failures.end(), report->meshes.failures.begin(), report->meshes.failures.end());
+  for (const std::string& r : report->remarks) log::warning(r);
   for (const std::string& f : failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
   std::printf(
       "%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n",
       options.take.c_str(), report->frames, report->cameras, report->mattes.made, report->mattes.kept,
       report->mattes.gaps, report->meshes.made, report->meshes.kept, report->seconds);
+  if (report->mattes.others + report->meshes.others > 0)
+    std::printf("%d mattes and %d meshes are of unknown origin: used as they are\n", report->mattes.others,
+                report->meshes.others);
   if (!given.json_file.empty()) {
     Result<void> ok = pipeline::save_json({{"take", options.take.string()},
                                            {"frames", report->frames},
@@ -50,6 +64,7 @@ Result<void> run(const Options& given) {
                                            {"empty_frames", report->empty_frames},
                                            {"mattes", to_json(report->mattes)},
                                            {"meshes", to_json(report->meshes)},
+                                           {"remarks", report->remarks},
                                            {"seconds", report->seconds}},
                                           given.json_file);
     if (!ok) return ok;
@@ -61,7 +76,7 @@ Result<void> run(const Options& given) {
   if (report->empty_frames == report->frames)
     return fail(ErrorCode::BadData,
                 text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
-                     TakeLayout(options.take).mattes().string(), " and try another --key with --redo"));
+                     TakeLayout(options.take).mattes().string(), " and try another --matte with --redo"));
   return {};
 }
 
@@ -69,12 +84,16 @@ Result<void> run(const Options& given) {
 
 void add_process(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
-      app, chosen, "process", "Every offline stage on a take: mattes, then meshes; does only what is missing",
-      {"floatstage process take --key chroma", "floatstage process take --votes strict --redo -j 4"});
+  CLI::App* verb = add_verb(app, chosen, "process",
+                            "Every offline stage on a take: mattes, then meshes; does only what is missing",
+                            {"floatstage process take --matte chroma --frames 12",
+                             "floatstage process take --votes strict --redo -j 4"});
   add_take(*verb, options->process.take);
-  add_key(*verb, options->key);
-  add_redo(*verb, options->process.redo, "Make again what was made with other options");
+  add_matte_how(*verb, options->how, kUsualMattes);
+  add_guide(*verb, options->process.guide);
+  add_frames(*verb, options->frames, "all");
+  add_cameras(*verb, options->process.cameras, "Only the mattes of these cameras: serials");
+  add_redo(*verb, options->process.redo);
   add_hull_flags(*verb, options->hull);
   add_threads(*verb, options->process.threads);
   add_json(*verb, options->json_file);

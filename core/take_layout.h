@@ -17,8 +17,9 @@ namespace floatstage {
 ///   take.json  rig.json  <serial>.mkv  <serial>.frames.csv  the recording, never changed again
 ///   quality.json                                            the recorder's verdict
 ///   mattes/<serial>/<frame>.png  meshes/<frame>.ply  renders/  derived by `process`, may be deleted
-///   mattes/keying.json  meshes/hull.json                    with which options they were made
+///   mattes/made.json  meshes/hull.json                      how they were made, from what
 ///   mattes/edits.json                                       a person's corrections, never removed
+///   mattes/given/<serial>/<frame>.png                       a person's mattes that the editor works on
 ///   truth/…                                                 ground truth of a synthetic take, laid out alike
 ///   plates/<serial>.png                                     clean plates, when they were shot
 ///   colors.json                                             `calibrate color`: a rig.json with colours
@@ -35,11 +36,14 @@ class TakeLayout {
   }
   std::filesystem::path mattes() const { return folder_ / "mattes"; }
   std::filesystem::path matte(std::string_view serial, int frame) const;
-  std::filesystem::path keying() const { return mattes() / "keying.json"; }
+  std::filesystem::path made_mattes() const { return mattes() / "made.json"; }
+  std::filesystem::path mattes_journal() const { return mattes() / "made.log"; }
+  std::filesystem::path given_mattes(std::string_view serial) const { return mattes() / "given" / serial; }
   std::filesystem::path edits() const { return mattes() / "edits.json"; }
   std::filesystem::path meshes() const { return folder_ / "meshes"; }
   std::filesystem::path mesh(int frame) const;
   std::filesystem::path hull_report() const { return meshes() / "hull.json"; }
+  std::filesystem::path meshes_journal() const { return meshes() / "hull.log"; }
   std::filesystem::path renders() const { return folder_ / "renders"; }
   std::filesystem::path plate(std::string_view serial) const {
     return folder_ / "plates" / (std::string(serial) + ".png");

@@ -132,7 +132,7 @@ Result<DemoReport> run_demo(const DemoOptions& options) {
   if (Result<void> ok = synthesize_take(synthesize); !ok) return forward(ok);
   stage_done("synthesize");
 
-  ProcessOptions process{.take = synthesize.out, .key = "chroma", .hull = {}, .progress = options.progress};
+  const ProcessOptions process{.take = synthesize.out, .matte = "chroma", .progress = options.progress};
   Result<ProcessReport> processed = process_take(process);
   if (!processed) return forward(processed);
   if (!processed->meshes.failures.empty())

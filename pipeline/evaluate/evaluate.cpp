@@ -65,9 +65,9 @@ Result<Instant> load_instant(capture::TakeReader& take, int frame) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
   if (std::all_of(mattes->begin(), mattes->end(), [](const Matte& m) { return m.empty(); }))
-    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", take.layout().folder().string(),
-                                          " has no mattes yet; run `floatstage process ",
-                                          take.layout().folder().string(), " --key …`"));
+    return fail(ErrorCode::NotFound,
+                text("frame ", frame, " of ", take.layout().folder().string(),
+                     " has no mattes yet; run `floatstage process ", take.layout().folder().string(), "`"));
   return Instant{std::move(*images), std::move(*mattes)};
 }
 

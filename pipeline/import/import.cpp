@@ -7,7 +7,6 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "pipeline/import/matte_files.h"
-#include "pipeline/keying.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
@@ -284,8 +283,6 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
       if (Result<void> ok = (*writer)->write(gap); !ok) return ok;
     }
   }
-  if (mattes)
-    if (Result<void> ok = save_keying({"imported", {}}, TakeLayout(folder), rig); !ok) return ok;
   return (*writer)->finish();
 }
 

@@ -76,6 +76,16 @@ std::vector<bool> frames_chosen_otherwise(const CameraEdits& before, const Camer
   return out;
 }
 
+std::vector<bool> frames_made_otherwise(const std::string& method, const std::string& key,
+                                        const CameraEdits& before, const CameraEdits& after, int frames) {
+  // What was cut out from strokes as a whole, other strokes cut out as a whole.
+  if (key == "cut" && !same_strokes(before, after))
+    return std::vector<bool>(static_cast<std::size_t>(frames), true);
+  if (method == "spectral") return frames_between_keyframes(before, after, frames);
+  return method == "consistent" ? edited_frames(before, after, frames)
+                                : frames_chosen_otherwise(before, after, frames);
+}
+
 std::vector<bool> downstream_of(std::vector<bool> frames, const CameraEdits& edits) {
   const Strokes strokes = strokes_of(edits);
   if (strokes.empty() || frames.empty()) return frames;

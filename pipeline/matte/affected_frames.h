@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/matte_edits.h"
@@ -21,6 +22,11 @@ std::vector<bool> frames_between_keyframes(const CameraEdits& before, const Came
 /// another neighbour. All when somebody begins or ceases to choose. What follows from such a frame is
 /// `downstream_of`.
 std::vector<bool> frames_chosen_otherwise(const CameraEdits& before, const CameraEdits& after, int frames);
+
+/// For each frame, whether mattes that were made by `method` from `key` (as in CameraRecord) are made
+/// otherwise with other edits, but for what follows from them.
+std::vector<bool> frames_made_otherwise(const std::string& method, const std::string& key,
+                                        const CameraEdits& before, const CameraEdits& after, int frames);
 
 /// `frames` and all that are made after one of them, going from the first keyframe of `edits` both ways;
 /// `frames` alone where there is no keyframe. A superset of what changes: EditedCamera stops where mattes

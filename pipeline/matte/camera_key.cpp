@@ -1,6 +1,7 @@
 #include "pipeline/matte/camera_key.h"
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "matting/video/segment_clip.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/keying.h"
+#include "pipeline/matte/matte_how.h"
 #include "pipeline/matte/take_clip.h"
 
 namespace floatstage::pipeline {
@@ -28,6 +30,7 @@ matting::CleanupOptions clean_up_for(const Image& picture, bool shot) {
           .smallest_island = 0.02,
           .smallest_hole = shot ? 0.02 : 0.4};
 }
+constexpr int kPhotographs = 48;
 constexpr int kLessons = 3;  // how often a plate is learnt again without what the last one keys
 constexpr double kStillShare =
     0.55;                    // of the pixels must show one thing most of the time, or the camera moved
@@ -100,6 +103,33 @@ Result<bool> mostly_backdrop(capture::TakeReader& take, int camera, const Camera
   return true;
 }
 
+// K of "plate:K".
+Result<std::optional<double>> parameter_of(const std::string& how) {
+  std::optional<double> k;
+  if (how.find(':') == std::string::npos) return k;
+  const std::string digits = how.substr(how.find(':') + 1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0))
+    return fail(ErrorCode::InvalidArgument,
+                text("'", how, "': K is a number of standard deviations, as in plate:6"));
+  k = value;
+  return k;
+}
+
+// Somebody's matte of a photograph.
+Result<Image> matte_in(const fs::path& file, const Frame& photograph) {
+  Result<Image> picture = load_png(file);
+  if (!picture) return forward(picture);
+  Result<Image> matte = matte_from_picture(*picture);
+  if (!matte) return fail(matte.error().code, text(file.string(), " ", matte.error().message));
+  if (matte->width != photograph.layout.width || matte->height != photograph.layout.height)
+    return fail(ErrorCode::BadData,
+                text(file.string(), " is ", matte->width, "x", matte->height, " but the photograph is ",
+                     photograph.layout.width, "x", photograph.layout.height));
+  return matte;
+}
+
 }  // namespace
 
 // Small mattes by frame, made by whoever asks first while the others wait.
@@ -125,25 +155,27 @@ Result<CameraKey> CameraKey::guided(const capture::TakeReader& take, int camera,
   CameraKey key;
   key.kind_ = Kind::Guide;
   key.spec_ = "guide";
-  key.serial_ = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
-  key.guide_ = guide;
-  if (!fs::is_directory(guide / key.serial_))
+  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
+  key.guide_ = guide / serial;
+  if (!fs::is_directory(key.guide_))
     return fail(ErrorCode::NotFound,
-                text(guide.string(), " has no folder '", key.serial_, "' with mattes of that camera"));
+                text(guide.string(), " has no folder '", serial, "' with mattes of that camera"));
   return key;
 }
 
-Result<CameraKey> CameraKey::chroma(capture::TakeReader& take, int camera) {
-  Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, camera, "chroma");
+Result<CameraKey> CameraKey::keyed(capture::TakeReader& take, int camera, const std::string& spec) {
+  Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, camera, spec);
   if (!keyer) return forward(keyer);
   CameraKey key;
-  key.kind_ = Kind::Chroma;
+  key.kind_ = Kind::Keyer;
   key.spec_ = (*keyer)->spec();
   key.keyer_ = std::move(*keyer);
   return key;
 }
 
-Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int photographs) {
+Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, std::optional<double> deviations) {
+  matting::PlateKeyOptions options = kBeforeClutter;
+  if (deviations) options.sigmas = *deviations;
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   Result<std::vector<Image>> plates = plates_of(take, camera);
   if (!plates) return forward(plates);
@@ -151,7 +183,7 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int ph
   if (!plates->empty()) {
     plate = matting::learn_plate(*plates);
   } else {
-    Result<std::vector<Image>> seen = photographs_of(take, camera, photographs);
+    Result<std::vector<Image>> seen = photographs_of(take, camera, kPhotographs);
     if (!seen) return forward(seen);
     plate = matting::learn_plate(*seen);
     if (plate) {
@@ -166,7 +198,7 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int ph
       // What a plate takes for subject is left out of the next.
       for (int lesson = 0; lesson < kLessons && plate; ++lesson) {
         Result<std::unique_ptr<matting::Keyer>> last =
-            matting::make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, false));
+            matting::make_plate_keyer(*plate, options, clean_up_for(plate->color, false));
         if (!last) return forward(last);
         std::vector<Image> subjects;
         for (const Image& photograph : *seen) {
@@ -180,7 +212,7 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, int ph
   }
   if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
   Result<std::unique_ptr<matting::Keyer>> keyer =
-      matting::make_plate_keyer(*plate, kBeforeClutter, clean_up_for(plate->color, !plates->empty()));
+      matting::make_plate_keyer(*plate, options, clean_up_for(plate->color, !plates->empty()));
   if (!keyer) return forward(keyer);
   CameraKey key;
   key.kind_ = Kind::Plate;
@@ -217,7 +249,7 @@ Result<CameraKey> CameraKey::cut(capture::TakeReader& take, int camera, const Ca
 Result<CameraKey> CameraKey::best(capture::TakeReader& take, int camera, const fs::path& guide,
                                   const CameraEdits& edits, const std::function<bool()>& go_on) {
   if (!guide.empty()) return guided(take, camera, guide);
-  Result<CameraKey> by_chroma = chroma(take, camera);
+  Result<CameraKey> by_chroma = keyed(take, camera, "chroma");
   if (!by_chroma && by_chroma.error().code != ErrorCode::NotFound) return by_chroma;
   Result<bool> studio = by_chroma ? mostly_backdrop(take, camera, *by_chroma) : false;
   if (!studio) return forward(studio);
@@ -230,17 +262,32 @@ Result<CameraKey> CameraKey::best(capture::TakeReader& take, int camera, const f
   return key;
 }
 
-Result<CameraKey> CameraKey::for_method(capture::TakeReader& take, int camera, const std::string& method,
-                                        const fs::path& guide, const CameraEdits& edits,
-                                        const std::function<bool()>& go_on) {
-  if (method == "chroma") return chroma(take, camera);
-  if (method == "plate") return plate(take, camera);
+Result<CameraKey> CameraKey::for_how(capture::TakeReader& take, int camera, const std::string& how,
+                                     const fs::path& guide, const CameraEdits& edits,
+                                     const std::function<bool()>& go_on) {
+  Result<CameraKey> key = without_given(take, camera, how, guide, edits, go_on);
+  const fs::path given =
+      take.layout().given_mattes(take.rig().cameras[static_cast<std::size_t>(camera)].serial);
+  if (key && fs::is_directory(given)) key->given_ = given;
+  return key;
+}
+
+Result<CameraKey> CameraKey::without_given(capture::TakeReader& take, int camera, const std::string& how,
+                                           const fs::path& guide, const CameraEdits& edits,
+                                           const std::function<bool()>& go_on) {
+  if (how == "given") return guided(take, camera, guide.empty() ? take.layout().given_mattes("") : guide);
+  if (method_name(how) == "plate") {
+    const Result<std::optional<double>> deviations = parameter_of(how);
+    if (!deviations) return forward(deviations);
+    return plate(take, camera, *deviations);
+  }
+  if (is_keyer(how)) return keyed(take, camera, how);
   Result<CameraKey> key = best(take, camera, guide, edits, go_on);
   // Spectral matting needs no key, and is what is left to auto where there is none.
   const bool optional =
       guide.empty() && !key &&
-      ((method == "spectral" && key.error().code == ErrorCode::NotFound) ||
-       ((method == "spectral" || method == "auto") && key.error().code == ErrorCode::Unsupported));
+      ((how == "spectral" && key.error().code == ErrorCode::NotFound) ||
+       ((how == "spectral" || how == "auto") && key.error().code == ErrorCode::Unsupported));
   if (optional) {
     key = none();
     key->uses_strokes_ = true;
@@ -255,6 +302,8 @@ Result<void> CameraKey::ready() const {
 }
 
 Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
+  const fs::path name = TakeLayout("").matte("", frame).filename();
+  if (!given_.empty() && fs::exists(given_ / name)) return matte_in(given_ / name, photograph);
   if (kind_ == Kind::None) return Image();
   if (kind_ == Kind::Cut) {
     Result<Image> rgb = to_rgb(photograph);
@@ -268,17 +317,8 @@ Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
     if (!matte) return forward(matte);
     return to_image(*matte);
   }
-  const fs::path file = guide_ / serial_ / TakeLayout("").matte(serial_, frame).filename();
-  if (!fs::exists(file)) return Image();
-  Result<Image> picture = load_png(file);
-  if (!picture) return forward(picture);
-  Result<Image> matte = matte_from_picture(*picture);
-  if (!matte) return fail(matte.error().code, text(file.string(), " ", matte.error().message));
-  if (matte->width != photograph.layout.width || matte->height != photograph.layout.height)
-    return fail(ErrorCode::BadData,
-                text(file.string(), " is ", matte->width, "x", matte->height, " but the photograph is ",
-                     photograph.layout.width, "x", photograph.layout.height));
-  return matte;
+  if (!fs::exists(guide_ / name)) return Image();
+  return matte_in(guide_ / name, photograph);
 }
 
 }  // namespace floatstage::pipeline

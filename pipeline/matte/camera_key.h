@@ -16,23 +16,27 @@
 
 namespace floatstage::pipeline {
 
-/// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a chroma
-/// key, a plate, or what was cut out from a person's clicks.
+/// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a keyer,
+/// a plate, or what was cut out from a person's clicks. Where mattes/given/ has a matte of the photograph,
+/// that one says it, whatever the key.
 class CameraKey {
  public:
-  enum class Kind { None, Guide, Chroma, Plate, Cut };
+  enum class Kind { None, Guide, Keyer, Plate, Cut };
 
   /// Says nothing about any photograph: for methods that can do with what a person says.
   static CameraKey none();
   /// Another program's mattes as PNG: <guide>/<serial>/<frame>.png. NotFound when the camera has none.
   static Result<CameraKey> guided(const capture::TakeReader& take, int camera,
                                   const std::filesystem::path& guide);
-  /// NotFound when neither plate nor photographs show green or blue cloth at their borders.
-  static Result<CameraKey> chroma(capture::TakeReader& take, int camera);
+  /// By a keyer's word: "chroma", "luminance:30". NotFound when neither plate nor photographs show green or
+  /// blue cloth at their borders to "chroma"; InvalidArgument for a parameter that cannot be.
+  static Result<CameraKey> keyed(capture::TakeReader& take, int camera, const std::string& spec);
   /// From plates/<serial>.png and plates/<serial>/*.png where they were shot, else found behind the
   /// performance in `photographs` of its pictures, and learnt again without what the first plate keys.
-  /// Unsupported when the pictures agree nowhere (the camera moved).
-  static Result<CameraKey> plate(capture::TakeReader& take, int camera, int photographs = 48);
+  /// Unsupported when the pictures agree nowhere (the camera moved). `deviations` of a pixel's noise tell the
+  /// subject; absent: the keyer's own number.
+  static Result<CameraKey> plate(capture::TakeReader& take, int camera,
+                                 std::optional<double> deviations = std::nullopt);
   /// Followed from the clicks in `edits` through a cluttered place (matting/video/segment_clip.h), as a
   /// whole, by ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop
   /// that (Cancelled) and must live as long.
@@ -44,10 +48,11 @@ class CameraKey {
   static Result<CameraKey> best(capture::TakeReader& take, int camera, const std::filesystem::path& guide,
                                 const CameraEdits& edits, const std::function<bool()>& go_on);
 
-  /// The key that a method of `matte` starts from; none where spectral matting has to do without.
-  static Result<CameraKey> for_method(capture::TakeReader& take, int camera, const std::string& method,
-                                      const std::filesystem::path& guide, const CameraEdits& edits,
-                                      const std::function<bool()>& go_on);
+  /// The key that a way to mattes starts from (one of matte_methods(), but for "consistent"); none where
+  /// spectral matting has to do without. "given" starts from the guide, or from mattes/given/.
+  static Result<CameraKey> for_how(capture::TakeReader& take, int camera, const std::string& how,
+                                   const std::filesystem::path& guide, const CameraEdits& edits,
+                                   const std::function<bool()>& go_on);
 
   Kind kind() const { return kind_; }
   /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide", "cut", "none".
@@ -65,10 +70,14 @@ class CameraKey {
   Result<Image> key(const Frame& photograph, int frame) const;
 
  private:
+  static Result<CameraKey> without_given(capture::TakeReader& take, int camera, const std::string& how,
+                                         const std::filesystem::path& guide, const CameraEdits& edits,
+                                         const std::function<bool()>& go_on);
   Kind kind_ = Kind::None;
   bool uses_strokes_ = false;
-  std::string spec_, serial_;
-  std::filesystem::path guide_;
+  std::string spec_;
+  std::filesystem::path guide_;  // a folder with <frame>.png
+  std::filesystem::path given_;  // likewise, or nothing
   std::shared_ptr<const matting::Keyer> keyer_;
   std::shared_ptr<const matting::Plate> plate_;
   struct Cut;

@@ -1,17 +1,13 @@
 #include "pipeline/matte/consistent_take.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "core/parallel.h"
-#include "core/png.h"
 #include "core/text.h"
 #include "matting/view_cut.h"
 
 namespace floatstage::pipeline {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr int kFewInstants = 8;  // below, a clip does not show what stands still
 constexpr int kLessons = 16;
@@ -50,8 +46,8 @@ Image said_of(const CameraEdits& edits, int frame, const CameraModel& model) {
 class Maker {
  public:
   Maker(capture::TakeReader& take, const MatteEdits& edits, const ConsistentTakeOptions& options,
-        ConsistentMatting matting)
-      : take_(take), edits_(edits), options_(options), matting_(std::move(matting)) {
+        ConsistentMatting matting, MatteStore& store)
+      : take_(take), edits_(edits), options_(options), matting_(std::move(matting)), store_(store) {
     report_.cameras.resize(options.cameras.size());
   }
 
@@ -71,11 +67,9 @@ class Maker {
   }
 
   Result<void> make(int frame) {
-    bool missing = false;
-    for (std::size_t i = 0; i < options_.cameras.size(); ++i)
-      missing = missing || !fs::exists(file(i, frame));
-    if (!missing) {
-      for (ConsistentTakeReport::Camera& c : report_.cameras) ++c.kept;
+    const bool any = std::any_of(options_.cameras.begin(), options_.cameras.end(),
+                                 [&](const ConsistentTakeOptions::Camera& c) { return asked(c, frame); });
+    if (!any) {
       matting_.forget();
       warm_ = false;
       return {};
@@ -85,17 +79,15 @@ class Maker {
     report_.distrusted += !made->trusted;
     for (const std::string& r : made->remarks) report_.remarks.push_back(text("frame ", frame, ": ", r));
     for (std::size_t i = 0; i < options_.cameras.size(); ++i) {
-      const auto camera = static_cast<std::size_t>(options_.cameras[i]);
+      if (!asked(options_.cameras[i], frame)) continue;
+      const auto camera = static_cast<std::size_t>(options_.cameras[i].index);
       ConsistentTakeReport::Camera& c = report_.cameras[i];
-      if (fs::exists(file(i, frame))) {
-        ++c.kept;
-        continue;
-      }
       if (made->mattes[camera].empty()) {
         ++c.gaps;
         continue;
       }
-      if (Result<void> ok = save_png(made->mattes[camera], file(i, frame)); !ok) return ok;
+      const Result<bool> ok = store_.put(take_.rig().cameras[camera].serial, frame, made->mattes[camera]);
+      if (!ok) return forward(ok);
       add(made->views[camera], c);
     }
     return {};
@@ -114,9 +106,8 @@ class Maker {
   }
 
  private:
-  fs::path file(std::size_t i, int frame) const {
-    const auto camera = static_cast<std::size_t>(options_.cameras[i]);
-    return take_.layout().matte(take_.rig().cameras[camera].serial, frame);
+  static bool asked(const ConsistentTakeOptions::Camera& camera, int frame) {
+    return camera.todo[static_cast<std::size_t>(frame)];
   }
 
   static void add(const ConsistentView& view, ConsistentTakeReport::Camera& c) {
@@ -160,6 +151,7 @@ class Maker {
   const MatteEdits& edits_;
   const ConsistentTakeOptions& options_;
   ConsistentMatting matting_;
+  MatteStore& store_;
   ConsistentTakeReport report_;
   bool warm_ = false;
 };
@@ -167,10 +159,10 @@ class Maker {
 }  // namespace
 
 Result<ConsistentTakeReport> consistent_take(capture::TakeReader& take, const MatteEdits& edits,
-                                             const ConsistentTakeOptions& options) {
+                                             const ConsistentTakeOptions& options, MatteStore& store) {
   Result<ConsistentMatting> matting = ConsistentMatting::create(take.rig(), options.matting);
   if (!matting) return forward(matting);
-  Maker maker(take, edits, options, std::move(*matting));
+  Maker maker(take, edits, options, std::move(*matting), store);
   if (Result<void> ok = maker.prepare(); !ok) return forward(ok);
   ProgressPart progress(options.progress, "mattes", static_cast<std::size_t>(take.frame_count()));
   for (int frame = 0; frame < take.frame_count(); ++frame) {

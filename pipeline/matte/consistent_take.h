@@ -7,19 +7,24 @@
 #include "core/matte_edits.h"
 #include "core/result.h"
 #include "pipeline/matte/consistent.h"
+#include "pipeline/matte/matte_store.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
 
 struct ConsistentTakeOptions {
   ConsistentOptions matting;
-  std::vector<int> cameras = {};  ///< whose mattes are written; all cameras are looked at in any case
-  Progress* progress = nullptr;   ///< null: unwatched
+  struct Camera {
+    int index = 0;           ///< in the rig
+    std::vector<bool> todo;  ///< frames whose matte is written, whatever lies there
+  };
+  std::vector<Camera> cameras = {};  ///< whose mattes are written; all are looked at in any case
+  Progress* progress = nullptr;      ///< null: unwatched
 };
 
 struct ConsistentTakeReport {
   struct Camera {
-    int made = 0, kept = 0, gaps = 0;
+    int made = 0, gaps = 0;
     /// Means over the instants that were made: see ConsistentView.
     ConsistentView mean;
   };
@@ -28,13 +33,13 @@ struct ConsistentTakeReport {
   int distrusted = 0;                ///< instants whose mattes are probably wrong
 };
 
-/// Makes what is missing of a take's mattes by ConsistentMatting, instant after instant, each beginning where
-/// the last one ended; one that cannot be trusted is tried again as if it were the first. A run that goes on
-/// after an interruption begins anew at the first instant with a matte missing, so that its mattes may differ
-/// there by a few pixels. Where the take has eight instants or more, each camera's backdrop is learnt from
-/// up to sixteen of them. Strokes and masks of `edits` are certain, strokes in their own frame only.
-/// Errors: those of ConsistentMatting and of reading and writing; Cancelled.
+/// Makes mattes of a take by ConsistentMatting and puts them into `store`, instant after instant, each
+/// beginning where the last one ended; one that cannot be trusted is tried again as if it were the first. A
+/// run that goes on after an interruption, or that makes some instants only, begins anew at the first of
+/// them, so that its mattes may differ there by a few pixels. Where the take has eight instants or more, each
+/// camera's backdrop is learnt from up to sixteen of them. Strokes and masks of `edits` are certain, strokes
+/// in their own frame only. Errors: those of ConsistentMatting and of reading and writing; Cancelled.
 Result<ConsistentTakeReport> consistent_take(capture::TakeReader& take, const MatteEdits& edits,
-                                             const ConsistentTakeOptions& options);
+                                             const ConsistentTakeOptions& options, MatteStore& store);
 
 }  // namespace floatstage::pipeline

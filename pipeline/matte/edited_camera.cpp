@@ -5,14 +5,16 @@
 
 #include <unistd.h>
 
+#include "capture/sha256.h"
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/derived_files.h"
-#include "pipeline/keying.h"
 #include "pipeline/matte/affected_frames.h"
-#include "pipeline/matte/matte_take.h"
+#include "pipeline/matte/consistent_take.h"
+#include "pipeline/matte/matte_how.h"
+#include "pipeline/matte/matte_job.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -27,6 +29,29 @@ bool recorded(const capture::TakeReader& take, int camera, int frame) {
   return static_cast<std::size_t>(frame) < rows.size() && rows[static_cast<std::size_t>(frame)].media_index;
 }
 
+// For jobs that are watched otherwise.
+class WatchProgress final : public Progress {
+ public:
+  explicit WatchProgress(const RemakeWatch& watch) : watch_(watch) {}
+  void begin(const std::string& what, std::size_t total) override {
+    const std::lock_guard lock(mutex_);
+    what_ = what, all_ = static_cast<int>(total), done_ = 0;
+    watch_.progress(what_, done_, all_);
+  }
+  void advance(std::size_t items) override {
+    const std::lock_guard lock(mutex_);
+    watch_.progress(what_, done_ += static_cast<int>(items), all_);
+  }
+  void end() override {}
+  bool cancelled() const override { return watch_.stopped(); }
+
+ private:
+  const RemakeWatch& watch_;
+  std::mutex mutex_;
+  std::string what_;
+  int all_ = 0, done_ = 0;
+};
+
 // Removed when it goes out of scope: components that are only to be looked at are not kept in the take.
 struct ScratchFolder {
   fs::path path;
@@ -38,8 +63,9 @@ struct ScratchFolder {
 
 }  // namespace
 
-EditedCamera::EditedCamera(std::unique_ptr<capture::TakeReader> take, int camera, EditedCameraOptions options)
-    : take_(std::move(take)), camera_(camera), options_(std::move(options)) {}
+EditedCamera::EditedCamera(std::unique_ptr<capture::TakeReader> take, std::unique_ptr<MatteStore> store,
+                           int camera, EditedCameraOptions options)
+    : take_(std::move(take)), store_(std::move(store)), camera_(camera), options_(std::move(options)) {}
 
 Result<std::unique_ptr<EditedCamera>> EditedCamera::open(const EditedCameraOptions& options) {
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
@@ -48,78 +74,124 @@ Result<std::unique_ptr<EditedCamera>> EditedCamera::open(const EditedCameraOptio
   if (camera < 0)
     return fail(ErrorCode::InvalidArgument,
                 text(options.take.string(), " has no camera '", options.serial, "'"));
-  const std::vector<MatteMethod>& methods = matte_methods();
-  if (!options.method.empty() && std::none_of(methods.begin(), methods.end(),
-                                              [&](const MatteMethod& m) { return m.name == options.method; }))
-    return fail(ErrorCode::InvalidArgument,
-                text("no method is called '", options.method, "'; see `floatstage matte --help`"));
-  Result<std::map<std::string, CameraRecord>> records = load_matting((*take)->layout());
-  if (!records) return forward(records);
+  if (!options.how.empty())
+    if (Result<void> ok = check_matte_how(options.how); !ok) return forward(ok);
+  Result<std::unique_ptr<MatteStore>> store = MatteStore::open((*take)->layout());
+  if (!store) return forward(store);
   Result<MatteEdits> edits = load_matte_edits((*take)->layout().edits());
   if (!edits) return forward(edits);
-  std::unique_ptr<EditedCamera> edited(new EditedCamera(std::move(*take), camera, options));
+  std::unique_ptr<EditedCamera> edited(
+      new EditedCamera(std::move(*take), std::move(*store), camera, options));
   edited->on_disk_ = edits->cameras[options.serial];
-  const auto found = records->find(options.serial);
-  edited->by_matte_ = found != records->end();
-  if (edited->by_matte_) edited->record_ = found->second;
-  CameraRecord& record = edited->record_;
-  const std::string method = !options.method.empty() ? options.method
-                             : edited->by_matte_     ? record.method
-                                                     : "auto";
-  const std::string guide = options.method.empty() ? record.guide : options.guide.string();
-  const bool same = edited->by_matte_ && record.method == method && record.guide == guide;
-  if (same && record.edits == fingerprint(edited->on_disk_)) edited->made_for_ = edited->on_disk_;
-  if (!same) record = {method, "", "", guide, ""};
+  if (Result<void> ok = edited->settle(); !ok) return forward(ok);
   return edited;
+}
+
+// Which way the mattes go, and for which edits those that are there were made.
+Result<void> EditedCamera::settle() {
+  const CameraRecord* before = store_->find(options_.serial);
+  how_ = !options_.how.empty() ? options_.how : before ? before->how : "";
+  if (how_.empty()) {
+    Result<std::string> usual = usual_way(*take_, *store_);
+    if (!usual) return forward(usual);
+    how_ = std::move(*usual);
+  }
+  const std::string guide =
+      !options_.how.empty()
+          ? options_.guide.empty() ? "" : fs::absolute(options_.guide).lexically_normal().string()
+      : before ? before->guide
+               : "";
+  Result<std::string> inputs = hash_of_inputs(*take_, options_.serial, guide);
+  if (!inputs) return forward(inputs);
+  const bool same = before && before->how == how_ && before->guide == guide && before->inputs == *inputs;
+  if (same) {
+    made_for_ = before->edits;
+    return {};
+  }
+  // What somebody put into the take is what nobody has edited yet.
+  if (!before && how_ == "given") made_for_ = CameraEdits();
+  CameraRecord& mine = record();
+  mine.how = how_, mine.guide = guide, mine.inputs = std::move(*inputs);
+  mine.method.clear(), mine.key.clear();
+  return {};
 }
 
 std::vector<bool> EditedCamera::changed_since(const CameraEdits& edits) const {
   const int count = take_->frame_count();
   if (!made_for_) return std::vector<bool>(static_cast<std::size_t>(count), true);
-  // What was cut out from strokes as a whole, other strokes cut out as a whole.
-  if (record_.key == "cut" && !same_strokes(*made_for_, edits))
-    return std::vector<bool>(static_cast<std::size_t>(count), true);
-  std::vector<bool> out = record_.chosen == "spectral" ? frames_between_keyframes(*made_for_, edits, count)
-                                                       : frames_chosen_otherwise(*made_for_, edits, count);
+  const CameraRecord& mine = record();
+  std::vector<bool> out = frames_made_otherwise(mine.method, mine.key, *made_for_, edits, count);
   for (int f = 0; f < count; ++f)
-    if (record_.stale.contains(f) || (recorded(*take_, camera_, f) && !fs::exists(file(f))))
+    if (mine.stale.contains(f) || (how_ != "given" && recorded(*take_, camera_, f) && !fs::exists(file(f))))
       out[static_cast<std::size_t>(f)] = true;
   return out;
 }
 
 std::vector<bool> EditedCamera::stale(const CameraEdits& edits) const {
-  return record_.chosen == "spectral" ? changed_since(edits) : downstream_of(changed_since(edits), edits);
+  const std::string& method = record().method;
+  std::vector<bool> changed = changed_since(edits);
+  return method == "spectral" || method == "consistent" ? changed : downstream_of(std::move(changed), edits);
 }
 
 Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch& watch) {
+  CameraRecord& mine = record();
+  if (how_ == "consistent") {
+    mine.method = mine.key = how_;
+    return {};
+  }
   if (key_ && key_->uses_strokes() && !same_strokes(key_edits_, edits))
     key_.reset(), spectral_.reset(), prepared_ = false;
   if (!key_) {
     watch.progress("key", 0, 1);
-    Result<CameraKey> key = CameraKey::for_method(*take_, camera_, record_.method, record_.guide, edits,
-                                                  [&] { return !watch.stopped(); });
+    Result<CameraKey> key =
+        CameraKey::for_how(*take_, camera_, how_, mine.guide, edits, [&] { return !watch.stopped(); });
     if (!key) return forward(key);
     if (Result<void> ok = key->ready(); !ok) return ok;
     key_.emplace(std::move(*key));
     key_edits_ = edits;
     const bool other = key_->kind() == CameraKey::Kind::Cut && made_for_ && !same_strokes(*made_for_, edits);
-    if (other) made_for_.reset(), record_.chosen.clear();
-    if (record_.key != key_->spec())
-      made_for_.reset(), record_.chosen.clear();  // a plate was shot since, or there were no mattes
-    record_.key = key_->spec();
+    if (other) made_for_.reset(), mine.method.clear();
+    if (mine.key != key_->spec())
+      made_for_.reset(), mine.method.clear();  // a plate was shot since, or there were no mattes
+    mine.key = key_->spec();
   }
-  if (!record_.chosen.empty()) return {};
-  Result<std::string> chosen = CameraMatting(*take_, camera_, *key_, {}, record_.method).chosen_method();
+  if (!mine.method.empty()) return {};
+  Result<std::string> chosen = CameraMatting(*take_, camera_, *key_, {}, how_).chosen_method();
   if (!chosen) return forward(chosen);
-  record_.chosen = std::move(*chosen);
+  mine.method = std::move(*chosen);
   return {};
 }
 
-Result<void> EditedCamera::save_record() {
-  Result<std::map<std::string, CameraRecord>> all = load_matting(take_->layout());
-  if (!all) return forward(all);
-  (*all)[options_.serial] = record_;
-  return save_matting(*all, take_->layout());
+// What somebody put there becomes ours to change: the originals are kept, and say from now on what is
+// subject.
+Result<bool> EditedCamera::adopt(const std::vector<bool>& wanted) {
+  const Result<std::vector<MatteOrigin>> origins = store_->origins(options_.serial, take_->frame_count());
+  if (!origins) return forward(origins);
+  int concerned = 0;
+  for (std::size_t f = 0; f < wanted.size(); ++f)
+    concerned += wanted[f] && (*origins)[f] == MatteOrigin::Others;
+  if (concerned == 0) return false;
+  if (!options_.replace)
+    return fail(ErrorCode::AlreadyExists,
+                text(concerned, " mattes of camera '", options_.serial,
+                     "' that this edit concerns were not made by Floatstage, so they are not changed"));
+  const fs::path given = take_->layout().given_mattes(options_.serial);
+  if (Result<void> ok = make_folder(given); !ok) return forward(ok);
+  CameraRecord& mine = record();
+  for (std::size_t f = 0; f < origins->size(); ++f) {
+    if ((*origins)[f] != MatteOrigin::Others) continue;
+    const int frame = static_cast<int>(f);
+    const Result<std::string> bytes = read_file(file(frame));
+    if (!bytes) return forward(bytes);
+    if (Result<void> ok = write_file(given / file(frame).filename(), *bytes); !ok) return forward(ok);
+    mine.files[frame] = capture::sha256(*bytes);
+  }
+  Result<std::string> inputs = hash_of_inputs(*take_, options_.serial, mine.guide);
+  if (!inputs) return forward(inputs);
+  mine.inputs = std::move(*inputs);
+  if (how_ == "given" && mine.key.empty()) mine.key = "guide", mine.method = "key";
+  key_.reset(), spectral_.reset(), prepared_ = false;
+  return true;
 }
 
 // From here on the record speaks of these edits, and of the mattes that are not theirs yet.
@@ -127,59 +199,73 @@ Result<void> EditedCamera::begin(const CameraEdits& edits, const std::vector<boo
   const fs::path folder = take_->layout().mattes() / options_.serial;
   if (Result<void> ok = make_folder(folder); !ok) return ok;
   sweep_temporaries(folder);
-  record_.edits = fingerprint(edits);
-  record_.stale.clear();
+  CameraRecord& mine = record();
+  mine.edits = edits;
+  mine.stale.clear();
   for (std::size_t f = 0; f < stale.size(); ++f)
-    if (stale[f] && fs::exists(file(static_cast<int>(f)))) record_.stale.insert(static_cast<int>(f));
-  if (Result<void> ok = save_record(); !ok) return ok;
+    if (stale[f] && fs::exists(file(static_cast<int>(f)))) mine.stale.insert(static_cast<int>(f));
+  if (Result<void> ok = store_->save({options_.serial}); !ok) return ok;
   made_for_ = edits;
-  by_matte_ = true;
-  const Result<std::optional<KeyingRecord>> keying = load_keying(take_->layout(), take_->rig());
-  if (!keying) return forward(keying);
-  return *keying ? Result<void>()
-                 : save_keying({"matte:" + record_.method, {}}, take_->layout(), take_->rig());
+  return {};
 }
 
 Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const RemakeWatch& watch) {
   failures_.clear();
-  std::error_code none;
-  const fs::path folder = take_->layout().mattes() / options_.serial;
-  if (!by_matte_ && !options_.replace && fs::exists(folder) && !fs::is_empty(folder, none))
-    return fail(
-        ErrorCode::AlreadyExists,
-        text(folder.string(),
-             " was not made by `matte`, so it is not changed; say --redo to let the editor make it again"));
-  if (Result<void> ok = make_key(edits, watch); !ok) return forward(ok);
-  if (watch.stopped()) return stopped();
+  if (const std::vector<bool> wanted = stale(edits);
+      std::find(wanted.begin(), wanted.end(), true) == wanted.end() && record().edits == edits)
+    return std::vector<int>();
+  Result<bool> adopted = adopt(stale(edits));
+  do {  // another key may concern more, and what was adopted is another key
+    if (!adopted) return forward(adopted);
+    if (Result<void> ok = make_key(edits, watch); !ok) return forward(ok);
+    if (watch.stopped()) return stopped();
+    adopted = adopt(stale(edits));
+  } while (!adopted || *adopted);
   const std::vector<bool> forced = changed_since(edits), wanted = stale(edits);
   if (Result<void> ok = begin(edits, wanted); !ok) return forward(ok);
-  const CameraMatting matting(*take_, camera_, *key_, edits, record_.chosen);
-  Result<std::vector<int>> changed =
-      record_.chosen == "spectral" ? spectral(matting, wanted, watch) : follow(matting, forced, watch);
-  if (changed) record_.stale.clear();
-  if (Result<void> ok = save_record(); !ok) return changed ? Result<std::vector<int>>(forward(ok)) : changed;
+  Result<std::vector<int>> changed = make(edits, forced, wanted, watch);
+  if (changed) record().stale.clear();
+  if (Result<void> ok = store_->save({options_.serial}); !ok)
+    return changed ? Result<std::vector<int>>(forward(ok)) : changed;
   return changed;
+}
+
+Result<std::vector<int>> EditedCamera::make(const CameraEdits& edits, const std::vector<bool>& forced,
+                                            const std::vector<bool>& wanted, const RemakeWatch& watch) {
+  const std::string method = record().method;
+  if (method == "consistent") return consistent(edits, wanted, watch);
+  const CameraMatting matting(*take_, camera_, *key_, edits, method);
+  return method == "spectral" ? spectral(matting, wanted, watch) : follow(matting, forced, watch);
 }
 
 // Puts a matte into its place. Whether another one lies there now.
 Result<bool> EditedCamera::put(int frame, Result<Image> matte) {
-  const fs::path path = file(frame);
-  const bool there = fs::exists(path);
   if (!matte && matte.error().code == ErrorCode::Io) return forward(matte);
   if (!matte)
     failures_.push_back(text("camera '", options_.serial, "', frame ", frame, ": ", matte.error().message));
-  bool changed = there;
-  if (!matte || matte->empty()) {
-    std::error_code error;
-    fs::remove(path, error);
-    if (error) return fail(ErrorCode::Io, text("cannot remove ", path.string(), ": ", error.message()));
-  } else {
-    const Result<Image> old = there ? load_png(path) : Result<Image>(Image());
-    changed = !old || *old != *matte;
-    if (changed)
-      if (Result<void> ok = save_png(*matte, path); !ok) return forward(ok);
-  }
-  record_.stale.erase(frame);
+  if (matte && !matte->empty()) return store_->put(options_.serial, frame, *matte);
+  const bool there = fs::exists(file(frame));
+  if (Result<void> ok = store_->remove(options_.serial, frame); !ok) return forward(ok);
+  return there;
+}
+
+// All cameras are looked at; of this one the mattes are written.
+Result<std::vector<int>> EditedCamera::consistent(const CameraEdits& edits, const std::vector<bool>& stale,
+                                                  const RemakeWatch& watch) {
+  Result<MatteEdits> all = load_matte_edits(take_->layout().edits());
+  if (!all) return forward(all);
+  all->cameras[options_.serial] = edits;
+  const std::map<int, std::string> before = record().files;
+  WatchProgress progress(watch);
+  const Result<ConsistentTakeReport> made = consistent_take(
+      *take_, *all,
+      {.matting = {.threads = options_.threads}, .cameras = {{camera_, stale}}, .progress = &progress},
+      *store_);
+  if (!made) return forward(made);
+  std::vector<int> changed;
+  for (const auto& [frame, hash] : record().files)
+    if (const auto old = before.find(frame); old == before.end() || old->second != hash)
+      changed.push_back(frame), watch.made(frame);
   return changed;
 }
 
@@ -225,7 +311,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
     };
     matting.follow(go_on, [&](int frame, const CameraMatting::Link& previous) -> CameraMatting::Link {
       if (forced[static_cast<std::size_t>(frame)] || previous.changed) return make(frame, previous.matte);
-      record_.stale.erase(frame);
+      record().stale.erase(frame);
       if (wanted[static_cast<std::size_t>(frame)]) watch.progress("mattes", ++done, all);
       if (!any_wanted_beyond(frame) || !fs::exists(file(frame))) return {};
       Result<Image> matte = load_png(file(frame));
@@ -233,7 +319,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
     });
   }
   if (failure) return Unexpected{*failure};
-  if (watch.stopped() && !record_.stale.empty()) return stopped();
+  if (watch.stopped() && !record().stale.empty()) return stopped();
   return watch.stopped() && done < all ? Result<std::vector<int>>(stopped())
                                        : Result<std::vector<int>>(std::move(changed));
 }

@@ -14,7 +14,7 @@
 #include "core/text.h"
 #include "matting/foreground.h"
 #include "pipeline/keying.h"
-#include "pipeline/matte/matting_record.h"
+#include "pipeline/matte_record.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
@@ -82,13 +82,9 @@ Result<int> export_layers(const ExportOptions& options) {
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);
   capture::TakeReader& take = **opened;
-  Result<std::optional<KeyingRecord>> keying = load_keying(take.layout(), take.rig());
-  if (!keying) return forward(keying);
-  const Result<std::map<std::string, CameraRecord>> made = load_matting(take.layout());
+  const Result<MatteRecord> made = load_matte_record(take.layout());
   if (!made) return forward(made);
-  // By which key each camera was matted: keying.json knows of all or of none.
   const auto key_of = [&](std::size_t camera) -> std::string {
-    if (*keying && camera < (*keying)->specs.size()) return (*keying)->specs[camera];
     const auto found = made->find(take.rig().cameras[camera].serial);
     return found == made->end() ? std::string() : found->second.key;
   };
@@ -105,6 +101,7 @@ Result<int> export_layers(const ExportOptions& options) {
       continue;
     if (Result<void> ok = make_folder(options.out / serial); !ok) return forward(ok);
     for (int f = 0; f < take.frame_count(); ++f) {
+      if (!options.frames.empty() && !std::count(options.frames.begin(), options.frames.end(), f)) continue;
       const fs::path matte = take.layout().matte(serial, f);
       if (fs::exists(matte))
         items.push_back({static_cast<int>(c), f, key_of(c), matte,

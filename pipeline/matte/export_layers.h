@@ -14,6 +14,7 @@ struct ExportOptions {
   std::filesystem::path take, out;
   std::string format = "png8";       ///< png8, png16, exr
   std::vector<std::string> cameras;  ///< serials; empty: all
+  std::vector<int> frames = {};      ///< empty: all
   int threads = 0;
   Progress* progress = nullptr;  ///< null: unwatched
 };

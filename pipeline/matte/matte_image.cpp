@@ -56,18 +56,18 @@ bool all_of_one(const Image& trimap) {
 }  // namespace
 
 Result<Image> matte_image(const MatteImageOptions& options) {
-  if (options.method != "auto" && options.method != "chroma" && options.method != "closed-form" &&
-      options.method != "spectral")
-    return fail(ErrorCode::InvalidArgument, text("no method is called '", options.method,
+  if (options.how != "auto" && options.how != "chroma" && options.how != "closed-form" &&
+      options.how != "spectral")
+    return fail(ErrorCode::InvalidArgument, text("no method is called '", options.how,
                                                  "'; there are auto, chroma, closed-form, spectral"));
-  if (options.method == "chroma") return by_chroma(options.picture);
+  if (options.how == "chroma") return by_chroma(options.picture);
   Result<Image> trimap = trimap_of(options);
   if (!trimap) return trimap;
   const bool clicks_alone = !options.clicks.empty() && options.trimap.empty() && options.scribbled.empty();
-  if (options.method == "spectral" || (options.method == "auto" && clicks_alone))
+  if (options.how == "spectral" || (options.how == "auto" && clicks_alone))
     return all_of_one(*trimap) ? trimap : matting::spectral_matte(options.picture, opinion_of(*trimap));
   if (!trimap->empty()) return matting::closed_form_matte(options.picture, *trimap);
-  if (options.method == "closed-form")
+  if (options.how == "closed-form")
     return fail(ErrorCode::InvalidArgument,
                 "closed-form matting of one picture needs --trimap, --scribbles or clicks");
   Result<Image> key = by_chroma(options.picture);

@@ -11,7 +11,7 @@
 namespace floatstage::pipeline {
 
 struct MatteImageOptions {
-  std::string method = "auto";           ///< auto, chroma, closed-form, spectral
+  std::string how = "auto";              ///< auto, chroma, closed-form, spectral
   Image picture;                         ///< RGB
   Image trimap;                          ///< 0, 255, else unknown; empty: none
   Image scribbled;                       ///< the picture with white and black scribbles; empty: none

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/take.h"
 #include "core/result.h"
 #include "pipeline/matte/consistent.h"
 #include "pipeline/matte/hull_agreement.h"
@@ -13,25 +14,26 @@ namespace floatstage::pipeline {
 
 struct MatteTakeOptions {
   std::filesystem::path take;
-  std::string method = "auto";            ///< one of matte_methods()
+  /// One of matte_methods(), a keyer perhaps with its parameter. Absent: as each camera's mattes were made
+  /// before; of a new one as the others, where they agree; "given" where somebody put mattes into the take;
+  /// else "auto".
+  std::optional<std::string> how = {};
   std::filesystem::path guide = {};       ///< others' mattes to start from: <serial>/<frame>.png; empty: none
   std::vector<std::string> cameras = {};  ///< serials; empty: all
+  std::vector<int> frames = {};           ///< empty: all
   int threads = 0;                        ///< 0: one per core
-  bool redo = false;    ///< make the cameras again that were made otherwise (method, guide, edits)
-  int hull_frames = 8;  ///< instants, spread over the take, at which silhouettes are checked; 0: none
+  bool redo = false;                      ///< make again what we made, whatever the way; others' files stay
+  bool check = true;                      ///< flicker, and silhouettes against the others' hull
+  int hull_frames = 8;           ///< instants, spread over the frames, at which silhouettes are checked
   Progress* progress = nullptr;  ///< null: unwatched
 };
 
-struct MatteMethod {
-  std::string name, help;
-};
-const std::vector<MatteMethod>& matte_methods();
-
 struct CameraMattes {
   std::string serial;
-  std::string key;     ///< what first told the subject: "chroma:#2f7a45", "plate:6", "guide"
+  std::string key;     ///< what first told the subject: "chroma:#2f7a45", "plate:6", "guide", "given"
   std::string method;  ///< what auto chose, or what was asked for
-  int made = 0, kept = 0, gaps = 0;
+  int made = 0, kept = 0, gaps = 0;      ///< of the frames asked for
+  int others = 0;                        ///< of unknown origin, among those that were kept
   int keyframes = 0, clicks = 0;         ///< of a person; scribbles count as clicks
   double flicker = 0;                    ///< mean |opacity - that of the frame before| over frames in a row
   std::optional<double> hull_agreement;  ///< mean IoU with the hull of the others
@@ -42,20 +44,28 @@ struct CameraMattes {
 struct MatteReport {
   std::vector<CameraMattes> cameras;
   std::vector<SilhouetteAgreement> worst;  ///< least agreement first
-  std::vector<std::string> remarks;        ///< of `consistent`: what may be wrong, with frames and cameras
+  std::vector<std::string> remarks;        ///< what may be wrong, with frames and cameras
   int distrusted = 0;                      ///< likewise: instants whose mattes are probably wrong
   int made = 0;
   double seconds = 0;            ///< of making mattes, the hull check left out
   double seconds_per_frame = 0;  ///< of wall time, a photograph made in this run; 0 when none was
 };
 
-/// Mattes of a take's cameras, each written to mattes/<serial>/<frame>.png when it is finished. What is there
-/// is kept, so a run that was interrupted goes on. mattes/edits.json is replayed: masks outrank everything, a
-/// click chooses among a key's separate parts, which are then followed from frame to frame, both ways. One
-/// bad photograph does not stop the others. Memory: some photographs a thread, and about 400 MB while a plate
-/// is learnt. Errors, when nothing can go on: those of TakeReader::open(); InvalidArgument for a method or
-/// camera that there is not; AlreadyExists when mattes were made otherwise, without `redo`; NotFound or
-/// Unsupported when a camera has no key; Io (disk full: what was finished stays); Cancelled.
+/// Mattes of a take's cameras, each written to mattes/<serial>/<frame>.png when it is finished, and recorded
+/// in mattes/made.json: the one maker behind `process`, `matte` and, camera by camera, the editor
+/// (edited_camera.h).
+///
+/// What is there is kept, so a run that was interrupted goes on; made again are those of ours whose edits or
+/// inputs (plates, guide) changed, and with `redo` all of ours. A matte of unknown origin is used as it is
+/// and never touched. mattes/edits.json is replayed: masks outrank everything, a click chooses among a key's
+/// separate parts, which are then followed from frame to frame, both ways. One bad photograph does not stop
+/// the others. Memory: some photographs a thread, and about 400 MB while a plate is learnt.
+///
+/// Errors, when nothing can go on: those of TakeReader::open(); InvalidArgument for a way, camera or frame
+/// that there is not; AlreadyExists when ours were made another way, without `redo`; NotFound or Unsupported
+/// when a camera has no key; Io (disk full: what was finished stays); Cancelled.
 Result<MatteReport> matte_take(const MatteTakeOptions& options);
+/// Likewise, in an open take; `options.take` is ignored.
+Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions& options);
 
 }  // namespace floatstage::pipeline

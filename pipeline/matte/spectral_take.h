@@ -40,6 +40,11 @@ class SpectralTake {
   std::vector<MatteKeyframe> said_;  // those with strokes
 };
 
+/// Where the matting components of a camera are kept.
+inline std::filesystem::path spectral_cache(const TakeLayout& layout, const std::string& serial) {
+  return layout.mattes() / "spectral" / serial;
+}
+
 /// The components of one frame alone, where SpectralTake has not prepared it.
 Result<matting::MattingComponents> components_of_frame(capture::TakeReader& take, int camera, int frame,
                                                        const std::filesystem::path& cache);

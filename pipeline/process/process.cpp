@@ -2,20 +2,21 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <mutex>
 
 #include <nlohmann/json.hpp>
 
 #include "capture/take.h"
 #include "core/file.h"
-#include "core/log.h"
 #include "core/mesh_io.h"
 #include "core/parallel.h"
-#include "core/png.h"
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/hull_record.h"
-#include "pipeline/keying.h"
+#include "pipeline/made_files.h"
+#include "pipeline/matte/matte_take.h"
+#include "pipeline/mesh_record.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
 
@@ -33,13 +34,10 @@ class Collector {
     std::lock_guard lock(mutex_);
     ++report_.made;
   }
-  void kept() {
+  void kept(bool others) {
     std::lock_guard lock(mutex_);
     ++report_.kept;
-  }
-  void gap() {
-    std::lock_guard lock(mutex_);
-    ++report_.gaps;
+    report_.others += others;
   }
   void failed(const Error& e, int item) {
     std::lock_guard lock(mutex_);
@@ -67,65 +65,27 @@ class Collector {
   std::vector<std::pair<int, std::string>> failures_;
 };
 
-Result<KeyingRecord> settle_keying(capture::TakeReader& take, const ProcessOptions& options) {
-  Result<std::optional<KeyingRecord>> before = load_keying(take.layout(), take.rig());
-  if (!before) return forward(before);
-  const std::string wanted = options.key.value_or(*before ? (*before)->key : "chroma");
-  if (*before && (*before)->key == wanted) return std::move(**before);
-  if (*before && !options.redo)
-    return fail(ErrorCode::AlreadyExists,
-                text(take.layout().folder().string(), " was keyed with '", (*before)->key, "', not '", wanted,
-                     "'; add --redo to make its mattes and meshes again"));
-  KeyingRecord record{wanted, {}};
-  for (std::size_t i = 0; i < take.rig().cameras.size(); ++i) {
-    Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, static_cast<int>(i), wanted);
-    if (!keyer) return forward(keyer);
-    record.specs.push_back((*keyer)->spec());
+Result<StageReport> make_mattes(capture::TakeReader& take, const ProcessOptions& options,
+                                ProcessReport& report) {
+  const MatteTakeOptions wanted{.take = options.take,
+                                .how = options.matte,
+                                .guide = options.guide,
+                                .cameras = options.cameras,
+                                .frames = options.frames,
+                                .threads = options.threads,
+                                .redo = options.redo,
+                                .check = false,
+                                .progress = options.progress};
+  Result<MatteReport> made = matte_take(take, wanted);
+  if (!made) return forward(made);
+  StageReport stage;
+  for (CameraMattes& camera : made->cameras) {
+    stage.made += camera.made, stage.kept += camera.kept;
+    stage.others += camera.others, stage.gaps += camera.gaps;
+    std::move(camera.failures.begin(), camera.failures.end(), std::back_inserter(stage.failures));
   }
-  if (Result<void> ok = clear_for_redo(take.layout().mattes(), take.layout().edits()); !ok)
-    return forward(ok);
-  if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
-  if (Result<void> ok = make_folder(take.layout().mattes()); !ok) return forward(ok);
-  if (Result<void> ok = save_keying(record, take.layout(), take.rig()); !ok) return forward(ok);
-  return record;
-}
-
-Result<StageReport> make_mattes(capture::TakeReader& take, const KeyingRecord& record,
-                                const ProcessOptions& options) {
-  const std::vector<RigCamera>& cameras = take.rig().cameras;
-  std::vector<std::unique_ptr<matting::Keyer>> keyers;
-  for (std::size_t i = 0; i < record.specs.size(); ++i) {
-    Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, static_cast<int>(i), record.specs[i]);
-    if (!keyer) return forward(keyer);
-    keyers.push_back(std::move(*keyer));
-    if (Result<void> ok = make_folder(take.layout().mattes() / cameras[i].serial); !ok) return forward(ok);
-  }
-  const std::size_t items = static_cast<std::size_t>(take.frame_count()) * cameras.size();
-  Collector collector(options.progress);
-  ProgressPart progress(options.progress, "mattes", items);
-  parallel_for(items, options.threads, [&](std::size_t item) {
-    if (collector.stopped()) return;
-    const int frame = static_cast<int>(item / cameras.size());
-    const std::size_t camera = item % cameras.size();
-    const fs::path file = take.layout().matte(cameras[camera].serial, frame);
-    auto work = [&]() -> Result<void> {
-      if (fs::exists(file) || keyers.empty()) return collector.kept(), Result<void>();
-      Result<Frame> photograph = take.frame(static_cast<int>(camera), frame);
-      if (!photograph) return forward(photograph);
-      if (photograph->empty()) return collector.gap(), Result<void>();  // a gap: this camera does not know
-      Result<Matte> matte = keyers[camera]->key(*photograph);
-      if (!matte) return forward(matte);
-      if (Result<void> ok = save_png(to_image(*matte), file); !ok) return ok;
-      collector.made();
-      return {};
-    };
-    if (Result<void> ok = work(); !ok)
-      collector.failed({ok.error().code, text("camera '", cameras[camera].serial, "', frame ", frame, ": ",
-                                              ok.error().message)},
-                       static_cast<int>(item));
-    progress.advance();
-  });
-  return collector.finish();
+  report.remarks = std::move(made->remarks);
+  return stage;
 }
 
 bool nobody_on_stage(const std::vector<Matte>& mattes) {
@@ -133,39 +93,26 @@ bool nobody_on_stage(const std::vector<Matte>& mattes) {
                      [](const Matte& m) { return m.empty() || coverage(m) == 0; });
 }
 
-// meshes/hull.json: the options, and a line a frame. Written once the stage is done. The answer: the options
-// to go on with.
-Result<recon::HullOptions> settle_hull_options(capture::TakeReader& take, const ProcessOptions& options) {
-  const fs::path file = take.layout().hull_report();
-  Result<std::string> before = read_file(file);
-  if (!before && before.error().code != ErrorCode::NotFound) return forward(before);
-  const json old = before ? json::parse(*before, nullptr, false) : json();
-  const json recorded = old.is_object() ? old.value("options", json()) : json();
+// The options to go on with.
+Result<recon::HullOptions> settle_hull_options(const capture::TakeReader& take, const ProcessOptions& options,
+                                               const MeshRecord& record) {
   recon::HullOptions hull = *hull_options(HullWords());
   if (options.hull) {
     hull = *options.hull;
-  } else if (std::optional<recon::HullOptions> earlier = parse_hull_options(recorded)) {
+  } else if (std::optional<recon::HullOptions> earlier = parse_hull_options(record.options)) {
     hull = *earlier;
   }
-  const json wanted = describe(hull);
-  if (before) {
-    if (recorded == wanted) return hull;
-    if (!options.redo)
-      return fail(
-          ErrorCode::AlreadyExists,
-          text(take.layout().meshes().string(), " was made with other hull options (", recorded.dump(),
-               "); leave the flags out to go on with them, or add --redo to make its meshes again"));
-    if (Result<void> ok = clear_for_redo(take.layout().meshes()); !ok) return forward(ok);
-  }
-  if (Result<void> ok = make_folder(take.layout().meshes()); !ok) return forward(ok);
-  if (Result<void> ok = write_file(file, json{{"options", wanted}}.dump(2) + "\n"); !ok) return forward(ok);
-  return hull;
+  if (record.options.is_null() || record.options == describe(hull) || options.redo) return hull;
+  return fail(
+      ErrorCode::AlreadyExists,
+      text(take.layout().meshes().string(), " was made with other hull options (", record.options.dump(),
+           "); leave the flags out to go on with them, or add --redo to make its meshes again"));
 }
 
+// One frame's mesh and its line in the record.
 struct FrameHull {
-  bool made = false, empty = false;
-  double volume = 0, seconds = 0;
-  std::vector<double> iou;
+  MeshEntry entry;
+  json report;
 };
 
 /// What hulls keep from frame to frame, one set for each worker.
@@ -192,84 +139,122 @@ class HullWorkspaces {
   std::vector<std::unique_ptr<Slot>> free_;
 };
 
-Result<FrameHull> make_mesh(capture::TakeReader& take, int frame, const recon::HullOptions& options,
-                            HullWorkspaces::Slot& slot) {
-  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
-  if (!mattes) return forward(mattes);
-  const fs::path file = take.layout().mesh(frame);
-  FrameHull result{.made = true, .empty = nobody_on_stage(*mattes), .iou = {}};
-  if (result.empty) {
+// The mesh of these mattes, written under `file`.
+Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes, const recon::HullOptions& options,
+                       HullWorkspaces::Slot& slot, const fs::path& file) {
+  json iou = json::object();
+  if (nobody_on_stage(mattes)) {
     if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
-    return result;
+    return json{{"volume", 0}, {"empty", true}, {"silhouette_iou", iou}, {"seconds", 0}};
   }
   recon::HullReport& hull = slot.report;
-  if (Result<void> ok = recon::visual_hull(take.rig(), *mattes, options, slot.workspace, hull); !ok)
+  if (Result<void> ok = recon::visual_hull(rig, mattes, options, slot.workspace, hull); !ok)
     return forward(ok);
   if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
-  result.empty = hull.mesh.empty();
-  result.volume = hull.volume;
-  result.seconds = hull.seconds;
-  result.iou = hull.silhouette_iou;
-  return result;
+  for (std::size_t c = 0; c < hull.silhouette_iou.size(); ++c)
+    iou[rig.cameras[c].serial] = hull.silhouette_iou[c];  // NaN becomes null: this camera had no matte
+  return json{{"volume", hull.volume},
+              {"empty", hull.mesh.empty()},
+              {"silhouette_iou", std::move(iou)},
+              {"seconds", hull.seconds}};
 }
 
-Result<void> save_hull_report(capture::TakeReader& take, const recon::HullOptions& options,
-                              const std::vector<FrameHull>& hulls) {
-  json report = {{"options", describe(options)}, {"frames", json::object()}};
-  if (Result<std::string> before = read_file(take.layout().hull_report())) {
-    const json old = json::parse(*before, nullptr, false);
-    if (old.is_object() && old.contains("frames") && old["frames"].is_object())
-      report["frames"] = old["frames"];
-  }
-  for (std::size_t f = 0; f < hulls.size(); ++f) {
-    if (!hulls[f].made) continue;
-    json iou = json::object();
-    for (std::size_t c = 0; c < hulls[f].iou.size(); ++c)
-      iou[take.rig().cameras[c].serial] = hulls[f].iou[c];  // NaN becomes null: this camera had no matte
-    report["frames"][std::to_string(f)] = {{"volume", hulls[f].volume},
-                                           {"empty", hulls[f].empty},
-                                           {"silhouette_iou", iou},
-                                           {"seconds", hulls[f].seconds}};
-  }
-  return write_file(take.layout().hull_report(), report.dump(2) + "\n");
-}
+// Makes the meshes of a take that are missing or were made from something else.
+class MeshMaker {
+ public:
+  MeshMaker(capture::TakeReader& take, const ProcessOptions& options, const recon::HullOptions& hull,
+            MeshRecord record)
+      : take_(take),
+        options_(options),
+        hull_(hull),
+        inputs_(hash_of_hull_inputs(take.manifest().rig_sha256, hull)),
+        record_(std::move(record)),
+        journal_(take.layout().meshes_journal()),
+        collector_(options.progress) {}
 
-Result<StageReport> make_meshes(capture::TakeReader& take, const ProcessOptions& options) {
-  Result<recon::HullOptions> settled = settle_hull_options(take, options);
-  if (!settled) return forward(settled);
-  const std::size_t frames = static_cast<std::size_t>(take.frame_count());
-  recon::HullOptions each = *settled;
-  each.threads = frames > 1 ? 1 : options.threads;  // over frames when there are several, else inside the one
-  Collector collector(options.progress);
-  std::vector<FrameHull> hulls(frames);
-  HullWorkspaces workspaces;
-  ProgressPart progress(options.progress, "meshes", frames);
-  parallel_for(frames, options.threads, [&](std::size_t frame) {
-    if (collector.stopped()) return;
-    if (fs::exists(take.layout().mesh(static_cast<int>(frame)))) {
-      collector.kept();
-    } else {
-      std::unique_ptr<HullWorkspaces::Slot> slot = workspaces.take();
-      Result<FrameHull> hull = make_mesh(take, static_cast<int>(frame), each, *slot);
-      workspaces.give_back(std::move(slot));
-      if (hull) {
-        hulls[frame] = std::move(*hull);
-        collector.made();
-      } else {
-        collector.failed({hull.error().code, text("frame ", frame, ": ", hull.error().message)},
-                         static_cast<int>(frame));
-      }
+  Result<StageReport> run(const std::vector<int>& frames) {
+    if (Result<void> ok = make_folder(take_.layout().meshes()); !ok) return forward(ok);
+    record_.options = describe(hull_);
+    if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
+    journal_.remove();
+    hull_.threads = frames.size() > 1 ? 1 : options_.threads;  // over frames, or inside the one
+    std::vector<std::optional<FrameHull>> hulls(frames.size());
+    others_.assign(frames.size(), 0);
+    ProgressPart progress(options_.progress, "meshes", frames.size());
+    parallel_for(frames.size(), options_.threads, [&](std::size_t i) {
+      if (collector_.stopped()) return;
+      if (Result<void> ok = work(frames[i], hulls[i], others_[i]); !ok)
+        collector_.failed({ok.error().code, text("frame ", frames[i], ": ", ok.error().message)}, frames[i]);
+      progress.advance();
+    });
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (others_[i]) record_.meshes.erase(frames[i]);
+      if (!hulls[i]) continue;
+      record_.reports[frames[i]] = std::move(hulls[i]->report);
+      record_.meshes[frames[i]] = std::move(hulls[i]->entry);
     }
-    progress.advance();
-  });
-  if (Result<void> ok = save_hull_report(take, *settled, hulls); !ok) return forward(ok);
-  return collector.finish();
-}
+    if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
+    journal_.remove();
+    return collector_.finish();
+  }
+
+ private:
+  Result<void> work(int frame, std::optional<FrameHull>& hull, char& others) {
+    const fs::path file = take_.layout().mesh(frame);
+    const Result<std::optional<std::string>> there = hash_of(file);
+    if (!there) return forward(there);
+    const auto known = record_.meshes.find(frame);
+    if (*there && (known == record_.meshes.end() || known->second.mesh != **there))
+      return others = 1, collector_.kept(true), Result<void>();
+    if (*there && !options_.redo) {
+      const Result<MatteHashes> mattes = hashes_of_mattes(take_.layout(), take_.rig(), frame);
+      if (!mattes) return forward(mattes);
+      if (known->second.mattes == *mattes && known->second.inputs == inputs_)
+        return collector_.kept(false), Result<void>();
+    }
+    return make(frame, file, hull);
+  }
+
+  Result<void> make(int frame, const fs::path& file, std::optional<FrameHull>& hull) {
+    FrameHull made;
+    Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &made.entry.mattes);
+    if (!mattes) return forward(mattes);
+    const fs::path whole = temporary_name(file);
+    std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
+    Result<json> report = make_mesh(take_.rig(), *mattes, hull_, *slot, whole);
+    workspaces_.give_back(std::move(slot));
+    if (!report) return forward(report);
+    const Result<std::optional<std::string>> hash = hash_of(whole);
+    if (!hash) return forward(hash);
+    made.entry.mesh = hash->value_or("");
+    made.entry.inputs = inputs_;
+    made.report = std::move(*report);
+    // It is ours before it is there: what has no entry is somebody else's.
+    Result<void> ok = journal_.add(to_journal(frame, made.entry, made.report));
+    std::error_code error;
+    if (ok) fs::rename(whole, file, error);
+    if (error) ok = fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", error.message()));
+    if (!ok) return fs::remove(whole, error), ok;
+    hull = std::move(made);
+    collector_.made();
+    return {};
+  }
+
+  capture::TakeReader& take_;
+  const ProcessOptions& options_;
+  recon::HullOptions hull_;
+  const std::string inputs_;
+  MeshRecord record_;
+  Journal journal_;
+  Collector collector_;
+  HullWorkspaces workspaces_;
+  std::vector<char> others_;  // by item: the mesh is somebody else's
+};
 
 // Frames whose mesh holds no subject, whenever it was made.
-int count_empty(const capture::TakeReader& take) {
+int count_empty(const capture::TakeReader& take, const std::vector<int>& frames) {
   int empty = 0;
-  for (int f = 0; f < take.frame_count(); ++f) {
+  for (const int f : frames) {
     Result<Mesh> mesh = load_ply(take.layout().mesh(f));
     empty += mesh && mesh->empty();
   }
@@ -283,23 +268,28 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);
   capture::TakeReader& take = **opened;
-  ProcessReport report{.frames = take.frame_count(),
-                       .cameras = static_cast<int>(take.rig().cameras.size()),
+  std::vector<int> frames = options.frames;
+  for (int f = 0; options.frames.empty() && f < take.frame_count(); ++f) frames.push_back(f);
+  ProcessReport report{.frames = static_cast<int>(frames.size()),
+                       .cameras = static_cast<int>(options.cameras.empty() ? take.rig().cameras.size()
+                                                                           : options.cameras.size()),
                        .mattes = {},
-                       .meshes = {}};
+                       .meshes = {},
+                       .remarks = {}};
 
-  sweep_temporaries(take.layout().mattes());
   sweep_temporaries(take.layout().meshes());
-  Result<KeyingRecord> keying = settle_keying(take, options);
-  if (!keying) return forward(keying);
-  Result<StageReport> mattes = make_mattes(take, *keying, options);
+  Result<MeshRecord> record = load_mesh_record(take.layout());
+  if (!record) return forward(record);
+  const Result<recon::HullOptions> hull = settle_hull_options(take, options, *record);
+  if (!hull) return forward(hull);
+  Result<StageReport> mattes = make_mattes(take, options, report);
   if (!mattes) return forward(mattes);
   report.mattes = std::move(*mattes);
-  Result<StageReport> meshes = make_meshes(take, options);
+  Result<StageReport> meshes = MeshMaker(take, options, *hull, std::move(*record)).run(frames);
   if (!meshes) return forward(meshes);
   report.meshes = std::move(*meshes);
 
-  report.empty_frames = count_empty(take);
+  report.empty_frames = count_empty(take, frames);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return report;
 }

@@ -13,31 +13,38 @@ namespace floatstage::pipeline {
 
 struct ProcessOptions {
   std::filesystem::path take;
-  std::optional<std::string> key;          ///< keyer spec; absent: as before, else "chroma"
-  std::optional<recon::HullOptions> hull;  ///< absent: as before, else exact with automatic voting
-  int threads = 0;                         ///< 0: one per core
-  bool redo = false;                       ///< remake what was made with other options
-  Progress* progress = nullptr;            ///< null: unwatched
+  std::optional<std::string> matte = {};        ///< MatteTakeOptions::how
+  std::filesystem::path guide = {};             ///< MatteTakeOptions::guide
+  std::optional<recon::HullOptions> hull = {};  ///< absent: as before, else exact with automatic voting
+  std::vector<std::string> cameras = {};  ///< whose mattes are made, serials; empty: all. Meshes are made
+                                          ///< from all mattes that there are
+  std::vector<int> frames = {};           ///< empty: all
+  int threads = 0;                        ///< 0: one per core
+  bool redo = false;                      ///< make again what we made, with these options; others' files stay
+  Progress* progress = nullptr;           ///< null: unwatched
 };
 
 /// What one stage did. made + kept + gaps + failures = items.
 struct StageReport {
   int made = 0;                       ///< in this run
   int kept = 0;                       ///< there already
+  int others = 0;                     ///< of unknown origin, among those that were kept
   int gaps = 0;                       ///< nothing to make: the camera has no photograph of that instant
   std::vector<std::string> failures;  ///< one sentence each
 };
 
 struct ProcessReport {
-  int frames = 0, cameras = 0, empty_frames = 0;  ///< empty: nobody on stage
+  int frames = 0, cameras = 0, empty_frames = 0;  ///< of those asked for; empty: nobody on stage
   StageReport mattes, meshes;
+  std::vector<std::string> remarks;  ///< MatteReport::remarks
   double seconds = 0;
 };
 
-/// Every offline stage on a take: mattes, then meshes. Does only what is missing; a file exists only when it
-/// is whole. Frames are independent and run in parallel. One bad frame does not stop the others: it is
-/// reported, and the result is an error only when nothing can go on (unwritable, disk full, other options
-/// than before, no subject anywhere).
+/// Every offline stage on a take: mattes (matte_take()), then meshes. Does only what is missing or was made
+/// from something else than what is there now: a mesh is made again when a matte of its instant has changed.
+/// A file exists only when it is whole; one of unknown origin is used and never touched. Frames are
+/// independent and run in parallel. One bad frame does not stop the others: it is reported, and the result is
+/// an error only when nothing can go on (unwritable, disk full, other options than before without `redo`).
 Result<ProcessReport> process_take(const ProcessOptions& options);
 
 }  // namespace floatstage::pipeline

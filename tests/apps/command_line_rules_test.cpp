@@ -107,10 +107,11 @@ TEST(EveryVerb, MeansTheSameByTheSameWord) {
   const Tree tree;
   // Of a name: its short form, what it takes, and its group. One and the same wherever it stands.
   const std::set<std::string> shared = {
-      "out",   "json",       "threads",        "cameras",      "camera-count", "frames", "frame-count",
-      "size",  "fps",        "seconds",        "blend",        "hull",         "votes",  "volume",
-      "codec", "smooth",     "cleanup-pixels", "cleanup-loss", "triangles",    "nodes",  "soft-radius",
-      "flow",  "resolution", "show",           "redo",         "rig",          "frame"};
+      "out",         "json",   "threads",     "cameras", "camera-count",   "frames",
+      "frame-count", "size",   "fps",         "seconds", "blend",          "hull",
+      "votes",       "volume", "codec",       "smooth",  "cleanup-pixels", "cleanup-loss",
+      "triangles",   "nodes",  "soft-radius", "flow",    "resolution",     "show",
+      "redo",        "rig",    "frame",       "matte",   "guide"};
   std::map<std::string, std::string> meaning;
   for (const auto& [name, verb] : verbs_of(tree))
     for (const auto& [word, option] : options_of(*verb)) {
@@ -226,7 +227,7 @@ TEST(ASlip, InAValueIsMended) {
   EXPECT_THAT(error_of("render take --orbit -o a.mp4 --method floting", code),
               AllOf(HasSubstr("'floting'"), HasSubstr("did you mean 'floating'?")));
   EXPECT_THAT(error_of("hull take --hull exat", code), HasSubstr("did you mean 'exact'?"));
-  EXPECT_THAT(error_of("matte take --method spectal", code), HasSubstr("did you mean 'spectral'?"));
+  EXPECT_THAT(error_of("matte take --matte spectal", code), HasSubstr("did you mean 'spectral'?"));
   EXPECT_THAT(error_of("synthesize -o take --size 640*480", code), HasSubstr("640x480"));
   EXPECT_THAT(error_of("render take --show wieghts", code), HasSubstr("did you mean 'weights'?"));
 }
@@ -246,7 +247,12 @@ TEST(AnOldWord, LeadsToTheNewOne) {
       {"live --recon tcp://a:1 --nodes tcp://b:2", "`floatstage live recon`"},
       {"live --view tcp://a:1", "`floatstage live view`"},
       {"hull take --method octree", "'--hull'"},
-      {"process take --method octree", "'--hull'"},
+      {"process take --key chroma", "'--matte'"},
+      {"live --source take --key chroma", "'--matte'"},
+      {"process take --method spectral", "'--matte'"},
+      {"matte take --method auto", "'--matte'"},
+      {"matte-image a.png -o b.png --method spectral", "'--matte'"},
+      {"play take --matte-method chroma", "'--matte'"},
       {"process take --care-pixels 1", "'--cleanup-pixels'"},
       {"hull take --care-loss 1", "'--cleanup-loss'"},
       {"evaluate take --output weights", "'--show'"},

@@ -130,7 +130,7 @@ TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
   ASSERT_EQ(
       floatstage("synthesize --frame-count 1 --camera-count 6 --size 160x120 --samples 4 -o " + take).code,
       0);
-  ASSERT_EQ(floatstage("process --key chroma " + take).code, 0);
+  ASSERT_EQ(floatstage("process --matte chroma " + take).code, 0);
   const std::string json_file = (folder / "H.json").string();
   for (const char* mesh : {"hull.ply", "hull.glb"}) {
     const Ended ended = floatstage(

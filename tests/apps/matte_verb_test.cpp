@@ -54,7 +54,7 @@ TEST_F(MatteVerb, StartsFromOthersMattes) {
     fs::create_directories(folder_ / "guide" / "cam01");
     ASSERT_THAT(save_png(box, folder_ / "guide" / "cam01" / name), IsOk());
   }
-  ASSERT_EQ(run(matte("--method closed-form --guide '" + (folder_ / "guide").string() + "'")), 0) << output_;
+  ASSERT_EQ(run(matte("--matte closed-form --guide '" + (folder_ / "guide").string() + "'")), 0) << output_;
   EXPECT_THAT(output_, HasSubstr("closed-form by guide; 2 made"));
   const Image made = picture(TakeLayout(take_).matte("cam01", 1));
   EXPECT_EQ(*made.at(35, 60), 255);
@@ -65,7 +65,7 @@ TEST_F(MatteVerb, StartsFromOthersMattes) {
 
 TEST_F(MatteVerb, ExportsTheSameStraightLayersInEveryFormat) {
   for (const char* format : {"png8", "png16", "exr"})
-    ASSERT_EQ(run(matte(text("--method closed-form --export '", (folder_ / format).string(),
+    ASSERT_EQ(run(matte(text("--matte closed-form --export '", (folder_ / format).string(),
                              "' --export-format ", format))),
               0)
         << output_;
@@ -103,7 +103,7 @@ TEST_F(MatteVerb, LetsEvaluatePrintWhatItCostAPerson) {
   edits.masks.push_back({MatteLabel::Background, {{2, 2}}, 0, {}, 2});
   ASSERT_THAT(make_folder(TakeLayout(take_).mattes()), IsOk());
   ASSERT_THAT(save_matte_edits({{{"cam01", edits}}}, TakeLayout(take_).edits()), IsOk());
-  ASSERT_EQ(run(matte("--method chroma")), 0) << output_;
+  ASSERT_EQ(run(matte("--matte chroma")), 0) << output_;
   const fs::path report = folder_ / "scores.json";
   ASSERT_EQ(run(text("evaluate '", take_.string(), "' --mattes --json '", report.string(), "'")), 0)
       << output_;

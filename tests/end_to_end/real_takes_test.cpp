@@ -24,7 +24,7 @@ class RealTake : public testing::Test {
     import.calibration.path = data_;
     import.out = take();
     ASSERT_THAT(pipeline::import_take(import), IsOk());
-    ASSERT_THAT(pipeline::process_take({.take = take(), .key = key, .hull = recon::HullOptions{}}), IsOk());
+    ASSERT_THAT(pipeline::process_take({.take = take(), .matte = key, .hull = recon::HullOptions{}}), IsOk());
   }
 
   fs::path take() const { return folder_ / "take"; }

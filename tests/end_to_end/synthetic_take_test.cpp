@@ -29,7 +29,7 @@ class SyntheticTake : public testing::Test {
     studio.studio.defects.calibration_error = 0.3;
     studio.frames = 1;
     ASSERT_THAT(pipeline::synthesize_take(studio), IsOk());
-    pipeline::ProcessOptions process{.take = studio.out, .key = "chroma", .hull = recon::HullOptions{}};
+    pipeline::ProcessOptions process{.take = studio.out, .matte = "chroma", .hull = recon::HullOptions{}};
     process.hull->resolution = 160;
     ASSERT_THAT(pipeline::process_take(process), IsOk());
   }

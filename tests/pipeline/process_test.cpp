@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "core/matte_edits.h"
 #include "core/mesh_io.h"
 #include "core/png.h"
-#include "pipeline/keying.h"
 #include "pipeline/scene_loader.h"
 #include "recon/mesh/mesh_check.h"
 #include "tests/support/small_take.h"
@@ -19,18 +19,17 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 ProcessOptions options_for(const fs::path& take) {
-  ProcessOptions options{.take = take, .key = "chroma", .hull = recon::HullOptions{}};
+  ProcessOptions options{.take = take, .matte = "chroma", .hull = recon::HullOptions{}};
   options.hull->resolution = 48;
   return options;
 }
 
-// Every camera's matte of the first instant becomes `alpha`, and the meshes have to be made anew.
+// Every camera's matte of the first instant becomes `alpha`.
 void replace_every_matte(const TakeLayout& layout, const Image& alpha) {
   for (const fs::directory_entry& camera : fs::directory_iterator(layout.mattes())) {
     if (!camera.is_directory()) continue;
     ASSERT_THAT(save_png(alpha, layout.matte(camera.path().filename().string(), 0)), IsOk());
   }
-  fs::remove_all(layout.meshes());
 }
 
 TEST(Process, MakesAMatteForEveryPhotographAndAMeshForEveryInstant) {
@@ -79,6 +78,100 @@ TEST(Process, DoesOnlyWhatIsMissingInASecondRun) {
   EXPECT_EQ(*read_file(layout.mesh(1)), before) << "the same input gives the same bytes";
 }
 
+// The garbage mask cuts the dancer's middle away, in one camera and one frame.
+MatteEdits edits_of_one_frame(int frame) {
+  MatteEdits edits;
+  edits.cameras["cam01"].masks.push_back(
+      {MatteLabel::Background, {{0, 40}, {160, 40}, {160, 70}, {0, 70}}, frame, frame});
+  return edits;
+}
+
+TEST(Process, MakesOnlyTheMeshesAgainThatAnEditTouches) {
+  TempFolder folder;
+  const fs::path take = small_take(folder, 3);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  const std::string touched = *read_file(layout.mesh(2)), untouched = *read_file(layout.mesh(1));
+  const auto time = fs::last_write_time(layout.mesh(1));
+  ASSERT_THAT(save_matte_edits(edits_of_one_frame(2), layout.edits()), IsOk());
+  const Result<ProcessReport> report = process_take({.take = take});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->mattes.made, 1);
+  EXPECT_EQ(report->mattes.kept, 17);
+  EXPECT_EQ(report->meshes.made, 1);
+  EXPECT_EQ(report->meshes.kept, 2);
+  EXPECT_NE(*read_file(layout.mesh(2)), touched);
+  EXPECT_EQ(*read_file(layout.mesh(1)), untouched);
+  EXPECT_EQ(fs::last_write_time(layout.mesh(1)), time);
+  ASSERT_THAT(save_matte_edits({}, layout.edits()), IsOk());
+  ASSERT_THAT(process_take({.take = take}), IsOk());
+  EXPECT_EQ(*read_file(layout.mesh(2)), touched) << "the edit was taken back";
+  EXPECT_EQ(process_take({.take = take})->meshes.made, 0);
+}
+
+TEST(Process, MakesAMeshAgainWhoseMatteSomebodyReplaced) {
+  TempFolder folder;
+  const fs::path take = small_take(folder);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  ASSERT_THAT(save_png(*load_png(layout.truth().matte("cam04", 0)), layout.matte("cam04", 0)), IsOk());
+  const Result<ProcessReport> report = process_take({.take = take});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->mattes.made, 0);
+  EXPECT_EQ(report->mattes.others, 1);
+  EXPECT_EQ(report->meshes.made, 1);
+}
+
+TEST(Process, GoesOnWithATakeWhoseMattesWereMadeByHand) {
+  TempFolder folder;
+  const fs::path take = small_take(folder);
+  const TakeLayout layout(take);
+  fs::copy(layout.truth().mattes(), layout.mattes(), fs::copy_options::recursive);
+  for (const bool redo : {false, true}) {
+    const Result<ProcessReport> report = process_take({.take = take, .redo = redo});
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(report->mattes.made, 0);
+    EXPECT_EQ(report->mattes.others, 12);
+    EXPECT_EQ(report->meshes.made, 2);
+  }
+  EXPECT_EQ(*read_file(layout.matte("cam02", 1)), *read_file(layout.truth().matte("cam02", 1)));
+}
+
+TEST(Process, NeverTouchesAMeshThatSomebodyElseMade) {
+  TempFolder folder;
+  const fs::path take = small_take(folder);
+  ASSERT_THAT(process_take(options_for(take)), IsOk());
+  const TakeLayout layout(take);
+  ASSERT_THAT(save_ply(*load_ply(layout.truth().mesh(1)), layout.mesh(1)), IsOk());
+  const std::string sculpted = *read_file(layout.mesh(1));
+  ASSERT_THAT(save_png(*load_png(layout.truth().matte("cam04", 1)), layout.matte("cam04", 1)), IsOk());
+  ProcessOptions again = options_for(take);
+  again.redo = true;
+  const Result<ProcessReport> report = process_take(again);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->meshes.made, 1);
+  EXPECT_EQ(report->meshes.others, 1);
+  EXPECT_EQ(*read_file(layout.mesh(1)), sculpted);
+}
+
+TEST(Process, TriesOneInstantFirst) {
+  TempFolder folder;
+  const fs::path take = small_take(folder, 3);
+  ProcessOptions one = options_for(take);
+  one.frames = {1};
+  const Result<ProcessReport> tried = process_take(one);
+  ASSERT_THAT(tried, IsOk());
+  EXPECT_EQ(tried->frames, 1);
+  EXPECT_EQ(tried->mattes.made, 6);
+  EXPECT_EQ(tried->meshes.made, 1);
+  const std::string mesh = *read_file(TakeLayout(take).mesh(1));
+  const Result<ProcessReport> all = process_take({.take = take});
+  ASSERT_THAT(all, IsOk());
+  EXPECT_EQ(all->mattes.made, 12);
+  EXPECT_EQ(all->meshes.made, 2);
+  EXPECT_EQ(*read_file(TakeLayout(take).mesh(1)), mesh);
+}
+
 TEST(Process, GivesTheSameBytesOnOneThreadAndOnTwo) {
   TempFolder folder;
   const fs::path take = small_take(folder);
@@ -100,7 +193,7 @@ TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   ProcessOptions other = options_for(take);
-  other.key = "difference";
+  other.matte = "difference";
   EXPECT_THAT(process_take(other), FailsWith(ErrorCode::AlreadyExists, "--redo"));
   other.redo = true;
   const Result<ProcessReport> redone = process_take(other);
@@ -111,6 +204,11 @@ TEST(Process, RefusesOtherOptionsThanBeforeUnlessToldToRedo) {
   other.hull->contour_tolerance = 1;
   other.redo = false;
   EXPECT_THAT(process_take(other), FailsWith(ErrorCode::AlreadyExists, "hull options"));
+  other.redo = true;
+  const Result<ProcessReport> same = process_take(other);
+  ASSERT_THAT(same, IsOk());
+  EXPECT_EQ(same->mattes.made, 6) << "redo redoes";
+  EXPECT_EQ(same->meshes.made, 1);
 }
 
 TEST(Process, KeepsWhatAPersonSaidAboutTheMattesWhenItMakesThemAgain) {
@@ -118,8 +216,8 @@ TEST(Process, KeepsWhatAPersonSaidAboutTheMattesWhenItMakesThemAgain) {
   ProcessOptions options = options_for(small_take(folder, 1));
   ASSERT_THAT(process_take(options), IsOk());
   const TakeLayout layout(options.take);
-  ASSERT_THAT(write_file(layout.edits(), "{}"), IsOk());
-  options.key = "difference";
+  ASSERT_THAT(save_matte_edits({}, layout.edits()), IsOk());
+  options.matte = "difference";
   options.redo = true;
   ASSERT_THAT(process_take(options), IsOk());
   EXPECT_TRUE(fs::exists(layout.edits()));
@@ -130,7 +228,7 @@ TEST(Process, GoesOnWithTheKeyerOfTheFirstRunWhenNoneIsNamed) {
   const fs::path take = small_take(folder, 1);
   ASSERT_THAT(process_take(options_for(take)), IsOk());
   ProcessOptions unnamed = options_for(take);
-  unnamed.key.reset();
+  unnamed.matte.reset();
   const Result<ProcessReport> again = process_take(unnamed);
   ASSERT_THAT(again, IsOk());
   EXPECT_EQ(again->mattes.kept, 6);
@@ -233,7 +331,7 @@ TEST(Process, SaysWhichFolderIsNoTake) {
 TEST(Process, ListsTheKeyersWhenItsNameIsUnknown) {
   TempFolder folder;
   ProcessOptions options = options_for(small_take(folder, 1));
-  options.key = "croma";
+  options.matte = "croma";
   EXPECT_THAT(process_take(options), FailsWith(ErrorCode::InvalidArgument, "chroma"));
   EXPECT_FALSE(fs::exists(TakeLayout(options.take).mattes())) << "nothing half-written";
 }

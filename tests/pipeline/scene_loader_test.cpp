@@ -17,7 +17,7 @@ class ProcessedTake : public testing::Test {
  protected:
   void SetUp() override {
     path_ = small_take(folder_, 1);
-    ProcessOptions options{.take = path_, .key = "chroma", .hull = recon::HullOptions{}};
+    ProcessOptions options{.take = path_, .matte = "chroma", .hull = recon::HullOptions{}};
     options.hull->resolution = 48;
     ASSERT_THAT(process_take(options), IsOk());
   }
@@ -64,6 +64,19 @@ TEST_F(ProcessedTake, SaysWhichStageIsMissing) {
   fs::remove_all(TakeLayout(path_).meshes());
   EXPECT_THAT(load_scene(*open(), 0, false), FailsWith(ErrorCode::NotFound, "floatstage process"));
   EXPECT_THAT(subject_box(*open()), FailsWith(ErrorCode::NotFound, "floatstage process"));
+}
+
+TEST_F(ProcessedTake, ShowsNoPictureThatIsOlderThanItsSilhouettes) {
+  ASSERT_THAT(load_scene(*open(), 0, false), IsOk());
+  const fs::path matte = TakeLayout(path_).matte("cam03", 0);
+  Result<Image> painted = load_png(matte);
+  ASSERT_THAT(painted, IsOk());
+  painted->pixels[0] ^= 255;
+  ASSERT_THAT(save_png(*painted, matte), IsOk());
+  EXPECT_THAT(load_scene(*open(), 0, false),
+              FailsWith(ErrorCode::NotFound, "older than the matte of camera 'cam03'"));
+  ASSERT_THAT(process_take({.take = path_}), IsOk());
+  EXPECT_THAT(load_scene(*open(), 0, false), IsOk());
 }
 
 TEST_F(ProcessedTake, RefusesAMatteOfAnotherSizeByName) {

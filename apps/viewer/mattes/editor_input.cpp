@@ -12,7 +12,7 @@ constexpr double kBrushStep = 1.25;
 
 EditorRequests press(const InputEvent& e, EditorState& state) {
   EditorRequests requests;
-  if (!state.fit.holds(e.x, e.y) || state.held >= 0) return requests;
+  if (!state.fit.holds(e.x, e.y) || state.held >= 0 || !state.question.empty()) return requests;
   state.held = e.button;
   if (e.button != kLeft && e.button != kRight) return requests;
   state.time.playing = false;
@@ -117,6 +117,9 @@ bool tool_key(int key, EditorState& state) {
 EditorRequests key(const InputEvent& e, EditorState& state) {
   if (e.control) return control_key(e, state);
   EditorRequests requests;
+  requests.yes = !state.question.empty() && e.key == 'Y';
+  requests.no = !state.question.empty() && (e.key == 'N' || e.key == kKeyEscape);
+  if (requests.yes || requests.no) return requests;
   if (time_key(e.key, state) || tool_key(e.key, state)) return requests;
   if (e.key == kKeyDelete) {
     requests.edited = state.session.remove_keyframe(state.time.frame());

@@ -28,15 +28,18 @@ struct EditorState {
   double pointer_x = 0, pointer_y = 0;  ///< px of the window
   int held = -1;                        ///< button that went down over the photograph
   std::string status = {};
+  std::string question = {};  ///< to be answered by yes or no before anything else is drawn; empty: none
 };
 
 /// What was asked for and is not done in the state itself.
 struct EditorRequests {
   bool edited = false;  ///< the session's edits have changed
   bool remake = false, screenshot = false, next_camera = false, player = false, quit = false;
+  bool yes = false, no = false;  ///< to the question
   void add(const EditorRequests& other) {
     edited |= other.edited, remake |= other.remake, screenshot |= other.screenshot;
     next_camera |= other.next_camera, player |= other.player, quit |= other.quit;
+    yes |= other.yes, no |= other.no;
   }
 };
 

@@ -113,7 +113,9 @@ EditorRequests MatteEditor::frame(const std::vector<InputEvent>& input) {
   draw_canvas();
   ImGui::End();
   ImGui::PopStyleVar();
-  model_->apply(panel.editor);
+  EditorRequests asked = panel.editor;
+  asked.add(draw_question(model_->state(), (kPanelWidth + whole.x) / 2, (whole.y - kTimeLineHeight) / 2));
+  model_->apply(asked);
   if (!panel.camera.empty()) change_camera(panel.camera);
   if (all.next_camera) change_camera(serial_after());
   return all;

@@ -38,7 +38,7 @@ MatteEditorModel::MatteEditorModel(MatteEditorModelOptions options, std::unique_
     : options_(std::move(options)),
       take_(std::move(take)),
       edited_(std::move(edited)),
-      method_(edited_->method()),
+      method_(edited_->how()),
       camera_(camera_index(take_->rig(), options_.camera.serial)),
       last_edits_(edited_->edits()) {
   const int frames = take_->frame_count();
@@ -51,7 +51,7 @@ MatteEditorModel::MatteEditorModel(MatteEditorModelOptions options, std::unique_
   state_->automatic = options_.automatic;
   state_->flicker.resize(static_cast<std::size_t>(frames));
   state_->stale = edited_->stale(last_edits_);
-  state_->status = text("camera '", serial(), "', method ", method_,
+  state_->status = text("camera '", serial(), "', mattes by ", method_,
                         std::count(state_->stale.begin(), state_->stale.end(), true) > 0
                             ? "; Enter makes the mattes that are missing"
                             : "");
@@ -90,7 +90,22 @@ bool MatteEditorModel::save_edits() {
   return ok.has_value();
 }
 
+void MatteEditorModel::answer(const EditorRequests& requests) {
+  if (state_->question.empty() || !(requests.yes || requests.no)) return;
+  state_->question.clear();
+  if (requests.yes) {
+    edited_->allow_replacing();
+    pending_ = true;
+  } else if (state_->session.undo()) {
+    state_->status = "taken back; the mattes stay as they are";
+    last_edits_ = state_->session.edits();
+    state_->stale = edited_->stale(last_edits_);
+    save_edits();
+  }
+}
+
 void MatteEditorModel::apply(const EditorRequests& requests) {
+  answer(requests);
   const CameraEdits& edits = state_->session.edits();
   if (requests.edited || !(edits == last_edits_)) {
     // Between two edits it does not matter what has been made of the first.
@@ -101,6 +116,7 @@ void MatteEditorModel::apply(const EditorRequests& requests) {
             : pipeline::downstream_of(pipeline::frames_chosen_otherwise(last_edits_, edits, frames), edits);
     for (std::size_t f = 0; f < more.size(); ++f) state_->stale[f] = state_->stale[f] || more[f];
     last_edits_ = edits;
+    state_->question.clear();
     state_->status.clear();
     if (job_ == Job::Remake) task_.stop();
     pending_ = save_edits() && (pending_ || job_ == Job::Remake || state_->automatic);
@@ -138,6 +154,9 @@ void MatteEditorModel::end_job() {
       state_->status = text(serial(), ": ", made->size(), " mattes changed in ", rounded(seconds), " s");
       if (!edited_->failures().empty()) state_->status = edited_->failures().front();
       options_.say(state_->status);
+    } else if (made.error().code == ErrorCode::AlreadyExists) {
+      state_->question = made.error().message;
+      options_.say(state_->question);
     } else if (made.error().code != ErrorCode::Cancelled) {
       state_->status = made.error().message;
       options_.say(state_->status);

@@ -25,6 +25,9 @@ struct MatteEditorModelOptions {
 
 /// The matte editor without its window: input goes in, pictures come out, mattes/edits.json is written after
 /// every edit, and mattes are made again in the background. One camera. All calls come from one thread.
+///
+/// Before mattes of unknown origin are changed, the state has a question. Yes lets them be changed, and their
+/// originals are kept in mattes/given/; no takes the last edit back.
 class MatteEditorModel {
  public:
   /// Errors: those of EditedCamera::open() and TakeReader::open(); InvalidArgument for a frame that is not
@@ -61,6 +64,7 @@ class MatteEditorModel {
 
   MatteEditorModel(MatteEditorModelOptions options, std::unique_ptr<capture::TakeReader> take,
                    std::unique_ptr<pipeline::EditedCamera> edited);
+  void answer(const EditorRequests& requests);
   bool save_edits();
   void collect();
   void collect_made();
@@ -76,7 +80,7 @@ class MatteEditorModel {
   MatteEditorModelOptions options_;
   std::unique_ptr<capture::TakeReader> take_;  // of this thread; the work beside has its own
   std::unique_ptr<pipeline::EditedCamera> edited_;
-  std::string method_;
+  std::string method_;  // how mattes are made
   int camera_;
   std::unique_ptr<EditorState> state_;
   CameraEdits last_edits_;  // as of the last apply()

@@ -11,6 +11,7 @@
 namespace floatstage::apps {
 namespace {
 
+constexpr float kQuestionWidth = 420;
 constexpr ImU32 kSubject = IM_COL32(70, 230, 110, 255), kBackground = IM_COL32(255, 80, 70, 255);
 constexpr ImU32 kStale = IM_COL32(255, 170, 40, 255), kPlayhead = IM_COL32(255, 255, 255, 255),
                 kFlicker = IM_COL32(120, 170, 255, 255);
@@ -110,7 +111,7 @@ MattePanelRequests draw_matte_controls(MatteEditorModel& model) {
         requests.camera = camera.serial;
     ImGui::EndCombo();
   }
-  ImGui::Text("method %s", model.method().c_str());
+  ImGui::Text("mattes by %s", model.method().c_str());
   ImGui::Separator();
   const std::vector<std::string>& views = matte_view_names();
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -163,6 +164,23 @@ void draw_matte_time_line(MatteEditorModel& model) {
   }
   const float now = origin.x + step * (static_cast<float>(time.frame()) + 0.5f);
   list->AddLine(ImVec2(now, origin.y), ImVec2(now, bottom), kPlayhead, 2);
+}
+
+EditorRequests draw_question(const EditorState& state, float x, float y) {
+  EditorRequests answer;
+  if (state.question.empty()) return answer;
+  ImGui::SetNextWindowPos({x, y}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({kQuestionWidth, 0});
+  ImGui::SetNextWindowFocus();
+  ImGui::Begin("question", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
+  ImGui::TextWrapped("%s. May the editor change them? The originals are kept in mattes/given.",
+                     state.question.c_str());
+  answer.yes = ImGui::Button("change them (Y)");
+  ImGui::SameLine();
+  answer.no = ImGui::Button("leave them (N)");
+  ImGui::End();
+  return answer;
 }
 
 void draw_edits(const MatteEditorModel& model, const EditorState& state) {

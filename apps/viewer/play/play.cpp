@@ -73,10 +73,9 @@ class PlayWindow {
     MatteEditorModelOptions model;
     model.camera = {.take = options_.take,
                     .serial = options_.camera.empty() ? take_->rig().cameras.front().serial : options_.camera,
-                    .method = options_.matte_method,
+                    .how = options_.matte,
                     .guide = options_.guide,
-                    .threads = 0,
-                    .replace = options_.redo};
+                    .threads = 0};
     model.frame = frame;
     model.view = options_.view;
     model.automatic = options_.automatic;

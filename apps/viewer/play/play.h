@@ -25,9 +25,8 @@ struct PlayOptions {
   bool mattes = false;  ///< begin in the matte editor, which needs no meshes
   std::string camera;   ///< whose mattes; empty: the rig's first
   MatteView view = MatteView::Checker;
-  std::string matte_method;     ///< as in `matte`; empty: as the mattes were made
-  std::filesystem::path guide;  ///< as in `matte`; used with a method
-  bool redo = false;            ///< mattes that `matte` did not make may be replaced
+  std::string matte;            ///< as in `matte`; empty: as the mattes were made
+  std::filesystem::path guide;  ///< as in `matte`; used with a way
   bool automatic = true;        ///< the editor makes mattes after every edit
 };
 

@@ -25,7 +25,7 @@ class AMatteEditorModel : public testing::Test {
     shared_ = new TempFolder;
     small_take(*shared_, kFrames);
     ASSERT_THAT(pipeline::matte_take({.take = *shared_ / "take",
-                                      .method = "chroma",
+                                      .how = "chroma",
                                       .cameras = {kSerial},
                                       .threads = 2,
                                       .hull_frames = 0}),
@@ -225,13 +225,44 @@ TEST_F(AMatteEditorModel, MayBeClosedInTheMiddle) {
   }  // closed here, while mattes are being made
   for (int f = 0; f < kFrames; ++f) EXPECT_FALSE(matte(f).empty());
   ASSERT_THAT(pipeline::matte_take({.take = take_,
-                                    .method = "chroma",
+                                    .how = "chroma",
                                     .cameras = {kSerial},
                                     .threads = 1,
                                     .redo = true,
                                     .hull_frames = 0}),
               IsOk());
   for (int f = 0; f < kFrames; ++f) EXPECT_EQ(*matte(f).at(22, 60), 255);
+}
+
+TEST_F(AMatteEditorModel, AsksBeforeItChangesMattesThatSomebodyElseMade) {
+  fs::remove_all(TakeLayout(take_).mattes());
+  fs::copy(TakeLayout(take_).truth().mattes(), TakeLayout(take_).mattes(), fs::copy_options::recursive);
+  const Image before = matte(2);
+  const auto model = open();
+  settle(*model);
+  EXPECT_EQ(model->state().stale, std::vector<bool>(kFrames, false));
+  key(*model, 'H');
+  draw(*model, {{20, 60}, {30, 60}});
+  settle(*model);
+  EXPECT_THAT(model->state().question, HasSubstr("5 mattes of camera 'cam01'"));
+  draw(*model, {{50, 60}});  // nothing is drawn before there is an answer
+  EXPECT_EQ(model->state().session.edits().masks.size(), 1u);
+  key(*model, 'N');
+  settle(*model);
+  EXPECT_EQ(model->state().question, "");
+  EXPECT_EQ(model->state().session.edits(), CameraEdits()) << "taken back";
+  EXPECT_EQ(matte(2), before);
+
+  draw(*model, {{20, 60}, {30, 60}});
+  settle(*model);
+  key(*model, 'Y');
+  settle(*model);
+  EXPECT_EQ(model->state().stale, std::vector<bool>(kFrames, false));
+  EXPECT_EQ(*matte(2).at(25, 60), 255);
+  EXPECT_THAT(load_png(TakeLayout(take_).given_mattes(kSerial) / "000002.png"), IsOkAnd(before));
+  draw(*model, {{50, 60}});
+  settle(*model);
+  EXPECT_EQ(*matte(2).at(50, 60), 255) << "once is enough";
 }
 
 TEST_F(AMatteEditorModel, NamesWhatIsNotThere) {

@@ -79,7 +79,7 @@ exit $?
     fs::copy(*shared_ / "take", copy, fs::copy_options::recursive);
     fs::create_directory(TakeLayout(copy).mattes());
     fs::copy(TakeLayout(take_).edits(), TakeLayout(copy).edits());
-    EXPECT_EQ(run_matte(copy, "--method " + method), 0);
+    EXPECT_EQ(run_matte(copy, "--matte " + method), 0);
     return mattes_of(copy);
   }
   static int run_matte(const fs::path& take, const std::string& arguments) {
@@ -105,7 +105,7 @@ void expect_near(const Eigen::Vector2d& p, double x, double y) {
 }
 
 TEST_F(MatteEditorUnderXvfb, TurnsWhatHandsDoIntoAFileThatTheVerbReplaysBitByBit) {
-  ASSERT_EQ(edit("--matte-method closed-form --frame 2 --by-hand", R"(
+  ASSERT_EQ(edit("--matte closed-form --frame 2 --by-hand", R"(
 at 80 60;  x click 1                                     # the dancer is subject
 at 14 15;  x mousedown 3; at 30 15; at 30 30; x mouseup 3   # the corner is not
 x key g;   at 20 100; x mousedown 1; at 50 100; x mouseup 1  # garbage
@@ -159,7 +159,7 @@ x key ctrl+q
 }
 
 TEST_F(MatteEditorUnderXvfb, MakesMattesAfterEveryEditWithSpectralMattingToo) {
-  ASSERT_EQ(edit("--matte-method spectral --frame 1", R"(
+  ASSERT_EQ(edit("--matte spectral --frame 1", R"(
 at 80 60; x click 1
 said 'mattes changed'
 x key Right Right Right; at 80 64; x click 1
@@ -172,8 +172,38 @@ x key ctrl+q
   EXPECT_EQ(mattes_of(take_), replayed("spectral"));
 }
 
+TEST_F(MatteEditorUnderXvfb, WorksOnWhatProcessMade) {
+  ASSERT_EQ(
+      std::system(
+          text(FLOATSTAGE_PROGRAM, " process '", take_.string(), "' --matte chroma > /dev/null").c_str()),
+      0);
+  ASSERT_EQ(edit("--frame 1", R"(
+x key h; at 20 60; x click 1
+said 'mattes changed'
+x key ctrl+q
+)"),
+            0)
+      << output_;
+  EXPECT_EQ(*mattes_of(take_)[1].at(20, 60), 255);
+}
+
+TEST_F(MatteEditorUnderXvfb, AsksInItsWindowBeforeItChangesMattesOfUnknownOrigin) {
+  fs::copy(TakeLayout(take_).truth().mattes(), TakeLayout(take_).mattes(), fs::copy_options::recursive);
+  ASSERT_EQ(edit("--frame 1", R"(
+x key h; at 20 60; x click 1
+said 'not made by Floatstage'
+x key y
+said 'mattes changed'
+x key ctrl+q
+)"),
+            0)
+      << output_;
+  EXPECT_EQ(*mattes_of(take_)[1].at(20, 60), 255);
+  EXPECT_TRUE(fs::exists(TakeLayout(take_).given_mattes(kSerial) / "000001.png"));
+}
+
 TEST_F(MatteEditorUnderXvfb, LeavesNothingHalfWrittenWhenTheWindowIsClosedInTheMiddle) {
-  ASSERT_EQ(run_matte(take_, "--method closed-form"), 0);
+  ASSERT_EQ(run_matte(take_, "--matte closed-form"), 0);
   ASSERT_EQ(edit("", R"(
 x key h; at 20 60; x click 1
 x key g; at 80 60; x click 1
@@ -185,10 +215,7 @@ x key ctrl+q
   for (const Image& matte : mattes_of(take_)) EXPECT_FALSE(matte.empty());
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(take_))
     EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".tmp")));
-  // Closed before the second edit's work began, the record may speak of the first: then --redo is asked for.
-  if (run_matte(take_, "--method closed-form") != 0) {
-    EXPECT_EQ(run_matte(take_, "--method closed-form --redo"), 0);
-  }
+  EXPECT_EQ(run_matte(take_, "--matte closed-form"), 0);
   EXPECT_EQ(mattes_of(take_), replayed("closed-form"));
 }
 

@@ -18,7 +18,7 @@ class PlayUnderXvfb : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
     take_ = small_take(*folder_, 2);
-    pipeline::ProcessOptions options{.take = take_, .key = "chroma", .hull = recon::HullOptions{}};
+    pipeline::ProcessOptions options{.take = take_, .matte = "chroma", .hull = recon::HullOptions{}};
     options.hull->resolution = 64;
     ASSERT_THAT(pipeline::process_take(options), IsOk());
   }

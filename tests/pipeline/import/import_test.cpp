@@ -6,7 +6,6 @@
 #include "core/file.h"
 #include "core/png.h"
 #include "pipeline/import/matte_files.h"
-#include "pipeline/keying.h"
 #include "tests/pipeline/import/import_support.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -217,10 +216,7 @@ TEST_F(Import, MattesBesideTheImagesSpareTheKeying) {
   const Result<Image> read = load_png(take->layout().matte("b.png", 0));
   ASSERT_THAT(read, IsOk());
   EXPECT_TRUE(*read == matte);
-  const Result<std::optional<KeyingRecord>> keying = load_keying(take->layout(), take->rig());
-  ASSERT_THAT(keying, IsOk());
-  ASSERT_TRUE(keying->has_value());
-  EXPECT_EQ((*keying)->key, "imported");
+  EXPECT_FALSE(fs::exists(take->layout().made_mattes())) << "they are somebody's: used, never touched";
 }
 
 TEST_F(Import, MattesAloneMakeATakeAndStandForItsPictures) {

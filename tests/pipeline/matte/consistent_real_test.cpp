@@ -36,7 +36,7 @@ TEST(ConsistentReal, TheDinosaursSilhouettesFitOneBodyWithoutANumber) {
   const auto take = imported(folder, "middlebury", "middlebury-dino-sparse-ring", "D");
   MatteTakeOptions options;
   options.take = take;
-  options.method = "consistent";
+  options.how = "consistent";
   const Result<MatteReport> report = matte_take(options);
   ASSERT_THAT(report, IsOk());
   EXPECT_EQ(report->distrusted, 0) << testing::PrintToString(report->remarks);
@@ -58,7 +58,7 @@ TEST(ConsistentReal, BlackWallsWithLampsAndBlackHairBeforeThem) {
              take = imported(folder, "dome", "green-dome-wd", "own");
   MatteTakeOptions options;
   options.take = take;
-  options.method = "consistent";
+  options.how = "consistent";
   options.hull_frames = 0;
   ASSERT_THAT(matte_take(options), IsOk());
   const Result<std::vector<Matte>> truth = mattes_of(given), own = mattes_of(take);

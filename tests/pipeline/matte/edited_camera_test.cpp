@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "core/file.h"
+#include "core/matte.h"
 #include "core/png.h"
 #include "pipeline/matte/matte_take.h"
 #include "tests/support/child_process.h"
@@ -43,7 +44,7 @@ class Editing : public testing::Test {
   EditedCameraOptions options(std::string method, bool guided = false) const {
     return {.take = take_,
             .serial = kSerial,
-            .method = std::move(method),
+            .how = std::move(method),
             .guide = guided ? *shared_ / "guide" : fs::path(),
             .threads = 2};
   }
@@ -75,7 +76,7 @@ class Editing : public testing::Test {
     EXPECT_THAT(make_folder(TakeLayout(copy).mattes()), IsOk());
     fs::copy(TakeLayout(take_).edits(), TakeLayout(copy).edits());
     EXPECT_THAT(matte_take({.take = copy,
-                            .method = o.method,
+                            .how = o.how,
                             .guide = o.guide,
                             .cameras = {kSerial},
                             .threads = 2,
@@ -86,7 +87,7 @@ class Editing : public testing::Test {
   // `floatstage matte` goes on where an editor stopped, without --redo.
   void continue_with_the_verb(const EditedCameraOptions& o) const {
     EXPECT_THAT(matte_take({.take = take_,
-                            .method = o.method,
+                            .how = o.how,
                             .guide = o.guide,
                             .cameras = {kSerial},
                             .threads = 2,
@@ -199,8 +200,8 @@ TEST_F(Editing, KnowsWhatIsStaleBeforeItIsMade) {
 TEST_F(Editing, GoesOnInAnotherSessionWhereTheFirstEnded) {
   const CameraEdits edits{{{2, {on_dancer()}}}, {}};
   ASSERT_THAT(edit(*open(options("closed-form")), edits), IsOk());
-  const auto again = open({.take = take_, .serial = kSerial, .method = ""});
-  EXPECT_EQ(again->method(), "closed-form") << "as the mattes were made";
+  const auto again = open({.take = take_, .serial = kSerial, .how = ""});
+  EXPECT_EQ(again->how(), "closed-form") << "as the mattes were made";
   EXPECT_EQ(again->edits(), edits);
   EXPECT_EQ(again->stale(edits), std::vector<bool>(kFrames, false));
 }
@@ -266,10 +267,52 @@ TEST_F(Editing, LeavesOthersMattesAloneUnlessTold) {
   fs::copy(TakeLayout(take_).truth().mattes(), TakeLayout(take_).mattes(), fs::copy_options::recursive);
   const std::vector<Image> before = mattes_of(take_);
   EditedCameraOptions o = options("closed-form");
-  EXPECT_THAT(edit(*open(o), {{}, {garbage(0, {})}}), FailsWith(ErrorCode::AlreadyExists, "--redo"));
+  EXPECT_THAT(edit(*open(o), {{}, {garbage(0, {})}}),
+              FailsWith(ErrorCode::AlreadyExists, "not made by Floatstage"));
   EXPECT_EQ(mattes_of(take_), before);
   o.replace = true;
   EXPECT_THAT(edit(*open(o), {{}, {garbage(0, {})}}), IsOkAnd(SizeIs(kFrames)));
+}
+
+TEST_F(Editing, WorksOnATakeMadeByHandAndKeepsTheOriginals) {
+  fs::copy(TakeLayout(take_).truth().mattes(), TakeLayout(take_).mattes(), fs::copy_options::recursive);
+  const std::vector<Image> before = mattes_of(take_);
+  const auto camera = open({.take = take_, .serial = kSerial, .threads = 2});
+  EXPECT_EQ(camera->how(), "given");
+  EXPECT_EQ(camera->stale({}), std::vector<bool>(kFrames, false)) << "nothing is asked for yet";
+  EXPECT_THAT(edit(*camera, {}), IsOkAnd(IsEmpty()));
+  EXPECT_FALSE(fs::exists(TakeLayout(take_).made_mattes())) << "nothing was made";
+  EXPECT_THAT(edit(*camera, {{}, {garbage(3, 4)}}),
+              FailsWith(ErrorCode::AlreadyExists, "2 mattes of camera 'cam01'"));
+  EXPECT_EQ(mattes_of(take_), before);
+  camera->allow_replacing();
+  EXPECT_THAT(edit(*camera, {{}, {garbage(3, 4)}}), IsOkAnd(testing::UnorderedElementsAre(3, 4)));
+  const std::vector<Image> after = mattes_of(take_);
+  for (int f = 0; f < kFrames; ++f) {
+    EXPECT_EQ(after[f] == before[f], f != 3 && f != 4) << f;
+    EXPECT_THAT(load_png(TakeLayout(take_).given_mattes(kSerial) / TakeLayout("").matte("", f).filename()),
+                IsOkAnd(before[f]));
+  }
+  EXPECT_EQ(*after[3].at(80, 110), *before[3].at(80, 110)) << "the given matte, but for the mask";
+  // The verb says the same, and the next session needs not ask.
+  EXPECT_THAT(matte_take({.take = take_, .cameras = {kSerial}, .redo = true, .hull_frames = 0}), IsOk());
+  EXPECT_EQ(mattes_of(take_), after);
+  EXPECT_THAT(edit(*open({.take = take_, .serial = kSerial}), {}), IsOkAnd(SizeIs(2)));
+  EXPECT_EQ(mattes_of(take_), before) << "taken back";
+}
+
+TEST_F(Editing, GoesOnWithMattesThatAreConsistentAcrossCameras) {
+  ASSERT_THAT(matte_take({.take = take_, .how = "consistent", .frames = {2}, .threads = 2, .hull_frames = 0}),
+              IsOk());
+  const auto camera = open({.take = take_, .serial = kSerial, .threads = 2});
+  EXPECT_EQ(camera->how(), "consistent");
+  const std::vector<bool> missing = camera->stale({});
+  EXPECT_FALSE(missing[2]);
+  const MatteMask mask{MatteLabel::Background, {{0, 0}, {160, 0}, {160, 120}, {0, 120}}, 2, 2};
+  ASSERT_THAT(edit(*camera, {{}, {mask}}), IsOkAnd(SizeIs(kFrames)));
+  EXPECT_EQ(mattes_of(take_)[2], Image(160, 120, 1)) << "all of it is garbage";
+  EXPECT_GT(coverage(make_matte({}, mattes_of(take_)[3])), 0.02);
+  EXPECT_THAT(edit(*camera, {}), IsOkAnd(ElementsAre(2))) << "taken back in its frame alone";
 }
 
 TEST_F(Editing, KeepsTheMattesWhenAKeyframeSaysNothing) {
@@ -308,7 +351,7 @@ TEST_F(Editing, MetersTheFlickerOfAFrame) {
 TEST_F(Editing, NamesWhatIsNotThere) {
   EXPECT_THAT(EditedCamera::open({.take = take_, .serial = "cam99"}),
               FailsWith(ErrorCode::InvalidArgument, "cam99"));
-  EXPECT_THAT(EditedCamera::open({.take = take_, .serial = kSerial, .method = "magic"}),
+  EXPECT_THAT(EditedCamera::open({.take = take_, .serial = kSerial, .how = "magic"}),
               FailsWith(ErrorCode::InvalidArgument, "magic"));
   EXPECT_THAT(EditedCamera::open({.take = folder_ / "nowhere", .serial = kSerial}),
               FailsWith(ErrorCode::NotFound, "nowhere"));
@@ -324,13 +367,13 @@ TEST_F(Editing, KeepsTheMattesWhenTheDiskIsFull) {
   ASSERT_THAT(save_matte_edits({{{kSerial, edits}}}, TakeLayout(take_).edits()), IsOk());
   ChildProcess child([&](const std::function<void()>&) {
     const auto camera = open(o);
-    let_files_grow_to(600);  // room for the record, none for a matte
+    let_files_grow_to(600);  // room for neither the record nor a matte
     const Result<std::vector<int>> made = camera->remake(edits, {});
     return !made && made.error().code == ErrorCode::Io ? 0 : 1;
   });
   EXPECT_EQ(child.wait(), 0);
   for (const Image& matte : mattes_of(take_)) EXPECT_FALSE(matte.empty());
-  ASSERT_THAT(matte_take({.take = take_, .method = "chroma", .cameras = {kSerial}, .hull_frames = 0}), IsOk())
+  ASSERT_THAT(matte_take({.take = take_, .how = "chroma", .cameras = {kSerial}, .hull_frames = 0}), IsOk())
       << "room was made";
   EXPECT_EQ(mattes_of(take_), replayed(o));
 }

@@ -38,7 +38,7 @@ TEST(EditingACut, MakesTheBytesOfTheVerbAfterEveryStrokeAndMask) {
   edits.keyframes.clear();
   steps.push_back(edits);
   Result<std::unique_ptr<EditedCamera>> camera =
-      EditedCamera::open({.take = take, .serial = "cam0", .method = "closed-form", .threads = 2});
+      EditedCamera::open({.take = take, .serial = "cam0", .how = "closed-form", .threads = 2});
   ASSERT_THAT(camera, IsOk());
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (i == 2) {  // another session goes on
@@ -55,7 +55,7 @@ TEST(EditingACut, MakesTheBytesOfTheVerbAfterEveryStrokeAndMask) {
       EXPECT_LE(changed->size(), 3u) << "a mask changes its frames only";
     }
     ASSERT_THAT(
-        matte_take({.take = replay, .method = "closed-form", .threads = 2, .redo = true, .hull_frames = 0}),
+        matte_take({.take = replay, .how = "closed-form", .threads = 2, .redo = true, .hull_frames = 0}),
         IsOk());
     EXPECT_EQ(mattes_of(take, kFrames), mattes_of(replay, kFrames)) << "step " << i;
   }

@@ -47,7 +47,7 @@ std::pair<double, double> inside(const Image& truth) {
 MatteTakeOptions options_for(const fs::path& take, const std::string& method) {
   MatteTakeOptions options;
   options.take = take;
-  options.method = method;
+  options.how = method;
   options.threads = 2;
   options.hull_frames = 0;
   return options;

@@ -11,7 +11,7 @@ namespace floatstage::pipeline {
 namespace {
 
 MatteImageOptions options_for(std::string method) {
-  return {.method = std::move(method),
+  return {.how = std::move(method),
           .picture = matting::photograph(matting::Scene{}),
           .trimap = {},
           .scribbled = {}};
@@ -47,7 +47,7 @@ TEST(MatteImage, FollowsScribblesAndATrimap) {
 
 TEST(MatteImage, ChoosesSpectralComponentsByClicksScribblesOrItsOwnGuess) {
   const matting::DiscPicture disc = matting::disc_picture(120, 90);
-  MatteImageOptions options{.method = "spectral", .picture = disc.rgb, .trimap = {}, .scribbled = {}};
+  MatteImageOptions options{.how = "spectral", .picture = disc.rgb, .trimap = {}, .scribbled = {}};
   const auto off = [&] {
     const Result<Image> matte = matte_image(options);
     EXPECT_THAT(matte, IsOk());
@@ -57,9 +57,9 @@ TEST(MatteImage, ChoosesSpectralComponentsByClicksScribblesOrItsOwnGuess) {
   options.clicks = {{MatteLabel::Foreground, 2, {{54, 45}}}};
   EXPECT_LT(off(), 0.05);
   const Image by_click = *matte_image(options);
-  options.method = "auto";
+  options.how = "auto";
   EXPECT_THAT(matte_image(options), IsOkAnd(by_click)) << "clicks alone";
-  options.method = "spectral";
+  options.how = "spectral";
   options.clicks = {{MatteLabel::Background, 2, {{5, 5}}}};
   EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::InvalidArgument, "only background"));
   options.clicks.clear();

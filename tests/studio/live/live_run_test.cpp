@@ -25,7 +25,7 @@ class ALiveRun : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
     take_ = small_take(*folder_, kRows);
-    ASSERT_THAT(pipeline::process_take({.take = take_, .key = "chroma", .hull = recon::HullOptions{}}),
+    ASSERT_THAT(pipeline::process_take({.take = take_, .matte = "chroma", .hull = recon::HullOptions{}}),
                 IsOk());
   }
   static void TearDownTestSuite() { delete folder_; }

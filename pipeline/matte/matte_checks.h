@@ -1,0 +1,14 @@
+#pragma once
+
+#include "capture/take.h"
+#include "pipeline/matte/matte_take.h"
+
+namespace floatstage::pipeline {
+
+/// Adds to the report of every camera how its mattes flicker and how they agree with the hull of the others
+/// (`options.hull_frames` instants, spread over the frames that were asked for). Errors: those of
+/// hull_agreement().
+Result<void> check_mattes(const capture::TakeReader& take, const MatteTakeOptions& options,
+                          MatteReport& report);
+
+}  // namespace floatstage::pipeline

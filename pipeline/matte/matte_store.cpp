@@ -1,0 +1,92 @@
+#include "pipeline/matte/matte_store.h"
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/png.h"
+#include "core/text.h"
+
+namespace floatstage::pipeline {
+
+namespace fs = std::filesystem;
+
+Result<std::unique_ptr<MatteStore>> MatteStore::open(const TakeLayout& layout) {
+  std::unique_ptr<MatteStore> store(new MatteStore(layout));
+  Result<MatteRecord> record = load_matte_record(layout);
+  if (!record) return forward(record);
+  store->record_ = std::move(*record);
+  return store;
+}
+
+const CameraRecord* MatteStore::find(const std::string& serial) const {
+  const auto found = record_.find(serial);
+  return found == record_.end() ? nullptr : &found->second;
+}
+
+Result<MatteOrigin> MatteStore::origin(const std::string& serial, int frame) const {
+  const Result<std::optional<std::string>> hash = hash_of(layout_.matte(serial, frame));
+  if (!hash) return forward(hash);
+  if (!*hash) return MatteOrigin::Missing;
+  const CameraRecord* camera = find(serial);
+  if (!camera) return MatteOrigin::Others;
+  const auto known = camera->files.find(frame);
+  return known != camera->files.end() && known->second == **hash ? MatteOrigin::Ours : MatteOrigin::Others;
+}
+
+Result<std::vector<MatteOrigin>> MatteStore::origins(const std::string& serial, int frames) const {
+  std::vector<MatteOrigin> all;
+  for (int frame = 0; frame < frames; ++frame) {
+    const Result<MatteOrigin> one = origin(serial, frame);
+    if (!one) return forward(one);
+    all.push_back(*one);
+  }
+  return all;
+}
+
+Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& matte) {
+  const fs::path file = layout_.matte(serial, frame), whole = temporary_name(file);
+  if (Result<void> ok = save_png(matte, whole); !ok) return forward(ok);
+  const Result<std::optional<std::string>> hash = hash_of(whole), before = hash_of(file);
+  if (!hash) return forward(hash);
+  if (!before) return forward(before);
+  std::error_code error;
+  // It is ours before it is there: what has no entry is somebody else's.
+  Result<void> ok = journal_.add({{"camera", serial}, {"frame", frame}, {"sha256", **hash}});
+  if (ok) fs::rename(whole, file, error);
+  if (error) ok = fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", error.message()));
+  if (!ok) {
+    fs::remove(whole, error);
+    return forward(ok);
+  }
+  const std::lock_guard lock(mutex_);
+  CameraRecord& camera = record_[serial];
+  camera.files[frame] = **hash;
+  camera.stale.erase(frame);
+  return *before != *hash;
+}
+
+Result<void> MatteStore::remove(const std::string& serial, int frame) {
+  const fs::path file = layout_.matte(serial, frame);
+  std::error_code error;
+  fs::remove(file, error);
+  if (error) return fail(ErrorCode::Io, text("cannot remove ", file.string(), ": ", error.message()));
+  const std::lock_guard lock(mutex_);
+  CameraRecord& camera = record_[serial];
+  camera.files.erase(frame);
+  camera.stale.erase(frame);
+  return {};
+}
+
+Result<void> MatteStore::save(const std::vector<std::string>& serials) {
+  Result<MatteRecord> all = load_matte_record(layout_);
+  if (!all) return forward(all);
+  for (const std::string& serial : serials) (*all)[serial] = record_[serial];
+  if (Result<void> ok = make_folder(layout_.mattes()); !ok) return ok;
+  if (Result<void> ok = save_matte_record(*all, layout_); !ok) return ok;
+  journal_.remove();
+  return {};
+}
+
+}  // namespace floatstage::pipeline

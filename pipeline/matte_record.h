@@ -1,0 +1,35 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "core/matte_edits.h"
+#include "core/result.h"
+#include "core/take_layout.h"
+
+namespace floatstage::pipeline {
+
+/// How one camera's mattes were made, and which files that are.
+struct CameraRecord {
+  std::string how;     ///< as asked for: one of matte_methods(), perhaps with a parameter
+  std::string method;  ///< what came of it: key, closed-form, spectral, consistent; empty: not settled
+  std::string key;     ///< what first told the subject: "chroma:#2f7a45", "plate:6", "cut", "guide", "none"
+  std::string guide;   ///< the folder of others' mattes to start from, or nothing
+  std::string inputs;  ///< SHA-256 of what they were made from, but for the edits
+  CameraEdits edits;   ///< that they were made with
+  std::map<int, std::string> files;  ///< SHA-256 of every matte that was made, by frame
+  std::set<int> stale;               ///< frames whose mattes are to be made again
+  bool operator==(const CameraRecord&) const = default;
+};
+
+/// mattes/made.json, by serial. A matte that it does not know, or knows with other bytes, is of unknown
+/// origin: somebody put it there.
+using MatteRecord = std::map<std::string, CameraRecord>;
+
+/// With what the journal holds beside it. Empty without a file. BadData names the file.
+Result<MatteRecord> load_matte_record(const TakeLayout& layout);
+/// Whole or not at all.
+Result<void> save_matte_record(const MatteRecord& record, const TakeLayout& layout);
+
+}  // namespace floatstage::pipeline
