@@ -15,9 +15,8 @@ namespace {
 struct Options {
   pipeline::SynthesizeOptions synthesize;
   std::filesystem::path json_file;
-  std::string shape = "ring";
+  std::string shape = "ring", stage = "green";
   Size size;
-  bool black = false;
 };
 
 Result<void> run(const Options& given) {
@@ -25,7 +24,7 @@ Result<void> run(const Options& given) {
   options.rig.width = given.size.width;
   options.rig.height = given.size.height;
   options.rig.shape = given.shape == "ring" ? RigShape::Ring : RigShape::QuarterDome;
-  options.studio.green_room = !given.black;
+  options.studio.stage = *synthetic_stage(given.stage);
   ProgressBar bar;
   options.progress = &bar;
   if (Result<void> ok = pipeline::synthesize_take(options); !ok) return ok;
@@ -37,6 +36,7 @@ Result<void> run(const Options& given) {
                               {"cameras", options.rig.cameras},
                               {"width", options.rig.width},
                               {"height", options.rig.height},
+                              {"stage", given.stage},
                               {"seed", options.studio.seed}},
                              given.json_file);
 }
@@ -67,7 +67,7 @@ void add_synthesize(CLI::App& app, Chosen& chosen) {
   CLI::App* verb =
       add_verb(app, chosen, "synthesize", "Writes a take with ground truth from the synthetic studio",
                {"floatstage synthesize -o take --camera-count 8 --frame-count 50",
-                "floatstage synthesize -o noisy --size 320x240 --noise 2 --calibration-error 0.5"});
+                "floatstage synthesize -o noisy --stage lit-black --size 320x240 --noise 2"});
   add_out(*verb, s.out, "The new take's folder")->required();
   add_camera_count(*verb, s.rig.cameras, 1);
   verb->add_option("--shape", options->shape, "Where they stand")
@@ -77,7 +77,13 @@ void add_synthesize(CLI::App& app, Chosen& chosen) {
   add_frame_count(*verb, s.frames, "Instants of the take");
   add_fps(*verb, s.studio.frame_rate, "Instants a second");
   verb->add_option("--seed", s.studio.seed, "Same seed, same bytes")->capture_default_str();
-  verb->add_flag("--black", options->black, "A black stage instead of green cloth");
+  std::string stage_help = "What stands behind the performer:";
+  std::vector<std::string> stages;
+  for (const SyntheticStageName& known : synthetic_stages()) {
+    stage_help += text("\n  ", known.name, ": ", known.help);
+    stages.emplace_back(known.name);
+  }
+  verb->add_option("--stage", options->stage, stage_help)->capture_default_str()->check(one_of(stages));
   verb->add_flag("--depth", s.depth, "Write the true depth maps too");
   add_codec(*verb, s.take.codec);
   add_defect_flags(*verb, s.studio.defects);

@@ -8,6 +8,7 @@
 
 #include "core/synthetic/bitmap_font.h"
 #include "core/synthetic/noise.h"
+#include "core/synthetic/room_surfaces.h"
 
 namespace floatstage::synthetic {
 namespace {
@@ -168,9 +169,15 @@ Vector3f strand(const SurfacePoint& p, std::uint32_t seed) {
          (0.9f + 0.2f * value_noise({p.rest.x() * 50, 0, p.rest.z() / 0.02f}, seed + 9));
 }
 
+bool of_the_cloth(const SurfacePoint& p) {
+  if (p.material == Material::Sleeve) return p.variant > 0 && p.rest.z() < 0.443f;
+  return p.material == Material::Shirt && p.rest.y() > 0 && p.rest.z() < 0.20f;
+}
+
 }  // namespace
 
-Vector3f albedo(const SurfacePoint& p, std::uint32_t seed) {
+Vector3f albedo(const SurfacePoint& p, std::uint32_t seed, Dress dress) {
+  if (dress == Dress::OfTheCloth && of_the_cloth(p)) return kGreenCloth * weave(p.rest, p.footprint, seed);
   switch (p.material) {
     case Material::Face:
       return face_albedo(p.rest, p.footprint, seed);

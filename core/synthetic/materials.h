@@ -6,6 +6,10 @@
 
 namespace floatstage::synthetic {
 
+/// Parts of the clothes may have the colour of the stage's green cloth: the right sleeve, and the lower shirt
+/// in front.
+enum class Dress { Usual, OfTheCloth };
+
 /// What a part of the performer is painted with.
 enum class Material { Face, Skin, Hair, Shirt, Sleeve, Trousers, Hips, Shoe, Strand };
 
@@ -19,7 +23,7 @@ struct SurfacePoint {
 
 /// Reflectance 0…1 in the picture's own (gamma) space, averaged over the footprint where the pattern is finer
 /// than it.
-Eigen::Vector3f albedo(const SurfacePoint& point, std::uint32_t seed);
+Eigen::Vector3f albedo(const SurfacePoint& point, std::uint32_t seed, Dress dress = Dress::Usual);
 
 /// The face, in head coordinates: eyes, brows, mouth, freckles. Called by albedo().
 Eigen::Vector3f face_albedo(const Eigen::Vector3f& rest, float footprint, std::uint32_t seed);

@@ -102,7 +102,8 @@ class RowTracer {
         pixel.depth = hit.t;
         continue;
       }
-      pixel.sum += scene_.shade(hit, hit.t * metres_per_depth_, options_.spill, options_.seed).cwiseMin(1.0f);
+      pixel.sum += scene_.shade(hit, hit.t * metres_per_depth_, options_.spill, options_.seed, options_.dress)
+                       .cwiseMin(1.0f);
       ++pixel.hits;
     }
     count_ = 0;

@@ -45,6 +45,7 @@ struct Exposure {
 struct PhotographOptions {
   int samples_across = 4;  ///< rays a pixel = samples_across²
   float spill = 0;
+  Dress dress = Dress::Usual;
   std::uint32_t seed = 1;
 };
 

@@ -6,13 +6,14 @@
 
 #include "core/random.h"
 #include "core/synthetic/noise.h"
+#include "core/synthetic/room_surfaces.h"
 
 namespace floatstage::synthetic {
 
 using Eigen::Vector3f;
 
-Room::Room(const Rig& rig, bool green, std::uint64_t seed)
-    : green_(green), seed_(static_cast<std::uint32_t>(mix(seed ^ 0xC107))) {
+Room::Room(const Rig& rig, SyntheticStage stage, std::uint64_t seed)
+    : stage_(stage), seed_(static_cast<std::uint32_t>(mix(seed ^ 0xC107))) {
   double reach = 3, top = 3;
   for (const RigCamera& c : rig.cameras) {
     const Eigen::Vector3d center = c.cam_from_world.center();
@@ -59,8 +60,13 @@ Vector3f Room::color(const Vector3f& origin, const Vector3f& direction) const {
     const float depth = 0.055f * value_noise({along / 1.2f, p.z() / 2.0f, 7}, seed_ + 3);
     light *= 1 + depth * std::sin(6.2832f * (along / 0.38f + wander));
   }
-  if (!green_) return Vector3f::Constant(0.022f * light);
-  return Vector3f(0.165f, 0.655f, 0.270f) * light;
+  return room_surface(stage_,
+                      {.position = p,
+                       .axis = axis,
+                       .floor = axis == 2 && direction.z() < 0,
+                       .along = axis == 0 ? p.y() : p.x() + 31,
+                       .light = light},
+                      seed_);
 }
 
 }  // namespace floatstage::synthetic

@@ -190,7 +190,8 @@ void StageScene::intersect(const Vector3f& origin, const std::array<Vector3f, kP
   }
 }
 
-Vector3f StageScene::shade(const Hit& hit, float footprint, float spill, std::uint32_t seed) const {
+Vector3f StageScene::shade(const Hit& hit, float footprint, float spill, std::uint32_t seed,
+                           Dress dress) const {
   const std::uint32_t* corner = performer_->triangles().data() + 3 * static_cast<std::size_t>(hit.triangle);
   const float w[3] = {1 - hit.u - hit.v, hit.u, hit.v};
   const Part& part = performer_->part_of_triangle(hit.triangle);
@@ -201,7 +202,7 @@ Vector3f StageScene::shade(const Hit& hit, float footprint, float spill, std::ui
     light += w[k] * light_[corner[k]];
     cloth += w[k] * cloth_[corner[k]];
   }
-  const Vector3f color = albedo(point, seed);
+  const Vector3f color = albedo(point, seed, dress);
   // Square root: albedo is in gamma space, where half the light is not half the value.
   const Vector3f lit = color * (0.10f + 1.12f * std::sqrt(light));
   if (spill == 0) return lit;

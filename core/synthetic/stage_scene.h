@@ -48,7 +48,8 @@ class StageScene {
 
   /// Colour of a hit (gamma space, may exceed 1 a little). `footprint` in metres across the ray; `spill` 0…1
   /// of the cloth's green light.
-  Eigen::Vector3f shade(const Hit& hit, float footprint, float spill, std::uint32_t seed) const;
+  Eigen::Vector3f shade(const Hit& hit, float footprint, float spill, std::uint32_t seed,
+                        Dress dress = Dress::Usual) const;
 
  private:
   void light_vertices(const std::vector<Eigen::Vector3f>& normals);

@@ -52,6 +52,12 @@ Result<void> check_options(const SyntheticStudioOptions& o) {
   return {};
 }
 
+bool has_green_cloth(SyntheticStage stage) {
+  using enum SyntheticStage;
+  return stage == Green || stage == GreenBlack || stage == Markers || stage == Cables ||
+         stage == GreenClothes;
+}
+
 Matte matte_of(const FrameInfo& info, const Exposure& exposure) {
   Image alpha(exposure.width, exposure.height, 1);
   alpha.pixels = exposure.alpha;
@@ -67,7 +73,7 @@ struct SyntheticStudio::Impl {
         published(synthetic::with_calibration_error(rig, o.defects.calibration_error, o.seed)),
         sensor{o.seed, o.defects, o.frame_rate},
         performer(o.seed),
-        room(rig, o.green_room, o.seed),
+        room(rig, o.stage, o.seed),
         device(rtcNewDevice("threads=1,set_affinity=0")) {
     for (const RigCamera& c : rig.cameras) cameras.emplace_back(c.model, c.cam_from_world);
     plates.resize(cameras.size());
@@ -77,7 +83,9 @@ struct SyntheticStudio::Impl {
 
   synthetic::PhotographOptions photograph_options() const {
     return {.samples_across = static_cast<int>(std::lround(std::sqrt(options.samples))),
-            .spill = options.green_room ? static_cast<float>(options.defects.green_spill) : 0,
+            .spill = has_green_cloth(options.stage) ? static_cast<float>(options.defects.green_spill) : 0,
+            .dress = options.stage == SyntheticStage::GreenClothes ? synthetic::Dress::OfTheCloth
+                                                                   : synthetic::Dress::Usual,
             .seed = static_cast<std::uint32_t>(mix(options.seed))};
   }
 

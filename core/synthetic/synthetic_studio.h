@@ -9,6 +9,7 @@
 #include "core/mesh.h"
 #include "core/result.h"
 #include "core/rig.h"
+#include "core/synthetic/stage.h"
 #include "core/view.h"
 
 namespace floatstage {
@@ -49,7 +50,7 @@ struct SyntheticStudioOptions {
   std::uint64_t seed = 1;
   double frame_rate = 25;  ///< of the instants that `frame` numbers
   int samples = 16;        ///< rays a pixel (a square number up to 1024): partial coverage is their mean
-  bool green_room = true;  ///< false: a black stage
+  SyntheticStage stage = SyntheticStage::Green;
   Defects defects = {};
 };
 
@@ -62,12 +63,12 @@ struct SyntheticShot {
       depth;  ///< width*height, metres along z of the centre ray's first performer hit; +infinity elsewhere
 };
 
-/// The embedded studio: a room in green cloth and an articulated moving performer with fine texture (printed
-/// text, stripes, a face-like pattern, thin limbs, loose strands that cover pixels only partly) and
-/// self-occlusion. Light does not depend on the viewpoint, so all cameras see a surface point in one colour.
-/// Deterministic: same rig, seed and time give the same bytes at any thread count and in any order of calls.
-/// Rendered with Embree, each shot on the thread that asks for it; run shots in parallel to use more cores,
-/// those of one frame one after the other: they share its scene.
+/// The embedded studio: a room in green cloth, or another stage, and an articulated moving performer with
+/// fine texture (printed text, stripes, a face-like pattern, thin limbs, loose strands that cover pixels only
+/// partly) and self-occlusion. Light does not depend on the viewpoint, so all cameras see a surface point in
+/// one colour. Deterministic: same rig, seed and time give the same bytes at any thread count and in any
+/// order of calls. Rendered with Embree, each shot on the thread that asks for it; run shots in parallel to
+/// use more cores, those of one frame one after the other: they share its scene.
 class SyntheticStudio {
  public:
   /// Errors: what check(true_rig) finds; InvalidArgument naming the option or defect that is out of its

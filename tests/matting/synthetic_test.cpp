@@ -66,7 +66,7 @@ TEST(DifferenceKeyerInTheStudio, FindsTheDancerInFrontOfThePlate) {
 
 TEST(LuminanceKeyerInTheStudio, FindsTheDancerOnTheBlackStage) {
   SyntheticStudioOptions options;
-  options.green_room = false;
+  options.stage = SyntheticStage::Black;
   EXPECT_GE(agreement("luminance", options).mean_iou, 0.9);
 }
 

@@ -60,7 +60,7 @@ Cutout studio_cutout(std::uint64_t seed, int width, int height) {
   SyntheticStudioOptions options;
   options.seed = seed;
   options.samples = 64;
-  options.green_room = false;
+  options.stage = SyntheticStage::Black;
   const auto studio = SyntheticStudio::create(synthetic_rig(rig), options);
   const SyntheticShot shot = studio->shoot(0, static_cast<int>(seed % 20));
   const Image lit = *to_rgb(shot.frame), plate = studio->plate(0);

@@ -53,7 +53,7 @@ TEST(TracingCamera, HasNoRayWhereTheLensHasNone) {
   const TracingCamera tracing(camera.model, camera.cam_from_world);
   EXPECT_TRUE(std::isnan(tracing.direction(0, 0, 0.5f, 0.5f).x()));
   EXPECT_TRUE(tracing.direction(80, 60, 0.5f, 0.5f).allFinite());
-  const Image plate = photograph_room(tracing, Room({{camera}}, true, 1));
+  const Image plate = photograph_room(tracing, Room({{camera}}, SyntheticStage::Green, 1));
   EXPECT_EQ(plate.at(0, 0)[1], 0) << "black, as in a picture of a lens that does not fill it";
   EXPECT_GT(plate.at(80, 60)[1], 60);
 }
@@ -143,7 +143,7 @@ TEST_F(APhotograph, ShowsTheSamePerformerThroughAPictureTwiceAsLarge) {
 
 TEST(Room, IsSeenFromInsideInEveryDirection) {
   const Rig rig = synthetic_rig({.cameras = 4});
-  const Room room(rig, true, 1);
+  const Room room(rig, SyntheticStage::Green, 1);
   for (float x : {-1.0f, -0.3f, 0.0f, 0.4f, 1.0f})
     for (float y : {-1.0f, 0.0f, 0.7f})
       for (float z : {-1.0f, 0.0f, 1.0f}) {
@@ -156,7 +156,7 @@ TEST(Room, IsSeenFromInsideInEveryDirection) {
 
 TEST(Room, HoldsEveryCameraOfARigHoweverWide) {
   const Rig rig = synthetic_rig({.cameras = 4, .distance = 12, .height_above_floor = 6});
-  const Room room(rig, true, 1);
+  const Room room(rig, SyntheticStage::Green, 1);
   for (const RigCamera& c : rig.cameras) {
     const Vector3f from = c.cam_from_world.center().cast<float>();
     EXPECT_GT(room.color(from, -from).y(), 0.1f);
@@ -165,7 +165,7 @@ TEST(Room, HoldsEveryCameraOfARigHoweverWide) {
 }
 
 TEST(Room, HidesNothingFromACameraOutsideIt) {
-  const Room room(synthetic_rig({.cameras = 4}), true, 1);
+  const Room room(synthetic_rig({.cameras = 4}), SyntheticStage::Green, 1);
   EXPECT_GT(room.color({20, 0, 1}, {-1, 0, 0}).y(), 0.2f) << "the near wall is open, the far one is seen";
   EXPECT_EQ(room.color({20, 0, 1}, {1, 0, 0}), Vector3f(0, 0, 0)) << "nothing behind it";
 }

@@ -186,7 +186,7 @@ TEST(SyntheticTruth, ACameraAmongTheLimbsStillPhotographs) {
 
 TEST(SyntheticTruth, TheBlackStageIsDarkEnoughToKeyByLuminance) {
   SyntheticStudioOptions options = quick_options();
-  options.green_room = false;
+  options.stage = SyntheticStage::Black;
   const SyntheticStudio studio = studio_with(small_rig(), options);
   const Image plate = studio.plate(0);
   EXPECT_LT(*std::max_element(plate.pixels.begin(), plate.pixels.end()), 12);

@@ -18,7 +18,9 @@ class Stage {
  public:
   explicit Stage(bool green, double noise = 1)
       : studio_(SyntheticStudio::create(synthetic_rig({.cameras = 8, .width = 320, .height = 240}),
-                                        {.samples = 4, .green_room = green, .defects = {.noise = noise}})) {
+                                        {.samples = 4,
+                                         .stage = green ? SyntheticStage::Green : SyntheticStage::Black,
+                                         .defects = {.noise = noise}})) {
     EXPECT_THAT(studio_, IsOk());
   }
   const Rig& rig() const { return studio_->published_rig(); }
