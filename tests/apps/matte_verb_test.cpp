@@ -63,6 +63,42 @@ TEST_F(MatteVerb, StartsFromOthersMattes) {
   EXPECT_THAT(output_, HasSubstr("nowhere"));
 }
 
+TEST_F(MatteVerb, AndEveryOtherVerbGoOnWithMattesMadeByHand) {
+  const TakeLayout layout(take_);
+  fs::copy(layout.truth().mattes(), layout.mattes(), fs::copy_options::recursive);
+  const std::string before = *read_file(layout.matte("cam03", 1)), take = " '" + take_.string() + "' ";
+  for (const std::string& verb :
+       {"process" + take, "matte" + take, "process" + take + "--redo",
+        "matte" + take + "--redo --matte chroma", "hull" + take + "--frame 1", "evaluate" + take + "--mattes",
+        "evaluate" + take + "--frames 0 --hold-out cam01 --methods linear",
+        "render" + take + "--orbit --frames 0:2 --size 64x48 -o '" + (folder_ / "film").string() + "'",
+        "matte" + take + "--export '" + (folder_ / "layers").string() + "'"})
+    EXPECT_EQ(run(verb), 0) << verb << "\n" << output_;
+  EXPECT_EQ(*read_file(layout.matte("cam03", 1)), before);
+  EXPECT_FALSE(fs::exists(layout.made_mattes())) << "nothing was made";
+}
+
+TEST_F(MatteVerb, EditsChangeTheFilmOnceTheTakeIsProcessed) {
+  const auto film = [&](const char* name) {
+    return text("render '", take_.string(), "' --orbit --frames 1 --fps 1 --size 64x48 -o '",
+                (folder_ / name).string(), "'");
+  };
+  ASSERT_EQ(run(text("process '", take_.string(), "' --matte chroma")), 0) << output_;
+  ASSERT_EQ(run(film("before")), 0) << output_;
+  MatteEdits edits;  // who wears nothing above the belt in any camera has no head
+  for (const char* serial : {"cam00", "cam01", "cam02", "cam03", "cam04", "cam05"})
+    edits.cameras[serial].masks.push_back(
+        {MatteLabel::Background, {{0, 0}, {160, 0}, {160, 50}, {0, 50}}, 1, 1});
+  ASSERT_THAT(save_matte_edits(edits, TakeLayout(take_).edits()), IsOk());
+  ASSERT_EQ(run(text("matte '", take_.string(), "' --hull-frames 0")), 0) << output_;
+  EXPECT_NE(run(film("between")), 0) << "no picture is older than its silhouettes";
+  EXPECT_THAT(output_, HasSubstr("is older than the matte of camera"));
+  ASSERT_EQ(run(text("process '", take_.string(), "'")), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("mattes 0 made, 12 kept, 0 gaps; meshes 1 made, 1 kept"));
+  ASSERT_EQ(run(film("after")), 0) << output_;
+  EXPECT_NE(picture(folder_ / "before" / "000000.png"), picture(folder_ / "after" / "000000.png"));
+}
+
 TEST_F(MatteVerb, ExportsTheSameStraightLayersInEveryFormat) {
   for (const char* format : {"png8", "png16", "exr"})
     ASSERT_EQ(run(matte(text("--matte closed-form --export '", (folder_ / format).string(),
