@@ -169,13 +169,16 @@ Result<void> prepare_all(capture::TakeReader& take, const MatteTakeOptions& opti
   std::vector<CameraRecord*> records(jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i)
     if (!jobs[i].nothing_to_do()) records[i] = &run.store.camera(jobs[i].serial);
+  std::vector<Result<void>> prepared(jobs.size());
   ProgressPart keys(options.progress, "keys", jobs.size());
   parallel_for(jobs.size(), options.threads, [&](std::size_t i) {
     if (run.stopped()) return;
-    if (records[i])
-      if (Result<void> ok = prepare(take, options, *records[i], jobs[i]); !ok) run.stop(ok.error());
+    if (records[i]) prepared[i] = prepare(take, options, *records[i], jobs[i]);
+    if (!prepared[i]) run.stop(prepared[i].error());
     keys.advance();
   });
+  for (const Result<void>& ok : prepared)  // the first camera's, whichever thread was quicker
+    if (!ok) return ok;
   if (Result<void> ok = run.result(); !ok) return ok;
   // Only now that every camera has a key, the record says that mattes are old.
   std::vector<std::string> known;
@@ -195,6 +198,10 @@ void say_how(const MatteStore& store, std::vector<MatteJob>& jobs, std::vector<s
     job.report.method = record && !record->method.empty() ? record->method : "given";
     for (std::size_t f = 0; f < job.todo.size(); ++f)
       job.report.kept += job.wanted[f] && job.there[f] && !job.todo[f];
+    if (job.report.others > 0 && job.edits != CameraEdits())
+      remarks.push_back(text("camera '", job.serial, "': ", job.report.others,
+                             " mattes of unknown origin are used without what mattes/edits.json says; the "
+                             "editor in `play` changes them when it is allowed to"));
     if (job.report.key == "none" && job.report.clicks == 0)
       remarks.push_back(text("camera '", job.serial,
                              "' has no cloth, plate or backdrop that stands still, so the subject was "

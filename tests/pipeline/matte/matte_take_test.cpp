@@ -146,6 +146,12 @@ TEST(MatteTake, MakesNothingWhereSomebodyGaveMattesUnlessAsked) {
   EXPECT_EQ(report->cameras[0].others, 1);
   EXPECT_EQ(report->cameras[5].gaps, 1);
   EXPECT_FALSE(fs::exists(TakeLayout(take).made_mattes())) << "nothing was made";
+  MatteEdits edits;
+  edits.cameras["cam01"].masks.push_back({MatteLabel::Background, {{2, 2}}, 0, {}, 2});
+  ASSERT_THAT(save_matte_edits(edits, TakeLayout(take).edits()), IsOk());
+  EXPECT_THAT(matte_take(options)->remarks,
+              testing::ElementsAre(HasSubstr("camera 'cam01': 1 mattes of unknown")))
+      << "an edit that has no effect is said";
   options.how = "chroma";
   const Result<MatteReport> asked = matte_take(options);
   ASSERT_THAT(asked, IsOk());
