@@ -40,6 +40,17 @@ Result<void> check_flow_input(std::span<const FlowImage> images, std::span<const
   return {};
 }
 
+std::vector<std::uint8_t> flow_gray(const Image& picture) {
+  if (picture.channels == 1) return picture.pixels;
+  const auto step = static_cast<std::size_t>(picture.channels);
+  std::vector<std::uint8_t> gray(picture.pixels.size() / step);
+  for (std::size_t i = 0; i < gray.size(); ++i) {
+    const std::uint8_t* rgb = picture.pixels.data() + i * step;
+    gray[i] = static_cast<std::uint8_t>((77U * rgb[0] + 150U * rgb[1] + 29U * rgb[2] + 128U) >> 8);
+  }
+  return gray;
+}
+
 Result<FlowField> estimate_flow(FlowEstimator& estimator, const FlowImage& first, const FlowImage& second) {
   const FlowImage images[] = {first, second};
   const FlowPair pair{0, 1};

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/image.h"
 #include "core/result.h"
 
 namespace floatstage::render {
@@ -56,6 +57,9 @@ class FlowEstimator {
                                 std::span<const FlowField> initial, int threads,
                                 std::span<FlowField> result) = 0;
 };
+
+/// Brightness of a picture of 1, 3 or 4 channels (Rec. 601), width*height; its alpha is not looked at.
+std::vector<std::uint8_t> flow_gray(const Image& picture);
 
 /// The field of one pair, from nothing, on this thread.
 Result<FlowField> estimate_flow(FlowEstimator& estimator, const FlowImage& first, const FlowImage& second);
