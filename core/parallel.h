@@ -24,7 +24,9 @@ class IndexBody {
 /// Runs body(i) for every i in [0, count) on up to `threads` threads (0: one per core; 1: on this thread, in
 /// order). Items are handed out one at a time; results must not depend on the order, which is what keeps
 /// outputs the same at any thread count. The first exception thrown by a body is rethrown here after all
-/// threads have stopped. With one thread nothing is allocated.
+/// threads have stopped. The other threads are kept for all calls (docs/adr/0164): a call takes those that
+/// have nothing to do, so items may not wait for one another, and a body may call parallel_for() itself.
+/// Nothing is allocated once as many threads have been asked for before.
 void parallel_for(std::size_t count, int threads, IndexBody body);
 
 /// What `threads = 0` means on this machine.
