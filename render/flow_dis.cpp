@@ -40,17 +40,16 @@ class DisPicture {
  private:
   void continue_beyond_content(const FlowImage& image) {
     const std::size_t size = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-    known_.resize(size);
     values_.assign(image.gray, image.gray + size);
-    for (std::size_t i = 0; i < size; ++i) known_[i] = image.state[i] != 0;
-    fill_unknown(image.width, image.height, 1, known_, values_.data());
+    fill_.run(image.width, image.height, 1, image.state, values_.data());
     std::uint8_t* gray = picture_.ptr<std::uint8_t>();
     for (std::size_t i = 0; i < size; ++i)
-      if (!known_[i]) gray[i] = static_cast<std::uint8_t>(std::clamp(std::lround(values_[i]), 0L, 255L));
+      if (image.state[i] == 0)
+        gray[i] = static_cast<std::uint8_t>(std::clamp(std::lround(values_[i]), 0L, 255L));
   }
 
   cv::Mat picture_;
-  std::vector<bool> known_;
+  PictureFill fill_;
   std::vector<float> values_;
 };
 

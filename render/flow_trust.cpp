@@ -10,88 +10,125 @@ constexpr float kLargestRoundTrip = 0.7F;  // px by which the way there and back
 constexpr float kLargestResidual =
     10;                           // 8-bit steps, mean over a neighbourhood: beyond it nothing was matched
 constexpr int kNeighborhood = 2;  // px to each side
+constexpr int kAcross = 2 * kNeighborhood + 1;
 
-/// A plane of one number a pixel.
-struct Plane {
-  int width = 0, height = 0;
-  std::vector<float> values;
-  std::size_t at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-  }
-};
-
-/// Mean over a square neighbourhood, cut at the border (where fewer pixels count as the full number: a little
-/// trusting).
-void box_mean(Plane& plane, int radius) {
-  const float share = 1.F / static_cast<float>((2 * radius + 1) * (2 * radius + 1));
-  std::vector<float> rows(plane.values.size());
-  for (int y = 0; y < plane.height; ++y) {
-    float sum = 0;
-    for (int x = -radius; x < plane.width; ++x) {
-      if (x + radius < plane.width) sum += plane.values[plane.at(x + radius, y)];
-      if (x - radius - 1 >= 0) sum -= plane.values[plane.at(x - radius - 1, y)];
-      if (x >= 0) rows[plane.at(x, y)] = sum;
-    }
-  }
-  for (int x = 0; x < plane.width; ++x) {
-    float sum = 0;
-    for (int y = -radius; y < plane.height; ++y) {
-      if (y + radius < plane.height) sum += rows[plane.at(x, y + radius)];
-      if (y - radius - 1 >= 0) sum -= rows[plane.at(x, y - radius - 1)];
-      if (y >= 0) plane.values[plane.at(x, y)] = sum * share;
-    }
-  }
-}
-
-float bilinear(const std::vector<std::uint8_t>& gray, const Plane& size, float x, float y) {
-  x = std::clamp(x, 0.F, static_cast<float>(size.width - 1));
-  y = std::clamp(y, 0.F, static_cast<float>(size.height - 1));
+float bilinear(const std::uint8_t* gray, int width, int height, float x, float y) {
+  x = std::min(std::max(0.F, x), static_cast<float>(width - 1));
+  y = std::min(std::max(0.F, y), static_cast<float>(height - 1));
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, size.width - 1), y1 = std::min(y0 + 1, size.height - 1);
+  const int right = x0 + 1 < width ? 1 : 0;
+  const std::ptrdiff_t below = y0 + 1 < height ? width : 0;
   const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  auto value = [&](int u, int v) { return static_cast<float>(gray[size.at(u, v)]); };
-  return (value(x0, y0) * (1 - fx) + value(x1, y0) * fx) * (1 - fy) +
-         (value(x0, y1) * (1 - fx) + value(x1, y1) * fx) * fy;
-}
-
-/// How far image `to`, fetched along `flow` (null: none), is from image `from`, smoothed.
-Plane residual(const ProjectedImages& images, std::size_t from, std::size_t to, const FlowField* flow) {
-  Plane out{images.width, images.height, std::vector<float>(images.gray[from].size())};
-  for (int y = 0; y < out.height; ++y) {
-    for (int x = 0; x < out.width; ++x) {
-      const std::size_t i = out.at(x, y);
-      const float u = flow != nullptr ? flow->uv[2 * i] : 0, v = flow != nullptr ? flow->uv[2 * i + 1] : 0;
-      const float there =
-          bilinear(images.gray[to], out, static_cast<float>(x) + u, static_cast<float>(y) + v);
-      out.values[i] = std::abs(static_cast<float>(images.gray[from][i]) - there);
-    }
-  }
-  box_mean(out, kNeighborhood);
-  return out;
+  const std::uint8_t* at = gray + static_cast<std::ptrdiff_t>(y0) * width + x0;
+  const auto value = [&](std::ptrdiff_t offset) { return static_cast<float>(at[offset]); };
+  return (value(0) * (1 - fx) + value(right) * fx) * (1 - fy) +
+         (value(below) * (1 - fx) + value(below + right) * fx) * fy;
 }
 
 }  // namespace
 
-std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::size_t to,
-                          const FlowField& there, const FlowField* back) {
-  const std::vector<std::uint8_t>&start = images.state[from], &end = images.state[to];
-  const Plane before = residual(images, from, to, nullptr), after = residual(images, from, to, &there);
-  std::vector<bool> good(start.size());
-  for (int y = 0; y < images.height; ++y) {
-    for (int x = 0; x < images.width; ++x) {
-      const std::size_t i = after.at(x, y);
-      if (start[i] != ProjectedImages::kOwn || end[i] != ProjectedImages::kOwn) continue;
-      if (after.values[i] > std::min(kLargestResidual, before.values[i])) continue;
-      const float u = there.uv[2 * i], v = there.uv[2 * i + 1];
-      const long tx = std::lround(static_cast<float>(x) + u), ty = std::lround(static_cast<float>(y) + v);
-      if (tx < 0 || ty < 0 || tx >= images.width || ty >= images.height) continue;
-      const std::size_t t = after.at(static_cast<int>(tx), static_cast<int>(ty));
-      if (end[t] != ProjectedImages::kOwn) continue;
-      good[i] =
-          back == nullptr || std::hypot(u + back->uv[2 * t], v + back->uv[2 * t + 1]) <= kLargestRoundTrip;
-    }
+float* FlowTrust::row(std::vector<float>& rows, int y) const {
+  return rows.data() + static_cast<std::size_t>((y + kAcross) % kAcross) * static_cast<std::size_t>(width_);
+}
+
+// How far image `to`, as it is and fetched along the flow, is from image `from`: summed over a neighbourhood
+// along row y, as far as that reaches into the proxy's rows. Beyond the picture's border nothing differs (a
+// little trusting).
+void FlowTrust::differ(const ProjectedImages& images, std::size_t from, std::size_t to,
+                       const FlowField& there, int y) {
+  float *before = row(before_, y), *after = row(after_, y);
+  std::fill_n(before, width_, 0.F);
+  std::fill_n(after, width_, 0.F);
+  if (y < 0 || y >= height_) return;
+  // Rows above and below ask for what is left and right of this row's own span too.
+  Span span{width_, 0};
+  for (int k = std::max(0, y - kNeighborhood); k <= std::min(height_ - 1, y + kNeighborhood); ++k) {
+    const Span& other = spans_[static_cast<std::size_t>(k)];
+    if (other.begin >= other.end) continue;
+    span.begin = std::min(span.begin, other.begin);
+    span.end = std::max(span.end, other.end);
   }
-  return good;
+  if (span.begin >= span.end) return;
+  const int first = std::max(0, span.begin - kNeighborhood),
+            last = std::min(width_, span.end + kNeighborhood);
+  const std::size_t line = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  const std::uint8_t *a = images.gray[from].data() + line, *b = images.gray[to].data() + line;
+  const float* uv = there.uv.data() + 2 * line;
+  // Two pixels of nothing at either end.
+  float *still = apart_[0].data() + kNeighborhood, *moved = apart_[1].data() + kNeighborhood;
+  for (const int side : {first - kNeighborhood, last})
+    for (int x = side; x < side + kNeighborhood; ++x) still[x] = moved[x] = 0;
+  for (int x = first; x < last; ++x) still[x] = static_cast<float>(std::abs(a[x] - b[x]));
+  for (int x = first; x < last; ++x)
+    moved[x] = std::abs(static_cast<float>(a[x]) - bilinear(images.gray[to].data(), width_, height_,
+                                                            static_cast<float>(x) + uv[2 * x],
+                                                            static_cast<float>(y) + uv[2 * x + 1]));
+  for (int x = span.begin; x < span.end; ++x) {
+    before[x] = still[x - 2] + still[x - 1] + still[x] + still[x + 1] + still[x + 2];
+    after[x] = moved[x - 2] + moved[x - 1] + moved[x] + moved[x + 1] + moved[x + 2];
+  }
+}
+
+void FlowTrust::judge(const ProjectedImages& images, std::size_t from, std::size_t to, const FlowField& there,
+                      const FlowField* back, int y) {
+  const Span span = spans_[static_cast<std::size_t>(y)];
+  const std::size_t line = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  const std::uint8_t *start = images.state[from].data() + line, *end = images.state[to].data();
+  const float *before[kAcross], *after[kAcross];
+  for (int k = 0; k < kAcross; ++k) {
+    before[k] = row(before_, y - kNeighborhood + k);
+    after[k] = row(after_, y - kNeighborhood + k);
+  }
+  constexpr float kMost = kLargestResidual * kAcross * kAcross;
+  for (int x = span.begin; x < span.end; ++x) {
+    if (start[x] != ProjectedImages::kOwn || end[line + static_cast<std::size_t>(x)] != ProjectedImages::kOwn)
+      continue;
+    float still = 0, moved = 0;
+    for (int k = 0; k < kAcross; ++k) {
+      still += before[k][x];
+      moved += after[k][x];
+    }
+    if (moved > std::min(kMost, still)) continue;
+    const std::size_t i = line + static_cast<std::size_t>(x);
+    const float u = there.uv[2 * i], v = there.uv[2 * i + 1];
+    const float tx = static_cast<float>(x) + u + 0.5F, ty = static_cast<float>(y) + v + 0.5F;
+    if (!(tx >= 0 && ty >= 0 && tx < static_cast<float>(width_) && ty < static_cast<float>(height_)))
+      continue;
+    const std::size_t t =
+        static_cast<std::size_t>(ty) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(tx);
+    if (end[t] != ProjectedImages::kOwn) continue;
+    if (back != nullptr) {
+      const float home_u = u + back->uv[2 * t], home_v = v + back->uv[2 * t + 1];
+      if (!(home_u * home_u + home_v * home_v <= kLargestRoundTrip * kLargestRoundTrip)) continue;
+    }
+    believed_[i] = 1;
+  }
+}
+
+const std::vector<std::uint8_t>& FlowTrust::run(const ProjectedImages& images, std::size_t from,
+                                                std::size_t to, const FlowField& there,
+                                                const FlowField* back) {
+  width_ = images.width;
+  height_ = images.height;
+  const auto width = static_cast<std::size_t>(width_), height = static_cast<std::size_t>(height_);
+  believed_.assign(width * height, 0);
+  spans_.resize(height);
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::uint8_t* state = images.state[from].data() + y * width;
+    int begin = 0, end = width_;
+    while (begin < end && state[begin] == ProjectedImages::kNoProxy) ++begin;
+    while (end > begin && state[end - 1] == ProjectedImages::kNoProxy) --end;
+    spans_[y] = {begin, end};
+  }
+  for (std::vector<float>& apart : apart_) apart.resize(width + 2 * kNeighborhood);
+  before_.resize(kAcross * width);
+  after_.resize(kAcross * width);
+  for (int y = -kNeighborhood; y < kNeighborhood; ++y) differ(images, from, to, there, y);
+  for (int y = 0; y < height_; ++y) {
+    differ(images, from, to, there, y + kNeighborhood);
+    judge(images, from, to, there, back, y);
+  }
+  return believed_;
 }
 
 }  // namespace floatstage::render

@@ -9,10 +9,29 @@
 
 namespace floatstage::render {
 
-/// Per pixel of image `from`: is the flow `there` to image `to` to be believed? Both images must have their
-/// own colour at both ends, `back` (may be null) must lead home, and the flow must make the images agree:
-/// well, and better than no flow at all.
-std::vector<bool> trusted(const ProjectedImages& images, std::size_t from, std::size_t to,
-                          const FlowField& there, const FlowField* back);
+/// Is a flow to be believed? Keeps its memory: use one for many pairs; one thread at a time.
+class FlowTrust {
+ public:
+  /// Per pixel of image `from`, 1 or 0: is the flow `there` to image `to` to be believed? Both images must
+  /// have their own colour at both ends, `back` (may be null) must lead home, and the flow must make the
+  /// images agree: well, and better than no flow at all. Valid until the next call.
+  const std::vector<std::uint8_t>& run(const ProjectedImages& images, std::size_t from, std::size_t to,
+                                       const FlowField& there, const FlowField* back);
+
+ private:
+  struct Span {
+    int begin = 0, end = 0;  // of a row's pixels on the proxy
+  };
+  void differ(const ProjectedImages& images, std::size_t from, std::size_t to, const FlowField& there, int y);
+  void judge(const ProjectedImages& images, std::size_t from, std::size_t to, const FlowField& there,
+             const FlowField* back, int y);
+  float* row(std::vector<float>& rows, int y) const;
+
+  int width_ = 0, height_ = 0;
+  std::vector<Span> spans_;
+  std::vector<float> apart_[2];        // of one row: differences without and with the flow
+  std::vector<float> before_, after_;  // sums along rows, of as many rows as a neighbourhood has
+  std::vector<std::uint8_t> believed_;
+};
 
 }  // namespace floatstage::render

@@ -1,84 +1,97 @@
 #include "render/image_fill.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 
 namespace floatstage::render {
-namespace {
 
-struct Level {
-  int width = 0, height = 0;
-  std::vector<float> value, weight;  // weight 1: known, 0: unknown
-  std::size_t at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-  }
-};
-
-Level half(const Level& fine) {
-  Level coarse;
-  coarse.width = (fine.width + 1) / 2;
-  coarse.height = (fine.height + 1) / 2;
-  coarse.value.assign(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height), 0);
-  coarse.weight = coarse.value;
-  for (int y = 0; y < fine.height; ++y) {
-    for (int x = 0; x < fine.width; ++x) {
-      const std::size_t to = coarse.at(x / 2, y / 2), from = fine.at(x, y);
-      coarse.value[to] += fine.weight[from] * fine.value[from];
-      coarse.weight[to] += fine.weight[from];
-    }
-  }
-  for (std::size_t i = 0; i < coarse.value.size(); ++i) {
-    if (coarse.weight[i] <= 0) continue;
-    coarse.value[i] /= coarse.weight[i];
-    coarse.weight[i] = std::min(coarse.weight[i], 1.F);
-  }
-  return coarse;
+void PictureFill::Level::reset(int w, int h) {
+  width = w;
+  height = h;
+  stride = static_cast<std::size_t>((w + 1) / 2 * 2);
+  const std::size_t size = stride * static_cast<std::size_t>((h + 1) / 2 * 2);
+  value.assign(size, 0);
+  weight.assign(size, 0);
 }
 
-float bilinear(const Level& level, float x, float y) {
-  x = std::clamp(x, 0.F, static_cast<float>(level.width - 1));
-  y = std::clamp(y, 0.F, static_cast<float>(level.height - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, level.width - 1), y1 = std::min(y0 + 1, level.height - 1);
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const float top = level.value[level.at(x0, y0)] * (1 - fx) + level.value[level.at(x1, y0)] * fx;
-  const float bottom = level.value[level.at(x0, y1)] * (1 - fx) + level.value[level.at(x1, y1)] * fx;
-  return top * (1 - fy) + bottom * fy;
-}
-
-void push(const Level& coarse, Level& fine) {
-  for (int y = 0; y < fine.height; ++y) {
-    for (int x = 0; x < fine.width; ++x) {
-      const std::size_t i = fine.at(x, y);
-      if (fine.weight[i] >= 1) continue;
-      const float around =
-          bilinear(coarse, 0.5F * static_cast<float>(x) - 0.25F, 0.5F * static_cast<float>(y) - 0.25F);
-      fine.value[i] = fine.weight[i] * fine.value[i] + (1 - fine.weight[i]) * around;
+// A coarse pixel is the mean of the known ones among its four.
+void PictureFill::pull(Level& fine, Level& coarse, bool weights_too) {
+  for (int y = 0; y < coarse.height; ++y) {
+    const float *v0 = fine.row(fine.value, 2 * y), *v1 = fine.row(fine.value, 2 * y + 1);
+    const float *w0 = fine.row(fine.weight, 2 * y), *w1 = fine.row(fine.weight, 2 * y + 1);
+    float *value = coarse.row(coarse.value, y), *weight = coarse.row(coarse.weight, y);
+    for (int x = 0; x < coarse.width; ++x) {
+      const float sum = w0[2 * x] * v0[2 * x] + w0[2 * x + 1] * v0[2 * x + 1] + w1[2 * x] * v1[2 * x] +
+                        w1[2 * x + 1] * v1[2 * x + 1];
+      const float total = w0[2 * x] + w0[2 * x + 1] + w1[2 * x] + w1[2 * x + 1];
+      value[x] = sum / (total > 0 ? total : 1);
+      if (weights_too) weight[x] = std::min(total, 1.F);
     }
   }
 }
 
-}  // namespace
+// A coarse row at twice its width, by linear interpolation between pixel centres.
+const float* PictureFill::expanded(Level& coarse, int y, int width) {
+  const auto slot = static_cast<std::size_t>(y % 2);
+  float* out = rows_[slot].data();
+  if (row_at_[slot] == y) return out;
+  row_at_[slot] = y;
+  const float* in = coarse.row(coarse.value, y);
+  const int last = coarse.width - 1;
+  out[0] = in[0];
+  for (int x = 0; x < last; ++x) {
+    out[2 * x + 1] = in[x] * 0.75F + in[x + 1] * 0.25F;
+    out[2 * x + 2] = in[x] * 0.25F + in[x + 1] * 0.75F;
+  }
+  if (2 * last + 1 < width) out[2 * last + 1] = in[last];
+  return out;
+}
 
-void fill_unknown(int width, int height, int channels, const std::vector<bool>& known, float* values) {
-  const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+void PictureFill::push(Level& coarse, Level& fine) {
+  for (std::vector<float>& row : rows_)
+    if (row.size() < fine.stride) row.resize(fine.stride);
+  row_at_[0] = row_at_[1] = -1;
+  for (int y = 0; y < fine.height; ++y) {
+    const float place =
+        std::clamp(0.5F * static_cast<float>(y) - 0.25F, 0.F, static_cast<float>(coarse.height - 1));
+    const int y0 = static_cast<int>(place), y1 = std::min(y0 + 1, coarse.height - 1);
+    const float lower = place - static_cast<float>(y0), upper = 1 - lower;
+    const float *top = expanded(coarse, y0, fine.width), *bottom = expanded(coarse, y1, fine.width);
+    float* value = fine.row(fine.value, y);
+    const float* weight = fine.row(fine.weight, y);
+    for (int x = 0; x < fine.width; ++x) {
+      const float around = top[x] * upper + bottom[x] * lower;
+      value[x] = weight[x] >= 1 ? value[x] : weight[x] * value[x] + (1 - weight[x]) * around;
+    }
+  }
+}
+
+void PictureFill::run(int width, int height, int channels, const std::uint8_t* known, float* values) {
   const auto step = static_cast<std::size_t>(channels);
+  std::size_t count = 0;
+  for (int w = width, h = height;; w = (w + 1) / 2, h = (h + 1) / 2) {
+    if (levels_.size() <= count) levels_.emplace_back();
+    levels_[count++].reset(w, h);
+    if (w == 1 && h == 1) break;
+  }
+  Level& base = levels_.front();
   for (std::size_t c = 0; c < step; ++c) {
-    std::vector<Level> levels(1);
-    Level& base = levels.front();
-    base.width = width;
-    base.height = height;
-    base.value.resize(size);
-    base.weight.resize(size);
-    for (std::size_t i = 0; i < size; ++i) {
-      base.value[i] = values[i * step + c];
-      base.weight[i] = known[i] ? 1.F : 0.F;
+    for (int y = 0; y < height; ++y) {
+      const std::size_t line = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+      float *value = base.row(base.value, y), *weight = base.row(base.weight, y);
+      for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+        const bool is = known[line + x] != 0;
+        value[x] = is ? values[(line + x) * step + c] : 0;
+        weight[x] = is ? 1.F : 0.F;
+      }
     }
-    while (levels.back().width > 1 || levels.back().height > 1) levels.push_back(half(levels.back()));
-    if (levels.back().weight[0] <= 0) levels.back().value[0] = 0;
-    for (std::size_t l = levels.size() - 1; l-- > 0;) push(levels[l + 1], levels[l]);
-    for (std::size_t i = 0; i < size; ++i) values[i * step + c] = levels[0].value[i];
+    for (std::size_t l = 0; l + 1 < count; ++l) pull(levels_[l], levels_[l + 1], c == 0);
+    for (std::size_t l = count - 1; l-- > 0;) push(levels_[l + 1], levels_[l]);
+    for (int y = 0; y < height; ++y) {
+      const std::size_t line = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+      const float* value = base.row(base.value, y);
+      for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x)
+        values[(line + x) * step + c] = value[x];
+    }
   }
 }
 

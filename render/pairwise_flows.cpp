@@ -1,39 +1,45 @@
 #include "render/pairwise_flows.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "core/parallel.h"
-#include "render/image_fill.h"
 
 namespace floatstage::render {
 namespace {
 
 constexpr float kNoise = 0.15F,
                 kCertain = 0.45F;  // px: displacements the flow invents, and those to be followed
+constexpr std::size_t kNotAsked = static_cast<std::size_t>(-1);
 
-struct Pair {
-  std::size_t from, to;
-};
-
-Pair pair_at(std::size_t index, std::size_t images) {
+FlowPair pair_at(std::size_t index, std::size_t images) {
   const std::size_t from = index / (images - 1), rest = index % (images - 1);
   return {from, rest < from ? rest : rest + 1};
 }
 
-std::size_t index_of(Pair pair, std::size_t images) {
-  return pair.from * (images - 1) + (pair.to < pair.from ? pair.to : pair.to - 1);
+std::size_t index_of(FlowPair pair, std::size_t images) {
+  return pair.first * (images - 1) + (pair.second < pair.first ? pair.second : pair.second - 1);
 }
 
 /// Where the projections already meet, the flow still jitters by a fraction of a pixel (resampling noise):
 /// following it would only blur. Such displacements become zero, larger ones stay as they are.
 void drop_jitter(FlowField& field) {
   for (std::size_t i = 0; i < field.uv.size(); i += 2) {
-    const float length = std::hypot(field.uv[i], field.uv[i + 1]);
-    const float keep = std::clamp((length - kNoise) / (kCertain - kNoise), 0.F, 1.F);
-    field.uv[i] *= keep;
-    field.uv[i + 1] *= keep;
+    float &u = field.uv[i], &v = field.uv[i + 1];
+    const float square = u * u + v * v;
+    if (square >= kCertain * kCertain) continue;
+    const float keep =
+        square <= kNoise * kNoise ? 0 : std::min((std::sqrt(square) - kNoise) / (kCertain - kNoise), 1.F);
+    u *= keep;
+    v *= keep;
   }
+}
+
+void make_zero(FlowField& field, const ProjectedImages& images) {
+  field.width = images.width;
+  field.height = images.height;
+  field.uv.assign(2 * images.gray.front().size(), 0);
 }
 
 }  // namespace
@@ -41,13 +47,9 @@ void drop_jitter(FlowField& field) {
 Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
                                      const FlowOptions& options, int threads) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
+  fields_.resize(pairs);
   if (options.backend == "none") {
-    fields_.resize(pairs);
-    for (FlowField& field : fields_) {
-      field.width = images.width;
-      field.height = images.height;
-      field.uv.assign(2 * images.gray.front().size(), 0);
-    }
+    for (FlowField& field : fields_) make_zero(field, images);
     return {};
   }
   if (options_ != options) estimator_.reset();
@@ -57,38 +59,44 @@ Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::v
     if (!made) return forward(made);
     estimator_ = std::move(*made);
   }
-  std::vector<FlowImage> pictures;
+  pictures_.clear();
   for (std::size_t i = 0; i < count; ++i)
-    pictures.push_back({images.width, images.height, images.gray[i].data(), images.state[i].data()});
-  std::vector<FlowPair> asked;
-  std::vector<std::size_t> place(pairs, pairs);  // of a pair among those that are asked for
+    pictures_.push_back({images.width, images.height, images.gray[i].data(), images.state[i].data()});
+  asked_.clear();
+  place_.assign(pairs, kNotAsked);
   for (std::size_t index = 0; index < pairs; ++index) {
-    const Pair pair = pair_at(index, count);
-    if (!wanted[pair.to]) continue;
-    place[index] = asked.size();
-    asked.push_back({pair.from, pair.to});
+    const FlowPair pair = pair_at(index, count);
+    if (!wanted[pair.second]) continue;
+    place_[index] = asked_.size();
+    asked_.push_back(pair);
   }
-  raw_.resize(std::max(raw_.size(), asked.size()));
-  if (Result<void> ok = estimator_->estimate(pictures, asked, {}, threads, {raw_.data(), asked.size()}); !ok)
+  raw_.resize(std::max(raw_.size(), asked_.size()));
+  if (Result<void> ok = estimator_->estimate(pictures_, asked_, {}, threads, {raw_.data(), asked_.size()});
+      !ok)
     return ok;
 
-  fields_.resize(pairs);
-  parallel_for(pairs, threads, [&](std::size_t index) {
-    const Pair pair = pair_at(index, count);
-    FlowField& field = fields_[index];
-    if (!wanted[pair.to]) {
-      field.width = images.width;
-      field.height = images.height;
-      field.uv.assign(2 * images.gray[pair.from].size(), 0);
-      return;
-    }
-    field = raw_[place[index]];
-    const FlowField* back = wanted[pair.from] ? &raw_[place[index_of({pair.to, pair.from}, count)]] : nullptr;
-    fill_unknown(images.width, images.height, 2, trusted(images, pair.from, pair.to, field, back),
-                 field.uv.data());
-    drop_jitter(field);
+  const std::size_t workers =
+      std::min(pairs, static_cast<std::size_t>(threads > 0 ? threads : default_threads()));
+  workers_.resize(std::max(workers_.size(), workers));
+  std::atomic<std::size_t> next = 0;
+  parallel_for(workers, threads, [&](std::size_t worker) {
+    for (std::size_t index; (index = next.fetch_add(1)) < pairs;)
+      make_dependable(images, index, workers_[worker]);
   });
   return {};
+}
+
+void PairwiseFlows::make_dependable(const ProjectedImages& images, std::size_t index, Worker& worker) {
+  FlowField& field = fields_[index];
+  if (place_[index] == kNotAsked) return make_zero(field, images);
+  const std::size_t count = images.gray.size();
+  const FlowPair pair = pair_at(index, count);
+  field = raw_[place_[index]];
+  const std::size_t home = place_[index_of({pair.second, pair.first}, count)];
+  const FlowField* back = home == kNotAsked ? nullptr : &raw_[home];
+  worker.fill.run(images.width, images.height, 2,
+                  worker.trust.run(images, pair.first, pair.second, field, back).data(), field.uv.data());
+  drop_jitter(field);
 }
 
 }  // namespace floatstage::render

@@ -84,16 +84,16 @@ TEST(Flow, RefusesUnknownNamesAndNumbers) {
   EXPECT_THAT(render::make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "finest scale"));
 }
 
-TEST(FillUnknown, KeepsWhatIsKnownAndContinuesItSmoothly) {
+TEST(PictureFill, KeepsWhatIsKnownAndContinuesItSmoothly) {
   constexpr int kWidth = 33, kHeight = 20;
   std::vector<float> values(kWidth * kHeight, -1000);
-  std::vector<bool> known(kWidth * kHeight, false);
+  std::vector<std::uint8_t> known(kWidth * kHeight, 0);
   for (int y = 0; y < kHeight; ++y)
     for (int x : {0, 1, 31, 32}) {
-      known[static_cast<std::size_t>(y * kWidth + x)] = true;
+      known[static_cast<std::size_t>(y * kWidth + x)] = 1;
       values[static_cast<std::size_t>(y * kWidth + x)] = x < 5 ? 10 : 20;
     }
-  render::fill_unknown(kWidth, kHeight, 1, known, values.data());
+  PictureFill().run(kWidth, kHeight, 1, known.data(), values.data());
   for (int i = 0; i < kWidth * kHeight; ++i) {
     const float v = values[static_cast<std::size_t>(i)];
     if (known[static_cast<std::size_t>(i)]) {
@@ -105,9 +105,27 @@ TEST(FillUnknown, KeepsWhatIsKnownAndContinuesItSmoothly) {
   EXPECT_NEAR(values[10 * kWidth + 16], 15, 2);
 }
 
-TEST(FillUnknown, NothingKnownIsZero) {
+TEST(PictureFill, GivesTheSameWhenItsMemoryIsUsedAgain) {
+  PictureFill used;
+  for (const auto& [width, height] :
+       {std::pair(33, 20), std::pair(7, 41), std::pair(1, 1), std::pair(32, 5)}) {
+    std::vector<float> values;
+    std::vector<std::uint8_t> known;
+    for (int i = 0; i < width * height; ++i) {
+      known.push_back(i % 7 == 3 ? 200 : 0);
+      values.push_back(static_cast<float>(i % 13));
+      values.push_back(static_cast<float>(i % 5));
+    }
+    std::vector<float> again = values;
+    PictureFill().run(width, height, 2, known.data(), values.data());
+    used.run(width, height, 2, known.data(), again.data());
+    EXPECT_EQ(values, again) << width << "x" << height;
+  }
+}
+
+TEST(PictureFill, NothingKnownIsZero) {
   std::vector<float> values(30, 7);
-  render::fill_unknown(3, 5, 2, std::vector<bool>(15, false), values.data());
+  PictureFill().run(3, 5, 2, std::vector<std::uint8_t>(15, 0).data(), values.data());
   EXPECT_THAT(values, testing::Each(0.F));
 }
 
@@ -126,16 +144,16 @@ TEST(FlowTrust, BelievesARightFlowAndNotAWrongOne) {
     back.uv[i] = -3;
   }
   const std::size_t middle = 60 * 160 + 80;
-  EXPECT_TRUE(render::trusted(images, 0, 1, right, &back)[middle]);
-  EXPECT_FALSE(render::trusted(images, 0, 1, wrong, nullptr)[middle]) << "it makes the pictures differ more";
-  EXPECT_FALSE(render::trusted(images, 0, 1, right, &right)[middle]) << "the way back does not lead home";
+  EXPECT_TRUE(FlowTrust().run(images, 0, 1, right, &back)[middle]);
+  EXPECT_FALSE(FlowTrust().run(images, 0, 1, wrong, nullptr)[middle]) << "it makes the pictures differ more";
+  EXPECT_FALSE(FlowTrust().run(images, 0, 1, right, &right)[middle]) << "the way back does not lead home";
 }
 
 TEST(FlowTrust, BelievesNothingWhereAColorIsBorrowed) {
   render::ProjectedImages images = two_images(0);
   images.state[1].assign(images.state[1].size(), ProjectedImages::kFilled);
   const FlowField none{160, 120, std::vector<float>(2 * 160 * 120, 0)};
-  EXPECT_THAT(render::trusted(images, 0, 1, none, &none), testing::Each(false));
+  EXPECT_THAT(FlowTrust().run(images, 0, 1, none, &none), testing::Each(0));
 }
 
 TEST(PairwiseFlows, HasBothDirections) {
