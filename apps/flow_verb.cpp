@@ -98,9 +98,9 @@ void add_flow(CLI::App& app, Chosen& chosen) {
   verb->add_option("second", options->second, "PNG of the same size that is looked into")
       ->required()
       ->type_name("PNG");
-  verb->add_option("--flow", options->backend, "Flow back-end")
+  verb->add_option("--flow", options->backend, "Flow back-end: variational or dis")
       ->capture_default_str()
-      ->check(one_of(render::flow_backends()));
+      ->check(one_of(render::flow_backends()).description(""));
   verb->add_option("--preset", options->preset, "How much time it may take")
       ->capture_default_str()
       ->check(one_of({"quality", "fast"}));

@@ -4,6 +4,15 @@
 #include "core/text.h"
 
 namespace floatstage::apps {
+namespace {
+
+std::vector<std::string> known_flows() {
+  std::vector<std::string> names = render::flow_backends();
+  names.emplace_back("none");
+  return names;
+}
+
+}  // namespace
 
 void add_back_end_flag(CLI::App& verb, std::string& back_end) {
   verb.add_option("--renderer", back_end,
@@ -16,6 +25,7 @@ void add_back_end_flag(CLI::App& verb, std::string& back_end) {
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
   add_back_end_flag(verb, flags.back_end);
   render::RendererOptions& o = flags.options;
+  o.flow.backend = "variational";
   add_blend(verb, o.cameras);
   add_background(verb, flags.background);
   verb.add_option("--show", flags.show, "What the picture shows: the colours, or an intermediate")
@@ -24,10 +34,11 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
       ->group(kGroupPicture);
   const std::vector<CLI::Option*> tuning = {
       verb.add_option("--soft-radius", o.soft_radius, "Radius of soft visibility, px"),
-      verb.add_option("--flow", o.flow.backend, "Flow back-end"),
+      verb.add_option("--flow", o.flow.backend, "Flow back-end: variational, dis, or none")
+          ->check(one_of(known_flows()).description("")),
       verb.add_option(
               "--flow-preset", o.flow.preset,
-              "dis: ultrafast, fast or medium; variational: fast or quality (default: the back-end's own)")
+              "variational: fast or quality; dis: medium, fast or ultrafast (default: the first of these)")
           ->check(one_of({"ultrafast", "fast", "medium", "quality"})),
       verb.add_option("--flow-finest-scale", o.flow.finest_scale,
                       "Pyramid level at which the flow stops; 0: full resolution")};

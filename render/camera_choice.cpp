@@ -31,9 +31,10 @@ double fade(double angle, double threshold) {
 
 CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
                             const std::vector<Eigen::Vector3f>& samples, const View& view, int count,
-                            const std::vector<bool>& pictured) {
+                            const std::vector<bool>& pictured, CameraRanking& memory) {
   const Eigen::Vector3d eye = view.view_from_world.center();
-  std::vector<double> angle(cameras.size(), 0.0);
+  std::vector<double>& angle = memory.angle;
+  angle.assign(cameras.size(), 0.0);
   double total = 0;
   for (const Eigen::Vector3f& sample : samples) {
     const Eigen::Vector3d p = sample.cast<double>();
@@ -48,7 +49,8 @@ CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
   if (total > 0)
     for (double& a : angle) a /= total;
 
-  std::vector<int> order(cameras.size());
+  std::vector<int>& order = memory.order;
+  order.resize(cameras.size());
   std::iota(order.begin(), order.end(), 0);
   auto key = [&](int i) {
     const auto c = static_cast<std::size_t>(i);
@@ -59,7 +61,8 @@ CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
   std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
 
   // The ranks of the cameras with a picture.
-  std::vector<std::size_t> usable;
+  std::vector<std::size_t>& usable = memory.usable;
+  usable.clear();
   for (std::size_t rank = 0; rank < order.size(); ++rank)
     if (pictured.empty() || pictured[static_cast<std::size_t>(order[rank])]) usable.push_back(rank);
 

@@ -7,20 +7,29 @@
 #include "core/mesh.h"
 #include "core/rig.h"
 #include "core/view.h"
+#include "render/short_list.h"
 
 namespace floatstage::render {
 
-/// The photographs a view is made from, for the whole view: the per-pixel weights are refined from these.
-struct CameraChoice {
-  std::vector<int> listed;  ///< indices into the given cameras, nearest first; the first `chosen` are blended
-  std::size_t chosen = 0;   ///< the others stand in where none of the chosen sees the proxy
-  std::vector<float>
-      fade;  ///< per listed camera: 1 at the view … 0 where the next camera would take its place
-  std::vector<float> stand_in_fade;  ///< the same for the list as a whole
-};
-
 /// At most this many cameras are listed (the shaders' weights are two RGBA textures).
 inline constexpr int kMostListed = 8;
+
+/// The photographs a view is made from, for the whole view: the per-pixel weights are refined from these.
+struct CameraChoice {
+  ShortList<int, kMostListed>
+      listed;              ///< indices into the given cameras, nearest first; the first `chosen` are blended
+  std::size_t chosen = 0;  ///< the others stand in where none of the chosen sees the proxy
+  ShortList<float, kMostListed>
+      fade;  ///< per listed camera: 1 at the view … 0 where the next camera would take its place
+  ShortList<float, kMostListed> stand_in_fade;  ///< the same for the list as a whole
+};
+
+/// What choose_cameras() works in, kept from view to view.
+struct CameraRanking {
+  std::vector<double> angle;
+  std::vector<int> order;
+  std::vector<std::size_t> usable;
+};
 
 /// Ranks cameras by the mean angle, over sample points of the proxy, between the ray to the view and the ray
 /// to the camera (the angular penalty of Buehler et al. 2001). A camera's fade falls to zero as the next
@@ -31,7 +40,7 @@ inline constexpr int kMostListed = 8;
 /// where a fade ends, so that a view drawn from just the cameras it needs equals one drawn from all.
 CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
                             const std::vector<Eigen::Vector3f>& samples, const View& view, int count,
-                            const std::vector<bool>& pictured = {});
+                            const std::vector<bool>& pictured, CameraRanking& memory);
 
 /// Some corners of a mesh, spread over it: what cameras are ranked by.
 std::vector<Eigen::Vector3f> ranking_samples(const Mesh& mesh);

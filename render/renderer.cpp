@@ -70,9 +70,9 @@ std::vector<RendererInfo> renderers() {
 }
 
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count) {
-  CameraChoice choice = choose_cameras(rig.cameras, ranking_samples(mesh), view, count);
-  choice.listed.resize(choice.chosen);
-  return choice.listed;
+  CameraRanking memory;
+  const CameraChoice choice = choose_cameras(rig.cameras, ranking_samples(mesh), view, count, {}, memory);
+  return {choice.listed.begin(), choice.listed.begin() + choice.chosen};
 }
 
 Image download(const RenderedView& view) {

@@ -10,6 +10,7 @@
 #include "core/result.h"
 #include "core/view.h"
 #include "render/back_end.h"
+#include "render/camera_choice.h"
 #include "render/flow.h"
 #include "render/scene.h"
 
@@ -46,7 +47,7 @@ struct RenderedView {
   unsigned texture = 0;            ///< GL back-end: a GL_TEXTURE_2D; 0 otherwise
   const Image* picture = nullptr;  ///< CPU back-end: rows top first; null otherwise
   int width = 0, height = 0;
-  std::vector<int> cameras;  ///< the photographs used, strongest first
+  ShortList<int, kMostListed> cameras;  ///< the photographs used, strongest first
 };
 
 /// Draws a Scene from a View. One thread at a time, with GL the GL thread. Same inputs, same bytes.

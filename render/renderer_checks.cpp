@@ -13,8 +13,8 @@ Result<void> check_render(const Scene& scene, const View& view, const RendererOp
   return {};
 }
 
-std::vector<int> cameras_of(const Scene& scene, const CameraChoice& choice) {
-  std::vector<int> cameras;
+ShortList<int, kMostListed> cameras_of(const Scene& scene, const CameraChoice& choice) {
+  ShortList<int, kMostListed> cameras;
   for (std::size_t i = 0; i < choice.chosen; ++i)
     cameras.push_back(scene.impl().rig_index[static_cast<std::size_t>(choice.listed[i])]);
   return cameras;

@@ -9,6 +9,6 @@ namespace floatstage::render {
 Result<void> check_render(const Scene& scene, const View& view, const RendererOptions& options);
 
 /// RenderedView::cameras of a choice.
-std::vector<int> cameras_of(const Scene& scene, const CameraChoice& choice);
+ShortList<int, kMostListed> cameras_of(const Scene& scene, const CameraChoice& choice);
 
 }  // namespace floatstage::render

@@ -197,9 +197,9 @@ Result<void> Scene::set(const Rig& rig, const Mesh& mesh, std::span<const Pictur
 }
 
 CameraChoice Scene::Impl::choose(const View& view, int count) const {
-  std::vector<bool> pictured(ranked.size());
+  pictured.resize(ranked.size());
   for (std::size_t i = 0; i < ranked.size(); ++i) pictured[i] = slot[i] >= 0;
-  CameraChoice choice = choose_cameras(ranked, samples, view, count, pictured);
+  CameraChoice choice = choose_cameras(ranked, samples, view, count, pictured, ranking);
   for (int& camera : choice.listed) camera = slot[static_cast<std::size_t>(camera)];
   return choice;
 }

@@ -50,6 +50,8 @@ struct Scene::Impl {
   Eigen::AlignedBox3f box;
   std::uint64_t version = 0;  ///< counts what was set
 
+  mutable CameraRanking ranking;  ///< memory of choose(), as is `pictured`
+  mutable std::vector<bool> pictured;
   mutable std::shared_ptr<void> on_gpu;  ///< gl::SceneTextures of a version
   mutable std::shared_ptr<void> on_cpu;  ///< cpu::SceneMaps of a version
 

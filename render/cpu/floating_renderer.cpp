@@ -48,16 +48,17 @@ class FloatingRenderer : public ViewRenderer {
   Projection projection_;
   Picture picture_;
   ProjectedImages images_;
+  std::vector<bool> pulls_;
   PairwiseFlows pairwise_;
 };
 
 Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   if (count() < 2) return {};
-  std::vector<bool> pulls(count());
-  for (std::size_t i = 0; i < count(); ++i) pulls[i] = projection_.choice().fade[i] >= kLeastFade;
-  if (std::find(pulls.begin(), pulls.end(), true) == pulls.end()) pulls.assign(count(), true);
+  pulls_.resize(count());
+  for (std::size_t i = 0; i < count(); ++i) pulls_[i] = projection_.choice().fade[i] >= kLeastFade;
+  if (std::find(pulls_.begin(), pulls_.end(), true) == pulls_.end()) pulls_.assign(count(), true);
   projection_.gray_images(options.flow.shrink, images_);
-  return pairwise_.estimate(images_, pulls, options.flow, options.threads);
+  return pairwise_.estimate(images_, pulls_, options.flow, options.threads);
 }
 
 // How much each camera's idea of a position counts (angular weights, visible or not), and its colour.

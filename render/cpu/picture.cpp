@@ -36,8 +36,10 @@ std::array<float, 3> camera_color(int index) {
 }  // namespace
 
 void Picture::begin(const View& view, const std::array<float, 3>& background) {
-  if (image_.width != view.model.width || image_.height != view.model.height)
-    image_ = Image(view.model.width, view.model.height, 4);
+  image_.width = view.model.width;
+  image_.height = view.model.height;
+  image_.channels = 4;
+  image_.pixels.resize(4 * static_cast<std::size_t>(image_.width) * static_cast<std::size_t>(image_.height));
   const std::uint8_t rgba[4] = {byte_of(255 * background[0]), byte_of(255 * background[1]),
                                 byte_of(255 * background[2]), 0};
   const std::size_t row = 4 * static_cast<std::size_t>(image_.width);

@@ -40,7 +40,7 @@ SceneMaps& SceneMaps::of(const Scene::Impl& scene) {
   return maps;
 }
 
-void ProxyRaster::run(const Scene::Impl& scene, const RasterCamera& view, const std::vector<int>& wanted,
+void ProxyRaster::run(const Scene::Impl& scene, const RasterCamera& view, std::span<const int> wanted,
                       int threads, float* inverse_z, std::uint32_t* triangle) {
   SceneMaps& maps = SceneMaps::of(scene);
   std::size_t count = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "render/cpu/raster.h"
@@ -28,7 +29,7 @@ struct SceneMaps {
 class ProxyRaster {
  public:
   /// `inverse_z` and `triangle` get the view's picture, view.width x view.height.
-  void run(const Scene::Impl& scene, const RasterCamera& view, const std::vector<int>& wanted, int threads,
+  void run(const Scene::Impl& scene, const RasterCamera& view, std::span<const int> wanted, int threads,
            float* inverse_z, std::uint32_t* triangle);
 
  private:

@@ -13,17 +13,35 @@ namespace {
 constexpr int kLeastSide = 20;  // px of the coarsest level: large displacements, and still something to see
 constexpr int kMostFinest = 3;  // levels a field may be enlarged by: beyond it nothing of a picture is left
 
-SolverOptions quality() {
-  SolverOptions options;
-  options.finest_warps = 8;
-  options.most_warps = 8;
-  options.cubic = true;
-  return options;
+/// How a preset solves, and what its pictures are prepared for.
+struct Preset {
+  SolverOptions solver;
+  PyramidOptions pyramid;
+};
+
+// What `floating` asks for six times a picture. Fields between projections of photographs have less structure
+// than those between a film's pictures: smoother, and smooth by squares up to a third of a pixel
+// (docs/adr/0163).
+Preset fast() {
+  Preset preset;
+  preset.solver.finest_warps = 2;
+  preset.solver.most_warps = 8;
+  preset.solver.energy.smooth_epsilon2 = 0.1F;
+  preset.pyramid.stiffness = 24;
+  return preset;
+}
+
+Preset quality() {
+  Preset preset;
+  preset.solver.finest_warps = 8;
+  preset.solver.most_warps = 8;
+  preset.solver.cubic = true;
+  return preset;
 }
 
 class VariationalFlow : public FlowEstimator {
  public:
-  explicit VariationalFlow(const SolverOptions& options) : options_(options) {}
+  explicit VariationalFlow(const Preset& preset) : options_(preset.solver), pyramid_(preset.pyramid) {}
 
   Result<void> estimate(std::span<const FlowImage> images, std::span<const FlowPair> pairs,
                         std::span<const FlowField> initial, int threads,
@@ -60,9 +78,9 @@ class VariationalFlow : public FlowEstimator {
 }  // namespace
 
 Result<std::unique_ptr<FlowEstimator>> make_variational_flow(const FlowOptions& options) {
-  SolverOptions solver;
+  Preset preset = fast();
   if (options.preset == "quality")
-    solver = quality();
+    preset = quality();
   else if (!options.preset.empty() && options.preset != "fast")
     return fail(ErrorCode::InvalidArgument, text("unknown preset '", options.preset,
                                                  "' of the variational flow; there are: quality, fast"));
@@ -70,8 +88,8 @@ Result<std::unique_ptr<FlowEstimator>> make_variational_flow(const FlowOptions& 
     return fail(ErrorCode::InvalidArgument,
                 text("the variational flow cannot stop at its finest scale ", options.finest_scale, "; 0 to ",
                      kMostFinest, " are possible"));
-  solver.finest = options.finest_scale;
-  return std::unique_ptr<FlowEstimator>(std::make_unique<VariationalFlow>(solver));
+  preset.solver.finest = options.finest_scale;
+  return std::unique_ptr<FlowEstimator>(std::make_unique<VariationalFlow>(preset));
 }
 
 }  // namespace floatstage::render

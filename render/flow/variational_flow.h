@@ -16,9 +16,10 @@ namespace floatstage::render {
 /// data and takes the smooth continuation of its surroundings; outside the first picture's domain the field
 /// is 0 and nothing is computed.
 ///
-/// Presets: "quality" (spline warps, eight at each level) and "fast" (bilinear warps, two at full size, one
-/// more at each coarser level up to five). FlowOptions::finest_scale > 0 stops at that level; the field is
-/// then enlarged along the picture's edges (guided upsampling, Kopf et al. 2007).
+/// Presets: "quality" (spline warps, eight at each level: for pictures of a film) and "fast", the default
+/// (bilinear warps, two at full size, one more at each coarser level up to eight, and a smoother field: for
+/// projections of photographs, docs/adr/0163). FlowOptions::finest_scale > 0 stops at that level; the field
+/// is then enlarged along the picture's edges (guided upsampling, Kopf et al. 2007).
 ///
 /// An initial field (the last picture's, say) takes the place of the coarse levels. Deterministic: the same
 /// bytes on every instruction set and at any thread count. Once pictures of a size have been seen nothing is

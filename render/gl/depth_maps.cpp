@@ -26,7 +26,7 @@ void DepthMaps::plan(const std::vector<CameraBlock>& blocks, const std::vector<D
   height_ = in_steps(height_);
 }
 
-void DepthMaps::ensure(const std::vector<int>& wanted, GLuint program, GLuint mesh, GLsizei indices) {
+void DepthMaps::ensure(std::span<const int> wanted, GLuint program, GLuint mesh, GLsizei indices) {
   if (maps_.resize(GL_R32F, GL_NEAREST, width_, height_, static_cast<int>(planned_.size())))
     for (Map& m : planned_) m.rendered = false;
   z_buffer_.resize(GL_DEPTH_COMPONENT32F, GL_NEAREST, width_, height_);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "render/camera_block.h"
@@ -15,7 +16,7 @@ class DepthMaps {
   void plan(const std::vector<CameraBlock>& blocks, const std::vector<DepthWindow>& windows);
 
   /// Renders the maps of `wanted` (indices into plan()'s cameras) that are not there yet.
-  void ensure(const std::vector<int>& wanted, GLuint program, GLuint mesh, GLsizei indices);
+  void ensure(std::span<const int> wanted, GLuint program, GLuint mesh, GLsizei indices);
 
   GLuint texture() const { return maps_.id(); }
 

@@ -3,7 +3,8 @@
 //
 // compare/…: `cpu_ms` and `gl_ms` are the process's CPU milliseconds a picture (so other work on the machine
 // does not count), `ratio` is gl / cpu, `psnr_db` and `coverage` (share of pixels) how far the pictures are
-// apart. `draw` is floating without flow, `picture` is floating with the flow of a default render.
+// apart. `draw` is floating without flow, `picture` floating as it was (OpenGL with Dense Inverse Search)
+// against native code throughout, `picture_same_flow` floating with the variational flow on both.
 
 #include <chrono>
 #include <cmath>
@@ -103,17 +104,18 @@ struct Apart {
 };
 
 /// A new scene every time, as films of moving subjects and live pictures have it: depth maps are drawn too.
-void compare(benchmark::State& state, const FlowOptions& flow, bool same_scene) {
+void compare(benchmark::State& state, const FlowOptions& gl_flow, const FlowOptions& cpu_flow,
+             bool same_scene) {
   Stage& on = stage();
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
-  RendererOptions options;
-  options.flow = flow;
   constexpr int kPictures = 4;
   std::map<render::BackEnd, double> ms;
   for (auto _ : state) {
     std::map<render::BackEnd, std::vector<Image>> pictures;
     for (const render::BackEnd back_end : {render::BackEnd::Gl, render::BackEnd::Cpu}) {
       auto renderer = std::move(*make_renderer("floating", back_end));
+      RendererOptions options;
+      options.flow = back_end == render::BackEnd::Gl ? gl_flow : cpu_flow;
       for (int i = -1; i < kPictures; ++i) {
         if (!same_scene)
           if (!on.scene.set(on.rig, on.frame)) return state.SkipWithError("the scene cannot be set");
@@ -169,8 +171,14 @@ void set_scene(benchmark::State& state) {
     if (!s.scene.set(s.rig, s.frame)) state.SkipWithError("the scene cannot be set");
 }
 
-void flow(benchmark::State& state, const std::string& preset, int finest_scale) {
+FlowOptions flow_of(const char* backend) {
   FlowOptions options;
+  options.backend = backend;
+  return options;
+}
+
+void flow(benchmark::State& state, const std::string& preset, int finest_scale) {
+  FlowOptions options = flow_of("dis");
   options.preset = preset;
   options.finest_scale = finest_scale;
   auto estimator = std::move(*make_flow_estimator(options));
@@ -191,16 +199,12 @@ void sizes(benchmark::internal::Benchmark* bench) {
   bench->Args({640, 480})->Args({930, 720})->Args({1024, 768})->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
-FlowOptions no_flow() {
-  FlowOptions options;
-  options.backend = "none";
-  return options;
-}
-
 constexpr render::BackEnd kCpu = render::BackEnd::Cpu, kGl = render::BackEnd::Gl;
-BENCHMARK_CAPTURE(compare, draw, no_flow(), false)->Apply(sizes)->Iterations(2);
-BENCHMARK_CAPTURE(compare, draw_same_scene, no_flow(), true)->Apply(sizes)->Iterations(2);
-BENCHMARK_CAPTURE(compare, picture, FlowOptions{}, false)->Apply(sizes)->Iterations(1);
+const FlowOptions kNoFlow = flow_of("none"), kDis = flow_of("dis"), kNative = flow_of("variational");
+BENCHMARK_CAPTURE(compare, draw, kNoFlow, kNoFlow, false)->Apply(sizes)->Iterations(2);
+BENCHMARK_CAPTURE(compare, draw_same_scene, kNoFlow, kNoFlow, true)->Apply(sizes)->Iterations(2);
+BENCHMARK_CAPTURE(compare, picture, kDis, kNative, false)->Apply(sizes)->Iterations(1);
+BENCHMARK_CAPTURE(compare, picture_same_flow, kNative, kNative, false)->Apply(sizes)->Iterations(1);
 BENCHMARK(two_threads)->Apply(sizes)->Iterations(1);
 BENCHMARK_CAPTURE(draw, nearest_cpu, std::string("nearest"), kCpu)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, linear_cpu, std::string("linear"), kCpu)->Apply(sizes);

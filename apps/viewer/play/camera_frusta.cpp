@@ -81,7 +81,7 @@ void CameraFrusta::upload(const FrameSet& images) {
 }
 
 void CameraFrusta::draw(ImDrawList* list, const ImVec2& origin, float scale, const Rig& rig, const View& view,
-                        double depth, const std::vector<int>& used) const {
+                        double depth, std::span<const int> used) const {
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const auto points = project_frustum(rig.cameras[i], view, depth, origin, scale);
     if (!points) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/rig.h"
@@ -24,7 +25,7 @@ class CameraFrusta {
   /// Draws onto `list`, where the view's picture stands at `origin`, `scale` screen px a view px. `used`
   /// cameras are drawn stronger.
   void draw(ImDrawList* list, const ImVec2& origin, float scale, const Rig& rig, const View& view,
-            double depth, const std::vector<int>& used) const;
+            double depth, std::span<const int> used) const;
 
  private:
   std::vector<unsigned> thumbnails_;  ///< 0 where a camera has no photograph
