@@ -2,23 +2,9 @@
 
 #include <vector>
 
-#include "core/text.h"
-
 namespace floatstage::pipeline {
 
 namespace fs = std::filesystem;
-
-Result<void> clear_for_redo(const fs::path& folder, const fs::path& keep) {
-  std::error_code error;
-  std::vector<fs::path> entries;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    if (entry.path() != keep) entries.push_back(entry.path());
-  if (error == std::errc::no_such_file_or_directory) return {};
-  for (const fs::path& entry : entries)
-    if (!error) fs::remove_all(entry, error);
-  if (error) return fail(ErrorCode::Io, text("cannot clear ", folder.string(), ": ", error.message()));
-  return {};
-}
 
 void sweep_temporaries(const fs::path& folder) {
   std::error_code error;
