@@ -23,29 +23,39 @@ class Guard : public OpenMesh::Decimater::ModBaseT<Mesh> {
 
   explicit Guard(Mesh& mesh) : Base(mesh, true) {}
   const std::string& name() const override { return name_; }
-  void set_normals(FaceNormals normals) { normals_ = normals; }
+  void set(FaceNormals normals, bool thin) {
+    normals_ = normals;
+    thin_ = thin;
+  }
 
   float collapse_priority(const CollapseInfo& collapse) override {
-    return may_collapse(Base::mesh(), collapse.v0v1, normals_, false) ? float(Base::LEGAL_COLLAPSE)
-                                                                      : float(Base::ILLEGAL_COLLAPSE);
+    return may_collapse(Base::mesh(), collapse.v0v1, normals_, false, thin_) ? float(Base::LEGAL_COLLAPSE)
+                                                                             : float(Base::ILLEGAL_COLLAPSE);
   }
 
  private:
   std::string name_ = "Guard";
   FaceNormals normals_;
+  bool thin_ = false;
 };
 
 }  // namespace
 
 void decimate(HalfEdges& mesh, FaceNormals normals, std::size_t triangles) {
-  OpenMesh::Decimater::DecimaterT<HalfEdges> decimater(mesh);
-  OpenMesh::Decimater::ModQuadricT<HalfEdges>::Handle quadrics;
-  Guard<HalfEdges>::Handle guard;
-  decimater.add(quadrics);
-  decimater.add(guard);
-  decimater.module(quadrics).unset_max_err();
-  decimater.module(guard).set_normals(normals);
-  if (decimater.initialize()) decimater.decimate_to_faces(0, triangles);
+  // Fans around a corner and thin limbs end in triangles that only slivers could replace: those are taken
+  // when nothing better is left.
+  for (const bool thin : {false, true}) {
+    if (mesh.n_faces() <= triangles) return;
+    OpenMesh::Decimater::DecimaterT<HalfEdges> decimater(mesh);
+    OpenMesh::Decimater::ModQuadricT<HalfEdges>::Handle quadrics;
+    Guard<HalfEdges>::Handle guard;
+    decimater.add(quadrics);
+    decimater.add(guard);
+    decimater.module(quadrics).unset_max_err();
+    decimater.module(guard).set(normals, thin);
+    if (decimater.initialize()) decimater.decimate_to_faces(0, triangles);
+    mesh.garbage_collection();
+  }
 }
 
 }  // namespace floatstage::recon

@@ -98,7 +98,7 @@ std::size_t count_slivers(const HalfEdges& mesh) {
   return count;
 }
 
-bool may_collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, bool fewer) {
+bool may_collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, bool fewer, bool thin) {
   // A corner with three neighbours would be left with two: that is a shell pressed flat.
   for (const HalfedgeHandle side : {h, mesh.opposite_halfedge_handle(h)})
     if (mesh.valence(mesh.to_vertex_handle(mesh.next_halfedge_handle(side))) <= 3) return false;
@@ -115,7 +115,7 @@ bool may_collapse(HalfEdges& mesh, HalfedgeHandle h, FaceNormals normals, bool f
     if (a == stays || b == stays) continue;
     const Vector3d area = area_vector(to, at_a, at_b);
     const bool will_be = is_sliver(to, at_a, at_b);
-    if (will_be && !was) return false;
+    if (will_be && !was && !thin) return false;
     after += will_be;
     const Vector3d normal =
         was ? to_eigen(mesh.property(normals, mesh.face_handle(*it))) : area_vector(from, at_a, at_b);

@@ -21,8 +21,9 @@ std::size_t count_slivers(const HalfEdges& mesh);
 using FaceNormals = OpenMesh::FPropHandleT<OpenMesh::Vec3d>;
 
 /// Would collapsing the half-edge (its start goes to its end) leave a manifold whose triangles neither fold
-/// over nor become slivers? `fewer`: and with fewer slivers than before?
-bool may_collapse(HalfEdges& mesh, OpenMesh::HalfedgeHandle h, FaceNormals normals, bool fewer);
+/// over nor become slivers? `fewer`: and with fewer slivers than before? `thin`: new slivers are welcome.
+bool may_collapse(HalfEdges& mesh, OpenMesh::HalfedgeHandle h, FaceNormals normals, bool fewer,
+                  bool thin = false);
 
 /// Removes slivers: needles by collapsing their short edge, caps by collapsing their blunt corner into a
 /// neighbour or by flipping their long edge, wherever `bound` allows it. Every step leaves fewer than before.
