@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -45,6 +47,7 @@ constexpr Column kColumns[] = {
 struct Row {
   std::string serial;
   int frame;
+  bool has_matte;  ///< false: the camera is only truth, and is scored where the proxy is
   std::map<std::string, pipeline::Scores> scores;
 };
 
@@ -78,6 +81,38 @@ std::string to_csv(const std::vector<Row>& rows, const std::vector<std::string>&
   return csv;
 }
 
+/// The rows of each frame, in order.
+std::map<int, std::vector<Row>> by_frame(const std::vector<Row>& rows) {
+  std::map<int, std::vector<Row>> frames;
+  for (const Row& row : rows) frames[row.frame].push_back(row);
+  return frames;
+}
+
+/// How a score of one method goes over the frames: a step is between two that follow each other in the list.
+struct Course {
+  double lowest = 0, spread = 0, largest_step = 0;
+  int lowest_frame = 0;
+};
+
+Course course(const std::map<int, std::vector<Row>>& frames, const std::string& method,
+              double pipeline::Scores::*score) {
+  Course out;
+  double sum = 0, squares = 0, last = 0;
+  bool first = true;
+  for (const auto& [frame, rows] : frames) {
+    const double now = mean(rows, method).*score;
+    sum += now;
+    squares += now * now;
+    if (first || now < out.lowest) out.lowest = now, out.lowest_frame = frame;
+    if (!first) out.largest_step = std::max(out.largest_step, std::abs(now - last));
+    last = now;
+    first = false;
+  }
+  const double count = static_cast<double>(std::max<std::size_t>(1, frames.size())), average = sum / count;
+  out.spread = std::sqrt(std::max(0.0, squares / count - average * average));
+  return out;
+}
+
 void print_table(const std::vector<Row>& rows, const std::vector<std::string>& methods) {
   std::printf("%-10s", "mean of");
   for (const Column& c : kColumns) std::printf(" %15s", c.name);
@@ -88,6 +123,30 @@ void print_table(const std::vector<Row>& rows, const std::vector<std::string>& m
     for (const Column& c : kColumns) std::printf(" %15.4f", s.*c.score);
     std::printf("\n");
   }
+  const std::map<int, std::vector<Row>> frames = by_frame(rows);
+  if (frames.size() < 2) return;
+  for (const std::string& m : methods) {
+    const Course c = course(frames, m, &pipeline::Scores::psnr);
+    std::printf("%-10s over %zu frames: psnr_mask lowest %.2f (frame %d), spread %.2f, largest step %.2f\n",
+                m.c_str(), frames.size(), c.lowest, c.lowest_frame, c.spread, c.largest_step);
+  }
+}
+
+json over_time(const std::vector<Row>& rows, const std::vector<std::string>& methods) {
+  const std::map<int, std::vector<Row>> frames = by_frame(rows);
+  json j;
+  for (const std::string& m : methods) {
+    for (const Column& c : kColumns) {
+      const Course at = course(frames, m, c.score);
+      j["over_time"][m][c.name] = {{"lowest", at.lowest},
+                                   {"lowest_frame", at.lowest_frame},
+                                   {"spread", at.spread},
+                                   {"largest_step", at.largest_step}};
+    }
+    for (const auto& [frame, of_frame] : frames)
+      j["frames"][std::to_string(frame)][m] = to_json(mean(of_frame, m));
+  }
+  return j;
 }
 
 Result<void> save_reports(const Options& given, const std::vector<Row>& rows,
@@ -95,10 +154,12 @@ Result<void> save_reports(const Options& given, const std::vector<Row>& rows,
   if (!given.json_file.empty()) {
     json j = {{"take", given.take.string()}, {"views", json::array()}};
     for (const std::string& m : methods) j["mean"][m] = to_json(mean(rows, m));
+    j.update(over_time(rows, methods));
     for (const Row& r : rows) {
       json scores;
       for (const std::string& m : methods) scores[m] = to_json(r.scores.at(m));
-      j["views"].push_back({{"camera", r.serial}, {"frame", r.frame}, {"scores", scores}});
+      j["views"].push_back(
+          {{"camera", r.serial}, {"frame", r.frame}, {"matte", r.has_matte}, {"scores", scores}});
     }
     if (Result<void> ok = pipeline::save_json(j, given.json_file); !ok) return ok;
   }
@@ -211,7 +272,7 @@ Result<void> run(const Options& given) {
           if (Result<void> ok = save_png(pipeline::sheet_row(view, options.methods), given.sheet / name); !ok)
             return ok;
         }
-        rows.push_back({std::move(view.serial), view.frame, std::move(view.scores)});
+        rows.push_back({std::move(view.serial), view.frame, view.has_matte, std::move(view.scores)});
         return {};
       });
   if (!done) return done;

@@ -1,12 +1,14 @@
 #include "pipeline/evaluate/evaluate.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/text.h"
 #include "pipeline/evaluate/undistort.h"
 #include "pipeline/film.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
+#include "recon/mesh/mesh_mask.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -57,6 +59,7 @@ Image both(const Image& silhouette, const Image& rgba) {
 struct Instant {
   FrameSet images;
   std::vector<Matte> mattes;
+  std::optional<Mesh> proxy;  ///< from all mattes, for cameras that have none; made when first asked for
 };
 
 Result<Instant> load_instant(capture::TakeReader& take, int frame) {
@@ -68,7 +71,7 @@ Result<Instant> load_instant(capture::TakeReader& take, int frame) {
     return fail(ErrorCode::NotFound,
                 text("frame ", frame, " of ", take.layout().folder().string(),
                      " has no mattes yet; run `floatstage process ", take.layout().folder().string(), "`"));
-  return Instant{std::move(*images), std::move(*mattes)};
+  return Instant{std::move(*images), std::move(*mattes), {}};
 }
 
 struct Methods {
@@ -77,34 +80,53 @@ struct Methods {
   render::Scene scene;
 };
 
-Result<HeldOutView> evaluate_view(const Rig& rig, const Instant& instant, int held, Methods& methods,
+Result<Mesh> proxy_without(const Rig& rig, Instant& instant, std::size_t held,
+                           const EvaluateOptions& options) {
+  const bool had = !instant.mattes[held].empty();
+  if (!had && instant.proxy) return *instant.proxy;
+  std::vector<Matte> mattes = instant.mattes;
+  mattes[held] = {};
+  recon::HullOptions quick = options.hull;
+  quick.quality = false;
+  Result<recon::HullReport> hull = recon::visual_hull(rig, mattes, quick);
+  const std::string& serial = rig.cameras[held].serial;
+  if (!hull) return fail(hull.error().code, text("without camera '", serial, "': ", hull.error().message));
+  if (hull->mesh.empty())
+    return fail(ErrorCode::BadData,
+                text("without camera '", serial, "' the hull is empty: the mattes contradict one another"));
+  if (!had) instant.proxy = hull->mesh;
+  return std::move(hull->mesh);
+}
+
+Result<HeldOutView> evaluate_view(const Rig& rig, Instant& instant, int held, Methods& methods,
                                   const EvaluateOptions& options) {
   const std::size_t h = static_cast<std::size_t>(held);
   const RigCamera& camera = rig.cameras[h];
   HeldOutView view{
       .serial = camera.serial, .truth = {}, .silhouette = {}, .mask = {}, .rendered = {}, .scores = {}};
   Result<Image> photograph = to_rgb(instant.images.frames[h]);
-  if (!photograph || instant.mattes[h].empty())
-    return fail(ErrorCode::NotFound, text("camera '", camera.serial,
-                                          "' has no photograph or matte to compare with at this instant"));
+  if (!photograph)
+    return fail(ErrorCode::NotFound,
+                text("camera '", camera.serial, "' has no photograph to compare with at this instant"));
   view.truth = undistorted(*photograph, camera.model);
-  view.silhouette = undistorted(to_image(instant.mattes[h]), camera.model);
+  view.has_matte = !instant.mattes[h].empty();
 
   // From here the held-out view does not exist: neither its silhouette nor its picture.
-  std::vector<Matte> mattes = instant.mattes;
-  mattes[h] = {};
-  SceneFrame scene{instant.images, mattes, {}};
-  scene.images.frames[h] = {};
-  Result<recon::HullReport> hull = recon::visual_hull(rig, mattes, options.hull);
-  if (!hull)
-    return fail(hull.error().code, text("without camera '", camera.serial, "': ", hull.error().message));
-  if (hull->mesh.empty())
-    return fail(ErrorCode::BadData, text("without camera '", camera.serial,
-                                         "' the hull is empty: the mattes contradict one another"));
-  scene.mesh = std::move(hull->mesh);
+  Result<Mesh> proxy = proxy_without(rig, instant, h, options);
+  if (!proxy) return forward(proxy);
+  SceneFrame scene{instant.images, instant.mattes, std::move(*proxy)};
   std::vector<bool> usable(rig.cameras.size(), true);
-  usable[h] = false;
+  for (std::size_t c = 0; c < usable.size(); ++c) {
+    if (c != h && !instant.mattes[c].empty()) continue;
+    usable[c] = false;
+    scene.mattes[c] = {};
+    scene.images.frames[c] = {};
+  }
   if (Result<void> ok = methods.scene.set(rig, scene, usable); !ok) return forward(ok);
+  RigCamera ideal = camera;
+  ideal.model = pinhole(camera.model);
+  view.silhouette = view.has_matte ? undistorted(to_image(instant.mattes[h]), camera.model)
+                                   : to_image(recon::mesh_mask(ideal, scene.mesh));
 
   const View from = view_of_camera(camera, scene.mesh);
   for (std::size_t m = 0; m < methods.names.size(); ++m) {

@@ -30,15 +30,17 @@ struct HeldOutView {
   std::string serial;
   int frame = 0;
   Image truth;                            ///< RGB, as a pinhole would have seen it
-  Image silhouette;                       ///< its matte, 1 channel
+  Image silhouette;                       ///< its matte, 1 channel; without one, the proxy as it sees it
+  bool has_matte = true;                  ///< false: the camera is only truth
   Image mask;                             ///< where scores are taken: truth silhouette AND proxy, eroded 2 px
   std::map<std::string, Image> rendered;  ///< per method, RGB over black
   std::map<std::string, Scores> scores;   ///< per method
 };
 
 /// Leave-one-out on a processed take: each held-out photograph is never used (not for the hull, colour or
-/// flow), every other view stays. Calls `report` once per view as soon as it is done. The renderer's
-/// back-end must be open (open_back_end()).
+/// flow), every other view stays. A camera without a matte is only truth: it is never an input, and is scored
+/// where the proxy is. Calls `report` once per view as soon as it is done. The renderer's back-end must be
+/// open (open_back_end()).
 Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& options,
                            const std::function<Result<void>(HeldOutView)>& report);
 

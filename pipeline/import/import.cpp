@@ -310,6 +310,10 @@ Result<ImportReport> import_take(const ImportOptions& given) {
   if (!streams) return forward(streams);
   ImportReport report;
   report.notes = plan->notes;
+  if (mattes)
+    for (const std::string& serial : mattes->without())
+      report.notes.push_back(text("camera '", serial, "' has no matte in ", options.mattes.string(),
+                                  ": it does not carve, and is compared with only"));
   const Result<Rig> rig = sized_rig(plan->foreign.rig, *streams, options.other_size, report.notes);
   if (!rig) return forward(rig);
   report.mattes = mattes.has_value();

@@ -27,12 +27,14 @@ Result<MatteFiles> MatteFiles::find(const std::filesystem::path& folder, const c
                                     const FrameRange& range) {
   Result<MediaSearch> search = find_media(folder, foreign);
   if (!search) return forward(search);
-  for (std::size_t i = 0; i < search->cameras.size(); ++i)
-    if (search->cameras[i].stills.empty())
-      return fail(ErrorCode::NotFound,
-                  text(folder.string(), ": there is no matte for camera '", foreign.rig.cameras[i].serial,
-                       "'; add it, or leave --mattes out and key the pictures"));
   MatteFiles files;
+  for (std::size_t i = 0; i < search->cameras.size(); ++i)
+    if (search->cameras[i].stills.empty()) files.without_.push_back(foreign.rig.cameras[i].serial);
+  if (files.without_.size() == search->cameras.size())
+    return fail(ErrorCode::NotFound,
+                text(folder.string(),
+                     ": there is no matte for any camera; they are named as the pictures "
+                     "are; add them, or leave --mattes out and key the pictures"));
   files.cameras_ = std::move(search->cameras);
   files.range_ = range;
   return files;
@@ -42,6 +44,7 @@ Result<void> MatteFiles::save(std::size_t camera, const RigCamera& rig_camera, i
                               const std::filesystem::path& take) const {
   const TakeLayout layout(take);
   const std::vector<std::filesystem::path>& stills = cameras_[camera].stills;
+  if (stills.empty()) return {};
   std::error_code error;
   std::filesystem::create_directories(layout.matte(rig_camera.serial, 0).parent_path(), error);
   if (error)

@@ -14,19 +14,22 @@ namespace floatstage::pipeline {
 /// Others' mattes: PNG files named as the pictures are, in one folder or in a folder a camera.
 class MatteFiles {
  public:
-  /// NotFound names the camera that has none: mattes are imported for all cameras or not at all. `range` is
-  /// that of the pictures.
+  /// NotFound when no camera has any. `range` is that of the pictures.
   static Result<MatteFiles> find(const std::filesystem::path& folder, const calib::ForeignRig& foreign,
                                  const FrameRange& range);
 
+  /// Serials of cameras that have none: nothing is known of their silhouettes.
+  const std::vector<std::string>& without() const { return without_; }
+
   /// Writes mattes/<serial>/<frame>.png of the take for the first `count` frames of a camera. BadData for a
-  /// matte of another size than the picture, NotFound when there are fewer than `count`. Different cameras at
-  /// once are fine.
+  /// matte of another size than the picture, NotFound when there are fewer than `count`. Nothing for a camera
+  /// that has none. Different cameras at once are fine.
   Result<void> save(std::size_t camera, const RigCamera& rig_camera, int count,
                     const std::filesystem::path& take) const;
 
  private:
   std::vector<CameraMedia> cameras_;
+  std::vector<std::string> without_;
   FrameRange range_;
 };
 

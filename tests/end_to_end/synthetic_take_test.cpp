@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -89,6 +91,22 @@ TEST_F(SyntheticTake, NeverUsesTheHeldOutPhotograph) {
   ASSERT_EQ(after.size(), 1u);
   for (const char* method : {"nearest", "linear", "floating"})
     EXPECT_EQ(before[0].rendered.at(method), after[0].rendered.at(method)) << method;
+}
+
+TEST_F(SyntheticTake, ComparesWithACameraThatHasNoMatteWhereTheProxyIs) {
+  auto reader = capture::TakeReader::open(*folder_ / "take");
+  ASSERT_THAT(reader, IsOk());
+  const std::filesystem::path matte = (*reader)->layout().matte("cam05", 0);
+  std::filesystem::rename(matte, *folder_ / "matte.png");
+  const std::vector<pipeline::HeldOutView> views = evaluate({"cam05", "cam04"});
+  std::filesystem::rename(*folder_ / "matte.png", matte);
+  ASSERT_EQ(views.size(), 2u);
+  EXPECT_FALSE(views[0].has_matte);
+  EXPECT_TRUE(views[1].has_matte);
+  EXPECT_GT(views[0].scores.at("floating").psnr, 15);
+  const auto covered = std::count_if(views[0].mask.pixels.begin(), views[0].mask.pixels.end(),
+                                     [](std::uint8_t alpha) { return alpha >= 128; });
+  EXPECT_GT(covered, 640 * 480 / 50);
 }
 
 TEST_F(SyntheticTake, RefusesToHoldOutACameraThatIsNotThere) {

@@ -238,12 +238,25 @@ TEST_F(Import, MattesAloneMakeATakeAndStandForItsPictures) {
   EXPECT_TRUE(*read == matte);
 }
 
-TEST_F(Import, AMatteThatIsMissingOrOfAnotherSizeIsRefused) {
+TEST_F(Import, NamesTheCameraWithoutAMatteAndKeepsItsPictures) {
+  middlebury_stills(2);
+  fs::create_directories(folder_ / "mattes");
+  ASSERT_THAT(save_png(Image(kImportWidth, kImportHeight, 1), folder_ / "mattes" / "a.png"), IsOk());
+  options_.mattes = folder_ / "mattes";
+  const auto take = imported();
+  ASSERT_TRUE(take);
+  EXPECT_THAT(report_->notes, Contains(HasSubstr("camera 'b.png' has no matte")));
+  EXPECT_TRUE(fs::exists(take->layout().matte("a.png", 0)));
+  EXPECT_FALSE(fs::exists(take->layout().matte("b.png", 0)));
+  expect_picture(*take, 1, 0, test_picture(1, 0));
+}
+
+TEST_F(Import, MattesOfNoCameraOrOfAnotherSizeAreRefused) {
   middlebury_stills(2);
   fs::create_directories(folder_ / "mattes");
   options_.mattes = folder_ / "mattes";
+  expect_refused(ErrorCode::NotFound, "no matte for any camera");
   ASSERT_THAT(save_png(Image(kImportWidth, kImportHeight, 1), folder_ / "mattes" / "a.png"), IsOk());
-  expect_refused(ErrorCode::NotFound, "no matte for camera 'b.png'");
   ASSERT_THAT(save_png(Image(kImportWidth, 7, 1), folder_ / "mattes" / "b.png"), IsOk());
   expect_refused(ErrorCode::BadData, "the matte is 32x7");
 }
