@@ -43,8 +43,9 @@ void add_hull_flags(CLI::App& verb, HullFlags& flags) {
       ->capture_default_str()
       ->check(one_of({"exact", "octree"}));
   add("--votes", flags.votes, kGroupHull,
-      "Exact: strict (all cameras agree), auto (a camera whose matte lacks a part is left out), or how many "
-      "cameras have to agree")
+      "Exact: strict (all cameras agree), auto (where a matte lacks what the others see, it is overruled), "
+      "or "
+      "how many cameras have to agree")
       ->capture_default_str();
   add("--volume", flags.volume, kGroupHull,
       "World box of the stage, metres: x0 y0 z0 x1 y1 z1 (default: from the silhouettes)")
@@ -57,6 +58,9 @@ void add_hull_flags(CLI::App& verb, HullFlags& flags) {
   add("--smoothing", options.smoothing, kGroupTuning,
       "Octree: largest move of a vertex by smoothing, in voxels")
       ->capture_default_str();
+  flags.words.push_back(verb.add_flag("--keep-crumbs", options.keep_crumbs,
+                                      "Exact: keep pieces thinner than the mattes are sure of, too")
+                            ->group(kGroupHull));
   const std::vector<const CLI::Option*> cleanup = add_cleanup_flags(verb, options.care);
   flags.words.insert(flags.words.end(), cleanup.begin(), cleanup.end());
 }

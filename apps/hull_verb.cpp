@@ -88,6 +88,15 @@ nlohmann::json care_json(const Rig& rig, const recon::HullReport& hull) {
           {"ms", 1e3 * hull.timings.care}};
 }
 
+nlohmann::json verdicts_json(const Rig& rig, const std::vector<recon::SilhouetteVerdict>& verdicts) {
+  nlohmann::json j = nlohmann::json::array();
+  for (const recon::SilhouetteVerdict& verdict : verdicts)
+    j.push_back({{"camera", rig.cameras[static_cast<std::size_t>(verdict.camera)].serial},
+                 {"lost", verdict.lost},
+                 {"gained", verdict.gained}});
+  return j;
+}
+
 void print_care(const recon::MeshCleanupReport& care) {
   std::printf(
       "care: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes shifted "
@@ -180,6 +189,12 @@ nlohmann::json to_json(const Rig& rig, const recon::HullOptions& options, const 
           {"iou", by_camera(rig, hull.silhouette_iou)},
           {"mean_iou", mean_iou(hull)},
           {"escalations", hull.escalations},
+          {"crumbs", hull.crumbs},
+          {"crumb_volume", hull.crumb_volume},
+          {"cut", hull.cut},
+          {"cameras_that_see_it", hull.stage_cameras},
+          {"contradictory", hull.contradictory},
+          {"silhouettes", verdicts_json(rig, hull.verdicts)},
           {"voted_down", voted_down},
           {"remarks", hull.remarks},
           {"care", care_json(rig, hull)}};

@@ -30,6 +30,18 @@ nlohmann::json to_json(const pipeline::StageReport& stage) {
           {"failures", stage.failures}};
 }
 
+nlohmann::json to_json(const std::vector<pipeline::SilhouetteFault>& faults) {
+  nlohmann::json j = nlohmann::json::array();
+  for (const pipeline::SilhouetteFault& fault : faults)
+    j.push_back({{"camera", fault.serial},
+                 {"frames", fault.frames},
+                 {"worst_frame", fault.worst},
+                 {"lost", fault.lost},
+                 {"gained", fault.gained},
+                 {"picture", fault.picture.string()}});
+  return j;
+}
+
 Result<void> run(const Options& given) {
   pipeline::ProcessOptions options = given.process;
   if (!given.how.empty()) options.matte = given.how;
@@ -50,6 +62,14 @@ Result<void> run(const Options& given) {
   failures.insert(failures.end(), report->meshes.failures.begin(), report->meshes.failures.end());
   for (const std::string& r : report->remarks) log::warning(r);
   for (const std::string& f : failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
+  for (const pipeline::SilhouetteFault& fault : report->faults)
+    std::fprintf(stderr, "floatstage: %s\n", sentence(fault).c_str());
+  if (report->cut_frames > 0)
+    std::fprintf(
+        stderr,
+        "floatstage: %d hulls are cut where the subject goes on beyond what enough cameras see; give "
+        "--volume to search more\n",
+        report->cut_frames);
   std::printf(
       "%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n",
       options.take.c_str(), report->frames, report->cameras, report->mattes.made, report->mattes.kept,
@@ -65,6 +85,9 @@ Result<void> run(const Options& given) {
                                            {"mattes", to_json(report->mattes)},
                                            {"meshes", to_json(report->meshes)},
                                            {"remarks", report->remarks},
+                                           {"silhouettes", to_json(report->faults)},
+                                           {"contradictory_frames", report->contradictory_frames},
+                                           {"cut_frames", report->cut_frames},
                                            {"seconds", report->seconds}},
                                           given.json_file);
     if (!ok) return ok;
@@ -77,6 +100,11 @@ Result<void> run(const Options& given) {
     return fail(ErrorCode::BadData,
                 text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
                      TakeLayout(options.take).mattes().string(), " and try another --matte with --redo"));
+  if (report->contradictory_frames > 0)
+    return fail(ErrorCode::BadData, text(report->contradictory_frames,
+                                         " hulls are not to be trusted: their silhouettes contradict one "
+                                         "another (the cameras above); look at "
+                                         "the mattes and the calibration"));
   return {};
 }
 

@@ -15,8 +15,7 @@ Result<recon::HullOptions> hull_options(const HullWords& words) {
   } else if (words.method == "octree") {
     options.method = recon::HullMethod::Octree;
   } else {
-    return fail(ErrorCode::InvalidArgument,
-                text("--hull '", words.method, "' is neither exact nor octree"));
+    return fail(ErrorCode::InvalidArgument, text("--hull '", words.method, "' is neither exact nor octree"));
   }
   if (words.votes == "strict") {
     options.voting = recon::HullVoting::Strict;
@@ -52,6 +51,7 @@ nlohmann::json describe(const recon::HullOptions& options) {
       j["votes"] = options.voting == recon::HullVoting::Auto ? "auto" : "strict";
     }
   }
+  if (options.keep_crumbs) j["keep_crumbs"] = true;
   if (options.volume) {
     const Eigen::Vector3d a = options.volume->min(), b = options.volume->max();
     j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
@@ -75,6 +75,7 @@ std::optional<recon::HullOptions> parse_hull_options(const nlohmann::json& descr
     words.options.resolution = j.value("resolution", words.options.resolution);
     words.options.smoothing = j.value("smoothing", words.options.smoothing);
     words.options.contour_tolerance = j.value("contour_tolerance", words.options.contour_tolerance);
+    words.options.keep_crumbs = j.value("keep_crumbs", false);
     if (j.contains("votes"))
       words.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
     if (j.contains("volume")) words.volume = j["volume"].get<std::vector<double>>();

@@ -12,6 +12,7 @@
 #include "recon/mesh/hull_cleanup.h"
 #include "recon/mesh/mesh_cleanup.h"
 #include "recon/mesh/mesh_mask.h"
+#include "recon/mesh/mesh_rows.h"
 #include "recon/octree/octree_carve.h"
 #include "recon/octree/octree_surface.h"
 
@@ -123,7 +124,10 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
     const std::span<const Matte> mattes = input.mattes();
     parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
       if (!mattes[i].empty())
-        report.silhouette_iou[i] = iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
+        report.silhouette_iou[i] =
+            options.quality_step > 1
+                ? compare_rows(rig.cameras[i], report.mesh, mattes[i], options.quality_step).iou()
+                : iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
     });
   }
   const auto end = std::chrono::steady_clock::now();
@@ -157,6 +161,8 @@ Result<void> check(const HullOptions& o) {
     return bad(text("smoothing by ", o.smoothing, " voxels is not between 0 and 1"));
   if (!(o.contour_tolerance >= 0 && o.contour_tolerance <= 16))
     return bad(text("a contour tolerance of ", o.contour_tolerance, " px is not between 0 and 16"));
+  if (o.quality_step < 1 || o.quality_step > 64)
+    return bad(text("quality on every ", o.quality_step, "th row is not between 1 and 64"));
   if (o.votes < 0 || (o.voting == HullVoting::MofN && o.votes < 2))
     return bad(text(o.votes, " votes are too few: at least two cameras have to agree"));
   if (o.care.smooth < 0 || o.care.smooth > 1000)

@@ -26,8 +26,8 @@ enum class HullMethod {
 enum class HullVoting {
   Strict,  ///< all of them
   MofN,    ///< HullOptions::votes of them
-  Auto,    ///< all of them; but one whose matte lacks what the others agree on is left out, and named in the
-           ///< report
+  Auto,    ///< all of them; but where a matte lacks what the others agree on, it is overruled, and named in
+           ///< the report
 };
 
 /// What is done to a finished hull on request, in this order. It leaves the silhouettes' polyhedron, by
@@ -57,9 +57,13 @@ struct HullOptions {
   int votes = 0;           ///< MofN: m; views without a matte do not vote
   int resolution = 256;    ///< octree: voxels along the longest side of the box, 8 … 1024
   double smoothing = 0.5;  ///< octree: largest move of a vertex by smoothing, in voxels; 0: none
+  /// Exact: also pieces that the mattes are not sure of: thinner than contour_tolerance and half a pixel on
+  /// each side, in the camera that sees them smallest. They come from outlines that disagree by a pixel.
+  bool keep_crumbs = false;
   MeshCleanup care;
-  int threads = 0;      ///< 0: one per core; the result is the same at any number
-  bool quality = true;  ///< compute silhouette_iou; takes longer than the exact hull itself
+  int threads = 0;       ///< 0: one per core; the result is the same at any number
+  bool quality = true;   ///< compute silhouette_iou; takes longer than the exact hull itself
+  int quality_step = 1;  ///< on every so-many-th row of the pictures; 4 tells nearly the same
 };
 
 /// Every number in range; the sentence says which is not.
@@ -103,6 +107,16 @@ struct MeshCleanupReport {
   std::vector<double> iou_loss;  ///< of the silhouette against the matte
 };
 
+/// What a camera's silhouette lacks, or has too much, by what the others agree on.
+struct SilhouetteVerdict {
+  int camera = 0;
+  double lost = 0;     ///< share of the subject that the matte lacks: what all others see there
+  double gained = 0;   ///< share of the matte that nobody else confirms
+  Matte lost_where;    ///< 255 in the blocks (pixels squared) that were looked at and are lost
+  Matte gained_where;  ///< 255 in those that nobody confirms
+  int block = 1;       ///< px
+};
+
 struct HullReport {
   Mesh mesh;                           ///< empty when no point of space is inside every silhouette
   double volume = 0;                   ///< m³
@@ -117,7 +131,17 @@ struct HullReport {
   std::vector<HullFaceSource> sources;  ///< per triangle
   int faces = 0;                        ///< polygons, before they were cut into triangles
   int escalations = 0;  ///< times that the frame was computed again, with jitter or with exact integers
-  std::vector<int> voted_down;  ///< cameras that Auto left out
+  /// Auto: silhouettes that the others contradict by more than a twentieth, worst first.
+  std::vector<SilhouetteVerdict> verdicts;
+  std::vector<int> voted_down;  ///< Auto: cameras that were overruled where they lack what the others see
+  /// Auto: more than a twentieth of at least half of the silhouettes (two at least) is explained by no body,
+  /// mended or not, or more than a quarter of them lack so much of what the others show, and then none is
+  /// overruled: the mattes or the calibration contradict one another, and the hull is not to be trusted.
+  bool contradictory = false;
+  int stage_cameras = 0;    ///< so many cameras see every point of it, at least; 0: the volume was given
+  bool cut = false;         ///< by the sides of the volume, given or found: the subject goes on beyond
+  int crumbs = 0;           ///< pieces that were left out, see HullOptions::keep_crumbs
+  double crumb_volume = 0;  ///< m³, theirs
   HullTimings timings;
   HullWork work;
   void clear();  ///< empties it, but keeps the mesh's memory

@@ -17,6 +17,7 @@
 #include "pipeline/made_files.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/mesh_record.h"
+#include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
 
@@ -140,8 +141,9 @@ class HullWorkspaces {
 };
 
 // The mesh of these mattes, written under `file`.
-Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes, const recon::HullOptions& options,
-                       HullWorkspaces::Slot& slot, const fs::path& file) {
+Result<json> make_mesh(const Rig& rig, int frame, const std::vector<Matte>& mattes,
+                       const recon::HullOptions& options, HullWorkspaces::Slot& slot,
+                       EvidenceCollector& evidence, const fs::path& file) {
   json iou = json::object();
   if (nobody_on_stage(mattes)) {
     if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
@@ -153,10 +155,14 @@ Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes, const r
   if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
   for (std::size_t c = 0; c < hull.silhouette_iou.size(); ++c)
     iou[rig.cameras[c].serial] = hull.silhouette_iou[c];  // NaN becomes null: this camera had no matte
-  return json{{"volume", hull.volume},
-              {"empty", hull.mesh.empty()},
-              {"silhouette_iou", std::move(iou)},
-              {"seconds", hull.seconds}};
+  evidence.note(frame, hull, mattes);
+  json report = {{"volume", hull.volume},          {"empty", hull.mesh.empty()},
+                 {"trusted", !hull.contradictory}, {"cut", hull.cut},
+                 {"crumbs", hull.crumbs},          {"remarks", hull.remarks},
+                 {"seconds", hull.seconds},        {"silhouette_iou", std::move(iou)}};
+  if (json silhouettes = silhouettes_json(rig, hull.verdicts); !silhouettes.empty())
+    report["silhouettes"] = std::move(silhouettes);
+  return report;
 }
 
 // Makes the meshes of a take that are missing or were made from something else.
@@ -172,11 +178,12 @@ class MeshMaker {
         journal_(take.layout().meshes_journal()),
         collector_(options.progress) {}
 
-  Result<StageReport> run(const std::vector<int>& frames) {
+  Result<void> run(const std::vector<int>& frames, ProcessReport& report) {
     if (Result<void> ok = make_folder(take_.layout().meshes()); !ok) return forward(ok);
     record_.options = describe(hull_);
     if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
     journal_.remove();
+    hull_.quality_step = 4;                                    // the rows between tell the same
     hull_.threads = frames.size() > 1 ? 1 : options_.threads;  // over frames, or inside the one
     std::vector<std::optional<FrameHull>> hulls(frames.size());
     others_.assign(frames.size(), 0);
@@ -195,7 +202,16 @@ class MeshMaker {
     }
     if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
     journal_.remove();
-    return collector_.finish();
+    Result<StageReport> done = collector_.finish();
+    if (!done) return forward(done);
+    report.meshes = std::move(*done);
+    const fs::path pictures = take_.layout().meshes() / "faults";
+    if (Result<void> ok = evidence_.save(take_, pictures); !ok) return ok;
+    HullDoubts doubts = doubts_in(record_.reports, pictures);
+    report.faults = std::move(doubts.faults);
+    report.contradictory_frames = doubts.contradictory;
+    report.cut_frames = doubts.cut;
+    return {};
   }
 
  private:
@@ -221,7 +237,7 @@ class MeshMaker {
     if (!mattes) return forward(mattes);
     const fs::path whole = temporary_name(file);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
-    Result<json> report = make_mesh(take_.rig(), *mattes, hull_, *slot, whole);
+    Result<json> report = make_mesh(take_.rig(), frame, *mattes, hull_, *slot, evidence_, whole);
     workspaces_.give_back(std::move(slot));
     if (!report) return forward(report);
     const Result<std::optional<std::string>> hash = hash_of(whole);
@@ -248,6 +264,7 @@ class MeshMaker {
   Journal journal_;
   Collector collector_;
   HullWorkspaces workspaces_;
+  EvidenceCollector evidence_;
   std::vector<char> others_;  // by item: the mesh is somebody else's
 };
 
@@ -285,10 +302,8 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   Result<StageReport> mattes = make_mattes(take, options, report);
   if (!mattes) return forward(mattes);
   report.mattes = std::move(*mattes);
-  Result<StageReport> meshes = MeshMaker(take, options, *hull, std::move(*record)).run(frames);
-  if (!meshes) return forward(meshes);
-  report.meshes = std::move(*meshes);
-
+  if (Result<void> ok = MeshMaker(take, options, *hull, std::move(*record)).run(frames, report); !ok)
+    return forward(ok);
   report.empty_frames = count_empty(take, frames);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return report;

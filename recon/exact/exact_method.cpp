@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "core/text.h"
 #include "recon/bounding_volume.h"
-#include "recon/exact/exact_voting.h"
 
 namespace floatstage::recon {
+
 namespace {
+
+/// px: how far from half opacity the edge within a pixel can lie.
+constexpr double kPixelAtMost = 0.5;
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -19,51 +23,6 @@ Unexpected unbounded() {
       ErrorCode::BadData,
       "the silhouettes bound nothing: in too many cameras the subject fills the image or is cut by its "
       "border; give the volume to search");
-}
-
-/// Shells of which no camera sees anything are not hull: nothing bears witness for them.
-void drop_unseen_shells(const Rig& rig, const HullInput& input, HullReport& report) {
-  Mesh& mesh = report.mesh;
-  std::vector<std::uint32_t> root(mesh.positions.size());
-  for (std::uint32_t v = 0; v < root.size(); ++v) root[v] = v;
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    root[find(mesh.triangles[t])] = find(mesh.triangles[t + 1]);
-    root[find(mesh.triangles[t + 1])] = find(mesh.triangles[t + 2]);
-  }
-  constexpr double kMargin = 1;  // px
-  std::vector<std::uint8_t> seen(root.size(), 0);
-  for (std::uint32_t v = 0; v < root.size(); ++v) {
-    for (std::size_t c = 0; c < rig.cameras.size() && !seen[find(v)]; ++c) {
-      if (!input.knows(c)) continue;
-      const CameraModel& model = rig.cameras[c].model;
-      const auto pixel = project(model, rig.cameras[c].cam_from_world * mesh.positions[v].cast<double>());
-      seen[find(v)] = pixel && pixel->x() > kMargin && pixel->y() > kMargin &&
-                      pixel->x() < model.width - kMargin && pixel->y() < model.height - kMargin;
-    }
-  }
-  Mesh kept;
-  std::vector<HullFaceSource> sources;
-  std::vector<std::int64_t> number(root.size(), -1);
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    if (!seen[find(mesh.triangles[t])]) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = mesh.triangles[t + k];
-      if (number[v] < 0) {
-        number[v] = static_cast<std::int64_t>(kept.positions.size());
-        kept.positions.push_back(mesh.positions[v]);
-      }
-      kept.triangles.push_back(static_cast<std::uint32_t>(number[v]));
-    }
-    sources.push_back(report.sources[t / 3]);
-  }
-  if (kept.triangles.size() == mesh.triangles.size()) return;
-  mesh = std::move(kept);
-  report.sources = std::move(sources);
-  report.volume = signed_volume(mesh);
 }
 
 void remark_on_noise(const Rig& rig, const HullInput& input, double tolerance, const SilhouetteCones& cones,
@@ -83,6 +42,22 @@ void remark_on_noise(const Rig& rig, const HullInput& input, double tolerance, c
   }
 }
 
+int known_cameras(const Rig& rig, const HullInput& input) {
+  int known = 0;
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) known += input.knows(c);
+  return known;
+}
+
+/// What no camera bears witness for, and what the mattes are not sure of.
+void drop_shells(const Rig& rig, const HullInput& input, const ShellRules& rules, ShellFilter& filter,
+                 HullReport& report) {
+  const std::size_t before = report.mesh.triangles.size();
+  const ShellCount dropped = filter.apply(rig, input, rules, report.mesh, report.sources);
+  report.crumbs = dropped.crumbs;
+  report.crumb_volume = dropped.crumb_volume;
+  if (report.mesh.triangles.size() != before) report.volume = signed_volume(report.mesh);
+}
+
 void take_over(const HullPolygons& polygons, const SilhouetteCones& cones, HullReport& report) {
   report.volume = polygons.volume;
   report.faces = static_cast<int>(polygons.polygon_start.size()) - 1;
@@ -98,103 +73,174 @@ void take_over(const HullPolygons& polygons, const SilhouetteCones& cones, HullR
                  });
 }
 
-// The cones of the cameras' outlines. `cut`: some outlines are open; `empty`: nothing can be inside.
-struct Cones {
-  bool cut = false, empty = false;
+/// Whom the others contradict, and their mattes with what they lack as subject. Finds the stage of those.
+/// Once: what is mended is looser than the subject, and would accuse others.
+std::vector<Matte> mend(const Rig& rig, HullInput& input, int threads, HullWorkspace::Impl& workspace,
+                        HullReport& report) {
+  std::vector<Matte> mattes;
+  report.verdicts = workspace.audit.audit(rig, input, workspace.finder);
+  const int known = workspace.finder.pictures().known();
+  const auto lacks = [](const SilhouetteVerdict& verdict) {
+    return verdict.lost > SilhouetteAudit::kAllowed;
+  };
+  const auto lacking = std::count_if(report.verdicts.begin(), report.verdicts.end(), lacks);
+  report.contradictory = lacking > std::max(1, known / 4);  // too many for the others to be believed
+  if (report.contradictory) return mattes;
+  for (const SilhouetteVerdict& verdict : report.verdicts) {
+    if (!lacks(verdict)) continue;
+    if (mattes.empty()) mattes.assign(input.mattes().begin(), input.mattes().end());
+    Matte& matte = mattes[static_cast<std::size_t>(verdict.camera)];
+    matte = mended(matte, verdict);
+    report.voted_down.push_back(verdict.camera);
+  }
+  if (!mattes.empty())
+    workspace.finder.find(rig, HullInput(rig, std::span<const Matte>(mattes), threads), workspace.stage);
+  int doubtful = 0;
+  for (std::size_t c = 0; c < workspace.stage.unexplained.size(); ++c) {
+    // What was mended is generous: it says nothing about the others.
+    const bool was_mended = std::find(report.voted_down.begin(), report.voted_down.end(),
+                                      static_cast<int>(c)) != report.voted_down.end();
+    doubtful += !was_mended && workspace.stage.unexplained[c] > SilhouetteAudit::kAllowed;
+  }
+  report.contradictory = doubtful >= std::max(2, (known + 1) / 2);
+  return mattes;
+}
+
+void remark_on_verdicts(const Rig& rig, HullReport& report) {
+  for (const SilhouetteVerdict& verdict : report.verdicts) {
+    const std::string& serial = rig.cameras[static_cast<std::size_t>(verdict.camera)].serial;
+    if (verdict.lost > SilhouetteAudit::kAllowed)
+      report.remarks.push_back(
+          text("camera '", serial, "' ", report.contradictory ? "lacks " : "was voted down: its matte lacks ",
+               std::lround(100 * verdict.lost), " % of what all others show; look at it"));
+    if (verdict.gained > SilhouetteAudit::kAllowed)
+      report.remarks.push_back(text("camera '", serial, "': ", std::lround(100 * verdict.gained),
+                                    " % of its matte is confirmed by no other; look at it"));
+  }
+  if (report.contradictory)
+    report.remarks.emplace_back(
+        "the silhouettes contradict one another: half of them show subject that no body explains, or more "
+        "than "
+        "a quarter lack what the others show; look at the mattes and the calibration");
+}
+
+/// Traces the outlines and finds their hull; mattes of noise, whose outlines cross each other millions of
+/// times, are made coarser until the frame's time is bounded. Absent with report filled (an empty hull).
+class ExactRun {
+ public:
+  ExactRun(const Rig& rig, HullInput& input, const HullOptions& options, HullWorkspace::Impl& workspace,
+           HullReport& report)
+      : rig_(rig), input_(input), options_(options), workspace_(workspace), report_(report) {
+    settings_.tolerance = input.outlined() ? 0 : options.contour_tolerance;
+    settings_.volume = options.volume;
+    settings_.threads = options.threads;
+  }
+
+  /// What StageFinder found: where the hull is sought, and who sees only a part of it.
+  void seek_in(StageVolume& stage) {
+    const Eigen::Vector3d margin = 0.01 * stage.box.sizes();
+    stage.box = {stage.box.min() - margin, stage.box.max() + margin};
+    stage_ = &stage;
+    if (std::find(stage.partial.begin(), stage.partial.end(), 1) == stage.partial.end()) return;
+    settings_.volume = stage.box;
+    settings_.partial = stage.partial;
+  }
+
+  enum class End { Hull, Empty, Open };
+  Result<End> run();
+  Result<void> make_cones();
+  const ExactOutcome& outcome() const { return outcome_; }
+  bool cut() const { return cut_; }
+  /// Somebody does not see all of what StageFinder found.
+  bool is_partial() const { return stage_ && !settings_.partial.empty(); }
+  int stage_cameras() const { return stage_ ? stage_->cameras : 0; }
+
+ private:
+  Result<bool> trace();
+
+  const Rig& rig_;
+  HullInput& input_;
+  const HullOptions& options_;
+  HullWorkspace::Impl& workspace_;
+  HullReport& report_;
+  ConeOptions settings_;
+  const StageVolume* stage_ = nullptr;
+  ExactOutcome outcome_;
+  bool cut_ = false;
 };
 
-Result<Cones> make_cones(const Rig& rig, HullInput& input, const HullOptions& options,
-                         const ConeOptions& settings, HullWorkspace::Impl& workspace) {
-  SilhouetteCones& cones = workspace.cones;
-  workspace.builder.build(rig, input, settings, cones);
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+Result<void> ExactRun::make_cones() {
+  SilhouetteCones& cones = workspace_.cones;
+  workspace_.builder.build(rig_, input_, settings_, cones);
+  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
     if (!cones.details[c].torn) continue;
     return fail(ErrorCode::BadData,
-                text("camera '", rig.cameras[c].serial,
+                text("camera '", rig_.cameras[c].serial,
                      "': without its lens, its outline crosses itself too badly to be mended; "
                      "check its calibration and where the outline comes from"));
   }
-  Cones made;
-  made.cut =
+  return {};
+}
+
+/// False when the silhouettes have no point in common.
+Result<bool> ExactRun::trace() {
+  if (Result<void> ok = make_cones(); !ok) return forward(ok);
+  SilhouetteCones& cones = workspace_.cones;
+  const bool enough =
+      std::count_if(cones.camera.begin(), cones.camera.end(), [](int c) { return c >= 0; }) >= 2;
+  if (stage_ && !enough) {  // what one camera or none shows is bounded by nothing
+    stage_ = nullptr;
+    settings_.volume.reset();
+    settings_.partial = {};
+    workspace_.builder.build(rig_, input_, settings_, cones);
+  }
+  cut_ =
       std::any_of(cones.views.begin(), cones.views.end(), [](const ConeView& v) { return v.beyond_counts; });
-  if (options.volume || (!made.cut && cones.views.size() >= 2)) return made;
+  if (settings_.volume || (enough && !cut_)) return true;
+  if (stage_) {
+    add_volume(stage_->box, cones);
+    return true;
+  }
   // Some silhouettes are open: what the others bound is where the hull is sought.
-  const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, input.mattes());
+  const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig_, input_.mattes());
   if (!box) return unbounded();
-  made.empty = box->isEmpty();
-  if (made.empty) return made;
+  if (box->isEmpty()) return false;
   const Eigen::Vector3d margin = 0.01 * box->sizes();
   add_volume({box->min() - margin, box->max() + margin}, cones);
-  return made;
+  return true;
 }
 
-ExactOptions engine_options(const HullOptions& options) {
+Result<ExactRun::End> ExactRun::run() {
+  SilhouetteCones& cones = workspace_.cones;
   ExactOptions engine;
-  engine.threads = options.threads;
-  engine.votes = options.voting == HullVoting::MofN ? options.votes : 0;
-  return engine;
-}
-
-ExactOutcome compute(HullWorkspace::Impl& workspace, const HullOptions& options) {
-  ExactOptions engine = engine_options(options);
-  workspace.views = workspace.cones.views;
-  engine.pixel = workspace.cones.pixel;
-  return workspace.engine.compute(workspace.views, engine);
-}
-
-// Mattes of noise have outlines that cross each other millions of times: those are made coarser until the
-// frame's time is bounded.
-Result<Cones> compute_in_time(const Rig& rig, HullInput& input, const HullOptions& options, double tolerance,
-                              HullWorkspace::Impl& workspace, ExactOutcome& outcome, HullReport& report) {
-  ConeOptions settings;
-  settings.tolerance = tolerance;
-  settings.volume = options.volume;
-  settings.threads = options.threads;
+  engine.threads = options_.threads;
+  engine.votes = options_.voting == HullVoting::MofN ? options_.votes : 0;
   constexpr int kRounds = 6;
   for (int round = 0;; ++round) {
     const auto begin = std::chrono::steady_clock::now();
-    const Result<Cones> cones = make_cones(rig, input, options, settings, workspace);
-    if (!cones || cones->empty) return cones;
-    report.timings.contours = seconds_since(begin);
-    outcome = compute(workspace, options);
-    if (!outcome.too_complex) return cones;
+    const Result<bool> traced = trace();
+    if (!traced) return forward(traced);
+    if (!*traced) return End::Empty;
+    report_.timings.contours = seconds_since(begin);
+    workspace_.views = cones.views;
+    engine.pixel = cones.pixel;
+    outcome_ = workspace_.engine.compute(workspace_.views, engine);
+    if (!outcome_.too_complex) break;
     if (round == kRounds) {
       return fail(
           ErrorCode::BadData,
           "the outlines of the mattes cross each other too often, even without small islands and holes: they "
           "are noise; look at the mattes and at the keyer's settings");
     }
-    settings.tolerance = std::max(settings.tolerance, std::clamp(2 * settings.tolerance, 0.5, 4.0));
-    settings.smallest = std::max(16.0, 16 * settings.smallest);
+    settings_.tolerance = std::max(settings_.tolerance, std::clamp(2 * settings_.tolerance, 0.5, 4.0));
+    settings_.smallest = std::max(16.0, 16 * settings_.smallest);
   }
+  remark_on_noise(rig_, input_, input_.outlined() ? 0 : options_.contour_tolerance, cones, report_);
+  if (outcome_.unbounded) return unbounded();
+  return outcome_.closed ? End::Hull : End::Open;
 }
 
-// Leaves out the cameras whose mattes lack what all others show, and computes again without them. False when
-// the rest is not closed.
-bool vote_down(const Rig& rig, HullInput& input, const HullOptions& options, HullWorkspace::Impl& workspace,
-               ExactOutcome& outcome, HullReport& report) {
-  SilhouetteCones& cones = workspace.cones;
-  const auto begin = std::chrono::steady_clock::now();  // its trials use the same engine
-  report.voted_down = find_bad_views(rig, input, report.mesh, options.threads, workspace);
-  report.timings.voting = seconds_since(begin);
-  if (report.voted_down.empty()) return true;
-  for (const int camera : report.voted_down) {
-    const std::ptrdiff_t v =
-        std::find(cones.camera.begin(), cones.camera.end(), camera) - cones.camera.begin();
-    cones.views.erase(cones.views.begin() + v);
-    cones.camera.erase(cones.camera.begin() + v);
-    report.remarks.push_back(text("camera '", rig.cameras[static_cast<std::size_t>(camera)].serial,
-                                  "' was voted down: its matte lacks what all others show; look at it"));
-  }
-  const ExactOutcome again = compute(workspace, options);
-  if (again.unbounded || !again.closed) return false;
-  outcome.attempts += again.attempts - 1;
-  outcome.timings = again.timings;
-  take_over(workspace.engine.polygons(), cones, report);
-  return true;
-}
-
-void report_cost(const ExactOutcome& outcome, const SilhouetteCones& cones, HullReport& report) {
+void take_numbers(const ExactOutcome& outcome, const SilhouetteCones& cones, HullReport& report) {
   report.escalations = outcome.attempts - 1;
   report.work = {0, outcome.work.hits, outcome.work.lines, outcome.work.relations};
   for (const Silhouette& outline : cones.outlines)
@@ -210,19 +256,45 @@ void report_cost(const ExactOutcome& outcome, const SilhouetteCones& cones, Hull
 
 Result<bool> exact_visual_hull(const Rig& rig, HullInput& input, const HullOptions& options,
                                HullWorkspace::Impl& workspace, HullReport& report) {
-  const double tolerance = input.outlined() ? 0 : options.contour_tolerance;
-  ExactOutcome outcome;
-  const Result<Cones> cones = compute_in_time(rig, input, options, tolerance, workspace, outcome, report);
-  if (!cones) return forward(cones);
-  if (cones->empty) return true;
-  remark_on_noise(rig, input, tolerance, workspace.cones, report);
-  if (outcome.unbounded) return unbounded();
-  if (!outcome.closed) return false;
+  const auto begin = std::chrono::steady_clock::now();
+  const bool audited = options.voting == HullVoting::Auto;
+  StageVolume& stage = workspace.stage;
+  const int outvoted = options.voting == HullVoting::MofN ? known_cameras(rig, input) - options.votes : 0;
+  const bool staged =
+      (!options.volume || audited) && workspace.finder.find(rig, input, stage, std::max(0, outvoted));
+  const double finding = seconds_since(begin);
+  std::vector<Matte> mattes;
+  if (staged && audited) {
+    const auto voting = std::chrono::steady_clock::now();
+    mattes = mend(rig, input, options.threads, workspace, report);
+    remark_on_verdicts(rig, report);
+    report.timings.voting = seconds_since(voting);
+  }
+  HullInput mended(rig, std::span<const Matte>(mattes), options.threads);
+  ExactRun run(rig, mattes.empty() ? input : mended, options, workspace, report);
+  if (staged && !options.volume && stage.box.isEmpty()) {
+    if (const Result<void> ok = run.make_cones(); !ok) return forward(ok);  // is every outline of use?
+    return true;
+  }
+  if (staged && !options.volume) run.seek_in(stage);
+  const Result<ExactRun::End> end = run.run();
+  if (!end) return forward(end);
+  report.timings.contours += finding;
+  if (*end == ExactRun::End::Empty) return true;
+  if (*end == ExactRun::End::Open) return false;
   take_over(workspace.engine.polygons(), workspace.cones, report);
-  if (options.voting == HullVoting::Auto && !vote_down(rig, input, options, workspace, outcome, report))
-    return false;
-  report_cost(outcome, workspace.cones, report);
-  if (cones->cut) drop_unseen_shells(rig, input, report);
+  take_numbers(run.outcome(), workspace.cones, report);
+  report.stage_cameras = run.stage_cameras();
+  drop_shells(rig, input,
+              {.stage = run.is_partial() ? &workspace.finder : nullptr,
+               .cameras = run.cut() ? std::max(1, report.stage_cameras) : 0,
+               .uncertainty = options.keep_crumbs ? 0 : options.contour_tolerance + kPixelAtMost},
+              workspace.shells, report);
+  report.cut = std::any_of(report.sources.begin(), report.sources.end(),
+                           [](const HullFaceSource& source) { return source.camera < 0; });
+  if (report.cut && report.stage_cameras > 0)
+    report.remarks.push_back(text("the subject goes on where fewer than ", report.stage_cameras,
+                                  " cameras look: the hull is cut there; add cameras, or give the volume"));
   const Eigen::AlignedBox3f bounds = bounding_box(report.mesh);
   report.searched = options.volume
                         ? *options.volume

@@ -54,7 +54,9 @@ void ConeBuilder::build(const Rig& rig, const HullInput& input, const ConeOption
       table = {rig.cameras[c].model, lens_bend(rig.cameras[c].model)};
     SilhouetteOptions settings;
     settings.tolerance = options.tolerance;
-    settings.unknown_beyond = options.volume && !sees_all(rig.cameras[c], *options.volume);
+    settings.unknown_beyond = options.partial.empty()
+                                  ? options.volume && !sees_all(rig.cameras[c], *options.volume)
+                                  : options.partial[c] != 0;
     settings.smallest = options.smallest;
     settings.most_points = options.most_points;
     const Silhouette* given = input.outline(c);

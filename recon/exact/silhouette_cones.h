@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "recon/exact/exact_views.h"
@@ -11,8 +13,10 @@ namespace floatstage::recon {
 
 struct ConeOptions {
   double tolerance = 0.5;  ///< px, of the contours; 0 leaves outlines that were given as they are
-  std::optional<Eigen::AlignedBox3d>
-      volume;               ///< the hull is sought here; cameras that do not see all of it know less
+  std::optional<Eigen::AlignedBox3d> volume;  ///< the hull is sought here
+  /// Per camera: 1 where a part of the body may lie outside the picture, so that what is beyond is unknown;
+  /// empty: where the picture does not hold all of the volume.
+  std::span<const std::uint8_t> partial;
   double smallest = 0;      ///< px²: islands and holes of less area are left out
   int most_points = 20000;  ///< contour points of one view; noisier mattes are made coarser
   int threads = 1;

@@ -34,7 +34,6 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
   recon::HullOptions options;
   options.threads = threads;
   options.quality = false;
-  options.contour_tolerance = 0;  // the outlines have theirs already
   const Result<void> hull =
       recon::visual_hull(rig_, std::span<const Silhouette>(outlines_), options, workspace_, report_);
   if (!hull && hull.error().code != ErrorCode::BadData) return forward(hull);

@@ -1,5 +1,7 @@
 #include "pipeline/process/process.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -319,6 +321,68 @@ TEST(Process, NamesAMatteThatIsAllForeground) {
   ASSERT_THAT(report, IsOk());
   ASSERT_EQ(report->meshes.failures.size(), 1u);
   EXPECT_THAT(report->meshes.failures[0], HasSubstr("the subject fills the image"));
+}
+
+// The upper half of what the matte shows is gone.
+void cut_upper_half(const fs::path& matte) {
+  Image alpha = *load_png(matte);
+  int top = alpha.height, bottom = 0;
+  for (int y = 0; y < alpha.height; ++y)
+    if (std::any_of(alpha.at(0, y), alpha.at(0, y) + alpha.width, [](std::uint8_t a) { return a >= 128; }))
+      top = std::min(top, y), bottom = y;
+  std::fill(alpha.pixels.begin(),
+            alpha.pixels.begin() + static_cast<std::ptrdiff_t>(alpha.offset(0, (top + bottom) / 2)), 0);
+  ASSERT_THAT(save_png(alpha, matte), IsOk());
+}
+
+TEST(Process, NamesTheCameraThatLacksHalfTheBodyInEveryRunWithAPicture) {
+  TempFolder folder;
+  const fs::path take = small_take(folder);
+  ProcessOptions options = options_for(take);
+  options.hull->voting = recon::HullVoting::Auto;
+  ASSERT_THAT(process_take(options), IsOk());
+  const TakeLayout layout(take);
+  const Mesh whole = *load_ply(layout.mesh(1));
+  cut_upper_half(layout.matte("cam02", 1));
+  fs::remove_all(layout.meshes());
+  for (const int made : {2, 0}) {
+    const Result<ProcessReport> report = process_take(options);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(report->meshes.made, made);
+    EXPECT_EQ(report->contradictory_frames, 0);
+    ASSERT_EQ(report->faults.size(), 1u);
+    const SilhouetteFault& fault = report->faults[0];
+    EXPECT_EQ(fault.serial, "cam02");
+    EXPECT_EQ(fault.frames, 1);
+    EXPECT_EQ(fault.worst, 1);
+    EXPECT_NEAR(fault.lost, 0.5, 0.2);
+    EXPECT_TRUE(fs::exists(fault.picture));
+    EXPECT_THAT(sentence(fault), HasSubstr("camera 'cam02' lacks"));
+  }
+  EXPECT_NEAR(signed_volume(*load_ply(layout.mesh(1))) / signed_volume(whole), 1, 0.1);
+}
+
+TEST(Process, DoesNotTrustHullsOfMattesThatContradictOneAnother) {
+  TempFolder folder;
+  const fs::path take = small_take(folder, 1);
+  ProcessOptions options = options_for(take);
+  options.hull->voting = recon::HullVoting::Auto;
+  const Result<ProcessReport> right = process_take(options);
+  ASSERT_THAT(right, IsOk());
+  EXPECT_EQ(right->contradictory_frames, 0);
+  const TakeLayout layout(take);
+  for (const char* camera : {"cam00", "cam02", "cam04"}) {  // upside down
+    Image alpha = *load_png(layout.matte(camera, 0));
+    std::reverse(alpha.pixels.begin(), alpha.pixels.end());
+    ASSERT_THAT(save_png(alpha, layout.matte(camera, 0)), IsOk());
+  }
+  fs::remove_all(layout.meshes());
+  for (const int made : {1, 0}) {
+    const Result<ProcessReport> wrong = process_take(options);
+    ASSERT_THAT(wrong, IsOk());
+    EXPECT_EQ(wrong->meshes.made, made);
+    EXPECT_EQ(wrong->contradictory_frames, 1);
+  }
 }
 
 TEST(Process, SaysWhichFolderIsNoTake) {

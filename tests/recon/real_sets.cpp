@@ -114,6 +114,20 @@ MatteSet load_green_dome(const std::filesystem::path& folder) {
   return set;
 }
 
+MatteSet load_basketball(const std::filesystem::path& folder, const std::string& frame) {
+  MatteSet set;
+  set.rig = need(calib::read_dome(folder / "calibration.txt", 1)).rig;
+  for (RigCamera& camera : set.rig.cameras) {
+    camera.model.width = 640;
+    camera.model.height = 360;
+    const std::filesystem::path file = folder / "masks" / camera.serial / (frame + ".png");
+    set.mattes.emplace_back();
+    if (std::filesystem::exists(file))
+      set.mattes.back() = make_matte({}, thresholded(need(load_png(file)), 127));
+  }
+  return set;
+}
+
 MatteSet load_vacancy_bunny(const std::filesystem::path& folder) {
   MatteSet set;
   std::ifstream poses(folder / "tumpose.txt");

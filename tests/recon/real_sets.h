@@ -21,6 +21,8 @@ MatteSet load_temple_ring(const std::filesystem::path& folder, int grey = 12);
 MatteSet load_temple_sparse_ring(const std::filesystem::path& folder);  ///< 16 views, the same way
 MatteSet load_green_dome(
     const std::filesystem::path& folder);  ///< 20 cameras with the mattes given beside the images
+/// 31 cameras around two players, of which four have no mask.
+MatteSet load_basketball(const std::filesystem::path& folder, const std::string& frame);
 MatteSet load_vacancy_bunny(const std::filesystem::path& folder);
 
 /// Only the cameras with these indices.

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "capture/take.h"
+#include "core/image.h"
+#include "core/result.h"
+#include "core/rig.h"
+#include "recon/visual_hull.h"
+
+namespace floatstage::pipeline {
+
+/// A camera whose silhouettes the others contradict.
+struct SilhouetteFault {
+  std::string serial;
+  int frames = 0;                 ///< in so many
+  int worst = 0;                  ///< frame
+  double lost = 0, gained = 0;    ///< there, see recon::SilhouetteVerdict
+  std::filesystem::path picture;  ///< evidence_picture() of that frame; empty when there is no photograph
+};
+
+/// "camera 'x' lacks 62 % of what the others see in frame 3 (7 frames in all): PICTURE"
+std::string sentence(const SilhouetteFault& fault);
+
+/// The photograph, dark where the matte has no subject, red where the others see subject that the matte
+/// lacks, blue where the matte has subject that no other confirms. `rgb` and the matte are of one size.
+Image evidence_picture(const Image& rgb, const Matte& matte, const recon::SilhouetteVerdict& verdict);
+
+/// Keeps, of frames that are made in parallel, each camera's worst verdict, to show it. Any thread.
+class EvidenceCollector {
+ public:
+  void note(int frame, const recon::HullReport& hull, const std::vector<Matte>& mattes);
+  /// A picture a camera, <serial>-<frame>.png, in `folder`, which is made if there is anything to show.
+  Result<void> save(capture::TakeReader& take, const std::filesystem::path& folder) const;
+
+ private:
+  struct Worst {
+    int frame = 0;
+    recon::SilhouetteVerdict verdict;
+    Matte matte;
+  };
+  std::mutex mutex_;
+  std::vector<std::optional<Worst>> cameras_;
+};
+
+/// What the hulls of a take, made now or before, say about themselves: read from the record of
+/// meshes/hull.json.
+struct HullDoubts {
+  std::vector<SilhouetteFault> faults;  ///< worst first
+  int contradictory = 0;                ///< frames, see recon::HullReport::contradictory
+  int cut = 0;                          ///< frames, see recon::HullReport::cut
+};
+
+/// A frame's part of it: {"<serial>": {"lost", "gained"}}.
+nlohmann::json silhouettes_json(const Rig& rig, const std::vector<recon::SilhouetteVerdict>& verdicts);
+/// `frames`: MeshRecord::reports, `pictures`: where EvidenceCollector saved them. What is not there says
+/// nothing.
+HullDoubts doubts_in(const std::map<int, nlohmann::json>& frames, const std::filesystem::path& pictures);
+
+}  // namespace floatstage::pipeline
