@@ -10,7 +10,9 @@ Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   std::vector<Image> samples;
   const std::filesystem::path plate = take.layout().plate(serial);
-  if (std::filesystem::exists(plate)) {
+  // How far black cloth is lit shows beside the subject: an empty stage has nothing brighter to tell it from.
+  const bool of_photographs = spec.starts_with("luminance");
+  if (std::filesystem::exists(plate) && !of_photographs) {
     Result<Image> picture = load_png(plate);
     if (!picture) return forward(picture);
     samples.push_back(std::move(*picture));
@@ -27,6 +29,12 @@ Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int
       samples.push_back(std::move(*picture));
     }
   }
+  // The median of two photographs is no plate: the subject would be taken for its own backing.
+  constexpr std::size_t kFewest = 3;
+  if (spec.starts_with("difference") && samples.size() < kFewest && !std::filesystem::exists(plate))
+    return fail(ErrorCode::NotFound,
+                text("camera '", serial, "': there is no plate ", plate.string(), " and only ",
+                     samples.size(), " photographs to make one of; shoot a plate, or key otherwise"));
   Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, samples);
   if (!keyer) return fail(keyer.error().code, text("camera '", serial, "': ", keyer.error().message));
   return keyer;

@@ -23,7 +23,8 @@ namespace {
 constexpr int kCells = 160;       // along the longer side: texture of cloth and noise average out in a cell
 constexpr int kRounds = 6;        // of growing, at most
 constexpr float kQuantum = 0.5f;  // 8-bit steps: what a mean of rounded values may be off by
-constexpr double kSharp = 0.85;   // of the sharpest outline
+constexpr double kLargestHole = 0.03;  // of the subject; larger ones are open
+constexpr double kSharp = 0.85;        // of the sharpest outline
 
 using Spread = std::array<cv::Mat, 6>;  // 00 01 02 11 12 22
 
@@ -304,8 +305,8 @@ std::optional<BackingField> learn_field(const std::vector<Image>& pictures,
                       std::max(1, static_cast<int>(std::lround(height * shrink))));
   std::vector<Cells> cells;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    FLOATSTAGE_CHECK(pictures[i].width == width && pictures[i].height == height && pictures[i].channels == 3,
-                     "RGB pictures of one size");
+    FLOATSTAGE_CHECK(pictures[i].channels == 3, "RGB pictures");
+    if (pictures[i].width != width || pictures[i].height != height) continue;
     cells.push_back(cells_of(pictures[i], left_out.empty() ? nullptr : &left_out[i], grid));
   }
 
@@ -328,10 +329,11 @@ std::optional<BackingField> learn_field(const std::vector<Image>& pictures,
   const auto best = sharpest <= 0 ? ladder.end() - 1
                                   : std::find_if(ladder.begin(), ladder.end(),
                                                  [&](const Rung& r) { return r.sharp >= kSharp * sharpest; });
-  double share = 0;
+  double share = 0, grey = 0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     cells[i].backing = best->backing[i];
     share += cv::mean(cells[i].backing)[0] / static_cast<double>(cells.size());
+    grey += cv::mean(cells[i].grey.mul(cells[i].backing))[0] / static_cast<double>(cells.size());
   }
   if (share == 0) return std::nullopt;
 
@@ -340,6 +342,7 @@ std::optional<BackingField> learn_field(const std::vector<Image>& pictures,
   field.cols_ = grid.width;
   field.rows_ = grid.height;
   field.share_ = share;
+  field.grey_ = grey / share;
   field.brightest_ = best->level;
   field.darker_too_ = options.darker_too;
   field.sigmas_ = static_cast<float>(options.sigmas);
@@ -429,6 +432,30 @@ Image BackingField::key(const Image& picture) const {
   cv::max(out, narrow, out);
   drop_specks(out, std::min(std::max(4, size * size / 4), static_cast<int>(out.total())));
   return alpha;
+}
+
+void BackingField::fill_holes(const Image& picture, Image& alpha) const {
+  cv::Mat key(alpha.height, alpha.width, CV_8U, alpha.pixels.data());
+  const double largest = kLargestHole * cv::countNonZero(key >= 128);
+  cv::Mat labels, stats, centroids;
+  const int count = cv::connectedComponentsWithStats(key < 128, labels, stats, centroids, 4, CV_32S);
+  if (count <= 2) return;
+  const std::vector<float> off = distances(picture, Scale::Cell);
+  std::vector<int> far(static_cast<std::size_t>(count), 0);
+  for (int y = 0; y < key.rows; ++y)
+    for (int x = 0; x < key.cols; ++x)
+      far[static_cast<std::size_t>(labels.at<int>(y, x))] +=
+          off[static_cast<std::size_t>(y) * static_cast<std::size_t>(key.cols) +
+              static_cast<std::size_t>(x)] > 0.5f * sigmas_;
+  for (int i = 1; i < count; ++i) {
+    const int* s = stats.ptr<int>(i);
+    const cv::Rect box(s[cv::CC_STAT_LEFT], s[cv::CC_STAT_TOP], s[cv::CC_STAT_WIDTH], s[cv::CC_STAT_HEIGHT]);
+    const bool open = box.x == 0 || box.y == 0 || box.br().x == key.cols || box.br().y == key.rows;
+    if (open || s[cv::CC_STAT_AREA] > largest ||
+        4 * far[static_cast<std::size_t>(i)] < 3 * s[cv::CC_STAT_AREA])
+      continue;
+    key(box).setTo(255, labels(box) == i);
+  }
 }
 
 void BackingField::solve_edges(const Image& picture, Image& alpha) const {

@@ -36,6 +36,10 @@ class BackingField {
   /// backing; a ramp from half of that.
   Image key(const Image& picture) const;
 
+  /// Fills the holes of a cleaned key that are no backing when looked at as a whole: their cells are more
+  /// than half of `sigmas` off it in the mean, as black hair before a black wall.
+  void fill_holes(const Image& picture, Image& alpha) const;
+
   /// Solves the opacity of the pixels within a cell of the outline of a cleaned key: a key only says that a
   /// pixel is not all backing, and the glow of a bright edge reaches far. Of a mixed pixel I = a F + (1 - a)
   /// B the share a is that along F - B, with F the mean of the nearby subject well inside and B the field's,
@@ -47,6 +51,8 @@ class BackingField {
   float noise() const { return noise_; }
   /// Pixels of a picture of this width that a cell is wide, at least 1.
   int cell(int width) const;
+  /// Mean grey of what was found to be backing, 8-bit steps.
+  double grey() const { return grey_; }
   /// Share of the picture that was found to be backing.
   double share() const { return share_; }
   /// The brightest grey that was let into the backing, in 8-bit steps: at most 255.
@@ -62,16 +68,16 @@ class BackingField {
   int cols_ = 0, rows_ = 0;
   std::vector<float> pixel_, cell_;  // kTerms a cell
   std::vector<float> known_;         // a cell: 1 where the backing is known near
-  double share_ = 0, brightest_ = 255;
+  double share_ = 0, grey_ = 0, brightest_ = 255;
   float noise_ = 0, sigmas_ = 4;
   bool darker_too_ = false;
 };
 
-/// Grows the backing from the pictures' rims inwards (ADR 0170). `pictures`: RGB, of one size, of one camera.
-/// `left_out`: empty, or a mask a picture of what is known to be something else (cloth, borders that a
-/// converter added), not 0 there. The rim is backing but for what is brighter than a level; that level is the
-/// lowest of a ladder at which the outline of what remains is within a twentieth of the sharpest. Nothing
-/// when no rim is left. Deterministic.
+/// Grows the backing from the pictures' rims inwards (ADR 0170). `pictures`: RGB, of one camera; those of
+/// another size than the first are not looked at. `left_out`: empty, or a mask a picture of what is known to
+/// be something else (cloth, borders that a converter added), not 0 there. The rim is backing but for what is
+/// brighter than a level; that level is the lowest of a ladder at which the outline of what remains is within
+/// a twentieth of the sharpest. Nothing when no rim is left. Deterministic.
 std::optional<BackingField> learn_field(const std::vector<Image>& pictures,
                                         const std::vector<Image>& left_out, const FieldOptions& options = {});
 

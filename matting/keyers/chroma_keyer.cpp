@@ -14,6 +14,8 @@
 #include "matting/foreground.h"
 #include "matting/keyers/backing.h"
 #include "matting/keyers/keyers.h"
+#include "matting/keyers/rim_check.h"
+#include "matting/keyers/walls.h"
 #include "matting/refine_edges.h"
 
 namespace floatstage::matting {
@@ -77,15 +79,32 @@ class ChromaKeyer : public Keyer {
     auto rgb = to_rgb(frame);
     if (!rgb) return forward(rgb);
     Image alpha(rgb->width, rgb->height, 1), doubt(rgb->width, rgb->height, 1);
-    std::vector<float> row(static_cast<std::size_t>(alpha.width) * 3);
-    for (int y = 0; y < alpha.height; ++y) key_row(rgb->at(0, y), row, alpha.at(0, y), doubt.at(0, y));
-    alpha = clean_up(alpha, cleanup_);
+    key_cloth(*rgb, alpha, doubt);
+    const Image cloth = walls_ ? alpha : Image();
+    alpha = walls_ ? walls_->key(*rgb, cloth, cleanup_) : clean_up(alpha, cleanup_);
+    if (Result<void> ok = check_rim(alpha, frame.info, "green or blue cloth"); !ok) return forward(ok);
+    // Before a wall, what is no cloth is no hair yet.
+    for (std::size_t i = 0; i < cloth.pixels.size(); ++i)
+      if (cloth.pixels[i] >= 128 && alpha.pixels[i] < 128) doubt.pixels[i] = 0;
+    const Image key = walls_ ? alpha : Image();
     const auto along_the_cloth = [&](int y, int x0, int count, float* out) {
       const std::uint8_t* p = rgb->at(x0, y);
       for (int x = 0; x < count; ++x, p += 3) out[x] = along_.of(p[0], p[1], p[2]);
     };
     refine_edges(along_the_cloth, kEdgeContrast, doubt, alpha);
+    if (walls_) walls_->solve_edges(*rgb, cloth, key, alpha);
     return make_matte(frame.info, alpha);
+  }
+
+  /// Learns what else stands behind the subject, where the rims show enough of it.
+  void learn_walls(const std::vector<Image>& samples) {
+    std::vector<Image> cloth;
+    for (const Image& sample : samples) {
+      Image alpha(sample.width, sample.height, 1), doubt(sample.width, sample.height, 1);
+      key_cloth(sample, alpha, doubt);
+      cloth.push_back(std::move(alpha));
+    }
+    walls_ = Walls::learn(samples, cloth);
   }
 
   Result<Image> suppress_spill(const Frame& frame) const override {
@@ -105,6 +124,11 @@ class ChromaKeyer : public Keyer {
   CleanupOptions cleanup() const override { return cleanup_; }
 
  private:
+  void key_cloth(const Image& rgb, Image& alpha, Image& doubt) const {
+    std::vector<float> row(static_cast<std::size_t>(alpha.width) * 3);
+    for (int y = 0; y < alpha.height; ++y) key_row(rgb.at(0, y), row, alpha.at(0, y), doubt.at(0, y));
+  }
+
   // Saturation is chroma over luma: cloth in shadow keeps it. The angle to the cloth enters as the ratio of
   // the components across and along its direction, so that no pixel needs trigonometry. The channels are
   // taken apart first (into `planes`, 3 rows) because compilers vectorise the arithmetic then.
@@ -138,6 +162,7 @@ class ChromaKeyer : public Keyer {
   Form along_{}, across_{};  // the CbCr plane turned so that its first axis is the cloth's direction
   float saturation_ = 0;     // the cloth's chroma over luma
   BackingChannel backing_ = BackingChannel::Green;
+  std::optional<Walls> walls_;  // what is no cloth at the rims
 };
 
 Result<Rgb> parse_color(std::string_view text_color) {
@@ -176,7 +201,9 @@ Result<std::unique_ptr<Keyer>> make_chroma_keyer(const KeyerRequest& request) {
                   "no green or blue cloth at the borders of the pictures; give its colour as chroma:#rrggbb");
     color = *sampled;
   }
-  return std::unique_ptr<Keyer>(new ChromaKeyer(color, request.cleanup.value_or(kDefaultCleanup)));
+  auto keyer = std::make_unique<ChromaKeyer>(color, request.cleanup.value_or(kDefaultCleanup));
+  keyer->learn_walls(request.samples);
+  return std::unique_ptr<Keyer>(std::move(keyer));
 }
 
 }  // namespace floatstage::matting

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "core/text.h"
+#include "matting/keyers/added_frame.h"
 #include "matting/keyers/keyers.h"
 
 namespace floatstage::matting {
@@ -56,9 +57,15 @@ Result<std::unique_ptr<Keyer>> make_keyer(std::string_view spec, const std::vect
       if (!converted) return forward(converted);
       rgb.push_back(std::move(*converted));
     }
+    const AddedFrame frame = added_frame(rgb);
+    const int width = rgb.empty() ? 0 : rgb.front().width, height = rgb.empty() ? 0 : rgb.front().height;
+    for (Image& sample : rgb)
+      if (!frame.none() && sample.width == width && sample.height == height) sample = inside(sample, frame);
     KeyerRequest request{std::nullopt, rgb, cleanup};
     if (colon != std::string_view::npos) request.parameter = spec.substr(colon + 1);
-    return entry.make(request);
+    Result<std::unique_ptr<Keyer>> keyer = entry.make(request);
+    if (!keyer || frame.none()) return keyer;
+    return inside_keyer(std::move(*keyer), frame);
   }
   std::string names;
   for (const Entry& entry : kTable) names += text(names.empty() ? "" : ", ", entry.name);

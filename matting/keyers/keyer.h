@@ -35,7 +35,8 @@ class Keyer {
   virtual ~Keyer() = default;
   /// Same size as the frame, carries its info. An empty frame gives an empty matte. Errors name the camera:
   /// Unsupported for a grey frame where colour is needed (or MJPEG), InvalidArgument for a frame of another
-  /// size than the clean plate, BadData for a frame shorter than its layout.
+  /// size than the clean plate, BadData for a frame shorter than its layout. Unsupported, too, where the
+  /// picture shows nothing of the backing that the keyer was made for: no matte is better than a wrong one.
   virtual Result<Matte> key(const Frame& frame) const = 0;
   /// The photograph with the backing's colour cast removed where the keyer knows one; else the photograph as
   /// RGB.
@@ -49,7 +50,8 @@ class Keyer {
 /// Makes a keyer from its spec:
 ///   "chroma" or "chroma:#rrggbb"   CbCr angle to the cloth's colour with a saturation floor; when not given
 ///                                  the colour is sampled from `samples`: plates, or photographs whose
-///                                  borders show the cloth
+///                                  borders show the cloth. What else the samples' rims show (walls,
+///                                  lamps) is learnt from them too, given a colour or not
 ///   "difference" or "difference:T" against this camera's clean plate, threshold T in 8-bit steps (default
 ///                                  24). Several samples: their median, the plate where the subject moves
 ///   "luminance" or "luminance:T"   black stage: what differs from the black, and from cloth that catches
@@ -60,7 +62,8 @@ class Keyer {
 ///                                  (matting/keyers/plate.h); K standard deviations (default 6) tell the
 ///                                  subject
 /// `samples` are pictures (1 or 3 channels) of this one camera: plates first, else some photographs of the
-/// take. Without `cleanup` the keyer uses its own default. Errors: InvalidArgument lists the keyers when the
+/// take. A frame that a camera or a converter laid around them (black bars) is background and is not learnt
+/// from. Without `cleanup` the keyer uses its own default. Errors: InvalidArgument lists the keyers when the
 /// name is unknown, and says what a parameter or sample should be; NotFound when the samples show no green or
 /// blue cloth.
 Result<std::unique_ptr<Keyer>> make_keyer(std::string_view spec, const std::vector<Image>& samples,

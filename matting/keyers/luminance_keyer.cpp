@@ -2,17 +2,20 @@
 // ADR:     0170
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "core/text.h"
 #include "matting/keyers/backing_field.h"
 #include "matting/keyers/keyers.h"
+#include "matting/keyers/rim_check.h"
 
 namespace floatstage::matting {
 namespace {
 
 // A black stage leaves dark crevices in the subject and specks on the cloth.
 constexpr CleanupOptions kDefaultCleanup{.close_radius = 2, .smallest_island = 0.02, .smallest_hole = 0.003};
+constexpr double kBrighter = 2;  // times the backing, in the mean
 constexpr FieldOptions kBlackStage{.darker_too = true};
 
 Image grey_of(const Image& rgb) {
@@ -22,6 +25,18 @@ Image grey_of(const Image& rgb) {
     grey.pixels[i] = static_cast<std::uint8_t>((77 * p[0] + 150 * p[1] + 29 * p[2] + 128) >> 8);  // BT.601
   }
   return grey;
+}
+
+// Against a stage, the subject is the light: on any other backing as much is darker as is brighter.
+bool is_black(const BackingField& stage, const Image& grey, const Image& alpha) {
+  double sum = 0;
+  long count = 0;
+  for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
+    if (alpha.pixels[i] >= 128) {
+      sum += grey.pixels[i];
+      ++count;
+    }
+  return count == 0 || stage.grey() * kBrighter <= sum / static_cast<double>(count);
 }
 
 class LuminanceKeyer : public Keyer {
@@ -47,6 +62,13 @@ class LuminanceKeyer : public Keyer {
       }
     }
     alpha = clean_up(alpha, cleanup_);
+    if (Result<void> ok = check_rim(alpha, frame.info, "black stage"); !ok) return forward(ok);
+    if (stage && !is_black(*stage, grey, alpha))
+      return fail(ErrorCode::Unsupported,
+                  text("camera ", frame.info.camera, " shows no black stage: what is around the subject is ",
+                       std::lround(stage->grey()),
+                       " bright in the mean, more than half of what stands out from it; "
+                       "try the methods 'chroma' or 'consistent', or a plate"));
     if (stage && !threshold_) stage->solve_edges(*rgb, alpha);
     return make_matte(frame.info, alpha);
   }

@@ -17,7 +17,7 @@
 #include "matting/keyers/plate.h"
 #include "matting/picture_scale.h"
 #include "matting/video/flow_carry.h"
-#include "matting/video/frame_cut.h"
+#include "matting/frame_cut.h"
 
 namespace floatstage::matting {
 namespace {

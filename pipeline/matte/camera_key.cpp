@@ -97,6 +97,7 @@ Result<bool> mostly_backdrop(capture::TakeReader& take, int camera, const Camera
     if (!photograph) return forward(photograph);
     if (photograph->empty()) continue;
     Result<Image> matte = key.key(*photograph, frame);
+    if (!matte && matte.error().code == ErrorCode::Unsupported) return false;  // hardly any cloth
     if (!matte) return forward(matte);
     return coverage(make_matte({}, *matte)) <= kMostSubject;
   }

@@ -1,4 +1,4 @@
-#include "matting/video/frame_cut.h"
+#include "matting/frame_cut.h"
 
 #include <cmath>
 

@@ -113,5 +113,26 @@ TEST(LuminanceKeyerOnTheDinosaur, KeepsItWholeBeforeClothThatCatchesLight) {
   }
 }
 
+// Green floor, black walls with lamps. 0.95 and 0.90 are wanted; black hair and things at the walls' foot are
+// what is missing (docs/matting.md).
+TEST(ChromaKeyerBeforeBlackWalls, LearnsThemFromOnePicture) {
+  const auto folder = real_data("green-dome-wd");
+  FLOATSTAGE_NEEDS_DATA(folder);
+  double sum = 0;
+  for (int camera = 0; camera < 20; ++camera) {
+    const std::string name = text(camera < 10 ? "0" : "", camera, ".png");
+    const auto photograph = load_png(folder / "images" / name), given = load_png(folder / "mattes" / name);
+    ASSERT_TRUE(photograph && given) << name;
+    const auto keyer = make_keyer("chroma", {*photograph});
+    ASSERT_TRUE(keyer) << keyer.error().message;
+    const auto matte = (*keyer)->key(make_frame({}, *photograph));
+    ASSERT_TRUE(matte) << matte.error().message;
+    const double agreement = iou(*matte, make_matte({}, *given));
+    EXPECT_GE(agreement, 0.87) << name;
+    sum += agreement;
+  }
+  EXPECT_GE(sum / 20, 0.93);
+}
+
 }  // namespace
 }  // namespace floatstage::matting

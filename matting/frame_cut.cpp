@@ -4,7 +4,7 @@
 // Differs: edges that the backdrop has itself cost nothing extra
 // ADR:     0102
 
-#include "matting/video/frame_cut.h"
+#include "matting/frame_cut.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +77,7 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
   });
   for (int i = 0; i < nodes; ++i)
     graph.add_terminals(i, whole(std::max(0.0f, odds[static_cast<std::size_t>(i)])),
-                         whole(std::max(0.0f, -odds[static_cast<std::size_t>(i)])));
+                        whole(std::max(0.0f, -odds[static_cast<std::size_t>(i)])));
   graph.solve();
   for (std::size_t p = 0; p < node.size(); ++p)
     if (node[p] >= 0 && graph.on_source_side(node[p])) out.pixels[p] = 255;

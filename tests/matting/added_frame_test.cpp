@@ -1,0 +1,82 @@
+#include "matting/keyers/added_frame.h"
+
+#include <gtest/gtest.h>
+
+#include "matting/keyers/keyer.h"
+#include "tests/matting/pictures.h"
+
+namespace floatstage::matting {
+namespace {
+
+Image framed(const Image& picture, const AddedFrame& frame, std::uint8_t grey = 0) {
+  Image out(picture.width + frame.left + frame.right, picture.height + frame.top + frame.bottom, 3, grey);
+  for (int y = 0; y < picture.height; ++y)
+    std::copy_n(picture.at(0, y), 3 * picture.width, out.at(frame.left, frame.top + y));
+  return out;
+}
+
+TEST(AddedFrame, IsFoundOnEverySideToThePixel) {
+  const Image picture = photograph({.noise = 1});
+  EXPECT_TRUE(added_frame({picture}).none());
+  for (const AddedFrame& frame : {AddedFrame{.top = 12, .bottom = 12}, AddedFrame{.left = 20, .right = 3},
+                                  AddedFrame{.left = 1}, AddedFrame{4, 5, 6, 7}}) {
+    EXPECT_EQ(added_frame({framed(picture, frame)}), frame);
+    EXPECT_EQ(added_frame({framed(picture, frame, 235)}), frame) << "white bars";
+    EXPECT_EQ(inside(framed(picture, frame), frame), picture);
+  }
+}
+
+TEST(AddedFrame, IsWhatAllPicturesShow) {
+  const Image picture = photograph({.noise = 1});
+  const Image boxed = framed(picture, {.top = 12, .bottom = 12}),
+              less = framed(photograph({.height = 124, .noise = 1}), {.top = 12, .bottom = 8});
+  EXPECT_EQ(added_frame({boxed, less}), (AddedFrame{.top = 12, .bottom = 8}));
+  EXPECT_TRUE(added_frame({boxed, picture, photograph({.height = 144, .noise = 1})}).none());
+}
+
+TEST(AddedFrame, IsNotAStagesOwnBlack) {
+  EXPECT_TRUE(added_frame({photograph({.backing = {0, 0, 0}, .subject = {200, 180, 160}})}).none());
+  EXPECT_TRUE(added_frame({Image(160, 120, 3, 0)}).none()) << "nothing inside";
+  EXPECT_TRUE(added_frame({}).none());
+  EXPECT_TRUE(added_frame({Image(1, 1, 3, 9)}).none());
+}
+
+TEST(AddedFrame, IsBackgroundToAKeyerThatSeesTheRestAsWithoutIt) {
+  const AddedFrame frame{.left = 9, .top = 14, .right = 9, .bottom = 14};
+  for (const char* spec : {"chroma", "luminance"}) {
+    Scene scene{.noise = 1.5};
+    if (std::string_view(spec) == "luminance") scene.backing = {14, 14, 16};
+    const Image plain = photograph(scene), boxed = framed(plain, frame, 0);
+    const auto alone = make_keyer(spec, {plain}), keyer = make_keyer(spec, {boxed});
+    ASSERT_TRUE(alone && keyer) << spec;
+    const auto expected = (*alone)->key(make_frame({}, plain)), matte = (*keyer)->key(make_frame({}, boxed));
+    ASSERT_TRUE(expected && matte) << spec;
+    EXPECT_EQ(inside(to_image(*matte), frame), to_image(*expected)) << spec;
+    EXPECT_NEAR(coverage(*matte) * matte->width * matte->height,
+                coverage(*expected) * expected->width * expected->height, 0.5)
+        << spec << ": the frame is subject";
+  }
+}
+
+// White digits in a corner, as recorders burn them in: too small to be a performer.
+TEST(ATimeStampBurntIn, IsNoSubject) {
+  for (const char* spec : {"chroma", "luminance"}) {
+    Scene scene{.width = 320, .height = 240, .radius = 60, .noise = 1.5};
+    if (std::string_view(spec) == "luminance") scene.backing = {3, 3, 4};
+    Image picture = photograph(scene);
+    for (int digit = 0; digit < 8; ++digit)
+      for (int y = 0; y < 7; ++y)
+        for (const int x : {0, 3})
+          for (int c = 0; c < 3; ++c) picture.at(230 + 9 * digit + x, 228 + y)[c] = 250;
+    const auto keyer = make_keyer(spec, {picture});
+    ASSERT_TRUE(keyer) << spec;
+    const auto matte = (*keyer)->key(make_frame({}, picture));
+    ASSERT_TRUE(matte) << spec << ": " << matte.error().message;
+    EXPECT_GE(iou(*matte, truth(scene)), 0.97) << spec;
+    for (int y = 222; y < 240; ++y)
+      for (int x = 226; x < 306; ++x) EXPECT_LT(matte->row(y)[x], 128) << spec << " " << x << " " << y;
+  }
+}
+
+}  // namespace
+}  // namespace floatstage::matting
