@@ -61,7 +61,7 @@ void add_hull_flags(CLI::App& verb, HullFlags& flags) {
   flags.words.push_back(verb.add_flag("--keep-crumbs", options.keep_crumbs,
                                       "Exact: keep pieces thinner than the mattes are sure of, too")
                             ->group(kGroupHull));
-  const std::vector<const CLI::Option*> cleanup = add_cleanup_flags(verb, options.care);
+  const std::vector<const CLI::Option*> cleanup = add_cleanup_flags(verb, options.cleanup);
   flags.words.insert(flags.words.end(), cleanup.begin(), cleanup.end());
 }
 

@@ -76,16 +76,16 @@ nlohmann::json by_camera(const Rig& rig, const std::vector<double>& numbers) {
   return j;
 }
 
-nlohmann::json care_json(const Rig& rig, const recon::HullReport& hull) {
-  if (!hull.care) return nullptr;
-  const recon::MeshCleanupReport& care = *hull.care;
-  return {{"triangles", {care.triangles_before, care.triangles_after}},
-          {"slivers", {care.slivers_before, care.slivers_after}},
-          {"smoothed_within", care.smoothed_within},
-          {"vertex_move", by_camera(rig, care.vertex_move)},
-          {"silhouette_shift", by_camera(rig, care.silhouette_shift)},
-          {"iou_loss", by_camera(rig, care.iou_loss)},
-          {"ms", 1e3 * hull.timings.care}};
+nlohmann::json cleanup_json(const Rig& rig, const recon::HullReport& hull) {
+  if (!hull.cleanup) return nullptr;
+  const recon::MeshCleanupReport& cleanup = *hull.cleanup;
+  return {{"triangles", {cleanup.triangles_before, cleanup.triangles_after}},
+          {"slivers", {cleanup.slivers_before, cleanup.slivers_after}},
+          {"smoothed_within", cleanup.smoothed_within},
+          {"vertex_move", by_camera(rig, cleanup.vertex_move)},
+          {"silhouette_shift", by_camera(rig, cleanup.silhouette_shift)},
+          {"iou_loss", by_camera(rig, cleanup.iou_loss)},
+          {"ms", 1e3 * hull.timings.cleanup}};
 }
 
 nlohmann::json verdicts_json(const Rig& rig, const std::vector<recon::SilhouetteVerdict>& verdicts) {
@@ -97,15 +97,16 @@ nlohmann::json verdicts_json(const Rig& rig, const std::vector<recon::Silhouette
   return j;
 }
 
-void print_care(const recon::MeshCleanupReport& care) {
+void print_cleanup(const recon::MeshCleanupReport& cleanup) {
   std::printf(
-      "care: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes shifted "
+      "cleanup: %zu triangles (%zu slivers) became %zu (%zu); vertices moved up to %.2f px, silhouettes "
+      "shifted "
       "up to "
       "%.1f px, IoU fell by up to %.4f\n",
-      care.triangles_before, care.slivers_before, care.triangles_after, care.slivers_after,
-      *std::max_element(care.vertex_move.begin(), care.vertex_move.end()),
-      *std::max_element(care.silhouette_shift.begin(), care.silhouette_shift.end()),
-      *std::max_element(care.iou_loss.begin(), care.iou_loss.end()));
+      cleanup.triangles_before, cleanup.slivers_before, cleanup.triangles_after, cleanup.slivers_after,
+      *std::max_element(cleanup.vertex_move.begin(), cleanup.vertex_move.end()),
+      *std::max_element(cleanup.silhouette_shift.begin(), cleanup.silhouette_shift.end()),
+      *std::max_element(cleanup.iou_loss.begin(), cleanup.iou_loss.end()));
 }
 
 /// Before anything is computed for it.
@@ -126,7 +127,7 @@ struct Times {
 
 Result<Times> measure(const Input& input, recon::HullOptions options, int repeats,
                       recon::HullWorkspace& workspace) {
-  options.care = {};
+  options.cleanup = {};
   options.quality = false;
   Times times;
   recon::HullReport report;
@@ -162,7 +163,7 @@ void print(const recon::HullReport& hull, const recon::MeshCheck& check, const T
       hull.mesh.positions.size(), hull.mesh.triangle_count(), hull.volume, mean_iou(hull),
       check.watertight && check.manifold ? "closed and manifold" : "NOT CLOSED", percentile(times.ms, 0.5),
       percentile(times.ms, 0.95), percentile(times.without_contours, 0.5));
-  if (hull.care) print_care(*hull.care);
+  if (hull.cleanup) print_cleanup(*hull.cleanup);
 }
 
 nlohmann::json to_json(const Rig& rig, const recon::HullOptions& options, const recon::HullReport& hull,
@@ -197,7 +198,7 @@ nlohmann::json to_json(const Rig& rig, const recon::HullOptions& options, const 
           {"silhouettes", verdicts_json(rig, hull.verdicts)},
           {"voted_down", voted_down},
           {"remarks", hull.remarks},
-          {"care", care_json(rig, hull)}};
+          {"cleanup", cleanup_json(rig, hull)}};
 }
 
 Result<void> run(const Options& given) {

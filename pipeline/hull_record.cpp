@@ -56,13 +56,13 @@ nlohmann::json describe(const recon::HullOptions& options) {
     const Eigen::Vector3d a = options.volume->min(), b = options.volume->max();
     j["volume"] = {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
   }
-  if (options.care.wanted()) {
-    const recon::MeshCleanup& care = options.care;
-    j["care"] = {{"collapse_slivers", care.collapse_slivers},
-                 {"smooth", care.smooth},
-                 {"triangles", care.triangles},
-                 {"pixels", care.largest_move},
-                 {"loss", care.largest_loss}};
+  if (options.cleanup.wanted()) {
+    const recon::MeshCleanup& cleanup = options.cleanup;
+    j["cleanup"] = {{"collapse_slivers", cleanup.collapse_slivers},
+                    {"smooth", cleanup.smooth},
+                    {"triangles", cleanup.triangles},
+                    {"pixels", cleanup.largest_move},
+                    {"loss", cleanup.largest_loss}};
   }
   return j;
 }
@@ -79,14 +79,14 @@ std::optional<recon::HullOptions> parse_hull_options(const nlohmann::json& descr
     if (j.contains("votes"))
       words.votes = j["votes"].is_string() ? j["votes"].get<std::string>() : j["votes"].dump();
     if (j.contains("volume")) words.volume = j["volume"].get<std::vector<double>>();
-    if (j.contains("care")) {
-      recon::MeshCleanup& care = words.options.care;
-      const nlohmann::json& c = j["care"];
-      care.collapse_slivers = c.value("collapse_slivers", care.collapse_slivers);
-      care.smooth = c.value("smooth", care.smooth);
-      care.triangles = c.value("triangles", care.triangles);
-      care.largest_move = c.value("pixels", care.largest_move);
-      care.largest_loss = c.value("loss", care.largest_loss);
+    if (j.contains("cleanup")) {
+      recon::MeshCleanup& cleanup = words.options.cleanup;
+      const nlohmann::json& c = j["cleanup"];
+      cleanup.collapse_slivers = c.value("collapse_slivers", cleanup.collapse_slivers);
+      cleanup.smooth = c.value("smooth", cleanup.smooth);
+      cleanup.triangles = c.value("triangles", cleanup.triangles);
+      cleanup.largest_move = c.value("pixels", cleanup.largest_move);
+      cleanup.largest_loss = c.value("loss", cleanup.largest_loss);
     }
     if (!words.volume.empty() && words.volume.size() != 6) return std::nullopt;
     Result<recon::HullOptions> options = hull_options(words);

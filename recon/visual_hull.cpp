@@ -75,8 +75,8 @@ Result<void> octree_visual_hull(const Rig& rig, std::span<const Matte> mattes, c
   if (!box->isEmpty()) {
     const CarvedGrid grid = carve(views, *box, options.resolution, options.threads);
     report.voxel = grid.voxel();
-    const CleanupOptions care{grid.voxel(), options.smoothing, options.threads};
-    report.mesh = to_mesh(care_for(extract_surface(grid, views, options.threads), care));
+    const CleanupOptions cleanup{grid.voxel(), options.smoothing, options.threads};
+    report.mesh = to_mesh(clean_up(extract_surface(grid, views, options.threads), cleanup));
   }
   report.volume = signed_volume(report.mesh);
   return {};
@@ -116,7 +116,7 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
   if (report.mesh.empty())
     report.remarks.emplace_back("no point of space is inside every silhouette: the hull is empty");
 
-  if (options.care.wanted() && !report.mesh.empty()) care_for_hull(rig, input.mattes(), options, report);
+  if (options.cleanup.wanted() && !report.mesh.empty()) clean_up_hull(rig, input.mattes(), options, report);
 
   const auto quality = std::chrono::steady_clock::now();
   report.silhouette_iou.assign(rig.cameras.size(), std::numeric_limits<double>::quiet_NaN());
@@ -165,14 +165,14 @@ Result<void> check(const HullOptions& o) {
     return bad(text("quality on every ", o.quality_step, "th row is not between 1 and 64"));
   if (o.votes < 0 || (o.voting == HullVoting::MofN && o.votes < 2))
     return bad(text(o.votes, " votes are too few: at least two cameras have to agree"));
-  if (o.care.smooth < 0 || o.care.smooth > 1000)
-    return bad(text("care by ", o.care.smooth, " rounds of smoothing is not between 0 and 1000"));
-  if (!(o.care.largest_move >= 0 && o.care.largest_move <= 64))
-    return bad(text("a largest move of ", o.care.largest_move, " px is not between 0 and 64"));
-  if (!(o.care.largest_loss >= 0 && o.care.largest_loss <= 1))
-    return bad(text("a largest loss of ", o.care.largest_loss, " is no share between 0 and 1"));
-  if (o.care.triangles != 0 && o.care.triangles < 4)
-    return bad(text("a budget of ", o.care.triangles,
+  if (o.cleanup.smooth < 0 || o.cleanup.smooth > 1000)
+    return bad(text("cleanup by ", o.cleanup.smooth, " rounds of smoothing is not between 0 and 1000"));
+  if (!(o.cleanup.largest_move >= 0 && o.cleanup.largest_move <= 64))
+    return bad(text("a largest move of ", o.cleanup.largest_move, " px is not between 0 and 64"));
+  if (!(o.cleanup.largest_loss >= 0 && o.cleanup.largest_loss <= 1))
+    return bad(text("a largest loss of ", o.cleanup.largest_loss, " is no share between 0 and 1"));
+  if (o.cleanup.triangles != 0 && o.cleanup.triangles < 4)
+    return bad(text("a budget of ", o.cleanup.triangles,
                     " triangles closes no surface: give at least 4, or 0 for none"));
   if (o.volume && !(o.volume->min().allFinite() && o.volume->max().allFinite() &&
                     (o.volume->min().array() < o.volume->max().array()).all()))

@@ -60,7 +60,7 @@ struct HullOptions {
   /// Exact: also pieces that the mattes are not sure of: thinner than contour_tolerance and half a pixel on
   /// each side, in the camera that sees them smallest. They come from outlines that disagree by a pixel.
   bool keep_crumbs = false;
-  MeshCleanup care;
+  MeshCleanup cleanup;
   int threads = 0;       ///< 0: one per core; the result is the same at any number
   bool quality = true;   ///< compute silhouette_iou; takes longer than the exact hull itself
   int quality_step = 1;  ///< on every so-many-th row of the pictures; 4 tells nearly the same
@@ -76,13 +76,13 @@ struct HullFaceSource {
   bool operator==(const HullFaceSource&) const = default;
 };
 
-/// Seconds. The hull alone is their sum but `contours`, `care` and `quality`.
+/// Seconds. The hull alone is their sum but `contours`, `cleanup` and `quality`.
 struct HullTimings {
   double contours = 0;  ///< mattes to polygons
   double tables = 0;    ///< every pair of cameras
   double rays = 0, faces = 0, weld = 0, triangles = 0;
   double voting = 0;   ///< Auto: looking for a bad matte
-  double care = 0;     ///< HullOptions::care
+  double cleanup = 0;  ///< HullOptions::cleanup
   double quality = 0;  ///< silhouettes of the mesh against the mattes
   double hull() const { return tables + rays + faces + weld + triangles + voting; }
 };
@@ -145,8 +145,8 @@ struct HullReport {
   HullTimings timings;
   HullWork work;
   void clear();  ///< empties it, but keeps the mesh's memory
-  /// With options.care; `sources` are then those of the triangles that were kept.
-  std::optional<MeshCleanupReport> care;
+  /// With options.cleanup; `sources` are then those of the triangles that were kept.
+  std::optional<MeshCleanupReport> cleanup;
 };
 
 /// Memory that visual_hull() keeps from frame to frame. Not for two calls at once; results do not depend on
@@ -186,8 +186,8 @@ Result<HullReport> visual_hull(const Rig& rig, std::span<const Matte> mattes, co
 
 /// The same for the frames of a sequence: what depends on the calibration only is found once, and memory,
 /// that of the report too, is used again. With one thread, the exact method, Strict or MofN votes, no volume,
-/// subjects inside the pictures, and neither quality nor care, the second frame of a size allocates nothing.
-/// On an error the report is empty.
+/// subjects inside the pictures, and neither quality nor cleanup, the second frame of a size allocates
+/// nothing. On an error the report is empty.
 Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                          HullWorkspace& workspace, HullReport& report);
 
@@ -195,11 +195,11 @@ Result<void> visual_hull(const Rig& rig, std::span<const Matte> mattes, const Hu
 /// outlines[i] belongs to rig.cameras[i], in its own, distorted pixels; one that knows nothing does not
 /// carve. They are taken as they are: options.contour_tolerance is for mattes. The hull is that of the
 /// mattes, bit for bit, as long as the outlines were found with its tolerance; with a volume that leaves a
-/// picture, to the outline's tolerance. Whatever compares silhouettes (Auto votes, quality, care, the octree)
-/// compares with the filled outlines, which hold no half opacity. Errors: those above; and BadData, with the
-/// camera's name, for an outline that is malformed or has its subject on the wrong side, and for outlines
-/// whose hull does not close, since the octree that helps mattes out takes seconds. One that crosses itself a
-/// little, as rounding on its way here may do, is mended.
+/// picture, to the outline's tolerance. Whatever compares silhouettes (Auto votes, quality, cleanup, the
+/// octree) compares with the filled outlines, which hold no half opacity. Errors: those above; and BadData,
+/// with the camera's name, for an outline that is malformed or has its subject on the wrong side, and for
+/// outlines whose hull does not close, since the octree that helps mattes out takes seconds. One that crosses
+/// itself a little, as rounding on its way here may do, is mended.
 Result<HullReport> visual_hull(const Rig& rig, std::span<const Silhouette> outlines,
                                const HullOptions& options, HullWorkspace* workspace = nullptr);
 Result<void> visual_hull(const Rig& rig, std::span<const Silhouette> outlines, const HullOptions& options,

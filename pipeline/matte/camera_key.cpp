@@ -31,7 +31,7 @@ matting::CleanupOptions clean_up_for(const Image& picture, bool shot) {
           .smallest_hole = shot ? 0.02 : 0.4};
 }
 constexpr int kPhotographs = 48;
-constexpr int kLessons = 3;  // how often a plate is learnt again without what the last one keys
+constexpr int kPlateRounds = 3;  // how often a plate is learnt again without what the last one keys
 constexpr double kStillShare =
     0.55;                    // of the pixels must show one thing most of the time, or the camera moved
 constexpr int kAgree = 128;  // Plate::confidence from which a pixel does
@@ -197,7 +197,7 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, std::o
                          " photographs show no backdrop that stands still; shoot a plate or give mattes with "
                          "--guide"));
       // What a plate takes for subject is left out of the next.
-      for (int lesson = 0; lesson < kLessons && plate; ++lesson) {
+      for (int round = 0; round < kPlateRounds && plate; ++round) {
         Result<std::unique_ptr<matting::Keyer>> last =
             matting::make_plate_keyer(*plate, options, clean_up_for(plate->color, false));
         if (!last) return forward(last);

@@ -10,7 +10,7 @@ namespace floatstage::pipeline {
 namespace {
 
 constexpr int kFewInstants = 8;  // below, a clip does not show what stands still
-constexpr int kLessons = 16;
+constexpr int kTrainingFrames = 16;
 constexpr std::size_t kMostRemarks = 40;
 
 Result<Image> photograph(capture::TakeReader& take, int camera, int frame) {
@@ -21,11 +21,12 @@ Result<Image> photograph(capture::TakeReader& take, int camera, int frame) {
 }
 
 Result<void> learn_backdrop(capture::TakeReader& take, int camera, ConsistentMatting& matting) {
-  const int count = take.frame_count(), lessons = std::min(kLessons, count);
+  const int count = take.frame_count(), training_frames = std::min(kTrainingFrames, count);
   const Eigen::Vector2i size = matting.working_size(camera);
   std::vector<Image> pictures;
-  for (int i = 0; i < lessons; ++i) {
-    Result<Image> picture = photograph(take, camera, static_cast<int>((2L * i + 1) * count / (2L * lessons)));
+  for (int i = 0; i < training_frames; ++i) {
+    Result<Image> picture =
+        photograph(take, camera, static_cast<int>((2L * i + 1) * count / (2L * training_frames)));
     if (!picture) return forward(picture);
     if (!picture->empty()) pictures.push_back(matting::shrunk(*picture, size.x(), size.y()));
   }

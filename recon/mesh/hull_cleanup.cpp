@@ -155,34 +155,36 @@ void undo_new_crossings(Mesh& mesh, const std::vector<Eigen::Vector3f>& start, i
 /// Smooths, and holds back until no silhouette loses more than it may. The px that it was held to; 0: given
 /// up.
 double smooth(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
-              ReprojectionBound& bound, CleanedMesh& cared) {
+              ReprojectionBound& bound, CleanedMesh& cleaned) {
   constexpr int kTries = 5;
-  const MeshCleanup& care = options.care;
-  const std::vector<std::size_t> names = cared.names();
+  const MeshCleanup& cleanup = options.cleanup;
+  const std::vector<std::size_t> names = cleaned.names();
   Mesh start;
   std::vector<HullFaceSource> none;
-  cared.write(start, none);
+  cleaned.write(start, none);
   const std::vector<double> iou_before = ious(silhouettes(rig, mattes, start, options.threads), mattes);
   std::vector<OpenMesh::Vec3d> planes;
-  for (const FaceHandle f : cared.edges.all_faces()) planes.push_back(cared.edges.property(cared.normals, f));
-  double limit = care.largest_move;
+  for (const FaceHandle f : cleaned.edges.all_faces())
+    planes.push_back(cleaned.edges.property(cleaned.normals, f));
+  double limit = cleanup.largest_move;
   for (int attempt = 0; attempt < kTries; ++attempt, limit /= 2) {
     bound.set_limit(limit);
     for (std::size_t v = 0; v < names.size(); ++v)
-      cared.edges.set_point(VertexHandle(static_cast<int>(v)),
-                            to_openmesh(start.positions[v].cast<double>()));
+      cleaned.edges.set_point(VertexHandle(static_cast<int>(v)),
+                              to_openmesh(start.positions[v].cast<double>()));
     for (std::size_t f = 0; f < planes.size(); ++f)
-      cared.edges.property(cared.normals, FaceHandle(static_cast<int>(f))) = planes[f];
-    smooth_within(cared.edges, cared.normals, bound, names, care.smooth, options.threads);
+      cleaned.edges.property(cleaned.normals, FaceHandle(static_cast<int>(f))) = planes[f];
+    smooth_within(cleaned.edges, cleaned.normals, bound, names, cleanup.smooth, options.threads);
     Mesh smoothed;
-    cared.write(smoothed, none);
+    cleaned.write(smoothed, none);
     undo_new_crossings(smoothed, start.positions, options.threads);
     const std::vector<double> now = ious(silhouettes(rig, mattes, smoothed, options.threads), mattes);
     bool kept = true;
-    for (std::size_t c = 0; c < now.size(); ++c) kept = kept && now[c] >= iou_before[c] - care.largest_loss;
+    for (std::size_t c = 0; c < now.size(); ++c)
+      kept = kept && now[c] >= iou_before[c] - cleanup.largest_loss;
     const std::vector<Eigen::Vector3f>& best = kept ? smoothed.positions : start.positions;
     for (std::size_t v = 0; v < names.size(); ++v)
-      cared.edges.set_point(VertexHandle(static_cast<int>(v)), to_openmesh(best[v].cast<double>()));
+      cleaned.edges.set_point(VertexHandle(static_cast<int>(v)), to_openmesh(best[v].cast<double>()));
     if (kept) return limit;
   }
   return 0;
@@ -190,48 +192,49 @@ double smooth(const Rig& rig, std::span<const Matte> mattes, const HullOptions& 
 
 }  // namespace
 
-void care_for_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
+void clean_up_hull(const Rig& rig, std::span<const Matte> mattes, const HullOptions& options,
                    HullReport& report) {
   const auto begin = std::chrono::steady_clock::now();
-  const MeshCleanup& care = options.care;
-  std::optional<CleanedMesh> cared = CleanedMesh::from(report.mesh, report.sources);
-  if (!cared) {
+  const MeshCleanup& cleanup = options.cleanup;
+  std::optional<CleanedMesh> cleaned = CleanedMesh::from(report.mesh, report.sources);
+  if (!cleaned) {
     report.remarks.push_back("the hull is no manifold: it was left as it is");
     return;
   }
   MeshCleanupReport done;
   done.triangles_before = report.mesh.triangle_count();
-  done.slivers_before = count_slivers(cared->edges);
+  done.slivers_before = count_slivers(cleaned->edges);
   std::vector<Vector3d> positions;
   for (const Eigen::Vector3f& p : report.mesh.positions) positions.push_back(p.cast<double>());
-  ReprojectionBound bound(rig, mattes, positions, care.largest_move);
+  ReprojectionBound bound(rig, mattes, positions, cleanup.largest_move);
   const std::vector<Matte> before = silhouettes(rig, mattes, report.mesh, options.threads);
   const std::vector<double> iou_before = ious(before, mattes);
 
-  if (care.collapse_slivers) remove_slivers(cared->edges, cared->normals, bound);
-  cared->edges.garbage_collection();
-  if (care.triangles > 0) decimate(cared->edges, cared->normals, static_cast<std::size_t>(care.triangles));
-  cared->edges.garbage_collection();
-  if (care.smooth > 0) done.smoothed_within = smooth(rig, mattes, options, bound, *cared);
+  if (cleanup.collapse_slivers) remove_slivers(cleaned->edges, cleaned->normals, bound);
+  cleaned->edges.garbage_collection();
+  if (cleanup.triangles > 0)
+    decimate(cleaned->edges, cleaned->normals, static_cast<std::size_t>(cleanup.triangles));
+  cleaned->edges.garbage_collection();
+  if (cleanup.smooth > 0) done.smoothed_within = smooth(rig, mattes, options, bound, *cleaned);
   done.vertex_move.assign(mattes.size(), 0);
-  for (const VertexHandle v : cared->edges.all_vertices())
-    bound.measure(cared->edges.property(cared->name, v), place(cared->edges, v), done.vertex_move);
+  for (const VertexHandle v : cleaned->edges.all_vertices())
+    bound.measure(cleaned->edges.property(cleaned->name, v), place(cleaned->edges, v), done.vertex_move);
 
   Mesh mesh;
   std::vector<HullFaceSource> sources = report.sources;
-  cared->write(mesh, sources);
+  cleaned->write(mesh, sources);
   const MeshCheck check = check_mesh(mesh);
   if (!(check.watertight && check.manifold && check.oriented)) {
     report.remarks.push_back(
-        text("care would have left a mesh that is ", check.summary(), ": it was left as it is"));
+        text("cleanup would have left a mesh that is ", check.summary(), ": it was left as it is"));
     return;
   }
   done.triangles_after = mesh.triangle_count();
-  done.slivers_after = count_slivers(cared->edges);
-  if (care.triangles > 0 && done.triangles_after > static_cast<std::size_t>(care.triangles))
+  done.slivers_after = count_slivers(cleaned->edges);
+  if (cleanup.triangles > 0 && done.triangles_after > static_cast<std::size_t>(cleanup.triangles))
     report.remarks.push_back(
         text("decimation stopped at ", done.triangles_after, " triangles: no further one can go"));
-  if (care.smooth > 0 && done.smoothed_within == 0)
+  if (cleanup.smooth > 0 && done.smoothed_within == 0)
     report.remarks.push_back("smoothing was given up: the silhouettes would have suffered");
   const std::vector<Matte> after = silhouettes(rig, mattes, mesh, options.threads);
   done.silhouette_shift.assign(mattes.size(), 0);
@@ -243,8 +246,8 @@ void care_for_hull(const Rig& rig, std::span<const Matte> mattes, const HullOpti
   report.mesh = std::move(mesh);
   report.sources = std::move(sources);
   report.volume = signed_volume(report.mesh);
-  report.care = std::move(done);
-  report.timings.care = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report.cleanup = std::move(done);
+  report.timings.cleanup = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 }  // namespace floatstage::recon

@@ -155,7 +155,7 @@ std::optional<Surface> try_to_care(const Surface& raw, const CleanupOptions& opt
 
 }  // namespace
 
-Surface care_for(const Surface& raw, const CleanupOptions& options) {
+Surface clean_up(const Surface& raw, const CleanupOptions& options) {
   if (raw.triangles.empty()) return raw;
   for (const bool collapse : {true, false})
     if (std::optional<Surface> result = try_to_care(raw, options, collapse)) return std::move(*result);

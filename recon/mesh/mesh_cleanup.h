@@ -17,6 +17,6 @@ struct CleanupOptions {
 /// their safe positions: nothing crosses in the result. Positions are rounded to float. A closed manifold
 /// stays one, with its shells and handles. The surface must be a closed manifold. The same bytes at any
 /// thread count.
-Surface care_for(const Surface& surface, const CleanupOptions& options);
+Surface clean_up(const Surface& surface, const CleanupOptions& options);
 
 }  // namespace floatstage::recon

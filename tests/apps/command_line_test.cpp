@@ -137,7 +137,7 @@ TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
         "hull " + take + " --threads 1 --repeat 3 --collapse-slivers --smooth 2 --triangles 900 --json " +
         json_file + " --out " + (folder / mesh).string());
     ASSERT_EQ(ended.code, 0) << ended.output;
-    EXPECT_THAT(ended.output, HasSubstr("care: "));
+    EXPECT_THAT(ended.output, HasSubstr("cleanup: "));
   }
   const nlohmann::json report = nlohmann::json::parse(*read_file(json_file));
   EXPECT_GT(report.at("ms").at("p50").get<double>(), 0);
@@ -151,10 +151,10 @@ TEST(CommandLine, ReportsAHullWithTheKeysThatBenchesRead) {
   EXPECT_EQ(report.at("iou").size(), 6u);
   EXPECT_GT(report.at("mean_iou").get<double>(), 0.9);
   EXPECT_EQ(report.at("escalations"), 0);
-  const nlohmann::json& care = report.at("care");
-  EXPECT_GT(care.at("triangles").at(0), care.at("triangles").at(1));
+  const nlohmann::json& cleanup = report.at("cleanup");
+  EXPECT_GT(cleanup.at("triangles").at(0), cleanup.at("triangles").at(1));
   for (const char* list : {"vertex_move", "silhouette_shift", "iou_loss"})
-    EXPECT_EQ(care.at(list).size(), 6u) << list;
+    EXPECT_EQ(cleanup.at(list).size(), 6u) << list;
   EXPECT_EQ(read_file(folder / "hull.glb")->substr(0, 4), "glTF");
   EXPECT_EQ(read_file(folder / "hull.ply")->substr(0, 3), "ply");
 

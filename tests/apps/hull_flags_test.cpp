@@ -39,7 +39,7 @@ TEST(HullFlags, ComeBackFromTheirDescription) {
     EXPECT_EQ(back->method, options->method) << words;
     EXPECT_EQ(back->voting, options->voting) << words;
     EXPECT_EQ(back->votes, options->votes) << words;
-    EXPECT_EQ(back->care, options->care) << words;
+    EXPECT_EQ(back->cleanup, options->cleanup) << words;
     EXPECT_EQ(back->volume.has_value(), options->volume.has_value()) << words;
   }
 }

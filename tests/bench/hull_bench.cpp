@@ -73,7 +73,7 @@ void CleanupFor(benchmark::State& state) {
   const CarvedGrid grid = carve(scene.views, scene.box, static_cast<int>(state.range(0)), 1);
   const Surface surface = extract_surface(grid, scene.views, 1);
   for (auto _ : state)
-    benchmark::DoNotOptimize(care_for(surface, {.voxel = grid.voxel(), .largest_move = 0.5, .threads = 1}));
+    benchmark::DoNotOptimize(clean_up(surface, {.voxel = grid.voxel(), .largest_move = 0.5, .threads = 1}));
 }
 BENCHMARK(CleanupFor)->Arg(160)->Arg(256)->Unit(benchmark::kMillisecond);
 

@@ -41,12 +41,12 @@ Scene scene_of(const shapes::Shape& shape, int cameras = 12) {
   return scene;
 }
 
-HullReport hull_of(const Scene& scene, const MeshCleanup& care, HullMethod method = HullMethod::Exact) {
+HullReport hull_of(const Scene& scene, const MeshCleanup& cleanup, HullMethod method = HullMethod::Exact) {
   HullOptions options;
   options.method = method;
   options.resolution = 64;
   options.contour_tolerance = 0.1;
-  options.care = care;
+  options.cleanup = cleanup;
   Result<HullReport> hull = visual_hull(scene.rig, scene.mattes, options);
   EXPECT_THAT(hull, IsOk());
   return hull ? std::move(*hull) : HullReport{};
@@ -61,8 +61,8 @@ std::vector<std::pair<const char*, Scene>> bodies() {
                                   16)}};
 }
 
-/// Every vertex of `cared` lies where some vertex of `hull` was, seen from every camera, within `px`; and the
-/// other way round.
+/// Every vertex of `cleaned` lies where some vertex of `hull` was, seen from every camera, within `px`; and
+/// the other way round.
 double furthest_vertex(const Scene& scene, const Mesh& from, const Mesh& to) {
   std::vector<std::vector<Vector2d>> seen(scene.rig.cameras.size());
   const auto see = [&](std::size_t c, const Eigen::Vector3f& p) {
@@ -89,34 +89,35 @@ double furthest_vertex(const Scene& scene, const Mesh& from, const Mesh& to) {
 TEST(MeshCleanup, LeavesAHullAloneUnlessAsked) {
   const Scene scene = scene_of(shapes::sphere({0, 0, 0}, 0.5));
   const HullReport hull = hull_of(scene, {});
-  EXPECT_FALSE(hull.care);
-  EXPECT_EQ(hull.timings.care, 0);
+  EXPECT_FALSE(hull.cleanup);
+  EXPECT_EQ(hull.timings.cleanup, 0);
 }
 
 TEST(MeshCleanup, CollapsesSliversAndNoVertexMovesByMoreThanHalfAPixelInAnyView) {
   for (const auto& [name, scene] : bodies()) {
-    const HullReport raw = hull_of(scene, {}), cared = hull_of(scene, {.collapse_slivers = true});
-    ASSERT_TRUE(cared.care) << name;
-    EXPECT_THAT(cared.mesh, IsClosed()) << name;
-    EXPECT_EQ(check_mesh(cared.mesh).genus, check_mesh(raw.mesh).genus) << name;
-    EXPECT_EQ(check_mesh(cared.mesh).shells, check_mesh(raw.mesh).shells) << name;
-    EXPECT_EQ(cared.care->triangles_before, raw.mesh.triangle_count()) << name;
-    EXPECT_EQ(cared.care->triangles_after, cared.mesh.triangle_count()) << name;
-    EXPECT_LT(cared.care->slivers_after, 0.7 * static_cast<double>(cared.care->slivers_before)) << name;
-    EXPECT_THAT(cared.care->vertex_move, Each(Le(0.501))) << name;
-    EXPECT_LE(furthest_vertex(scene, raw.mesh, cared.mesh), 0.501) << name << ": counted anew";
-    EXPECT_EQ(furthest_vertex(scene, cared.mesh, raw.mesh), 0) << name << ": no vertex is new";
-    EXPECT_NEAR(cared.volume / raw.volume, 1, 0.005) << name;
-    EXPECT_NEAR(cared.volume / signed_volume(cared.mesh), 1, 1e-9) << name;
+    const HullReport raw = hull_of(scene, {}), cleaned = hull_of(scene, {.collapse_slivers = true});
+    ASSERT_TRUE(cleaned.cleanup) << name;
+    EXPECT_THAT(cleaned.mesh, IsClosed()) << name;
+    EXPECT_EQ(check_mesh(cleaned.mesh).genus, check_mesh(raw.mesh).genus) << name;
+    EXPECT_EQ(check_mesh(cleaned.mesh).shells, check_mesh(raw.mesh).shells) << name;
+    EXPECT_EQ(cleaned.cleanup->triangles_before, raw.mesh.triangle_count()) << name;
+    EXPECT_EQ(cleaned.cleanup->triangles_after, cleaned.mesh.triangle_count()) << name;
+    EXPECT_LT(cleaned.cleanup->slivers_after, 0.7 * static_cast<double>(cleaned.cleanup->slivers_before))
+        << name;
+    EXPECT_THAT(cleaned.cleanup->vertex_move, Each(Le(0.501))) << name;
+    EXPECT_LE(furthest_vertex(scene, raw.mesh, cleaned.mesh), 0.501) << name << ": counted anew";
+    EXPECT_EQ(furthest_vertex(scene, cleaned.mesh, raw.mesh), 0) << name << ": no vertex is new";
+    EXPECT_NEAR(cleaned.volume / raw.volume, 1, 0.005) << name;
+    EXPECT_NEAR(cleaned.volume / signed_volume(cleaned.mesh), 1, 1e-9) << name;
   }
 }
 
 TEST(MeshCleanup, MovesNothingWithinNoPixels) {
   const Scene scene = scene_of(shapes::torus({0, 0, 0}, 0.4, 0.13));
   const HullReport raw = hull_of(scene, {});
-  const HullReport cared = hull_of(scene, {.collapse_slivers = true, .smooth = 3, .largest_move = 0});
-  EXPECT_LE(furthest_vertex(scene, raw.mesh, cared.mesh), 1e-4);
-  EXPECT_THAT(cared.care->silhouette_shift, Each(0.0));
+  const HullReport cleaned = hull_of(scene, {.collapse_slivers = true, .smooth = 3, .largest_move = 0});
+  EXPECT_LE(furthest_vertex(scene, raw.mesh, cleaned.mesh), 1e-4);
+  EXPECT_THAT(cleaned.cleanup->silhouette_shift, Each(0.0));
 }
 
 TEST(MeshCleanup, DecimatesToItsBudgetAndSaysHowFarTheSilhouettesShifted) {
@@ -125,17 +126,17 @@ TEST(MeshCleanup, DecimatesToItsBudgetAndSaysHowFarTheSilhouettesShifted) {
     double last = -1;
     for (const double share : {0.5, 0.1}) {
       const int budget = static_cast<int>(share * static_cast<double>(raw.mesh.triangle_count()));
-      const HullReport cared = hull_of(scene, {.triangles = budget});
-      ASSERT_TRUE(cared.care) << name;
-      EXPECT_THAT(cared.mesh, IsClosed()) << name;
-      EXPECT_EQ(check_mesh(cared.mesh).genus, check_mesh(raw.mesh).genus) << name;
-      EXPECT_EQ(check_mesh(cared.mesh).shells, check_mesh(raw.mesh).shells) << name;
-      EXPECT_LE(cared.mesh.triangle_count(), static_cast<std::size_t>(budget)) << name;
+      const HullReport cleaned = hull_of(scene, {.triangles = budget});
+      ASSERT_TRUE(cleaned.cleanup) << name;
+      EXPECT_THAT(cleaned.mesh, IsClosed()) << name;
+      EXPECT_EQ(check_mesh(cleaned.mesh).genus, check_mesh(raw.mesh).genus) << name;
+      EXPECT_EQ(check_mesh(cleaned.mesh).shells, check_mesh(raw.mesh).shells) << name;
+      EXPECT_LE(cleaned.mesh.triangle_count(), static_cast<std::size_t>(budget)) << name;
       double furthest = 0;
       for (std::size_t c = 0; c < scene.rig.cameras.size(); ++c) {
         const double shift = mask_distance(mesh_mask(scene.rig.cameras[c], raw.mesh),
-                                           mesh_mask(scene.rig.cameras[c], cared.mesh));
-        EXPECT_EQ(cared.care->silhouette_shift[c], shift) << name;
+                                           mesh_mask(scene.rig.cameras[c], cleaned.mesh));
+        EXPECT_EQ(cleaned.cleanup->silhouette_shift[c], shift) << name;
         furthest = std::max(furthest, shift);
       }
       EXPECT_LE(furthest, share > 0.2 ? 1.5 : 4.5) << name << " at " << share;
@@ -147,30 +148,30 @@ TEST(MeshCleanup, DecimatesToItsBudgetAndSaysHowFarTheSilhouettesShifted) {
 
 TEST(MeshCleanup, KeepsShellsAndHandlesWhenTheBudgetIsTooSmallForThem) {
   const Scene scene = scene_of(shapes::torus({0, 0, 0}, 0.4, 0.13), 20);
-  const HullReport cared = hull_of(scene, {.triangles = 4});
-  EXPECT_THAT(cared.mesh, IsClosed());
-  EXPECT_EQ(check_mesh(cared.mesh).genus, 1);
-  EXPECT_GT(cared.mesh.triangle_count(), 13u) << "no torus has fewer than 14";
-  EXPECT_THAT(cared.remarks, Contains(HasSubstr("decimation stopped at")));
+  const HullReport cleaned = hull_of(scene, {.triangles = 4});
+  EXPECT_THAT(cleaned.mesh, IsClosed());
+  EXPECT_EQ(check_mesh(cleaned.mesh).genus, 1);
+  EXPECT_GT(cleaned.mesh.triangle_count(), 13u) << "no torus has fewer than 14";
+  EXPECT_THAT(cleaned.remarks, Contains(HasSubstr("decimation stopped at")));
 }
 
 TEST(MeshCleanup, SmoothsWithinItsPixels) {
   for (const auto& [name, scene] : bodies()) {
     const HullReport raw = hull_of(scene, {});
     for (const double px : {0.25, 0.5}) {
-      const HullReport cared = hull_of(scene, {.smooth = 10, .largest_move = px, .largest_loss = 0.05});
-      ASSERT_TRUE(cared.care) << name;
-      EXPECT_THAT(cared.mesh, IsClosed()) << name;
-      EXPECT_EQ(cared.mesh.triangles, raw.mesh.triangles) << name << ": only positions change";
-      EXPECT_NE(cared.mesh.positions, raw.mesh.positions) << name;
-      EXPECT_THAT(cared.care->vertex_move, Each(Le(px + 0.001))) << name;
-      EXPECT_THAT(cared.care->silhouette_shift, Each(Le(1.5))) << name << ": pixels are counted whole";
+      const HullReport cleaned = hull_of(scene, {.smooth = 10, .largest_move = px, .largest_loss = 0.05});
+      ASSERT_TRUE(cleaned.cleanup) << name;
+      EXPECT_THAT(cleaned.mesh, IsClosed()) << name;
+      EXPECT_EQ(cleaned.mesh.triangles, raw.mesh.triangles) << name << ": only positions change";
+      EXPECT_NE(cleaned.mesh.positions, raw.mesh.positions) << name;
+      EXPECT_THAT(cleaned.cleanup->vertex_move, Each(Le(px + 0.001))) << name;
+      EXPECT_THAT(cleaned.cleanup->silhouette_shift, Each(Le(1.5))) << name << ": pixels are counted whole";
       for (std::size_t v = 0; v < raw.mesh.positions.size(); ++v) {
         for (const RigCamera& camera : scene.rig.cameras) {
           const Vector2d was =
               *project(camera.model, camera.cam_from_world * raw.mesh.positions[v].cast<double>());
           const Vector2d is =
-              *project(camera.model, camera.cam_from_world * cared.mesh.positions[v].cast<double>());
+              *project(camera.model, camera.cam_from_world * cleaned.mesh.positions[v].cast<double>());
           ASSERT_LE((is - was).norm(), px + 0.001) << name;
         }
       }
@@ -203,10 +204,10 @@ TEST(MeshCleanup, SmoothingMakesARoundBodySmootherAndDoesNotShrinkIt) {
     matte = make_matte({}, alpha);
   }
   const HullReport raw = hull_of(scene, {.collapse_slivers = true, .triangles = 1500});
-  const HullReport cared =
+  const HullReport cleaned =
       hull_of(scene, {.collapse_slivers = true, .triangles = 1500, .smooth = 10, .largest_loss = 0.05});
-  EXPECT_LT(unevenness(cared.mesh), 0.7 * unevenness(raw.mesh));
-  EXPECT_NEAR(cared.volume / raw.volume, 1, 0.01);
+  EXPECT_LT(unevenness(cleaned.mesh), 0.7 * unevenness(raw.mesh));
+  EXPECT_NEAR(cleaned.volume / raw.volume, 1, 0.01);
 }
 
 TEST(MeshCleanup, HoldsSmoothingBackWhereASilhouetteWouldSuffer) {
@@ -215,36 +216,36 @@ TEST(MeshCleanup, HoldsSmoothingBackWhereASilhouetteWouldSuffer) {
   MeshCleanup held = far;
   held.largest_loss = 0.003;
   const HullReport loose = hull_of(scene, far), tight = hull_of(scene, held);
-  EXPECT_GT(*std::max_element(loose.care->iou_loss.begin(), loose.care->iou_loss.end()), 0.003)
+  EXPECT_GT(*std::max_element(loose.cleanup->iou_loss.begin(), loose.cleanup->iou_loss.end()), 0.003)
       << "corners of a box that may move by eight pixels are rounded off";
-  EXPECT_EQ(loose.care->smoothed_within, 8);
-  EXPECT_LT(tight.care->smoothed_within, 8);
-  EXPECT_THAT(tight.care->iou_loss, Each(Le(0.003)));
+  EXPECT_EQ(loose.cleanup->smoothed_within, 8);
+  EXPECT_LT(tight.cleanup->smoothed_within, 8);
+  EXPECT_THAT(tight.cleanup->iou_loss, Each(Le(0.003)));
 }
 
 TEST(MeshCleanup, CaresForTheOctreesHullsToo) {
   const Scene scene = scene_of(shapes::torus({0, 0, 0}, 0.4, 0.13), 20);
   const HullReport raw = hull_of(scene, {}, HullMethod::Octree);
-  const HullReport cared =
+  const HullReport cleaned =
       hull_of(scene, {.collapse_slivers = true, .triangles = 800, .smooth = 2}, HullMethod::Octree);
-  EXPECT_THAT(cared.mesh, IsClosed());
-  EXPECT_EQ(check_mesh(cared.mesh).genus, 1);
-  EXPECT_LE(cared.mesh.triangle_count(), 800u);
-  EXPECT_LT(cared.mesh.triangle_count(), raw.mesh.triangle_count());
+  EXPECT_THAT(cleaned.mesh, IsClosed());
+  EXPECT_EQ(check_mesh(cleaned.mesh).genus, 1);
+  EXPECT_LE(cleaned.mesh.triangle_count(), 800u);
+  EXPECT_LT(cleaned.mesh.triangle_count(), raw.mesh.triangle_count());
 }
 
 TEST(MeshCleanup, RemembersWhereEveryTriangleThatIsLeftCameFrom) {
   const Scene scene = scene_of(shapes::sphere({0, 0, 0}, 0.5));
-  const HullReport raw = hull_of(scene, {}), cared = hull_of(scene, {.collapse_slivers = true});
-  ASSERT_EQ(cared.sources.size(), cared.mesh.triangle_count());
-  for (const HullFaceSource& source : cared.sources)
+  const HullReport raw = hull_of(scene, {}), cleaned = hull_of(scene, {.collapse_slivers = true});
+  ASSERT_EQ(cleaned.sources.size(), cleaned.mesh.triangle_count());
+  for (const HullFaceSource& source : cleaned.sources)
     EXPECT_TRUE(std::find(raw.sources.begin(), raw.sources.end(), source) != raw.sources.end());
 }
 
 TEST(MeshCleanup, GivesTheSameBytesAtAnyThreadCount) {
   const Scene scene = scene_of(shapes::torus({0, 0, 0}, 0.4, 0.13), 16);
   HullOptions options;
-  options.care = {.collapse_slivers = true, .triangles = 1500, .smooth = 4};
+  options.cleanup = {.collapse_slivers = true, .triangles = 1500, .smooth = 4};
   options.threads = 1;
   const Result<HullReport> one = visual_hull(scene.rig, scene.mattes, options);
   options.threads = 3;
@@ -253,7 +254,7 @@ TEST(MeshCleanup, GivesTheSameBytesAtAnyThreadCount) {
   ASSERT_THAT(three, IsOk());
   EXPECT_EQ(one->mesh.positions, three->mesh.positions);
   EXPECT_EQ(one->mesh.triangles, three->mesh.triangles);
-  EXPECT_EQ(one->care->iou_loss, three->care->iou_loss);
+  EXPECT_EQ(one->cleanup->iou_loss, three->cleanup->iou_loss);
 }
 
 TEST(MeshCleanup, RefusesOptionsOutOfRange) {
@@ -262,9 +263,9 @@ TEST(MeshCleanup, RefusesOptionsOutOfRange) {
                                                        {{.largest_move = -0.5}, "largest move"},
                                                        {{.largest_loss = 2}, "largest loss"},
                                                        {{.triangles = 3}, "closes no surface"}};
-  for (const auto& [care, sentence] : wrong) {
+  for (const auto& [cleanup, sentence] : wrong) {
     HullOptions options;
-    options.care = care;
+    options.cleanup = cleanup;
     EXPECT_THAT(visual_hull(scene.rig, scene.mattes, options),
                 FailsWith(ErrorCode::InvalidArgument, sentence));
   }

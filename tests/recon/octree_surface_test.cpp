@@ -97,7 +97,7 @@ TEST(CleanupFor, KeepsAWildSurfaceAManifold) {
   const Surface raw = wild_surface();
   const MeshCheck before = check_mesh(to_mesh(raw));
   const MeshCheck after =
-      check_mesh(to_mesh(care_for(raw, {.voxel = 1.0 / 14, .largest_move = 0.5, .threads = 1})));
+      check_mesh(to_mesh(clean_up(raw, {.voxel = 1.0 / 14, .largest_move = 0.5, .threads = 1})));
   EXPECT_TRUE(after.watertight && after.manifold && after.oriented) << after.summary();
   EXPECT_FALSE(after.self_intersecting);
   EXPECT_EQ(after.shells, before.shells);
@@ -107,12 +107,12 @@ TEST(CleanupFor, KeepsAWildSurfaceAManifold) {
 TEST_F(RoundBody, IsCaredForWithoutMovingAVertexFurtherThanAllowed) {
   const double voxel = grid->voxel();
   for (const double largest_move : {0.03, 0.5}) {
-    const Surface still = care_for(surface, {.voxel = voxel, .largest_move = 0, .threads = 1});
-    const Surface cared = care_for(surface, {.voxel = voxel, .largest_move = largest_move, .threads = 1});
-    ASSERT_EQ(still.positions.size(), cared.positions.size());
+    const Surface still = clean_up(surface, {.voxel = voxel, .largest_move = 0, .threads = 1});
+    const Surface cleaned = clean_up(surface, {.voxel = voxel, .largest_move = largest_move, .threads = 1});
+    ASSERT_EQ(still.positions.size(), cleaned.positions.size());
     double furthest = 0;
     for (std::size_t i = 0; i < still.positions.size(); ++i)
-      furthest = std::max(furthest, (still.positions[i] - cared.positions[i]).norm());
+      furthest = std::max(furthest, (still.positions[i] - cleaned.positions[i]).norm());
     EXPECT_LE(furthest, largest_move * voxel + 1e-6) << "but for rounding to float";
     EXPECT_GT(furthest, 0.02 * voxel);
   }

@@ -218,25 +218,25 @@ void expect_cared(const MatteSet& set, double largest_shift) {
   const Result<HullReport> raw = visual_hull(set.rig, set.mattes, options);
   ASSERT_TRUE(raw.has_value()) << raw.error().message;
   const MeshCheck before = check_mesh(raw->mesh);
-  options.care.collapse_slivers = true;
-  options.care.smooth = 5;
-  options.care.triangles = static_cast<int>(raw->mesh.triangle_count() / 3);
-  const Result<HullReport> cared = visual_hull(set.rig, set.mattes, options);
-  ASSERT_TRUE(cared.has_value()) << cared.error().message;
-  expect_closed(*cared);
-  const MeshCheck after = check_mesh(cared->mesh);
+  options.cleanup.collapse_slivers = true;
+  options.cleanup.smooth = 5;
+  options.cleanup.triangles = static_cast<int>(raw->mesh.triangle_count() / 3);
+  const Result<HullReport> cleaned = visual_hull(set.rig, set.mattes, options);
+  ASSERT_TRUE(cleaned.has_value()) << cleaned.error().message;
+  expect_closed(*cleaned);
+  const MeshCheck after = check_mesh(cleaned->mesh);
   EXPECT_EQ(after.genus, before.genus);
   EXPECT_EQ(after.shells, before.shells);
-  ASSERT_TRUE(cared->care);
-  const MeshCleanupReport& care = *cared->care;
-  EXPECT_LE(care.triangles_after, raw->mesh.triangle_count() / 3);
-  EXPECT_LT(care.slivers_after, care.slivers_before / 4);
+  ASSERT_TRUE(cleaned->cleanup);
+  const MeshCleanupReport& cleanup = *cleaned->cleanup;
+  EXPECT_LE(cleanup.triangles_after, raw->mesh.triangle_count() / 3);
+  EXPECT_LT(cleanup.slivers_after, cleanup.slivers_before / 4);
   for (std::size_t c = 0; c < set.rig.cameras.size(); ++c) {
-    EXPECT_LE(care.vertex_move[c], 0.501);
-    EXPECT_LE(care.silhouette_shift[c], largest_shift);
-    EXPECT_NEAR(cared->silhouette_iou[c], raw->silhouette_iou[c], 0.006);
+    EXPECT_LE(cleanup.vertex_move[c], 0.501);
+    EXPECT_LE(cleanup.silhouette_shift[c], largest_shift);
+    EXPECT_NEAR(cleaned->silhouette_iou[c], raw->silhouette_iou[c], 0.006);
   }
-  EXPECT_NEAR(cared->volume / raw->volume, 1, 0.01);
+  EXPECT_NEAR(cleaned->volume / raw->volume, 1, 0.01);
 }
 
 TEST(GreenDomeReal, CareHasAThirdOfTheTrianglesAndKeepsTheSilhouettes) {
