@@ -180,7 +180,11 @@ void StageFinder::weigh(std::size_t cube, Part& part) const {
     if (!pictures_[c].known || !pictures_.blocks_of(c, cubes_[cube], 0, x0, y0, x1, y1)) continue;
     const std::size_t at = pictures_[c].index(x0, y0);
     part.shown += pictures_[c].subject[at] != 0;
-    part.lacking += unexplained_[c][at] != 0;
+    if (unexplained_[c][at] == 0) continue;
+    ++part.lacking;
+    const int camera = static_cast<int>(c);
+    part.of_several = part.of_several || (part.lacking > 1 && camera != part.camera);
+    part.camera = camera;
   }
 }
 

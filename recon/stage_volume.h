@@ -61,10 +61,12 @@ class StageFinder {
   /// Cubes that hang together.
   struct Part {
     int number = 0;
-    int shown = 0;     ///< blocks with subject that its cubes fall on, over all cubes and cameras
-    int lacking = 0;   ///< those of them that nothing explains
-    bool ends = true;  ///< within what is searched
-    bool believed() const { return ends && 2 * lacking > shown; }
+    int shown = 0;            ///< blocks with subject that its cubes fall on, over all cubes and cameras
+    int lacking = 0;          ///< those of them that nothing explains
+    int camera = -1;          ///< the last one that lacks
+    bool of_several = false;  ///< more than one camera lacks: what one lacks alone is rather its own mistake
+    bool ends = true;         ///< within what is searched
+    bool believed() const { return ends && of_several && 2 * lacking > shown; }
   };
 
   bool keeps(const Eigen::Vector3d& center, double radius, bool small, int cameras) const;

@@ -20,14 +20,14 @@ struct Preset {
 };
 
 // What `floating` asks for six times a picture. Fields between projections of photographs have less structure
-// than those between a film's pictures: smoother, and smooth by squares up to a third of a pixel
+// than those between a film's pictures: smoother, and smooth by squares up to a fifth of a pixel
 // (docs/adr/0163).
 Preset fast() {
   Preset preset;
   preset.solver.finest_warps = 2;
   preset.solver.most_warps = 8;
-  preset.solver.energy.smooth_epsilon2 = 0.1F;
-  preset.pyramid.stiffness = 24;
+  preset.solver.energy.smooth_epsilon2 = 0.05F;
+  preset.pyramid.stiffness = 18;
   return preset;
 }
 
