@@ -49,19 +49,21 @@ cv::Mat parts_of_rim(const Image& cloth, int rim) {
 std::optional<Walls> Walls::learn(const std::vector<Image>& samples, const std::vector<Image>& cloth) {
   std::vector<Image> left_out;
   double rim_pixels = 0, wall_pixels = 0;
-  bool floor = false;  // reaches a lower corner; cloth that does not may be a thing in a room
+  // A floor reaches both lower corners; cloth that does not may be a thing in a room.
+  bool left = false, right = false;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const int w = cloth[i].width, h = cloth[i].height, rim = rim_width(w, h);
     if (rim == 0 || 2 * rim >= std::min(w, h)) return std::nullopt;
     const cv::Mat parts = parts_of_rim(cloth[i], rim);
     rim_pixels += static_cast<double>(w) * h - static_cast<double>(w - 2 * rim) * (h - 2 * rim);
     wall_pixels += cv::countNonZero(parts == 255);
-    for (const int x : {0, w - 1}) floor = floor || parts.at<std::uint8_t>(h - 1, x) == 0;
+    left = left || parts.at<std::uint8_t>(h - 1, 0) == 0;
+    right = right || parts.at<std::uint8_t>(h - 1, w - 1) == 0;
     Image mask(w, h, 1);
     in_place(mask).setTo(255, (in_place(cloth[i]) < 128) | (parts == 128));
     left_out.push_back(std::move(mask));
   }
-  if (!floor || wall_pixels == 0 || wall_pixels < kOtherShare * rim_pixels) return std::nullopt;
+  if (!left || !right || wall_pixels == 0 || wall_pixels < kOtherShare * rim_pixels) return std::nullopt;
   std::optional<BackingField> field = learn_field(samples, left_out, kWalls);
   if (!field) return std::nullopt;
   return Walls(std::move(*field));
