@@ -42,6 +42,42 @@ nlohmann::json to_json(const std::vector<pipeline::SilhouetteFault>& faults) {
   return j;
 }
 
+nlohmann::json to_json(const std::filesystem::path& take, const pipeline::ProcessReport& report) {
+  return {{"take", take.string()},
+          {"frames", report.frames},
+          {"cameras", report.cameras},
+          {"empty_frames", report.empty_frames},
+          {"mattes", to_json(report.mattes)},
+          {"meshes", to_json(report.meshes)},
+          {"remarks", report.remarks},
+          {"silhouettes", to_json(report.faults)},
+          {"contradictory_frames", report.contradictory_frames},
+          {"cut_frames", report.cut_frames},
+          {"seconds", report.seconds}};
+}
+
+// What was made, and on the error's stream what is wrong with it.
+void say(const std::filesystem::path& take, const pipeline::ProcessReport& report) {
+  for (const std::string& r : report.remarks) log::warning(r);
+  for (const pipeline::StageReport* stage : {&report.mattes, &report.meshes})
+    for (const std::string& f : stage->failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
+  for (const pipeline::SilhouetteFault& fault : report.faults)
+    std::fprintf(stderr, "floatstage: %s\n", sentence(fault).c_str());
+  if (report.cut_frames > 0)
+    std::fprintf(
+        stderr,
+        "floatstage: %d hulls are cut where the subject goes on beyond what enough cameras see; give "
+        "--volume to search more\n",
+        report.cut_frames);
+  std::printf(
+      "%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n",
+      take.c_str(), report.frames, report.cameras, report.mattes.made, report.mattes.kept, report.mattes.gaps,
+      report.meshes.made, report.meshes.kept, report.seconds);
+  if (report.mattes.others + report.meshes.others > 0)
+    std::printf("%d mattes and %d meshes are of unknown origin: used as they are\n", report.mattes.others,
+                report.meshes.others);
+}
+
 Result<void> run(const Options& given) {
   pipeline::ProcessOptions options = given.process;
   if (!given.how.empty()) options.matte = given.how;
@@ -58,44 +94,14 @@ Result<void> run(const Options& given) {
   Result<pipeline::ProcessReport> report = pipeline::process_take(options);
   if (!report) return forward(report);
 
-  std::vector<std::string> failures = report->mattes.failures;
-  failures.insert(failures.end(), report->meshes.failures.begin(), report->meshes.failures.end());
-  for (const std::string& r : report->remarks) log::warning(r);
-  for (const std::string& f : failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
-  for (const pipeline::SilhouetteFault& fault : report->faults)
-    std::fprintf(stderr, "floatstage: %s\n", sentence(fault).c_str());
-  if (report->cut_frames > 0)
-    std::fprintf(
-        stderr,
-        "floatstage: %d hulls are cut where the subject goes on beyond what enough cameras see; give "
-        "--volume to search more\n",
-        report->cut_frames);
-  std::printf(
-      "%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n",
-      options.take.c_str(), report->frames, report->cameras, report->mattes.made, report->mattes.kept,
-      report->mattes.gaps, report->meshes.made, report->meshes.kept, report->seconds);
-  if (report->mattes.others + report->meshes.others > 0)
-    std::printf("%d mattes and %d meshes are of unknown origin: used as they are\n", report->mattes.others,
-                report->meshes.others);
-  if (!given.json_file.empty()) {
-    Result<void> ok = pipeline::save_json({{"take", options.take.string()},
-                                           {"frames", report->frames},
-                                           {"cameras", report->cameras},
-                                           {"empty_frames", report->empty_frames},
-                                           {"mattes", to_json(report->mattes)},
-                                           {"meshes", to_json(report->meshes)},
-                                           {"remarks", report->remarks},
-                                           {"silhouettes", to_json(report->faults)},
-                                           {"contradictory_frames", report->contradictory_frames},
-                                           {"cut_frames", report->cut_frames},
-                                           {"seconds", report->seconds}},
-                                          given.json_file);
-    if (!ok) return ok;
-  }
-  if (!failures.empty())
-    return fail(
-        ErrorCode::BadData,
-        text(failures.size(), " of the take's mattes or meshes could not be made; the others are there"));
+  const std::size_t failures = report->mattes.failures.size() + report->meshes.failures.size();
+  say(options.take, *report);
+  if (!given.json_file.empty())
+    if (Result<void> ok = pipeline::save_json(to_json(options.take, *report), given.json_file); !ok)
+      return ok;
+  if (failures > 0)
+    return fail(ErrorCode::BadData,
+                text(failures, " of the take's mattes or meshes could not be made; the others are there"));
   if (report->empty_frames == report->frames)
     return fail(ErrorCode::BadData,
                 text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",

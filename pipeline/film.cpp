@@ -48,7 +48,7 @@ Result<void> check(const capture::TakeReader& take, const FilmOptions& options) 
 class SceneStream {
  public:
   SceneStream(capture::TakeReader& take, bool suppress_spill, const std::vector<int>& schedule)
-      : take_(take), suppress_spill_(suppress_spill), schedule_(schedule), next_(load(schedule.front())) {}
+      : loader_(take, suppress_spill), schedule_(schedule), next_(load(schedule.front())) {}
 
   Result<SceneFrame> at(std::size_t picture) {
     Result<SceneFrame> scene = next_.get();
@@ -60,12 +60,10 @@ class SceneStream {
 
  private:
   std::future<Result<SceneFrame>> load(int frame) {
-    return std::async(std::launch::async,
-                      [this, frame] { return load_scene(take_, frame, suppress_spill_); });
+    return std::async(std::launch::async, [this, frame] { return loader_.load(frame); });
   }
 
-  capture::TakeReader& take_;
-  const bool suppress_spill_;
+  SceneLoader loader_;
   const std::vector<int>& schedule_;
   std::future<Result<SceneFrame>> next_;
 };

@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "capture/sha256.h"
@@ -20,6 +21,14 @@ Result<std::optional<std::string>> hash_of(const std::filesystem::path& file) {
   if (!bytes && bytes.error().code == ErrorCode::NotFound) return std::optional<std::string>();
   if (!bytes) return forward(bytes);
   return std::optional<std::string>(capture::sha256(*bytes));
+}
+
+FileMark mark_of(const std::filesystem::path& file) {
+  struct stat there {};
+  if (stat(file.c_str(), &there) != 0) return {};
+  const auto ns = [](const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; };
+  return {there.st_dev, there.st_ino, static_cast<std::uint64_t>(there.st_size), ns(there.st_mtim),
+          ns(there.st_ctim)};
 }
 
 std::vector<json> read_journal(const std::filesystem::path& file) {

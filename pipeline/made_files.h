@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -18,6 +19,15 @@ namespace floatstage::pipeline {
 
 /// SHA-256 of a file's bytes, in hexadecimal; nothing where there is no file. Io.
 Result<std::optional<std::string>> hash_of(const std::filesystem::path& file);
+
+/// A file as it lies there now, for those who have read it and want to know whether to read it again. Two
+/// marks of a name are equal when it was neither written, replaced nor removed in between.
+struct FileMark {
+  std::uint64_t device = 0, inode = 0, size = 0;
+  std::int64_t written = 0, changed = 0;  ///< ns; all 0: there is no file
+  bool operator==(const FileMark&) const = default;
+};
+FileMark mark_of(const std::filesystem::path& file);
 
 /// The entries that a job added to a record's journal and that no record holds yet, oldest first; a line that
 /// was cut off is none. No file is no entries.

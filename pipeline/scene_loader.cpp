@@ -5,88 +5,133 @@
 #include "capture/sha256.h"
 #include "core/file.h"
 #include "core/mesh_io.h"
+#include "core/parallel.h"
 #include "core/png.h"
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "pipeline/keying.h"
-#include "pipeline/matte_record.h"
 
 namespace floatstage::pipeline {
 namespace {
 
-Result<void> take_spill_off(capture::TakeReader& take, FrameSet& images) {
-  const Result<MatteRecord> record = load_matte_record(take.layout());
-  if (!record) return forward(record);
-  for (std::size_t i = 0; i < images.frames.size(); ++i) {
-    Frame& frame = images.frames[i];
-    const auto made = record->find(take.rig().cameras[i].serial);
-    if (frame.empty() || made == record->end() || !made->second.key.starts_with("chroma:")) continue;
-    Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, static_cast<int>(i), made->second.key);
-    if (!keyer) return forward(keyer);
-    Result<Image> clean = (*keyer)->suppress_spill(frame);
-    if (!clean) return forward(clean);
-    frame = make_frame(frame.info, *clean);
-  }
-  return {};
-}
-
-// No picture is older than its silhouettes.
-Result<void> check_age(const capture::TakeReader& take, int frame, const MatteHashes& mattes) {
-  const Result<MeshRecord> record = load_mesh_record(take.layout());
-  if (!record) return forward(record);
-  const auto entry = record->meshes.find(frame);
-  if (entry == record->meshes.end()) return {};
-  const std::optional<std::string> newer = newer_matte(entry->second, mattes);
-  if (!newer) return {};
-  return fail(ErrorCode::NotFound, text("the mesh of frame ", frame, " of ", take.layout().folder().string(),
-                                        " is older than the matte of camera '", *newer,
-                                        "'; run `floatstage process ", take.layout().folder().string(), "`"));
+// Nothing for a camera without a matte.
+Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera, int frame, std::string& hash) {
+  const RigCamera& of = take.rig().cameras[camera];
+  const std::filesystem::path file = take.layout().matte(of.serial, frame);
+  const Result<std::string> bytes = read_file(file);
+  if (!bytes && bytes.error().code == ErrorCode::NotFound) return Matte();
+  if (!bytes) return forward(bytes);
+  hash = capture::sha256(*bytes);
+  const Result<Image> alpha = decode_png(std::as_bytes(std::span(*bytes)), file.string());
+  if (!alpha) return forward(alpha);
+  if (alpha->channels != 1 || alpha->width != of.model.width || alpha->height != of.model.height)
+    return fail(ErrorCode::BadData,
+                text(file.string(), " is not a grey picture of ", of.model.width, "x", of.model.height,
+                     " like camera '", of.serial, "'; remove it and run `floatstage process` again"));
+  FrameInfo source;
+  source.camera = static_cast<int>(camera);
+  return make_matte(source, *alpha);
 }
 
 }  // namespace
 
 Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int frame, MatteHashes* hashes) {
   const Rig& rig = take.rig();
-  std::vector<Matte> mattes(rig.cameras.size());
-  for (std::size_t i = 0; i < mattes.size(); ++i) {
-    const std::filesystem::path file = take.layout().matte(rig.cameras[i].serial, frame);
-    const Result<std::string> bytes = read_file(file);
-    if (!bytes && bytes.error().code == ErrorCode::NotFound) continue;
-    if (!bytes) return forward(bytes);
-    if (hashes) (*hashes)[rig.cameras[i].serial] = capture::sha256(*bytes);
-    Result<Image> alpha = decode_png(std::as_bytes(std::span(*bytes)), file.string());
-    if (!alpha) return forward(alpha);
-    const CameraModel& model = rig.cameras[i].model;
-    if (alpha->channels != 1 || alpha->width != model.width || alpha->height != model.height)
-      return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture of ", model.width, "x",
-                                           model.height, " like camera '", rig.cameras[i].serial,
-                                           "'; remove it and run `floatstage process` again"));
-    FrameInfo source;
-    source.camera = static_cast<int>(i);
-    mattes[i] = make_matte(source, *alpha);
+  std::vector<Result<Matte>> read(rig.cameras.size(), Matte());
+  std::vector<std::string> read_hashes(read.size());
+  parallel_for(read.size(), 0, [&](std::size_t i) { read[i] = load_matte(take, i, frame, read_hashes[i]); });
+  std::vector<Matte> mattes;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (!read[i]) return forward(read[i]);
+    mattes.push_back(std::move(*read[i]));
+    if (hashes && !read_hashes[i].empty()) (*hashes)[rig.cameras[i].serial] = std::move(read_hashes[i]);
   }
   return mattes;
 }
 
-Result<SceneFrame> load_scene(capture::TakeReader& take, int frame, bool suppress_spill) {
+template <class Record, class Load>
+Result<std::shared_ptr<const Record>> SceneLoader::record(Kept<Record>& kept,
+                                                          const std::filesystem::path& file,
+                                                          const std::filesystem::path& journal,
+                                                          const Load& load) {
+  const std::lock_guard lock(mutex_);
+  // Before it is read: what is written meanwhile has another mark the next time.
+  const FileMark file_mark = mark_of(file), journal_mark = mark_of(journal);
+  if (kept.record && kept.file == file_mark && kept.journal == journal_mark) return kept.record;
+  Result<Record> read = load(take_.layout());
+  if (!read) return forward(read);
+  kept = {file_mark, journal_mark, std::make_shared<const Record>(std::move(*read))};
+  return kept.record;
+}
+
+Result<std::shared_ptr<const matting::Keyer>> SceneLoader::keyer(std::size_t camera, const std::string& key) {
+  KeptKeyer& kept = keyers_[camera];
+  const std::lock_guard lock(kept.making);
+  const FileMark plate = mark_of(take_.layout().plate(take_.rig().cameras[camera].serial));
+  if (kept.keyer && kept.key == key && kept.plate == plate) return kept.keyer;
+  Result<std::unique_ptr<matting::Keyer>> made = keyer_for(take_, static_cast<int>(camera), key);
+  if (!made) return forward(made);
+  kept.key = key;
+  kept.plate = plate;
+  kept.keyer = std::move(*made);
+  return kept.keyer;
+}
+
+Result<void> SceneLoader::take_spill_off(FrameSet& images) {
+  const TakeLayout& layout = take_.layout();
+  const auto made = record(mattes_, layout.made_mattes(), layout.mattes_journal(), load_matte_record);
+  if (!made) return forward(made);
+  std::vector<Result<void>> cleaned(images.frames.size());
+  parallel_for(cleaned.size(), 0, [&](std::size_t i) {
+    Frame& frame = images.frames[i];
+    const auto camera = (*made)->find(take_.rig().cameras[i].serial);
+    if (frame.empty() || camera == (*made)->end() || !camera->second.key.starts_with("chroma:")) return;
+    const auto backing = keyer(i, camera->second.key);
+    const Result<Image> clean = backing ? (*backing)->suppress_spill(frame) : Result<Image>(forward(backing));
+    if (clean)
+      frame = make_frame(frame.info, *clean);
+    else
+      cleaned[i] = forward(clean);
+  });
+  for (const Result<void>& ok : cleaned)
+    if (!ok) return ok;
+  return {};
+}
+
+// No picture is older than its silhouettes.
+Result<void> SceneLoader::check_age(int frame, const MatteHashes& mattes) {
+  const TakeLayout& layout = take_.layout();
+  const auto meshes = record(meshes_, layout.hull_report(), layout.meshes_journal(), load_mesh_record);
+  if (!meshes) return forward(meshes);
+  const auto entry = (*meshes)->meshes.find(frame);
+  if (entry == (*meshes)->meshes.end()) return {};
+  const std::optional<std::string> newer = newer_matte(entry->second, mattes);
+  if (!newer) return {};
+  const std::string folder = layout.folder().string();
+  return fail(ErrorCode::NotFound,
+              text("the mesh of frame ", frame, " of ", folder, " is older than the matte of camera '",
+                   *newer, "'; run `floatstage process ", folder, "`"));
+}
+
+Result<SceneFrame> SceneLoader::load(int frame) {
   SceneFrame scene;
-  Result<Mesh> mesh = load_ply(take.layout().mesh(frame));
+  Result<Mesh> mesh = load_ply(take_.layout().mesh(frame));
+  const std::string folder = take_.layout().folder().string();
   if (!mesh && mesh.error().code == ErrorCode::NotFound)
-    return fail(ErrorCode::NotFound,
-                text("frame ", frame, " of ", take.layout().folder().string(),
-                     " has no mesh yet; run `floatstage process ", take.layout().folder().string(), "`"));
+    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", folder,
+                                          " has no mesh yet; run `floatstage process ", folder, "`"));
   if (!mesh) return forward(mesh);
   scene.mesh = std::move(*mesh);
-  Result<FrameSet> images = take.frame_set(frame);
+  Result<FrameSet> images = take_.frame_set(frame);
   if (!images) return forward(images);
   scene.images = std::move(*images);
   MatteHashes hashes;
-  Result<std::vector<Matte>> mattes = load_mattes(take, frame, &hashes);
+  Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes);
   if (!mattes) return forward(mattes);
-  if (Result<void> ok = check_age(take, frame, hashes); !ok) return forward(ok);
+  if (Result<void> ok = check_age(frame, hashes); !ok) return forward(ok);
   scene.mattes = std::move(*mattes);
-  if (suppress_spill)
-    if (Result<void> ok = take_spill_off(take, scene.images); !ok) return forward(ok);
+  if (suppress_spill_)
+    if (Result<void> ok = take_spill_off(scene.images); !ok) return forward(ok);
   return scene;
 }
 

@@ -25,8 +25,7 @@ void SceneCache::prefetch(int frame) {
   collect();
   if (loading_.valid() || find(frame)) return;
   loading_frame_ = frame;
-  loading_ =
-      std::async(std::launch::async, [this, frame] { return pipeline::load_scene(take_, frame, true); });
+  loading_ = std::async(std::launch::async, [this, frame] { return loader_.load(frame); });
 }
 
 Result<std::shared_ptr<const SceneFrame>> SceneCache::get(int frame) {

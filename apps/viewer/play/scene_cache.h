@@ -12,7 +12,7 @@ namespace floatstage::apps {
 class SceneCache {
  public:
   explicit SceneCache(capture::TakeReader& take, std::size_t capacity = 8)
-      : take_(take), capacity_(capacity) {}
+      : loader_(take, true), capacity_(capacity) {}
 
   /// The scene if it is there, else null while it is being loaded (ask again), or the error that loading met.
   Result<std::shared_ptr<const SceneFrame>> get(int frame);
@@ -29,7 +29,7 @@ class SceneCache {
   const Entry* find(int frame);
   void collect();
 
-  capture::TakeReader& take_;
+  pipeline::SceneLoader loader_;
   const std::size_t capacity_;
   std::list<Entry> entries_;  // most recently used first
   int loading_frame_ = -1;

@@ -71,7 +71,7 @@ class ALiveRun : public testing::Test {
   /// What `render` draws of an instant.
   static Image offline(int frame) {
     auto take = std::move(*capture::TakeReader::open(take_));
-    const SceneFrame scene = *pipeline::load_scene(*take, frame, true);
+    const SceneFrame scene = *pipeline::SceneLoader(*take, true).load(frame);
     render::Scene drawn;
     EXPECT_THAT(drawn.set(take->rig(), scene), IsOk());
     auto renderer = std::move(*render::make_renderer("floating", render::BackEnd::Cpu));

@@ -1,0 +1,249 @@
+#include "pipeline/process/mesh_maker.h"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/mesh_io.h"
+#include "core/parallel.h"
+#include "core/text.h"
+#include "pipeline/hull_record.h"
+#include "pipeline/made_files.h"
+#include "pipeline/process/silhouette_faults.h"
+#include "pipeline/progress.h"
+#include "pipeline/scene_loader.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// Collects what parallel items of one stage did; the first fatal error (disk, permission) stops the stage.
+class Collector {
+ public:
+  explicit Collector(const Progress* progress) : progress_(progress) {}
+  void made() {
+    std::lock_guard lock(mutex_);
+    ++report_.made;
+  }
+  void kept(bool others) {
+    std::lock_guard lock(mutex_);
+    ++report_.kept;
+    report_.others += others;
+  }
+  void failed(const Error& e, int item) {
+    std::lock_guard lock(mutex_);
+    if (e.code == ErrorCode::Io && !fatal_) fatal_ = e;
+    failures_.emplace_back(item, e.message);
+  }
+  bool stopped() const {
+    std::lock_guard lock(mutex_);
+    return fatal_.has_value() || is_cancelled(progress_);
+  }
+  /// The report with failures in item order, whatever thread met them first.
+  Result<StageReport> finish() {
+    if (fatal_) return Unexpected{*fatal_};
+    if (is_cancelled(progress_)) return cancelled();
+    std::sort(failures_.begin(), failures_.end());
+    for (auto& f : failures_) report_.failures.push_back(std::move(f.second));
+    return std::move(report_);
+  }
+
+ private:
+  const Progress* const progress_;
+  mutable std::mutex mutex_;
+  StageReport report_;
+  std::optional<Error> fatal_;
+  std::vector<std::pair<int, std::string>> failures_;
+};
+
+bool nobody_on_stage(const std::vector<Matte>& mattes) {
+  return std::all_of(mattes.begin(), mattes.end(),
+                     [](const Matte& m) { return m.empty() || coverage(m) == 0; });
+}
+
+// One frame's mesh and its line in the record.
+struct FrameHull {
+  MeshEntry entry;
+  json report;
+};
+
+/// What hulls keep from frame to frame, one set for each worker.
+class HullWorkspaces {
+ public:
+  struct Slot {
+    recon::HullWorkspace workspace;
+    recon::HullReport report;
+  };
+  std::unique_ptr<Slot> take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return std::make_unique<Slot>();
+    std::unique_ptr<Slot> slot = std::move(free_.back());
+    free_.pop_back();
+    return slot;
+  }
+  void give_back(std::unique_ptr<Slot> slot) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(slot));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Slot>> free_;
+};
+
+// The mesh of these mattes, written under `file`.
+Result<json> make_mesh(const Rig& rig, int frame, const std::vector<Matte>& mattes,
+                       const recon::HullOptions& options, HullWorkspaces::Slot& slot,
+                       EvidenceCollector& evidence, const fs::path& file) {
+  json iou = json::object();
+  if (nobody_on_stage(mattes)) {
+    if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
+    return json{{"volume", 0}, {"empty", true}, {"silhouette_iou", iou}, {"seconds", 0}};
+  }
+  recon::HullReport& hull = slot.report;
+  if (Result<void> ok = recon::visual_hull(rig, mattes, options, slot.workspace, hull); !ok)
+    return forward(ok);
+  if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
+  for (std::size_t c = 0; c < hull.silhouette_iou.size(); ++c)
+    iou[rig.cameras[c].serial] = hull.silhouette_iou[c];  // NaN becomes null: this camera had no matte
+  evidence.note(frame, hull, mattes);
+  json report = {{"volume", hull.volume},          {"empty", hull.mesh.empty()},
+                 {"trusted", !hull.contradictory}, {"cut", hull.cut},
+                 {"crumbs", hull.crumbs},          {"remarks", hull.remarks},
+                 {"seconds", hull.seconds},        {"silhouette_iou", std::move(iou)}};
+  if (json silhouettes = silhouettes_json(rig, hull.verdicts); !silhouettes.empty())
+    report["silhouettes"] = std::move(silhouettes);
+  return report;
+}
+
+// Makes the meshes of a take that are missing or were made from something else.
+class MeshMaker {
+ public:
+  MeshMaker(capture::TakeReader& take, const ProcessOptions& options, const recon::HullOptions& hull,
+            MeshRecord record)
+      : take_(take),
+        options_(options),
+        hull_(hull),
+        inputs_(hash_of_hull_inputs(take.manifest().rig_sha256, hull)),
+        record_(std::move(record)),
+        journal_(take.layout().meshes_journal()),
+        collector_(options.progress) {}
+
+  Result<void> run(const std::vector<int>& frames, ProcessReport& report) {
+    if (Result<void> ok = make_folder(take_.layout().meshes()); !ok) return forward(ok);
+    record_.options = describe(hull_);
+    if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
+    journal_.remove();
+    hull_.quality_step = 4;                                    // the rows between tell the same
+    hull_.threads = frames.size() > 1 ? 1 : options_.threads;  // over frames, or inside the one
+    std::vector<std::optional<FrameHull>> hulls(frames.size());
+    others_.assign(frames.size(), 0);
+    ProgressPart progress(options_.progress, "meshes", frames.size());
+    parallel_for(frames.size(), options_.threads, [&](std::size_t i) {
+      if (collector_.stopped()) return;
+      if (Result<void> ok = work(frames[i], hulls[i], others_[i]); !ok)
+        collector_.failed({ok.error().code, text("frame ", frames[i], ": ", ok.error().message)}, frames[i]);
+      progress.advance();
+    });
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (others_[i]) record_.meshes.erase(frames[i]);
+      if (!hulls[i]) continue;
+      record_.reports[frames[i]] = std::move(hulls[i]->report);
+      record_.meshes[frames[i]] = std::move(hulls[i]->entry);
+    }
+    if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
+    journal_.remove();
+    Result<StageReport> done = collector_.finish();
+    if (!done) return forward(done);
+    report.meshes = std::move(*done);
+    const fs::path pictures = take_.layout().meshes() / "faults";
+    if (Result<void> ok = evidence_.save(take_, pictures); !ok) return ok;
+    HullDoubts doubts = doubts_in(record_.reports, pictures);
+    report.faults = std::move(doubts.faults);
+    report.contradictory_frames = doubts.contradictory;
+    report.cut_frames = doubts.cut;
+    report.empty_frames = count_empty(frames);
+    return {};
+  }
+
+ private:
+  Result<void> work(int frame, std::optional<FrameHull>& hull, char& others) {
+    const fs::path file = take_.layout().mesh(frame);
+    const Result<std::optional<std::string>> there = hash_of(file);
+    if (!there) return forward(there);
+    const auto known = record_.meshes.find(frame);
+    if (*there && (known == record_.meshes.end() || known->second.mesh != **there))
+      return others = 1, collector_.kept(true), Result<void>();
+    if (*there && !options_.redo) {
+      const Result<MatteHashes> mattes = hashes_of_mattes(take_.layout(), take_.rig(), frame);
+      if (!mattes) return forward(mattes);
+      if (known->second.mattes == *mattes && known->second.inputs == inputs_)
+        return collector_.kept(false), Result<void>();
+    }
+    return make(frame, file, hull);
+  }
+
+  Result<void> make(int frame, const fs::path& file, std::optional<FrameHull>& hull) {
+    FrameHull made;
+    Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &made.entry.mattes);
+    if (!mattes) return forward(mattes);
+    const fs::path whole = temporary_name(file);
+    std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
+    Result<json> report = make_mesh(take_.rig(), frame, *mattes, hull_, *slot, evidence_, whole);
+    workspaces_.give_back(std::move(slot));
+    if (!report) return forward(report);
+    const Result<std::optional<std::string>> hash = hash_of(whole);
+    if (!hash) return forward(hash);
+    made.entry.mesh = hash->value_or("");
+    made.entry.inputs = inputs_;
+    made.report = std::move(*report);
+    // It is ours before it is there: what has no entry is somebody else's.
+    Result<void> ok = journal_.add(to_journal(frame, made.entry, made.report));
+    std::error_code error;
+    if (ok) fs::rename(whole, file, error);
+    if (error) ok = fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", error.message()));
+    if (!ok) return fs::remove(whole, error), ok;
+    hull = std::move(made);
+    collector_.made();
+    return {};
+  }
+
+  /// Frames whose mesh holds no subject, whenever it was made. Those that somebody put there are read: the
+  /// record tells nothing of them.
+  int count_empty(const std::vector<int>& frames) const {
+    return static_cast<int>(std::count_if(frames.begin(), frames.end(), [&](int frame) {
+      const auto report = record_.reports.find(frame);
+      if (record_.meshes.contains(frame) && report != record_.reports.end() &&
+          report->second.contains("empty"))
+        return report->second.at("empty") == true;
+      const Result<Mesh> mesh = load_ply(take_.layout().mesh(frame));
+      return mesh && mesh->empty();
+    }));
+  }
+
+  capture::TakeReader& take_;
+  const ProcessOptions& options_;
+  recon::HullOptions hull_;
+  const std::string inputs_;
+  MeshRecord record_;
+  Journal journal_;
+  Collector collector_;
+  HullWorkspaces workspaces_;
+  EvidenceCollector evidence_;
+  std::vector<char> others_;  // by item: the mesh is somebody else's
+};
+
+}  // namespace
+
+Result<void> make_meshes(capture::TakeReader& take, const ProcessOptions& options,
+                         const recon::HullOptions& hull, MeshRecord record, const std::vector<int>& frames,
+                         ProcessReport& report) {
+  return MeshMaker(take, options, hull, std::move(record)).run(frames, report);
+}
+
+}  // namespace floatstage::pipeline
