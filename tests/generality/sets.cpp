@@ -15,6 +15,7 @@
 #include "core/text.h"
 #include "matting/keyers/keyer.h"
 #include "matting/view_cut.h"
+#include "tests/support/clip_take.h"
 #include "tests/support/real_data.h"
 
 namespace floatstage::generality {
@@ -144,24 +145,13 @@ StageSet street(const fs::path& folder, bool full) {
   std::sort(files.begin(), files.end());
   for (std::size_t f = 0; f < std::min<std::size_t>(files.size(), 4); ++f)
     set.pictures.push_back({rgb_picture(files[f], 960, 540)});
-  const Image &first = set.pictures[0][0],
-              woman = one_channel(need(load_png(folder / "mask_000_person1.png"))),
+  const Image woman = one_channel(need(load_png(folder / "mask_000_person1.png"))),
               man = one_channel(need(load_png(folder / "mask_000_person2.png")));
   Image both = woman;
   for (std::size_t i = 0; i < both.pixels.size(); ++i)
     both.pixels[i] = std::max(woman.pixels[i], man.pixels[i]) ? 255 : 0;
   set.truth.push_back(make_matte({}, both));
-  set.rig.cameras.push_back({.serial = "hand",
-                             .model = {.width = first.width,
-                                       .height = first.height,
-                                       .fx = 900,
-                                       .fy = 900,
-                                       .cx = first.width / 2.0,
-                                       .cy = first.height / 2.0,
-                                       .skew = 0,
-                                       .lens = {}},
-                             .cam_from_world = {},
-                             .color = {}});
+  set.rig.cameras.push_back(lone_camera("hand", set.pictures[0][0], 900));
   shrink(set, full);
   return set;
 }

@@ -11,22 +11,26 @@
 
 namespace floatstage {
 
+/// A camera without a lens in the middle of the world, of a picture's size.
+inline RigCamera lone_camera(const std::string& serial, const Image& picture, double focal) {
+  return {.serial = serial,
+          .model = {.width = picture.width,
+                    .height = picture.height,
+                    .fx = focal,
+                    .fy = focal,
+                    .cx = picture.width / 2.0,
+                    .cy = picture.height / 2.0,
+                    .skew = 0,
+                    .lens = {}},
+          .cam_from_world = {},
+          .color = {}};
+}
+
 /// A clip with exact truth as a take of one camera, "cam0"; the truth lies in truth/mattes.
 inline std::filesystem::path clip_take(const TempFolder& folder, const MatteClip& clip,
                                        const std::string& name = "clip") {
-  const Image& first = clip.frames.front();
   Rig rig;
-  rig.cameras.push_back({.serial = "cam0",
-                         .model = {.width = first.width,
-                                   .height = first.height,
-                                   .fx = 300,
-                                   .fy = 300,
-                                   .cx = first.width / 2.0,
-                                   .cy = first.height / 2.0,
-                                   .skew = 0,
-                                   .lens = {}},
-                         .cam_from_world = {},
-                         .color = {}});
+  rig.cameras.push_back(lone_camera("cam0", clip.frames.front(), 300));
   const std::filesystem::path take = folder / name;
   auto writer = capture::TakeWriter::create(take, rig, {});
   EXPECT_THAT(writer, IsOk());
