@@ -51,6 +51,7 @@ nlohmann::ordered_json to_report(const studio::CaptureReport& report,
     if (report.recording) {  // what concerns the take, from its first instant to its last
       const capture::RecordedCamera& r = report.recording->cameras[i];
       camera["delivered"] = r.recorded;
+      camera["lost"] = r.lost;
       camera["failed"] = r.failed;
       camera["gaps"] = r.skips;
       camera["unexposed"] = r.unexposed;

@@ -38,9 +38,12 @@ struct RecordedCamera {
   std::uint64_t recorded = 0;  ///< pictures
   std::uint64_t skips = 0;     ///< rows without one: the gaps of its side file
   /// Of the skips: the camera counts none there, so it never exposed (a trigger that it missed, an unplugged
-  /// cable). The others were lost on their way.
+  /// cable). Counts are compared from its first picture here to its last: a picture that came so late that
+  /// it stands in the next row left one row empty and is no picture more.
   std::uint64_t unexposed = 0;
-  /// What the source counted as failed from the camera's first picture here to its last.
+  /// Pictures that the camera counts from its first one here to its last, and that never came.
+  std::uint64_t lost = 0;
+  /// Of the lost: what the source received in part.
   std::uint64_t failed = 0;
   std::uint64_t duplicates = 0;  ///< left out, because their row had a picture
   std::uint64_t corrupt = 0;

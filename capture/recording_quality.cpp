@@ -25,11 +25,12 @@ void QualityMeter::recorded(int camera, std::uint64_t row, const FrameInfo& info
   if (!c.first) {
     c.first = time;
     c.quality.skips += row;  // rows before its first picture
-    c.quality.unexposed += row;
+    c.rows_before_first = row;
   } else {
     const std::uint64_t rows = row - c.last_row;
     c.quality.skips += rows - 1;
-    c.quality.unexposed += rows - std::min(rows, counted.value_or(1));
+    c.skips_between += rows - 1;
+    c.quality.lost += std::max<std::uint64_t>(counted.value_or(1), 1) - 1;
     c.counted += counted.value_or(rows);
   }
   c.last = time;
@@ -43,12 +44,19 @@ void QualityMeter::recorded(int camera, std::uint64_t row, const FrameInfo& info
   instant->latest = std::max(instant->latest, time);
 }
 
+void QualityMeter::counted_elsewhere(int camera, std::uint64_t pictures) {
+  Camera& c = cameras_[static_cast<std::size_t>(camera)];
+  c.counted += pictures;
+  if (pictures > 1) c.quality.lost += pictures - 1;  // the last of them came
+}
+
 RecordingQuality QualityMeter::judge() const {
   RecordingQuality quality;
   for (const Camera& c : cameras_) {
-    quality.cameras.push_back(c.quality);
+    RecordedCamera& camera = quality.cameras.emplace_back(c.quality);
+    camera.unexposed = c.rows_before_first + c.skips_between - std::min(c.skips_between, camera.lost);
     if (c.first && c.last > c.first)
-      quality.cameras.back().frame_rate = static_cast<double>(c.counted) / seconds(*c.last - *c.first);
+      camera.frame_rate = static_cast<double>(c.counted) / seconds(*c.last - *c.first);
   }
   std::vector<double> spreads;
   for (const std::optional<Instant>& instant : instants_)
@@ -93,6 +101,7 @@ std::string to_json(const RecordingQuality& quality) {
                                {"recorded", c.recorded},
                                {"skips", c.skips},
                                {"unexposed", c.unexposed},
+                               {"lost", c.lost},
                                {"failed", c.failed},
                                {"duplicates", c.duplicates},
                                {"corrupt", c.corrupt},

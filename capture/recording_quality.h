@@ -22,10 +22,8 @@ class QualityMeter {
   void failed(int camera, std::uint64_t pictures) {
     cameras_[static_cast<std::size_t>(camera)].quality.failed = pictures;
   }
-  /// Pictures of its own count that went into no row.
-  void counted_elsewhere(int camera, std::uint64_t pictures) {
-    cameras_[static_cast<std::size_t>(camera)].counted += pictures;
-  }
+  /// Pictures of its own count that went into no row: lost, but for the last, a duplicate.
+  void counted_elsewhere(int camera, std::uint64_t pictures);
   void duplicate(int camera) { ++cameras_[static_cast<std::size_t>(camera)].quality.duplicates; }
   void queue_peak(int camera, std::size_t frames) {
     cameras_[static_cast<std::size_t>(camera)].quality.queue_peak = frames;
@@ -38,6 +36,8 @@ class QualityMeter {
     RecordedCamera quality;
     std::optional<Timestamp> first, last;
     std::uint64_t last_row = 0;
+    std::uint64_t rows_before_first = 0;
+    std::uint64_t skips_between = 0;  // its first picture and its last
     std::uint64_t counted = 0;  // pictures by its own count, since the first
   };
   struct Instant {

@@ -135,7 +135,24 @@ TEST_F(ARecorder, KnowsWhatWasLostOnTheWayFromWhatWasNeverExposed) {
   EXPECT_EQ(rows(0), "o..o..o");
   EXPECT_EQ(quality->cameras[0].skips, 4u);
   EXPECT_EQ(quality->cameras[0].unexposed, 2u);
+  EXPECT_EQ(quality->cameras[0].lost, 2u);
   EXPECT_EQ(quality->cameras[0].failed, 2u);
+}
+
+TEST_F(ARecorder, CountsAPictureThatCameLateAsExposedThoughItsRowIsEmpty) {
+  const auto recorder = started(1);
+  // Picture 2 comes 0.9 periods late and stands in row 3; of pictures 3 to 5 two are lost.
+  for (const auto& [sequence, row, failed] :
+       {std::tuple{0, 0.0, 0}, {1, 1.0, 0}, {2, 2.9, 0}, {5, 5.0, 2}, {6, 6.0, 2}})
+    ASSERT_THAT(recorder->push(shot(0, static_cast<std::uint64_t>(sequence),
+                                    static_cast<std::int64_t>(row * static_cast<double>(kPeriod))),
+                               static_cast<std::uint64_t>(failed)),
+                IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  EXPECT_EQ(rows(0), "oo.o.oo");
+  EXPECT_EQ(quality->cameras[0].skips, 2u);
+  EXPECT_EQ(quality->cameras[0].lost, 2u);
+  EXPECT_EQ(quality->cameras[0].unexposed, 0u);
 }
 
 TEST_F(ARecorder, EndsWithTheFirstInstantThatAllCamerasSaw) {
@@ -230,7 +247,7 @@ TEST_F(ARecorder, KnowsThatARowWasNotExposedWhereItsPictureWentToTheRowBefore) {
   EXPECT_EQ(quality->cameras[0].duplicates, 1u);
   EXPECT_EQ(quality->cameras[0].skips, 1u);
   EXPECT_EQ(quality->cameras[0].unexposed, 1u);
-  EXPECT_EQ(quality->cameras[0].failed, 0u);
+  EXPECT_EQ(quality->cameras[0].lost, 0u);
   EXPECT_NEAR(quality->cameras[0].frame_rate, 25, 1e-9);
 }
 
