@@ -123,7 +123,8 @@ TEST(CaptureSession, LeavesExactlyAsManyGapsAsPicturesFailed) {
     EXPECT_EQ(camera.lost, camera.failed) << camera.serial;
     EXPECT_EQ((*take)->rows(i).size(), (*take)->rows(0).size()) << camera.serial;
     EXPECT_EQ(camera.recorded + camera.skips, (*take)->rows(0).size()) << camera.serial;
-    EXPECT_EQ(camera.duplicates, 0u) << camera.serial;
+    // One that is late by most of a row exposes twice in the next, and its own stays empty.
+    EXPECT_LE(camera.duplicates, camera.unexposed) << camera.serial;
     EXPECT_TRUE((*take)->rows(i).front().media_index && (*take)->rows(i).back().media_index) << camera.serial;
     failed += camera.failed;
   }
