@@ -17,11 +17,11 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// What is kept besides the pre-roll, so that a take can begin at an instant that all cameras have seen.
-constexpr Nanoseconds kAlwaysKept = milliseconds(500);
+// Besides the pre-roll, so that a take can begin with an instant that all cameras have seen, and for how long its end is
+// looked for: a camera pair that loses every fifth picture has such an instant among so many, but once in 200,000 takes.
+constexpr int kInstantsTried = 12;
 constexpr auto kDiskPeriod = std::chrono::milliseconds(250);
 constexpr auto kVerdictPeriod = std::chrono::seconds(2);
-constexpr auto kLongestEnd = std::chrono::milliseconds(1500);  // for an instant that all cameras saw
 constexpr auto kLongestEndWithTrouble = std::chrono::milliseconds(300);
 constexpr auto kDead = std::chrono::seconds(30);
 constexpr std::size_t kMostTakes = 200;
@@ -48,13 +48,20 @@ double share_on_disk(capture::TakeCodec codec) {
   return codec == capture::TakeCodec::Raw ? 1 : codec == capture::TakeCodec::Ffv1 ? 0.65 : 0.05;
 }
 
+double seconds_kept(const CaptureConfig& config) {
+  return config.preroll_seconds + kInstantsTried / config.frame_rate;
+}
+
+std::size_t frames_kept(const CaptureConfig& config) {
+  return static_cast<std::size_t>(std::ceil(seconds_kept(config) * config.frame_rate * 1.1)) + 2;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config) {
   std::unique_ptr<CaptureNode> node(new CaptureNode(std::move(config)));
   const CaptureConfig& c = node->config_;
-  const Nanoseconds kept = Nanoseconds{std::llround(c.preroll_seconds * 1e9)} + kAlwaysKept;
-  const auto most = static_cast<std::size_t>(std::ceil(seconds(kept) * c.frame_rate * 1.1)) + 2;
+  const Nanoseconds kept{std::llround(seconds_kept(c) * 1e9)};
   std::vector<std::string> serials;
   for (const CaptureConfig::Camera& camera : c.cameras) {
     Result<std::unique_ptr<CameraLane>> lane =
@@ -62,7 +69,7 @@ Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config) {
     if (!lane) return forward(lane);
     node->lanes_.push_back(std::move(*lane));
     node->routes_.push_back(std::make_unique<Route>());
-    node->routes_.back()->pre_roll.emplace(kept, most);
+    node->routes_.back()->pre_roll.emplace(kept, frames_kept(c));
     serials.push_back(camera.serial);
     const CameraLane &first = *node->lanes_.front(), &here = *node->lanes_.back();
     if (here.info().ptp != first.info().ptp)
@@ -176,8 +183,7 @@ Result<std::string> CaptureNode::record_into(fs::path folder, const std::string&
   Result<Rig> rig = rig_of_take(config_.rig, facts);
   if (!rig) return forward(rig);
   options.origin = origin_of_take();
-  const double kept = config_.preroll_seconds + seconds(kAlwaysKept);
-  options.queue_frames += static_cast<std::size_t>(std::ceil(kept * config_.frame_rate * 1.1)) + 2;
+  options.queue_frames += frames_kept(config_);
   std::error_code ignored;
   fs::create_directories(folder.parent_path(), ignored);
   Result<std::unique_ptr<capture::Recorder>> recorder = capture::Recorder::start(folder, *rig, options);
@@ -204,10 +210,11 @@ void CaptureNode::hand_over(const std::shared_ptr<capture::Recorder>& recorder) 
 
 void CaptureNode::wait_for_the_end(const capture::Recorder& recorder) const {
   const auto begun = Clock::now();
+  const std::chrono::duration<double> longest(std::max(1.5, kInstantsTried / config_.frame_rate));
   while (!recorder.ended() && !over() && !take_failed_) {
     const bool trouble = std::any_of(lanes_.begin(), lanes_.end(),
                                      [](const auto& lane) { return !lane->newest().has_value(); });
-    if (Clock::now() - begun > (trouble ? kLongestEndWithTrouble : kLongestEnd)) break;
+    if (Clock::now() - begun > (trouble ? kLongestEndWithTrouble : longest)) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
