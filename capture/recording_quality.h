@@ -38,7 +38,7 @@ class QualityMeter {
     std::uint64_t last_row = 0;
     std::uint64_t rows_before_first = 0;
     std::uint64_t skips_between = 0;  // its first picture and its last
-    std::uint64_t counted = 0;  // pictures by its own count, since the first
+    std::uint64_t counted = 0;        // pictures by its own count, since the first
   };
   struct Instant {
     Timestamp earliest, latest;

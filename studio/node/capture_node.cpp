@@ -17,8 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// Besides the pre-roll, so that a take can begin with an instant that all cameras have seen, and for how long its end is
-// looked for: a camera pair that loses every fifth picture has such an instant among so many, but once in 200,000 takes.
+// Besides the pre-roll, so that a take can begin with an instant that all cameras have seen, and for how long
+// its end is looked for: a camera pair that loses every fifth picture has such an instant among so many, but
+// once in 200,000 takes.
 constexpr int kInstantsTried = 12;
 constexpr auto kDiskPeriod = std::chrono::milliseconds(250);
 constexpr auto kVerdictPeriod = std::chrono::seconds(2);
