@@ -1,10 +1,13 @@
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "apps/flags.h"
 #include "apps/interrupt.h"
 #include "apps/renderer_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/play/play.h"
+#include "pipeline/json_report.h"
 
 namespace floatstage::apps {
 namespace {
@@ -15,7 +18,24 @@ struct Options {
   Size size{1280, 800};
   bool by_hand = false;
   RendererFlags renderer;
+  std::filesystem::path json_file;
 };
+
+nlohmann::json to_json(const PictureTimes& times) {
+  return {{"pictures", times.count()}, {"median_ms", times.median()}, {"worst_ms", times.worst()}};
+}
+
+nlohmann::json to_json(const PlayReport& report) {
+  const CanvasTimes& times = report.pictures;
+  nlohmann::json moving = to_json(times.moving);
+  moving["per_second"] = times.moving_seconds > 0 ? times.moving_steps / times.moving_seconds : 0;
+  moving["coarsest"] = times.coarsest;
+  return {{"at_rest", to_json(times.at_rest)},
+          {"moving", std::move(moving)},
+          {"frame", report.frame},
+          {"events", report.events},
+          {"renderer", report.renderer}};
+}
 
 Result<void> run(const Options& given) {
   PlayOptions options = given.play;
@@ -27,7 +47,10 @@ Result<void> run(const Options& given) {
   options.view = static_cast<MatteView>(place_of(matte_view_names(), given.view));
   options.automatic = !given.by_hand;
   options.stop = interrupted;
-  return play_take(options);
+  const Result<PlayReport> report = play_take(options);
+  if (!report) return forward(report);
+  if (given.json_file.empty()) return {};
+  return pipeline::save_json(to_json(*report), given.json_file);
 }
 
 }  // namespace
@@ -57,6 +80,7 @@ void add_play(CLI::App& app, Chosen& chosen) {
                    "Write the window to this PNG once the picture stands, then end")
       ->type_name("FILE")
       ->group(kGroupWindow);
+  add_json(*verb, options->json_file);
   const std::vector<CLI::Option*> mattes = {
       verb->add_flag("--mattes", play.mattes,
                      "Begin in the matte editor (M goes there and back); needs no meshes"),

@@ -9,7 +9,6 @@
 #include "core/png.h"
 #include "core/rig_io.h"
 #include "core/text.h"
-#include "pipeline/keying.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -64,15 +63,16 @@ Result<std::shared_ptr<const Record>> SceneLoader::record(Kept<Record>& kept,
   return kept.record;
 }
 
+// Of no plate or photographs: they tell what is subject, but the cast is the cloth's, which the key names.
 Result<std::shared_ptr<const matting::Keyer>> SceneLoader::keyer(std::size_t camera, const std::string& key) {
   KeptKeyer& kept = keyers_[camera];
   const std::lock_guard lock(kept.making);
-  const FileMark plate = mark_of(take_.layout().plate(take_.rig().cameras[camera].serial));
-  if (kept.keyer && kept.key == key && kept.plate == plate) return kept.keyer;
-  Result<std::unique_ptr<matting::Keyer>> made = keyer_for(take_, static_cast<int>(camera), key);
-  if (!made) return forward(made);
+  if (kept.keyer && kept.key == key) return kept.keyer;
+  Result<std::unique_ptr<matting::Keyer>> made = matting::make_keyer(key, {});
+  if (!made)
+    return fail(made.error().code,
+                text("camera '", take_.rig().cameras[camera].serial, "': ", made.error().message));
   kept.key = key;
-  kept.plate = plate;
   kept.keyer = std::move(*made);
   return kept.keyer;
 }

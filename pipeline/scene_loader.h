@@ -46,7 +46,6 @@ class SceneLoader {
   struct KeptKeyer {
     std::mutex making;
     std::string key;
-    FileMark plate;
     std::shared_ptr<const matting::Keyer> keyer;
   };
   template <class Record, class Load>

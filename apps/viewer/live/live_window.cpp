@@ -9,6 +9,7 @@
 #include "apps/viewer/live/live_panel.h"
 #include "apps/viewer/play/canvas.h"
 #include "apps/viewer/play/panels.h"
+#include "apps/viewer/play/stage_input.h"
 #include "apps/viewer/window/layout.h"
 #include "apps/viewer/window/window.h"
 #include "core/log.h"
@@ -51,8 +52,9 @@ class LiveWindow {
     return {};
   }
 
-  /// One frame of the user interface. Errors are shown, not returned: the window stays.
-  void frame() {
+  /// One frame of the user interface, with what hands did since the last. Errors are shown, not returned: the
+  /// window stays.
+  void frame(std::span<const InputEvent> input) {
     feed_.poll();
     const std::shared_ptr<const studio::LiveScene> fresh = feed_.newest(studio::now() + kPatience);
     const Timestamp begun = studio::now();
@@ -60,8 +62,8 @@ class LiveWindow {
     const bool shown = fresh && state_.time.playing;
     if (shown) show(fresh);
     if (state_.follow_path) advance_path(ImGui::GetIO().DeltaTime);
-    take_shortcuts(state_);
-    lay_out();
+    take_shortcuts(input, home_, state_);
+    lay_out(input);
     if (scene_ && !scene_->scene.mesh.empty()) {
       // Textures of other machines come only when they are asked for: before the first picture too.
       const View view = canvas_.view()
@@ -75,7 +77,7 @@ class LiveWindow {
                shown ? std::optional(studio::milliseconds_of(done - fresh->scene.produced)) : std::nullopt);
     look_around(done);
   }
-  bool stands() const { return shown_ >= kScenesBeforeScreenshot && canvas_.has_picture(); }
+  bool stands() const { return shown_ >= kScenesBeforeScreenshot && canvas_.has_full_picture(); }
 
  private:
   // Between two cameras: at a camera every method shows its photograph.
@@ -127,14 +129,15 @@ class LiveWindow {
       state_.status = "a film is rendered of a take: record one, process it and play it";
   }
 
-  void lay_out() {
+  void lay_out(std::span<const InputEvent> input) {
     panel_.hold = !state_.time.playing;
     lay_out_window(kStatusHeight, state_.renderer.background,
                    {.controls = [&] { draw_panels(); },
                     .strip = [&] { ImGui::TextUnformatted(state_.status.c_str()); },
                     .stage =
                         [&] {
-                          if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+                          if (Result<void> ok = canvas_.draw(state_, input); !ok)
+                            state_.status = ok.error().message;
                         }});
     state_.time.playing = !panel_.hold;
   }
@@ -170,7 +173,7 @@ Result<void> run_live_window(studio::SceneFeed& feed, ControlModel& model, const
   while (!(*window)->should_close() && !(options.stop && options.stop()) && picture.empty()) {
     if (options.run.seconds > 0 && seconds(studio::now() - begun) > options.run.seconds) break;
     (*window)->begin_frame(0);
-    live.frame();
+    live.frame((*window)->take_input());
     (*window)->end_frame(!options.screenshot.empty() && live.stands() ? &picture : nullptr);
   }
   feed.end();

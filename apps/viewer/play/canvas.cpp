@@ -44,15 +44,36 @@ Result<void> Canvas::show(const studio::LiveScene& scene) {
   return uploaded ? Result<void>() : forward(uploaded);
 }
 
-bool Canvas::stale(const PlayerState& state, const pipeline::PathKey& key, int width, int height) const {
-  return !made_ || made_->width != width || made_->height != height || made_->left != state.left ||
-         made_->right != (state.split ? state.right : -1) || made_->scene != shown_ ||
-         !same(made_->key, key) || !same(made_->renderer, state.renderer);
+bool Canvas::stale(const Made& wanted) const {
+  return !made_ || made_->width != wanted.width || made_->height != wanted.height ||
+         made_->left != wanted.left || made_->right != wanted.right || made_->scene != wanted.scene ||
+         !same(made_->key, wanted.key) || !same(made_->renderer, wanted.renderer);
+}
+
+Canvas::Made Canvas::wanted(const PlayerState& state, const pipeline::PathKey& key, float width, float height,
+                            bool moving) const {
+  const double scale = state.render_scale * (moving ? pace_.scale() : 1);
+  const auto pixels = [&](float side) { return std::max(1, static_cast<int>(std::lround(side * scale))); };
+  Made made{pixels(width), pixels(height), state.left, state.split ? state.right : -1, shown_,
+            key,           state.renderer};
+  if (moving) {
+    made.renderer.flow.shrink = std::max(2, made.renderer.flow.shrink);
+    made.renderer.soft_radius *= pace_.scale();
+  }
+  return made;
+}
+
+/// Whether the camera moves or the take plays. One step in time or another option is drawn in full at once,
+/// and a GPU draws all in full.
+bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now) {
+  if (!state.quick || state.renderer.back_end == render::BackEnd::Gl) return false;
+  if (made_ && (!same(made_->key, key) || (state.time.playing && made_->scene != shown_))) pace_.moved(now);
+  return pace_.moving(now);
 }
 
 Result<void> Canvas::render_side(Side& side, int method, const PlayerState& state, const View& view) {
   Result<render::RenderedView> rendered =
-      renderers_.render(state.methods[static_cast<std::size_t>(method)], drawn_, view, state.renderer);
+      renderers_.render(state.methods[static_cast<std::size_t>(method)], drawn_, view, made_->renderer);
   if (!rendered) return forward(rendered);
   side.view = *rendered;
   if (rendered->picture != nullptr) side.copy.show(*rendered->picture);
@@ -60,79 +81,84 @@ Result<void> Canvas::render_side(Side& side, int method, const PlayerState& stat
   return {};
 }
 
-Result<void> Canvas::render(const PlayerState& state, const pipeline::PathKey& key, int width, int height) {
+Result<void> Canvas::render(const PlayerState& state, const Made& wanted, bool moving, double now) {
   const auto begin = std::chrono::steady_clock::now();
   // Recorded before rendering: a view that cannot be rendered is not tried again until something changes.
-  made_ = Made{width, height, state.left, state.split ? state.right : -1, shown_, key, state.renderer};
-  const View view = pipeline::view_of(key, width, height, subject_);
+  made_ = wanted;
+  const View view = pipeline::view_of(wanted.key, wanted.width, wanted.height, subject_);
   view_ = view;
   if (Result<void> ok = render_side(left_, state.left, state, view); !ok) return ok;
   if (state.split)
     if (Result<void> ok = render_side(right_, state.right, state, view); !ok) return ok;
-  render_milliseconds_ =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  last_render_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  render_milliseconds_ = 1e3 * last_render_seconds_;
+  (moving ? times_.moving : times_.at_rest).add(render_milliseconds_);
+  if (moving) {
+    if (made_moving_) times_.moving_seconds += now - last_moving_, ++times_.moving_steps;
+    times_.coarsest = std::min(times_.coarsest, pace_.scale());
+    pace_.drew(last_render_seconds_);
+  }
+  made_moving_ = moving;
+  last_moving_ = now;
   return {};
 }
 
-void Canvas::take_mouse(PlayerState& state, float width, float height) {
+/// Keys that are held fly; one that was tapped between two pictures counts for this one.
+void Canvas::fly(std::span<const InputEvent> input, PlayerState& state) const {
   const ImGuiIO& io = ImGui::GetIO();
-  const double dx = io.MouseDelta.x / height, dy = io.MouseDelta.y / height;
-  constexpr double kTurn = 3;  // radians for a drag over the picture's height
-  if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Left)) {
-    if (state.split && io.KeyCtrl)
-      state.split_at = std::clamp(state.split_at + io.MouseDelta.x / width, 0.02f, 0.98f);
-    else if (io.KeyShift)
-      state.camera.pan(-dx, dy);
-    else
-      state.camera.orbit(-dx * kTurn, dy * kTurn);
-  }
-  if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Right))
-    state.camera.look(dx * kTurn, -dy * kTurn);
-  if (ImGui::IsItemActive() && ImGui::IsMouseDragging(ImGuiMouseButton_Middle)) state.camera.pan(-dx, dy);
-  if (ImGui::IsItemHovered() && io.MouseWheel != 0) state.camera.zoom(std::pow(1.1, io.MouseWheel));
   if (io.WantTextInput) return;
   const double step = io.DeltaTime * (subject_.isEmpty() ? 1.0 : subject_.diagonal().norm());
-  auto held = [](char key) { return ImGui::IsKeyDown(static_cast<int>(key)); };
+  const auto held = [&](char key) {
+    return ImGui::IsKeyDown(static_cast<int>(key)) ||
+           std::any_of(input.begin(), input.end(), [&](const InputEvent& e) {
+             return e.kind == InputEvent::Kind::Key && e.key == key && !e.control;
+           });
+  };
   state.camera.fly(step * (held('D') - held('A')), step * (held('E') - held('Q')),
                    step * (held('W') - held('S')));
 }
 
-Result<void> Canvas::draw(PlayerState& state) {
+void Canvas::list_pictures(const PlayerState& state, float x0, float y0, float x1, float y1) const {
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  const float middle = state.split ? state.split_at : 1.f, x = x0 + (x1 - x0) * middle;
+  if (left_.texture != 0) list->AddImage(texture_id(left_.texture), {x0, y0}, {x, y1}, {0, 0}, {middle, 1});
+  if (!state.split || right_.texture == 0) return;
+  list->AddImage(texture_id(right_.texture), {x, y0}, {x1, y1}, {middle, 0}, {1, 1});
+  list->AddLine({x, y0}, {x, y1}, IM_COL32(255, 190, 60, 255), 1.5f);
+  const std::string& name = state.methods[static_cast<std::size_t>(state.left)];
+  list->AddText({x - 10 - ImGui::CalcTextSize(name.c_str()).x, y0 + 8}, IM_COL32_WHITE, name.c_str());
+  list->AddText({x + 10, y0 + 8}, IM_COL32_WHITE,
+                state.methods[static_cast<std::size_t>(state.right)].c_str());
+}
+
+Result<void> Canvas::draw(PlayerState& state, std::span<const InputEvent> input) {
+  last_render_seconds_ = 0;
   const ImVec2 size = ImGui::GetContentRegionAvail(), origin = ImGui::GetCursorScreenPos();
   if (size.x < 8 || size.y < 8) return {};
   ImGui::InvisibleButton("canvas", size,
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
                              ImGuiButtonFlags_MouseButtonMiddle);
-  if (!state.follow_path) take_mouse(state, size.x, size.y);
+  hands_.set_area(origin.x, origin.y, size.x, size.y);
+  hands_.take(input, !state.follow_path, state);
+  if (!state.follow_path) fly(input, state);
   if (!drawable_) return {};
 
   const pipeline::PathKey key = state.follow_path && !state.path.empty()
                                     ? pipeline::sample(state.path.path(), state.path_time)
                                     : state.camera.key();
-  const int width = std::max(1, static_cast<int>(std::lround(size.x * state.render_scale)));
-  const int height = std::max(1, static_cast<int>(std::lround(size.y * state.render_scale)));
+  const double now = ImGui::GetTime();
+  const bool moving = judge_motion(state, key, now);
+  const Made made = wanted(state, key, size.x, size.y, moving);
   Result<void> rendered;
-  if (stale(state, key, width, height)) rendered = render(state, key, width, height);
+  if (stale(made)) rendered = render(state, made, moving, now);
 
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  const ImVec2 end(origin.x + size.x, origin.y + size.y);
-  const float middle = state.split ? state.split_at : 1.f, x = origin.x + size.x * middle;
-  if (left_.texture != 0)
-    list->AddImage(texture_id(left_.texture), origin, ImVec2(x, end.y), {0, 0}, {middle, 1});
-  if (state.split && right_.texture != 0) {
-    list->AddImage(texture_id(right_.texture), ImVec2(x, origin.y), end, {middle, 0}, {1, 1});
-    list->AddLine(ImVec2(x, origin.y), ImVec2(x, end.y), IM_COL32(255, 190, 60, 255), 1.5f);
-    const std::string& name = state.methods[static_cast<std::size_t>(state.left)];
-    list->AddText(ImVec2(x - 10 - ImGui::CalcTextSize(name.c_str()).x, origin.y + 8), IM_COL32_WHITE,
-                  name.c_str());
-    list->AddText(ImVec2(x + 10, origin.y + 8), IM_COL32_WHITE,
-                  state.methods[static_cast<std::size_t>(state.right)].c_str());
-  }
+  list_pictures(state, origin.x, origin.y, origin.x + size.x, origin.y + size.y);
   if (state.show_cameras) {
     const double depth = subject_.isEmpty() ? 0.3 : subject_.diagonal().norm() * 0.15;
-    list->PushClipRect(origin, end, true);
-    frusta_.draw(list, origin, size.x / static_cast<float>(width), rig_,
-                 pipeline::view_of(key, width, height, subject_), depth, left_.view.cameras);
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    list->PushClipRect(origin, {origin.x + size.x, origin.y + size.y}, true);
+    frusta_.draw(list, origin, size.x / static_cast<float>(made.width), rig_,
+                 pipeline::view_of(key, made.width, made.height, subject_), depth, left_.view.cameras);
     list->PopClipRect();
   }
   return rendered;

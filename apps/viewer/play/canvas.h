@@ -3,18 +3,31 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "apps/viewer/play/camera_frusta.h"
+#include "apps/viewer/play/picture_pace.h"
 #include "apps/viewer/play/player_state.h"
 #include "apps/viewer/play/shown_texture.h"
+#include "apps/viewer/play/stage_input.h"
 #include "core/rig.h"
 #include "render/method_renderers.h"
 #include "studio/live/live_scene.h"
 
 namespace floatstage::apps {
 
+/// How long a canvas took for its pictures.
+struct CanvasTimes {
+  PictureTimes at_rest, moving;
+  double moving_seconds = 0;  ///< from moving picture to moving picture, the window's part included
+  int moving_steps = 0;       ///< so many times
+  double coarsest = 1;        ///< scale of a moving picture
+};
+
 /// The picture in the middle of the player: draws the scene with one method or two side by side, and takes
-/// the mouse. A picture is rendered only when the scene, the camera or an option has changed. GL thread only.
+/// what hands do. A picture is rendered only when the scene, the camera or an option has changed; with
+/// PlayerState::quick while something moves it is as fine as time allows, and full once that rests. GL thread
+/// only.
 class Canvas {
  public:
   Canvas(const Rig& rig, const Eigen::AlignedBox3d& subject) : rig_(rig), subject_(subject) {}
@@ -23,11 +36,15 @@ class Canvas {
   Result<void> show(const std::shared_ptr<const SceneFrame>& scene);
   /// The same of a live studio. One without a subject leaves the stage empty.
   Result<void> show(const studio::LiveScene& scene);
-  /// Draws into the present ImGui window's whole content, and moves state.camera by mouse and keys.
-  Result<void> draw(PlayerState& state);
+  /// Draws into the present ImGui window's whole content, and moves state.camera by `input`.
+  Result<void> draw(PlayerState& state, std::span<const InputEvent> input);
+  /// The window's last frame took so long without the picture, if one was drawn.
+  void window_took(double seconds) { pace_.window_took(seconds - last_render_seconds_); }
 
   double render_milliseconds() const { return render_milliseconds_; }
-  bool has_picture() const { return left_.texture != 0; }
+  const CanvasTimes& times() const { return times_; }
+  /// There is one, and it is not one of those that are drawn while something moves.
+  bool has_full_picture() const { return left_.texture != 0 && !made_moving_; }
   /// Where the last picture was drawn from; absent before the first.
   const std::optional<View>& view() const { return view_; }
 
@@ -45,10 +62,14 @@ class Canvas {
     render::RendererOptions renderer;
   };
 
-  bool stale(const PlayerState& state, const pipeline::PathKey& key, int width, int height) const;
-  Result<void> render(const PlayerState& state, const pipeline::PathKey& key, int width, int height);
+  bool stale(const Made& wanted) const;
+  Made wanted(const PlayerState& state, const pipeline::PathKey& key, float width, float height,
+              bool moving) const;
+  bool judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now);
+  Result<void> render(const PlayerState& state, const Made& wanted, bool moving, double now);
   Result<void> render_side(Side& side, int method, const PlayerState& state, const View& view);
-  void take_mouse(PlayerState& state, float width, float height);
+  void fly(std::span<const InputEvent> input, PlayerState& state) const;
+  void list_pictures(const PlayerState& state, float x0, float y0, float x1, float y1) const;
 
   const Rig rig_;
   const Eigen::AlignedBox3d subject_;
@@ -61,7 +82,12 @@ class Canvas {
   Side left_, right_;
   std::optional<Made> made_;
   CameraFrusta frusta_;
-  double render_milliseconds_ = 0;
+  StageInput hands_;
+  PicturePace pace_;
+  CanvasTimes times_;
+  bool made_moving_ = false;
+  double last_moving_ = 0;  ///< when the last moving picture was drawn, ImGui's seconds
+  double render_milliseconds_ = 0, last_render_seconds_ = 0;
 };
 
 }  // namespace floatstage::apps

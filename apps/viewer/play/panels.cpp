@@ -1,6 +1,5 @@
 #include "apps/viewer/play/panels.h"
 
-#include <GLFW/glfw3.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -78,8 +77,7 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
   if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) draw_methods(state);
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) {
     ImGui::Checkbox("show the cameras (C)", &state.show_cameras);
-    requests.home = ImGui::Button("home (H)") ||
-                    (!ImGui::GetIO().WantTextInput && ImGui::IsKeyPressed(GLFW_KEY_H, false));
+    requests.home = ImGui::Button("home (H)");
     ImGui::TextDisabled("drag: orbit   shift: pan\nright: look   wheel: zoom\nWASD QE: fly");
   }
   if (ImGui::CollapsingHeader("Camera path", ImGuiTreeNodeFlags_DefaultOpen))
@@ -116,19 +114,6 @@ void draw_time_line(PlayerState& state) {
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##frame", &frame, 0, time.frames() - 1, "frame %d")) time.seek(frame);
   ImGui::TextUnformatted(state.status.c_str());
-}
-
-void take_shortcuts(PlayerState& state) {
-  if (ImGui::GetIO().WantTextInput) return;
-  auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
-  if (pressed(GLFW_KEY_SPACE)) state.time.playing = !state.time.playing;
-  if (ImGui::IsKeyPressed(GLFW_KEY_LEFT)) state.time.step(-1);
-  if (ImGui::IsKeyPressed(GLFW_KEY_RIGHT)) state.time.step(1);
-  if (pressed(GLFW_KEY_K)) state.path.append(state.camera.key());
-  if (pressed(GLFW_KEY_C)) state.show_cameras = !state.show_cameras;
-  if (pressed(GLFW_KEY_X)) state.split = !state.split;
-  for (int i = 0; i < static_cast<int>(state.methods.size()) && i < 9; ++i)
-    if (pressed(GLFW_KEY_1 + i)) state.left = i;
 }
 
 }  // namespace floatstage::apps

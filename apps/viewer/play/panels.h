@@ -19,8 +19,4 @@ void apply_camera_requests(const PanelRequests& requests, const pipeline::PathKe
 /// The time line at the bottom: play, step, speed, frame slider, and the last message.
 void draw_time_line(PlayerState& state);
 
-/// Keys that work anywhere: space plays, arrows step, K sets a path key, C shows the cameras, X splits, 1…9
-/// choose the method.
-void take_shortcuts(PlayerState& state);
-
 }  // namespace floatstage::apps

@@ -1,6 +1,7 @@
 #include "apps/viewer/play/play.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 #include "apps/viewer/mattes/matte_editor.h"
@@ -55,11 +56,13 @@ class PlayWindow {
     while (!window_->should_close() && !(options_.stop && options_.stop())) {
       const bool busy = editing_ ? editor_->busy() : player_->busy();
       window_->begin_frame(busy || !options_.screenshot.empty() ? 0 : kIdle);
+      const Clock::time_point begun = Clock::now();
       frame();
       settled = (editing_ ? editor_->stands() : player_->stands()) ? settled + 1 : 0;
       const bool last = !options_.screenshot.empty() && settled >= kSettleFrames;
       Image picture;
       window_->end_frame(last || screenshot_ ? &picture : nullptr);
+      if (!editing_) player_->frame_took(std::chrono::duration<double>(Clock::now() - begun).count());
       if (last) return save_png(picture, options_.screenshot);
       if (std::exchange(screenshot_, false)) keep(picture);
       if (editing_ && !said) say("the matte editor is open");
@@ -68,7 +71,16 @@ class PlayWindow {
     return {};
   }
 
+  PlayReport report() const {
+    return {.pictures = player_ ? player_->times() : CanvasTimes(),
+            .frame = editing_ ? editor_->frame_number() : player_->frame_number(),
+            .events = events_,
+            .renderer = options_.renderer.back_end == render::BackEnd::Gl ? "gl" : "cpu"};
+  }
+
  private:
+  using Clock = std::chrono::steady_clock;
+
   Result<void> open_editor(int frame) {
     MatteEditorModelOptions model;
     model.camera = {.take = options_.take,
@@ -95,6 +107,7 @@ class PlayWindow {
 
   void frame() {
     const std::vector<InputEvent> input = window_->take_input();
+    events_ += static_cast<long>(input.size());
     if (!editing_) {
       const auto pressed = [&](int key) {
         return std::any_of(input.begin(), input.end(), [&](const InputEvent& e) {
@@ -102,7 +115,7 @@ class PlayWindow {
         });
       };
       screenshot_ = pressed(kKeyF12);
-      player_->frame();
+      player_->frame(input);
       if (pressed('M')) to_editor();
       return;
     }
@@ -138,6 +151,7 @@ class PlayWindow {
 
   PlayOptions options_;
   bool editing_, screenshot_ = false;
+  long events_ = 0;
   std::unique_ptr<capture::TakeReader> take_;
   std::unique_ptr<Window> window_;  // outlives what draws in it
   std::unique_ptr<Player> player_;
@@ -146,10 +160,11 @@ class PlayWindow {
 
 }  // namespace
 
-Result<void> play_take(const PlayOptions& options) {
+Result<PlayReport> play_take(const PlayOptions& options) {
   PlayWindow window(options);
-  if (Result<void> ok = window.open(); !ok) return ok;
-  return window.run();
+  if (Result<void> ok = window.open(); !ok) return forward(ok);
+  if (Result<void> ok = window.run(); !ok) return forward(ok);
+  return window.report();
 }
 
 }  // namespace floatstage::apps

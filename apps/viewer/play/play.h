@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/viewer/mattes/matte_picture.h"
+#include "apps/viewer/play/canvas.h"
 #include "core/result.h"
 #include "render/renderer.h"
 
@@ -30,7 +31,15 @@ struct PlayOptions {
   bool automatic = true;        ///< the editor makes mattes after every edit
 };
 
+/// What a window showed and how quickly, for reports.
+struct PlayReport {
+  CanvasTimes pictures;
+  int frame = 0;         ///< that it showed last
+  long events = 0;       ///< of hands
+  std::string renderer;  ///< what drew
+};
+
 /// The window: the interactive player on a processed take, and the matte editor. Returns when it is closed.
-Result<void> play_take(const PlayOptions& options);
+Result<PlayReport> play_take(const PlayOptions& options);
 
 }  // namespace floatstage::apps

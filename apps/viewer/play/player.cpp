@@ -6,7 +6,6 @@
 
 #include <imgui.h>
 
-#include "apps/viewer/play/canvas.h"
 #include "apps/viewer/play/film_job.h"
 #include "apps/viewer/play/panels.h"
 #include "apps/viewer/play/scene_cache.h"
@@ -37,16 +36,18 @@ class WindowPlayer : public Player {
         canvas_(rig, subject),
         state_(std::move(state)) {}
 
-  void frame() override {
+  void frame(std::span<const InputEvent> input) override {
     state_.time.advance(ImGui::GetIO().DeltaTime);
     if (state_.follow_path && state_.time.playing) advance_path(ImGui::GetIO().DeltaTime);
-    take_shortcuts(state_);
+    take_shortcuts(input, home_, state_);
     load();
-    lay_out();
+    lay_out(input);
     finish_film();
   }
 
-  bool stands() const override { return shown_ == state_.time.frame() && canvas_.has_picture(); }
+  void frame_took(double seconds) override { canvas_.window_took(seconds); }
+  bool stands() const override { return shown_ == state_.time.frame() && canvas_.has_full_picture(); }
+  const CanvasTimes& times() const override { return canvas_.times(); }
   bool busy() const override { return state_.time.playing || shown_ != state_.time.frame() || film_; }
   int frame_number() const override { return state_.time.frame(); }
   void go_to(int frame) override { state_.time.seek(frame); }
@@ -77,7 +78,7 @@ class WindowPlayer : public Player {
     if (state_.time.playing) cache_.prefetch((frame + 1) % state_.time.frames());
   }
 
-  void lay_out() {
+  void lay_out(std::span<const InputEvent> input) {
     PanelRequests requests;
     lay_out_window(kTimeLineHeight, state_.renderer.background,
                    {.controls =
@@ -88,7 +89,8 @@ class WindowPlayer : public Player {
                     .strip = [&] { draw_time_line(state_); },
                     .stage =
                         [&] {
-                          if (Result<void> ok = canvas_.draw(state_); !ok) state_.status = ok.error().message;
+                          if (Result<void> ok = canvas_.draw(state_, input); !ok)
+                            state_.status = ok.error().message;
                         }});
     apply_camera_requests(requests, home_, state_);
     if (requests.render_film) begin_film();
@@ -144,6 +146,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
   state.right = *right;
   state.split = !options.compare.empty();
   state.renderer = options.renderer;
+  state.quick = true;
   state.show_cameras = options.show_cameras;
   state.time.seek(options.frame);
   state.time.playing = options.playing;

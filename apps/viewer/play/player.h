@@ -1,8 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
+#include "apps/viewer/play/canvas.h"
 #include "apps/viewer/play/play.h"
+#include "apps/viewer/window/input_event.h"
 #include "capture/take.h"
 
 namespace floatstage::apps {
@@ -17,13 +20,17 @@ class Player {
   static Result<std::unique_ptr<Player>> open(const PlayOptions& options, capture::TakeReader& take);
   virtual ~Player() = default;
 
-  /// One frame of the user interface. Errors are shown, not returned: the window stays.
-  virtual void frame() = 0;
-  virtual bool stands() const = 0;  ///< the picture of the present frame is there
+  /// One frame of the user interface, with what hands did since the last. Errors are shown, not returned: the
+  /// window stays.
+  virtual void frame(std::span<const InputEvent> input) = 0;
+  /// All of that frame took so long, until the window showed it.
+  virtual void frame_took(double seconds) = 0;
+  virtual bool stands() const = 0;  ///< the full picture of the present frame is there
   virtual bool busy() const = 0;
   virtual int frame_number() const = 0;
   virtual void go_to(int frame) = 0;
   virtual void show_status(std::string status) = 0;
+  virtual const CanvasTimes& times() const = 0;
   /// Mattes have changed.
   virtual void forget_scenes() = 0;
 };

@@ -22,6 +22,7 @@ struct PlayerState {
   float split_at = 0.5f;  ///< where the picture changes from left to right, 0…1
   render::RendererOptions renderer = {};
   float render_scale = 1;  ///< pixels rendered per pixel shown, 0.25…1
+  bool quick = false;      ///< coarser while something moves (PicturePace)
 
   bool show_cameras = false;
   bool follow_path = false;  ///< the camera rides the path instead of the mouse

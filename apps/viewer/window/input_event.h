@@ -11,6 +11,7 @@ struct InputEvent {
   int button = 0;    ///< Press, Release: 0 left, 1 right, 2 middle
   double wheel = 0;  ///< Wheel: notches away from the hand
   int key = 0;  ///< Key: a capital letter, a digit, another character of the US keyboard, or one of kKey…
+  bool repeated = false;  ///< Key: it is held, and this is not its first event
   bool control = false, shift = false;
 };
 

@@ -68,6 +68,7 @@ void Window::listen() {
     if (action == GLFW_RELEASE || ImGui::GetIO().WantTextInput) return;
     InputEvent e = event_of(w, InputEvent::Kind::Key, mods);
     e.key = key;
+    e.repeated = action == GLFW_REPEAT;
     input_of(w).events.push_back(e);
   });
 }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
 #include "core/file.h"
@@ -139,6 +140,43 @@ TEST_F(PlayUnderXvfb, ShowsCamerasAndIntermediates) {
       << "no frusta";
   const Stage weights = look_at_stage(screenshot("--background 000000 --show weights"), 0);
   EXPECT_GT(weights.coverage, plain / 2);
+}
+
+TEST_F(PlayUnderXvfb, LosesNoInputHoweverQuickTheHandIs) {
+  const std::string json = (*folder_ / "play.json").string();
+  const std::string hands = (*folder_)
+                                .write("hands.sh", R"(
+)" FLOATSTAGE_PROGRAM R"( play ')" + take_.string() + R"(' --size 900x600 --json ')" +
+                                                       json + R"(' &
+player=$!
+window=$(xdotool search --sync --onlyvisible --name Floatstage | head -1)
+xdotool windowmove --sync $window 0 0 2>/dev/null
+xdotool windowfocus --sync $window
+sleep 1
+for x in $(seq 500 4 700); do echo mousemove $x 300; done > moves
+xdotool mousemove --sync 500 300 mousedown 1
+xdotool - < moves
+xdotool mouseup 1 key Right key Left key Right key Left key Right
+sleep 1
+kill -INT $player
+wait $player
+)")
+                                .string();
+  const std::string command =
+      "cd " + folder_->path().string() +
+      " && ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' bash " + hands + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  char buffer[4096];
+  std::string output;
+  for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, n);
+  EXPECT_EQ(WEXITSTATUS(pclose(pipe)), 0) << output;
+  const Result<std::string> bytes = read_file(json);
+  ASSERT_THAT(bytes, IsOk()) << output;
+  const nlohmann::json report = nlohmann::json::parse(*bytes);
+  EXPECT_EQ(report.at("frame"), 1) << "five arrows between two frames: " << report.dump();
+  EXPECT_GT(report.at("moving").at("pictures"), 0) << report.dump();
+  EXPECT_GE(report.at("at_rest").at("pictures"), 2) << "before the drag and after it: " << report.dump();
+  EXPECT_GE(report.at("events"), 7) << report.dump();
 }
 
 TEST_F(PlayUnderXvfb, SaysWhatIsWrongBeforeAWindowOpens) {
