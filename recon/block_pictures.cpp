@@ -51,6 +51,7 @@ double field_angle(const CameraModel& model) {
 }
 
 void fill_from_matte(const Matte& matte, BlockPicture& picture) {
+  const std::uint8_t* block_at = picture.block_at.data();
   for (int y = 0; y < matte.height; ++y) {
     const std::uint8_t* row = matte.row(y);
     std::uint8_t* blocks =
@@ -60,13 +61,9 @@ void fill_from_matte(const Matte& matte, BlockPicture& picture) {
       std::uint64_t eight;
       std::memcpy(&eight, row + x, 8);
       if ((eight & 0x8080808080808080ULL) == 0) continue;
-      for (int k = 0; k < 8; ++k) {
-        if (row[x + k] >= 128) blocks[(x + k) / picture.block] = 1;
-      }
+      for (int k = 0; k < 8; ++k) blocks[block_at[x + k]] |= row[x + k] >> 7;
     }
-    for (; x < matte.width; ++x) {
-      if (row[x] >= 128) blocks[x / picture.block] = 1;
-    }
+    for (; x < matte.width; ++x) blocks[block_at[x]] |= row[x] >> 7;
   }
 }
 
@@ -167,7 +164,13 @@ void BlockPictures::fill(const Rig& rig, const HullInput& input) {
     if (!picture.known) continue;
     ++known_;
     const int longer = std::max(camera.model.width, camera.model.height);
-    picture.block = std::max(1, (longer + kBlocksAcross - 1) / kBlocksAcross);
+    const int block = std::max(1, (longer + kBlocksAcross - 1) / kBlocksAcross);
+    if (picture.block != block || picture.block_at.size() != static_cast<std::size_t>(longer)) {
+      picture.block = block;
+      picture.block_at.resize(static_cast<std::size_t>(longer));
+      for (int x = 0; x < longer; ++x)
+        picture.block_at[static_cast<std::size_t>(x)] = static_cast<std::uint8_t>(x / block);
+    }
     picture.columns = (camera.model.width + picture.block - 1) / picture.block;
     picture.rows = (camera.model.height + picture.block - 1) / picture.block;
     picture.subject.assign(static_cast<std::size_t>(picture.columns) * picture.rows, 0);
@@ -221,7 +224,7 @@ BlockPictures::Answer BlockPictures::ask(std::size_t camera, const Vector3d& cen
     if (!all_seen && !small) return Answer::Subject;
   }
   const auto block_of = [&](double v, double end) {
-    return static_cast<int>(std::clamp(v, 0.0, end - 1)) / picture.block;
+    return static_cast<int>(picture.block_at[static_cast<std::size_t>(std::clamp(v, 0.0, end - 1))]);
   };
   const int subject = picture.count(block_of(e.left, width), block_of(e.top, height),
                                     block_of(e.right, width), block_of(e.bottom, height));

@@ -18,8 +18,9 @@ struct BlockPicture {
   bool whole = false;   ///< taken to show the whole subject: what lies outside the picture is background
   int block = 1;        ///< px
   int columns = 0, rows = 0;
-  std::vector<std::uint8_t> subject;  ///< row by row: 1 where a pixel of the block is subject
-  std::vector<int> sums;              ///< (columns + 1) x (rows + 1): blocks with subject above and left
+  std::vector<std::uint8_t> subject;   ///< row by row: 1 where a pixel of the block is subject
+  std::vector<std::uint8_t> block_at;  ///< by px, along the longer side: which block it is in
+  std::vector<int> sums;               ///< (columns + 1) x (rows + 1): blocks with subject above and left
 
   /// Blocks with subject in a rectangle of blocks, bounds included.
   int count(int x0, int y0, int x1, int y1) const { return count(sums, x0, y0, x1, y1); }

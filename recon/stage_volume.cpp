@@ -20,17 +20,22 @@ constexpr int kCore = -1, kNoPart = -2;
 constexpr int kPlaceBits = 21;
 constexpr double kMostGrowth = 100;   // times the cameras' distance: what reaches further is unbounded
 const double kBall = std::sqrt(3.0);  // around a cube of half side 1
+const Vector3d kOctants[] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
+                             {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
 
 }  // namespace
 
-bool StageFinder::keeps(const Vector3d& center, double radius, bool small, int cameras) const {
-  int seen = 0, denied = 0, left = pictures_.known();
-  for (std::size_t c = 0; c < pictures_.size(); ++c) {
-    if (!pictures_[c].known) continue;
+/// In whatever order cameras are asked, the answer is one. Who denied the last cube often denies the next.
+bool StageFinder::keeps(const Vector3d& center, double radius, bool small, int cameras) {
+  int seen = 0, denied = 0, left = static_cast<int>(asked_.size());
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
     if (seen + left < cameras) return false;
     --left;
-    const BlockPictures::Answer answer = pictures_.ask(c, center, radius, small);
-    if (answer == BlockPictures::Answer::Background && ++denied > outvoted_) return false;
+    const BlockPictures::Answer answer = pictures_.ask(asked_[i], center, radius, small);
+    if (answer == BlockPictures::Answer::Background && ++denied > outvoted_) {
+      if (i > 0) std::swap(asked_[i], asked_[i / 2]);
+      return false;
+    }
     seen += answer == BlockPictures::Answer::Subject;
   }
   return seen >= cameras;
@@ -76,8 +81,7 @@ void StageFinder::refine(int cameras, double reach, double finest) {
     next_.clear();
     for (const Vector3d& cube : cubes_) {
       for (int octant = 0; octant < 8; ++octant) {
-        const Vector3d center =
-            cube + half_ * Vector3d(octant & 1 ? 1 : -1, octant & 2 ? 1 : -1, octant & 4 ? 1 : -1);
+        const Vector3d center = cube + half_ * kOctants[octant];
         if (keeps(center, kBall * half_, small, cameras)) next_.push_back(center);
       }
     }
@@ -228,11 +232,69 @@ void StageFinder::explain(const Vector3d& cube) {
   }
 }
 
+/// Whether any camera may see a block that nothing explains in a ball.
+bool StageFinder::may_see_missing(const Vector3d& center, double radius) const {
+  for (std::size_t c = 0; c < unexplained_sums_.size(); ++c) {
+    if (unexplained_sums_[c].empty()) continue;
+    int x0, y0, x1, y1;
+    if (pictures_.blocks_of(c, center, radius, x0, y0, x1, y1)
+            ? pictures_[c].count(unexplained_sums_[c], x0, y0, x1, y1) > 0
+            : pictures_.extent(c, center, radius).near)
+      return true;
+  }
+  return false;
+}
+
+/// Whether a cube falls, for the most part, on subject that nothing explains.
+bool StageFinder::lacks_most(const Vector3d& cube) const {
+  int shown = 0, lacking = 0;
+  for (std::size_t c = 0; c < pictures_.size(); ++c) {
+    int x0, y0, x1, y1;
+    if (!pictures_[c].known || !pictures_.blocks_of(c, cube, 0, x0, y0, x1, y1)) continue;
+    shown += pictures_[c].subject[pictures_[c].index(x0, y0)] != 0;
+    lacking += unexplained_[c][pictures_[c].index(x0, y0)];
+  }
+  return 2 * lacking > shown;
+}
+
+/// Whether grow() can find anything, which is seldom: most of what stays unexplained are a few blocks at
+/// outlines. A part that is believed lacks in several cameras and has a cube that lacks_most(); those around
+/// that cube may all see something missing, and are searched alone. False is certain.
+bool StageFinder::may_grow(int cameras, double finest) {
+  unexplained_sums_.resize(pictures_.size());
+  int lacking = 0;
+  for (std::size_t c = 0; c < pictures_.size(); ++c) {
+    const std::vector<std::uint8_t>& blocks = unexplained_[c];
+    unexplained_sums_[c].clear();
+    if (std::find(blocks.begin(), blocks.end(), 1) == blocks.end()) continue;
+    pictures_[c].sum_up(blocks, unexplained_sums_[c]);
+    ++lacking;
+  }
+  if (lacking < 2) return false;
+  core_.assign(1, focus_);
+  double half = reach_;
+  while (half > finest) {
+    half /= 2;
+    const bool small = half * kSmall <= reach_;
+    next_.clear();
+    for (const Vector3d& cube : core_) {
+      for (int octant = 0; octant < 8; ++octant) {
+        const Vector3d center = cube + half * kOctants[octant];
+        if (may_see_missing(center, kBall * half) && keeps(center, kBall * half, small, cameras))
+          next_.push_back(center);
+      }
+    }
+    core_.swap(next_);
+  }
+  return std::any_of(core_.begin(), core_.end(), [&](const Vector3d& cube) { return lacks_most(cube); });
+}
+
 /// Adds bodies that stand outside pictures whose own subject touches no border, and parts that `cameras` see.
 bool StageFinder::grow(int cameras) {
+  for (std::size_t c = 0; c < pictures_.size(); ++c) pictures_.set_whole(c, false);
+  if (!cubes_.empty() && !may_grow(cameras, half_)) return false;
   core_.swap(cubes_);
   const double half = half_;
-  for (std::size_t c = 0; c < pictures_.size(); ++c) pictures_.set_whole(c, false);
   cubes_.assign(1, focus_);
   half_ = reach_;
   refine(cameras, reach_, core_.empty() ? 0 : half);
@@ -276,6 +338,9 @@ bool StageFinder::find(const Rig& rig, const HullInput& input, StageVolume& out,
   reach_ = 1e-3;
   for (const RigCamera& camera : rig.cameras)
     reach_ = std::max(reach_, (camera.cam_from_world.center() - focus_).norm());
+  asked_.clear();
+  for (std::size_t c = 0; c < pictures_.size(); ++c)
+    if (pictures_[c].known) asked_.push_back(c);
   out.cameras = cameras_of(pictures_.known());
   if (!carve(out.cameras)) return false;
   out.partial.assign(pictures_.size(), 0);

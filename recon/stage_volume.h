@@ -69,7 +69,7 @@ class StageFinder {
     bool believed() const { return ends && of_several && 2 * lacking > shown; }
   };
 
-  bool keeps(const Eigen::Vector3d& center, double radius, bool small, int cameras) const;
+  bool keeps(const Eigen::Vector3d& center, double radius, bool small, int cameras);
   bool carve(int cameras);
   void refine(int cameras, double reach, double finest);
   bool is_bounded(double reach) const;
@@ -80,6 +80,9 @@ class StageFinder {
   void weigh(std::size_t cube, Part& part) const;
   bool take_parts(const std::vector<Eigen::Vector3d>& core);
   void explain(const Eigen::Vector3d& cube);
+  bool may_see_missing(const Eigen::Vector3d& center, double radius) const;
+  bool lacks_most(const Eigen::Vector3d& cube) const;
+  bool may_grow(int cameras, double finest);
   bool grow(int cameras);
   void grow_while_unexplained(StageVolume& out);
   void find_partial(StageVolume& out);
@@ -87,7 +90,9 @@ class StageFinder {
 
   BlockPictures pictures_;
   std::vector<Eigen::Vector3d> cubes_, next_, core_;
+  std::vector<std::size_t> asked_;  ///< cameras that know, in the order in which they are asked
   std::vector<std::vector<std::uint8_t>> unexplained_;
+  std::vector<std::vector<int>> unexplained_sums_;  ///< of cameras that lack any; else empty
   std::vector<int> covered_;
   std::vector<std::pair<std::int64_t, int>> places_;
   std::vector<int> part_of_, queue_;
