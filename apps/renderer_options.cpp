@@ -41,7 +41,11 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
               "variational: fast or quality; dis: medium, fast or ultrafast (default: the first of these)")
           ->check(one_of({"ultrafast", "fast", "medium", "quality"})),
       verb.add_option("--flow-finest-scale", o.flow.finest_scale,
-                      "Pyramid level at which the flow stops; 0: full resolution")};
+                      "Pyramid level at which the flow stops; 0: full resolution"),
+      verb.add_option("--positions", flags.positions,
+                      "Where floating puts what photographs show at different places: parallax (where it is "
+                      "whatever depth the hull misses there) or mean (Eq. 11.3)")
+          ->check(one_of(render::position_names()))};
   for (CLI::Option* option : tuning) option->capture_default_str()->group(kGroupTuning);
 }
 
@@ -55,6 +59,7 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
   if (shown == names.size())
     return fail(ErrorCode::InvalidArgument, text("--show '", flags.show, "' is unknown; see --help"));
   options.output = static_cast<render::RenderOutput>(shown);
+  options.positions = static_cast<render::Positions>(place_of(render::position_names(), flags.positions));
   const bool hex = flags.background.size() == 6 &&
                    flags.background.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
   if (!hex)

@@ -12,7 +12,7 @@ namespace floatstage::apps {
 /// The renderer's options as flags, the same for every verb that renders.
 struct RendererFlags {
   render::RendererOptions options;
-  std::string show = "color", background = "000000", back_end = "auto";
+  std::string show = "color", positions = "parallax", background = "000000", back_end = "auto";
 };
 
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags);

@@ -40,6 +40,11 @@ const std::vector<std::string>& render_output_names() {
   return names;
 }
 
+const std::vector<std::string>& position_names() {
+  static const std::vector<std::string> names = {"parallax", "mean"};
+  return names;
+}
+
 Result<void> check(const RendererOptions& o) {
   auto bad = [](const auto&... parts) { return fail(ErrorCode::InvalidArgument, text(parts...)); };
   if (o.cameras < 1 || o.cameras > kMostListed)

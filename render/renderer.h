@@ -28,10 +28,18 @@ enum class RenderOutput {
 };
 const std::vector<std::string>& render_output_names();  ///< "color", "weights", … in the enum's order
 
+/// Where "floating" puts what its photographs show at different places.
+enum class Positions {
+  Parallax,  ///< where it is whatever depth the proxy misses there: the photographs' parallaxes cancel
+  Mean,      ///< in the angular mean of the places (Eq. 11.3, as published)
+};
+const std::vector<std::string>& position_names();  ///< "parallax", "mean": in the enum's order
+
 struct RendererOptions {
-  int cameras = 3;         ///< k: photographs blended per view
-  double soft_radius = 8;  ///< px: r of Eq. 11.5
-  FlowOptions flow;        ///< floating only
+  int cameras = 3;                            ///< k: photographs blended per view
+  double soft_radius = 8;                     ///< px: r of Eq. 11.5
+  FlowOptions flow;                           ///< floating only
+  Positions positions = Positions::Parallax;  ///< floating only
   bool sharp = true;  ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
                       ///< and much faster without a GPU
   int threads = 0;    ///< CPU threads; 0: one per core. The picture does not depend on it

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/cpu/picture.h"
+#include "render/cpu/position_kernels.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/warp_kernels.h"
 #include "render/pairwise_flows.h"
@@ -22,11 +23,13 @@ class FloatingRenderer : public ViewRenderer {
     const bool intermediate = is_shared_intermediate(options.output);
     projection_.run(scene, view, options, {.margin = kMargin, .images = !intermediate});
     picture_.begin(view, options.background);
+    parallax_ = options.positions == Positions::Parallax;
     if (!projection_.window().empty()) {
       if (intermediate) {
         draw_intermediate(projection_, scene, view, options.output, picture_);
       } else {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
+        centers_ = centers_in_view(projection_.rays(), &projection_.camera(0), count());
         projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
       }
     }
@@ -42,6 +45,7 @@ class FloatingRenderer : public ViewRenderer {
   std::size_t count() const { return projection_.choice().chosen; }
   Result<void> estimate_flows(const RendererOptions& options);
   void share_out(const Covered::Row& row, Lists& lists, RowMemory& memory) const;
+  void place(int y, Lists& lists, RowMemory& memory) const;
   void float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
   void float_row(int y, const RendererOptions& options, RowMemory& memory);
 
@@ -50,6 +54,8 @@ class FloatingRenderer : public ViewRenderer {
   ProjectedImages images_;
   std::vector<bool> pulls_;
   PairwiseFlows pairwise_;
+  CentersInView centers_{};
+  bool parallax_ = true;
 };
 
 Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
@@ -61,7 +67,7 @@ Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   return pairwise_.estimate(images_, pulls_, options.flow, options.threads);
 }
 
-// How much each camera's idea of a position counts (angular weights, visible or not), and its colour.
+// How much each camera counts: angular weights, visible or not, and with its visibility.
 void FloatingRenderer::share_out(const Covered::Row& row, Lists& lists, RowMemory& memory) const {
   const auto pixels = static_cast<std::size_t>(row.count);
   const float even = 1 / static_cast<float>(count());
@@ -85,10 +91,31 @@ void FloatingRenderer::share_out(const Covered::Row& row, Lists& lists, RowMemor
     for (std::size_t k = 0; k < pixels; ++k) {
       const float pull = pull_total[k] > 0 ? lists.pull[i][k] / pull_total[k] : even;
       lists.pull[i][k] = pull;
-      lists.follow[i][k] = pull < kFaint ? 0 : pull;
+      lists.follow[i][k] = pull;
       // Where only stand-ins see the proxy all images hold the same filled colour.
       lists.visible[i][k] = visible_total[k] > kNobodySees ? lists.visible[i][k] / visible_total[k] : even;
     }
+}
+
+// How much its idea of a position counts.
+void FloatingRenderer::place(int y, Lists& lists, RowMemory& memory) const {
+  const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+  const auto pixels = static_cast<std::size_t>(row.count);
+  if (parallax_) {
+    float *nx = memory.floats(pixels), *ny = memory.floats(pixels), *nz = memory.floats(pixels);
+    projection_.write_normals(y, nx, ny, nz);
+    position_weights(projection_.rays(), centers_,
+                     {row.count,
+                      static_cast<int>(count()),
+                      projection_.covered().x.data() + row.list,
+                      static_cast<float>(y) + 0.5F,
+                      projection_.covered().inverse_z.data() + row.list,
+                      {nx, ny, nz},
+                      lists.follow});
+  }
+  for (std::size_t i = 0; i < count(); ++i)
+    for (std::size_t k = 0; k < pixels; ++k)
+      if (lists.follow[i][k] < kFaint) lists.follow[i][k] = 0;
 }
 
 void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists,
@@ -154,6 +181,7 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
   const auto pixels = static_cast<std::size_t>(row.count);
   Lists lists;
   share_out(row, lists, memory);
+  place(y, lists, memory);
   for (std::size_t i = 0; i < count(); ++i) float_image(i, y, options, lists, memory);
   float* mean = memory.floats(3 * pixels);
   for (std::size_t k = 0; k < pixels; ++k) {

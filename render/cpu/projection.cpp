@@ -11,7 +11,7 @@
 namespace floatstage::render::cpu {
 namespace {
 
-constexpr std::size_t kRowPieces = 96;  // of a row's length that one row's work may need
+constexpr std::size_t kRowPieces = 144;  // of a row's length that one row's work may need
 constexpr std::size_t kMostBands = 32;
 
 float f(double v) { return static_cast<float>(v); }
@@ -134,7 +134,6 @@ void Projection::plan_bands() {
   if (memory_.size() < bands_.size()) memory_.resize(bands_.size());
 }
 
-// The triangles' normals, towards the eye.
 void Projection::write_normals(int y, float* nx, float* ny, float* nz) const {
   const Covered::Row& row = covered_.rows[static_cast<std::size_t>(y)];
   const Eigen::Vector3f eye(rays_.eye[0], rays_.eye[1], rays_.eye[2]);

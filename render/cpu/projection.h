@@ -72,6 +72,9 @@ class Projection {
     });
   }
 
+  /// The triangles' normals at a row's pixels, in the world, towards the eye: lists of the row.
+  void write_normals(int y, float* nx, float* ny, float* nz) const;
+
   /// The images for the flow: grey, and at 1/shrink of their size.
   void gray_images(int shrink, ProjectedImages& out);
 
@@ -81,7 +84,6 @@ class Projection {
   };
   void reserve();
   void plan_bands();
-  void write_normals(int y, float* x, float* nz_y, float* z) const;
   void see_row(int y, bool images, RowMemory& memory);
   void weigh_row(int y, const Wanted& wanted, RowMemory& memory);
   void soften_row(int y, RowMemory& memory);

@@ -39,6 +39,7 @@ class FloatingRenderer : public ViewRenderer {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         glUseProgram(float_.id());
         glUniform2i(0, w.x, w.y);
+        glUniform1i(1, static_cast<GLint>(options.positions));
         projection_.draw_at(
             target_.framebuffer(), float_,
             {projection_.surface(), projection_.weights(0), projection_.weights(1), images_.id(), flows_.id(),
@@ -113,7 +114,7 @@ Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
       gl::make_program("fullscreen.vert", "project.frag", {"view.glsl", "camera.glsl"});
   if (!project) return forward(project);
   Result<gl::Program> composite =
-      gl::make_program("fullscreen.vert", "float.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});
+      gl::make_program("fullscreen.vert", "float.frag", {"view.glsl", "camera.glsl", "positions.glsl", "false_color.glsl"});
   if (!composite) return forward(composite);
   return std::unique_ptr<ViewRenderer>(std::make_unique<FloatingRenderer>(
       std::move(*projection), std::move(*inspection), std::move(*project), std::move(*composite)));

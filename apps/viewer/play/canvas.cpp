@@ -21,8 +21,9 @@ bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
 }
 
 bool same(const render::RendererOptions& a, const render::RendererOptions& b) {
-  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.flow == b.flow && a.sharp == b.sharp &&
-         a.background == b.background && a.output == b.output;
+  return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.flow == b.flow &&
+         a.positions == b.positions && a.sharp == b.sharp && a.background == b.background &&
+         a.output == b.output;
 }
 
 }  // namespace

@@ -9,21 +9,23 @@ layout(binding = 7) uniform sampler2D angular1;
 layout(binding = 8) uniform sampler2D soft0;
 layout(binding = 9) uniform sampler2D soft1;
 layout(location = 0) uniform ivec2 window_in_target;
+layout(location = 1) uniform int positions;  // 0: parallax cancels, 1: the angular mean
 layout(location = 0) out vec4 color;
 
 const int kInversions = 4;
 const float kFaint = 1.0 / 1024.0, kLeastFade = 1e-4, kUnseen = 1e-4;
 
-float pull[kMaxListed];  // how much each camera's idea of a position counts: angular weights, visible or not
+float pull[kMaxListed];   // how much each camera counts: angular weights, visible or not
+float place[kMaxListed];  // how much its idea of a position counts
 
 // W_i at p: where the combined warp moves what I_i shows at p.
 vec2 combined_warp(int i, vec2 p) {
   vec2 size = view.settings.w * vec2(textureSize(flows, 0).xy), sum = vec2(0.0);
   int n = view.counts.y;
   for (int j = 0; j < n; ++j) {
-    if (j == i || pull[j] < kFaint) continue;
+    if (j == i || place[j] < kFaint) continue;
     int layer = i * (n - 1) + (j < i ? j : j - 1);
-    sum += pull[j] * textureLod(flows, vec3(p / size, layer), 0.0).xy;
+    sum += place[j] * textureLod(flows, vec3(p / size, layer), 0.0).xy;
   }
   return view.settings.w * sum;
 }
@@ -79,6 +81,9 @@ void main() {
     // Where only stand-ins see the proxy all images hold the same filled colour.
     visible[i] = visible_total > 1e-3 ? visible[i] / visible_total : 1.0 / float(n);
   }
+
+  place = pull;
+  if (positions == 0) cancel_parallax(vec2(at) + 0.5, texelFetch(surface, at, 0), place);
 
   vec2 x = vec2(at) + 0.5, strongest_warp = vec2(0.0);
   vec3 sum = vec3(0.0), colors[kMaxListed];

@@ -1,0 +1,123 @@
+// Position weights: what is blended stands where the surface is, however wrong the proxy's depth, to first
+// order. Extends Eq. 11.3 of the thesis, which places by the angular weights; ADR 190.
+#include "render/cpu/position_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/cpu/simd.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/cpu/position_kernels.cpp"
+#include <hwy/foreach_target.h>
+// clang-format off: foreach_target must come first
+#include <hwy/highway.h>
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace floatstage::render::cpu::HWY_NAMESPACE {
+
+constexpr int kBlock = 16;  // lists are padded to it
+constexpr float kGrazing =
+    0.1F;  // a camera that looks along the surface has no parallax beyond this cosine's
+constexpr float kSteady = 0.02F;  // of the trace: keeps weights finite where cameras stand on one line
+
+struct Block {
+  float v[kBlock];
+};
+
+// Parallax of camera j at the block's pixels, in units of the view's picture plane at z = 1.
+HWY_INLINE void parallax(const ViewRays& rays, const std::array<float, 3>& center, const PositionRow& row,
+                         int begin, const Block& nx, const Block& ny, const Block& nz, Block& ux, Block& uy) {
+  const float ry = (row.y - rays.cy) * rays.inverse_fy;
+  for (int k = 0; k < kBlock; ++k) {
+    const int i = begin + k;
+    const float rx = (row.x[i] - rays.cx - rays.skew * ry) * rays.inverse_fx, z = 1 / row.inverse_z[i];
+    const float dx = rx * z - center[0], dy = ry * z - center[1], dz = z - center[2];
+    const float facing = nx.v[k] * dx + ny.v[k] * dy + nz.v[k] * dz;
+    const float least = -kGrazing * std::sqrt(dx * dx + dy * dy + dz * dz);
+    const float scale = 1 / std::min(facing, least);
+    ux.v[k] = (center[0] - rx * center[2]) * scale;
+    uy.v[k] = (center[1] - ry * center[2]) * scale;
+  }
+}
+
+// The row's normals in the view's coordinates.
+HWY_INLINE void turn_normals(const ViewRays& rays, const Normals& n, int begin, Block& x, Block& y,
+                             Block& z) {
+  const std::array<float, 9>& m = rays.world_from_view;
+  for (int k = 0; k < kBlock; ++k) {
+    const float a = n.x[begin + k], b = n.y[begin + k], c = n.z[begin + k];
+    x.v[k] = m[0] * a + m[3] * b + m[6] * c;
+    y.v[k] = m[1] * a + m[4] * b + m[7] * c;
+    z.v[k] = m[2] * a + m[5] * b + m[8] * c;
+  }
+}
+
+void PositionWeights(const ViewRays& rays, const CentersInView& centers, const PositionRow& row) {
+  const auto cameras = static_cast<std::size_t>(row.cameras);
+  Block nx, ny, nz, ux[kMostListed], uy[kMostListed];
+  for (int begin = 0; begin < row.count; begin += kBlock) {
+    turn_normals(rays, row.normals, begin, nx, ny, nz);
+    Block sx{}, sy{}, xx{}, xy{}, yy{};
+    for (std::size_t j = 0; j < cameras; ++j) {
+      parallax(rays, centers[j], row, begin, nx, ny, nz, ux[j], uy[j]);
+      const float* w = row.share[j] + begin;
+      for (int k = 0; k < kBlock; ++k) {
+        const float wx = w[k] * ux[j].v[k], wy = w[k] * uy[j].v[k];
+        sx.v[k] += wx;
+        sy.v[k] += wy;
+        xx.v[k] += wx * ux[j].v[k];
+        xy.v[k] += wx * uy[j].v[k];
+        yy.v[k] += wy * uy[j].v[k];
+      }
+    }
+    Block qx, qy, lambda, step;
+    for (int k = 0; k < kBlock; ++k) {
+      const float steady = kSteady * (xx.v[k] + yy.v[k]), a = xx.v[k] + steady, b = yy.v[k] + steady;
+      const float determinant = a * b - xy.v[k] * xy.v[k];
+      const float scale = determinant > 0 ? 1 / determinant : 0;
+      qx.v[k] = scale * (b * sx.v[k] - xy.v[k] * sy.v[k]);
+      qy.v[k] = scale * (a * sy.v[k] - xy.v[k] * sx.v[k]);
+      lambda.v[k] = 1 / (1 - qx.v[k] * sx.v[k] - qy.v[k] * sy.v[k]);
+      step.v[k] = 1;
+    }
+    // From the angular weights towards these, as far as none is negative.
+    for (std::size_t j = 0; j < cameras; ++j) {
+      const float* w = row.share[j] + begin;
+      for (int k = 0; k < kBlock; ++k) {
+        const float v = lambda.v[k] * w[k] * (1 - qx.v[k] * ux[j].v[k] - qy.v[k] * uy[j].v[k]);
+        ux[j].v[k] = v;
+        step.v[k] = std::min(step.v[k], v < 0 ? w[k] / (w[k] - v) : 1.F);
+      }
+    }
+    for (std::size_t j = 0; j < cameras; ++j) {
+      float* w = row.share[j] + begin;
+      for (int k = 0; k < kBlock; ++k) w[k] += step.v[k] * (ux[j].v[k] - w[k]);
+    }
+  }
+}
+
+}  // namespace floatstage::render::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace floatstage::render::cpu {
+
+HWY_EXPORT(PositionWeights);
+
+CentersInView centers_in_view(const ViewRays& rays, const PhotoCamera* cameras, std::size_t count) {
+  CentersInView out{};
+  const std::array<float, 9>& m = rays.world_from_view;
+  for (std::size_t j = 0; j < count; ++j)
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t r = 0; r < 3; ++r) out[j][c] += m[3 * r + c] * (cameras[j].center[r] - rays.eye[r]);
+  return out;
+}
+
+void position_weights(const ViewRays& rays, const CentersInView& centers, const PositionRow& row) {
+  HWY_DYNAMIC_DISPATCH(PositionWeights)(rays, centers, row);
+}
+
+}  // namespace floatstage::render::cpu
+#endif
