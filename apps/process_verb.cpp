@@ -42,6 +42,17 @@ nlohmann::json to_json(const std::vector<pipeline::SilhouetteFault>& faults) {
   return j;
 }
 
+nlohmann::json to_json(const std::vector<pipeline::HealedCamera>& healed) {
+  nlohmann::json j = nlohmann::json::array();
+  for (const pipeline::HealedCamera& camera : healed)
+    j.push_back({{"camera", camera.serial},
+                 {"frames", camera.frames},
+                 {"worst_frame", camera.worst},
+                 {"lost", camera.lost},
+                 {"gained", camera.gained}});
+  return j;
+}
+
 nlohmann::json to_json(const std::filesystem::path& take, const pipeline::ProcessReport& report) {
   return {{"take", take.string()},
           {"frames", report.frames},
@@ -50,6 +61,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"mattes", to_json(report.mattes)},
           {"meshes", to_json(report.meshes)},
           {"remarks", report.remarks},
+          {"healed", to_json(report.healed)},
           {"silhouettes", to_json(report.faults)},
           {"contradictory_frames", report.contradictory_frames},
           {"cut_frames", report.cut_frames},
@@ -61,6 +73,8 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
   for (const std::string& r : report.remarks) log::warning(r);
   for (const pipeline::StageReport* stage : {&report.mattes, &report.meshes})
     for (const std::string& f : stage->failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
+  for (const pipeline::HealedCamera& healed : report.healed)
+    std::fprintf(stderr, "floatstage: %s\n", sentence(healed).c_str());
   for (const pipeline::SilhouetteFault& fault : report.faults)
     std::fprintf(stderr, "floatstage: %s\n", sentence(fault).c_str());
   if (report.cut_frames > 0)

@@ -39,6 +39,9 @@ CameraRecord camera_of(const json& j, const std::string& name) {
   for (const auto& f : kFields) record.*f.field = j.at(f.name).get<std::string>();
   for (const auto& [frame, hash] : j.at("files").items()) record.files[std::stoi(frame)] = hash;
   record.stale = j.value("stale", std::set<int>());
+  const json healed = j.value("healed", json::object());
+  for (const auto& [frame, h] : healed.items())
+    record.healed[std::stoi(frame)] = {h.at("lost"), h.at("gained"), h.at("by")};
   if (j.contains("edits")) {
     Result<CameraEdits> edits = edits_of(j.at("edits"), name);
     if (!edits) throw std::invalid_argument(edits.error().message);
@@ -74,6 +77,7 @@ Result<MatteRecord> load_matte_record(const TakeLayout& layout) {
       if (!there || *there != hash) continue;  // it was said before the file was put in its place
       camera->second.files[frame] = hash;
       camera->second.stale.erase(frame);
+      camera->second.healed.erase(frame);  // the journal does not say so; the next save would
     }
   } catch (const std::exception& e) {  // JSON's and stoi's
     return bad(e.what());
@@ -89,6 +93,8 @@ Result<void> save_matte_record(const MatteRecord& record, const TakeLayout& layo
     j["files"] = json::object();
     for (const auto& [frame, hash] : camera.files) j["files"][std::to_string(frame)] = hash;
     if (!camera.stale.empty()) j["stale"] = camera.stale;
+    for (const auto& [frame, h] : camera.healed)
+      j["healed"][std::to_string(frame)] = {{"lost", h.lost}, {"gained", h.gained}, {"by", h.by}};
     if (camera.edits != CameraEdits()) j["edits"] = to_json(camera.edits);
   }
   const json whole = {{"floatstage_mattes", kVersion}, {"cameras", std::move(cameras)}};

@@ -3,12 +3,20 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/matte_edits.h"
 #include "core/result.h"
 #include "core/take_layout.h"
 
 namespace floatstage::pipeline {
+
+/// A matte that the others contradicted and that was made again by their evidence.
+struct Healing {
+  double lost = 0, gained = 0;  ///< before, see recon::SilhouetteVerdict; lost 1: there was none
+  std::vector<std::string> by;  ///< cameras whose mattes were believed
+  bool operator==(const Healing&) const = default;
+};
 
 /// How one camera's mattes were made, and which files that are.
 struct CameraRecord {
@@ -18,8 +26,9 @@ struct CameraRecord {
   std::string guide;   ///< the folder of others' mattes to start from, or nothing
   std::string inputs;  ///< SHA-256 of what they were made from, but for the edits
   CameraEdits edits;   ///< that they were made with
-  std::map<int, std::string> files;  ///< SHA-256 of every matte that was made, by frame
-  std::set<int> stale;               ///< frames whose mattes are to be made again
+  std::map<int, std::string> files;    ///< SHA-256 of every matte that was made, by frame
+  std::set<int> stale;                 ///< frames whose mattes are to be made again
+  std::map<int, Healing> healed = {};  ///< of those files, by frame
   bool operator==(const CameraRecord&) const = default;
 };
 

@@ -45,7 +45,8 @@ Result<std::vector<MatteOrigin>> MatteStore::origins(const std::string& serial, 
   return all;
 }
 
-Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& matte) {
+Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& matte,
+                             const std::optional<Healing>& healing) {
   const fs::path file = layout_.matte(serial, frame), whole = temporary_name(file);
   if (Result<void> ok = save_png(matte, whole); !ok) return forward(ok);
   const Result<std::optional<std::string>> hash = hash_of(whole), before = hash_of(file);
@@ -64,6 +65,8 @@ Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& 
   CameraRecord& camera = record_[serial];
   camera.files[frame] = **hash;
   camera.stale.erase(frame);
+  camera.healed.erase(frame);
+  if (healing) camera.healed[frame] = *healing;
   return *before != *hash;
 }
 
@@ -76,6 +79,7 @@ Result<void> MatteStore::remove(const std::string& serial, int frame) {
   CameraRecord& camera = record_[serial];
   camera.files.erase(frame);
   camera.stale.erase(frame);
+  camera.healed.erase(frame);
   return {};
 }
 

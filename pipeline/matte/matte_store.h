@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,9 @@ class MatteStore {
   Result<std::vector<MatteOrigin>> origins(const std::string& serial, int frames) const;
 
   /// Puts a matte into its place, whole or not at all, whatever lay there. Whether there are other bytes now.
-  Result<bool> put(const std::string& serial, int frame, const Image& matte);
+  /// `healing`: what the record says of it, if it was made by the others' evidence.
+  Result<bool> put(const std::string& serial, int frame, const Image& matte,
+                   const std::optional<Healing>& healing = {});
   /// There is no matte of this frame; none is no error. Only of ours.
   Result<void> remove(const std::string& serial, int frame);
 

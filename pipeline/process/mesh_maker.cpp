@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/made_files.h"
+#include "pipeline/process/heal_mattes.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
@@ -141,6 +142,9 @@ class MeshMaker {
     journal_.remove();
     hull_.quality_step = 4;                                    // the rows between tell the same
     hull_.threads = frames.size() > 1 ? 1 : options_.threads;  // over frames, or inside the one
+    Result<std::unique_ptr<MatteHealer>> healer = MatteHealer::open(take_);
+    if (!healer) return forward(healer);
+    healer_ = std::move(*healer);
     std::vector<std::optional<FrameHull>> hulls(frames.size());
     others_.assign(frames.size(), 0);
     ProgressPart progress(options_.progress, "meshes", frames.size());
@@ -161,6 +165,9 @@ class MeshMaker {
     Result<StageReport> done = collector_.finish();
     if (!done) return forward(done);
     report.meshes = std::move(*done);
+    Result<std::vector<HealedCamera>> healed = healer_->finish();
+    if (!healed) return forward(healed);
+    report.healed = std::move(*healed);
     const fs::path pictures = take_.layout().meshes() / "faults";
     if (Result<void> ok = evidence_.save(take_, pictures); !ok) return ok;
     HullDoubts doubts = doubts_in(record_.reports, pictures);
@@ -195,6 +202,7 @@ class MeshMaker {
     const fs::path whole = temporary_name(file);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
     Result<json> report = make_mesh(take_.rig(), frame, *mattes, hull_, *slot, evidence_, whole);
+    if (report && !report->at("empty")) report = heal(frame, *mattes, *slot, whole, std::move(*report), made);
     workspaces_.give_back(std::move(slot));
     if (!report) return forward(report);
     const Result<std::optional<std::string>> hash = hash_of(whole);
@@ -211,6 +219,17 @@ class MeshMaker {
     hull = std::move(made);
     collector_.made();
     return {};
+  }
+
+  // The mesh once more, where mattes were healed.
+  Result<json> heal(int frame, std::vector<Matte>& mattes, HullWorkspaces::Slot& slot, const fs::path& file,
+                    json report, FrameHull& made) {
+    const Result<bool> healed = healer_->heal(frame, slot.report, hull_, mattes);
+    if (!healed) return forward(healed);
+    if (!*healed) return report;
+    Result<std::vector<Matte>> read = load_mattes(take_, frame, &made.entry.mattes);
+    if (!read) return forward(read);
+    return make_mesh(take_.rig(), frame, *read, hull_, slot, evidence_, file);
   }
 
   /// Frames whose mesh holds no subject, whenever it was made. Those that somebody put there are read: the
@@ -235,6 +254,7 @@ class MeshMaker {
   Collector collector_;
   HullWorkspaces workspaces_;
   EvidenceCollector evidence_;
+  std::unique_ptr<MatteHealer> healer_;
   std::vector<char> others_;  // by item: the mesh is somebody else's
 };
 

@@ -39,6 +39,15 @@ Result<StageReport> make_mattes(capture::TakeReader& take, const ProcessOptions&
   return stage;
 }
 
+// A matte that the key refused to make is no failure any more when the others' evidence made it.
+void forget_failures(ProcessReport& report) {
+  for (const HealedCamera& camera : report.healed)
+    for (const int frame : camera.filled)
+      std::erase_if(report.mattes.failures, [&](const std::string& sentence) {
+        return sentence.starts_with(text("camera '", camera.serial, "', frame ", frame, ":"));
+      });
+}
+
 // The options to go on with.
 Result<recon::HullOptions> settle_hull_options(const capture::TakeReader& take, const ProcessOptions& options,
                                                const MeshRecord& record) {
@@ -81,6 +90,7 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   report.mattes = std::move(*mattes);
   if (Result<void> ok = make_meshes(take, options, *hull, std::move(*record), frames, report); !ok)
     return forward(ok);
+  forget_failures(report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return report;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "pipeline/process/heal_mattes.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
 #include "recon/visual_hull.h"
@@ -38,6 +39,7 @@ struct ProcessReport {
   int frames = 0, cameras = 0, empty_frames = 0;  ///< of those asked for; empty: nobody on stage
   StageReport mattes, meshes;
   std::vector<std::string> remarks = {};  ///< MatteReport::remarks
+  std::vector<HealedCamera> healed = {};  ///< mattes that were made again in this run, worst camera first
   // Of all meshes, also of those that were there:
   std::vector<SilhouetteFault> faults = {};  ///< what a matte lacks was overruled by the others
   int contradictory_frames = 0;  ///< hulls not to be trusted, see recon::HullReport::contradictory
@@ -50,7 +52,8 @@ struct ProcessReport {
 /// A file exists only when it is whole; one of unknown origin is used and never touched. Frames are
 /// independent and run in parallel. One bad frame does not stop the others: it is reported, and the result is
 /// an error only when nothing can go on (unwritable, disk full, other options than before without `redo`).
-/// Silhouettes that the others contradict are named, with pictures in meshes/faults.
+/// Mattes of ours that the others contradict are cut anew by the others' evidence (MatteHealer); silhouettes
+/// that they contradict still are named, with pictures in meshes/faults.
 Result<ProcessReport> process_take(const ProcessOptions& options);
 
 }  // namespace floatstage::pipeline

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/matte.h"
+#include "core/result.h"
+#include "pipeline/matte/matte_store.h"
+#include "recon/visual_hull.h"
+
+namespace floatstage::pipeline {
+
+/// A camera whose mattes the others contradicted, and that were cut anew by the others' evidence.
+struct HealedCamera {
+  std::string serial;
+  int frames = 0;           ///< in so many
+  int worst = 0;            ///< frame
+  double lost = 0;          ///< there, before, see recon::SilhouetteVerdict; 1: it had no matte
+  double gained = 0;        ///< likewise
+  std::vector<int> filled;  ///< frames that had no matte
+};
+
+/// "camera 'x': 7 mattes were cut anew by what the others see; that of frame 3 lacked 62 % of it"
+std::string sentence(const HealedCamera& healed);
+
+/// Cuts mattes anew that the others contradict, or that the camera's key refused to make: from the hull and
+/// the colours of the cameras that nobody accuses (rekey()). Who is accused the audit says; where it sees
+/// nothing, and yet more than a tenth of half of the silhouettes stays unexplained, those are that lack most
+/// of what the others see, pixel by pixel (docs/adr/0196-a-wrong-matte-is-cut-anew-by-the-others.md).
+///
+/// Only mattes that we made and that no person has edited; what somebody put there is never touched. A new
+/// matte is believed, and written, only when the audit then finds less wrong with its camera and nothing
+/// worse with any other; else the old one stays, is outvoted as before, and named. Thread safe, by frames.
+class MatteHealer {
+ public:
+  /// `take` outlives it. Errors: those of MatteStore::open().
+  static Result<std::unique_ptr<MatteHealer>> open(capture::TakeReader& take);
+
+  /// `mattes`: of the instant; healed ones are replaced. `hull`: what they gave, made by Auto votes with
+  /// `options`. Whether any was healed. Errors: Io, those of the photographs.
+  Result<bool> heal(int frame, const recon::HullReport& hull, const recon::HullOptions& options,
+                    std::vector<Matte>& mattes);
+
+  /// Writes the record. Worst first.
+  Result<std::vector<HealedCamera>> finish();
+
+ private:
+  struct Patient {
+    std::size_t camera = 0;
+    Healing before;
+  };
+  MatteHealer(capture::TakeReader& take, std::unique_ptr<MatteStore> store)
+      : take_(take), store_(std::move(store)) {}
+  Result<std::vector<Patient>> patients(int frame, const recon::HullReport& hull,
+                                        const std::vector<Matte>& mattes, int threads);
+  Result<std::vector<Matte>> cut_anew(int frame, const std::vector<Patient>& patients,
+                                      const recon::HullOptions& options, const std::vector<Matte>& mattes);
+  void spare(std::vector<Patient>& patients, const recon::HullOptions& options,
+             const std::vector<std::size_t>& witnesses, const std::vector<Matte>& mattes,
+             std::vector<Matte>& anew, recon::HullReport& after);
+  Result<bool> keep(int frame, const std::vector<Patient>& patients,
+                    const std::vector<std::size_t>& witnesses, const std::vector<double>& now,
+                    const std::vector<double>& before, std::vector<Matte>& anew, std::vector<Matte>& mattes);
+  Result<bool> ours(const std::string& serial, int frame, bool there);
+
+  capture::TakeReader& take_;
+  std::unique_ptr<MatteStore> store_;
+  std::mutex mutex_;
+  std::map<std::string, HealedCamera> healed_;
+};
+
+}  // namespace floatstage::pipeline
