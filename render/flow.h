@@ -33,6 +33,13 @@ struct FlowField {
   std::vector<float> uv;  ///< 2 * width * height
 };
 
+/// Where the OpenGL back-end solves the variational flow.
+enum class FlowPlace {
+  Auto,  ///< Gpu, but Cpu where OpenGL is software
+  Cpu,
+  Gpu,
+};
+
 struct FlowOptions {
   std::string backend = "dis";  ///< see flow_backends(); "none": nothing moves (no estimator)
   std::string preset;  ///< empty: the back-end's own. variational: "fast", "quality"; dis: "medium", "fast",
@@ -41,6 +48,7 @@ struct FlowOptions {
   int iterations = 0;    ///< dis: 0 are the preset's own
   int refinement = 20;   ///< dis: iterations of its variational refinement (not for "ultrafast")
   int shrink = 1;        ///< the pictures are reduced by this factor first, 1 … 8: much faster, softer
+  FlowPlace place = FlowPlace::Auto;  ///< variational, drawn by OpenGL; estimators are always on the CPU
   bool operator==(const FlowOptions&) const = default;
 };
 

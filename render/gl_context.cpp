@@ -48,11 +48,7 @@ class AdoptedContext : public GlContext {
   std::string description() const override {
     return text(gl_string(GL_VENDOR), ", ", gl_string(GL_RENDERER), ", OpenGL ", gl_string(GL_VERSION));
   }
-  bool is_software() const override {
-    const std::string name = gl_string(GL_RENDERER);
-    return std::any_of(std::begin(kSoftware), std::end(kSoftware),
-                       [&](const char* s) { return name.find(s) != std::string::npos; });
-  }
+  bool is_software() const override { return is_software_gl(); }
 };
 
 class EglContext : public AdoptedContext {
@@ -141,6 +137,12 @@ std::unique_ptr<GlContext> on_surfaceless_mesa(std::string& tried) {
 }
 
 }  // namespace
+
+bool is_software_gl() {
+  const std::string name = gl_string(GL_RENDERER);
+  return std::any_of(std::begin(kSoftware), std::end(kSoftware),
+                     [&](const char* s) { return name.find(s) != std::string::npos; });
+}
 
 Result<std::unique_ptr<GlContext>> GlContext::headless() {
   const char* wanted = std::getenv("FLOATSTAGE_GL");

@@ -20,7 +20,10 @@ class GlContext {
 
   virtual ~GlContext() = default;
   virtual std::string description() const = 0;  ///< vendor, renderer, version
-  virtual bool is_software() const = 0;         ///< drawn by the CPU (llvmpipe and its like)
+  virtual bool is_software() const = 0;         ///< as is_software_gl()
 };
+
+/// Is the context that is current on this thread drawn by the CPU (llvmpipe and its like)?
+bool is_software_gl();
 
 }  // namespace floatstage::render

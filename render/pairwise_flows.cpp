@@ -13,15 +13,6 @@ constexpr float kNoise = 0.15F,
                 kCertain = 0.45F;  // px: displacements the flow invents, and those to be followed
 constexpr std::size_t kNotAsked = static_cast<std::size_t>(-1);
 
-FlowPair pair_at(std::size_t index, std::size_t images) {
-  const std::size_t from = index / (images - 1), rest = index % (images - 1);
-  return {from, rest < from ? rest : rest + 1};
-}
-
-std::size_t index_of(FlowPair pair, std::size_t images) {
-  return pair.first * (images - 1) + (pair.second < pair.first ? pair.second : pair.second - 1);
-}
-
 /// Where the projections already meet, the flow still jitters by a fraction of a pixel (resampling noise):
 /// following it would only blur. Such displacements become zero, larger ones stay as they are.
 void drop_jitter(FlowField& field) {
@@ -44,6 +35,15 @@ void make_zero(FlowField& field, const ProjectedImages& images) {
 
 }  // namespace
 
+FlowPair flow_pair_at(std::size_t index, std::size_t images) {
+  const std::size_t from = index / (images - 1), rest = index % (images - 1);
+  return {from, rest < from ? rest : rest + 1};
+}
+
+std::size_t flow_index_of(FlowPair pair, std::size_t images) {
+  return pair.first * (images - 1) + (pair.second < pair.first ? pair.second : pair.second - 1);
+}
+
 Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
                                      const FlowOptions& options, int threads) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
@@ -65,7 +65,7 @@ Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::v
   asked_.clear();
   place_.assign(pairs, kNotAsked);
   for (std::size_t index = 0; index < pairs; ++index) {
-    const FlowPair pair = pair_at(index, count);
+    const FlowPair pair = flow_pair_at(index, count);
     if (!wanted[pair.second]) continue;
     place_[index] = asked_.size();
     asked_.push_back(pair);
@@ -90,9 +90,9 @@ void PairwiseFlows::make_dependable(const ProjectedImages& images, std::size_t i
   FlowField& field = fields_[index];
   if (place_[index] == kNotAsked) return make_zero(field, images);
   const std::size_t count = images.gray.size();
-  const FlowPair pair = pair_at(index, count);
+  const FlowPair pair = flow_pair_at(index, count);
   field = raw_[place_[index]];
-  const std::size_t home = place_[index_of({pair.second, pair.first}, count)];
+  const std::size_t home = place_[flow_index_of({pair.second, pair.first}, count)];
   const FlowField* back = home == kNotAsked ? nullptr : &raw_[home];
   worker.fill.run(images.width, images.height, 2,
                   worker.trust.run(images, pair.first, pair.second, field, back).data(), field.uv.data());

@@ -9,13 +9,18 @@
 
 namespace floatstage::render {
 
+/// The ordered pairs of n images in the order in which their fields stand: I_i -> I_j is number
+/// i * (n - 1) + (j < i ? j : j - 1).
+FlowPair flow_pair_at(std::size_t index, std::size_t images);
+std::size_t flow_index_of(FlowPair pair, std::size_t images);
+
 /// Flow fields between all ordered pairs of images, made dependable: what an estimator says is kept where
 /// it is believed (FlowTrust) and replaced by the smooth continuation of what is known around it elsewhere;
 /// displacements within the estimator's own jitter become zero. Deterministic at any thread count. Keeps its
 /// memory.
 class PairwiseFlows {
  public:
-  /// fields()[i * (n - 1) + (j < i ? j : j - 1)] is I_i -> I_j. Pairs whose j is not `wanted` stay zero.
+  /// fields() are those of flow_pair_at(). Pairs whose j is not `wanted` stay zero.
   Result<void> estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
                         const FlowOptions& options, int threads);
 

@@ -52,6 +52,10 @@ void hand_out(const PictureLevel& level, const SplitPlane& u, const SplitPlane& 
 
 }  // namespace
 
+int SolverOptions::warps_at(int level) const { return std::min(finest_warps + level - finest, most_warps); }
+
+int SolverOptions::sweeps_at(int level) const { return sweeps << std::min(level - finest, kMostDoublings); }
+
 void FieldSolver::begin(const PictureLevel& level, const FlowField* initial, int l) {
   Field& field = fields_[static_cast<std::size_t>(l)];
   field.u.reset(level.width, level.height);
@@ -78,11 +82,8 @@ void FieldSolver::solve(const FlowKernels& kernels, const SolverOptions& options
                             field.v);
     }
     if (l < finest) continue;
-    const int warps = std::min(options.finest_warps + l - finest, options.most_warps);
-    // A coarser level is cheap, and what it leaves undone no finer one can reach.
-    const int sweeps = options.sweeps << std::min(l - finest, kMostDoublings);
-    sweep_.reset(from.width, from.height, sweeps);
-    for (int k = 0; k < warps; ++k)
+    sweep_.reset(from.width, from.height, options.sweeps_at(l));
+    for (int k = 0; k < options.warps_at(l); ++k)
       sweep_.run(kernels, options.energy, options.cubic, from, into, field.u, field.v);
   }
   hand_out(first.level(0), fields_[0].u, fields_[0].v, result);

@@ -18,6 +18,10 @@ struct SolverOptions {
   bool cubic = false;    ///< warps read splines
   float guide_edge = 5;  ///< 8-bit steps: Enlargement::guided
   FlowEnergy energy;
+
+  int warps_at(int level) const;
+  /// A coarser level is cheap, and what it leaves undone no finer one can reach.
+  int sweeps_at(int level) const;
 };
 
 /// Solves one field after the other in memory that it keeps.

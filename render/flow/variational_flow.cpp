@@ -4,52 +4,22 @@
 #include <atomic>
 
 #include "core/parallel.h"
-#include "core/text.h"
-#include "render/flow/field_solver.h"
+#include "render/flow/variational_preset.h"
 
 namespace floatstage::render {
 namespace {
 
-constexpr int kLeastSide = 20;  // px of the coarsest level: large displacements, and still something to see
-constexpr int kMostFinest = 3;  // levels a field may be enlarged by: beyond it nothing of a picture is left
-
-/// How a preset solves, and what its pictures are prepared for.
-struct Preset {
-  SolverOptions solver;
-  PyramidOptions pyramid;
-};
-
-// What `floating` asks for six times a picture. Fields between projections of photographs have less structure
-// than those between a film's pictures: smoother, and smooth by squares up to a fifth of a pixel
-// (docs/adr/0163).
-Preset fast() {
-  Preset preset;
-  preset.solver.finest_warps = 2;
-  preset.solver.most_warps = 8;
-  preset.solver.energy.smooth_epsilon2 = 0.05F;
-  preset.pyramid.stiffness = 18;
-  return preset;
-}
-
-Preset quality() {
-  Preset preset;
-  preset.solver.finest_warps = 8;
-  preset.solver.most_warps = 8;
-  preset.solver.cubic = true;
-  return preset;
-}
-
 class VariationalFlow : public FlowEstimator {
  public:
-  explicit VariationalFlow(const Preset& preset) : options_(preset.solver), pyramid_(preset.pyramid) {}
+  explicit VariationalFlow(const VariationalPreset& preset)
+      : options_(preset.solver), pyramid_(preset.pyramid) {}
 
   Result<void> estimate(std::span<const FlowImage> images, std::span<const FlowPair> pairs,
                         std::span<const FlowField> initial, int threads,
                         std::span<FlowField> result) override {
     if (Result<void> ok = check_flow_input(images, pairs, initial, result); !ok) return ok;
     if (pairs.empty()) return {};
-    const int levels =
-        std::max(pyramid_levels(images[0].width, images[0].height, kLeastSide), options_.finest + 1);
+    const int levels = variational_levels(images[0].width, images[0].height, options_.finest);
     pyramids_.resize(std::max(pyramids_.size(), images.size()));
     parallel_for(images.size(), threads,
                  [&](std::size_t i) { pyramids_[i].build(images[i], levels, pyramid_); });
@@ -78,18 +48,9 @@ class VariationalFlow : public FlowEstimator {
 }  // namespace
 
 Result<std::unique_ptr<FlowEstimator>> make_variational_flow(const FlowOptions& options) {
-  Preset preset = fast();
-  if (options.preset == "quality")
-    preset = quality();
-  else if (!options.preset.empty() && options.preset != "fast")
-    return fail(ErrorCode::InvalidArgument, text("unknown preset '", options.preset,
-                                                 "' of the variational flow; there are: quality, fast"));
-  if (options.finest_scale < 0 || options.finest_scale > kMostFinest)
-    return fail(ErrorCode::InvalidArgument,
-                text("the variational flow cannot stop at its finest scale ", options.finest_scale, "; 0 to ",
-                     kMostFinest, " are possible"));
-  preset.solver.finest = options.finest_scale;
-  return std::unique_ptr<FlowEstimator>(std::make_unique<VariationalFlow>(preset));
+  Result<VariationalPreset> preset = variational_preset(options);
+  if (!preset) return forward(preset);
+  return std::unique_ptr<FlowEstimator>(std::make_unique<VariationalFlow>(*preset));
 }
 
 }  // namespace floatstage::render

@@ -1,10 +1,16 @@
 #include "render/gl/floating_renderer.h"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
+#include "core/log.h"
+#include "core/text.h"
+#include "render/gl/floating_flow.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
+#include "render/gl/stage_times.h"
+#include "render/gl_context.h"
 #include "render/pairwise_flows.h"
 #include "render/projected_images.h"
 
@@ -22,12 +28,14 @@ class FloatingRenderer : public ViewRenderer {
         inspection_(std::move(inspection)),
         project_(std::move(project)),
         float_(std::move(composite)),
-        images_target_(gl::Framebuffer::create()) {}
+        images_target_(gl::Framebuffer::create()),
+        software_(is_software_gl()) {}
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
+    gl::StageTimes::enter("projection");
     projection_.run(**textures, view, options, kMargin, false);
     const Window& w = projection_.window();
     target_.begin(view.model.width, view.model.height, options.background);
@@ -35,8 +43,10 @@ class FloatingRenderer : public ViewRenderer {
       if (inspection_.shows(options.output)) {
         inspection_.draw(projection_, **textures, view, target_);
       } else {
+        gl::StageTimes::enter("images");
         project_images();
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
+        gl::StageTimes::enter("blending");
         glUseProgram(float_.id());
         glUniform2i(0, w.x, w.y);
         glUniform1i(1, static_cast<GLint>(options.positions));
@@ -76,22 +86,53 @@ class FloatingRenderer : public ViewRenderer {
     return projected_images(rgba, w.width, w.height, count(), shrink);
   }
 
-  Result<void> estimate_flows(const RendererOptions& options) {
-    const Window& w = projection_.window();
+  /// Which images' ideas of a position count: the others need no field towards them.
+  std::vector<bool> pulling() const {
     const CameraChoice& choice = projection_.choice();
+    std::vector<bool> pulls(choice.chosen);
+    for (std::size_t i = 0; i < choice.chosen; ++i) pulls[i] = choice.fade[i] >= kLeastFade;
+    if (std::find(pulls.begin(), pulls.end(), true) == pulls.end()) pulls.assign(choice.chosen, true);
+    return pulls;
+  }
+
+  bool flows_on_gpu(const FlowOptions& flow) const {
+    return count() >= 2 && flow.backend == "variational" &&
+           (flow.place == FlowPlace::Gpu || (flow.place == FlowPlace::Auto && !software_));
+  }
+
+  Result<void> estimate_flows(const RendererOptions& options) {
+    if (flows_on_gpu(options.flow)) {
+      const Result<void> made = make_computed();
+      if (made) return compute_flows(options.flow);
+      if (options.flow.place == FlowPlace::Gpu) return made;
+      log::warning(text("the flow stays on the CPU: ", made.error().message));
+      software_ = true;
+    }
+    const Window& w = projection_.window();
     const int shrink = options.flow.shrink, width = (w.width + shrink - 1) / shrink,
               height = (w.height + shrink - 1) / shrink;
     flows_.reserve(GL_RG32F, GL_LINEAR, width, height, std::max(count() * (count() - 1), 1));
     if (count() < 2) return {};
-    std::vector<bool> pulls(choice.chosen);
-    for (std::size_t i = 0; i < choice.chosen; ++i) pulls[i] = choice.fade[i] >= kLeastFade;
-    if (std::find(pulls.begin(), pulls.end(), true) == pulls.end()) pulls.assign(choice.chosen, true);
-    if (Result<void> ok = pairwise_.estimate(read_images(shrink), pulls, options.flow, options.threads); !ok)
+    if (Result<void> ok = pairwise_.estimate(read_images(shrink), pulling(), options.flow, options.threads);
+        !ok)
       return ok;
     for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
       glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RG, GL_FLOAT,
                           pairwise_.fields()[pair].uv.data());
     return {};
+  }
+
+  Result<void> make_computed() {
+    if (computed_) return {};
+    Result<FloatingFlow> made = FloatingFlow::create(FlowPrecision::Half);
+    if (!made) return forward(made);
+    computed_ = std::move(*made);
+    return {};
+  }
+
+  Result<void> compute_flows(const FlowOptions& flow) {
+    const Window& w = projection_.window();
+    return computed_->run(images_, w.width, w.height, pulling(), flow, flows_);
   }
 
   Projection projection_;
@@ -100,7 +141,9 @@ class FloatingRenderer : public ViewRenderer {
   gl::Texture images_, flows_;
   gl::Framebuffer images_target_;
   ViewTarget target_;
-  PairwiseFlows pairwise_;
+  bool software_;                         // what draws; or the flow does not run on what does
+  PairwiseFlows pairwise_;                // on the CPU …
+  std::optional<FloatingFlow> computed_;  // … or on the GPU: made when first used
 };
 
 }  // namespace

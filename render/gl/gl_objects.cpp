@@ -31,6 +31,22 @@ Result<GLuint> compile(GLenum stage, std::string_view name, std::initializer_lis
   return fail(ErrorCode::Unsupported, text("this OpenGL driver does not compile shader '", name, "': ", log));
 }
 
+/// Takes the shaders.
+Result<Program> link(std::initializer_list<GLuint> shaders, const std::string& names) {
+  Program program = Program::create();
+  for (const GLuint shader : shaders) glAttachShader(program.id(), shader);
+  glLinkProgram(program.id());
+  for (const GLuint shader : shaders) glDeleteShader(shader);
+  GLint ok = 0;
+  glGetProgramiv(program.id(), GL_LINK_STATUS, &ok);
+  if (ok) return program;
+  std::string log(4096, '\0');
+  GLsizei length = 0;
+  glGetProgramInfoLog(program.id(), static_cast<GLsizei>(log.size()), &length, log.data());
+  log.resize(static_cast<std::size_t>(length));
+  return fail(ErrorCode::Unsupported, text("this OpenGL driver does not link shaders ", names, ": ", log));
+}
+
 }  // namespace
 
 GLuint BufferKind::create() {
@@ -113,21 +129,14 @@ Result<Program> make_program(std::string_view vertex, std::string_view fragment,
     glDeleteShader(*v);
     return forward(f);
   }
-  Program program = Program::create();
-  glAttachShader(program.id(), *v);
-  glAttachShader(program.id(), *f);
-  glLinkProgram(program.id());
-  glDeleteShader(*v);
-  glDeleteShader(*f);
-  GLint ok = 0;
-  glGetProgramiv(program.id(), GL_LINK_STATUS, &ok);
-  if (ok) return program;
-  std::string log(4096, '\0');
-  GLsizei length = 0;
-  glGetProgramInfoLog(program.id(), static_cast<GLsizei>(log.size()), &length, log.data());
-  log.resize(static_cast<std::size_t>(length));
-  return fail(ErrorCode::Unsupported,
-              text("this OpenGL driver does not link shaders '", vertex, "' and '", fragment, "': ", log));
+  return link({*v, *f}, text("'", vertex, "' and '", fragment, "'"));
+}
+
+Result<Program> make_compute_program(std::string_view compute,
+                                     std::initializer_list<std::string_view> shared) {
+  const Result<GLuint> shader = compile(GL_COMPUTE_SHADER, compute, shared);
+  if (!shader) return forward(shader);
+  return link({*shader}, text("'", compute, "'"));
 }
 
 void upload(Buffer& buffer, std::size_t& capacity, const void* data, std::size_t size) {

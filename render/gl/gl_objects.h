@@ -79,6 +79,7 @@ class Texture {
   bool resize(GLenum format, GLenum filter, int width, int height, int layers = 0);
 
   GLuint id() const { return id_; }
+  GLenum format() const { return format_; }
   int width() const { return width_; }
   int height() const { return height_; }
   int layers() const { return layers_; }
@@ -95,6 +96,10 @@ class Texture {
 /// line, then the shared files named in `shared`. Unsupported with the compiler's own message.
 Result<Program> make_program(std::string_view vertex, std::string_view fragment,
                              std::initializer_list<std::string_view> shared = {});
+
+/// The same for a compute shader.
+Result<Program> make_compute_program(std::string_view compute,
+                                     std::initializer_list<std::string_view> shared = {});
 
 /// Copies bytes into a buffer, growing its storage when needed. `capacity` is what the buffer holds.
 void upload(Buffer& buffer, std::size_t& capacity, const void* data, std::size_t size);

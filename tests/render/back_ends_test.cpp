@@ -50,8 +50,9 @@ Difference difference(const Image& a, const Image& b) {
 }
 
 // A flattened ball with a wrong proxy: ghosts, occlusion and soft visibility have something to show.
+Mesh troubled_ball() { return ball(0.25F, 48, 0.6F); }
 Stage troubled(const CameraModel& model = small_camera()) {
-  return photographed(arc(5, 25, model), ball(0.25F, 48, 0.6F), ball(0.265F, 16, 0.6F));
+  return photographed(arc(5, 25, model), troubled_ball(), ball(0.265F, 16, 0.6F));
 }
 
 TEST_F(BackEnds, DrawTheSamePictures) {
@@ -70,6 +71,56 @@ TEST_F(BackEnds, DrawTheSamePictures) {
       EXPECT_LE(d.coverage_share, 0.0002) << method << ", sharp " << sharp;
       RecordProperty(text(method, sharp ? "_sharp" : "_soft"), text(d.psnr, " dB"));
     }
+}
+
+TEST_F(BackEnds, DrawAsWellWithTheFlowOnTheGpu) {
+  const Stage stage = troubled();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  const View view = view_at(8, 25, small_camera(256, 192));
+  const Photograph truth =
+      photograph(troubled_ball(), view.model, view.view_from_world, 3, random_checker(0.04F, 5));
+  RendererOptions options;
+  options.flow.backend = "none";
+  const Image still = drawn(render::BackEnd::Gl, scene, view, "floating", options);
+  options.flow.backend = "variational";
+  for (const int shrink : {1, 2}) {
+    options.flow.shrink = shrink;
+    options.flow.place = FlowPlace::Cpu;
+    const Image expected = drawn(render::BackEnd::Gl, scene, view, "floating", options);
+    options.flow.place = FlowPlace::Gpu;
+    const Image found = drawn(render::BackEnd::Gl, scene, view, "floating", options);
+    const Difference d = difference(found, expected);
+    // Half floats decide here and there whether a displacement is believed.
+    EXPECT_GT(d.psnr, 42) << "flow at 1/" << shrink;
+    EXPECT_GT(d.psnr, difference(still, expected).psnr + 10) << "the flow moves nothing: nothing is tested";
+    EXPECT_EQ(d.coverage_share, 0);
+    auto inside = [&](int x, int y) { return well_inside(expected, x, y, 3); };
+    const double on_gpu = psnr(found, truth.rgb, inside), on_cpu = psnr(expected, truth.rgb, inside);
+    EXPECT_NEAR(on_gpu, on_cpu, 0.1) << "dB from the truth, flow at 1/" << shrink;
+    RecordProperty(text("flow_at_1_", shrink), text(d.psnr, " dB apart; from the truth ", on_gpu,
+                                                    " on the GPU, ", on_cpu, " on the CPU"));
+  }
+}
+
+TEST_F(BackEnds, DrawWithTheFlowOnTheGpuAgainAndWithOtherCameras) {
+  const Stage stage = troubled();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  RendererOptions options;
+  options.flow.backend = "variational";
+  options.flow.place = FlowPlace::Gpu;
+  const auto renderer = std::move(*make_renderer("floating", render::BackEnd::Gl));
+  std::map<int, Image> first;
+  for (const int cameras : {3, 1, 2, 3, 2}) {
+    options.cameras = cameras;
+    const View view = view_at(cameras == 2 ? -20 : 8, 25, small_camera(cameras == 2 ? 160 : 256, 120));
+    const Result<RenderedView> picture = renderer->render(scene, view, options);
+    ASSERT_THAT(picture, IsOk());
+    const Image image = download(*picture);
+    const auto [entry, is_new] = first.try_emplace(cameras, image);
+    EXPECT_EQ(image, entry->second) << cameras << " cameras, " << (is_new ? "first" : "again");
+  }
 }
 
 TEST_F(BackEnds, DrawTheSamePicturesThroughLenses) {

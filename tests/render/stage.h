@@ -11,7 +11,7 @@
 
 namespace floatstage::render {
 
-using namespace test;  // pictures with truth
+using namespace floatstage::test;  // pictures with truth
 
 /// A small stage with truth: a checkered ball photographed by cameras on an arc.
 struct Stage {
