@@ -103,6 +103,9 @@ Result<void> run(const Options& given) {
   if (failures)
     return fail(ErrorCode::BadData,
                 text(failures, " photographs could not be matted; the mattes of the others are there"));
+  if (report->distrusted)
+    return fail(ErrorCode::BadData, text("the mattes of ", report->distrusted,
+                                         " instants are probably wrong (above); look at them"));
   return {};
 }
 

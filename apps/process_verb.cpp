@@ -61,6 +61,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"mattes", to_json(report.mattes)},
           {"meshes", to_json(report.meshes)},
           {"remarks", report.remarks},
+          {"distrusted", report.distrusted},
           {"healed", to_json(report.healed)},
           {"silhouettes", to_json(report.faults)},
           {"contradictory_frames", report.contradictory_frames},
@@ -119,6 +120,10 @@ Result<void> run(const Options& given) {
   if (report->empty_frames == report->frames)
     return fail(ErrorCode::BadData,
                 text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
+                     TakeLayout(options.take).mattes().string(), " and try another --matte with --redo"));
+  if (report->distrusted > 0)
+    return fail(ErrorCode::BadData,
+                text("the mattes of ", report->distrusted, " instants are probably wrong (above); look at ",
                      TakeLayout(options.take).mattes().string(), " and try another --matte with --redo"));
   if (report->contradictory_frames > 0)
     return fail(ErrorCode::BadData, text(report->contradictory_frames,

@@ -13,10 +13,12 @@ constexpr float kClearly = 0.75f;   // log-odds: three of four others hold a pla
 constexpr float kDenied = -1.5f;    // … or not even one, or one is sure of the opposite
 constexpr double kFewPixels = 100;  // of subject at the turns' size: too few to learn its colours from
 constexpr double kMuch = 0.5;       // share that is missing or denied
-constexpr double kUnsure = 0.6;     // share of pixels that colours bear out
-constexpr double kFills = 0.7;      // share of the picture
-constexpr double kLeaves = 0.02;    // share of the border
-constexpr double kOneSide = 20;     // degrees between the two cameras that differ most
+constexpr double kDeniedInMost =
+    0.05;                         // share that is denied in half of the cameras: as kAllowed of the audit
+constexpr double kUnsure = 0.6;   // share of pixels that colours bear out
+constexpr double kFills = 0.7;    // share of the picture
+constexpr double kLeaves = 0.02;  // share of the border
+constexpr double kOneSide = 20;   // degrees between the two cameras that differ most
 
 ConsistentView measured(const ViewEvidence& e) {
   ConsistentView view;
@@ -96,6 +98,15 @@ void judge(const Rig& rig, const recon::SharedView& shared, std::span<const View
   say(above(&ConsistentView::subject, kFills), "what was found fills the picture", true);
   say(above(&ConsistentView::missing, kMuch), "so much of what the others see is missing", true);
   say(above(&ConsistentView::surplus, kMuch), "so much of the subject is denied by the others", true);
+  const auto pictured = std::count_if(mattes.views.begin(), mattes.views.end(),
+                                      [](const ConsistentView&v) { return v.pictured; }),
+             denied = std::count_if(mattes.views.begin(), mattes.views.end(),
+                                    [](const ConsistentView&v) { return v.surplus > kDeniedInMost; });
+  if (2 * denied >= pictured)
+    say(above(&ConsistentView::surplus, kDeniedInMost),
+        "so much of the subject is denied by the others, in half of the cameras: subject and backdrop share "
+        "colours, and a part of either is taken for the other",
+        true);
   say(named(rig, mattes.views,
             [](const ConsistentView& v, std::size_t) {
               return v.subject > 0 && v.sure < kUnsure ? std::optional(v.sure) : std::nullopt;

@@ -36,6 +36,7 @@ Result<StageReport> make_mattes(capture::TakeReader& take, const ProcessOptions&
     std::move(camera.failures.begin(), camera.failures.end(), std::back_inserter(stage.failures));
   }
   report.remarks = std::move(made->remarks);
+  report.distrusted = made->distrusted;
   return stage;
 }
 

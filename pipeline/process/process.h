@@ -39,6 +39,7 @@ struct ProcessReport {
   int frames = 0, cameras = 0, empty_frames = 0;  ///< of those asked for; empty: nobody on stage
   StageReport mattes, meshes;
   std::vector<std::string> remarks = {};  ///< MatteReport::remarks
+  int distrusted = 0;                     ///< MatteReport::distrusted
   std::vector<HealedCamera> healed = {};  ///< mattes that were made again in this run, worst camera first
   // Of all meshes, also of those that were there:
   std::vector<SilhouetteFault> faults = {};  ///< what a matte lacks was overruled by the others

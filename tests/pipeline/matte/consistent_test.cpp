@@ -5,6 +5,7 @@
 #include "core/matte.h"
 #include "core/synthetic/synthetic_studio.h"
 #include "core/text.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 
 namespace floatstage::pipeline {
@@ -16,11 +17,11 @@ using testing::HasSubstr;
 // Eight cameras around the synthetic performer, their pictures and the truth.
 class Stage {
  public:
-  explicit Stage(bool green, double noise = 1)
-      : studio_(SyntheticStudio::create(synthetic_rig({.cameras = 8, .width = 320, .height = 240}),
-                                        {.samples = 4,
-                                         .stage = green ? SyntheticStage::Green : SyntheticStage::Black,
-                                         .defects = {.noise = noise}})) {
+  explicit Stage(bool green) : Stage(green ? SyntheticStage::Green : SyntheticStage::Black, 1, 320) {}
+  Stage(SyntheticStage stage, std::uint64_t seed, int width)
+      : studio_(
+            SyntheticStudio::create(synthetic_rig({.cameras = 8, .width = width, .height = width * 3 / 4}),
+                                    {.seed = seed, .samples = 4, .stage = stage, .defects = {.noise = 1}})) {
     EXPECT_THAT(studio_, IsOk());
   }
   const Rig& rig() const { return studio_->published_rig(); }
@@ -84,6 +85,34 @@ TEST_P(OnEveryStage, ConsistentMattingFindsThePerformerWithoutAKeyAndFollowsHim)
 }
 INSTANTIATE_TEST_SUITE_P(Consistent, OnEveryStage, testing::Values(true, false),
                          [](const auto& each) { return each.param ? "GreenCloth" : "Black"; });
+
+// Of every stage that the studio has, at the size that `synthesize` takes.
+class OnStages : public testing::TestWithParam<std::tuple<SyntheticStageName, int>> {};
+
+TEST_P(OnStages, ConsistentMattesHoldOrSayThatTheyDoNot) {
+  const auto& [named, seed] = GetParam();
+  FLOATSTAGE_LONG_FORM(seed > 1);
+  Stage stage(named.stage, static_cast<std::uint64_t>(seed), 640);
+  stage.shoot(5);
+  Result<ConsistentMatting> matting = ConsistentMatting::create(stage.rig(), {});
+  ASSERT_THAT(matting, IsOk());
+  const Result<ConsistentMattes> made = matting->matte(stage.pictures);
+  ASSERT_THAT(made, IsOk());
+  const bool shares_colours =
+      named.stage == SyntheticStage::Room || named.stage == SyntheticStage::GreenClothes;
+  EXPECT_EQ(made->trusted, !shares_colours) << testing::PrintToString(made->remarks);
+  if (!made->trusted) return;
+  EXPECT_GE(mean(stage.ious(*made)), 0.965);
+  EXPECT_GE(least(stage.ious(*made)), 0.93);
+}
+INSTANTIATE_TEST_SUITE_P(Consistent, OnStages,
+                         testing::Combine(testing::ValuesIn(synthetic_stages()), testing::Range(1, 6)),
+                         [](const auto& each) {
+                           std::string name;
+                           for (const char c : std::string(std::get<0>(each.param).name))
+                             name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+                           return name + std::to_string(std::get<1>(each.param));
+                         });
 
 TEST(Consistent, NamesACameraThatSeesOnlyTheRoom) {
   Stage stage(true);
