@@ -247,6 +247,7 @@ Result<void> run(const Options& given) {
   Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
+  options.balance = given.renderer.balance;
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   Result<std::vector<int>> frames =

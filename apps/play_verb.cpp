@@ -44,6 +44,7 @@ Result<void> run(const Options& given) {
   Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
+  options.balance = given.renderer.balance;
   options.view = static_cast<MatteView>(place_of(matte_view_names(), given.view));
   options.automatic = !given.by_hand;
   options.stop = interrupted;

@@ -40,6 +40,7 @@ Result<void> run(const Options& given) {
   Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   film.renderer = *renderer;
+  film.balance = given.renderer.balance;
 
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);

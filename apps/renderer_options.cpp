@@ -28,6 +28,10 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
   o.flow.backend = "variational";
   add_blend(verb, o.cameras);
   add_background(verb, flags.background);
+  verb.add_flag("--balance", flags.balance,
+                "Bring the cameras' colours to one another by what they see of the subject, where "
+                "`calibrate color` did not: for cameras of unequal exposure")
+      ->group(kGroupPicture);
   verb.add_option("--show", flags.show, "What the picture shows: the colours, or an intermediate")
       ->capture_default_str()
       ->check(one_of(render::render_output_names()))

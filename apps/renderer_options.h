@@ -12,6 +12,7 @@ namespace floatstage::apps {
 /// The renderer's options as flags, the same for every verb that renders.
 struct RendererFlags {
   render::RendererOptions options;
+  bool balance = false;
   std::string show = "color", positions = "parallax", background = "000000", back_end = "auto";
 };
 

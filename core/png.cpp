@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <png.h>
+#include <zlib.h>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -22,8 +23,13 @@ void append_bytes(png_structp png, png_bytep data, png_size_t size) {
   static_cast<WriteState*>(png_get_io_ptr(png))->out->append(reinterpret_cast<const char*>(data), size);
 }
 
+struct Packing {
+  int level;          // zlib's
+  bool runs = false;  // nothing but runs of equal bytes is looked for
+};
+
 // `rows`: the samples, of 8 or 16 bits (big-endian).
-bool encode(const Image& image, const std::uint8_t* rows, int bits, int level, std::string& out) {
+bool encode(const Image& image, const std::uint8_t* rows, int bits, Packing packing, std::string& out) {
   png_structp png =
       png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, [](png_structp, png_const_charp) {});
   png_infop info = png ? png_create_info_struct(png) : nullptr;
@@ -38,7 +44,11 @@ bool encode(const Image& image, const std::uint8_t* rows, int bits, int level, s
                                          : PNG_COLOR_TYPE_RGBA;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), bits,
                type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_compression_level(png, level);
+  png_set_compression_level(png, packing.level);
+  if (packing.runs) {
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
+    png_set_compression_strategy(png, Z_RLE);
+  }
   png_write_info(png, info);
   const std::size_t row =
       static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.channels * bits / 8);
@@ -82,12 +92,16 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
 
 namespace {
 
-Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const std::filesystem::path& file,
-                  int level) {
+void check_image(const Image& image) {
   FLOATSTAGE_CHECK(!image.empty() && (image.channels == 1 || image.channels == 3 || image.channels == 4),
                    text("a PNG of ", image.width, "x", image.height, "x", image.channels));
+}
+
+Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const std::filesystem::path& file,
+                  int level) {
+  check_image(image);
   std::string bytes;
-  if (!encode(image, rows, bits, level, bytes))
+  if (!encode(image, rows, bits, {.level = level}, bytes))
     return fail(ErrorCode::Io, text("cannot encode ", file.string(), " as PNG"));
   return write_file(file, bytes);
 }
@@ -96,6 +110,14 @@ Result<void> save(const Image& image, const std::uint8_t* rows, int bits, const 
 
 Result<void> save_png(const Image& image, const std::filesystem::path& file, int level) {
   return save(image, image.pixels.data(), 8, file, level);
+}
+
+Result<std::string> encode_png_of_runs(const Image& image) {
+  check_image(image);
+  std::string bytes;
+  if (!encode(image, image.pixels.data(), 8, {.level = 1, .runs = true}, bytes))
+    return fail(ErrorCode::Io, text("cannot encode a PNG of ", image.width, "x", image.height));
+  return bytes;
 }
 
 Result<void> save_png16(const Image& image, const std::filesystem::path& file, int level) {

@@ -24,15 +24,16 @@ constexpr double kTells = 0.1;   // of a score: on clips with exact truth smalle
 constexpr int kConfident = 128;  // of Plate::confidence
 constexpr double kSigmas[] = {2, 6, 18, 54};  // px: how far colours are extended, first as near as possible
 
-// Colours of the chosen pixels extended over all others: normalised convolution with ever wider Gaussians,
-// the narrowest that finds anything.
-cv::Mat extended(const cv::Mat& picture, const cv::Mat& chosen) {
+// Colours of the chosen pixels extended over those that are asked for, and as many others as come with them:
+// normalised convolution with ever wider Gaussians, the narrowest that finds anything.
+cv::Mat extended(const cv::Mat& picture, const cv::Mat& chosen, const cv::Mat& asked) {
   cv::Mat weight, out = cv::Mat::zeros(picture.size(), CV_32FC3);
   chosen.convertTo(weight, CV_32F, 1 / 255.0);
   cv::Mat weighted = picture.clone();
   weighted.setTo(cv::Scalar::all(0), ~chosen);
   cv::Mat done = cv::Mat::zeros(picture.size(), CV_8U);
   for (const double sigma : kSigmas) {
+    if (cv::countNonZero(asked & ~done) == 0) break;  // wide ones cost most
     cv::Mat sum, total;
     cv::GaussianBlur(weighted, sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
     cv::GaussianBlur(weight, total, {}, sigma, sigma, cv::BORDER_CONSTANT);
@@ -76,8 +77,9 @@ std::vector<double> composite_residuals(const Image& picture, const std::vector<
   cv::Mat colors;
   cv::Mat(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.pixels.data()))
       .convertTo(colors, CV_32F);
-  const cv::Mat f = extended(colors, subject);
-  cv::Mat b = extended(colors, background);
+  const cv::Mat mixed = ~(subject | background);
+  const cv::Mat f = extended(colors, subject, mixed);
+  cv::Mat b = extended(colors, background, mixed);
   if (plate && plate->color.width == picture.width && plate->color.height == picture.height)
     for (int y = 0; y < b.rows; ++y)
       for (int x = 0; x < b.cols; ++x)
@@ -88,7 +90,7 @@ std::vector<double> composite_residuals(const Image& picture, const std::vector<
     long count = 0;
     for (int y = 0; y < b.rows; ++y) {
       for (int x = 0; x < b.cols; ++x) {
-        if (subject.at<std::uint8_t>(y, x) || background.at<std::uint8_t>(y, x)) continue;
+        if (mixed.at<std::uint8_t>(y, x) == 0) continue;
         const float a = static_cast<float>(*candidates[i].at(x, y)) / 255;
         const cv::Vec3f error =
             colors.at<cv::Vec3f>(y, x) - a * f.at<cv::Vec3f>(y, x) - (1 - a) * b.at<cv::Vec3f>(y, x);

@@ -6,6 +6,7 @@
 #include <future>
 
 #include "core/text.h"
+#include "pipeline/balance.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
 
@@ -110,7 +111,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   }
   Result<Eigen::AlignedBox3d> box = subject_box(take);
   if (!box) return forward(box);
-  const Result<Rig> rig = rig_with_colors(take);
+  const Result<Rig> rig = options.balance ? rig_in_balance(take) : rig_with_colors(take);
   if (!rig) return forward(rig);
 
   const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());

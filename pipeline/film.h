@@ -20,6 +20,7 @@ struct FilmOptions {
   std::vector<int> frames;  ///< frames of the take to play, in order; begun again when the film is longer
   std::vector<std::string> methods;  ///< renderers, each draws every picture
   bool suppress_spill = true;
+  bool balance = false;  ///< cameras' colours are brought to one another
   render::RendererOptions renderer;
   Progress* progress = nullptr;  ///< null: unwatched
 };

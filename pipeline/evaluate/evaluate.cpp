@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/text.h"
+#include "pipeline/balance.h"
 #include "pipeline/evaluate/undistort.h"
 #include "pipeline/film.h"
 #include "pipeline/progress.h"
@@ -122,7 +123,9 @@ Result<HeldOutView> evaluate_view(const Rig& rig, Instant& instant, int held, Me
     scene.mattes[c] = {};
     scene.images.frames[c] = {};
   }
-  if (Result<void> ok = methods.scene.set(rig, scene, usable); !ok) return forward(ok);
+  const Result<Rig> drawn = options.balance ? balanced(rig, scene) : rig;
+  if (!drawn) return forward(drawn);
+  if (Result<void> ok = methods.scene.set(*drawn, scene, usable); !ok) return forward(ok);
   RigCamera ideal = camera;
   ideal.model = pinhole(camera.model);
   view.silhouette = view.has_matte ? undistorted(to_image(instant.mattes[h]), camera.model)

@@ -21,6 +21,7 @@ struct EvaluateOptions {
   std::vector<std::string> methods = {"nearest", "linear", "floating"};
   std::vector<int> frames = {0};
   render::RendererOptions renderer;
+  bool balance = false;  ///< cameras' colours are brought to one another, without the held-out one's
   recon::HullOptions hull;
   Progress* progress = nullptr;  ///< null: unwatched
 };

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture/sha256.h"
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -47,27 +48,23 @@ Result<std::vector<MatteOrigin>> MatteStore::origins(const std::string& serial, 
 
 Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& matte,
                              const std::optional<Healing>& healing) {
-  const fs::path file = layout_.matte(serial, frame), whole = temporary_name(file);
-  if (Result<void> ok = save_png(matte, whole); !ok) return forward(ok);
-  const Result<std::optional<std::string>> hash = hash_of(whole), before = hash_of(file);
-  if (!hash) return forward(hash);
+  const fs::path file = layout_.matte(serial, frame);
+  const Result<std::string> bytes = encode_png_of_runs(matte);
+  if (!bytes) return fail(bytes.error().code, text(file.string(), ": ", bytes.error().message));
+  const std::string hash = capture::sha256(*bytes);
+  const Result<std::optional<std::string>> before = hash_of(file);
   if (!before) return forward(before);
-  std::error_code error;
   // It is ours before it is there: what has no entry is somebody else's.
-  Result<void> ok = journal_.add({{"camera", serial}, {"frame", frame}, {"sha256", **hash}});
-  if (ok) fs::rename(whole, file, error);
-  if (error) ok = fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", error.message()));
-  if (!ok) {
-    fs::remove(whole, error);
+  if (Result<void> ok = journal_.add({{"camera", serial}, {"frame", frame}, {"sha256", hash}}); !ok)
     return forward(ok);
-  }
+  if (Result<void> ok = write_file(file, *bytes); !ok) return forward(ok);
   const std::lock_guard lock(mutex_);
   CameraRecord& camera = record_[serial];
-  camera.files[frame] = **hash;
+  camera.files[frame] = hash;
   camera.stale.erase(frame);
   camera.healed.erase(frame);
   if (healing) camera.healed[frame] = *healing;
-  return *before != *hash;
+  return *before != hash;
 }
 
 Result<void> MatteStore::remove(const std::string& serial, int frame) {

@@ -1,5 +1,8 @@
 #include "core/png.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "core/file.h"
@@ -69,6 +72,23 @@ TEST(Png, ReducesSixteenBits) {
   const Result<Image> image = load_png(seed("grey16.png"));
   ASSERT_THAT(image, IsOk());
   EXPECT_THAT(image->pixels, testing::ElementsAre(0, 0, 0, 255, 255, 255));
+}
+
+TEST(Png, OfRunsIsTheSamePictureInFewerBytesWhereItIsAMatte) {
+  Image matte(160, 120, 1);
+  for (int y = 0; y < matte.height; ++y)
+    for (int x = 0; x < matte.width; ++x)
+      matte.at(x, y)[0] = static_cast<std::uint8_t>(
+          std::clamp(128 + 40 * (40 - static_cast<int>(std::hypot(x - 80, y - 60))), 0, 255));
+  const Result<std::string> runs = encode_png_of_runs(matte);
+  ASSERT_THAT(runs, IsOk());
+  const Result<Image> back = decode_png(std::as_bytes(std::span(*runs)), "runs");
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(back->pixels, matte.pixels);
+  TempFolder folder;
+  ASSERT_THAT(save_png(matte, folder / "usual.png"), IsOk());
+  EXPECT_LT(runs->size(), std::filesystem::file_size(folder / "usual.png"));
+  EXPECT_THROW((void)encode_png_of_runs(Image{}), CheckFailure);
 }
 
 TEST(Png, ReadsItsOwnSixteenBitsBackAsTheyWere) {

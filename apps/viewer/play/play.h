@@ -21,6 +21,7 @@ struct PlayOptions {
   int width = 1280, height = 800;    ///< window, px
   std::filesystem::path screenshot;  ///< write the window to this PNG once the picture stands, then end
   render::RendererOptions renderer = {};
+  bool balance = false;        ///< cameras' colours are brought to one another
   std::function<bool()> stop;  ///< asked at every picture; absent: until the window is closed
 
   bool mattes = false;  ///< begin in the matte editor, which needs no meshes

@@ -11,6 +11,7 @@
 #include "apps/viewer/play/scene_cache.h"
 #include "apps/viewer/window/layout.h"
 #include "core/text.h"
+#include "pipeline/balance.h"
 
 namespace floatstage::apps {
 namespace {
@@ -175,7 +176,7 @@ Result<void> Player::check(const PlayOptions& options, const capture::TakeReader
 Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, capture::TakeReader& take) {
   Result<Eigen::AlignedBox3d> subject = pipeline::subject_box(take);
   if (!subject) return forward(subject);
-  const Result<Rig> rig = pipeline::rig_with_colors(take);
+  const Result<Rig> rig = options.balance ? pipeline::rig_in_balance(take) : pipeline::rig_with_colors(take);
   if (!rig) return forward(rig);
   Result<PlayerState> state = initial_state(options, take, *subject);
   if (!state) return forward(state);
