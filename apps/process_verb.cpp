@@ -66,6 +66,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"silhouettes", to_json(report.faults)},
           {"contradictory_frames", report.contradictory_frames},
           {"cut_frames", report.cut_frames},
+          {"poor_frames", report.poor_frames},
           {"seconds", report.seconds}};
 }
 
@@ -78,6 +79,12 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
     std::fprintf(stderr, "floatstage: %s\n", sentence(healed).c_str());
   for (const pipeline::SilhouetteFault& fault : report.faults)
     std::fprintf(stderr, "floatstage: %s\n", sentence(fault).c_str());
+  if (report.poor_frames > 0)
+    std::fprintf(
+        stderr,
+        "floatstage: %d hulls explain less than 90 %% of half of the silhouettes: some mattes lack what "
+        "the others see, or the calibration is off (silhouette_iou in meshes/hull.json)\n",
+        report.poor_frames);
   if (report.cut_frames > 0)
     std::fprintf(
         stderr,

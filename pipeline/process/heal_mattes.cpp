@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "matting/view_cut.h"
 #include "pipeline/matte/rekey.h"
+#include "pipeline/process/silhouette_faults.h"
 #include "recon/mesh/mesh_mask.h"
 #include "recon/occupancy.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 constexpr int kFewWitnesses = 3;  // two bound a body, the third confirms it
 
-constexpr double kCovered = 0.9;  // of a silhouette: less, of half of them, and mattes lack what blocks hide
 constexpr int kWorkingPixels = 100'000, kVoxels = 500'000;  // as ConsistentOptions
 constexpr float kSays = 4;           // log-odds of a matte's word, as kColor of consistent.cpp
 constexpr double kNearlyAll = 0.75;  // of what the others can say for a place, if none denies it
@@ -77,14 +77,6 @@ std::vector<double> missing_of(const Rig& rig, const std::vector<Matte>& mattes,
   return missing;
 }
 
-// Whether half of the silhouettes are explained by less of the body than mattes that agree leave.
-bool poorly_covered(const recon::HullReport& hull) {
-  int known = 0, poor = 0;
-  for (const double iou : hull.silhouette_iou)
-    if (!std::isnan(iou)) ++known, poor += iou < kCovered;
-  return known >= 4 && 2 * poor >= known;
-}
-
 // Mean share of these cameras' silhouettes that the body explains.
 double cover_of(const recon::HullReport& hull, const std::vector<std::size_t>& cameras) {
   double sum = 0;
@@ -134,7 +126,7 @@ Result<std::vector<MatteHealer::Patient>> MatteHealer::patients(int frame, const
   std::vector<Patient> found;
   for (const recon::SilhouetteVerdict& v : hull.verdicts)
     found.push_back({static_cast<std::size_t>(v.camera), {v.lost, v.gained, {}}});
-  if (found.empty() && poorly_covered(hull) && !hull.searched.isEmpty()) {
+  if (found.empty() && poorly_covered(hull.silhouette_iou) && !hull.searched.isEmpty()) {
     const std::vector<double> missing = missing_of(take_.rig(), mattes, hull.searched, threads);
     std::vector<double> known;
     for (std::size_t c = 0; c < mattes.size(); ++c)
@@ -232,7 +224,7 @@ Result<bool> MatteHealer::heal(int frame, const recon::HullReport& hull, const r
   const std::vector<double> before = faults_of(hull, mattes.size()), now = faults_of(*after, mattes.size());
   for (std::size_t c = 0; c < mattes.size(); ++c)
     if (now[c] > before[c]) return false;  // a body that others now contradict is no cure
-  if (poorly_covered(*after)) return false;
+  if (poorly_covered(after->silhouette_iou)) return false;
   spare(*patients, quick, witnesses, mattes, *anew, *after);
   return keep(frame, *patients, witnesses, faults_of(*after, mattes.size()), before, *anew, mattes);
 }

@@ -174,6 +174,7 @@ class MeshMaker {
     report.faults = std::move(doubts.faults);
     report.contradictory_frames = doubts.contradictory;
     report.cut_frames = doubts.cut;
+    report.poor_frames = doubts.poor;
     report.empty_frames = count_empty(frames);
     return {};
   }

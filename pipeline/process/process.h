@@ -44,6 +44,7 @@ struct ProcessReport {
   // Of all meshes, also of those that were there:
   std::vector<SilhouetteFault> faults = {};  ///< what a matte lacks was overruled by the others
   int contradictory_frames = 0;  ///< hulls not to be trusted, see recon::HullReport::contradictory
+  int poor_frames = 0;           ///< hulls that leave much of most silhouettes open, see poorly_covered()
   int cut_frames = 0;            ///< hulls cut by the sides of the volume
   double seconds = 0;
 };

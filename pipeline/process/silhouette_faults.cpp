@@ -17,6 +17,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kCovered = 0.9;  // of a silhouette: given mattes and rigs leave less open on every set
+
 double size_of(double lost, double gained) { return std::max(lost, gained); }
 
 std::filesystem::path picture_of(const std::filesystem::path& folder, const std::string& serial, int frame) {
@@ -96,6 +98,13 @@ json silhouettes_json(const Rig& rig, const std::vector<recon::SilhouetteVerdict
   return j;
 }
 
+bool poorly_covered(const std::vector<double>& iou) {
+  int known = 0, poor = 0;
+  for (const double one : iou)
+    if (!std::isnan(one)) ++known, poor += one < kCovered;
+  return known >= 4 && 2 * poor >= known;
+}
+
 HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::path& pictures) {
   HullDoubts doubts;
   std::map<std::string, SilhouetteFault> faults;
@@ -103,6 +112,11 @@ HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::p
     if (!frame.is_object()) continue;
     doubts.contradictory += !frame.value("trusted", true);
     doubts.cut += frame.value("cut", false);
+    std::vector<double> iou;
+    const json explained = frame.value("silhouette_iou", json::object());
+    for (const json& one : explained)
+      if (one.is_number()) iou.push_back(one);
+    doubts.poor += poorly_covered(iou);
     const json silhouettes = frame.value("silhouettes", json::object());
     for (const auto& [serial, shares] : silhouettes.items()) {
       SilhouetteFault& fault = faults[serial];

@@ -50,12 +50,18 @@ class EvidenceCollector {
   std::vector<std::optional<Worst>> cameras_;
 };
 
+/// Whether the hull explains less than nine tenths of half of the silhouettes (four cameras at least): then
+/// some mattes lack what the others see, in pieces too small for the audit's blocks, or the calibration is
+/// off. `iou`: of each camera the hull's silhouette against its matte; NaN for one that has none.
+bool poorly_covered(const std::vector<double>& iou);
+
 /// What the hulls of a take, made now or before, say about themselves: read from the record of
 /// meshes/hull.json.
 struct HullDoubts {
   std::vector<SilhouetteFault> faults;  ///< worst first
   int contradictory = 0;                ///< frames, see recon::HullReport::contradictory
   int cut = 0;                          ///< frames, see recon::HullReport::cut
+  int poor = 0;                         ///< frames, see poorly_covered()
 };
 
 /// A frame's part of it: {"<serial>": {"lost", "gained"}}.

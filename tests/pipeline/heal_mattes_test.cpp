@@ -142,6 +142,7 @@ TEST_P(HealedTake, NamesTwoOfEightKeysThatFailedAndCutsTheirMattesAnew) {
   }
   EXPECT_THAT(report->faults, IsEmpty());
   EXPECT_EQ(report->contradictory_frames, 0);
+  EXPECT_EQ(report->poor_frames, 0);
   EXPECT_EQ(process_take({.take = take_})->mattes.made, 0) << "what was healed is kept";
   const double healed = film();
   take_true_mattes();
@@ -167,6 +168,21 @@ TEST_P(HealMattes, NeverTouchesWhatAPersonPutThere) {
   ASSERT_EQ(report->faults.size(), 1u);
   EXPECT_EQ(report->faults[0].serial, "cam02");
   EXPECT_EQ(*read_file(layout().matte("cam02", 0)), bytes);
+}
+
+TEST_P(HealMattes, SaysThatTheHullLeavesSilhouettesOpenWhereItMayNotHeal) {
+  const auto take = *capture::TakeReader::open(take_);
+  for (const char* serial : {"cam02", "cam05"}) {  // a person's mattes, full of small holes
+    Image matte = *load_png(layout().matte(serial, 0));
+    red_lost(*to_rgb(*take->frame(camera_index(take->rig(), serial), 0)), matte);
+    ASSERT_THAT(save_png(matte, layout().matte(serial, 0)), IsOk());
+  }
+  for (int run = 0; run < 2; ++run) {
+    const Result<ProcessReport> report = process_take({.take = take_});
+    ASSERT_THAT(report, IsOk());
+    EXPECT_THAT(report->healed, IsEmpty());
+    EXPECT_EQ(report->poor_frames, 1);
+  }
 }
 
 TEST_P(HealMattes, ForgetsTheHealingWhenTheMatteIsMadeAgain) {
