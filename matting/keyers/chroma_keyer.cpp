@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "matting/foreground.h"
 #include "matting/keyers/backing.h"
+#include "matting/keyers/cloth_measure.h"
 #include "matting/keyers/keyers.h"
 #include "matting/keyers/rim_check.h"
 #include "matting/keyers/walls.h"
@@ -25,50 +26,10 @@ namespace {
 // largest.
 constexpr CleanupOptions kDefaultCleanup{.thin_radius = 3, .smallest_island = 0.03, .smallest_hole = 0.0003};
 
-// Thresholds of the cloth's saturation along its own direction in the CbCr plane, as shares of the key
-// colour's.
-constexpr float kSubjectBelow = 0.15f;  // all subject
-constexpr float kClothAbove = 0.5f;     // all cloth
-constexpr float kAllCloth = 0.75f;      // no doubt about it, even beside hair
-constexpr float kAngleSlope = 0.2f;     // what a step across the direction costs of a step along it
-constexpr float kEdgeContrast = 5;      // 8-bit steps of chroma between subject and cloth that solve an edge
-constexpr float kDarkFloor = 2.0f;      // 8-bit steps of luma that keep black from having any saturation
-
-// A linear form of the channels: r * x + g * y + b * z.
-struct Form {
-  float r, g, b;
-  float of(float x, float y, float z) const { return r * x + g * y + b * z; }
-};
-
-// BT.601, full range, CbCr around 0.
-constexpr Form kLuma{0.299f, 0.587f, 0.114f};
-constexpr float kToCb = 0.564f, kToCr = 0.713f;  // of blue and red less luma
-
-// u * Cb + v * Cr.
-Form chroma_form(float u, float v) {
-  const float cb = u * kToCb, cr = v * kToCr;
-  return {cr - (cb + cr) * kLuma.r, -(cb + cr) * kLuma.g, cb - (cb + cr) * kLuma.b};
-}
-
-struct Chroma {
-  float luma, cb, cr;
-  float length() const { return std::hypot(cb, cr); }
-};
-
-Chroma chroma_of(Rgb c) {
-  const float luma = kLuma.of(c.r, c.g, c.b);
-  return {luma, kToCb * (static_cast<float>(c.b) - luma), kToCr * (static_cast<float>(c.r) - luma)};
-}
-
 class ChromaKeyer : public Keyer {
  public:
-  ChromaKeyer(Rgb key_color, const CleanupOptions& cleanup) : key_color_(key_color), cleanup_(cleanup) {
-    const Chroma c = chroma_of(key_color);
-    along_ = chroma_form(c.cb / c.length(), c.cr / c.length());
-    across_ = chroma_form(-c.cr / c.length(), c.cb / c.length());
-    saturation_ = c.length() / (c.luma + kDarkFloor);
-    backing_ = backing_channel(key_color);
-  }
+  ChromaKeyer(Rgb key_color, const CleanupOptions& cleanup)
+      : key_color_(key_color), cleanup_(cleanup), measure_(key_color), backing_(backing_channel(key_color)) {}
 
   Result<Matte> key(const Frame& frame) const override {
     if (frame.empty()) return Matte{frame.info, 0, 0, 0, nullptr};
@@ -89,9 +50,9 @@ class ChromaKeyer : public Keyer {
     const Image key = walls_ ? alpha : Image();
     const auto along_the_cloth = [&](int y, int x0, int count, float* out) {
       const std::uint8_t* p = rgb->at(x0, y);
-      for (int x = 0; x < count; ++x, p += 3) out[x] = along_.of(p[0], p[1], p[2]);
+      for (int x = 0; x < count; ++x, p += 3) out[x] = measure_.along.of(p[0], p[1], p[2]);
     };
-    refine_edges(along_the_cloth, kEdgeContrast, doubt, alpha);
+    refine_edges(along_the_cloth, ClothMeasure::kEdgeContrast, doubt, alpha);
     if (walls_) walls_->solve_edges(*rgb, cloth, key, alpha);
     return make_matte(frame.info, alpha);
   }
@@ -122,6 +83,7 @@ class ChromaKeyer : public Keyer {
     return out;
   }
   CleanupOptions cleanup() const override { return cleanup_; }
+  const ClothMeasure* cloth() const override { return walls_ ? nullptr : &measure_; }
 
  private:
   void key_cloth(const Image& rgb, Image& alpha, Image& doubt) const {
@@ -129,9 +91,8 @@ class ChromaKeyer : public Keyer {
     for (int y = 0; y < alpha.height; ++y) key_row(rgb.at(0, y), row, alpha.at(0, y), doubt.at(0, y));
   }
 
-  // Saturation is chroma over luma: cloth in shadow keeps it. The angle to the cloth enters as the ratio of
-  // the components across and along its direction, so that no pixel needs trigonometry. The channels are
-  // taken apart first (into `planes`, 3 rows) because compilers vectorise the arithmetic then.
+  // The channels are taken apart first (into `planes`, 3 rows) because compilers vectorise the arithmetic
+  // then.
   void key_row(const std::uint8_t* rgb, std::vector<float>& planes, std::uint8_t* alpha,
                std::uint8_t* doubt) const {
     const std::size_t n = planes.size() / 3;
@@ -141,27 +102,22 @@ class ChromaKeyer : public Keyer {
       g[x] = rgb[3 * x + 1];
       b[x] = rgb[3 * x + 2];
     }
-    const float slope = 255 / (kClothAbove - kSubjectBelow), top = kClothAbove * slope + 0.5f,
-                scale = slope / saturation_;
-    const float doubtful = top - kAllCloth * slope;
-    const Form along = along_, across = across_;
+    const ClothMeasure measure = measure_;
     for (std::size_t x = 0; x < n; ++x) {
-      const float cloth = along.of(r[x], g[x], b[x]) - kAngleSlope * std::abs(across.of(r[x], g[x], b[x]));
-      const float value = top - scale * cloth / (kLuma.of(r[x], g[x], b[x]) + kDarkFloor);
+      const float value = measure.value(r[x], g[x], b[x]);
       r[x] = std::min(std::max(value, 0.0f), 255.0f);
       g[x] = value;
     }
     for (std::size_t x = 0; x < n; ++x) {
       alpha[x] = static_cast<std::uint8_t>(static_cast<int>(r[x]));
-      doubt[x] = g[x] > doubtful ? 255 : 0;
+      doubt[x] = g[x] > measure.doubtful ? 255 : 0;
     }
   }
 
   Rgb key_color_;
   CleanupOptions cleanup_;
-  Form along_{}, across_{};  // the CbCr plane turned so that its first axis is the cloth's direction
-  float saturation_ = 0;     // the cloth's chroma over luma
-  BackingChannel backing_ = BackingChannel::Green;
+  ClothMeasure measure_;
+  BackingChannel backing_;
   std::optional<Walls> walls_;  // what is no cloth at the rims
 };
 

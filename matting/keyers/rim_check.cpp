@@ -29,7 +29,10 @@ Result<void> check_rim(const Image& alpha, const FrameInfo& info, std::string_vi
       subject += *alpha.at(x, y) >= 128;
     }
   }
-  const double share = static_cast<double>(subject) / static_cast<double>(seen);
+  return check_rim(static_cast<double>(subject) / static_cast<double>(seen), info, sought);
+}
+
+Result<void> check_rim(double share, const FrameInfo& info, std::string_view sought) {
   if (share <= kMostSubject) return {};
   return fail(
       ErrorCode::Unsupported,

@@ -15,6 +15,9 @@ namespace floatstage::matting {
 /// looks for, "green or blue cloth". Pictures without a rim (under 34 pixels) pass.
 Result<void> check_rim(const Image& alpha, const FrameInfo& info, std::string_view sought);
 
+/// The same where the share of the rim that is subject was found already.
+Result<void> check_rim(double subject_share, const FrameInfo& info, std::string_view sought);
+
 /// Width of the rim in which keyers look for their backing, px; 0 of a picture too small to have one.
 int rim_width(int width, int height);
 

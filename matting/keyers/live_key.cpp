@@ -1,0 +1,220 @@
+// Method:  the chroma key in one pass to rows of bits, cleaned and refined on those
+// Paper:   A. R. Smith, J. F. Blinn, "Blue screen matting", 1996 (see chroma_keyer.cpp, the reference)
+// Differs: opacity is computed where it is neither 0 nor 255 only
+// ADR:     0195
+
+#include "matting/keyers/live_key.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <functional>
+
+#include "matting/keyers/bit_clean_up.h"
+#include "matting/keyers/bit_edges.h"
+#include "matting/keyers/cloth_kernels.h"
+#include "matting/keyers/rim_check.h"
+
+namespace floatstage::matting {
+namespace {
+
+// Off the edge, a little opacity is noise of the cloth; half opacity stays half.
+float without_noise(float a) { return a >= 0.5f ? a : std::max(0.0f, (a - 0.25f) * 2); }
+
+// RGB pixels, wherever they are.
+struct Rows {
+  const std::uint8_t* first = nullptr;
+  std::size_t stride = 0;
+  const std::uint8_t* at(int x, int y) const {
+    return first + stride * static_cast<std::size_t>(y) + 3 * static_cast<std::size_t>(x);
+  }
+};
+
+// A matte's memory, which is used again when nobody else has it any more.
+struct Sheet {
+  std::shared_ptr<std::uint8_t[]> alpha;
+  int width = 0, height = 0;
+  BitBox drawn;  // outside it is 0
+
+  bool free() const { return alpha.use_count() == 1; }
+};
+
+}  // namespace
+
+struct LiveKey::Impl {
+  explicit Impl(const Keyer& k) : keyer(k), measure(k.cloth()), cleanup(k.cleanup()) {}
+  bool fast() const { return measure != nullptr && BitCleanUp::can(cleanup); }
+  void classify(const Rows& rgb, int width, int height);
+  void crop();
+  double rim_share(int width, int height) const;
+  Sheet& blank(int width, int height);
+  void draw(const Rows& rgb, Sheet& sheet);
+  void measure_row(const Rows& rgb, int y, int x0, int x1, std::int32_t* out);
+
+  const Keyer& keyer;
+  const ClothMeasure* measure;
+  CleanupOptions cleanup;
+  std::vector<std::uint8_t> planes;  // one row taken apart
+  BitRows whole[3];                  // of the picture: subject, faint, doubt
+  int left = 0, top = 0;             // of the part of it where something is, of which the next are
+  BitRows subject, faint, doubt;
+  BitCleanUp cleaner;
+  BitEdges edges;
+  std::vector<Sheet> sheets;
+};
+
+LiveKey::LiveKey(const Keyer& keyer) : impl_(std::make_unique<Impl>(keyer)) {}
+LiveKey::LiveKey(LiveKey&&) noexcept = default;
+LiveKey& LiveKey::operator=(LiveKey&&) noexcept = default;
+LiveKey::~LiveKey() = default;
+
+bool LiveKey::fast() const { return impl_->fast(); }
+
+void LiveKey::Impl::classify(const Rows& rgb, int width, int height) {
+  const ClothKernels& kernels = cloth_kernels();
+  const std::size_t count = static_cast<std::size_t>(width), room = padded(count);
+  planes.resize(3 * room);
+  std::uint8_t *r = planes.data(), *g = r + room, *b = g + room;
+  for (BitRows& bits : whole) bits.resize(width, height);
+  for (int y = 0; y < height; ++y) {
+    kernels.split(rgb.at(0, y), count, r, g, b);
+    kernels.classify(*measure, r, g, b, room, whole[0].row(y), whole[1].row(y), whole[2].row(y));
+    for (BitRows& bits : whole) bits.trim(y);
+  }
+}
+
+// The part around what is not all cloth, with room for everything that looks around itself; from a whole word
+// on.
+void LiveKey::Impl::crop() {
+  BitBox box = bounding_box(whole[1]);
+  if (!box.empty()) box = grown(box, BitMorphology::kMostRadius, whole[1]);
+  left = box.x0 / 64 * 64;
+  top = box.y0;
+  BitRows* parts[3] = {&subject, &faint, &doubt};
+  for (int k = 0; k < 3; ++k) {
+    parts[k]->resize(box.x1 - left, box.y1 - top);
+    for (int y = 0; y < parts[k]->height(); ++y) {
+      std::copy_n(whole[k].row(top + y) + left / 64, parts[k]->words(), parts[k]->row(y));
+      parts[k]->trim(y);
+    }
+  }
+}
+
+double LiveKey::Impl::rim_share(int width, int height) const {
+  const int rim = rim_width(width, height);
+  if (rim == 0) return 0;
+  long seen = 0, inside = 0;
+  const auto count = [&](int y, int x0, int x1) {
+    seen += x1 - x0;
+    if (y < top || y >= top + subject.height()) return;
+    const int end = std::min(x1 - left, subject.width());
+    for (int x = std::max(x0 - left, 0); x < end; ++x) inside += subject.at(x, y - top);
+  };
+  for (int y = 0; y < height; ++y) {
+    if (y < rim || y >= height - rim || 2 * rim >= width) {
+      count(y, 0, width);
+    } else {
+      count(y, 0, rim);
+      count(y, width - rim, width);
+    }
+  }
+  return static_cast<double>(inside) / static_cast<double>(seen);
+}
+
+// A matte of nothing.
+Sheet& LiveKey::Impl::blank(int width, int height) {
+  std::erase_if(sheets, [&](const Sheet& s) { return s.width != width || s.height != height; });
+  auto found = std::find_if(sheets.begin(), sheets.end(), [](const Sheet& s) { return s.free(); });
+  if (found == sheets.end()) {
+    const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    sheets.push_back({std::make_shared<std::uint8_t[]>(size), width, height, {}});
+    return sheets.back();
+  }
+  const BitBox& box = found->drawn;
+  for (int y = box.y0; y < box.y1; ++y)
+    std::memset(found->alpha.get() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + box.x0,
+                0, static_cast<std::size_t>(box.x1 - box.x0));
+  found->drawn = {};
+  return *found;
+}
+
+void LiveKey::Impl::measure_row(const Rows& rgb, int y, int x0, int x1, std::int32_t* out) {
+  const ClothKernels& kernels = cloth_kernels();
+  const std::size_t count = static_cast<std::size_t>(x1 - x0), room = planes.size() / 3;
+  std::uint8_t *r = planes.data(), *g = r + room, *b = g + room;
+  kernels.split(rgb.at(x0, y), count, r, g, b);
+  kernels.quantize(measure->along, r, g, b, padded(count), out);
+}
+
+// Opacity of the cleaned key: 255 inside, solved along the edge and in hair.
+void LiveKey::Impl::draw(const Rows& rgb, Sheet& sheet) {
+  edges.find(subject, faint, doubt);
+  const BitRows& inside = edges.inside();
+  const std::size_t width = static_cast<std::size_t>(sheet.width);
+  const auto pixel = [&](int x, int y) -> std::uint8_t& {
+    return sheet.alpha[width * static_cast<std::size_t>(top + y) + static_cast<std::size_t>(left + x)];
+  };
+  BitBox drawn = bounding_box(inside);
+  for (int y = drawn.y0; y < drawn.y1; ++y)
+    for (std::size_t w = 0; w < inside.words(); ++w)
+      for (std::uint64_t bits = inside.row(y)[w]; bits != 0;) {
+        const int first = std::countr_zero(bits), count = std::countr_one(bits >> first);
+        std::memset(&pixel(static_cast<int>(64 * w) + first, y), 255, static_cast<std::size_t>(count));
+        if (first + count >= 64) break;
+        bits = bits >> (first + count) << (first + count);
+      }
+  if (drawn.empty()) drawn = {subject.width(), subject.height(), 0, 0};
+  const auto solve = [&](const BitEdges::Solved& p) {
+    const std::uint8_t* c = rgb.at(left + p.x, top + p.y);
+    std::uint8_t& out = pixel(p.x, p.y);
+    if (p.known && std::abs(p.subject - p.backing) >= ClothMeasure::kEdgeContrast) {
+      const float solved = (measure->along.of(c[0], c[1], c[2]) - p.backing) / (p.subject - p.backing);
+      out = static_cast<std::uint8_t>(
+          std::clamp(255 * (p.on_edge ? solved : without_noise(solved)) + 0.5f, 0.0f, 255.0f));
+    } else if (cleaner.filled().at(p.x, p.y)) {
+      out = 255;
+    } else if (cleaner.kept().at(p.x, p.y)) {
+      out = static_cast<std::uint8_t>(std::clamp(measure->value(c[0], c[1], c[2]), 0.0f, 255.0f));
+    }
+    if (out == 0) return;
+    drawn = {std::min(drawn.x0, p.x), std::min(drawn.y0, p.y), std::max(drawn.x1, p.x + 1),
+             std::max(drawn.y1, p.y + 1)};
+  };
+  const auto rows = [&](int y, int x0, int x1, std::int32_t* out) {
+    measure_row(rgb, top + y, left + x0, left + x1, out + x0);
+  };
+  edges.solve(std::cref(rows), std::cref(solve));
+  sheet.drawn =
+      drawn.empty() ? BitBox{} : BitBox{left + drawn.x0, top + drawn.y0, left + drawn.x1, top + drawn.y1};
+}
+
+Result<Matte> LiveKey::key(const Frame& frame) {
+  Impl& own = *impl_;
+  const ImageLayout& layout = frame.layout;
+  if (!own.fast() || frame.empty() || layout.format == PixelFormat::Gray8) return own.keyer.key(frame);
+  Image converted;
+  Rows rgb{reinterpret_cast<const std::uint8_t*>(frame.pixels.get()), layout.stride};
+  const std::size_t row_bytes = 3 * static_cast<std::size_t>(layout.width);
+  const bool as_it_is =
+      layout.format == PixelFormat::Rgb8 && layout.height > 0 && layout.stride >= row_bytes &&
+      layout.size_bytes >= layout.stride * static_cast<std::size_t>(layout.height - 1) + row_bytes;
+  if (!as_it_is) {
+    Result<Image> image = to_rgb(frame);
+    if (!image) return forward(image);
+    converted = std::move(*image);
+    rgb = {converted.pixels.data(), 3 * static_cast<std::size_t>(converted.width)};
+  }
+  const int width = layout.width, height = layout.height;
+  if (width <= 0 || height <= 0) return own.keyer.key(frame);
+  own.classify(rgb, width, height);
+  own.crop();
+  own.cleaner.run(own.cleanup, own.subject, own.faint);
+  if (Result<void> ok = check_rim(own.rim_share(width, height), frame.info, "green or blue cloth"); !ok)
+    return forward(ok);
+  Sheet& sheet = own.blank(width, height);
+  own.draw(rgb, sheet);
+  return Matte{frame.info, width, height, static_cast<std::size_t>(width), sheet.alpha};
+}
+
+}  // namespace floatstage::matting

@@ -1,0 +1,157 @@
+#include "matting/keyers/live_key.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/synthetic/synthetic_studio.h"
+#include "matting/keyers/cloth_kernels.h"
+#include "tests/matting/pictures.h"
+#include "tests/support/matchers.h"
+
+namespace floatstage::matting {
+namespace {
+
+struct Difference {
+  long pixels = 0, steps_apart = 0;  // by more than two steps
+  double share() const {
+    return static_cast<double>(steps_apart) / static_cast<double>(std::max(pixels, 1L));
+  }
+};
+
+Difference between(const Matte& a, const Matte& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  Difference all;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x, ++all.pixels)
+      all.steps_apart += std::abs(a.row(y)[x] - b.row(y)[x]) > 2;
+  return all;
+}
+
+void expect_same(const Keyer& keyer, const Frame& frame, const std::string& what) {
+  LiveKey live(keyer);
+  ASSERT_TRUE(live.fast()) << what;
+  const Result<Matte> wanted = keyer.key(frame), made = live.key(frame);
+  ASSERT_EQ(static_cast<bool>(wanted), static_cast<bool>(made)) << what;
+  if (!wanted) {
+    EXPECT_EQ(wanted.error().code, made.error().code) << what;
+    EXPECT_EQ(wanted.error().message, made.error().message) << what;
+    return;
+  }
+  EXPECT_EQ(between(*wanted, *made).steps_apart, 0) << what;
+}
+
+TEST(LiveKey, IsTheKeyersMatteOfEveryCameraOfAStudio) {
+  const Rig rig = synthetic_rig({.cameras = 4, .width = 512, .height = 384});
+  const SyntheticStudio studio = std::move(*SyntheticStudio::create(rig, {.samples = 4}));
+  for (int camera = 0; camera < 4; ++camera) {
+    const auto keyer = std::move(*make_keyer("chroma", {studio.plate(camera)}));
+    for (const int instant : {0, 9}) expect_same(*keyer, studio.shoot(camera, instant).frame, "a performer");
+    expect_same(*keyer, make_frame({}, studio.plate(camera)), "an empty stage");
+  }
+}
+
+TEST(LiveKey, IsTheKeyersMatteOfNoisyAndShadedPictures) {
+  for (const double noise : {0.0, 2.0, 6.0, 15.0})
+    for (const double vignette : {0.0, 0.5, 0.9})
+      for (const int width : {64, 127, 160, 201}) {
+        Scene scene;
+        scene.noise = noise;
+        scene.vignette = vignette;
+        scene.width = width;
+        const auto keyer = std::move(*make_keyer("chroma:#28783c", {}));
+        expect_same(*keyer, make_frame({}, photograph(scene)),
+                    "noise " + std::to_string(noise) + " vignette " + std::to_string(vignette));
+      }
+}
+
+TEST(LiveKey, IsTheKeyersMatteWhateverTheCleanUp) {
+  Scene scene;
+  scene.noise = 12;
+  const Frame frame = make_frame({}, photograph(scene));
+  for (const CleanupOptions& cleanup :
+       {CleanupOptions{.smallest_island = 0, .smallest_hole = 0}, CleanupOptions{.thin_radius = 1},
+        CleanupOptions{.thin_radius = 5, .smallest_island = 0.001, .smallest_hole = 0.1},
+        CleanupOptions{.thin_radius = 20, .largest_only = true}}) {
+    const auto keyer = std::move(*make_keyer("chroma:#28783c", {}, cleanup));
+    expect_same(*keyer, frame, "thin " + std::to_string(cleanup.thin_radius));
+  }
+}
+
+TEST(LiveKey, IsTheKeyersAnswerToPicturesThatAreNoStage) {
+  const auto keyer = std::move(*make_keyer("chroma:#28783c", {}));
+  Random random(3);
+  for (const auto& [width, height] :
+       {std::pair(1, 1), std::pair(3, 70), std::pair(65, 40), std::pair(130, 90)}) {
+    Image noise(width, height, 3);
+    for (std::uint8_t& v : noise.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
+    expect_same(*keyer, make_frame({}, noise), "noise");
+    expect_same(*keyer, make_frame({}, Image(width, height, 3, 0)), "black");
+    expect_same(*keyer, make_frame({}, Image(width, height, 3, 255)), "white");
+    for (std::size_t i = 0; i < noise.pixels.size(); i += 3) {
+      const bool cloth = random.uniform(0, 1) < 0.9;
+      if (cloth) noise.pixels[i] = 40, noise.pixels[i + 1] = 120, noise.pixels[i + 2] = 60;
+    }
+    expect_same(*keyer, make_frame({}, noise), "specks");
+  }
+}
+
+TEST(LiveKey, IsTheKeyerItselfWhereNothingIsFaster) {
+  const Scene scene;
+  const auto keyer = std::move(*make_keyer("difference", {empty_stage(scene)}));
+  LiveKey live(*keyer);
+  EXPECT_FALSE(live.fast());
+  const Frame frame = make_frame({}, photograph(scene));
+  EXPECT_EQ(to_image(*live.key(frame)), to_image(*keyer->key(frame)));
+}
+
+TEST(LiveKey, GivesTheSameWhateverItSawBeforeAndLeavesGivenMattesAlone) {
+  const auto keyer = std::move(*make_keyer("chroma:#28783c", {}));
+  Scene small, large;
+  small.radius = 12;
+  large.radius = 50;
+  LiveKey live(*keyer), other(*keyer);
+  const Image once = to_image(*other.key(make_frame({}, photograph(small))));
+  const Matte held = *live.key(make_frame({}, photograph(large)));
+  const Image before = to_image(held);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(to_image(*live.key(make_frame({}, photograph(small)))), once);
+  EXPECT_EQ(to_image(held), before);
+}
+
+TEST(LiveKey, RefusesWhatTheKeyerRefuses) {
+  const auto keyer = std::move(*make_keyer("chroma:#28783c", {}));
+  LiveKey live(*keyer);
+  EXPECT_THAT(live.key(make_frame({}, Image(8, 8, 1))), FailsWith(ErrorCode::Unsupported, "grey"));
+  Frame cut = make_frame({}, Image(8, 8, 3));
+  cut.layout.height = 9;
+  EXPECT_THAT(live.key(cut), FailsWith(keyer->key(cut).error().code, ""));
+  EXPECT_TRUE(live.key(Frame{})->empty());
+}
+
+TEST(ClothKernels, GiveTheSameBitsOnEveryInstructionSet) {
+  Random random(5);
+  const std::size_t count = 200, whole = padded(count);
+  std::vector<std::uint8_t> rgb(3 * count);
+  for (std::uint8_t& v : rgb) v = static_cast<std::uint8_t>(random.uniform(0, 256));
+  const ClothMeasure measure({40, 120, 60});
+  for (const ClothKernels& kernels : all_cloth_kernels()) {
+    std::vector<std::uint8_t> r(whole), g(whole), b(whole);
+    std::vector<std::uint64_t> subject(whole / 64), faint(whole / 64), doubt(whole / 64);
+    std::vector<std::int32_t> steps(whole);
+    kernels.split(rgb.data(), count, r.data(), g.data(), b.data());
+    kernels.classify(measure, r.data(), g.data(), b.data(), whole, subject.data(), faint.data(),
+                     doubt.data());
+    kernels.quantize(measure.along, r.data(), g.data(), b.data(), whole, steps.data());
+    for (std::size_t x = 0; x < count; ++x) {
+      const std::uint8_t* p = rgb.data() + 3 * x;
+      const float value = measure.value(p[0], p[1], p[2]);
+      ASSERT_EQ(subject[x / 64] >> (x % 64) & 1, value >= 128) << kernels.name;
+      ASSERT_EQ(faint[x / 64] >> (x % 64) & 1, value >= 24) << kernels.name;
+      ASSERT_EQ(doubt[x / 64] >> (x % 64) & 1, value > measure.doubtful) << kernels.name;
+      ASSERT_EQ(steps[x], std::lrint(kQuantum * measure.along.of(p[0], p[1], p[2]))) << kernels.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace floatstage::matting
