@@ -25,7 +25,6 @@ void add_back_end_flag(CLI::App& verb, std::string& back_end) {
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
   add_back_end_flag(verb, flags.back_end);
   render::RendererOptions& o = flags.options;
-  o.flow.backend = "variational";
   add_blend(verb, o.cameras);
   add_background(verb, flags.background);
   verb.add_flag("--balance", flags.balance,

@@ -41,11 +41,12 @@ enum class FlowPlace {
 };
 
 struct FlowOptions {
-  std::string backend = "dis";  ///< see flow_backends(); "none": nothing moves (no estimator)
+  std::string backend = "variational";  ///< see flow_backends(); "none": nothing moves (no estimator)
   std::string preset;  ///< empty: the back-end's own. variational: "fast", "quality"; dis: "medium", "fast",
                        ///< "ultrafast"
   int finest_scale = 0;  ///< level at which the search stops; 0 is full resolution, 1 half, …
-  int iterations = 0;    ///< dis: 0 are the preset's own
+  int iterations = 0;    ///< variational: warps at the finest level, one more at each coarser one up to the
+                         ///< preset's most; dis: of its search. 0: the preset's own
   int refinement = 20;   ///< dis: iterations of its variational refinement (not for "ultrafast")
   int shrink = 1;        ///< the pictures are reduced by this factor first, 1 … 8: much faster, softer
   FlowPlace place = FlowPlace::Auto;  ///< variational, drawn by OpenGL; estimators are always on the CPU

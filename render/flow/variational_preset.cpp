@@ -44,6 +44,10 @@ Result<VariationalPreset> variational_preset(const FlowOptions& options) {
                 text("the variational flow cannot stop at its finest scale ", options.finest_scale, "; 0 to ",
                      kMostFinest, " are possible"));
   preset.solver.finest = options.finest_scale;
+  if (options.iterations < 0 || options.iterations > preset.solver.most_warps)
+    return fail(ErrorCode::InvalidArgument, text(options.iterations, " warps of the variational flow; 0 to ",
+                                                 preset.solver.most_warps, " are possible"));
+  if (options.iterations > 0) preset.solver.finest_warps = options.iterations;
   return preset;
 }
 

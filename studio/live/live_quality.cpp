@@ -13,11 +13,11 @@ constexpr double kRoom = 1.3;    // times the target: there is room for a better
 constexpr double kEasy = 0.6;    // of the time at work, when every instant is shown: there is room too
 constexpr double kLongestPatience = 120;
 
-render::FlowOptions flow(const char* preset, int shrink, int refinement) {
+render::FlowOptions flow(int warps, int finest_scale) {
   render::FlowOptions options;
-  options.preset = preset;
-  options.shrink = shrink;
-  options.refinement = refinement;
+  options.preset = "fast";
+  options.iterations = warps;
+  options.finest_scale = finest_scale;
   return options;
 }
 
@@ -25,12 +25,12 @@ render::FlowOptions flow(const char* preset, int shrink, int refinement) {
 
 const std::vector<LiveQuality>& live_qualities() {
   static const std::vector<LiveQuality> ladder = {
-      {"best", {.shrink = 2, .tolerance = 0.5}, "floating", flow("medium", 1, 20), true},
-      {"good", {.shrink = 2, .tolerance = 0.5}, "floating", flow("medium", 2, 5), true},
-      {"fair", {.shrink = 3, .tolerance = 1}, "floating", flow("fast", 2, 2), true},
-      {"fast", {.shrink = 4, .tolerance = 1}, "floating", flow("ultrafast", 2, 0), false},
-      {"faster", {.shrink = 4, .tolerance = 1.5}, "floating", flow("ultrafast", 4, 0), false},
-      {"plain", {.shrink = 4, .tolerance = 1.5}, "linear", flow("ultrafast", 4, 0), false},
+      {"best", {.shrink = 1, .tolerance = 0.75}, "floating", flow(2, 0), true, 1},
+      {"good", {.shrink = 1, .tolerance = 0.75}, "floating", flow(1, 0), true, 1},
+      {"fair", {.shrink = 1, .tolerance = 0.75}, "floating", flow(1, 1), true, 1},
+      {"fast", {.shrink = 1, .tolerance = 1.5}, "floating", flow(1, 1), true, 1},
+      {"faster", {.shrink = 2, .tolerance = 1.5}, "floating", flow(1, 1), true, 2},
+      {"plain", {.shrink = 2, .tolerance = 1.5}, "linear", flow(1, 1), false, 1},
   };
   return ladder;
 }
@@ -39,8 +39,9 @@ std::string describe(const LiveQuality& q) {
   std::string line =
       text(q.name, ": keys at 1/", q.node.shrink, ", outlines within ", q.node.tolerance, " px, ", q.method);
   if (q.method == "floating")
-    line +=
-        text(", ", q.flow.preset, " flow at 1/", q.flow.shrink, " with ", q.flow.refinement, " refinements");
+    line += text(", flow at 1/", 1 << q.flow.finest_scale, " with ", q.flow.iterations,
+                 q.flow.iterations == 1 ? " warp" : " warps");
+  if (q.output > 1) line += text(", drawn at 1/", q.output);
   if (!q.sharp) line += ", bilinear";
   return line;
 }

@@ -18,11 +18,14 @@ struct LiveQuality {
   std::string method = "floating";
   render::FlowOptions flow;
   bool sharp = true;  ///< RendererOptions::sharp
+  int output = 1;     ///< the view is drawn at 1 / output of its size along each side, and enlarged
 };
 
-/// From the best to the fastest. The first is what `render` does offline, but for the key's scale.
+/// From the best to the fastest: fewer warps of the flow, the flow at half resolution, coarser outlines, a
+/// smaller picture, plain blending (docs/adr/0196). The first is what `render` does offline, but for the
+/// outlines' specks.
 const std::vector<LiveQuality>& live_qualities();
-/// "keys at 1/2, outlines within 0.5 px, floating, flow at 1/2, 5 refinements"
+/// "keys at 1/1, outlines within 0.75 px, floating, flow at 1/2 with 1 warp"
 std::string describe(const LiveQuality& quality);
 
 /// Chooses a quality that keeps up with a wanted frame rate: goes down at once when the chain is too slow,

@@ -15,7 +15,7 @@ struct LiveRunOptions {
   double seconds = 0;  ///< of drawing; 0: until stopped or until the source is over
   int width = 640, height = 480;
   render::RendererOptions renderer;  ///< method and flow come from the quality
-  std::size_t quality = 2;           ///< of live_qualities(), to begin with
+  std::size_t quality = 0;           ///< of live_qualities(), to begin with
   double target_fps =
       12;  ///< the quality is changed so that so many scenes a second are shown; 0: never changed
   double view_fps = 10;  ///< the view goes on at least so often when no new scene comes

@@ -1,5 +1,7 @@
 #include "studio/live/live_view.h"
 
+#include "studio/live/enlarged_picture.h"
+
 namespace floatstage::studio {
 
 Result<bool> set_scene(const LiveScene& scene, const Rig& rig, render::Scene& to) {
@@ -15,6 +17,20 @@ Result<bool> set_scene(const LiveScene& scene, const Rig& rig, render::Scene& to
   return true;
 }
 
+namespace {
+
+View smaller(View view, int factor) {
+  CameraModel& model = view.model;
+  const double width = model.width, height = model.height;
+  model.width = (model.width + factor - 1) / factor;
+  model.height = (model.height + factor - 1) / factor;
+  for (double* v : {&model.fx, &model.cx, &model.skew}) *v *= model.width / width;
+  for (double* v : {&model.fy, &model.cy}) *v *= model.height / height;
+  return view;
+}
+
+}  // namespace
+
 Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
   scene_ = scene;
   const Result<bool> uploaded = set_scene(*scene, rig_, drawn_);
@@ -27,8 +43,16 @@ Result<std::optional<render::RenderedView>> LiveView::render(const View& view, c
   if (!drawable_) return std::optional<render::RenderedView>();
   options.flow = quality.flow;
   options.sharp = quality.sharp;
-  Result<render::RenderedView> picture = renderers_.render(quality.method, drawn_, view, options);
+  const int width = view.model.width, height = view.model.height;
+  Result<render::RenderedView> picture =
+      renderers_.render(quality.method, drawn_, smaller(view, quality.output), options);
   if (!picture) return forward(picture);
+  if (quality.output > 1) {
+    if (picture->picture == nullptr) small_ = render::download(*picture);
+    if (enlarged_.width != width || enlarged_.height != height) enlarged_ = Image(width, height, 4);
+    enlarge(picture->picture != nullptr ? *picture->picture : small_, enlarged_);
+    *picture = {0, &enlarged_, width, height, picture->cameras};
+  }
   return std::optional<render::RenderedView>(*picture);
 }
 

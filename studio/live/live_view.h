@@ -22,7 +22,7 @@ class LiveView {
   /// From now on this scene is drawn.
   Result<void> show(const std::shared_ptr<const LiveScene>& scene);
   /// The scene from a view; nothing when there is nothing to draw. `options` but for method and flow, which
-  /// are the quality's.
+  /// are the quality's. Valid until the next one.
   Result<std::optional<render::RenderedView>> render(const View& view, const LiveQuality& quality,
                                                      render::RendererOptions options);
 
@@ -35,6 +35,7 @@ class LiveView {
   std::shared_ptr<const LiveScene> scene_;
   render::Scene drawn_;
   render::MethodRenderers renderers_;
+  Image small_, enlarged_;  // of a quality that draws smaller pictures
   bool drawable_ = false;
 };
 

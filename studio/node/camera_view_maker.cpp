@@ -55,6 +55,9 @@ Result<void> check(const NodeQuality& quality) {
   if (!(quality.tolerance >= 0 && quality.tolerance <= 16))
     return fail(ErrorCode::InvalidArgument,
                 text("a contour tolerance of ", quality.tolerance, " px is not between 0 and 16"));
+  if (!(quality.smallest >= 0 && quality.smallest <= 0.01))
+    return fail(ErrorCode::InvalidArgument,
+                text("islands of ", quality.smallest, " of a picture's area; 0 to 0.01 may be left out"));
   return {};
 }
 
@@ -66,14 +69,13 @@ Result<CameraViewMaker> CameraViewMaker::make(const std::string& serial, const C
   node.samples_ = std::move(samples);
   Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, node.samples_);
   if (!keyer) return blame(serial, keyer.error());
-  node.keyers_[1] = std::move(*keyer);
+  node.keyers_.insert_or_assign(1, KeyerAtScale(std::move(*keyer)));
   return node;
 }
 
-Result<const matting::Keyer*> CameraViewMaker::keyer_at(int factor) {
-  std::unique_ptr<matting::Keyer>& keyer = keyers_[factor];
-  if (keyer) return keyer.get();
-  const matting::Keyer& whole = *keyers_.at(1);
+Result<matting::LiveKey*> CameraViewMaker::keyer_at(int factor) {
+  if (const auto found = keyers_.find(factor); found != keyers_.end()) return &found->second.live;
+  const matting::Keyer& whole = *keyers_.at(1).keyer;
   std::vector<Image> samples;
   for (const Image& sample : samples_) {
     Result<Image> small = shrink(make_frame({}, sample), factor);
@@ -83,12 +85,11 @@ Result<const matting::Keyer*> CameraViewMaker::keyer_at(int factor) {
   Result<std::unique_ptr<matting::Keyer>> made =
       matting::make_keyer(whole.spec(), samples, shrunk(whole.cleanup(), factor));
   if (!made) return forward(made);
-  keyer = std::move(*made);
-  return keyer.get();
+  return &keyers_.insert_or_assign(factor, KeyerAtScale(std::move(*made))).first->second.live;
 }
 
 Result<void> CameraViewMaker::prepare(int factor) {
-  const Result<const matting::Keyer*> keyer = keyer_at(factor);
+  const Result<matting::LiveKey*> keyer = keyer_at(factor);
   return keyer ? Result<void>() : blame(serial_, keyer.error());
 }
 
@@ -98,7 +99,7 @@ Result<std::shared_ptr<const ForegroundTile>> CameraViewMaker::tile_of(const Fra
   if (box.empty()) return std::shared_ptr<const ForegroundTile>();
   const Result<Frame> part = crop(frame, box);
   if (!part) return forward(part);
-  Result<Image> picture = keyers_.at(1)->suppress_spill(*part);
+  Result<Image> picture = keyers_.at(1).keyer->suppress_spill(*part);
   if (!picture) return forward(picture);
   auto tile = std::make_shared<ForegroundTile>();
   tile->x = box.x;
@@ -127,16 +128,21 @@ Result<CameraView> CameraViewMaker::look(const Frame& frame, const Instant& inst
 
   Stopwatch watch;
   const int factor = quality.shrink;
-  const Result<Image> small = shrink(frame, factor);
-  if (!small) return blame(serial_, small.error());
-  const Result<const matting::Keyer*> keyer = keyer_at(factor);
+  const Result<matting::LiveKey*> keyer = keyer_at(factor);
   if (!keyer) return blame(serial_, keyer.error());
-  const Result<Matte> matte = (*keyer)->key(make_frame(frame.info, *small));
+  Frame small = frame;
+  if (factor > 1) {
+    const Result<Image> averaged = shrink(frame, factor);
+    if (!averaged) return blame(serial_, averaged.error());
+    small = make_frame(frame.info, *averaged);
+  }
+  const Result<Matte> matte = (*keyer)->key(small);
   if (!matte) return blame(serial_, matte.error());
   timings_.key = watch.lap();
 
   recon::SilhouetteOptions options;
   options.tolerance = quality.tolerance / factor;
+  options.smallest = quality.smallest * matte->width * matte->height;
   recon::outline_of(*matte, shrunk(model_, factor), options, outlines_, view.outline);
   const Eigen::Array2d size(model_.width,
                             model_.height);  // the last shrunk pixel may reach beyond the picture

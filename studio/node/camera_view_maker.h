@@ -9,6 +9,7 @@
 #include "core/frame.h"
 #include "core/result.h"
 #include "matting/keyers/keyer.h"
+#include "matting/keyers/live_key.h"
 #include "recon/outline.h"
 #include "studio/messages/camera_view.h"
 
@@ -16,8 +17,11 @@ namespace floatstage::studio {
 
 /// How well a camera node looks: what may be changed from one frame to the next.
 struct NodeQuality {
-  int shrink = 2;          ///< photograph pixels per keyed pixel, along each side
-  double tolerance = 0.5;  ///< px of the photograph by which outlines may leave the key's edge
+  int shrink = 1;           ///< photograph pixels per keyed pixel, along each side
+  double tolerance = 0.75;  ///< px of the photograph by which outlines may leave the key's edge
+  /// Islands and holes of the key of less than this share of the picture's area are left out of the outline:
+  /// 4e-5 are 31 pixels at 1024x768. They stay in the tile's matte.
+  double smallest = 4e-5;
   bool operator==(const NodeQuality&) const = default;
 };
 
@@ -57,19 +61,23 @@ class CameraViewMaker {
 
   const std::string& serial() const { return serial_; }
   const NodeTimings& timings() const { return timings_; }  ///< of the last look()
-  std::string spec() const { return keyers_.at(1)->spec(); }
+  std::string spec() const { return keyers_.at(1).keyer->spec(); }
 
  private:
   CameraViewMaker() = default;
-  Result<const matting::Keyer*> keyer_at(int shrink);
+  Result<matting::LiveKey*> keyer_at(int shrink);
   Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small,
                                                         int shrink) const;
 
   std::string serial_;
   CameraModel model_;
   std::vector<Image> samples_;
-  std::map<int, std::unique_ptr<matting::Keyer>>
-      keyers_;  // by shrink: each knows the clean plate at its size
+  struct KeyerAtScale {
+    explicit KeyerAtScale(std::unique_ptr<matting::Keyer> made) : keyer(std::move(made)), live(*keyer) {}
+    std::unique_ptr<matting::Keyer> keyer;  // knows the clean plate at its size
+    matting::LiveKey live;
+  };
+  std::map<int, KeyerAtScale> keyers_;  // by shrink
   recon::OutlineWorkspace outlines_;
   NodeTimings timings_;
 };

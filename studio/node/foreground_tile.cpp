@@ -54,6 +54,10 @@ PixelBox subject_box(const Matte& small, int factor, int width, int height) {
 
 Image enlarged(const Matte& small, int factor, const PixelBox& box) {
   Image out(box.width, box.height, 1);
+  if (factor == 1) {
+    for (int y = 0; y < box.height; ++y) std::copy_n(small.row(box.y + y) + box.x, box.width, out.at(0, y));
+    return out;
+  }
   const std::vector<Tap> across = taps(box.x, box.width, factor, small.width),
                          down = taps(box.y, box.height, factor, small.height);
   std::vector<int> line(static_cast<std::size_t>(small.width));  // of small pixels, between two rows; 256ths

@@ -23,7 +23,6 @@ TEST_P(CpuRenderer, AllocatesNothingOnceItHasSeenItsViews) {
   ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
   const auto renderer = std::move(*make_renderer(method, render::BackEnd::Cpu));
   RendererOptions options;
-  options.flow.backend = "variational";
   options.threads = threads;
   const View views[] = {view_at(8, 25, small_camera(256, 192)), view_at(-13, 5), view_at(3, 40)};
   constexpr int kWarmUp = 20, kCounted = 5;

@@ -102,6 +102,7 @@ class LiveWindow {
     feed_.set_quality(quality.node);
     state_.renderer.flow = quality.flow;
     state_.renderer.sharp = quality.sharp;
+    state_.render_scale = 1.0F / static_cast<float>(quality.output);
     const auto method = std::find(state_.methods.begin(), state_.methods.end(), quality.method);
     if (method != state_.methods.end()) state_.left = static_cast<int>(method - state_.methods.begin());
     log::info(text("live quality at ", std::round(10 * pace_.fps()) / 10,

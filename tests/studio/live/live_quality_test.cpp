@@ -34,9 +34,26 @@ TEST(LiveQualities, ArePossibleAndOrderedFromTheBestToTheFastest) {
     const LiveQuality& better = live_qualities()[i - 1];
     EXPECT_GE(q.node.shrink, better.node.shrink);
     EXPECT_GE(q.node.tolerance, better.node.tolerance);
-    EXPECT_GE(q.flow.shrink, better.flow.shrink);
+    EXPECT_GE(q.flow.finest_scale, better.flow.finest_scale);
+    EXPECT_LE(q.flow.iterations, better.flow.iterations);
+    if (q.method == better.method) {
+      EXPECT_GE(q.output, better.output);
+    }
     EXPECT_NE(describe(q), describe(better));
   }
+}
+
+TEST(LiveQualities, GiveUpWarpsThenTheFlowsResolutionThenOutlinesThenPixelsThenTheFlow) {
+  const std::vector<LiveQuality>& q = live_qualities();
+  ASSERT_EQ(q.size(), 6U);
+  EXPECT_EQ(q[0].node.shrink, 1) << "whole pictures are keyed";
+  EXPECT_EQ(q[0].flow.finest_scale, 0);
+  EXPECT_LT(q[1].flow.iterations, q[0].flow.iterations);
+  EXPECT_GT(q[2].flow.finest_scale, q[1].flow.finest_scale);
+  EXPECT_GT(q[3].node.tolerance, q[2].node.tolerance);
+  EXPECT_GT(q[4].output, q[3].output);
+  EXPECT_EQ(q[4].method, "floating");
+  EXPECT_EQ(q[5].method, "linear");
 }
 
 TEST(QualityControl, GoesDownWhenTwoWindowsWereTooSlow) {

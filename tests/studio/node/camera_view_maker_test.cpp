@@ -44,6 +44,31 @@ TEST_F(ACameraViewMaker, FindsTheOutlineOfTheSubjectAtAnyScaleOfTheKey) {
   }
 }
 
+TEST_F(ACameraViewMaker, LeavesSpecksOutOfTheOutlineAndKeepsThemInTheTile) {
+  Image picture = *to_rgb(shot_.frame);
+  const Image truth = to_image(shot_.matte);
+  for (int y = 100; y < 140; y += 4)  // holes of a pixel, filled with the cloth's colour
+    for (int x = 2; x < 318; x += 4)
+      if (*truth.at(x, y) == 255 && *truth.at(x - 2, y) == 255 && *truth.at(x + 2, y) == 255)
+        std::copy_n(shots_.studio.plate(0).at(x, y), 3, picture.at(x, y));
+  const Frame frame = make_frame(shot_.frame.info, picture);
+  CameraViewMaker at = node();
+  const CameraView all = look(at, frame, true, {.smallest = 0}),
+                   large = look(at, frame, true, {.smallest = 2e-4});
+  EXPECT_LT(large.outline.polygons(), all.outline.polygons());
+  for (int k = 0; k < large.outline.polygons(); ++k) {
+    double twice = 0;
+    const int begin = large.outline.starts[k], end = large.outline.starts[k + 1];
+    for (int i = begin; i < end; ++i) {
+      const Eigen::Vector2d &p = large.outline.points[i],
+                            &q = large.outline.points[i + 1 < end ? i + 1 : begin];
+      twice += p.x() * q.y() - p.y() * q.x();
+    }
+    EXPECT_GT(std::abs(twice) / 2, 0.5 * 2e-4 * 320 * 240) << "simplifying moves points a little";
+  }
+  EXPECT_EQ(large.tile->matte, all.tile->matte);
+}
+
 TEST_F(ACameraViewMaker, SaysWhenAndWhereItsPictureWasTaken) {
   CameraViewMaker at = node();
   const CameraView view = look(at, shot_.frame);
@@ -160,6 +185,7 @@ TEST(NodeQuality, IsCheckedWithASentence) {
               FailsWith(ErrorCode::InvalidArgument, "1/9"));
   EXPECT_THAT(check(NodeQuality{.shrink = 2, .tolerance = -1}),
               FailsWith(ErrorCode::InvalidArgument, "tolerance"));
+  EXPECT_THAT(check(NodeQuality{.smallest = 0.5}), FailsWith(ErrorCode::InvalidArgument, "islands"));
 }
 
 }  // namespace
