@@ -82,6 +82,11 @@ TEST(Flow, RefusesUnknownNamesAndNumbers) {
   options = {};
   options.finest_scale = -1;
   EXPECT_THAT(render::make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "finest scale"));
+  for (const int warps : {-1, 99}) {
+    options = {};
+    options.iterations = warps;
+    EXPECT_THAT(render::make_flow_estimator(options), FailsWith(ErrorCode::InvalidArgument, "warps"));
+  }
 }
 
 TEST(PictureFill, KeepsWhatIsKnownAndContinuesItSmoothly) {
