@@ -1,6 +1,7 @@
 // Reads the project's own documents: a link that leads nowhere sends a reader away.
 
 #include <filesystem>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,6 +45,20 @@ TEST(Documents, LinkOnlyToWhatIsThere) {
   EXPECT_GT(documents.size(), 50u);
   EXPECT_THAT(broken_links(documents, [](const std::string& path) { return fs::exists(kRoot / path); }),
               IsEmpty());
+}
+
+TEST(Decisions, HaveANumberEachAndStandInTheirIndex) {
+  const Result<std::string> index = read_file(kRoot / "docs/adr/README.md");
+  ASSERT_TRUE(index);
+  std::map<std::string, std::string> names;  // by number
+  for (const fs::directory_entry& file : fs::directory_iterator(kRoot / "docs/adr")) {
+    const std::string name = file.path().filename().string();
+    if (name == "README.md") continue;
+    const auto [other, is_new] = names.emplace(name.substr(0, 4), name);
+    EXPECT_TRUE(is_new) << name << " has the number of " << other->second;
+    EXPECT_THAT(*index, HasSubstr("(" + name + ")"));
+  }
+  EXPECT_GT(names.size(), 100u);
 }
 
 TEST(DocumentLinks, AreFoundOutsideOfCode) {

@@ -2,7 +2,7 @@
 // Paper:   W. Lee, W. Woo, E. Boyer, "Silhouette Segmentation in Multiple Views", PAMI 2011, sections 4 and 5
 // Differs: one picture at a time; the hull of the believed mattes is the only word on space; all believed
 //          mattes teach the subject's colours
-// ADR:     0196
+// ADR:     0194
 
 #include "pipeline/matte/rekey.h"
 

@@ -30,7 +30,7 @@ std::string sentence(const HealedCamera& healed);
 /// Cuts mattes anew that the others contradict, or that the camera's key refused to make: from the hull and
 /// the colours of the cameras that nobody accuses (rekey()). Who is accused the audit says; where it sees
 /// nothing, and yet more than a tenth of half of the silhouettes stays unexplained, those are that lack most
-/// of what the others see, pixel by pixel (docs/adr/0196-a-wrong-matte-is-cut-anew-by-the-others.md).
+/// of what the others see, pixel by pixel (docs/adr/0194-a-wrong-matte-is-cut-anew-by-the-others.md).
 ///
 /// Only mattes that we made and that no person has edited; what somebody put there is never touched. A new
 /// matte is believed, and written, only when the audit then finds less wrong with its camera and nothing
