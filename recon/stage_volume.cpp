@@ -285,6 +285,7 @@ bool StageFinder::may_grow(int cameras, double finest) {
       }
     }
     core_.swap(next_);
+    if (core_.size() > kMostCubes) return true;  // too many to tell: grow() bounds its own search
   }
   return std::any_of(core_.begin(), core_.end(), [&](const Vector3d& cube) { return lacks_most(cube); });
 }
