@@ -13,7 +13,7 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr double kFarOff = 1.6;  // a gain that more than a stop fraction explains: something else is wrong
+constexpr double kFarOff = 1.6;  // cameras of one studio differ by less
 
 bool has_colors(const Rig& rig) {
   return std::any_of(rig.cameras.begin(), rig.cameras.end(),

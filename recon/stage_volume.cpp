@@ -70,6 +70,16 @@ bool StageFinder::carve(int cameras) {
   return cubes_.empty();
 }
 
+/// Puts those of the eight parts of each cube in its place that are kept; `half` is theirs.
+template <class Keep>
+void StageFinder::halve(std::vector<Vector3d>& cubes, double half, const Keep& keep) {
+  next_.clear();
+  for (const Vector3d& cube : cubes)
+    for (const Vector3d& octant : kOctants)
+      if (const Vector3d center = cube + half * octant; keep(center)) next_.push_back(center);
+  cubes.swap(next_);
+}
+
 /// Halves the cubes and carves. `finest`: the half of a cube to go down to; 0: as the volume asks for.
 void StageFinder::refine(int cameras, double reach, double finest) {
   const auto fine_enough = [&] {
@@ -78,14 +88,7 @@ void StageFinder::refine(int cameras, double reach, double finest) {
   while (!cubes_.empty() && cubes_.size() <= kMostCubes && !fine_enough()) {
     half_ /= 2;
     const bool small = half_ * kSmall <= reach;
-    next_.clear();
-    for (const Vector3d& cube : cubes_) {
-      for (int octant = 0; octant < 8; ++octant) {
-        const Vector3d center = cube + half_ * kOctants[octant];
-        if (keeps(center, kBall * half_, small, cameras)) next_.push_back(center);
-      }
-    }
-    cubes_.swap(next_);
+    halve(cubes_, half_, [&](const Vector3d& c) { return keeps(c, kBall * half_, small, cameras); });
   }
 }
 
@@ -276,15 +279,9 @@ bool StageFinder::may_grow(int cameras, double finest) {
   while (half > finest) {
     half /= 2;
     const bool small = half * kSmall <= reach_;
-    next_.clear();
-    for (const Vector3d& cube : core_) {
-      for (int octant = 0; octant < 8; ++octant) {
-        const Vector3d center = cube + half * kOctants[octant];
-        if (may_see_missing(center, kBall * half) && keeps(center, kBall * half, small, cameras))
-          next_.push_back(center);
-      }
-    }
-    core_.swap(next_);
+    halve(core_, half, [&](const Vector3d& c) {
+      return may_see_missing(c, kBall * half) && keeps(c, kBall * half, small, cameras);
+    });
     if (core_.size() > kMostCubes) return true;  // too many to tell: grow() bounds its own search
   }
   return std::any_of(core_.begin(), core_.end(), [&](const Vector3d& cube) { return lacks_most(cube); });

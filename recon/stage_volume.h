@@ -71,6 +71,8 @@ class StageFinder {
 
   bool keeps(const Eigen::Vector3d& center, double radius, bool small, int cameras);
   bool carve(int cameras);
+  template <class Keep>
+  void halve(std::vector<Eigen::Vector3d>& cubes, double half, const Keep& keep);
   void refine(int cameras, double reach, double finest);
   bool is_bounded(double reach) const;
   void count_unexplained();

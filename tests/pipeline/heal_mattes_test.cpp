@@ -12,6 +12,7 @@
 #include "pipeline/evaluate/evaluate.h"
 #include "pipeline/process/process.h"
 #include "pipeline/synthesize.h"
+#include "tests/support/broken_mattes.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
@@ -54,14 +55,7 @@ void lamp_kept(const Image&, Image& matte) {
       if ((x - cx) * (x - cx) + (y - cy) * (y - cy) < r * r) *matte.at(x, y) = 255;
 }
 
-void half_cut(const Image&, Image& matte) {
-  int top = matte.height, bottom = 0;
-  for (int y = 0; y < matte.height; ++y)
-    if (std::any_of(matte.at(0, y), matte.at(0, y) + matte.width, [](std::uint8_t a) { return a >= 128; }))
-      top = std::min(top, y), bottom = y;
-  std::fill(matte.pixels.begin(),
-            matte.pixels.begin() + static_cast<std::ptrdiff_t>(matte.offset(0, (top + bottom) / 2)), 0);
-}
+void half_cut(const Image&, Image& matte) { test::cut_upper_half(matte); }
 
 std::string name_of(const testing::TestParamInfo<BrokenKey>& key) { return key.param.name; }
 

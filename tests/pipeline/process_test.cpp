@@ -11,6 +11,7 @@
 #include "core/png.h"
 #include "pipeline/scene_loader.h"
 #include "recon/mesh/mesh_check.h"
+#include "tests/support/broken_mattes.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::pipeline {
@@ -326,12 +327,7 @@ TEST(Process, NamesAMatteThatIsAllForeground) {
 // The upper half of what the matte shows is gone.
 void cut_upper_half(const fs::path& matte) {
   Image alpha = *load_png(matte);
-  int top = alpha.height, bottom = 0;
-  for (int y = 0; y < alpha.height; ++y)
-    if (std::any_of(alpha.at(0, y), alpha.at(0, y) + alpha.width, [](std::uint8_t a) { return a >= 128; }))
-      top = std::min(top, y), bottom = y;
-  std::fill(alpha.pixels.begin(),
-            alpha.pixels.begin() + static_cast<std::ptrdiff_t>(alpha.offset(0, (top + bottom) / 2)), 0);
+  test::cut_upper_half(alpha);
   ASSERT_THAT(save_png(alpha, matte), IsOk());
 }
 
