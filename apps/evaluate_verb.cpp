@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -17,6 +18,7 @@
 #include "pipeline/evaluate/evaluate.h"
 #include "pipeline/evaluate/evaluate_mattes.h"
 #include "pipeline/evaluate/picture_sheet.h"
+#include "pipeline/evaluate/temporal.h"
 #include "pipeline/json_report.h"
 #include "render/back_end.h"
 
@@ -26,9 +28,12 @@ namespace {
 using nlohmann::json;
 
 struct Options {
-  std::filesystem::path take, json_file, csv_file, sheet;
-  std::vector<std::string> hold_out, methods = {"nearest", "linear", "floating"};
-  std::string frames;
+  std::filesystem::path take, json_file, csv_file, sheet, path_file;
+  std::vector<std::string> inputs, hold_out, methods = {"nearest", "linear", "floating"};
+  const CLI::Option* inputs_word = nullptr;
+  std::string frames, proxy, scale = "1/1";
+  bool orbit = false;
+  int border = -1, steps = 200;
   bool mattes = false;
   std::filesystem::path truth;
   RendererFlags renderer;
@@ -42,7 +47,9 @@ struct Column {
 constexpr Column kColumns[] = {
     {"psnr_mask", &pipeline::Scores::psnr},       {"ssim_mask", &pipeline::Scores::ssim},
     {"cw_ssim_mask", &pipeline::Scores::cw_ssim}, {"psnr_shift_mask", &pipeline::Scores::psnr_shift},
-    {"sharpness", &pipeline::Scores::sharpness},  {"psnr_full", &pipeline::Scores::psnr_full}};
+    {"sharpness", &pipeline::Scores::sharpness},  {"psnr_full", &pipeline::Scores::psnr_full},
+    {"psnr_edge", &pipeline::Scores::psnr_edge},  {"psnr_color_mask", &pipeline::Scores::psnr_color},
+    {"ghosting", &pipeline::Scores::ghosting}};
 
 struct Row {
   std::string serial;
@@ -60,9 +67,14 @@ json to_json(const pipeline::Scores& s) {
 pipeline::Scores mean(const std::vector<Row>& rows, const std::string& method) {
   pipeline::Scores m;
   for (const Column& c : kColumns) {
-    double sum = 0;
-    for (const Row& r : rows) sum += r.scores.at(method).*c.score;
-    m.*c.score = sum / static_cast<double>(rows.size());
+    double sum = 0, known = 0;
+    for (const Row& r : rows) {
+      const double score = r.scores.at(method).*c.score;
+      if (std::isnan(score)) continue;  // this camera has no such score
+      sum += score;
+      ++known;
+    }
+    m.*c.score = known > 0 ? sum / known : pipeline::Scores::kUnknown;
   }
   return m;
 }
@@ -238,47 +250,126 @@ Result<void> run_mattes(const Options& given) {
   return pipeline::save_json(j, given.json_file);
 }
 
-Result<void> run(const Options& given) {
-  if (given.mattes) return run_mattes(given);
+Result<int> parse_scale(const std::string& words) {
+  constexpr int kSmallest = 64;
+  int n = 0;
+  const char* end = words.data() + words.size();
+  if (words.starts_with("1/")) {
+    const auto [stop, error] = std::from_chars(words.data() + 2, end, n);
+    if (error == std::errc() && stop == end && n >= 1 && n <= kSmallest) return n;
+  }
+  return fail(ErrorCode::InvalidArgument,
+              text("--scale '", words, "' is no scale; write 1/2 for half the size, down to 1/", kSmallest));
+}
+
+// What is asked for, without the take.
+Result<pipeline::EvaluateOptions> evaluate_options(const Options& given) {
   const Result<recon::HullOptions> hull = hull_options(given.hull);
   if (!hull) return forward(hull);
-  pipeline::EvaluateOptions options{
-      .hold_out = given.hold_out, .methods = given.methods, .renderer = {}, .hull = *hull};
-  Result<render::RendererOptions> renderer = renderer_options(given.renderer);
+  pipeline::EvaluateOptions options{.inputs = given.inputs,
+                                    .hold_out = given.hold_out,
+                                    .methods = given.methods,
+                                    .renderer = {},
+                                    .proxy = {}};
+  if (given.inputs_word->count() > 0 && given.inputs.empty())
+    return fail(ErrorCode::InvalidArgument,
+                "--inputs names no camera; write serials with commas between them, or every:2");
+  options.proxy.hull = *hull;
+  if (given.hull.given()) options.proxy.kind = pipeline::Proxy::Kind::Hull;
+  if (!given.proxy.empty()) {
+    const Result<pipeline::Proxy> proxy = pipeline::parse_proxy(given.proxy, *hull);
+    if (!proxy) return forward(proxy);
+    options.proxy = *proxy;
+  }
+  const Result<int> scale = parse_scale(given.scale);
+  if (!scale) return forward(scale);
+  options.scale = *scale;
+  options.border = given.border;
+  const Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
   options.balance = given.renderer.balance;
+  return options;
+}
+
+json to_json(const pipeline::TemporalScores& s) {
+  return {{"jitter", s.jitter}, {"jitter_p999", s.jitter_p999},
+          {"pop", s.pop},       {"set_changes", s.set_changes},
+          {"steps", s.steps},   {"points", s.points}};
+}
+
+Result<pipeline::CameraPath> path_of(const Options& given, capture::TakeReader& take,
+                                     const pipeline::EvaluateOptions& options) {
+  if (!given.orbit) return pipeline::load_path(given.path_file);
+  Result<pipeline::Instant> instant = pipeline::load_instant(take, options.frames.front(), options.proxy);
+  if (!instant) return forward(instant);
+  const Result<Mesh> mesh = pipeline::proxy_without(
+      take, *instant, -1, std::vector<bool>(take.rig().cameras.size(), true), options.proxy);
+  if (!mesh) return forward(mesh);
+  return pipeline::orbit_path(take.rig(), bounding_box(*mesh).cast<double>(), 1);
+}
+
+Result<void> run_path(const Options& given, capture::TakeReader& take,
+                      const pipeline::EvaluateOptions& options) {
+  const Result<pipeline::CameraPath> path = path_of(given, take, options);
+  if (!path) return forward(path);
+  const Result<std::map<std::string, pipeline::TemporalScores>> scores =
+      pipeline::evaluate_path(take, options, {*path, given.steps});
+  if (!scores) return forward(scores);
+  std::printf("%-12s %10s %12s %10s %12s\n", "along", "jitter", "jitter_p999", "pop", "set_changes");
+  json j = {{"take", given.take.string()}};
+  for (const std::string& m : options.methods) {
+    const pipeline::TemporalScores& s = scores->at(m);
+    std::printf("%-12s %10.4f %12.3f %10.3f %12d\n", m.c_str(), s.jitter, s.jitter_p999, s.pop,
+                s.set_changes);
+    j["mean"][m]["temporal"] = to_json(s);
+  }
+  return given.json_file.empty() ? Result<void>() : pipeline::save_json(j, given.json_file);
+}
+
+Result<void> run_held_out(const Options& given, capture::TakeReader& take,
+                          const pipeline::EvaluateOptions& options, ProgressBar& bar) {
+  const Result<pipeline::Inputs> inputs =
+      pipeline::choose_inputs(take.rig(), options.inputs, options.hold_out);
+  if (!inputs) return forward(inputs);
+  if (!given.sheet.empty())
+    if (Result<void> ok = make_folder(given.sheet); !ok) return ok;
+  std::vector<Row> rows;
+  pipeline::ProgressPart progress(&bar, "views", inputs->held.size() * options.frames.size());
+  Result<void> done = pipeline::evaluate_take(take, options, [&](pipeline::HeldOutView view) -> Result<void> {
+    progress.advance();
+    if (!given.sheet.empty()) {
+      const std::string name = text(view.serial, "-", view.frame, ".png");
+      if (Result<void> ok = save_png(pipeline::sheet_row(view, options.methods), given.sheet / name); !ok)
+        return ok;
+    }
+    rows.push_back({std::move(view.serial), view.frame, view.has_matte, std::move(view.scores)});
+    return {};
+  });
+  if (!done) return done;
+  print_table(rows, options.methods);
+  return save_reports(given, rows, options.methods);
+}
+
+Result<void> run(const Options& given) {
+  if (given.mattes) return run_mattes(given);
+  if (given.orbit && !given.path_file.empty())
+    return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
+  Result<pipeline::EvaluateOptions> options = evaluate_options(given);
+  if (!options) return forward(options);
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   Result<std::vector<int>> frames =
       parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
-  options.frames = std::move(*frames);
-  if (!given.sheet.empty())
-    if (Result<void> ok = make_folder(given.sheet); !ok) return ok;
-  const Result<render::OpenBackEnd> drawing = render::open_back_end(options.renderer.back_end);
+  options->frames = std::move(*frames);
+  const Result<render::OpenBackEnd> drawing = render::open_back_end(options->renderer.back_end);
   if (!drawing) return forward(drawing);
-  options.renderer.back_end = drawing->back_end;
-
-  std::vector<Row> rows;
-  const std::size_t held = options.hold_out.empty() ? (*take)->rig().cameras.size() : options.hold_out.size();
+  options->renderer.back_end = drawing->back_end;
   ProgressBar bar;
-  options.progress = &bar;
-  pipeline::ProgressPart progress(&bar, "views", held * options.frames.size());
-  Result<void> done =
-      pipeline::evaluate_take(**take, options, [&](pipeline::HeldOutView view) -> Result<void> {
-        progress.advance();
-        if (!given.sheet.empty()) {
-          const std::string name = text(view.serial, "-", view.frame, ".png");
-          if (Result<void> ok = save_png(pipeline::sheet_row(view, options.methods), given.sheet / name); !ok)
-            return ok;
-        }
-        rows.push_back({std::move(view.serial), view.frame, view.has_matte, std::move(view.scores)});
-        return {};
-      });
-  if (!done) return done;
-  print_table(rows, options.methods);
-  return save_reports(given, rows, options.methods);
+  options->progress = &bar;
+  const bool walks = given.orbit || !given.path_file.empty();
+  return walks ? run_path(given, **take, *options) : run_held_out(given, **take, *options, bar);
 }
 
 }  // namespace
@@ -289,16 +380,38 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
       add_verb(app, chosen, "evaluate",
                "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones",
                {"floatstage evaluate take --hold-out cam02,cam05 --frames 0:50:10 --json scores.json",
-                "floatstage evaluate take --mattes --truth true-mattes"});
+                "floatstage evaluate take --orbit --methods linear,floating --json steadiness.json"});
   add_take(*verb, options->take);
+  options->inputs_word =
+      add_list(*verb, "--inputs", options->inputs,
+               "Cameras to draw from: serials, or every:N for every N-th, on a grid every N-th "
+               "of every N-th row (default: all)");
   add_list(*verb, "--hold-out", options->hold_out,
-           "Cameras, by serial, each left out in turn (default: every one)");
+           "Cameras, by serial, each left out in turn (default: those that are no --inputs, of a grid the "
+           "ones in the middle between; every one where all are)");
   add_list(*verb, "--methods", options->methods, method_help(), renderer_names());
   add_frames(*verb, options->frames, "0; with --mattes: all");
   verb->add_option("--csv", options->csv_file, "Write the scores as CSV")->type_name("FILE");
   verb->add_option("--sheet", options->sheet,
                    "Write a picture sheet a view to this folder: truth, methods, difference")
       ->type_name("FOLDER");
+  verb->add_option(
+          "--proxy", options->proxy,
+          "What photographs are projected onto: exact or octree (a hull without the held-out camera), "
+          "FILE.ply, or plane:Z, metres before the cameras (default: what films are drawn on)")
+      ->type_name("WHAT");
+  verb->add_option("--scale", options->scale, "Draw and compare at 1/N of the photographs' size")
+      ->capture_default_str()
+      ->type_name("1/N");
+  verb->add_option("--border", options->border,
+                   "Pixels along the picture's sides that do not count (default: none; without mattes a "
+                   "twelfth of the width)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("PX");
+  verb->add_flag("--orbit", options->orbit,
+                 "Walk around instead, where the cameras stand, and say how steady the methods are");
+  verb->add_option("--path", options->path_file, "The same along a camera path")->type_name("FILE");
+  verb->add_option("--steps", options->steps, "Pictures of that walk")->capture_default_str();
   verb->add_flag("--mattes", options->mattes,
                  "Score the take's mattes against true ones instead of rendered views")
       ->group(kGroupMattes);

@@ -1,78 +1,73 @@
 #include "pipeline/evaluate/evaluate.h"
 
-#include <algorithm>
-#include <optional>
+#include <limits>
 
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/evaluate/held_out_scene.h"
 #include "pipeline/evaluate/undistort.h"
 #include "pipeline/film.h"
 #include "pipeline/progress.h"
-#include "pipeline/scene_loader.h"
 #include "recon/mesh/mesh_mask.h"
 
 namespace floatstage::pipeline {
 namespace {
 
-constexpr int kErode = 2;  // px: mixed pixels at the outline are not the renderer's fault
+constexpr int kErode = 2;                 // px: mixed pixels at the outline are not the renderer's fault
+constexpr int kBand = 6, kMidGray = 128;  // px, level: of psnr_edge
+constexpr int kBorderShare = 12;  // of a light field's width: beyond, its cameras do not all see the plane
 
-Result<int> find_camera(const Rig& rig, const std::string& name) {
-  if (const int i = camera_index(rig, name); i >= 0) return i;
-  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
-    if (std::filesystem::path(rig.cameras[i].serial).stem() == name) return static_cast<int>(i);
-  std::string known;
-  for (const RigCamera& c : rig.cameras) known += (known.empty() ? "" : ", ") + c.serial;
-  return fail(ErrorCode::NotFound, text("the take has no camera '", name, "' to hold out; it has ", known));
-}
-
-Result<std::vector<int>> cameras_to_hold_out(const Rig& rig, const std::vector<std::string>& names) {
-  std::vector<int> cameras;
-  for (const std::string& name : names) {
-    Result<int> camera = find_camera(rig, name);
-    if (!camera) return forward(camera);
-    cameras.push_back(*camera);
-  }
-  if (names.empty())
-    for (std::size_t i = 0; i < rig.cameras.size(); ++i) cameras.push_back(static_cast<int>(i));
-  if (rig.cameras.size() < 3)
-    return fail(ErrorCode::InvalidArgument, "leave-one-out needs a take of three cameras at least");
-  return cameras;
-}
-
-Image cut_out(const Image& rgb, const Image& silhouette) {
+Image cut_out(const Image& rgb, const Image& silhouette, int under) {
   Image cut = rgb;
   for (int y = 0; y < cut.height; ++y)
     for (int x = 0; x < cut.width; ++x)
-      for (int c = 0; c < 3; ++c)
-        cut.at(x, y)[c] = static_cast<std::uint8_t>((rgb.at(x, y)[c] * silhouette.at(x, y)[0] + 127) / 255);
+      for (int c = 0; c < 3; ++c) {
+        const int a = silhouette.at(x, y)[0];
+        cut.at(x, y)[c] = static_cast<std::uint8_t>((rgb.at(x, y)[c] * a + under * (255 - a) + 127) / 255);
+      }
   return cut;
 }
 
-Image both(const Image& silhouette, const Image& rgba) {
+Image both(const Image& silhouette, const Image& rgba, int border) {
   Image mask(silhouette.width, silhouette.height, 1);
-  for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x)
+  for (int y = border; y < mask.height - border; ++y)
+    for (int x = border; x < mask.width - border; ++x)
       mask.at(x, y)[0] = silhouette.at(x, y)[0] >= 128 && rgba.at(x, y)[3] >= 128 ? 255 : 0;
   return mask;
 }
 
-// What every held-out view of one instant shares.
-struct Instant {
-  FrameSet images;
-  std::vector<Matte> mattes;
-  std::optional<Mesh> proxy;  ///< from all mattes, for cameras that have none; made when first asked for
-};
+// The mean of every N by N pixels; what is over at the right and the bottom is cut off.
+Image shrunk(const Image& image, int n) {
+  if (n == 1) return image;
+  Image small(image.width / n, image.height / n, image.channels);
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x)
+      for (int c = 0; c < small.channels; ++c) {
+        int sum = 0;
+        for (int v = 0; v < n; ++v)
+          for (int u = 0; u < n; ++u) sum += image.at(x * n + u, y * n + v)[c];
+        small.at(x, y)[c] = static_cast<std::uint8_t>((sum + n * n / 2) / (n * n));
+      }
+  return small;
+}
 
-Result<Instant> load_instant(capture::TakeReader& take, int frame) {
-  Result<FrameSet> images = take.frame_set(frame);
-  if (!images) return forward(images);
-  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
-  if (!mattes) return forward(mattes);
-  if (std::all_of(mattes->begin(), mattes->end(), [](const Matte& m) { return m.empty(); }))
-    return fail(ErrorCode::NotFound,
-                text("frame ", frame, " of ", take.layout().folder().string(),
-                     " has no mattes yet; run `floatstage process ", take.layout().folder().string(), "`"));
-  return Instant{std::move(*images), std::move(*mattes), {}};
+CameraModel shrunk(CameraModel m, int n) {
+  m.width /= n, m.height /= n;
+  m.fx /= n, m.fy /= n, m.cx /= n, m.cy /= n, m.skew /= n;
+  return m;
+}
+
+// How far apart what is blended lies, from the heat map of the renderer's output (black, red, yellow, white).
+double mean_heat(const Image& rgba, const Image& mask) {
+  constexpr double kFull = 3 * 255, kGain = 3;  // as the renderers' heat maps
+  double sum = 0, pixels = 0;
+  for (std::size_t i = 0; i < mask.pixels.size(); ++i) {
+    if (mask.pixels[i] < 128) continue;
+    const std::uint8_t* p = rgba.pixels.data() + 4 * i;
+    sum += (p[0] + p[1] + p[2]) / kFull / kGain;
+    ++pixels;
+  }
+  return pixels > 0 ? 255 * sum / pixels : std::numeric_limits<double>::quiet_NaN();
 }
 
 struct Methods {
@@ -81,26 +76,44 @@ struct Methods {
   render::Scene scene;
 };
 
-Result<Mesh> proxy_without(const Rig& rig, Instant& instant, std::size_t held,
-                           const EvaluateOptions& options) {
-  const bool had = !instant.mattes[held].empty();
-  if (!had && instant.proxy) return *instant.proxy;
-  std::vector<Matte> mattes = instant.mattes;
-  mattes[held] = {};
-  recon::HullOptions quick = options.hull;
-  quick.quality = false;
-  Result<recon::HullReport> hull = recon::visual_hull(rig, mattes, quick);
-  const std::string& serial = rig.cameras[held].serial;
-  if (!hull) return fail(hull.error().code, text("without camera '", serial, "': ", hull.error().message));
-  if (hull->mesh.empty())
-    return fail(ErrorCode::BadData,
-                text("without camera '", serial, "' the hull is empty: the mattes contradict one another"));
-  if (!had) instant.proxy = hull->mesh;
-  return std::move(hull->mesh);
+// Where the scores are taken, and what with.
+void score_method(const std::string& name, const Image& rgba, const EvaluateOptions& options,
+                  HeldOutView& view) {
+  if (view.mask.empty()) {
+    const int border = options.border >= 0   ? options.border
+                       : view.whole_pictures ? view.truth.width / kBorderShare
+                                             : 0;
+    view.mask = erode_mask(both(view.silhouette, rgba, border), kErode);
+  }
+  const Image rgb = over(rgba, {0, 0, 0});
+  const Image black = cut_out(view.truth, view.silhouette, 0);
+  Scores& s = view.scores[name] = score(rgb, black, view.mask, view.silhouette);
+  s.psnr_color = psnr_color(rgb, black, view.mask);
+  if (view.has_matte)
+    s.psnr_edge = psnr(over(rgba, {kMidGray / 255.F, kMidGray / 255.F, kMidGray / 255.F}),
+                       cut_out(view.truth, view.silhouette, kMidGray), outline_band(view.silhouette, kBand));
+  view.rendered[name] = rgb;
 }
 
-Result<HeldOutView> evaluate_view(const Rig& rig, Instant& instant, int held, Methods& methods,
-                                  const EvaluateOptions& options) {
+Result<void> draw_methods(const View& from, Methods& methods, const EvaluateOptions& options,
+                          HeldOutView& view) {
+  for (std::size_t m = 0; m < methods.names.size(); ++m) {
+    Result<render::RenderedView> rendered =
+        methods.renderers[m]->render(methods.scene, from, options.renderer);
+    if (!rendered) return forward(rendered);
+    score_method(methods.names[m], render::download(*rendered), options, view);
+    render::RendererOptions apart = options.renderer;
+    apart.output = render::RenderOutput::Ghosting;
+    rendered = methods.renderers[m]->render(methods.scene, from, apart);
+    if (!rendered) return forward(rendered);
+    view.scores[methods.names[m]].ghosting = mean_heat(render::download(*rendered), view.mask);
+  }
+  return {};
+}
+
+Result<HeldOutView> evaluate_view(const capture::TakeReader& take, Instant& instant, int held,
+                                  const Inputs& inputs, Methods& methods, const EvaluateOptions& options) {
+  const Rig& rig = take.rig();
   const std::size_t h = static_cast<std::size_t>(held);
   const RigCamera& camera = rig.cameras[h];
   HeldOutView view{
@@ -109,44 +122,45 @@ Result<HeldOutView> evaluate_view(const Rig& rig, Instant& instant, int held, Me
   if (!photograph)
     return fail(ErrorCode::NotFound,
                 text("camera '", camera.serial, "' has no photograph to compare with at this instant"));
-  view.truth = undistorted(*photograph, camera.model);
+  view.truth = shrunk(undistorted(*photograph, camera.model), options.scale);
+  if (view.truth.empty())
+    return fail(ErrorCode::InvalidArgument,
+                text("--scale 1/", options.scale, " leaves nothing of camera '", camera.serial, "'"));
   view.has_matte = !instant.mattes[h].empty();
+  view.whole_pictures = !instant.any_matte;
 
   // From here the held-out view does not exist: neither its silhouette nor its picture.
-  Result<Mesh> proxy = proxy_without(rig, instant, h, options);
-  if (!proxy) return forward(proxy);
-  SceneFrame scene{instant.images, instant.mattes, std::move(*proxy)};
-  std::vector<bool> usable(rig.cameras.size(), true);
-  for (std::size_t c = 0; c < usable.size(); ++c) {
-    if (c != h && !instant.mattes[c].empty()) continue;
-    usable[c] = false;
-    scene.mattes[c] = {};
-    scene.images.frames[c] = {};
-  }
-  const Result<Rig> drawn = options.balance ? balanced(rig, scene) : rig;
-  if (!drawn) return forward(drawn);
-  if (Result<void> ok = methods.scene.set(*drawn, scene, usable); !ok) return forward(ok);
+  const Result<Mesh> drawn_on = proxy_without(take, instant, held, inputs.input, options.proxy);
+  if (!drawn_on) return forward(drawn_on);
+  if (Result<void> ok = set_scene(rig, instant, *drawn_on, held, inputs, options.balance, methods.scene); !ok)
+    return forward(ok);
   RigCamera ideal = camera;
-  ideal.model = pinhole(camera.model);
-  view.silhouette = view.has_matte ? undistorted(to_image(instant.mattes[h]), camera.model)
-                                   : to_image(recon::mesh_mask(ideal, scene.mesh));
-
-  const View from = view_of_camera(camera, scene.mesh);
-  for (std::size_t m = 0; m < methods.names.size(); ++m) {
-    Result<render::RenderedView> rendered =
-        methods.renderers[m]->render(methods.scene, from, options.renderer);
-    if (!rendered) return forward(rendered);
-    const Image rgba = render::download(*rendered);
-    if (view.mask.empty()) view.mask = erode_mask(both(view.silhouette, rgba), kErode);
-    const Image rgb = over(rgba, {0, 0, 0});
-    view.scores[methods.names[m]] =
-        score(rgb, cut_out(view.truth, view.silhouette), view.mask, view.silhouette);
-    view.rendered[methods.names[m]] = rgb;
-  }
+  ideal.model = shrunk(pinhole(camera.model), options.scale);
+  view.silhouette = view.has_matte
+                        ? shrunk(undistorted(to_image(instant.mattes[h]), camera.model), options.scale)
+                        : to_image(recon::mesh_mask(ideal, *drawn_on));
+  if (Result<void> ok = draw_methods(view_of_camera(ideal, *drawn_on), methods, options, view); !ok)
+    return forward(ok);
   return view;
 }
 
 }  // namespace
+
+Result<void> set_scene(const Rig& rig, const Instant& instant, const Mesh& proxy, int held,
+                       const Inputs& inputs, bool balance, render::Scene& out) {
+  SceneFrame scene{instant.images, instant.mattes, proxy};
+  std::vector<bool> usable = inputs.input;
+  for (std::size_t c = 0; c < usable.size(); ++c) {
+    const bool knows = !instant.any_matte || !instant.mattes[c].empty();
+    usable[c] = usable[c] && static_cast<int>(c) != held && knows;
+    if (usable[c]) continue;
+    scene.mattes[c] = {};
+    scene.images.frames[c] = {};
+  }
+  const Result<Rig> drawn = balance ? balanced(rig, scene) : rig;
+  if (!drawn) return forward(drawn);
+  return out.set(*drawn, scene, usable);
+}
 
 View view_of_camera(const RigCamera& camera, const Mesh& mesh) {
   View view{.model = pinhole(camera.model), .view_from_world = camera.cam_from_world};
@@ -160,8 +174,10 @@ View view_of_camera(const RigCamera& camera, const Mesh& mesh) {
 
 Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& options,
                            const std::function<Result<void>(HeldOutView)>& report) {
-  Result<std::vector<int>> held = cameras_to_hold_out(take.rig(), options.hold_out);
-  if (!held) return forward(held);
+  if (options.scale < 1)
+    return fail(ErrorCode::InvalidArgument, text("a scale of 1/", options.scale, "; 1/1 is the largest"));
+  const Result<Inputs> inputs = choose_inputs(take.rig(), options.inputs, options.hold_out);
+  if (!inputs) return forward(inputs);
   Methods methods{options.methods, {}, {}};
   for (const std::string& name : options.methods) {
     Result<std::unique_ptr<render::ViewRenderer>> renderer =
@@ -170,11 +186,11 @@ Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& opt
     methods.renderers.push_back(std::move(*renderer));
   }
   for (int frame : options.frames) {
-    Result<Instant> instant = load_instant(take, frame);
+    Result<Instant> instant = load_instant(take, frame, options.proxy);
     if (!instant) return forward(instant);
-    for (int camera : *held) {
+    for (int camera : inputs->held) {
       if (is_cancelled(options.progress)) return cancelled();
-      Result<HeldOutView> view = evaluate_view(take.rig(), *instant, camera, methods, options);
+      Result<HeldOutView> view = evaluate_view(take, *instant, camera, *inputs, methods, options);
       if (!view) return fail(view.error().code, text("frame ", frame, ": ", view.error().message));
       view->frame = frame;
       if (Result<void> ok = report(std::move(*view)); !ok) return ok;

@@ -8,21 +8,24 @@
 
 #include "capture/take.h"
 #include "core/result.h"
+#include "pipeline/evaluate/inputs.h"
+#include "pipeline/evaluate/proxy.h"
 #include "pipeline/metrics/metrics.h"
 #include "pipeline/progress.h"
-#include "recon/visual_hull.h"
 #include "render/renderer.h"
 
 namespace floatstage::pipeline {
 
 struct EvaluateOptions {
-  std::vector<std::string>
-      hold_out;  ///< serials (an extension may be left out), each left out in turn; empty: every camera
+  std::vector<std::string> inputs, hold_out;  ///< as choose_inputs() has them
   std::vector<std::string> methods = {"nearest", "linear", "floating"};
   std::vector<int> frames = {0};
   render::RendererOptions renderer;
   bool balance = false;  ///< cameras' colours are brought to one another, without the held-out one's
-  recon::HullOptions hull;
+  Proxy proxy;
+  int scale = 1;    ///< pictures are drawn and compared at 1/scale of the photographs' size
+  int border = -1;  ///< px of the compared picture that do not count along its sides; -1: none, or a twelfth
+                    ///< of its width where nothing has mattes
   Progress* progress = nullptr;  ///< null: unwatched
 };
 
@@ -30,18 +33,20 @@ struct EvaluateOptions {
 struct HeldOutView {
   std::string serial;
   int frame = 0;
-  Image truth;                            ///< RGB, as a pinhole would have seen it
+  Image truth;                            ///< RGB, as a pinhole would have seen it, at 1/scale
   Image silhouette;                       ///< its matte, 1 channel; without one, the proxy as it sees it
   bool has_matte = true;                  ///< false: the camera is only truth
+  bool whole_pictures = false;            ///< nothing has mattes: all of the photographs is drawn
   Image mask;                             ///< where scores are taken: truth silhouette AND proxy, eroded 2 px
   std::map<std::string, Image> rendered;  ///< per method, RGB over black
   std::map<std::string, Scores> scores;   ///< per method
 };
 
 /// Leave-one-out on a processed take: each held-out photograph is never used (not for the hull, colour or
-/// flow), every other view stays. A camera without a matte is only truth: it is never an input, and is scored
-/// where the proxy is. Calls `report` once per view as soon as it is done. The renderer's back-end must be
-/// open (open_back_end()).
+/// flow), every other input stays. A camera without a matte is only truth: it is never an input, and is
+/// scored where the proxy is; but where no camera of the take has one, as in a light field, all are inputs.
+/// Calls `report` once per view as soon as it is done. The renderer's back-end must be open
+/// (open_back_end()).
 Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& options,
                            const std::function<Result<void>(HeldOutView)>& report);
 

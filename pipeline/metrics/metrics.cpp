@@ -49,6 +49,13 @@ BlockError block_error(const Image& rendered, const Image& truth, const Image& m
   return error;
 }
 
+cv::Mat disc(int px) {
+  cv::Mat d(2 * px + 1, 2 * px + 1, CV_8U);
+  for (int y = -px; y <= px; ++y)
+    for (int x = -px; x <= px; ++x) d.at<std::uint8_t>(y + px, x + px) = x * x + y * y <= px * px;
+  return d;
+}
+
 }  // namespace
 
 double psnr(const Image& rendered, const Image& truth, const Image& mask) {
@@ -113,13 +120,46 @@ double sharpness(const Image& rendered, const Image& truth, const Image& mask) {
   return of_b > 0 ? of_a / of_b : kNaN;
 }
 
+double psnr_color(const Image& rendered, const Image& truth, const Image& mask) {
+  check_pair(rendered, truth, mask);
+  double squares = 0, pixels = 0;
+  for (int c = 0; c < truth.channels; ++c) {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+    for (std::size_t i = 0; i < mask.pixels.size(); ++i) {
+      if (mask.pixels[i] < 128) continue;
+      const std::size_t at = i * static_cast<std::size_t>(truth.channels) + static_cast<std::size_t>(c);
+      const double a = rendered.pixels[at], b = truth.pixels[at];
+      n += 1, x += a, y += b, xx += a * a, xy += a * b, yy += b * b;
+    }
+    if (n == 0) return kNaN;
+    // Centred moments; what a line through the colours leaves of the truth's.
+    const double of_a = xx - x * x / n, of_b = yy - y * y / n, shared = xy - x * y / n;
+    squares += std::max(0.0, of_a > 0 ? of_b - shared * shared / of_a : of_b);
+    pixels += n;
+  }
+  return decibels(squares / pixels);
+}
+
 Scores score(const Image& rendered, const Image& truth, const Image& mask, const Image& silhouette) {
   return {.psnr = psnr(rendered, truth, mask),
           .ssim = ssim(rendered, truth, mask),
           .cw_ssim = cw_ssim(rendered, truth, mask),
           .psnr_shift = psnr_shift(rendered, truth, mask),
           .sharpness = sharpness(rendered, truth, mask),
-          .psnr_full = psnr(rendered, truth, silhouette)};
+          .psnr_full = psnr(rendered, truth, silhouette),
+          .psnr_edge = kNaN,
+          .psnr_color = kNaN,
+          .ghosting = kNaN};
+}
+
+Image outline_band(const Image& silhouette, int width) {
+  Image outside = silhouette;
+  for (std::uint8_t& value : outside.pixels) value = value >= 128 ? 0 : 255;
+  const Image inner = erode_mask(silhouette, width / 2), outer = erode_mask(outside, width / 2);
+  Image band(silhouette.width, silhouette.height, 1);
+  for (std::size_t i = 0; i < band.pixels.size(); ++i)
+    band.pixels[i] = inner.pixels[i] == 0 && outer.pixels[i] == 0 ? 255 : 0;
+  return band;
 }
 
 Image erode_mask(const Image& mask, int px) {
@@ -127,12 +167,9 @@ Image erode_mask(const Image& mask, int px) {
   Image out = mask;
   for (std::uint8_t& value : out.pixels) value = value >= 128 ? 255 : 0;
   if (px == 0 || out.empty()) return out;
-  cv::Mat disc(2 * px + 1, 2 * px + 1, CV_8U);
-  for (int y = -px; y <= px; ++y)
-    for (int x = -px; x <= px; ++x) disc.at<std::uint8_t>(y + px, x + px) = x * x + y * y <= px * px;
   const cv::Mat view(out.height, out.width, CV_8U, out.pixels.data());
   cv::Mat eroded;
-  cv::erode(view, eroded, disc);
+  cv::erode(view, eroded, disc(px));
   std::copy(eroded.data, eroded.data + out.pixels.size(), out.pixels.begin());
   return out;
 }

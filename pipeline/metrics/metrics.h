@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "core/image.h"
 
 namespace floatstage::pipeline {
@@ -36,6 +38,15 @@ double psnr_shift(const Image& rendered, const Image& truth, const Image& mask);
 /// is flat.
 double sharpness(const Image& rendered, const Image& truth, const Image& mask);
 
+/// PSNR after one gain and one offset a channel, those with the least squared error in the mask, were applied
+/// to the rendered picture: what is left when exposure and white balance are forgiven. Never below psnr() but
+/// for rounding.
+double psnr_color(const Image& rendered, const Image& truth, const Image& mask);
+
+/// The band `width` px wide about the outline of a silhouette (>= 128 is inside), half on each side; the
+/// picture's edge is no outline. 255 and 0 only.
+Image outline_band(const Image& silhouette, int width);
+
 /// What the tables of `evaluate` hold of one picture.
 struct Scores {
   double psnr = 0;        ///< dB, in the mask
@@ -44,9 +55,14 @@ struct Scores {
   double psnr_shift = 0;  ///< dB, in the mask
   double sharpness = 0;   ///< ratio, in the mask
   double psnr_full = 0;   ///< dB, on the full silhouette: missing and surplus geometry counts
+  // NaN where nobody filled them in:
+  double psnr_edge = kUnknown;   ///< dB, in the band about the outline, both pictures over mid grey
+  double psnr_color = kUnknown;  ///< dB, in the mask, after a gain and an offset a channel
+  double ghosting = kUnknown;    ///< 8-bit levels: mean weighted distance of the colours that are blended
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// All of them; `silhouette` is the mask of `psnr_full`.
+/// The first six of them; `silhouette` is the mask of `psnr_full`.
 Scores score(const Image& rendered, const Image& truth, const Image& mask, const Image& silhouette);
 
 /// The mask without what lies within `px` of a pixel outside it (Euclidean). The picture's edge erodes

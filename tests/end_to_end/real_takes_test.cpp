@@ -35,8 +35,9 @@ class RealTake : public testing::Test {
     EXPECT_THAT(reader, IsOk());
     std::map<std::string, pipeline::Scores> mean;
     const double n = static_cast<double>(views.size());
-    pipeline::EvaluateOptions options{.hold_out = views, .renderer = {}, .hull = {}};
-    options.hull.method = recon::HullMethod::Octree;
+    pipeline::EvaluateOptions options{.hold_out = views, .renderer = {}, .proxy = {}};
+    options.proxy.kind = pipeline::Proxy::Kind::Hull;
+    options.proxy.hull.method = recon::HullMethod::Octree;
     EXPECT_THAT(pipeline::evaluate_take(**reader, options,
                                         [&](pipeline::HeldOutView view) {
                                           for (const auto& [method, s] : view.scores)

@@ -43,9 +43,10 @@ class SyntheticTake : public testing::Test {
   static std::vector<pipeline::HeldOutView> evaluate(const std::vector<std::string>& hold_out) {
     auto take = capture::TakeReader::open(*folder_ / "take");
     EXPECT_THAT(take, IsOk());
-    pipeline::EvaluateOptions options{.hold_out = hold_out, .renderer = {}, .hull = {}};
-    options.hull.method = recon::HullMethod::Octree;
-    options.hull.resolution = 160;
+    pipeline::EvaluateOptions options{.hold_out = hold_out, .renderer = {}, .proxy = {}};
+    options.proxy.kind = pipeline::Proxy::Kind::Hull;
+    options.proxy.hull.method = recon::HullMethod::Octree;
+    options.proxy.hull.resolution = 160;
     std::vector<pipeline::HeldOutView> views;
     EXPECT_THAT(pipeline::evaluate_take(**take, options,
                                         [&](pipeline::HeldOutView view) {
@@ -112,7 +113,7 @@ TEST_F(SyntheticTake, ComparesWithACameraThatHasNoMatteWhereTheProxyIs) {
 TEST_F(SyntheticTake, RefusesToHoldOutACameraThatIsNotThere) {
   auto take = capture::TakeReader::open(*folder_ / "take");
   ASSERT_THAT(take, IsOk());
-  pipeline::EvaluateOptions options{.hold_out = {"cam99"}, .renderer = {}, .hull = {}};
+  pipeline::EvaluateOptions options{.hold_out = {"cam99"}, .renderer = {}, .proxy = {}};
   EXPECT_THAT(pipeline::evaluate_take(**take, options, [](pipeline::HeldOutView) { return Result<void>(); }),
               FailsWith(ErrorCode::NotFound, "cam99"));
 }

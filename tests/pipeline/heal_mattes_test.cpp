@@ -98,7 +98,8 @@ class HealedTake : public testing::TestWithParam<BrokenKey> {
     options.hold_out = {"cam00", "cam03", "cam06"};
     options.methods = {"floating"};
     options.renderer.back_end = render::BackEnd::Cpu;
-    options.hull.voting = recon::HullVoting::Auto;
+    options.proxy.kind = Proxy::Kind::Hull;
+    options.proxy.hull.voting = recon::HullVoting::Auto;
     EXPECT_THAT(evaluate_take(*take, options,
                               [&](const HeldOutView& view) -> Result<void> {
                                 sum += view.scores.at("floating").psnr_full, ++views;

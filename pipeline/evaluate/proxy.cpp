@@ -1,0 +1,167 @@
+#include "pipeline/evaluate/proxy.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "core/mesh_io.h"
+#include "core/text.h"
+#include "pipeline/hull_record.h"
+#include "pipeline/mesh_record.h"
+#include "pipeline/scene_loader.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+constexpr std::string_view kPlane = "plane:";
+constexpr int kPieces = 12;  // of a plane, along each side
+
+Result<Mesh> load_proxy(const std::filesystem::path& file) {
+  Result<Mesh> mesh = load_ply(file);
+  if (mesh && mesh->empty())
+    return fail(ErrorCode::BadData, text(file.string(), ": a proxy of no triangles; nothing can be drawn"));
+  return mesh;
+}
+
+Mesh rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& right, const Eigen::Vector3d& down) {
+  Mesh mesh;
+  for (int row = 0; row <= kPieces; ++row)
+    for (int column = 0; column <= kPieces; ++column)
+      mesh.positions.push_back((corner + right * (static_cast<double>(column) / kPieces) +
+                                down * (static_cast<double>(row) / kPieces))
+                                   .cast<float>());
+  auto at = [](int column, int row) { return static_cast<std::uint32_t>(row * (kPieces + 1) + column); };
+  for (int row = 0; row < kPieces; ++row)
+    for (int column = 0; column < kPieces; ++column) {
+      const std::uint32_t a = at(column, row), b = at(column + 1, row), c = at(column + 1, row + 1),
+                          d = at(column, row + 1);
+      mesh.triangles.insert(mesh.triangles.end(), {a, d, b, b, d, c});  // counter-clockwise for the cameras
+    }
+  return mesh;
+}
+
+}  // namespace
+
+Result<Proxy> parse_proxy(std::string_view words, const recon::HullOptions& hull) {
+  Proxy proxy{Proxy::Kind::Hull, hull, {}, 0};
+  if (words == "exact" || words == "octree") {
+    proxy.hull.method = words == "exact" ? recon::HullMethod::Exact : recon::HullMethod::Octree;
+    return proxy;
+  }
+  if (words.ends_with(".ply")) {
+    proxy.kind = Proxy::Kind::File;
+    proxy.file = words;
+    return proxy;
+  }
+  if (words.starts_with(kPlane)) {
+    const std::string_view number = words.substr(kPlane.size());
+    const auto [stop, error] = std::from_chars(number.data(), number.data() + number.size(), proxy.distance);
+    proxy.kind = Proxy::Kind::Plane;
+    if (error == std::errc() && stop == number.data() + number.size() && std::isfinite(proxy.distance))
+      return proxy;
+  }
+  return fail(ErrorCode::InvalidArgument,
+              text("--proxy '", words, "' is none of exact, octree, FILE.ply and plane:Z (metres)"));
+}
+
+Result<Mesh> plane_before(const Rig& rig, double distance) {
+  Eigen::Vector3d forward_mean = Eigen::Vector3d::Zero(), right = forward_mean, middle = forward_mean;
+  for (const RigCamera& c : rig.cameras) {
+    const Eigen::Matrix3d axes = c.cam_from_world.rotation.toRotationMatrix();
+    right += axes.row(0).transpose();
+    forward_mean += axes.row(2).transpose();
+    middle += c.cam_from_world.center() / static_cast<double>(rig.cameras.size());
+  }
+  if (forward_mean.norm() < 0.5 * static_cast<double>(rig.cameras.size()))
+    return fail(
+        ErrorCode::InvalidArgument,
+        "the cameras look in all directions: no plane stands before all of them; take another --proxy");
+  const Eigen::Vector3d n = forward_mean.normalized();
+  right = (right - n * n.dot(right)).normalized();
+  const Eigen::Vector3d down = n.cross(right);
+  Eigen::AlignedBox2d seen;
+  for (const RigCamera& c : rig.cameras) {
+    const Eigen::Vector3d from = c.cam_from_world.center() - middle;
+    const Eigen::Matrix3d world_from_cam = c.cam_from_world.rotation.toRotationMatrix().transpose();
+    for (const Eigen::Vector2d& corner :
+         {Eigen::Vector2d(0, 0), Eigen::Vector2d(c.model.width, 0), Eigen::Vector2d(0, c.model.height),
+          Eigen::Vector2d(c.model.width, c.model.height)}) {
+      const std::optional<Eigen::Vector3d> ray = unproject(pinhole(c.model), corner);
+      const Eigen::Vector3d direction = world_from_cam * ray.value_or(Eigen::Vector3d::UnitZ());
+      const double ahead = distance - n.dot(from), along = n.dot(direction);
+      if (!(distance > 0) || !(ahead > 0) || !(along > 0))
+        return fail(ErrorCode::InvalidArgument, text("the plane ", distance, " m away is not before camera '",
+                                                     c.serial, "' and all that it sees"));
+      const Eigen::Vector3d p = from + direction * (ahead / along);
+      seen.extend(Eigen::Vector2d(right.dot(p), down.dot(p)));
+    }
+  }
+  const Eigen::Vector2d size = seen.sizes();
+  return rectangle(middle + n * distance + right * seen.min().x() + down * seen.min().y(), right * size.x(),
+                   down * size.y());
+}
+
+Result<Instant> load_instant(capture::TakeReader& take, int frame, const Proxy& proxy) {
+  Result<FrameSet> images = take.frame_set(frame);
+  if (!images) return forward(images);
+  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
+  if (!mattes) return forward(mattes);
+  Instant instant{frame, std::move(*images), std::move(*mattes), false, {}};
+  for (const Matte& m : instant.mattes) instant.any_matte = instant.any_matte || !m.empty();
+  const bool has_mesh =
+      proxy.kind == Proxy::Kind::Films && std::filesystem::exists(take.layout().mesh(frame));
+  const bool needs_mattes =
+      proxy.kind == Proxy::Kind::Hull || (proxy.kind == Proxy::Kind::Films && !has_mesh);
+  if (needs_mattes && !instant.any_matte)
+    return fail(ErrorCode::NotFound,
+                text("frame ", frame, " of ", take.layout().folder().string(),
+                     " has no mattes yet; run `floatstage process ", take.layout().folder().string(), "`"));
+  return instant;
+}
+
+namespace {
+
+Result<Mesh> hull_without(const capture::TakeReader& take, const Instant& instant, int held,
+                          const std::vector<bool>& input, const Proxy& proxy) {
+  std::vector<Matte> mattes = instant.mattes;
+  for (std::size_t i = 0; i < mattes.size(); ++i)
+    if (!input[i] || static_cast<int>(i) == held) mattes[i] = {};
+  recon::HullOptions options = proxy.hull;
+  if (proxy.kind == Proxy::Kind::Films) {
+    const Result<MeshRecord> record = load_mesh_record(take.layout());
+    if (!record) return forward(record);
+    options = parse_hull_options(record->options).value_or(options);
+  }
+  options.quality = false;
+  Result<recon::HullReport> hull = recon::visual_hull(take.rig(), mattes, options);
+  const std::string without =
+      held < 0 ? ""
+               : text("without camera '", take.rig().cameras[static_cast<std::size_t>(held)].serial, "' ");
+  if (!hull) return fail(hull.error().code, text(without, "there is no hull: ", hull.error().message));
+  if (hull->mesh.empty())
+    return fail(ErrorCode::BadData, text(without, "the hull is empty: the mattes contradict one another"));
+  return std::move(hull->mesh);
+}
+
+}  // namespace
+
+Result<Mesh> proxy_without(const capture::TakeReader& take, Instant& instant, int held,
+                           const std::vector<bool>& input, const Proxy& proxy) {
+  const auto h = static_cast<std::size_t>(held);
+  const bool is_hull =
+      instant.any_matte && (proxy.kind == Proxy::Kind::Hull || proxy.kind == Proxy::Kind::Films);
+  const bool changes = is_hull && held >= 0 && input[h] && !instant.mattes[h].empty();
+  if (!changes && instant.with_all) return *instant.with_all;
+  Result<Mesh> mesh =
+      is_hull ? hull_without(take, instant, held, input, proxy)
+      : proxy.kind == Proxy::Kind::Plane
+          ? plane_before(take.rig(), proxy.distance)
+          : load_proxy(proxy.kind == Proxy::Kind::File ? proxy.file : take.layout().mesh(instant.frame));
+  if (mesh && !changes) instant.with_all = *mesh;
+  return mesh;
+}
+
+}  // namespace floatstage::pipeline

@@ -1,0 +1,237 @@
+// How steadily methods show a surface along a path. Points of the proxy are followed by their own projection:
+// what the colour at a point does beyond a steady change is jitter, what it does at once is a pop.
+#include "pipeline/evaluate/temporal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "core/random.h"
+#include "core/statistics.h"
+#include "core/text.h"
+#include "pipeline/evaluate/bicubic.h"
+#include "pipeline/evaluate/held_out_scene.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+constexpr int kPoints = 20000;
+constexpr double kTail = 0.999;
+constexpr double kFacing = 0.2;    // cosine: what is seen at a grazing angle is a mixture of neighbours
+constexpr double kNearer = 0.002;  // share of its depth by which a point may lie behind what is drawn there
+
+struct SurfacePoint {
+  Eigen::Vector3d place, normal;
+};
+
+// Evenly over the surface, always the same.
+std::vector<SurfacePoint> points_on(const Mesh& mesh) {
+  std::vector<double> areas;
+  double total = 0;
+  auto corner = [&](std::size_t t, std::size_t k) {
+    return mesh.positions[mesh.triangles[3 * t + k]].cast<double>().eval();
+  };
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    total += 0.5 * (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).norm();
+    areas.push_back(total);
+  }
+  std::vector<SurfacePoint> points;
+  Random random(1);
+  for (int i = 0; i < kPoints && total > 0; ++i) {
+    const double at = (i + random.uniform()) / kPoints * total;
+    const auto t = static_cast<std::size_t>(std::lower_bound(areas.begin(), areas.end(), at) - areas.begin());
+    if (t >= areas.size()) continue;
+    double u = random.uniform(), v = random.uniform();
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const Eigen::Vector3d a = corner(t, 0), b = corner(t, 1) - a, c = corner(t, 2) - a, n = b.cross(c);
+    if (n.norm() > 0) points.push_back({a + u * b + v * c, n.normalized()});
+  }
+  return points;
+}
+
+// The mesh's depth in a view, by pixel centres; infinity where it is not.
+std::vector<double> depth_of(const Mesh& mesh, const View& view) {
+  const CameraModel& m = view.model;
+  std::vector<double> depth(static_cast<std::size_t>(m.width) * static_cast<std::size_t>(m.height),
+                            std::numeric_limits<double>::infinity());
+  for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
+    std::array<Eigen::Vector3d, 3> p;  // px, px, 1/z
+    bool ahead = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d in =
+          view.view_from_world * mesh.positions[mesh.triangles[3 * t + k]].cast<double>();
+      ahead = ahead && in.z() > view.near_plane;
+      p[k] = {m.fx * in.x() / in.z() + m.cx, m.fy * in.y() / in.z() + m.cy, 1 / in.z()};
+    }
+    const double area =
+        (p[1].x() - p[0].x()) * (p[2].y() - p[0].y()) - (p[2].x() - p[0].x()) * (p[1].y() - p[0].y());
+    if (!ahead || area == 0) continue;
+    const auto [x0, x1] = std::minmax({p[0].x(), p[1].x(), p[2].x()});
+    const auto [y0, y1] = std::minmax({p[0].y(), p[1].y(), p[2].y()});
+    for (int y = std::max(0, static_cast<int>(std::floor(y0))); y < m.height && y <= y1; ++y)
+      for (int x = std::max(0, static_cast<int>(std::floor(x0))); x < m.width && x <= x1; ++x) {
+        auto side = [&](std::size_t a, std::size_t b) {
+          return ((p[b].x() - p[a].x()) * (y + 0.5 - p[a].y()) -
+                  (x + 0.5 - p[a].x()) * (p[b].y() - p[a].y())) /
+                 area;
+        };
+        const double a = side(1, 2), b = side(2, 0), c = 1 - a - b;
+        if (a < 0 || b < 0 || c < 0) continue;
+        double& d = depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(m.width) +
+                          static_cast<std::size_t>(x)];
+        d = std::min(d, 1 / (a * p[0].z() + b * p[1].z() + c * p[2].z()));
+      }
+  }
+  return depth;
+}
+
+// Where a point is seen in a view; absent where something is before it, or the mesh ends beside it.
+std::optional<Eigen::Vector2d> seen_at(const SurfacePoint& point, const View& view,
+                                       const std::vector<double>& depth, bool closed) {
+  const CameraModel& m = view.model;
+  const Eigen::Vector3d in = view.view_from_world * point.place;
+  const std::optional<Eigen::Vector2d> p = project(m, in);
+  if (!p) return std::nullopt;
+  const double facing = point.normal.dot((view.view_from_world.center() - point.place).normalized());
+  if ((closed ? facing : std::abs(facing)) < kFacing) return std::nullopt;
+  const int x = static_cast<int>(std::floor(p->x() - 0.5)), y = static_cast<int>(std::floor(p->y() - 0.5));
+  if (x < 1 || y < 1 || x + 2 >= m.width || y + 2 >= m.height) return std::nullopt;
+  // The spline reads sixteen pixels: none of them may show what lies beyond the surface's end.
+  for (int k = 0; k < 16; ++k)
+    if (!std::isfinite(depth[static_cast<std::size_t>(y - 1 + k / 4) * static_cast<std::size_t>(m.width) +
+                             static_cast<std::size_t>(x - 1 + k % 4)]))
+      return std::nullopt;
+  const double here = depth[static_cast<std::size_t>(std::floor(p->y())) * static_cast<std::size_t>(m.width) +
+                            static_cast<std::size_t>(std::floor(p->x()))];
+  if (here < in.z() * (1 - kNearer)) return std::nullopt;
+  return p;
+}
+
+constexpr float kUnseen = -1e6F;
+
+// What one method showed at the points, picture by picture.
+struct Course {
+  std::vector<std::array<float, 3>> last, before;
+  std::vector<float> second;
+  std::vector<float> step_tails;
+  std::set<int> cameras;
+  TemporalScores scores;
+};
+
+void note(const Image& rgba, const std::vector<std::optional<Eigen::Vector2d>>& places, Course& course) {
+  std::vector<std::array<float, 3>> now(places.size(), {kUnseen, 0, 0});
+  std::vector<float> first;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!places[i]) continue;
+    for (int c = 0; c < 3; ++c)
+      now[i][static_cast<std::size_t>(c)] =
+          static_cast<float>(read_bicubic(rgba, places[i]->x(), places[i]->y(), c));
+    if (course.last.empty() || course.last[i][0] == kUnseen) continue;
+    const bool three = !course.before.empty() && course.before[i][0] != kUnseen;
+    float change = 0, bend = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      change += std::abs(now[i][c] - course.last[i][c]) / 3;
+      if (three) bend += std::abs(now[i][c] - 2 * course.last[i][c] + course.before[i][c]) / 3;
+    }
+    first.push_back(change);
+    if (three) course.second.push_back(bend);
+  }
+  if (!first.empty()) course.step_tails.push_back(percentile(std::move(first), kTail));
+  course.before = std::move(course.last);
+  course.last = std::move(now);
+}
+
+Result<TemporalScores> scores_of(Course& course, int pictures) {
+  if (course.second.empty())
+    return fail(ErrorCode::BadData,
+                "no point of the surface is seen along this path; does it look at the subject?");
+  TemporalScores s = course.scores;
+  s.steps = pictures - 1;
+  s.points = static_cast<double>(course.second.size()) / (pictures - 2);
+  s.jitter = std::accumulate(course.second.begin(), course.second.end(), 0.0) /
+             static_cast<double>(course.second.size());
+  s.jitter_p999 = percentile_in_place(std::span<float>(course.second), kTail);
+  const double usual = median(course.step_tails);
+  const double worst = *std::max_element(course.step_tails.begin(), course.step_tails.end());
+  s.pop = usual > 0 ? worst / usual : 1;
+  return s;
+}
+
+Result<void> check(const EvaluateOptions& options, const PathPictures& along) {
+  if (along.path.keys.size() < 2 || !(along.path.duration() > 0))
+    return fail(ErrorCode::InvalidArgument,
+                "a path of one key goes nowhere; give it two at least, at two times");
+  if (along.count < 4)
+    return fail(ErrorCode::InvalidArgument, "a walk of fewer than four pictures says nothing");
+  if (options.scale < 1)
+    return fail(ErrorCode::InvalidArgument, text("a scale of 1/", options.scale, "; 1/1 is the largest"));
+  if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "a walk around no frame");
+  return {};
+}
+
+}  // namespace
+
+Result<std::map<std::string, TemporalScores>> evaluate_path(capture::TakeReader& take,
+                                                            const EvaluateOptions& options,
+                                                            const PathPictures& along) {
+  if (Result<void> ok = check(options, along); !ok) return forward(ok);
+  Inputs inputs{std::vector<bool>(take.rig().cameras.size(), true), {}};
+  if (!options.inputs.empty()) {
+    Result<Inputs> chosen = choose_inputs(take.rig(), options.inputs, {});
+    if (!chosen) return forward(chosen);
+    inputs = std::move(*chosen);
+  }
+  std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
+  for (const std::string& name : options.methods) {
+    Result<std::unique_ptr<render::ViewRenderer>> renderer =
+        render::make_renderer(name, options.renderer.back_end);
+    if (!renderer) return forward(renderer);
+    renderers.push_back(std::move(*renderer));
+  }
+  Result<Instant> instant = load_instant(take, options.frames.front(), options.proxy);
+  if (!instant) return forward(instant);
+  const Result<Mesh> proxy = proxy_without(take, *instant, -1, inputs.input, options.proxy);
+  if (!proxy) return forward(proxy);
+  render::Scene scene;
+  if (Result<void> ok = set_scene(take.rig(), *instant, *proxy, -1, inputs, options.balance, scene); !ok)
+    return forward(ok);
+
+  const auto first = static_cast<std::size_t>(std::find(inputs.input.begin(), inputs.input.end(), true) -
+                                              inputs.input.begin());
+  const CameraModel& size = take.rig().cameras[first].model;
+  const Eigen::AlignedBox3d box = bounding_box(*proxy).cast<double>();
+  const std::vector<SurfacePoint> points = points_on(*proxy);
+  const bool closed =
+      instant->any_matte && options.proxy.kind != Proxy::Kind::Plane;  // seen from outside only
+  std::vector<Course> courses(renderers.size());
+  ProgressPart progress(options.progress, "pictures", static_cast<std::size_t>(along.count));
+  for (int picture = 0; picture < along.count; ++picture) {
+    if (is_cancelled(options.progress)) return cancelled();
+    const PathKey key = sample(along.path, along.path.duration() * picture / (along.count - 1));
+    const View view = view_of(key, size.width / options.scale, size.height / options.scale, box);
+    const std::vector<double> depth = depth_of(*proxy, view);
+    std::vector<std::optional<Eigen::Vector2d>> places;
+    for (const SurfacePoint& point : points) places.push_back(seen_at(point, view, depth, closed));
+    for (std::size_t m = 0; m < renderers.size(); ++m) {
+      const Result<render::RenderedView> rendered = renderers[m]->render(scene, view, options.renderer);
+      if (!rendered) return forward(rendered);
+      std::set<int> cameras(rendered->cameras.begin(), rendered->cameras.end());
+      if (picture > 0 && cameras != courses[m].cameras) ++courses[m].scores.set_changes;
+      courses[m].cameras = std::move(cameras);
+      note(render::download(*rendered), places, courses[m]);
+    }
+    progress.advance();
+  }
+  std::map<std::string, TemporalScores> scores;
+  for (std::size_t m = 0; m < renderers.size(); ++m) {
+    const Result<TemporalScores> s = scores_of(courses[m], along.count);
+    if (!s) return forward(s);
+    scores[options.methods[m]] = *s;
+  }
+  return scores;
+}
+
+}  // namespace floatstage::pipeline
