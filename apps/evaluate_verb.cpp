@@ -30,7 +30,6 @@ using nlohmann::json;
 struct Options {
   std::filesystem::path take, json_file, csv_file, sheet, path_file;
   std::vector<std::string> inputs, hold_out, methods = {"nearest", "linear", "floating"};
-  const CLI::Option* inputs_word = nullptr;
   std::string frames, proxy, scale = "1/1";
   bool orbit = false;
   int border = -1, steps = 200;
@@ -271,9 +270,6 @@ Result<pipeline::EvaluateOptions> evaluate_options(const Options& given) {
                                     .methods = given.methods,
                                     .renderer = {},
                                     .proxy = {}};
-  if (given.inputs_word->count() > 0 && given.inputs.empty())
-    return fail(ErrorCode::InvalidArgument,
-                "--inputs names no camera; write serials with commas between them, or every:2");
   options.proxy.hull = *hull;
   if (given.hull.given()) options.proxy.kind = pipeline::Proxy::Kind::Hull;
   if (!given.proxy.empty()) {

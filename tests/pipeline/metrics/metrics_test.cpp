@@ -168,5 +168,27 @@ TEST(ErodeMask, ByNothingOnlyDecidesAndOfNothingIsNothing) {
   EXPECT_EQ(erode_mask(box_mask(9, 9, 4, 4, 5, 5), 1), Image(9, 9, 1, 0));
 }
 
+TEST(PsnrColor, ForgivesAGainAndAnOffsetAChannel) {
+  const Image truth = texture(60, 40, 5, 2, 3);
+  Image rendered = truth;
+  for (std::size_t i = 0; i < rendered.pixels.size(); ++i)
+    rendered.pixels[i] = static_cast<std::uint8_t>(
+        std::lround((0.5 + 0.1 * static_cast<double>(i % 3)) * truth.pixels[i] + 20));
+  const Image mask(60, 40, 1, 255);
+  EXPECT_LT(psnr(rendered, truth, mask), 20);
+  EXPECT_GT(psnr_color(rendered, truth, mask), 50);
+  EXPECT_LT(psnr_color(texture(60, 40, 6, 2, 3), truth, mask), 20) << "another picture stays another";
+}
+
+TEST(OutlineBand, LiesHalfOnEachSideOfTheOutlineAndNotAlongThePicturesEdge) {
+  const Image band = outline_band(box_mask(40, 30, 0, 10, 20, 30), 6);
+  EXPECT_EQ(*band.at(5, 6), 0);
+  for (int y = 7; y <= 12; ++y) EXPECT_EQ(*band.at(5, y), 255) << y;
+  EXPECT_EQ(*band.at(5, 13), 0);
+  EXPECT_EQ(*band.at(0, 20), 0) << "the subject goes on beyond the picture";
+  EXPECT_EQ(*band.at(5, 29), 0);
+  EXPECT_EQ(*band.at(20, 20), 255);
+}
+
 }  // namespace
 }  // namespace floatstage::pipeline
