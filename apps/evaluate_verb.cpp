@@ -378,10 +378,10 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
                {"floatstage evaluate take --hold-out cam02,cam05 --frames 0:50:10 --json scores.json",
                 "floatstage evaluate take --orbit --methods linear,floating --json steadiness.json"});
   add_take(*verb, options->take);
-  options->inputs_word =
-      add_list(*verb, "--inputs", options->inputs,
-               "Cameras to draw from: serials, or every:N for every N-th, on a grid every N-th "
-               "of every N-th row (default: all)");
+
+  add_list(*verb, "--inputs", options->inputs,
+           "Cameras to draw from: serials, or every:N for every N-th, on a grid every N-th "
+           "of every N-th row (default: all)");
   add_list(*verb, "--hold-out", options->hold_out,
            "Cameras, by serial, each left out in turn (default: those that are no --inputs, of a grid the "
            "ones in the middle between; every one where all are)");

@@ -17,7 +17,7 @@
 namespace floatstage::pipeline {
 
 struct EvaluateOptions {
-  std::vector<std::string> inputs, hold_out;  ///< as choose_inputs() has them
+  std::vector<std::string> inputs = {}, hold_out = {};  ///< as choose_inputs() has them
   std::vector<std::string> methods = {"nearest", "linear", "floating"};
   std::vector<int> frames = {0};
   render::RendererOptions renderer;
