@@ -204,8 +204,8 @@ std::unique_ptr<CLI::App> command_line(Chosen& chosen) {
       "Every verb explains itself: floatstage VERB --help\nExamples:\n  floatstage demo -o demo\n"
       "  floatstage render --help");
   for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_matte,
-                   add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate, add_flow,
-                   add_live, add_play})
+                   add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate, add_detail,
+                   add_flow, add_live, add_play})
     add(*app, chosen);
   app->require_subcommand(1);
   return app;

@@ -26,6 +26,7 @@ void add_demo(CLI::App& app, Chosen& chosen);
 void add_calibrate(CLI::App& app, Chosen& chosen);
 void add_capture(CLI::App& app, Chosen& chosen);
 void add_check(CLI::App& app, Chosen& chosen);
+void add_detail(CLI::App& app, Chosen& chosen);
 void add_synthesize(CLI::App& app, Chosen& chosen);
 void add_import(CLI::App& app, Chosen& chosen);
 void add_matte(CLI::App& app, Chosen& chosen);

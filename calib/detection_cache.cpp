@@ -1,35 +1,17 @@
 #include "calib/detection_cache.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
+#include "core/content_hash.h"
 #include "core/file.h"
 #include "core/log.h"
-#include "core/random.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
 namespace {
 
 constexpr int kVersion = 2;  // grows whenever detect() finds something else in the same picture
-
-// 128 bits of a hash that nobody has a reason to attack: eight bytes at a time, mixed.
-std::string hash_of(std::string_view bytes) {
-  std::uint64_t a = mix(bytes.size()), b = mix(~bytes.size());
-  for (std::size_t at = 0; at < bytes.size(); at += 8) {
-    std::uint64_t word = 0;
-    for (std::size_t i = 0; i < 8 && at + i < bytes.size(); ++i)
-      word |= static_cast<std::uint64_t>(static_cast<unsigned char>(bytes[at + i])) << (8 * i);
-    a = mix(a ^ word);
-    b = mix(b + word * 0x9e3779b97f4a7c15ULL);
-  }
-  std::array<char, 33> hex{};
-  std::snprintf(hex.data(), hex.size(), "%016llx%016llx", static_cast<unsigned long long>(a),
-                static_cast<unsigned long long>(b));
-  return {hex.data(), 32};
-}
 
 std::string exact(double value) {
   char digits[64];
@@ -54,7 +36,7 @@ bool read(std::string_view word, Number& value) {
 Result<std::string> content_key(const std::filesystem::path& file) {
   const Result<std::string> bytes = read_file(file);
   if (!bytes) return forward(bytes);
-  return hash_of(*bytes);
+  return content_hash(*bytes);
 }
 
 std::string to_text(const Detection& d) {
@@ -117,7 +99,7 @@ DetectionCache::DetectionCache(std::filesystem::path folder, const TargetDesign&
 }
 
 std::filesystem::path DetectionCache::file(const std::string& key) const {
-  return folder_ / (hash_of(about_ + '\n' + key) + ".detection");
+  return folder_ / (content_hash(about_ + '\n' + key) + ".detection");
 }
 
 std::optional<Detection> DetectionCache::find(const std::string& key) const {

@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "core/check.h"
-#include "matting/graph_cut.h"
+#include "core/graph_cut.h"
 
 namespace floatstage::matting {
 namespace {

@@ -6,7 +6,7 @@
 #include <queue>
 
 #include "core/check.h"
-#include "matting/graph_cut.h"
+#include "core/graph_cut.h"
 #include "matting/keyers/plate.h"
 #include "matting/picture_scale.h"
 #include "matting/tone.h"

@@ -43,7 +43,7 @@ enum class Certain : std::uint8_t { No, Backdrop, Subject };
 
 /// The cheapest split into subject (255) and background (0): the sum of the odds of pixels on the wrong side
 /// plus, for 8-neighbours on different sides, `smooth` times how alike they look, against the mean contrast
-/// (Boykov, Jolly 2001). Exact: a minimum cut (matting/graph_cut.h). `odds`: log of how much likelier subject
+/// (Boykov, Jolly 2001). Exact: a minimum cut (core/graph_cut.h). `odds`: log of how much likelier subject
 /// is than background. `certain`: empty, or of every pixel. Deterministic.
 Image cut_view(const Image& picture, std::span<const float> odds, std::span<const Certain> certain,
                double smooth);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace floatstage::matting {
+namespace floatstage {
 
 /// The cheapest split of a graph's nodes into a source's and a sink's side: minimum cut by maximum flow, with
 /// the two search trees of Y. Boykov and V. Kolmogorov, "An Experimental Comparison of Min-Cut/Max-Flow
@@ -71,4 +71,4 @@ class GraphCut {
   std::int64_t flow_ = 0;
 };
 
-}  // namespace floatstage::matting
+}  // namespace floatstage

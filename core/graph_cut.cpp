@@ -1,11 +1,11 @@
-#include "matting/graph_cut.h"
+#include "core/graph_cut.h"
 
 #include <algorithm>
 #include <limits>
 
 #include "core/check.h"
 
-namespace floatstage::matting {
+namespace floatstage {
 namespace {
 
 constexpr std::int32_t kNone = -1, kRoot = -2, kOrphan = -3;  // of Node::parent
@@ -221,4 +221,4 @@ std::int64_t GraphCut::solve() {
   return flow_;
 }
 
-}  // namespace floatstage::matting
+}  // namespace floatstage

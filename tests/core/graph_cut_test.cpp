@@ -1,4 +1,4 @@
-#include "matting/graph_cut.h"
+#include "core/graph_cut.h"
 
 #include <bit>
 
@@ -7,7 +7,7 @@
 #include "core/check.h"
 #include "core/random.h"
 
-namespace floatstage::matting {
+namespace floatstage {
 namespace {
 
 struct Edge {
@@ -91,4 +91,4 @@ TEST(GraphCut, TakesNoNegativeCapacityAndNoEdgeToItself) {
 }
 
 }  // namespace
-}  // namespace floatstage::matting
+}  // namespace floatstage

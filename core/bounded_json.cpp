@@ -1,12 +1,11 @@
-#include "studio/messages/bounded_json.h"
+#include "core/bounded_json.h"
 
 #include "core/json_fields.h"
 #include "core/text.h"
 
-namespace floatstage::studio::wire {
+namespace floatstage {
 namespace {
 
-constexpr std::size_t kLongestJson = 1 << 20;
 constexpr int kDeepestJson = 16;
 
 // A document asks the machine's stack for every level when it is copied or taken apart.
@@ -29,10 +28,11 @@ bool is_deep(std::string_view json) {
 
 }  // namespace
 
-Result<nlohmann::json> parse_bounded(std::string_view json, std::string_view name_for_errors) {
-  if (json.size() > kLongestJson || is_deep(json))
-    return fail(ErrorCode::BadData, text(name_for_errors, ": larger or deeper than any message of ours"));
+Result<nlohmann::json> parse_bounded(std::string_view json, std::string_view name_for_errors,
+                                     std::size_t longest) {
+  if (json.size() > longest || is_deep(json))
+    return fail(ErrorCode::BadData, text(name_for_errors, ": larger or deeper than any of ours"));
   return parse_json(json, name_for_errors);
 }
 
-}  // namespace floatstage::studio::wire
+}  // namespace floatstage

@@ -1,0 +1,112 @@
+#include "detail/tiff_file.h"
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include <tiffio.h>
+
+#include "core/text.h"
+
+namespace floatstage::detail {
+namespace {
+
+/// A file in memory, as libtiff's callbacks want it.
+struct Bytes {
+  std::string_view bytes;
+  std::uint64_t at = 0;
+  std::string complaint;  // the first
+};
+
+tmsize_t read(thandle_t handle, void* to, tmsize_t size) {
+  auto& file = *static_cast<Bytes*>(handle);
+  if (size < 0 || file.at >= file.bytes.size()) return 0;
+  const std::size_t n = std::min<std::size_t>(static_cast<std::size_t>(size), file.bytes.size() - file.at);
+  std::memcpy(to, file.bytes.data() + file.at, n);
+  file.at += n;
+  return static_cast<tmsize_t>(n);
+}
+
+tmsize_t write(thandle_t, void*, tmsize_t) { return 0; }
+
+toff_t seek(thandle_t handle, toff_t offset, int whence) {
+  auto& file = *static_cast<Bytes*>(handle);
+  if (whence == SEEK_SET) file.at = offset;
+  if (whence == SEEK_CUR) file.at += offset;
+  if (whence == SEEK_END) file.at = file.bytes.size() + offset;
+  return file.at;
+}
+
+int close(thandle_t) { return 0; }
+toff_t size(thandle_t handle) { return static_cast<Bytes*>(handle)->bytes.size(); }
+
+void keep(thandle_t handle, const char*, const char* format, va_list words) {
+  char sentence[300];
+  std::vsnprintf(sentence, sizeof sentence, format, words);
+  if (handle == nullptr) return;
+  if (std::string& first = static_cast<Bytes*>(handle)->complaint; first.empty()) first = sentence;
+}
+
+// libtiff's handlers are of the whole process: set once, they keep what is said with the file it is said of.
+void keep_complaints() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    TIFFSetErrorHandler(nullptr);
+    TIFFSetWarningHandler(nullptr);
+    TIFFSetErrorHandlerExt(keep);
+  });
+}
+
+struct Close {
+  void operator()(TIFF* tiff) const { TIFFClose(tiff); }
+};
+
+}  // namespace
+
+bool is_tiff(std::string_view bytes) {
+  for (const char* magic : {"II*\0", "MM\0*", "II+\0", "MM\0+"})
+    if (bytes.starts_with(std::string_view(magic, 4))) return true;
+  return false;
+}
+
+Result<Image> decode_tiff(std::string_view bytes, std::int64_t most_pixels, std::string_view name) {
+  keep_complaints();
+  Bytes file{bytes, 0, {}};
+  const auto bad = [&](const char* what) {
+    return fail(ErrorCode::BadData, text(name, ": ", what, file.complaint.empty() ? "" : " (", file.complaint,
+                                         file.complaint.empty() ? "" : ")"));
+  };
+  // "rm": nothing is mapped; all goes through read().
+  const std::unique_ptr<TIFF, Close> tiff(
+      TIFFClientOpen("photograph", "rm", &file, read, write, seek, close, size, nullptr, nullptr));
+  if (!tiff) return bad("no TIFF that can be read");
+  std::uint32_t width = 0, height = 0;
+  std::uint16_t stored = ORIENTATION_TOPLEFT;
+  if (TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &width) != 1 ||
+      TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &height) != 1 || width == 0 || height == 0)
+    return bad("a TIFF without a size");
+  if (static_cast<std::int64_t>(width) * height > most_pixels)
+    return fail(ErrorCode::Unsupported, text(name, ": ", width, "x", height, " px are more than ",
+                                             most_pixels / 1'000'000, " million; make it smaller first"));
+  char why[1024] = "";
+  if (TIFFRGBAImageOK(tiff.get(), why) != 1)
+    return fail(ErrorCode::Unsupported, text(name, ": a TIFF of a kind that is not read (", why, ")"));
+  TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_ORIENTATION, &stored);
+  std::vector<std::uint32_t> raster(static_cast<std::size_t>(width) * height);
+  // Asked for as it is stored, libtiff turns nothing.
+  if (TIFFReadRGBAImageOriented(tiff.get(), width, height, raster.data(), stored, 1) != 1)
+    return bad("a damaged TIFF");
+  Image rgb(static_cast<int>(width), static_cast<int>(height), 3);
+  for (std::size_t i = 0; i < raster.size(); ++i) {
+    rgb.pixels[3 * i] = static_cast<std::uint8_t>(TIFFGetR(raster[i]));
+    rgb.pixels[3 * i + 1] = static_cast<std::uint8_t>(TIFFGetG(raster[i]));
+    rgb.pixels[3 * i + 2] = static_cast<std::uint8_t>(TIFFGetB(raster[i]));
+  }
+  return rgb;
+}
+
+}  // namespace floatstage::detail
