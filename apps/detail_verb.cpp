@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "apps/detail_verbs.h"
 #include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
@@ -17,11 +18,6 @@ struct Options {
   std::string root;
   int threads = 0;
 };
-
-detail::Watch watched_by(ProgressBar& bar) {
-  return {[&bar](const char* what, std::size_t total) { bar.begin(what, total); }, [&bar] { bar.advance(1); },
-          [&bar] { bar.end(); }, [&bar] { return bar.cancelled(); }};
-}
 
 // A photograph and those below it, indented.
 void print_tree(const detail::PhotoGraph& graph, int photo, int depth) {
@@ -96,9 +92,10 @@ void add_detail(CLI::App& app, Chosen& chosen) {
   CLI::App* verb =
       add_verb(app, chosen, "detail", "Photographs of one subject at several distances, as one zoom",
                {"floatstage detail graph photos/ --json graph.json",
-                "floatstage detail graph photos/ --json graph.json --dot graph.dot"});
+                "floatstage detail compose graph.json -o zoom.png"});
   verb->require_subcommand(1);
   add_graph(*verb, chosen);
+  add_detail_compose(*verb, chosen);
 }
 
 }  // namespace floatstage::apps

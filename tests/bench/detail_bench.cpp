@@ -1,12 +1,17 @@
 // The photo graph: nearest descriptors of two photographs against OpenCV's brute force, the same work in the
-// same run; and the whole graph of ../shared/data/detail. Run: detail_bench
+// same run; the whole graph of ../shared/data/detail; and what
+// a child costs to be carried over. Run: detail_bench
 
 #include <benchmark/benchmark.h>
 #include <opencv2/features2d.hpp>
 
 #include "core/random.h"
+#include "detail/blend_mask.h"
+#include "detail/harmonic_fill.h"
 #include "detail/nearest_descriptors.h"
 #include "detail/photo_graph.h"
+#include "detail/seam.h"
+#include "tests/detail/pictures.h"
 
 namespace floatstage::detail {
 namespace {
@@ -56,6 +61,48 @@ void graph_of_all(benchmark::State& state) {
   state.counters["photos"] = static_cast<double>(photos);
 }
 
+// A child of a million pixels and its parent, which differ a little everywhere.
+struct Pictures {
+  LightPicture child = to_light(test::photograph(1152, 868, test::view_of_world(0, 0, 1)));
+  LightPicture parent = to_light(test::photograph(1152, 868, test::view_of_world(1, 0.5, 1.001)));
+};
+
+const Pictures& pictures() {
+  static const Pictures made;
+  return made;
+}
+
+// Three colours inside a seam of a hundred pixels from the edge.
+void poisson_a_million(benchmark::State& state) {
+  const Pictures& p = pictures();
+  std::vector<std::uint8_t> fixed(p.child.pixels.size(), 1);
+  for (int y = 100; y < p.child.height - 100; ++y)
+    std::fill_n(fixed.begin() + static_cast<std::ptrdiff_t>(p.child.index(100, y)), p.child.width - 200, 0);
+  if (state.range(0) == 0)  // all but the outermost pixels
+    for (int y = 1; y + 1 < p.child.height; ++y)
+      std::fill_n(fixed.begin() + static_cast<std::ptrdiff_t>(p.child.index(1, y)), p.child.width - 2, 0);
+  int cycles = 0;
+  for (auto _ : state) {
+    LightPicture picture = p.child;
+    cycles = fill_harmonically(picture, fixed);
+  }
+  state.counters["cycles"] = cycles;
+}
+
+void seam_of_a_child(benchmark::State& state) {
+  const Pictures& p = pictures();
+  const std::vector<std::uint8_t> same(p.child.pixels.size(), 1);
+  for (auto _ : state) benchmark::DoNotOptimize(find_seam(p.child, p.parent, same));
+}
+
+void blending_mask_of_a_child(benchmark::State& state) {
+  const std::vector<std::uint8_t> inside(pictures().child.pixels.size(), 1);
+  for (auto _ : state) benchmark::DoNotOptimize(blending_mask(pictures().child, inside));
+}
+
+BENCHMARK(poisson_a_million)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(seam_of_a_child)->Unit(benchmark::kMillisecond);
+BENCHMARK(blending_mask_of_a_child)->Unit(benchmark::kMillisecond);
 BENCHMARK(nearest_ours)->Unit(benchmark::kMillisecond);
 BENCHMARK(nearest_opencv)->Unit(benchmark::kMillisecond);
 BENCHMARK(graph_of_all)

@@ -1,0 +1,85 @@
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command_line.h"
+#include "core/file.h"
+#include "core/png.h"
+#include "tests/detail/pictures.h"
+#include "tests/support/matchers.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage::apps {
+namespace {
+
+using detail::test::photograph;
+using detail::test::view_of_world;
+
+class DetailVerbs : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directories(folder_ / "photos");
+    ASSERT_THAT(save_png(photograph(240, 180, view_of_world(0, 0, 4)), folder_ / "photos/wide.png"), IsOk());
+    ASSERT_THAT(save_png(photograph(240, 180, view_of_world(330, 190, 1.5)), folder_ / "photos/close.png"),
+                IsOk());
+    folder_.write("photos/cut.jpg", "\xFF\xD8\xFF");
+  }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+  static Result<void> run(const std::vector<std::string>& words) {
+    Chosen chosen;
+    const std::unique_ptr<CLI::App> app = command_line(chosen);
+    const std::optional<Ending> ending = read_command_line(*app, words);
+    if (ending) return fail(ErrorCode::InvalidArgument, ending->error);
+    return chosen.run();
+  }
+  nlohmann::json report(const std::string& name) const {
+    const Result<std::string> text = read_file(folder_ / name);
+    EXPECT_THAT(text, IsOk());
+    return text ? nlohmann::json::parse(*text) : nlohmann::json();
+  }
+
+ private:
+  TempFolder folder_;
+};
+
+TEST_F(DetailVerbs, RelatePhotographsAndMakeOnePictureOfThem) {
+  ASSERT_THAT(run({"detail", "graph", file("photos"), "--json", file("g.json"), "--dot", file("g.dot")}),
+              IsOk());
+  const nlohmann::json graph = report("g.json");
+  EXPECT_EQ(graph.at("folder"), "photos");
+  EXPECT_EQ(graph.at("root"), "wide.png");
+  EXPECT_EQ(graph.at("photos")[0].at("parent"), "wide.png");
+  EXPECT_NEAR(graph.at("photos")[0].at("zoom"), 4 / 1.5, 0.02);
+  EXPECT_EQ(graph.at("refused")[0].at("child"), "wide.png");
+  EXPECT_EQ(graph.at("unread")[0].at("name"), "cut.jpg");
+  EXPECT_TRUE(std::filesystem::exists(file("g.json.cache/pairs.json")));
+  EXPECT_TRUE(std::filesystem::exists(file("g.dot")));
+  ASSERT_THAT(run({"detail", "compose", file("g.json"), "-o", file("zoom.png"), "--zoom", "2", "--json",
+                   file("c.json")}),
+              IsOk());
+  EXPECT_THAT(load_png(file("zoom.png")), IsOkAnd(testing::Field(&Image::width, 480)));
+  EXPECT_EQ(report("c.json").at("photos")[0].at("name"), "close.png");
+  ASSERT_THAT(run({"detail", "compose", file("g.json"), "-o", file("zoom.jpg"), "--root", "close.png"}),
+              IsOk());
+}
+
+TEST_F(DetailVerbs, SayWhatIsWrongBeforeAnythingIsWritten) {
+  EXPECT_THAT(run({"detail", "graph", file("nothing")}),
+              FailsWith(ErrorCode::NotFound, "nothing is no folder"));
+  EXPECT_THAT(run({"detail", "graph", file("photos"), "--root", "far.png", "--json", file("g.json")}),
+              FailsWith(ErrorCode::InvalidArgument, "--root far.png"));
+  EXPECT_FALSE(std::filesystem::exists(file("g.json")));
+  ASSERT_THAT(run({"detail", "graph", file("photos"), "--json", file("g.json")}), IsOk());
+  EXPECT_THAT(run({"detail", "compose", file("g.json"), "-o", file("zoom.gif")}),
+              FailsWith(ErrorCode::InvalidArgument, "a picture is a .png or a .jpg"));
+  EXPECT_THAT(run({"detail", "compose", file("g.json"), "-o", file("z.png"), "--root", "far.png"}),
+              FailsWith(ErrorCode::InvalidArgument, "no photograph of this name"));
+  EXPECT_THAT(run({"detail", "compose", file("g.json"), "-o", file("z.png"), "--zoom", "0.5"}),
+              FailsWith(ErrorCode::InvalidArgument, "--zoom 0.5"));
+  EXPECT_THAT(run({"detail", "compose", file("photos/wide.png"), "-o", file("z.png")}),
+              FailsWith(ErrorCode::BadData, "wide.png"));
+  EXPECT_FALSE(std::filesystem::exists(file("z.png")));
+}
+
+}  // namespace
+}  // namespace floatstage::apps
