@@ -5,6 +5,8 @@
 #include <map>
 #include <numeric>
 
+#include <opencv2/imgproc.hpp>
+
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/parallel.h"
@@ -26,7 +28,7 @@ constexpr int kSmallest =
 
 Matrix3d scaling(double s) { return Eigen::DiagonalMatrix<double, 3>(s, s, 1); }
 
-Result<LightPicture> load(const PhotoGraph& graph, const GraphPhoto& photo) {
+Result<Image> load(const PhotoGraph& graph, const GraphPhoto& photo) {
   const std::filesystem::path file = graph.folder / photo.photo.name;
   const Result<std::string> bytes = read_file(file);
   if (!bytes) return forward(bytes);
@@ -34,11 +36,32 @@ Result<LightPicture> load(const PhotoGraph& graph, const GraphPhoto& photo) {
     return fail(ErrorCode::BadData, text(file.string(),
                                          " is not the photograph that was related; run `floatstage "
                                          "detail graph` again"));
-  const Result<Image> picture = decode_photo(*bytes, file.string());
-  if (!picture) return forward(picture);
+  Result<Image> picture = decode_photo(*bytes, file.string());
+  if (!picture) return picture;
   if (picture->width != photo.photo.width || picture->height != photo.photo.height)
     return fail(ErrorCode::BadData, text(file.string(), " has another size than the graph says"));
-  return to_light(*picture);
+  return picture;
+}
+
+/// A child no finer than the canvas, and its pixels' place in the photograph.
+struct Child {
+  LightPicture picture;
+  Matrix3d photo_from_child = Matrix3d::Identity();
+};
+
+Child shrunk(const Image& photo, double shrink, int threads) {
+  if (shrink >= 0.99) return {to_light(photo), Matrix3d::Identity()};
+  const int w = std::max(1, static_cast<int>(std::lround(photo.width * shrink))),
+            h = std::max(1, static_cast<int>(std::lround(photo.height * shrink)));
+  const Matrix3d back = Eigen::DiagonalMatrix<double, 3>(static_cast<double>(photo.width) / w,
+                                                         static_cast<double>(photo.height) / h, 1);
+  if (static_cast<double>(photo.width) * photo.height <= kMostPixels)
+    return {warped(to_light(photo), back, w, h, threads), back};
+  Image small(w, h, 3);  // the whole in floats would take gigabytes
+  cv::Mat to(h, w, CV_8UC3, small.pixels.data());
+  cv::resize(cv::Mat(photo.height, photo.width, CV_8UC3, const_cast<std::uint8_t*>(photo.pixels.data())), to,
+             to.size(), 0, 0, cv::INTER_AREA);
+  return {to_light(small), back};
 }
 
 /// Where a photograph lies in the root, and how far it zooms.
@@ -111,18 +134,12 @@ std::string flat(std::string name) {
 Result<ComposedPhoto> carry(const PhotoGraph& graph, int index, const Place& place, double canvas_zoom,
                             const ComposeOptions& options, LightPicture& canvas) {
   const GraphPhoto& photo = graph.photos[static_cast<std::size_t>(index)];
-  Result<LightPicture> child = load(graph, photo);
-  if (!child) return forward(child);
-  // No finer than the canvas: what it cannot show costs memory only.
+  const Result<Image> loaded = load(graph, photo);
+  if (!loaded) return forward(loaded);
+  // What the canvas cannot show costs memory only.
   const double shrink = std::min(1.0, canvas_zoom / place.zoom);
-  Matrix3d photo_from_child = Matrix3d::Identity();
-  if (shrink < 0.99) {
-    const int w = std::max(1, static_cast<int>(std::lround(child->width * shrink))),
-              h = std::max(1, static_cast<int>(std::lround(child->height * shrink)));
-    photo_from_child = Eigen::DiagonalMatrix<double, 3>(static_cast<double>(child->width) / w,
-                                                        static_cast<double>(child->height) / h, 1);
-    child = warped(*child, photo_from_child, w, h, options.threads);
-  }
+  const Child made = shrunk(*loaded, shrink, options.threads);
+  const LightPicture* child = &made.picture;
   ComposedPhoto skipped;
   skipped.name = photo.photo.name;
   skipped.zoom = place.zoom;
@@ -131,7 +148,7 @@ Result<ComposedPhoto> carry(const PhotoGraph& graph, int index, const Place& pla
         text("in this picture it has ", child->width, "x", child->height, " px; ask for more --zoom");
     return skipped;
   }
-  const Matrix3d canvas_from_child = scaling(canvas_zoom) * place.root_from_photo * photo_from_child;
+  const Matrix3d canvas_from_child = scaling(canvas_zoom) * place.root_from_photo * made.photo_from_child;
   if (!sane_quad(canvas_from_child, child->width, child->height)) {
     skipped.why_not = "its place in the root folds over";
     return skipped;
@@ -151,6 +168,10 @@ Result<Composition> compose(const PhotoGraph& graph, const ComposeOptions& optio
   const GraphPhoto& root = graph.photos[static_cast<std::size_t>(graph.root)];
   const std::map<int, Place> places = places_below(graph);
   const double pixels = static_cast<double>(root.photo.width) * root.photo.height;
+  if (pixels > kMostPixels)
+    return fail(ErrorCode::InvalidArgument,
+                text(root.photo.name, " has ", std::lround(pixels / 1e6),
+                     " million pixels; a picture may have 32: make it smaller, or take another --root"));
   double closest = 1;
   for (const auto& [i, place] : places) closest = std::max(closest, place.zoom);
   Composition out;
@@ -160,13 +181,13 @@ Result<Composition> compose(const PhotoGraph& graph, const ComposeOptions& optio
     return fail(ErrorCode::InvalidArgument,
                 text("--zoom ", out.zoom, ": 1 to ", std::floor(100 * std::sqrt(kMostPixels / pixels)) / 100,
                      " (the picture may have 32 million pixels)"));
-  const Result<LightPicture> picture = load(graph, root);
+  const Result<Image> picture = load(graph, root);
   if (!picture) return forward(picture);
   if (!options.steps.empty())
     if (Result<void> ok = make_folder(options.steps); !ok) return forward(ok);
-  LightPicture canvas =
-      warped(*picture, scaling(1 / out.zoom), static_cast<int>(std::lround(root.photo.width * out.zoom)),
-             static_cast<int>(std::lround(root.photo.height * out.zoom)), options.threads);
+  LightPicture canvas = warped(to_light(*picture), scaling(1 / out.zoom),
+                               static_cast<int>(std::lround(root.photo.width * out.zoom)),
+                               static_cast<int>(std::lround(root.photo.height * out.zoom)), options.threads);
   // By zoom, so that nothing coarse covers what is finer; a parent comes before its children that way, too.
   std::vector<int> below = graph.descendants(graph.root);
   std::stable_sort(below.begin(), below.end(),

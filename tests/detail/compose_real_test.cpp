@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/stitching.hpp>
 
 #include "core/png.h"
 #include "detail/compose.h"
@@ -47,18 +48,34 @@ double top_octave(const Image& image) {
   return power;
 }
 
+/// A wide photograph and one `zoom` times as close, with other tones, cut out of one.
+struct WideAndClose {
+  Image truth, wide, close;
+};
+
+WideAndClose cut_out_of(const Image& photo, int zoom) {
+  WideAndClose pair{cropped(photo, 1000, 300, 2048, 1536), Image(2048 / zoom, 1536 / zoom, 3), {}};
+  pair.close = cropped(pair.truth, 700, 500, 800, 600);
+  cv::Mat to = matrix_of(pair.wide);
+  cv::resize(matrix_of(pair.truth), to, to.size(), 0, 0, cv::INTER_AREA);
+  for (std::uint8_t& v : pair.close.pixels) v = static_cast<std::uint8_t>(0.9 * v + 5);
+  return pair;
+}
+
+// How many of the close photograph's pixels a picture has one for, linear; 0: it is not in it.
+double pixels_lost(const Image& close, const Image& picture) {
+  const PhotoFeatures of_close = find_features(close), of_picture = find_features(picture);
+  return relate(of_close, of_picture, nearest_both_ways(of_close, of_picture).of_a).zoom;
+}
+
 TEST(ACloseFur, KeepsItsFinestOctaveInTheWidePicture) {
   FLOATSTAGE_NEEDS_DATA(real_data("detail/panda"));
   const Result<Image> photo = load_photo(real_data("detail/panda/panda.jpg"));
   ASSERT_THAT(photo, IsOk());
-  const Image truth = cropped(*photo, 1000, 300, 2048, 1536);
-  Image wide(512, 384, 3), close = cropped(truth, 700, 500, 800, 600);
-  cv::Mat to = matrix_of(wide);
-  cv::resize(matrix_of(truth), to, to.size(), 0, 0, cv::INTER_AREA);
-  for (std::uint8_t& v : close.pixels) v = static_cast<std::uint8_t>(0.9 * v + 5);
+  const WideAndClose pair = cut_out_of(*photo, 4);
   const TempFolder folder;
-  ASSERT_THAT(save_png(wide, folder / "wide.png"), IsOk());
-  ASSERT_THAT(save_png(close, folder / "close.png"), IsOk());
+  ASSERT_THAT(save_png(pair.wide, folder / "wide.png"), IsOk());
+  ASSERT_THAT(save_png(pair.close, folder / "close.png"), IsOk());
   const Result<PhotoGraph> graph = build_photo_graph(folder.path(), {});
   ASSERT_THAT(graph, IsOk());
   ASSERT_EQ(graph->photos[0].parent, 1);
@@ -66,13 +83,37 @@ TEST(ACloseFur, KeepsItsFinestOctaveInTheWidePicture) {
   options.zoom = 4;
   const Result<Composition> made = compose(*graph, options);
   ASSERT_THAT(made, IsOk());
-  const Image inside = cropped(made->picture, 980, 680, 240, 240), real = cropped(truth, 980, 680, 240, 240);
+  const Image inside = cropped(made->picture, 980, 680, 240, 240),
+              real = cropped(pair.truth, 980, 680, 240, 240);
   const double decibels = 10 * std::log10(top_octave(inside) / top_octave(real));
   RecordProperty("decibels", text(decibels));
   RecordProperty("psnr", text(psnr(inside, real)));
+  RecordProperty("lost", text(pixels_lost(pair.close, made->picture)));
   EXPECT_GT(decibels, -1);
   EXPECT_LT(decibels, 1);
   EXPECT_GT(psnr(inside, real), 30);
+  EXPECT_NEAR(pixels_lost(pair.close, made->picture), 1, 0.01);
+}
+
+TEST(ACloseFur, LosesItThroughAProgramForPanoramas) {
+  FLOATSTAGE_NEEDS_DATA(real_data("detail/panda"));
+  const Result<Image> photo = load_photo(real_data("detail/panda/panda.jpg"));
+  ASSERT_THAT(photo, IsOk());
+  const WideAndClose pair = cut_out_of(*photo, 2);  // at four it gives up
+  for (const auto mode : {cv::Stitcher::PANORAMA, cv::Stitcher::SCANS}) {
+    cv::Mat stitched;
+    const std::vector<cv::Mat> both = {matrix_of(pair.wide), matrix_of(pair.close)};
+    const auto status = cv::Stitcher::create(mode)->stitch(both, stitched);
+    const std::string name = mode == cv::Stitcher::PANORAMA ? "panorama" : "scans";
+    RecordProperty(name + "_status", static_cast<int>(status));
+    if (status != cv::Stitcher::OK) continue;  // it gave up: nothing arrives at all
+    stitched.convertTo(stitched, CV_8U);
+    Image picture(stitched.cols, stitched.rows, 3);
+    stitched.copyTo(cv::Mat(matrix_of(picture)));
+    const double lost = pixels_lost(pair.close, picture);
+    RecordProperty(name + "_lost", text(lost));
+    EXPECT_TRUE(lost == 0 || lost > 1.2) << name << " " << lost;
+  }
 }
 
 }  // namespace

@@ -117,6 +117,11 @@ TEST_F(ComposedPhotographs, LeaveNothingBehindWhenInterrupted) {
   EXPECT_THAT(compose(graph_, options), FailsWith(ErrorCode::Cancelled, "nothing was written"));
 }
 
+TEST_F(ComposedPhotographs, AreRefusedWhereTheRootAloneIsTooLarge) {
+  graph_.photos[1].photo.width = graph_.photos[1].photo.height = 10'000;
+  EXPECT_THAT(compose(graph_, {}), FailsWith(ErrorCode::InvalidArgument, "wide.png has 100 million pixels"));
+}
+
 TEST_F(ComposedPhotographs, TooSmallToShowAreNamedAndLeftOut) {
   for (GraphPhoto& photo : graph_.photos)
     if (photo.parent >= 0) {
