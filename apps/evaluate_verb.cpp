@@ -359,6 +359,7 @@ Result<void> run(const Options& given) {
       parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   options->frames = std::move(*frames);
+  suit_cameras(given.renderer, (*take)->rig(), options->renderer);
   const Result<render::OpenBackEnd> drawing = render::open_back_end(options->renderer.back_end);
   if (!drawing) return forward(drawing);
   options->renderer.back_end = drawing->back_end;

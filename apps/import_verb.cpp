@@ -17,7 +17,7 @@ namespace {
 struct Options {
   pipeline::ImportOptions import;
   std::string other_size = "refuse", frames;
-  double frame_rate = 0;  // 0: not given
+  double frame_rate = 0, plane = 0;  // 0: not given
   std::filesystem::path json;
 };
 
@@ -32,6 +32,7 @@ Result<void> run(const Options& given) {
                        : given.other_size == "cropped" ? pipeline::OtherSize::Cropped
                                                        : pipeline::OtherSize::Refuse;
   if (given.frame_rate > 0) options.frame_rate = given.frame_rate;
+  if (given.plane != 0) options.plane = given.plane;
   if (!given.frames.empty()) {
     const Result<pipeline::FrameRange> range = pipeline::parse_frame_range(given.frames);
     if (!range) return forward(range);
@@ -82,6 +83,11 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
   add_fps(*app, options->frame_rate, "Frames a second (default: as the videos say)");
   add_codec(*app, import.codec);
   app->add_option("--label", import.label, "The take's label (default: the format's name)");
+  if (format.name == "lightfield")
+    app->add_option("--plane", options->plane,
+                    "How far before the cameras the plane stands that it is drawn on, metres (default: where "
+                    "neighbouring pictures agree best)")
+        ->type_name("Z");
   if (!format.states_unit)
     app->add_option("--metres-per-unit", import.calibration.metres_per_unit,
                     "Length of the calibration's unit, which it does not state")

@@ -44,6 +44,7 @@ Result<void> run(const Options& given) {
 
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
+  suit_cameras(given.renderer, (*take)->rig(), film.renderer);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   film.frames = std::move(*frames);

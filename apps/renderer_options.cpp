@@ -1,7 +1,12 @@
 #include "apps/renderer_options.h"
 
+#include <charconv>
+#include <cmath>
+#include <tuple>
+
 #include "apps/flags.h"
 #include "core/text.h"
+#include "render/camera_grid.h"
 
 namespace floatstage::apps {
 namespace {
@@ -10,6 +15,21 @@ std::vector<std::string> known_flows() {
   std::vector<std::string> names = render::flow_backends();
   names.emplace_back("none");
   return names;
+}
+
+Result<std::pair<double, double>> parse_range(const std::string& words) {
+  const char *begin = words.data(), *end = begin + words.size();
+  double low = 0, high = 0;
+  const auto [colon, error] = std::from_chars(begin, end, low);
+  if (error == std::errc() && colon != end && *colon == ':') {
+    const auto [stop, second] = std::from_chars(colon + 1, end, high);
+    if (second == std::errc() && stop == end && low > 0 && high > low && std::isfinite(high))
+      return std::pair(low, high);
+  }
+  return fail(ErrorCode::InvalidArgument,
+              text("--depth-range '", words,
+                   "' is no range; write the nearest and a larger farthest depth in "
+                   "metres, as in 1.5:4"));
 }
 
 }  // namespace
@@ -25,7 +45,7 @@ void add_back_end_flag(CLI::App& verb, std::string& back_end) {
 void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
   add_back_end_flag(verb, flags.back_end);
   render::RendererOptions& o = flags.options;
-  add_blend(verb, o.cameras);
+  flags.blend = add_blend(verb, o.cameras);
   add_background(verb, flags.background);
   verb.add_flag("--balance", flags.balance,
                 "Bring the cameras' colours to one another by what they see of the subject, where "
@@ -35,6 +55,22 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
       ->capture_default_str()
       ->check(one_of(render::render_output_names()))
       ->group(kGroupPicture);
+  const std::vector<CLI::Option*> filters = {
+      verb.add_option("--band-limit", o.band_limit,
+                      "band-limited: width of its filter, photograph pixels (0: by the depth range)")
+          ->type_name("PX"),
+      verb.add_option("--depth-range", flags.depth_range,
+                      "band-limited: nearest and farthest depth of the scene, metres before the cameras "
+                      "(default: the proxy's, give or take --uncertainty)")
+          ->type_name("NEAR:FAR"),
+      verb.add_option(
+          "--uncertainty", o.uncertainty,
+          "band-limited, filtered: how far the surface may lie before or behind the proxy, as a share "
+          "of the diagonal of the proxy's box"),
+      verb.add_option("--motion-blur", o.motion_blur,
+                      "filtered: share of the pictures before that stays in each, 0 to 0.95")
+          ->type_name("SHARE")};
+  for (CLI::Option* option : filters) option->capture_default_str()->group(kGroupTuning);
   const std::vector<CLI::Option*> tuning = {
       verb.add_option("--soft-radius", o.soft_radius, "Radius of soft visibility, px"),
       verb.add_option("--flow", o.flow.backend, "Flow back-end: variational, dis, or none")
@@ -63,6 +99,11 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
     return fail(ErrorCode::InvalidArgument, text("--show '", flags.show, "' is unknown; see --help"));
   options.output = static_cast<render::RenderOutput>(shown);
   options.positions = static_cast<render::Positions>(place_of(render::position_names(), flags.positions));
+  if (!flags.depth_range.empty()) {
+    const Result<std::pair<double, double>> range = parse_range(flags.depth_range);
+    if (!range) return forward(range);
+    std::tie(options.nearest, options.farthest) = *range;
+  }
   const bool hex = flags.background.size() == 6 &&
                    flags.background.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
   if (!hex)
@@ -73,6 +114,11 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
         static_cast<float>(std::stoi(flags.background.substr(2 * i, 2), nullptr, 16)) / 255.f;
   if (Result<void> ok = check(options); !ok) return forward(ok);
   return options;
+}
+
+void suit_cameras(const RendererFlags& flags, const Rig& rig, render::RendererOptions& options) {
+  constexpr int kCorners = 4;
+  if (flags.blend->count() == 0 && render::camera_grid(rig.cameras)) options.cameras = kCorners;
 }
 
 std::string method_help() {

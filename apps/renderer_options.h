@@ -12,7 +12,9 @@ namespace floatstage::apps {
 /// The renderer's options as flags, the same for every verb that renders.
 struct RendererFlags {
   render::RendererOptions options;
+  const CLI::Option* blend = nullptr;  ///< --blend, to ask whether it was said
   bool balance = false;
+  std::string depth_range;  ///< NEAR:FAR
   std::string show = "color", positions = "parallax", background = "000000", back_end = "auto";
 };
 
@@ -20,6 +22,10 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags);
 /// --renderer alone, for verbs that choose the rest by themselves.
 void add_back_end_flag(CLI::App& verb, std::string& back_end);
 Result<render::RendererOptions> renderer_options(const RendererFlags& flags);
+
+/// Without --blend, as many photographs as suit the cameras: four of a grid, whose cells have so many
+/// corners.
+void suit_cameras(const RendererFlags& flags, const Rig& rig, render::RendererOptions& options);
 
 /// "Method:" and a line for each: nearest, linear, floating.
 std::string method_help();

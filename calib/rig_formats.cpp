@@ -167,6 +167,13 @@ constexpr std::array kFormats = {
               .recognises = has_file<kDomeTxt>,
               .read = read_dome_of,
               .write = nullptr},
+    RigFormat{.name = "lightfield",
+              .title = "A light field's pictures, named after where they were taken",
+              .files = "a folder of NAME_<row>_<column>_<y mm>_<x mm>_<focal mm>_<sensor mm>.jpg",
+              .written = "",
+              .recognises = names_a_lightfield,
+              .read = [](const fs::path& p, double) { return read_lightfield(p); },
+              .write = nullptr},
 };
 
 Result<const RigFormat*> recognised(const fs::path& path) {

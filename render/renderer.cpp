@@ -5,16 +5,22 @@
 #include <epoxy/gl.h>
 
 #include "core/text.h"
+#include "render/band_limit.h"
 #include "render/camera_choice.h"
 #include "render/cpu/renderers.h"
 #include "render/gl/blend_renderer.h"
+#include "render/gl/filtered_renderer.h"
 #include "render/gl/floating_renderer.h"
+#include "render/gl/light_field_renderer.h"
 
 namespace floatstage::render {
 namespace {
 
 constexpr int kMostFlowShrink = 8;
-constexpr double kLargestRadius = 64;  // px; distances are stored in bytes
+constexpr double kMostBlur = 0.95;      // more would outlast any walk
+constexpr double kWidestFilter = 512;   // px
+constexpr double kMostUncertain = 0.5;  // of the diagonal: the subject's own size
+constexpr double kLargestRadius = 64;   // px; distances are stored in bytes
 
 // The table of renderers: one line each.
 using Maker = Result<std::unique_ptr<ViewRenderer>> (*)();
@@ -28,6 +34,13 @@ constexpr Entry kRenderers[] = {
      [] { return make_blend_renderer(true); }},
     {"linear", "Unstructured Lumigraph: photographs blended by viewing angle",
      [] { return cpu::make_blend_renderer(false); }, [] { return make_blend_renderer(false); }},
+    {"band-limited", "photographs filtered beforehand until ghosts run together, then linear",
+     [] { return make_band_limited_renderer(BackEnd::Cpu); },
+     [] { return make_band_limited_renderer(BackEnd::Gl); }},
+    {"filtered", "Filtered Blending: photographs filtered along their lines of disparity, then linear",
+     cpu::make_filtered_renderer, make_filtered_renderer},
+    {"light-field", "quadrilinear: of cameras on a grid the four around each ray",
+     cpu::make_light_field_renderer, make_light_field_renderer},
     {"floating", "Floating Textures: photographs aligned by optical flow, then blended",
      cpu::make_floating_renderer, make_floating_renderer},
 };
@@ -53,6 +66,17 @@ Result<void> check(const RendererOptions& o) {
     return bad("the soft visibility radius ", o.soft_radius, " px is not between 0 and ", kLargestRadius);
   if (o.flow.shrink < 1 || o.flow.shrink > kMostFlowShrink)
     return bad("a flow at 1/", o.flow.shrink, " of the view's size; 1 to ", kMostFlowShrink, " are possible");
+  if (!(o.band_limit >= 0) || o.band_limit > kWidestFilter)
+    return bad("a band limit of ", o.band_limit, " px is not between 0 (by the depth range) and ",
+               kWidestFilter);
+  if (!(o.nearest >= 0) || !std::isfinite(o.farthest) || (o.nearest >= o.farthest && o.farthest != 0) ||
+      (o.nearest > 0) != (o.farthest > 0))
+    return bad("the depths ", o.nearest, " and ", o.farthest, " m are not 0 < nearest < farthest");
+  if (!(o.uncertainty >= 0) || o.uncertainty > kMostUncertain)
+    return bad("an uncertainty of ", o.uncertainty, " of the proxy's diagonal is not between 0 and ",
+               kMostUncertain);
+  if (!(o.motion_blur >= 0) || o.motion_blur > kMostBlur)
+    return bad("a motion blur of ", o.motion_blur, " is not between 0 (none) and ", kMostBlur);
   if (o.threads < 0) return bad(o.threads, " threads; 0 means one per core");
   for (float c : o.background)
     if (!(c >= 0) || !(c <= 1)) return bad("the background colour ", c, " is not between 0 and 1");

@@ -40,6 +40,14 @@ struct RendererOptions {
   double soft_radius = 8;                     ///< px: r of Eq. 11.5
   FlowOptions flow;                           ///< floating only
   Positions positions = Positions::Parallax;  ///< floating only
+  double band_limit = 0;  ///< band-limited: px of the photographs, how wide its filter is; 0: as wide as
+                          ///< the depth range asks for (Eq. 9.13)
+  double nearest = 0, farthest = 0;  ///< band-limited: metres before the cameras; 0: the proxy's depth, give
+                                     ///< or take `uncertainty`
+  double uncertainty = 0.0063;  ///< band-limited, filtered: how far the surface may lie before or behind the
+                                ///< proxy, as a share of the diagonal of the proxy's box
+  double motion_blur = 0;  ///< filtered: share of the pictures before that stays in each, 0: none; while the
+                           ///< view rests the picture tends to the one without
   bool sharp = true;  ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
                       ///< and much faster without a GPU
   int threads = 0;    ///< CPU threads; 0: one per core. The picture does not depend on it
@@ -65,11 +73,15 @@ class ViewRenderer {
   /// InvalidArgument for a view with a lens, an empty size or no usable camera (the sentence says which).
   virtual Result<RenderedView> render(const Scene& scene, const View& view,
                                       const RendererOptions& options) = 0;
+  /// Forgets the pictures before (RendererOptions::motion_blur): the next is as the first. With them, it is
+  /// the same sequence of calls that gives the same bytes.
+  virtual void reset_history() {}
 };
 
 /// "nearest": the best camera per pixel. "linear": Unstructured Lumigraph (Buehler et al. 2001) angular
-/// weights. "floating": Floating Textures (thesis ch. 11). Auto makes one for the CPU, which always works;
-/// open_back_end() says what is best. For Gl a context must be current.
+/// weights. "band-limited": the same from photographs filtered beforehand (thesis §9.3.5). "floating":
+/// Floating Textures (thesis ch. 11). Auto makes one for the CPU, which always works; open_back_end() says
+/// what is best. For Gl a context must be current.
 Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name, BackEnd back_end);
 struct RendererInfo {
   std::string name, help;

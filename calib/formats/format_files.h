@@ -27,6 +27,12 @@ Result<ForeignRig> read_dome(const std::filesystem::path& calibration_txt, doubl
 /// integers. The world is the first camera's frame.
 Result<ForeignRig> read_kalibr(const std::filesystem::path& camchain_yaml);
 
+/// A light field's pictures, in the folder or in views/ below it, whose names say where each was taken:
+/// NAME_<row>_<column>_<y mm>_<x mm>_<focal length mm>_<sensor width mm>.jpg or .png.
+Result<ForeignRig> read_lightfield(const std::filesystem::path& folder);
+/// Whether there is such a picture.
+bool names_a_lightfield(const std::filesystem::path& folder);
+
 /// The same formats written, so that others' tools open our rigs. Writers refuse what a format cannot hold.
 Result<void> write_middlebury(const Rig& rig, const std::vector<std::string>& image_names,
                               const std::filesystem::path& par_txt);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "calib/rig_formats.h"
 
@@ -16,6 +18,9 @@ Result<ForeignRig> parse_easymocap(std::string_view intri, std::string_view extr
                                    std::string_view intri_name, std::string_view extri_name);
 Result<ForeignRig> parse_kalibr(std::string_view yaml, std::string_view name);
 Result<ForeignRig> parse_qualisys(std::string_view xml, std::string_view name);
+/// `names` of pictures of width x height px.
+Result<ForeignRig> parse_lightfield(const std::vector<std::string>& names, int width, int height,
+                                    std::string_view name_for_errors);
 
 /// What every reader ends with: there is a camera, and no two have one serial.
 Result<ForeignRig> checked(ForeignRig foreign, std::string_view name);

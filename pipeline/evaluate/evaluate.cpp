@@ -98,6 +98,7 @@ void score_method(const std::string& name, const Image& rgba, const EvaluateOpti
 Result<void> draw_methods(const View& from, Methods& methods, const EvaluateOptions& options,
                           HeldOutView& view) {
   for (std::size_t m = 0; m < methods.names.size(); ++m) {
+    methods.renderers[m]->reset_history();  // what another camera saw has no part in this view
     Result<render::RenderedView> rendered =
         methods.renderers[m]->render(methods.scene, from, options.renderer);
     if (!rendered) return forward(rendered);

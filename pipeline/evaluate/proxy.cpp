@@ -5,11 +5,10 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/Geometry>
-
 #include "core/mesh_io.h"
 #include "core/text.h"
 #include "pipeline/hull_record.h"
+#include "pipeline/light_field.h"
 #include "pipeline/mesh_record.h"
 #include "pipeline/scene_loader.h"
 
@@ -17,29 +16,11 @@ namespace floatstage::pipeline {
 namespace {
 
 constexpr std::string_view kPlane = "plane:";
-constexpr int kPieces = 12;  // of a plane, along each side
 
 Result<Mesh> load_proxy(const std::filesystem::path& file) {
   Result<Mesh> mesh = load_ply(file);
   if (mesh && mesh->empty())
     return fail(ErrorCode::BadData, text(file.string(), ": a proxy of no triangles; nothing can be drawn"));
-  return mesh;
-}
-
-Mesh rectangle(const Eigen::Vector3d& corner, const Eigen::Vector3d& right, const Eigen::Vector3d& down) {
-  Mesh mesh;
-  for (int row = 0; row <= kPieces; ++row)
-    for (int column = 0; column <= kPieces; ++column)
-      mesh.positions.push_back((corner + right * (static_cast<double>(column) / kPieces) +
-                                down * (static_cast<double>(row) / kPieces))
-                                   .cast<float>());
-  auto at = [](int column, int row) { return static_cast<std::uint32_t>(row * (kPieces + 1) + column); };
-  for (int row = 0; row < kPieces; ++row)
-    for (int column = 0; column < kPieces; ++column) {
-      const std::uint32_t a = at(column, row), b = at(column + 1, row), c = at(column + 1, row + 1),
-                          d = at(column, row + 1);
-      mesh.triangles.insert(mesh.triangles.end(), {a, d, b, b, d, c});  // counter-clockwise for the cameras
-    }
   return mesh;
 }
 
@@ -65,43 +46,6 @@ Result<Proxy> parse_proxy(std::string_view words, const recon::HullOptions& hull
   }
   return fail(ErrorCode::InvalidArgument,
               text("--proxy '", words, "' is none of exact, octree, FILE.ply and plane:Z (metres)"));
-}
-
-Result<Mesh> plane_before(const Rig& rig, double distance) {
-  Eigen::Vector3d forward_mean = Eigen::Vector3d::Zero(), right = forward_mean, middle = forward_mean;
-  for (const RigCamera& c : rig.cameras) {
-    const Eigen::Matrix3d axes = c.cam_from_world.rotation.toRotationMatrix();
-    right += axes.row(0).transpose();
-    forward_mean += axes.row(2).transpose();
-    middle += c.cam_from_world.center() / static_cast<double>(rig.cameras.size());
-  }
-  if (forward_mean.norm() < 0.5 * static_cast<double>(rig.cameras.size()))
-    return fail(
-        ErrorCode::InvalidArgument,
-        "the cameras look in all directions: no plane stands before all of them; take another --proxy");
-  const Eigen::Vector3d n = forward_mean.normalized();
-  right = (right - n * n.dot(right)).normalized();
-  const Eigen::Vector3d down = n.cross(right);
-  Eigen::AlignedBox2d seen;
-  for (const RigCamera& c : rig.cameras) {
-    const Eigen::Vector3d from = c.cam_from_world.center() - middle;
-    const Eigen::Matrix3d world_from_cam = c.cam_from_world.rotation.toRotationMatrix().transpose();
-    for (const Eigen::Vector2d& corner :
-         {Eigen::Vector2d(0, 0), Eigen::Vector2d(c.model.width, 0), Eigen::Vector2d(0, c.model.height),
-          Eigen::Vector2d(c.model.width, c.model.height)}) {
-      const std::optional<Eigen::Vector3d> ray = unproject(pinhole(c.model), corner);
-      const Eigen::Vector3d direction = world_from_cam * ray.value_or(Eigen::Vector3d::UnitZ());
-      const double ahead = distance - n.dot(from), along = n.dot(direction);
-      if (!(distance > 0) || !(ahead > 0) || !(along > 0))
-        return fail(ErrorCode::InvalidArgument, text("the plane ", distance, " m away is not before camera '",
-                                                     c.serial, "' and all that it sees"));
-      const Eigen::Vector3d p = from + direction * (ahead / along);
-      seen.extend(Eigen::Vector2d(right.dot(p), down.dot(p)));
-    }
-  }
-  const Eigen::Vector2d size = seen.sizes();
-  return rectangle(middle + n * distance + right * seen.min().x() + down * seen.min().y(), right * size.x(),
-                   down * size.y());
 }
 
 Result<Instant> load_instant(capture::TakeReader& take, int frame, const Proxy& proxy) {

@@ -31,11 +31,6 @@ struct Proxy {
 /// says what there is.
 Result<Proxy> parse_proxy(std::string_view words, const recon::HullOptions& hull);
 
-/// A plane `distance` metres before the cameras' mean place, across their mean viewing direction, as far as
-/// any camera sees it; in pieces, so that its corners are spread over it. InvalidArgument for a plane that is
-/// not before all cameras.
-Result<Mesh> plane_before(const Rig& rig, double distance);
-
 /// The photographs and mattes of one instant, and what all held-out views of it share.
 struct Instant {
   int frame = 0;

@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "pipeline/import/matte_files.h"
+#include "pipeline/light_field.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
@@ -14,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kLightField = "lightfield";
 constexpr double kFolderFrameRate = 25;  // of numbered pictures, which state none
 
 // The cameras that will be in the take, and where their pictures are.
@@ -286,6 +288,17 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
   return (*writer)->finish();
 }
 
+Result<void> make_plane(const fs::path& folder, std::optional<double> distance, ImportReport& report) {
+  const Result<std::unique_ptr<capture::TakeReader>> reader = capture::TakeReader::open(folder);
+  if (!reader) return forward(reader);
+  const Result<double> plane = give_plane(**reader, distance);
+  if (!plane) return forward(plane);
+  report.notes.push_back(text("the plane that the light field is drawn on stands ", *plane,
+                              " m before its cameras",
+                              distance ? "" : ", where neighbouring pictures agree best"));
+  return {};
+}
+
 }  // namespace
 
 Result<ImportReport> import_take(const ImportOptions& given) {
@@ -322,6 +335,8 @@ Result<ImportReport> import_take(const ImportOptions& given) {
   if (!rate) return forward(rate);
   if (Result<void> ok = write_pictures(options, *rig, *streams, mattes, *rate, take.folder(), report); !ok)
     return forward(ok);
+  if (plan->format == kLightField)
+    if (Result<void> ok = make_plane(take.folder(), options.plane, report); !ok) return forward(ok);
   if (Result<void> ok = take.publish(); !ok) return forward(ok);
   return report;
 }

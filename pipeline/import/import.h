@@ -32,8 +32,9 @@ struct ImportOptions {
   FrameRange frames;                 ///< of every video and folder, before they become frame 0, 1, …
   std::optional<double> frame_rate;  ///< frames a second; absent: the videos' own, 25 for folders of images
   capture::TakeCodec codec = capture::TakeCodec::Ffv1;
-  std::string label;             ///< empty: the name of the calibration's format
-  int threads = 0;               ///< 0: one per core
+  std::optional<double> plane;  ///< of a light field: metres before the cameras; absent: where pictures agree
+  std::string label;            ///< empty: the name of the calibration's format
+  int threads = 0;              ///< 0: one per core
   Progress* progress = nullptr;  ///< null: unwatched
 };
 
@@ -48,8 +49,8 @@ struct ImportReport {
 /// Makes a take of others' pictures and calibration. Cameras without pictures and pictures without a camera
 /// are left out with a note. A still picture a camera makes a take of one instant. The rig gets the pictures'
 /// sizes; a calibration that states another size is BadData unless `other_size` says what happened, and then
-/// a note. Nothing is left behind when it fails: the take is made under a temporary name beside `out`, which
-/// must not exist (or be an empty folder), and renamed.
+/// a note. A light field gets its plane, as give_plane() does. Nothing is left behind when it fails: the take
+/// is made under a temporary name beside `out`, which must not exist (or be an empty folder), and renamed.
 Result<ImportReport> import_take(const ImportOptions& options);
 
 }  // namespace floatstage::pipeline

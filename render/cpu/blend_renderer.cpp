@@ -1,7 +1,6 @@
 // The weighted mean of the projected photographs (Eq. 9.1), or how far they disagree. The pass of
 // render/gl/shaders/blend.frag.
 #include <algorithm>
-#include <cmath>
 
 #include "core/text.h"
 #include "render/cpu/picture.h"
@@ -65,23 +64,8 @@ class BlendRenderer : public ViewRenderer {
     }
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] /= std::max(total[i], 1e-6F);
-    if (ghosting) show_ghosts(row, colors, total, sum);
+    if (ghosting) show_ghosts(projection_, row, colors, kFaint, total, sum);
     picture_.write(projection_, y, sum, 4);
-  }
-
-  void show_ghosts(const Covered::Row& row, const std::array<float*, kMostListed>& colors, const float* total,
-                   float* mean) const {
-    for (std::size_t i = 0; i < static_cast<std::size_t>(row.count); ++i) {
-      float apart = 0;
-      for (std::size_t slot = 0; slot < projection_.choice().listed.size(); ++slot) {
-        const float weight = projection_.weight(slot)[row.list + i];
-        if (weight < kFaint) continue;
-        const float *color = colors[slot] + 4 * i, *m = mean + 4 * i;
-        apart += weight / total[i] * std::hypot(color[0] - m[0], color[1] - m[1], color[2] - m[2]) / 255;
-      }
-      const std::array<float, 3> heat = heat_color(3 * apart);
-      std::copy(heat.begin(), heat.end(), mean + 4 * i);
-    }
   }
 
   const bool one_camera_;

@@ -24,6 +24,8 @@ class RowMemory {
   }
   float* floats(std::size_t count);
   std::int32_t* ints(std::size_t count) { return reinterpret_cast<std::int32_t*>(floats(count)); }
+  std::size_t used() const { return used_; }
+  void take_back(std::size_t used) { used_ = used; }  ///< all that was handed out since used() said this
 
  private:
   std::vector<float> memory_;

@@ -10,6 +10,12 @@ namespace floatstage::render::cpu {
 /// "linear" and, with `one_camera`, "nearest": the projected photographs, blended as they are.
 Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera);
 
+/// "light-field": quadrilinear, from cameras on a grid (Levoy and Hanrahan 1996).
+Result<std::unique_ptr<ViewRenderer>> make_light_field_renderer();
+
+/// "filtered": Filtered Blending (ch. 10).
+Result<std::unique_ptr<ViewRenderer>> make_filtered_renderer();
+
 /// "floating": Floating Textures (Eisemann, Error-Concealed Image-Based Rendering, ch. 11).
 Result<std::unique_ptr<ViewRenderer>> make_floating_renderer();
 

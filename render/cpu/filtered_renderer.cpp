@@ -1,0 +1,230 @@
+// Filtered Blending: M. Eisemann, Error-Concealed Image-Based Rendering, ch. 10. Whatever depth the proxy
+// misses, the right colour of a photograph lies on the line of disparity; the photograph is filtered along
+// it, then blended as "linear" does. Where it differs: colours count by their opacity, and narrow filters
+// read photographs by a spline. The pass of render/gl/shaders/filtered.frag.
+// docs/adr/0210-filtered-blending.md.
+#include <algorithm>
+#include <cmath>
+
+#include "render/cpu/picture.h"
+#include "render/cpu/renderers.h"
+#include "render/photo_pyramid.h"
+#include "render/renderer_checks.h"
+
+namespace floatstage::render::cpu {
+namespace {
+
+constexpr float kFaint = 1e-4F;       // as in linear
+constexpr float kLeastShare = 0.25F;  // of a filter that must lie on the subject
+constexpr float kNearest = 0.1F;      // of the depth: a line of disparity never reaches the eye
+
+class FilteredRenderer : public ViewRenderer {
+ public:
+  Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
+    if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    if (options.output == RenderOutput::Flow)
+      return fail(ErrorCode::InvalidArgument,
+                  "only the floating renderer has a flow to show; choose another output");
+    projection_.run(scene, view, options, {.margin = 0});
+    picture_.begin(view, options.background);
+    error_ =
+        static_cast<float>(options.uncertainty * static_cast<double>(scene.impl().box.diagonal().norm()));
+    if (!projection_.window().empty()) {
+      if (is_shared_intermediate(options.output)) {
+        draw_intermediate(projection_, scene, view, options.output, picture_);
+      } else {
+        set_levels(scene.impl());
+        projection_.for_rows([&](int y, RowMemory& memory) {
+          blend_row(y, options.output == RenderOutput::Ghosting, memory);
+        });
+      }
+    }
+    RenderedView drawn = rendered_view(scene, view, projection_, picture_);
+    if (options.output == RenderOutput::Color && options.motion_blur > 0)
+      drawn.picture = &blurred(static_cast<float>(options.motion_blur));
+    else
+      history_.clear();
+    return drawn;
+  }
+
+  void reset_history() override { history_.clear(); }
+
+ private:
+  // One photograph's line of disparity at each pixel of a row.
+  struct Lines {
+    float *u, *v, *du, *dv;  ///< middle, and from end to end
+  };
+
+  void set_levels(const Scene::Impl& s) {
+    const PhotoPyramid& pyramid = PhotoPyramid::of(s);
+    for (std::size_t slot = 0; slot < projection_.choice().listed.size(); ++slot) {
+      const auto camera = static_cast<std::size_t>(projection_.choice().listed[slot]);
+      for (std::size_t level = 0; level < PhotoPyramid::kLevels; ++level) {
+        const SceneTile& tile = pyramid.levels[level][camera];
+        PhotoCamera& c = levels_[slot][level] = projection_.camera(slot);
+        c.tile_x = c.tile_y = 0;
+        c.tile_width = static_cast<float>(tile.width);
+        c.tile_height = static_cast<float>(tile.height);
+        c.tile = tile.at(0, 0);
+        c.tile_stride = tile.stride();
+      }
+    }
+  }
+
+  // The ends of the line: the proxy moved along the viewing ray.
+  void find_lines(std::size_t slot, const PixelList& points, const float* ray_length, Lines& lines,
+                  RowMemory& memory) const {
+    const auto count = static_cast<std::size_t>(points.count);
+    float *near_z = memory.floats(count), *far_z = memory.floats(count);
+    float *u1 = memory.floats(count), *v1 = memory.floats(count), *u2 = memory.floats(count),
+          *v2 = memory.floats(count);
+    std::int32_t* inside = memory.ints(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float z = 1 / points.inverse_z[i], along = error_ / ray_length[i];
+      near_z[i] = 1 / std::max(z - along, kNearest * z);
+      far_z[i] = 1 / (z + along);
+    }
+    const PhotoCamera& camera = projection_.camera(slot);
+    project_points(camera, projection_.rays(), {points.x, nullptr, near_z, points.row_y, points.count}, u1,
+                   v1, inside);
+    project_points(camera, projection_.rays(), {points.x, nullptr, far_z, points.row_y, points.count}, u2, v2,
+                   inside);
+    project_points(camera, projection_.rays(), points, lines.u, lines.v, inside);
+    for (std::size_t i = 0; i < count; ++i) {
+      lines.du[i] = lines.dv[i] = 0;
+      if ((u1[i] == -1 && v1[i] == -1) || (u2[i] == -1 && v2[i] == -1)) continue;  // beyond the lens
+      lines.u[i] = 0.5F * (u1[i] + u2[i]);
+      lines.v[i] = 0.5F * (v1[i] + v2[i]);
+      lines.du[i] = u2[i] - u1[i];
+      lines.dv[i] = v2[i] - v1[i];
+    }
+  }
+
+  // Filters a photograph at the pixels that want it.
+  void filter_row(std::size_t slot, const Lines& lines, const std::int32_t* wanted, int count, float* colors,
+                  RowMemory& memory) const {
+    const auto n = static_cast<std::size_t>(count);
+    float *u = memory.floats(n), *v = memory.floats(n), *read = memory.floats(4 * n),
+          *sum = memory.floats(4 * n);
+    float* total = memory.floats(n);
+    std::int32_t *now = memory.ints(n), *taps = memory.ints(n);
+    std::fill_n(sum, 4 * n, 0.F);
+    std::fill_n(total, n, 0.F);
+    const PhotoCamera& camera = projection_.camera(slot);
+    int most = 0, deepest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const FilterLine line(lines.du[i], lines.dv[i]);
+      taps[i] = wanted[i] != 0 ? line.taps + 256 * line.level : 0;
+      if (wanted[i] == 0) continue;
+      most = std::max(most, line.taps);
+      deepest = std::max(deepest, line.level);
+    }
+    auto tap_at = [&](int level, bool sharp, int tap) {
+      const float shrink = std::ldexp(1.F, -level);
+      bool any = false;
+      for (std::size_t i = 0; i < n; ++i) {
+        const int here = taps[i] & 255;
+        now[i] =
+            taps[i] != 0 && taps[i] >> 8 == level && tap < here && (here <= FilterLine::kSharpTaps) == sharp;
+        if (now[i] == 0) continue;
+        any = true;
+        const FilterLine line(lines.du[i], lines.dv[i]);
+        const float off_x = level > 0 ? camera.tile_x : 0, off_y = level > 0 ? camera.tile_y : 0;
+        u[i] = shrink * (lines.u[i] + line.place(tap) * line.step_u - off_x);
+        v[i] = shrink * (lines.v[i] + line.place(tap) * line.step_v - off_y);
+      }
+      if (!any) return;
+      read_colors(level == 0 ? camera : levels_[slot][static_cast<std::size_t>(level - 1)],
+                  sharp && projection_.sharp(), u, v, now, count, read);
+      for (std::size_t i = 0; i < n; ++i) {
+        if (now[i] == 0) continue;
+        const float w = FilterLine(lines.du[i], lines.dv[i]).weight(tap), a = w * read[4 * i + 3] / 255;
+        for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += a * read[4 * i + c];
+        sum[4 * i + 3] += a;
+        total[i] += w;
+      }
+    };
+    for (int level = 0; level <= deepest; ++level)
+      for (int tap = 0; tap < most; ++tap) {
+        tap_at(level, false, tap);
+        if (level == 0 && tap < FilterLine::kSharpTaps) tap_at(level, true, tap);
+      }
+    // Where most of the line lies beside the subject, its middle speaks alone.
+    bool any = false;
+    for (std::size_t i = 0; i < n; ++i)
+      any |= now[i] = wanted[i] != 0 && sum[4 * i + 3] < kLeastShare * total[i];
+    if (any) read_colors(camera, projection_.sharp(), lines.u, lines.v, now, count, colors);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t c = 0; wanted[i] != 0 && now[i] == 0 && c < 3; ++c)
+        colors[4 * i + c] = std::clamp(sum[4 * i + c] / sum[4 * i + 3], 0.F, 255.F);
+  }
+
+  void blend_row(int y, bool ghosting, RowMemory& memory) {
+    const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+    const auto count = static_cast<std::size_t>(row.count);
+    const std::size_t listed = projection_.choice().listed.size();
+    const PixelList points{projection_.covered().x.data() + row.list, nullptr,
+                           projection_.covered().inverse_z.data() + row.list, static_cast<float>(y) + 0.5F,
+                           row.count};
+    const ViewRays& rays = projection_.rays();
+    float *length = memory.floats(count), *sum = memory.floats(4 * count), *total = memory.floats(count);
+    const float ry = (points.row_y - rays.cy) * rays.inverse_fy;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float rx = (points.x[i] - rays.cx - rays.skew * ry) * rays.inverse_fx;
+      length[i] = std::sqrt(rx * rx + ry * ry + 1);
+    }
+    std::fill_n(sum, 4 * count, 0.F);
+    std::fill_n(total, count, 0.F);
+    std::int32_t* wanted = memory.ints(count);
+    std::array<float*, kMostListed> colors{};
+    for (std::size_t slot = 0; slot < listed; ++slot) colors[slot] = memory.floats(4 * count);
+    const std::size_t mark = memory.used();
+    for (std::size_t slot = 0; slot < listed; ++slot) {
+      const float* weight = projection_.weight(slot) + row.list;
+      std::int32_t any = 0;
+      for (std::size_t i = 0; i < count; ++i) any |= wanted[i] = weight[i] >= kFaint ? 1 : 0;
+      if (any == 0) continue;
+      memory.take_back(mark);
+      Lines lines{memory.floats(count), memory.floats(count), memory.floats(count), memory.floats(count)};
+      find_lines(slot, points, length, lines, memory);
+      filter_row(slot, lines, wanted, row.count, colors[slot], memory);
+      for (std::size_t i = 0; i < count; ++i) {
+        if (wanted[i] == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += weight[i] * colors[slot][4 * i + c];
+        total[i] += weight[i];
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] /= std::max(total[i], 1e-6F);
+    if (ghosting) show_ghosts(projection_, row, colors, kFaint, total, sum);
+    picture_.write(projection_, y, sum, 4);
+  }
+
+  // The pictures before fade: each leaves its share, so what rests tends to what it is.
+  const Image& blurred(float share) {
+    const Image& now = picture_.image();
+    const bool fits = history_.size() == now.pixels.size() && blurred_.width == now.width;
+    if (!fits) history_.assign(now.pixels.begin(), now.pixels.end());
+    blurred_ = now;
+    for (std::size_t i = 0; i < history_.size(); ++i) {
+      history_[i] = share * history_[i] + (1 - share) * static_cast<float>(now.pixels[i]);
+      blurred_.pixels[i] = static_cast<std::uint8_t>(history_[i] + 0.5F);
+    }
+    return blurred_;
+  }
+
+  float error_ = 0;  // m, along the viewing ray
+  std::array<std::array<PhotoCamera, PhotoPyramid::kLevels>, kMostListed> levels_{};
+  Projection projection_;
+  Picture picture_;
+  std::vector<float> history_;
+  Image blurred_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_filtered_renderer() {
+  return std::unique_ptr<ViewRenderer>(std::make_unique<FilteredRenderer>());
+}
+
+}  // namespace floatstage::render::cpu

@@ -1,0 +1,139 @@
+// Light field rendering (Levoy and Hanrahan 1996) on the proxy: the four cameras around where the viewing ray
+// meets the cameras' plane, weighted bilinearly. The pass of render/gl/shaders/light_field.frag.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "render/cpu/picture.h"
+#include "render/cpu/renderers.h"
+#include "render/light_field.h"
+#include "render/renderer_checks.h"
+
+namespace floatstage::render::cpu {
+namespace {
+
+class LightFieldRenderer : public ViewRenderer {
+ public:
+  Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
+    if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    if (Result<void> ok = check_light_field(options); !ok) return forward(ok);
+    Result<CameraGrid> grid = camera_grid(scene.impl().cameras);
+    if (!grid) return forward(grid);
+    plane_ = LightFieldPlane(*grid, view.view_from_world.center());
+    projection_.run(scene, view, options, {.margin = 0});
+    picture_.begin(view, options.background);
+    cameras_.clear();
+    for (int camera : plane_.cameras) {
+      const auto i = static_cast<std::size_t>(camera);
+      cameras_.push_back(photo_camera(scene.impl().blocks[i], scene.impl().tiles[i]));
+    }
+    if (!projection_.window().empty()) {
+      if (options.output == RenderOutput::Depth)
+        draw_intermediate(projection_, scene, view, options.output, picture_);
+      else
+        projection_.for_rows([&](int y, RowMemory& memory) {
+          blend_row(y, options.output == RenderOutput::Ghosting, memory);
+        });
+    }
+    RenderedView drawn = rendered_view(scene, view, projection_, picture_);
+    drawn.cameras = strongest(scene.impl(), plane_, view);
+    return drawn;
+  }
+
+ private:
+  // A row's pixels: the cell that each ray goes through, and where in it.
+  struct Cells {
+    std::int32_t* first;  ///< place in the grid of the cell's camera at the top left
+    float *right, *down;  ///< 0 … 1
+  };
+
+  Cells find_cells(int y, RowMemory& memory) const {
+    const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+    const auto count = static_cast<std::size_t>(row.count);
+    Cells cells{memory.ints(count), memory.floats(count), memory.floats(count)};
+    const ViewRays& rays = projection_.rays();
+    const auto& m = rays.world_from_view;
+    const float ry = (static_cast<float>(y) + 0.5F - rays.cy) * rays.inverse_fy;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float rx = (projection_.covered().x[row.list + i] - rays.cx - rays.skew * ry) * rays.inverse_fx;
+      const std::array<float, 3> way = {m[0] * rx + m[1] * ry + m[2], m[3] * rx + m[4] * ry + m[5],
+                                        m[6] * rx + m[7] * ry + m[8]};
+      const LightFieldPlane::Cell cell = plane_.cell(way);
+      cells.first[i] = cell.first;
+      cells.right[i] = cell.right;
+      cells.down[i] = cell.down;
+    }
+    return cells;
+  }
+
+  void blend_row(int y, bool ghosting, RowMemory& memory) {
+    const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
+    const auto count = static_cast<std::size_t>(row.count);
+    const Cells cells = find_cells(y, memory);
+    float *u = memory.floats(count), *v = memory.floats(count), *sum = memory.floats(4 * count),
+          *total = memory.floats(count);
+    std::int32_t *inside = memory.ints(count), *wanted = memory.ints(count);
+    std::array<float*, 4> colors{}, weights{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      colors[k] = memory.floats(4 * count);
+      weights[k] = memory.floats(count);
+      std::fill_n(weights[k], count, 0.F);
+    }
+    std::fill_n(sum, 4 * count, 0.F);
+    std::fill_n(total, count, 0.F);
+    const PixelList points{projection_.covered().x.data() + row.list, nullptr,
+                           projection_.covered().inverse_z.data() + row.list, static_cast<float>(y) + 0.5F,
+                           row.count};
+    for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
+      for (std::size_t k = 0; k < 4; ++k) {
+        const int place = static_cast<int>(camera) - plane_.offset(k);
+        bool any = false;
+        for (std::size_t i = 0; i < count; ++i) any |= wanted[i] = cells.first[i] == place ? 1 : 0;
+        if (!any) continue;
+        project_points(cameras_[camera], projection_.rays(), points, u, v, inside);
+        read_colors(cameras_[camera], projection_.sharp(), u, v, wanted, row.count, colors[k]);
+        for (std::size_t i = 0; i < count; ++i)
+          if (wanted[i] != 0)
+            weights[k][i] = LightFieldPlane::weight(k, cells.right[i], cells.down[i]) *
+                            (inside[i] != 0 ? 1 : LightFieldPlane::kBeside);
+      }
+    }
+    for (std::size_t k = 0; k < 4; ++k)
+      for (std::size_t i = 0; i < count; ++i) {
+        if (weights[k][i] == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += weights[k][i] * colors[k][4 * i + c];
+        total[i] += weights[k][i];
+      }
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] /= std::max(total[i], 1e-12F);
+    if (ghosting) show_ghosts(count, colors, weights, total, sum);
+    picture_.write(projection_, y, sum, 4);
+  }
+
+  static void show_ghosts(std::size_t count, const std::array<float*, 4>& colors,
+                          const std::array<float*, 4>& weights, const float* total, float* mean) {
+    for (std::size_t i = 0; i < count; ++i) {
+      float apart = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (weights[k][i] == 0) continue;
+        const float *c = colors[k] + 4 * i, *m = mean + 4 * i;
+        apart += weights[k][i] / total[i] * std::hypot(c[0] - m[0], c[1] - m[1], c[2] - m[2]) / 255;
+      }
+      const std::array<float, 3> heat = heat_color(3 * apart);
+      std::copy(heat.begin(), heat.end(), mean + 4 * i);
+    }
+  }
+
+  LightFieldPlane plane_;
+  std::vector<PhotoCamera> cameras_;  // row after row
+  Projection projection_;
+  Picture picture_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_light_field_renderer() {
+  return std::unique_ptr<ViewRenderer>(std::make_unique<LightFieldRenderer>());
+}
+
+}  // namespace floatstage::render::cpu

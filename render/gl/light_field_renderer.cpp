@@ -1,0 +1,77 @@
+#include "render/gl/light_field_renderer.h"
+
+#include "render/gl/inspection.h"
+#include "render/gl/projection.h"
+#include "render/light_field.h"
+
+namespace floatstage::render {
+namespace {
+
+class LightFieldRenderer : public ViewRenderer {
+ public:
+  LightFieldRenderer(Projection projection, Inspection inspection, gl::Program blend)
+      : projection_(std::move(projection)), inspection_(std::move(inspection)), blend_(std::move(blend)) {}
+
+  Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
+    if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    if (Result<void> ok = check_light_field(options); !ok) return forward(ok);
+    const Result<CameraGrid> grid = camera_grid(scene.impl().cameras);
+    if (!grid) return forward(grid);
+    const Result<const SceneTextures*> textures = SceneTextures::of(scene);
+    if (!textures) return forward(textures);
+    const LightFieldPlane plane(*grid, view.view_from_world.center());
+    projection_.run(**textures, view, options, 0, false);
+    target_.begin(view.model.width, view.model.height, options.background);
+    if (const Window& w = projection_.window(); !w.empty()) {
+      if (options.output == RenderOutput::Depth) {
+        inspection_.draw(projection_, **textures, view, target_);
+      } else {
+        set_plane(plane);
+        glProgramUniform2i(blend_.id(), 0, w.x, w.y);
+        projection_.draw_at(target_.framebuffer(), blend_, {projection_.surface()}, w.x, w.y, w.width,
+                            w.height);
+      }
+    }
+    RenderedView drawn = rendered_view(scene, view, projection_, target_);
+    drawn.cameras = strongest(scene.impl(), plane, view);
+    return drawn;
+  }
+
+ private:
+  void set_plane(const LightFieldPlane& plane) {
+    std::vector<float> places = plane.x;
+    places.insert(places.end(), plane.y.begin(), plane.y.end());
+    places.insert(places.end(), plane.cameras.begin(), plane.cameras.end());
+    gl::upload(places_, capacity_, places.data(), places.size() * sizeof(float));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, places_.id());
+    glProgramUniform2i(blend_.id(), 1, static_cast<GLint>(plane.x.size()),
+                       static_cast<GLint>(plane.y.size()));
+    glProgramUniform3fv(blend_.id(), 2, 1, plane.normal.data());
+    glProgramUniform3fv(blend_.id(), 3, 1, plane.right.data());
+    glProgramUniform3fv(blend_.id(), 4, 1, plane.down.data());
+    glProgramUniform3f(blend_.id(), 5, plane.height, plane.eye_x, plane.eye_y);
+  }
+
+  Projection projection_;
+  Inspection inspection_;
+  gl::Program blend_;
+  gl::Buffer places_;
+  std::size_t capacity_ = 0;
+  ViewTarget target_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_light_field_renderer() {
+  Result<Projection> projection = Projection::create();
+  if (!projection) return forward(projection);
+  Result<Inspection> inspection = Inspection::create();
+  if (!inspection) return forward(inspection);
+  Result<gl::Program> blend = gl::make_program("fullscreen.vert", "light_field.frag",
+                                               {"view.glsl", "camera.glsl", "false_color.glsl"});
+  if (!blend) return forward(blend);
+  return std::unique_ptr<ViewRenderer>(std::make_unique<LightFieldRenderer>(
+      std::move(*projection), std::move(*inspection), std::move(*blend)));
+}
+
+}  // namespace floatstage::render

@@ -1,0 +1,63 @@
+#include "render/photo_pyramid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "render/mitchell.h"
+
+namespace floatstage::render {
+namespace {
+
+SceneTile halved(const SceneTile& tile) {
+  SceneTile half;
+  half.resize((tile.width + 1) / 2, (tile.height + 1) / 2);
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < half.width; ++x) {
+      int sum[3] = {0, 0, 0}, plain[3] = {0, 0, 0}, alpha = 0;
+      for (int k = 0; k < 4; ++k) {
+        const std::uint8_t* p =
+            tile.at(std::min(2 * x + (k & 1), tile.width - 1), std::min(2 * y + (k >> 1), tile.height - 1));
+        for (int c = 0; c < 3; ++c) sum[c] += p[c] * p[3], plain[c] += p[c];
+        alpha += p[3];
+      }
+      std::uint8_t* to = half.at(x, y);
+      for (int c = 0; c < 3; ++c)
+        to[c] = static_cast<std::uint8_t>(alpha > 0 ? (sum[c] + alpha / 2) / alpha : (plain[c] + 2) / 4);
+      to[3] = static_cast<std::uint8_t>((alpha + 2) / 4);
+    }
+  half.repeat_border();
+  return half;
+}
+
+}  // namespace
+
+const PhotoPyramid& PhotoPyramid::of(const Scene::Impl& scene) {
+  if (!scene.pyramid) scene.pyramid = std::make_shared<PhotoPyramid>();
+  auto* made = static_cast<PhotoPyramid*>(scene.pyramid.get());
+  if (made->version == scene.version) return *made;
+  made->levels.assign(kLevels, std::vector<SceneTile>(scene.cameras.size()));
+  parallel_for(scene.cameras.size(), 0, [&](std::size_t camera) {
+    for (std::size_t level = 0; level < kLevels; ++level)
+      made->levels[level][camera] =
+          halved(level == 0 ? scene.tiles[camera] : made->levels[level - 1][camera]);
+  });
+  made->version = scene.version;
+  return *made;
+}
+
+FilterLine::FilterLine(float du, float dv) {
+  const float distance = std::hypot(du, dv), width = 2 * kMitchellReach * distance;
+  level = pyramid_level(width);
+  const float shrink = std::ldexp(1.F, -level);
+  taps = std::clamp(static_cast<int>(std::ceil(width * shrink)), 1, static_cast<int>(kWidestTaps));
+  const float share = 2 * kMitchellReach / static_cast<float>(taps);
+  step_u = share * du;
+  step_v = share * dv;
+}
+
+float FilterLine::weight(int tap) const {
+  return mitchell(2 * kMitchellReach * place(tap) / static_cast<float>(taps));
+}
+
+}  // namespace floatstage::render

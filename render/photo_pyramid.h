@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "render/scene_impl.h"
+
+namespace floatstage::render {
+
+/// A scene's photographs at a half, a quarter … of their size (Eq. 10.4): means of two by two pixels, colours
+/// by their opacity. Odd sizes are rounded up, the last row and column repeated.
+struct PhotoPyramid {
+  static constexpr std::size_t kLevels = 5;  ///< level 1 … 5; level 0 are the photographs themselves
+
+  /// A scene's, made when first asked for and kept until the scene changes.
+  static const PhotoPyramid& of(const Scene::Impl& scene);
+
+  std::uint64_t version = 0;
+  std::vector<std::vector<SceneTile>> levels;  ///< [level - 1][camera]
+};
+
+/// The level at which a filter `width` px wide is no wider than kWidestFilter (Eq. 10.4), and at most
+/// kLevels.
+inline constexpr float kWidestTaps = 64;
+inline int pyramid_level(float width) {
+  int level = 0;
+  while (width > kWidestTaps && level < static_cast<int>(PhotoPyramid::kLevels)) {
+    width *= 0.5F;
+    ++level;
+  }
+  return level;
+}
+
+/// Filters of ch. 10: how they are laid along the line of disparity. render/gl/shaders/filtered.frag has the
+/// same.
+struct FilterLine {
+  static constexpr int kSharpTaps = 3;  ///< with up to so many, photographs are read by the spline
+  int level = 0, taps = 1;
+  float step_u = 0, step_v = 0;  ///< px of the photograph from tap to tap
+
+  /// `du`, `dv`: from one end of the line of disparity to the other, px; it is the filter's sampling
+  /// distance.
+  FilterLine(float du, float dv);
+  /// The place of a tap from the line's middle, in steps; and its weight.
+  float place(int tap) const { return static_cast<float>(tap) + 0.5F - 0.5F * static_cast<float>(taps); }
+  float weight(int tap) const;
+};
+
+}  // namespace floatstage::render
