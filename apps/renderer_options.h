@@ -27,7 +27,7 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags);
 /// corners.
 void suit_cameras(const RendererFlags& flags, const Rig& rig, render::RendererOptions& options);
 
-/// "Method:" and a line for each: nearest, linear, floating.
+/// "Method:" and a line for each of render::renderers().
 std::string method_help();
 
 }  // namespace floatstage::apps

@@ -9,6 +9,8 @@
 namespace floatstage::render {
 namespace {
 
+constexpr float kWidestSharp = 2;  // px
+
 SceneTile halved(const SceneTile& tile) {
   SceneTile half;
   half.resize((tile.width + 1) / 2, (tile.height + 1) / 2);
@@ -50,14 +52,16 @@ FilterLine::FilterLine(float du, float dv) {
   const float distance = std::hypot(du, dv), width = 2 * kMitchellReach * distance;
   level = pyramid_level(width);
   const float shrink = std::ldexp(1.F, -level);
-  taps = std::clamp(static_cast<int>(std::ceil(width * shrink)), 1, static_cast<int>(kWidestTaps));
+  const int few = std::clamp(static_cast<int>(std::ceil(kFewTaps * width)), 1, kFewTaps);
+  taps = std::clamp(static_cast<int>(std::ceil(width * shrink)), few, static_cast<int>(kWidestTaps));
+  sharp = width <= kWidestSharp;
   const float share = 2 * kMitchellReach / static_cast<float>(taps);
   step_u = share * du;
   step_v = share * dv;
 }
 
-float FilterLine::weight(int tap) const {
-  return mitchell(2 * kMitchellReach * place(tap) / static_cast<float>(taps));
+float FilterLine::weight(int tap, int taps) {
+  return mitchell(2 * kMitchellReach * place(tap, taps) / static_cast<float>(taps));
 }
 
 }  // namespace floatstage::render

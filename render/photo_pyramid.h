@@ -35,16 +35,19 @@ inline int pyramid_level(float width) {
 /// Filters of ch. 10: how they are laid along the line of disparity. render/gl/shaders/filtered.frag has the
 /// same.
 struct FilterLine {
-  static constexpr int kSharpTaps = 3;  ///< with up to so many, photographs are read by the spline
+  static constexpr int kFewTaps = 4;  ///< as many as a filter has that is wider than a pixel, at least
   int level = 0, taps = 1;
+  bool sharp = true;  ///< photographs are read by the spline: the filter is narrower than two pixels
   float step_u = 0, step_v = 0;  ///< px of the photograph from tap to tap
 
   /// `du`, `dv`: from one end of the line of disparity to the other, px; it is the filter's sampling
   /// distance.
   FilterLine(float du, float dv);
   /// The place of a tap from the line's middle, in steps; and its weight.
-  float place(int tap) const { return static_cast<float>(tap) + 0.5F - 0.5F * static_cast<float>(taps); }
-  float weight(int tap) const;
+  static float place(int tap, int taps) {
+    return static_cast<float>(tap) + 0.5F - 0.5F * static_cast<float>(taps);
+  }
+  static float weight(int tap, int taps);
 };
 
 }  // namespace floatstage::render

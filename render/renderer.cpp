@@ -28,21 +28,22 @@ struct Entry {
   const char* name;
   const char* help;
   Maker cpu, gl;
+  bool needs_grid = false;
 };
 constexpr Entry kRenderers[] = {
     {"nearest", "the best camera per pixel, no blending", [] { return cpu::make_blend_renderer(true); },
      [] { return make_blend_renderer(true); }},
     {"linear", "Unstructured Lumigraph: photographs blended by viewing angle",
      [] { return cpu::make_blend_renderer(false); }, [] { return make_blend_renderer(false); }},
+    {"floating", "Floating Textures: photographs aligned by optical flow, then blended",
+     cpu::make_floating_renderer, make_floating_renderer},
     {"band-limited", "photographs filtered beforehand until ghosts run together, then linear",
      [] { return make_band_limited_renderer(BackEnd::Cpu); },
      [] { return make_band_limited_renderer(BackEnd::Gl); }},
     {"filtered", "Filtered Blending: photographs filtered along their lines of disparity, then linear",
      cpu::make_filtered_renderer, make_filtered_renderer},
     {"light-field", "quadrilinear: of cameras on a grid the four around each ray",
-     cpu::make_light_field_renderer, make_light_field_renderer},
-    {"floating", "Floating Textures: photographs aligned by optical flow, then blended",
-     cpu::make_floating_renderer, make_floating_renderer},
+     cpu::make_light_field_renderer, make_light_field_renderer, true},
 };
 
 }  // namespace
@@ -94,7 +95,7 @@ Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name, BackE
 
 std::vector<RendererInfo> renderers() {
   std::vector<RendererInfo> list;
-  for (const Entry& entry : kRenderers) list.push_back({entry.name, entry.help});
+  for (const Entry& entry : kRenderers) list.push_back({entry.name, entry.help, entry.needs_grid});
   return list;
 }
 

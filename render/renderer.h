@@ -85,6 +85,7 @@ class ViewRenderer {
 Result<std::unique_ptr<ViewRenderer>> make_renderer(std::string_view name, BackEnd back_end);
 struct RendererInfo {
   std::string name, help;
+  bool needs_grid = false;  ///< draws only cameras on a camera_grid()
 };
 std::vector<RendererInfo> renderers();
 

@@ -107,53 +107,50 @@ class FilteredRenderer : public ViewRenderer {
     float *u = memory.floats(n), *v = memory.floats(n), *read = memory.floats(4 * n),
           *sum = memory.floats(4 * n);
     float* total = memory.floats(n);
-    std::int32_t *now = memory.ints(n), *taps = memory.ints(n);
+    float *step_u = memory.floats(n), *step_v = memory.floats(n);
+    std::int32_t *now = memory.ints(n), *taps = memory.ints(n), *kind = memory.ints(n);
     std::fill_n(sum, 4 * n, 0.F);
     std::fill_n(total, n, 0.F);
-    const PhotoCamera& camera = projection_.camera(slot);
-    int most = 0, deepest = 0;
+    std::array<int, 2 * (PhotoPyramid::kLevels + 1)> most{};  // taps of a kind: two a level, soft and sharp
     for (std::size_t i = 0; i < n; ++i) {
-      const FilterLine line(lines.du[i], lines.dv[i]);
-      taps[i] = wanted[i] != 0 ? line.taps + 256 * line.level : 0;
       if (wanted[i] == 0) continue;
-      most = std::max(most, line.taps);
-      deepest = std::max(deepest, line.level);
+      const FilterLine line(lines.du[i], lines.dv[i]);
+      taps[i] = line.taps;
+      step_u[i] = line.step_u;
+      step_v[i] = line.step_v;
+      kind[i] = 2 * line.level + (line.sharp ? 1 : 0);
+      int& longest = most[static_cast<std::size_t>(kind[i])];
+      longest = std::max(longest, line.taps);
     }
-    auto tap_at = [&](int level, bool sharp, int tap) {
-      const float shrink = std::ldexp(1.F, -level);
-      bool any = false;
-      for (std::size_t i = 0; i < n; ++i) {
-        const int here = taps[i] & 255;
-        now[i] =
-            taps[i] != 0 && taps[i] >> 8 == level && tap < here && (here <= FilterLine::kSharpTaps) == sharp;
-        if (now[i] == 0) continue;
-        any = true;
-        const FilterLine line(lines.du[i], lines.dv[i]);
-        const float off_x = level > 0 ? camera.tile_x : 0, off_y = level > 0 ? camera.tile_y : 0;
-        u[i] = shrink * (lines.u[i] + line.place(tap) * line.step_u - off_x);
-        v[i] = shrink * (lines.v[i] + line.place(tap) * line.step_v - off_y);
+    for (std::size_t k = 0; k < most.size(); ++k) {
+      const std::size_t level = k / 2;
+      const PhotoCamera& camera = level == 0 ? projection_.camera(slot) : levels_[slot][level - 1];
+      const float shrink = std::ldexp(1.F, -static_cast<int>(level));
+      const float off_x = level > 0 ? projection_.camera(slot).tile_x : 0,
+                  off_y = level > 0 ? projection_.camera(slot).tile_y : 0;
+      for (int tap = 0; tap < most[k]; ++tap) {
+        for (std::size_t i = 0; i < n; ++i) {
+          now[i] = wanted[i] != 0 && kind[i] == static_cast<std::int32_t>(k) && tap < taps[i];
+          if (now[i] == 0) continue;
+          const float place = FilterLine::place(tap, taps[i]);
+          u[i] = shrink * (lines.u[i] + place * step_u[i] - off_x);
+          v[i] = shrink * (lines.v[i] + place * step_v[i] - off_y);
+        }
+        read_colors(camera, k % 2 == 1 && projection_.sharp(), u, v, now, count, read);
+        for (std::size_t i = 0; i < n; ++i) {
+          if (now[i] == 0) continue;
+          const float w = FilterLine::weight(tap, taps[i]), a = w * read[4 * i + 3] / 255;
+          for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += a * read[4 * i + c];
+          sum[4 * i + 3] += a;
+          total[i] += w;
+        }
       }
-      if (!any) return;
-      read_colors(level == 0 ? camera : levels_[slot][static_cast<std::size_t>(level - 1)],
-                  sharp && projection_.sharp(), u, v, now, count, read);
-      for (std::size_t i = 0; i < n; ++i) {
-        if (now[i] == 0) continue;
-        const float w = FilterLine(lines.du[i], lines.dv[i]).weight(tap), a = w * read[4 * i + 3] / 255;
-        for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += a * read[4 * i + c];
-        sum[4 * i + 3] += a;
-        total[i] += w;
-      }
-    };
-    for (int level = 0; level <= deepest; ++level)
-      for (int tap = 0; tap < most; ++tap) {
-        tap_at(level, false, tap);
-        if (level == 0 && tap < FilterLine::kSharpTaps) tap_at(level, true, tap);
-      }
+    }
     // Where most of the line lies beside the subject, its middle speaks alone.
     bool any = false;
     for (std::size_t i = 0; i < n; ++i)
       any |= now[i] = wanted[i] != 0 && sum[4 * i + 3] < kLeastShare * total[i];
-    if (any) read_colors(camera, projection_.sharp(), lines.u, lines.v, now, count, colors);
+    if (any) read_colors(projection_.camera(slot), projection_.sharp(), lines.u, lines.v, now, count, colors);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t c = 0; wanted[i] != 0 && now[i] == 0 && c < 3; ++c)
         colors[4 * i + c] = std::clamp(sum[4 * i + c] / sum[4 * i + 3], 0.F, 255.F);

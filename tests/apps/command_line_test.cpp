@@ -97,6 +97,24 @@ TEST(CommandLine, SaysWhatIsWrongWithAnOption) {
   EXPECT_THAT(method.output, HasSubstr("did you mean 'floating'?"));
 }
 
+TEST(CommandLine, SaysWhatIsWrongWithAFilterAScaleOrAProxyBeforeItOpensTheTake) {
+  const std::pair<const char*, const char*> wrong[] = {{"--depth-range 3:2", "3:2"},
+                                                       {"--depth-range 3", "1.5:4"},
+                                                       {"--uncertainty nan", "uncertainty"},
+                                                       {"--band-limit -1", "band limit"},
+                                                       {"--motion-blur 1", "motion blur"},
+                                                       {"--scale 2", "1/2"},
+                                                       {"--scale 1/0", "1/2"},
+                                                       {"--proxy cube", "plane:Z"},
+                                                       {"--inputs ,", "names nothing"},
+                                                       {"--orbit --path p.json", "either --orbit or --path"}};
+  for (const auto& [words, sentence] : wrong) {
+    const Ended ended = floatstage(std::string("evaluate /no/such/take ") + words);
+    EXPECT_EQ(ended.code, 3) << words << ": " << ended.output;
+    EXPECT_THAT(ended.output, HasSubstr(sentence)) << words;
+  }
+}
+
 TEST(CommandLine, LeavesAnUnwritableFolderAlone) {
   const Ended ended = floatstage("synthesize --out /proc/no/take --frame-count 1");
   EXPECT_EQ(ended.code, 8) << ended.output;

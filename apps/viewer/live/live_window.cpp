@@ -35,7 +35,8 @@ class LiveWindow {
         canvas_(feed.rig(), {}),
         pace_(options.run.target_fps, options.run.quality),
         state_{TimeLine(1, 0), ViewerCamera(home_)} {
-    for (const render::RendererInfo& r : render::renderers()) state_.methods.push_back(r.name);
+    for (const render::RendererInfo& r : render::renderers())
+      if (!r.needs_grid) state_.methods.push_back(r.name);  // a studio's cameras stand around it
     state_.renderer = options.run.renderer;
     state_.show_cameras = options.show_cameras;
     state_.status = feed.description();

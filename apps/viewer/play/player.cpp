@@ -12,6 +12,7 @@
 #include "apps/viewer/window/layout.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "render/camera_grid.h"
 
 namespace floatstage::apps {
 namespace {
@@ -138,7 +139,9 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
   const pipeline::PathKey home = pipeline::sample(pipeline::orbit_path(take.rig(), subject, 1),
                                                   0.5 / static_cast<double>(take.rig().cameras.size()));
   PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
-  for (const render::RendererInfo& r : render::renderers()) state.methods.push_back(r.name);
+  const bool grid = render::camera_grid(take.rig().cameras).has_value();
+  for (const render::RendererInfo& r : render::renderers())
+    if (grid || !r.needs_grid) state.methods.push_back(r.name);
   Result<int> left = method_index(state.methods, options.method),
               right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
   if (!left) return forward(left);

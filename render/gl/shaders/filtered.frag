@@ -9,7 +9,8 @@ layout(location = 1) uniform float error;  // m along the viewing ray
 layout(location = 0) out vec4 color;
 
 const float kFaint = 1e-4, kLeastShare = 0.25, kNearest = 0.1, kReach = 2.0, kWidestTaps = 64.0;
-const int kLevels = 5, kSharpTaps = 3;
+const float kWidestSharp = 2.0;
+const int kLevels = 5, kFewTaps = 4;
 
 float mitchell(float x) {
   x = abs(x);
@@ -32,7 +33,10 @@ vec2 level_size(int level) {
 
 // Colour and opacity at a place of the photograph, from a level of its pyramid.
 vec4 read(int index, vec2 pixel, int level, bool sharp) {
-  if (level == 0) return vec4(sharp ? photo_color(index, pixel) : photo(index, pixel).rgb, photo(index, pixel).a);
+  if (level == 0) {
+    vec4 soft = photo(index, pixel);
+    return sharp ? vec4(photo_color(index, pixel), soft.a) : soft;
+  }
   vec4 tile = cameras[index].tile;
   vec2 size = tile.zw;
   for (int i = 0; i < level; ++i) size = floor((size + 1.0) * 0.5);
@@ -58,13 +62,14 @@ vec3 filtered(int slot, vec2 window_pixel, float z, float ray_length) {
     narrow *= 0.5;
     ++level;
   }
-  int taps = clamp(int(ceil(narrow)), 1, int(kWidestTaps));
+  int few = clamp(int(ceil(float(kFewTaps) * width)), 1, kFewTaps);
+  int taps = clamp(int(ceil(narrow)), few, int(kWidestTaps));
   vec2 gap = way * (2.0 * kReach / float(taps));
   vec4 sum = vec4(0.0);
   float total = 0.0;
   for (int tap = 0; tap < taps; ++tap) {
     float place = float(tap) + 0.5 - 0.5 * float(taps), w = mitchell(2.0 * kReach * place / float(taps));
-    vec4 c = read(index, middle + place * gap, level, taps <= kSharpTaps);
+    vec4 c = read(index, middle + place * gap, level, width <= kWidestSharp);
     sum += w * vec4(c.rgb * c.a, c.a);
     total += w;
   }

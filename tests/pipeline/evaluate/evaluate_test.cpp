@@ -7,6 +7,7 @@
 
 #include "core/mesh_io.h"
 #include "pipeline/evaluate/temporal.h"
+#include "pipeline/light_field.h"
 #include "pipeline/process/process.h"
 #include "tests/core/rigs.h"
 #include "tests/support/camera_grids.h"
