@@ -51,7 +51,7 @@ TEST(Lightfield, TakesThePicturesSizeFromTheirHeadersInTheFolderOrInViews) {
     ASSERT_THAT(rig, IsOk()) << "recognised by its names";
     EXPECT_EQ(rig->rig.cameras[0].model.width, 30);
     EXPECT_EQ(rig->rig.cameras[0].model.height, 20);
-    EXPECT_EQ(rig->pictures.lexically_normal(), (folder.path() / below).lexically_normal());
+    EXPECT_TRUE(std::filesystem::equivalent(rig->pictures, pictures)) << rig->pictures;
   }
   const TempFolder folder;
   folder.write("s_1_1_0_0_30_36.jpg", encode_jpeg(Image(50, 40, 3, 99), 80));
@@ -64,8 +64,12 @@ TEST(Lightfield, RefusesPicturesThatAreCutOff) {
   for (std::size_t length = 0; length < whole.size(); length += 7) {
     folder.write("s_1_1_0_0_30_36.jpg", whole.substr(0, length));
     const Result<ForeignRig> rig = read_lightfield(folder.path());
-    if (rig) EXPECT_EQ(rig->rig.cameras[0].model.width, 50) << "cut after its header";
-    if (length < 20) EXPECT_THAT(rig, FailsWith(ErrorCode::BadData, "no whole JPEG or PNG"));
+    if (rig) {
+      EXPECT_EQ(rig->rig.cameras[0].model.width, 50) << "cut after its header";
+    }
+    if (length < 20) {
+      EXPECT_THAT(rig, FailsWith(ErrorCode::BadData, "no whole JPEG or PNG"));
+    }
   }
   EXPECT_THAT(read_lightfield(folder / "nowhere"), FailsWith(ErrorCode::NotFound, "nowhere"));
 }
