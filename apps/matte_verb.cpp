@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/flags.h"
+#include "apps/matte_doubts.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/log.h"
@@ -57,6 +58,7 @@ json to_json(const pipeline::MatteReport& report) {
           {"per_camera", per_camera},
           {"remarks", report.remarks},
           {"distrusted", report.distrusted},
+          {"doubts", doubts_json(report.doubts)},
           {"worst", worst}};
 }
 
@@ -83,6 +85,8 @@ Result<void> run(const Options& given) {
     failures += c.failures.size();
   }
   for (const std::string& r : report->remarks) log::warning(r);
+  for (const pipeline::MatteDoubt& d : report->doubts)
+    std::fprintf(stderr, "floatstage: %s\n", sentence(d).c_str());
   for (std::size_t i = 0; i < std::min(kWorstShown, report->worst.size()); ++i)
     std::printf("worst: %s frame %d, IoU %.3f, %.1f %% outside\n", report->worst[i].serial.c_str(),
                 report->worst[i].frame, report->worst[i].iou, 100 * report->worst[i].surplus);
@@ -103,10 +107,7 @@ Result<void> run(const Options& given) {
   if (failures)
     return fail(ErrorCode::BadData,
                 text(failures, " photographs could not be matted; the mattes of the others are there"));
-  if (report->distrusted)
-    return fail(ErrorCode::BadData, text("the mattes of ", report->distrusted,
-                                         " instants are probably wrong (above); look at them"));
-  return {};
+  return check_trusted(options.take, report->doubts);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include "apps/flags.h"
 #include "apps/hull_flags.h"
+#include "apps/matte_doubts.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/log.h"
@@ -62,6 +63,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"meshes", to_json(report.meshes)},
           {"remarks", report.remarks},
           {"distrusted", report.distrusted},
+          {"doubts", doubts_json(report.doubts)},
           {"healed", to_json(report.healed)},
           {"silhouettes", to_json(report.faults)},
           {"contradictory_frames", report.contradictory_frames},
@@ -75,6 +77,8 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
   for (const std::string& r : report.remarks) log::warning(r);
   for (const pipeline::StageReport* stage : {&report.mattes, &report.meshes})
     for (const std::string& f : stage->failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
+  for (const pipeline::MatteDoubt& d : report.doubts)
+    std::fprintf(stderr, "floatstage: %s\n", sentence(d).c_str());
   for (const pipeline::HealedCamera& healed : report.healed)
     std::fprintf(stderr, "floatstage: %s\n", sentence(healed).c_str());
   for (const pipeline::SilhouetteFault& fault : report.faults)
@@ -128,10 +132,7 @@ Result<void> run(const Options& given) {
     return fail(ErrorCode::BadData,
                 text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
                      TakeLayout(options.take).mattes().string(), " and try another --matte with --redo"));
-  if (report->distrusted > 0)
-    return fail(ErrorCode::BadData,
-                text("the mattes of ", report->distrusted, " instants are probably wrong (above); look at ",
-                     TakeLayout(options.take).mattes().string(), " and try another --matte with --redo"));
+  if (Result<void> ok = check_trusted(options.take, report->doubts); !ok) return ok;
   if (report->contradictory_frames > 0)
     return fail(ErrorCode::BadData, text(report->contradictory_frames,
                                          " hulls are not to be trusted: their silhouettes contradict one "

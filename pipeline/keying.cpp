@@ -2,6 +2,7 @@
 
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/camera_still.h"
 
 namespace floatstage::pipeline {
 
@@ -35,6 +36,8 @@ Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int
     return fail(ErrorCode::NotFound,
                 text("camera '", serial, "': there is no plate ", plate.string(), " and only ",
                      samples.size(), " photographs to make one of; shoot a plate, or key otherwise"));
+  if (spec.starts_with("difference") && !std::filesystem::exists(plate))
+    if (Result<void> ok = check_camera_still(take, camera); !ok) return forward(ok);
   Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, samples);
   if (!keyer) return fail(keyer.error().code, text("camera '", serial, "': ", keyer.error().message));
   return keyer;

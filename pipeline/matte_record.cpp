@@ -1,5 +1,7 @@
 #include "pipeline/matte_record.h"
 
+#include <iterator>
+
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -42,6 +44,9 @@ CameraRecord camera_of(const json& j, const std::string& name) {
   const json healed = j.value("healed", json::object());
   for (const auto& [frame, h] : healed.items())
     record.healed[std::stoi(frame)] = {h.at("lost"), h.at("gained"), h.at("by")};
+  const json doubts = j.value("doubts", json::object());
+  for (const auto& [why, frames] : doubts.items())
+    if (std::set<int> of = frames; !of.empty()) record.doubts[why] = std::move(of);
   if (j.contains("edits")) {
     Result<CameraEdits> edits = edits_of(j.at("edits"), name);
     if (!edits) throw std::invalid_argument(edits.error().message);
@@ -51,6 +56,15 @@ CameraRecord camera_of(const json& j, const std::string& name) {
 }
 
 }  // namespace
+
+void CameraRecord::forget(int frame) {
+  stale.erase(frame);
+  healed.erase(frame);
+  for (auto of = doubts.begin(); of != doubts.end();) {
+    of->second.erase(frame);
+    of = of->second.empty() ? doubts.erase(of) : std::next(of);
+  }
+}
 
 Result<MatteRecord> load_matte_record(const TakeLayout& layout) {
   const std::string name = layout.made_mattes().string();
@@ -76,8 +90,7 @@ Result<MatteRecord> load_matte_record(const TakeLayout& layout) {
       const Result<std::optional<std::string>> there = hash_of(layout.matte(camera->first, frame));
       if (!there || *there != hash) continue;  // it was said before the file was put in its place
       camera->second.files[frame] = hash;
-      camera->second.stale.erase(frame);
-      camera->second.healed.erase(frame);  // the journal does not say so; the next save would
+      camera->second.forget(frame);  // the journal says nothing of healing or doubts; the next save would
     }
   } catch (const std::exception& e) {  // JSON's and stoi's
     return bad(e.what());
@@ -95,6 +108,7 @@ Result<void> save_matte_record(const MatteRecord& record, const TakeLayout& layo
     if (!camera.stale.empty()) j["stale"] = camera.stale;
     for (const auto& [frame, h] : camera.healed)
       j["healed"][std::to_string(frame)] = {{"lost", h.lost}, {"gained", h.gained}, {"by", h.by}};
+    for (const auto& [why, frames] : camera.doubts) j["doubts"][why] = frames;
     if (camera.edits != CameraEdits()) j["edits"] = to_json(camera.edits);
   }
   const json whole = {{"floatstage_mattes", kVersion}, {"cameras", std::move(cameras)}};

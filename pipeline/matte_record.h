@@ -29,6 +29,11 @@ struct CameraRecord {
   std::map<int, std::string> files;    ///< SHA-256 of every matte that was made, by frame
   std::set<int> stale;                 ///< frames whose mattes are to be made again
   std::map<int, Healing> healed = {};  ///< of those files, by frame
+  /// Why mattes of those files are not to be trusted, a sentence, and which frames'.
+  std::map<std::string, std::set<int>> doubts = {};
+
+  /// What was said of a frame's matte that is not there any more.
+  void forget(int frame);
   bool operator==(const CameraRecord&) const = default;
 };
 

@@ -31,6 +31,7 @@ struct Mode {
   Pixel color{};
   double noise = 0;  // 8-bit steps; negative: too few samples to tell
   double share = 0;
+  int count = 0;  // samples that show it
 };
 
 class ModeFinder {
@@ -55,6 +56,7 @@ class ModeFinder {
     }
     Mode mode;
     mode.share = static_cast<double>(most) / static_cast<double>(samples.size());
+    mode.count = static_cast<int>(most);
     std::vector<std::uint8_t> spread;
     for (std::size_t c = 0; c < 3; ++c) {
       values_.clear();
@@ -105,6 +107,7 @@ Result<void> check_photographs(const std::vector<Image>& photographs, const std:
 Result<void> PlateOptions::check() const {
   if (!(agree >= 1 && agree <= 128))
     return fail(ErrorCode::InvalidArgument, text("agree is ", agree, "; it must be 1 to 128 steps"));
+  if (fewest < 1) return fail(ErrorCode::InvalidArgument, text("fewest is ", fewest, "; at least 1"));
   if (!(least_noise >= 0.1 && least_noise <= 15))
     return fail(ErrorCode::InvalidArgument, text("least_noise is ", least_noise, "; it must be 0.1 to 15"));
   return {};
@@ -134,7 +137,8 @@ Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOpti
     }
     const Mode mode = finder.of(samples);
     std::copy_n(mode.color.data(), 3, plate.color.pixels.data() + 3 * p);
-    plate.confidence.pixels[p] = static_cast<std::uint8_t>(std::lround(255 * mode.share));
+    if (mode.count >= options.fewest)
+      plate.confidence.pixels[p] = static_cast<std::uint8_t>(std::max(1l, std::lround(255 * mode.share)));
     noise[p] = static_cast<float>(mode.noise);
     if (mode.noise >= 0) all_noise.push_back(mode.noise);
   }

@@ -15,7 +15,7 @@ namespace floatstage::matting {
 struct Plate {
   Image color;  ///< RGB
   Image noise;  ///< 1 channel: standard deviation of a channel about `color`, in sixteenths of an 8-bit step
-  Image confidence;  ///< 1 channel: share of the photographs that show `color` there, 0 … 255
+  Image confidence;  ///< 1 channel: share of the photographs that show `color` there, 0 … 255; 0: unknown
 
   bool empty() const { return color.empty(); }
 };
@@ -23,6 +23,8 @@ struct Plate {
 struct PlateOptions {
   double agree = 12;         ///< 8-bit steps a channel within which two photographs show the same thing
   double least_noise = 1.0;  ///< 8-bit steps: a floor, since 8-bit pictures cannot say less
+  int fewest = 1;  ///< photographs that must show one thing; where fewer do, nothing was ever seen behind
+                   ///< whoever moved there: unknown, confidence 0, which keys as subject
 
   Result<void> check() const;
 };

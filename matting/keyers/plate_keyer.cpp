@@ -56,12 +56,17 @@ class PlateKeyer : public Keyer {
       const float t = threshold(plate_.noise.pixels[i], options_);
       const float d =
           difference(rgb->pixels.data() + 3 * i, plate_.color.pixels.data() + 3 * i, options_).length;
-      alpha.pixels[i] = static_cast<std::uint8_t>(std::clamp((d / t - 0.5f) * 255 + 0.5f, 0.0f, 255.0f));
+      alpha.pixels[i] =
+          unknown(static_cast<std::ptrdiff_t>(i))
+              ? 255
+              : static_cast<std::uint8_t>(std::clamp((d / t - 0.5f) * 255 + 0.5f, 0.0f, 255.0f));
     }
     alpha = clean_up(alpha, cleanup_);
     const auto distance = [&](int y, int x0, int count, float* out) {
       for (int x = x0; x < x0 + count; ++x)
-        *out++ = difference(rgb->at(x, y), plate_.color.at(x, y), options_).length;
+        *out++ = unknown(plate_.confidence.at(x, y) - plate_.confidence.pixels.data())
+                     ? static_cast<float>(options_.most)
+                     : difference(rgb->at(x, y), plate_.color.at(x, y), options_).length;
     };
     refine_edges(distance, static_cast<float>(options_.least), Image(alpha.width, alpha.height, 1), alpha);
     return make_matte(frame.info, alpha);
@@ -72,6 +77,11 @@ class PlateKeyer : public Keyer {
   CleanupOptions cleanup() const override { return cleanup_; }
 
  private:
+  // Nobody ever saw what is behind the subject there.
+  bool unknown(std::ptrdiff_t pixel) const {
+    return plate_.confidence.pixels[static_cast<std::size_t>(pixel)] == 0;
+  }
+
   Plate plate_;
   PlateKeyOptions options_;
   CleanupOptions cleanup_;
@@ -103,10 +113,11 @@ Image classify(const Plate& plate, const Image& picture, const PlateKeyOptions& 
     const Difference d = difference(p, b, options);
     const float light =
         std::abs(1 - d.bright) * std::sqrt(static_cast<float>(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]));
-    const PlateClass what = d.length >= t  ? PlateClass::Subject
-                            : light < t    ? PlateClass::Plate
-                            : d.bright < 1 ? PlateClass::Shadow
-                                           : PlateClass::Reflex;
+    const bool unknown = plate.confidence.pixels[i] == 0;
+    const PlateClass what = unknown || d.length >= t ? PlateClass::Subject
+                            : light < t              ? PlateClass::Plate
+                            : d.bright < 1           ? PlateClass::Shadow
+                                                     : PlateClass::Reflex;
     out.pixels[i] = static_cast<std::uint8_t>(what);
   }
   return out;

@@ -10,8 +10,10 @@
 #include "core/text.h"
 #include "matting/guided_upsample.h"
 #include "matting/video/segment_clip.h"
+#include "pipeline/camera_still.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/keying.h"
+#include "pipeline/matte/camera_plate.h"
 #include "pipeline/matte/matte_how.h"
 #include "pipeline/matte/take_clip.h"
 
@@ -20,44 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Before clutter, clothes and skin look like the plate or its shadow in places: shadows are asked to be
-// lighter than on cloth, and the holes that remain inside a person are filled up to a fiftieth of him.
-constexpr matting::PlateKeyOptions kBeforeClutter{.darkest_shadow = 0.72, .brightest_reflex = 1.12};
-// Behind a performance, the plate holds the middle of somebody who hardly moved it: a ring is keyed, which is
-// filled.
-matting::CleanupOptions clean_up_for(const Image& picture, bool shot) {
-  return {.close_radius = std::max(1, std::max(picture.width, picture.height) / 320),
-          .smallest_island = 0.02,
-          .smallest_hole = shot ? 0.02 : 0.4};
-}
-constexpr int kPhotographs = 48;
-constexpr int kPlateRounds = 3;  // how often a plate is learnt again without what the last one keys
-constexpr double kStillShare =
-    0.55;                    // of the pixels must show one thing most of the time, or the camera moved
-constexpr int kAgree = 128;  // Plate::confidence from which a pixel does
-constexpr double kMostSubject = 0.6;            // of a picture that was taken before cloth
-constexpr std::size_t kMostBytes = 400u << 20;  // of photographs held at once to learn a plate
-
-// Photographs spread over the take.
-Result<std::vector<Image>> photographs_of(capture::TakeReader& take, int camera, int wanted) {
-  const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
-  const std::size_t bytes =
-      static_cast<std::size_t>(model.width) * static_cast<std::size_t>(model.height) * 3;
-  const int room = std::max(5, static_cast<int>(kMostBytes / std::max<std::size_t>(bytes, 1)));
-  const int count = take.frame_count(),
-            step = std::max(1, (count + std::min(wanted, room) - 1) / std::min(wanted, room));
-  std::vector<Image> all;
-  for (int frame = 0; frame < count; frame += step) {
-    Result<Frame> photograph = take.frame(camera, frame);
-    if (!photograph) return forward(photograph);
-    if (photograph->empty()) continue;
-    Result<Image> rgb = to_rgb(*photograph);
-    if (!rgb) return forward(rgb);
-    all.push_back(std::move(*rgb));
-  }
-  return all;
-}
-
+constexpr double kMostSubject = 0.6;  // of a picture that was taken before cloth
 std::vector<fs::path> plate_files(const capture::TakeReader& take, int camera) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   std::vector<fs::path> files;
@@ -146,8 +111,9 @@ struct CameraKey::Cut {
   }
 };
 
-CameraKey CameraKey::none() {
+CameraKey CameraKey::none(const std::string& reason) {
   CameraKey key;
+  key.reason_ = reason;
   key.spec_ = "none";
   return key;
 }
@@ -175,51 +141,16 @@ Result<CameraKey> CameraKey::keyed(capture::TakeReader& take, int camera, const 
 }
 
 Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, std::optional<double> deviations) {
-  matting::PlateKeyOptions options = kBeforeClutter;
-  if (deviations) options.sigmas = *deviations;
-  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
-  Result<std::vector<Image>> plates = plates_of(take, camera);
-  if (!plates) return forward(plates);
-  Result<matting::Plate> plate = matting::Plate();
-  if (!plates->empty()) {
-    plate = matting::learn_plate(*plates);
-  } else {
-    Result<std::vector<Image>> seen = photographs_of(take, camera, kPhotographs);
-    if (!seen) return forward(seen);
-    plate = matting::learn_plate(*seen);
-    if (plate) {
-      const long still = std::count_if(plate->confidence.pixels.begin(), plate->confidence.pixels.end(),
-                                       [](int c) { return c >= kAgree; });
-      if (seen->size() < 3 ||
-          static_cast<double>(still) < kStillShare * static_cast<double>(plate->confidence.pixels.size()))
-        return fail(ErrorCode::Unsupported,
-                    text("camera '", serial, "': no plate was shot, and its ", seen->size(),
-                         " photographs show no backdrop that stands still; shoot a plate or give mattes with "
-                         "--guide"));
-      // What a plate takes for subject is left out of the next.
-      for (int round = 0; round < kPlateRounds && plate; ++round) {
-        Result<std::unique_ptr<matting::Keyer>> last =
-            matting::make_plate_keyer(*plate, options, clean_up_for(plate->color, false));
-        if (!last) return forward(last);
-        std::vector<Image> subjects;
-        for (const Image& photograph : *seen) {
-          Result<Matte> matte = (*last)->key(make_frame({}, photograph));
-          if (!matte) return forward(matte);
-          subjects.push_back(to_image(*matte));
-        }
-        plate = matting::learn_plate(*seen, {}, subjects);
-      }
-    }
-  }
-  if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
-  Result<std::unique_ptr<matting::Keyer>> keyer =
-      matting::make_plate_keyer(*plate, options, clean_up_for(plate->color, !plates->empty()));
-  if (!keyer) return forward(keyer);
+  Result<std::vector<Image>> shot = plates_of(take, camera);
+  if (!shot) return forward(shot);
+  Result<CameraPlate> plate = plate_of(take, camera, *shot, deviations);
+  if (!plate) return forward(plate);
   CameraKey key;
   key.kind_ = Kind::Plate;
-  key.spec_ = (*keyer)->spec();
-  key.plate_ = std::make_shared<matting::Plate>(std::move(*plate));
-  key.keyer_ = std::move(*keyer);
+  key.spec_ = plate->keyer->spec();
+  key.plate_ = std::make_shared<matting::Plate>(std::move(plate->plate));
+  key.keyer_ = std::move(plate->keyer);
+  key.unseen_ = plate->unseen;
   return key;
 }
 
@@ -256,9 +187,15 @@ Result<CameraKey> CameraKey::best(capture::TakeReader& take, int camera, const f
   if (!studio) return forward(studio);
   if (*studio) return by_chroma;
   const bool shot = !plate_files(take, camera).empty();
-  if (clicked(edits) && !shot) return cut(take, camera, edits, go_on);
+  if (clicked(edits) && !shot) {
+    if (Result<void> ok = check_camera_still(take, camera); !ok) return forward(ok);
+    return cut(take, camera, edits, go_on);
+  }
   Result<CameraKey> key = plate(take, camera);
-  if (!key && by_chroma) key = std::move(by_chroma);
+  if (!key && by_chroma) {
+    by_chroma->reason_ = key.error().message;
+    key = std::move(by_chroma);
+  }
   if (key) key->uses_strokes_ = !shot;
   return key;
 }
@@ -290,7 +227,7 @@ Result<CameraKey> CameraKey::without_given(capture::TakeReader& take, int camera
       ((how == "spectral" && key.error().code == ErrorCode::NotFound) ||
        ((how == "spectral" || how == "auto") && key.error().code == ErrorCode::Unsupported));
   if (optional) {
-    key = none();
+    key = none(key.error().message);
     key->uses_strokes_ = true;
   }
   return key;

@@ -24,7 +24,8 @@ class CameraKey {
   enum class Kind { None, Guide, Keyer, Plate, Cut };
 
   /// Says nothing about any photograph: for methods that can do with what a person says.
-  static CameraKey none();
+  /// `reason`: why there is none.
+  static CameraKey none(const std::string& reason = "");
   /// Another program's mattes as PNG: <guide>/<serial>/<frame>.png. NotFound when the camera has none.
   static Result<CameraKey> guided(const capture::TakeReader& take, int camera,
                                   const std::filesystem::path& guide);
@@ -62,6 +63,12 @@ class CameraKey {
   /// Null without one.
   const matting::Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }
 
+  /// Why there is none, or why it is cloth that is not most of the backdrop.
+  const std::string& reason() const { return reason_; }
+  /// Share of the subject that stands where no photograph shows the place without it: a plate that was found
+  /// knows nothing there. 0 for other keys.
+  double unseen() const { return unseen_; }
+
   /// Does now what the first key() would wait for. InvalidArgument when no click marks the subject;
   /// Cancelled.
   Result<void> ready() const;
@@ -75,7 +82,8 @@ class CameraKey {
                                          const std::function<bool()>& go_on);
   Kind kind_ = Kind::None;
   bool uses_strokes_ = false;
-  std::string spec_;
+  double unseen_ = 0;
+  std::string spec_, reason_;
   std::filesystem::path guide_;  // a folder with <frame>.png
   std::filesystem::path given_;  // likewise, or nothing
   std::shared_ptr<const matting::Keyer> keyer_;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -42,6 +43,8 @@ struct ConsistentMattes {
   /// What a person should know before using them, a sentence each, with the cameras' names.
   std::vector<std::string> remarks;
   bool trusted = true;  ///< false where a remark says that mattes are probably wrong
+  /// Those remarks without figures, and the cameras that they name, in rig order; none: all.
+  std::vector<std::pair<std::string, std::vector<int>>> wrong = {};
   int turns = 0;
 };
 

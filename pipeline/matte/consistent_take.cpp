@@ -90,6 +90,7 @@ class Maker {
       const Result<bool> ok = store_.put(take_.rig().cameras[camera].serial, frame, made->mattes[camera]);
       if (!ok) return forward(ok);
       add(made->views[camera], c);
+      doubt(*made, frame, static_cast<int>(camera));
     }
     return {};
   }
@@ -109,6 +110,12 @@ class Maker {
  private:
   static bool asked(const ConsistentTakeOptions::Camera& camera, int frame) {
     return camera.todo[static_cast<std::size_t>(frame)];
+  }
+
+  void doubt(const ConsistentMattes& made, int frame, int camera) {
+    for (const auto& [why, cameras] : made.wrong)
+      if (cameras.empty() || std::find(cameras.begin(), cameras.end(), camera) != cameras.end())
+        store_.camera(take_.rig().cameras[static_cast<std::size_t>(camera)].serial).doubts[why].insert(frame);
   }
 
   static void add(const ConsistentView& view, ConsistentTakeReport::Camera& c) {

@@ -46,15 +46,21 @@ ConsistentView measured(const ViewEvidence& e) {
   return view;
 }
 
-// "04 (62 %), 07 (55 %)", or nothing.
-std::string named(const Rig& rig, const std::vector<ConsistentView>& views,
-                  const std::function<std::optional<double>(const ConsistentView&, std::size_t)>& figure) {
-  std::string names;
+struct Named {
+  std::string words;  // "04 (62 %), 07 (55 %)", or nothing
+  std::vector<int> cameras;
+};
+
+Named named(const Rig& rig, const std::vector<ConsistentView>& views,
+            const std::function<std::optional<double>(const ConsistentView&, std::size_t)>& figure) {
+  Named names;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i].pictured) continue;
     const std::optional<double> f = figure(views[i], i);
-    if (f)
-      names += text(names.empty() ? "" : ", ", rig.cameras[i].serial, " (", std::lround(100 * *f), " %)");
+    if (!f) continue;
+    names.words +=
+        text(names.words.empty() ? "" : ", ", rig.cameras[i].serial, " (", std::lround(100 * *f), " %)");
+    names.cameras.push_back(static_cast<int>(i));
   }
   return names;
 }
@@ -76,21 +82,22 @@ void judge(const Rig& rig, const recon::SharedView& shared, std::span<const View
            ConsistentMattes& mattes) {
   mattes.views.clear();
   for (const ViewEvidence& e : evidence) mattes.views.push_back(measured(e));
-  const auto say = [&](const std::string& cameras, const char* what, bool wrong) {
-    if (cameras.empty()) return;
-    mattes.remarks.push_back(text("cameras ", cameras, ": ", what));
+  const auto say = [&](const Named& cameras, const char* what, bool wrong) {
+    if (cameras.words.empty()) return;
+    mattes.remarks.push_back(text("cameras ", cameras.words, ": ", what));
     mattes.trusted = mattes.trusted && !wrong;
+    if (wrong) mattes.wrong.emplace_back(what, cameras.cameras);
   };
   const auto above = [&](double ConsistentView::*figure, double limit) {
     return named(rig, mattes.views, [&](const ConsistentView& v, std::size_t) {
       return v.*figure > limit ? std::optional(v.*figure) : std::nullopt;
     });
   };
-  std::string astray;
+  Named astray;
   for (const int i : shared.astray)
-    astray += text(astray.empty() ? "" : ", ", rig.cameras[static_cast<std::size_t>(i)].serial);
+    astray.words += text(astray.words.empty() ? "" : ", ", rig.cameras[static_cast<std::size_t>(i)].serial);
   say(astray, "their pictures do not show the point that the others look at", false);
-  const std::string none = named(rig, mattes.views, [&](const ConsistentView& v, std::size_t i) {
+  const Named none = named(rig, mattes.views, [&](const ConsistentView& v, std::size_t i) {
     const bool few = v.subject * static_cast<double>(evidence[i].label.pixels.size()) < kFewPixels;
     return few ? std::optional(v.subject) : std::nullopt;
   });
@@ -118,6 +125,7 @@ void judge(const Rig& rig, const recon::SharedView& shared, std::span<const View
     mattes.remarks.push_back(text("the cameras look from one side, at most ", std::lround(angle),
                                   " degrees apart: they cannot tell the subject from what is behind it"));
     mattes.trusted = false;
+    mattes.wrong.emplace_back("all cameras look from one side", std::vector<int>());
   }
 }
 

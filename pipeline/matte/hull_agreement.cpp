@@ -32,22 +32,14 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const capture::TakeReader&
   std::vector<SilhouetteAgreement> found;
   for (std::size_t i = 0; i < mattes->size(); ++i) {
     if ((*mattes)[i].empty()) continue;
-    std::vector<Matte> others = *mattes;
-    others[i] = {};
-    if (std::count_if(others.begin(), others.end(), shows_subject) < 2) continue;
-    recon::HullOptions options;
-    options.quality = false;
-    options.threads = 1;
-    const Result<recon::HullReport> hull = recon::visual_hull(take.rig(), others, options);
+    const std::optional<Matte> silhouette = silhouette_of_others(take.rig(), *mattes, i);
+    if (!silhouette) continue;  // nothing to compare with
     SilhouetteAgreement a{take.rig().cameras[i].serial, frame, 0, 1};
-    if (hull && !hull->mesh.empty()) {
-      const Matte silhouette = recon::mesh_mask(take.rig().cameras[i], hull->mesh);
-      a.iou = iou((*mattes)[i], silhouette);
-      a.surplus = surplus_of((*mattes)[i], silhouette);
-    } else if (hull) {
-      a.iou = shows_subject((*mattes)[i]) ? 0 : 1;  // the others agree on nothing at all
+    if (shows_subject(*silhouette)) {
+      a.iou = iou((*mattes)[i], *silhouette);
+      a.surplus = surplus_of((*mattes)[i], *silhouette);
     } else {
-      continue;  // the others bound no space: nothing to compare with
+      a.iou = shows_subject((*mattes)[i]) ? 0 : 1;  // the others agree on nothing at all
     }
     found.push_back(std::move(a));
   }
@@ -55,6 +47,19 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const capture::TakeReader&
 }
 
 }  // namespace
+
+std::optional<Matte> silhouette_of_others(const Rig& rig, const std::vector<Matte>& mattes,
+                                          std::size_t camera) {
+  std::vector<Matte> others = mattes;
+  others[camera] = {};
+  if (std::count_if(others.begin(), others.end(), shows_subject) < 2) return std::nullopt;
+  recon::HullOptions options;
+  options.quality = false;
+  options.threads = 1;
+  const Result<recon::HullReport> hull = recon::visual_hull(rig, others, options);
+  if (!hull) return std::nullopt;  // they bound no space
+  return recon::mesh_mask(rig.cameras[camera], hull->mesh);
+}
 
 Result<std::vector<SilhouetteAgreement>> hull_agreement(const capture::TakeReader& take,
                                                         const std::vector<int>& frames, int threads,

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "capture/take.h"
+#include "core/matte.h"
 #include "core/result.h"
 #include "pipeline/progress.h"
 
@@ -16,6 +18,11 @@ struct SilhouetteAgreement {
   double iou = 0;      ///< of the matte with the silhouette of the hull of all other cameras
   double surplus = 0;  ///< share of the matte that lies outside that hull: what the others deny
 };
+
+/// The silhouette, in a camera's picture, of the hull of all other mattes; absent where fewer than two others
+/// show a subject or they bound no space.
+std::optional<Matte> silhouette_of_others(const Rig& rig, const std::vector<Matte>& mattes,
+                                          std::size_t camera);
 
 /// Carves, for each camera with a matte, the hull of all the others, and compares its silhouette with the
 /// matte that it has not seen. A hull of few cameras is larger than the subject, so the figures tell cameras

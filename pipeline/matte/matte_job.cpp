@@ -152,8 +152,10 @@ Result<std::string> hash_of_inputs(const capture::TakeReader& take, const std::s
   for (const fs::path& file : files) {
     const Result<std::optional<std::string>> hash = hash_of(file);
     if (!hash) return forward(hash);
-    all += text(file.parent_path().filename().string(), "/", file.filename().string(), " ",
-                hash->value_or("none"), "\n");
+    // The take's own name says nothing: a copy has another.
+    const bool beside = file.parent_path() == take.layout().folder();
+    all += text(beside ? "" : text(file.parent_path().filename().string(), "/"), file.filename().string(),
+                " ", hash->value_or("none"), "\n");
   }
   return capture::sha256(all);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/matte/camera_matting.h"
+#include "pipeline/matte/matte_doubts.h"
 #include "pipeline/matte/matte_store.h"
 #include "pipeline/matte/matte_take.h"
 
@@ -26,6 +28,7 @@ struct MatteJob {
   bool explained = false;                ///< other mattes than before are what was asked for
   std::optional<CameraMatting> matting;  ///< absent: nothing to make, or by the cameras together
   CameraMattes report;
+  std::map<int, MatteShape> shapes;  ///< of the mattes that were made
   std::vector<std::pair<int, std::string>> failures;
 
   bool consistent() const { return how == "consistent"; }

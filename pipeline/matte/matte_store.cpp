@@ -61,8 +61,7 @@ Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& 
   const std::lock_guard lock(mutex_);
   CameraRecord& camera = record_[serial];
   camera.files[frame] = hash;
-  camera.stale.erase(frame);
-  camera.healed.erase(frame);
+  camera.forget(frame);
   if (healing) camera.healed[frame] = *healing;
   return *before != hash;
 }
@@ -75,8 +74,7 @@ Result<void> MatteStore::remove(const std::string& serial, int frame) {
   const std::lock_guard lock(mutex_);
   CameraRecord& camera = record_[serial];
   camera.files.erase(frame);
-  camera.stale.erase(frame);
-  camera.healed.erase(frame);
+  camera.forget(frame);
   return {};
 }
 

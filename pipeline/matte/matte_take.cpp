@@ -12,6 +12,7 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/matte/consistent_take.h"
 #include "pipeline/matte/matte_checks.h"
+#include "pipeline/matte/matte_doubts.h"
 #include "pipeline/matte/matte_job.h"
 #include "pipeline/matte/spectral_take.h"
 
@@ -39,6 +40,12 @@ class Run {
   void count(int& counter) {
     std::lock_guard lock(mutex_);
     ++counter;
+  }
+  void made(MatteJob& job, int frame, const Image& matte) {
+    const MatteShape shape = shape_of(matte);
+    std::lock_guard lock(mutex_);
+    ++job.report.made;
+    job.shapes[frame] = shape;
   }
   void failed(MatteJob& job, int frame, const Error& e) {
     std::lock_guard lock(mutex_);
@@ -73,7 +80,7 @@ Image make(Run& run, MatteJob& job, int frame, const Image& previous) {
   if (matte->empty()) return run.count(job.report.gaps), Image();
   if (Result<bool> ok = run.store.put(job.serial, frame, *matte); !ok)
     return run.failed(job, frame, ok.error()), Image();
-  run.count(job.report.made);
+  run.made(job, frame, *matte);
   return std::move(*matte);
 }
 
@@ -94,9 +101,12 @@ Result<void> make_spectral(capture::TakeReader& take, Run& run, MatteJob& job, i
     if (!job.todo[static_cast<std::size_t>(frame)]) continue;
     Result<Image> matte = spectral->matte(*job.matting, frame);
     if (!matte) return forward(matte);
-    if (!matte->empty())
-      if (Result<bool> ok = run.store.put(job.serial, frame, *matte); !ok) return forward(ok);
-    run.count(matte->empty() ? job.report.gaps : job.report.made);
+    if (matte->empty()) {
+      run.count(job.report.gaps);
+      continue;
+    }
+    if (Result<bool> ok = run.store.put(job.serial, frame, *matte); !ok) return forward(ok);
+    run.made(job, frame, *matte);
   }
   return {};
 }
@@ -202,11 +212,6 @@ void say_how(const MatteStore& store, std::vector<MatteJob>& jobs, std::vector<s
       remarks.push_back(text("camera '", job.serial, "': ", job.report.others,
                              " mattes of unknown origin are used without what mattes/edits.json says; the "
                              "editor in `play` changes them when it is allowed to"));
-    if (job.report.key == "none" && job.report.clicks == 0)
-      remarks.push_back(text("camera '", job.serial,
-                             "' has no cloth, plate or backdrop that stands still, so the subject was "
-                             "guessed; look at it, and click on it (mattes/edits.json, or the editor in "
-                             "`play`)"));
   }
 }
 
@@ -251,10 +256,15 @@ Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions
   Result<void> made = make_all(take, options, *edits, run, *jobs, report);
   std::vector<std::string> known;
   for (const MatteJob& job : *jobs)
+    if (job.matting && !job.shapes.empty()) note_doubts(job, (*store)->camera(job.serial));
+  for (const MatteJob& job : *jobs)
     if (job.report.made > 0) known.push_back(job.serial);
   if (Result<void> ok = known.empty() ? Result<void>() : (*store)->save(known); !ok && made) made = ok;
   if (!made) return forward(made);
 
+  Result<std::vector<MatteDoubt>> doubts = doubts_of(take, **store, *jobs);
+  if (!doubts) return forward(doubts);
+  report.doubts = std::move(*doubts);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   for (MatteJob& job : *jobs) {
     std::sort(job.failures.begin(), job.failures.end());

@@ -41,11 +41,26 @@ struct CameraMattes {
   std::vector<std::string> failures;         ///< one sentence each, in the order of the frames
 };
 
+/// Mattes that are not to be trusted, of cameras for which the same is wrong.
+struct MatteDoubt {
+  std::string why;  ///< and what to do
+  std::vector<std::string> cameras;
+  int frames = 0;                 ///< in so many
+  int worst = 0;                  ///< frame
+  std::filesystem::path picture;  ///< that frame of those cameras with their mattes drawn in; empty: none
+};
+
+/// "cameras 'a', 'b', frame 3 (7 frames in all): WHY: PICTURE"
+std::string sentence(const MatteDoubt& doubt);
+/// Where their pictures lie.
+std::filesystem::path doubts_folder(const TakeLayout& layout);
+
 struct MatteReport {
   std::vector<CameraMattes> cameras;
   std::vector<SilhouetteAgreement> worst;  ///< least agreement first
   std::vector<std::string> remarks;        ///< what may be wrong, with frames and cameras
   int distrusted = 0;                      ///< likewise: instants whose mattes are probably wrong
+  std::vector<MatteDoubt> doubts;  ///< of the frames asked for, made now or before; most cameras first
   int made = 0;
   double seconds = 0;            ///< of making mattes, the hull check left out
   double seconds_per_frame = 0;  ///< of wall time, a photograph made in this run; 0 when none was
@@ -59,7 +74,8 @@ struct MatteReport {
 /// inputs (plates, guide) changed, and with `redo` all of ours. A matte of unknown origin is used as it is
 /// and never touched. mattes/edits.json is replayed: masks outrank everything, a click chooses among a key's
 /// separate parts, which are then followed from frame to frame, both ways. One bad photograph does not stop
-/// the others. Memory: some photographs a thread, and about 400 MB while a plate is learnt.
+/// the others. What cannot be trusted is named, with pictures in mattes/doubts. Memory: some photographs a
+/// thread, and about 400 MB while a plate is learnt.
 ///
 /// Errors, when nothing can go on: those of TakeReader::open(); InvalidArgument for a way, camera or frame
 /// that there is not; AlreadyExists when ours were made another way, without `redo`; NotFound or Unsupported

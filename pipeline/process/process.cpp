@@ -37,6 +37,7 @@ Result<StageReport> make_mattes(capture::TakeReader& take, const ProcessOptions&
   }
   report.remarks = std::move(made->remarks);
   report.distrusted = made->distrusted;
+  report.doubts = std::move(made->doubts);
   return stage;
 }
 

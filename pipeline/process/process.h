@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "pipeline/matte/matte_take.h"
 #include "pipeline/process/heal_mattes.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
@@ -40,6 +41,7 @@ struct ProcessReport {
   StageReport mattes, meshes;
   std::vector<std::string> remarks = {};  ///< MatteReport::remarks
   int distrusted = 0;                     ///< MatteReport::distrusted
+  std::vector<MatteDoubt> doubts = {};    ///< MatteReport::doubts
   std::vector<HealedCamera> healed = {};  ///< mattes that were made again in this run, worst camera first
   // Of all meshes, also of those that were there:
   std::vector<SilhouetteFault> faults = {};  ///< what a matte lacks was overruled by the others

@@ -47,6 +47,7 @@ void by_matte(const std::string& method, const StageSet& set, const fs::path& ta
     return;
   }
   out.said = report->remarks;
+  for (const pipeline::MatteDoubt& d : report->doubts) out.said.push_back(pipeline::sentence(d));
   for (const pipeline::CameraMattes& c : report->cameras)
     out.said.insert(out.said.end(), c.failures.begin(), c.failures.end());
   for (const std::size_t i : cameras) {

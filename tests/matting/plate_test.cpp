@@ -48,6 +48,24 @@ TEST(Plate, IsFoundBehindSomebodyWhoLeavesEachPlaceSoonerOrLater) {
   EXPECT_GT(psnr(plate->color, empty_stage(noisy())), 38);
 }
 
+TEST(Plate, IsUnknownWhereFewerPicturesThanAskedForShowTheSame) {
+  std::vector<Image> take = empty_stages(8);
+  for (int i = 0; i < 8; ++i)  // each picture another brightness: nothing was ever seen behind
+    for (int v = 50; v < 80; ++v)
+      for (int u = 60; u < 90; ++u) std::fill_n(take[i].at(u, v), 3, static_cast<std::uint8_t>(30 * i + 20));
+  const Result<Plate> plate = learn_plate(take, {.fewest = 3});
+  ASSERT_THAT(plate, IsOk());
+  EXPECT_EQ(*plate->confidence.at(75, 65), 0);
+  EXPECT_GT(*plate->confidence.at(20, 20), 240);
+  const Image classes = classify(*plate, plate->color);
+  EXPECT_EQ(*classes.at(75, 65), static_cast<int>(PlateClass::Subject)) << "even what looks like it";
+  EXPECT_EQ(*classes.at(20, 20), static_cast<int>(PlateClass::Plate));
+  const Matte matte = *(*make_plate_keyer(*plate))->key(make_frame({}, take[5]));
+  EXPECT_EQ(matte.row(65)[75], 255);
+  EXPECT_EQ(matte.row(20)[20], 0);
+  EXPECT_THAT(learn_plate(take, {.fewest = 0}), FailsWith(ErrorCode::InvalidArgument, "fewest"));
+}
+
 TEST(Plate, OfSomebodyWhoStaysIsLearntAgainFromMattes) {
   std::vector<Image> take = empty_stages(12), mattes(12, Image(160, 120, 1));
   for (int i = 0; i < 9; ++i) {  // three quarters of the time in one place

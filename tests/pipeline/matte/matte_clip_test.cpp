@@ -157,5 +157,92 @@ TEST(AutoWithoutAKey, IsSpectral) {
   EXPECT_EQ(matte_take(options_for(take, "auto"))->cameras[0].kept, 4) << "the choice is remembered";
 }
 
+// The same performance as a still camera saw it and as one held in the hand.
+class Trust : public testing::Test {
+ protected:
+  static MatteClip still(int frames, const ClipOptions& options = {.width = 270, .height = 180, .seed = 3}) {
+    ClipOptions o = options;
+    o.frames = frames;
+    return make_clip(studio_cutout(3), cluttered_place(o.width, o.height, 3), o);
+  }
+  static MatteClip hand_held() {
+    MatteClip clip;
+    for (int f = 0; f < 6; ++f) {
+      const Image place = cluttered_place(320, 220, 3);
+      Image seen(270, 180, 3);
+      for (int y = 0; y < 180; ++y) std::copy_n(place.at(5 + 2 * f, y + 8 + f), 3 * 270, seen.at(0, y));
+      for (std::size_t p = 0; p < seen.pixels.size(); p += 3) {  // browns: nothing there is cloth
+        const int light = seen.pixels[p] + seen.pixels[p + 1] + seen.pixels[p + 2];
+        for (std::size_t c = 0; c < 3; ++c)
+          seen.pixels[p + c] = static_cast<std::uint8_t>(light / (3 + static_cast<int>(c)));
+      }
+      const MatteClip one =
+          make_clip(studio_cutout(3), seen, {.width = 270, .height = 180, .frames = 6, .seed = 3});
+      clip.frames.push_back(one.frames[static_cast<std::size_t>(f)]);
+      clip.truth.push_back(one.truth[static_cast<std::size_t>(f)]);
+    }
+    return clip;
+  }
+  TempFolder folder_;
+};
+
+TEST_F(Trust, APlateOfACameraThatMovedIsRefusedByName) {
+  const fs::path take = clip_take(folder_, hand_held());
+  for (const char* method : {"plate", "difference"})
+    EXPECT_THAT(matte_take(options_for(take, method)),
+                FailsWith(ErrorCode::Unsupported, "camera 'cam0' moved: between frame 0 and frame"))
+        << method;
+  EXPECT_FALSE(fs::exists(TakeLayout(take).matte("cam0", 0)));
+}
+
+TEST_F(Trust, WhatWasGuessedForACameraThatMovedIsSaidEveryTimeAndShown) {
+  const fs::path take = clip_take(folder_, hand_held());
+  for (const int made : {6, 0}) {
+    const Result<MatteReport> report = matte_take(options_for(take, "auto"));
+    ASSERT_THAT(report, IsOk());
+    EXPECT_EQ(report->made, made);
+    ASSERT_EQ(report->doubts.size(), 1u);
+    EXPECT_EQ(report->doubts[0].frames, 6);
+    EXPECT_THAT(sentence(report->doubts[0]),
+                testing::AllOf(testing::StartsWith("camera 'cam0', frame"),
+                               testing::HasSubstr("(camera 'cam0' moved: between frame 0 and")));
+    EXPECT_THAT(load_png(report->doubts[0].picture), IsOk());
+  }
+  click(take, 0, 135, 90);
+  MatteTakeOptions clicked = options_for(take, "auto");
+  clicked.redo = true;
+  const Result<MatteReport> report = matte_take(clicked);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->cameras[0].key, "none")
+      << "what follows a click through clutter needs a still camera too";
+  EXPECT_TRUE(report->doubts.empty()) << "a person has said where the subject is";
+}
+
+TEST_F(Trust, WhereThePlaceIsNeverSeenWithoutTheSubjectItsMattesAreSaidToBeUnknown) {
+  const fs::path take =
+      clip_take(folder_, still(4, {.width = 270, .height = 180, .seed = 3, .turn = 2, .speed = 2}));
+  const Result<MatteReport> report = matte_take(options_for(take, "plate"));
+  ASSERT_THAT(report, IsOk());
+  ASSERT_EQ(report->doubts.size(), 1u);
+  EXPECT_THAT(report->doubts[0].why, testing::HasSubstr("no picture shows the place without it"));
+  MatteTakeOptions other = options_for(take, "plate");
+  other.frames = {2};
+  EXPECT_EQ(matte_take(other)->doubts.at(0).frames, 1) << "of the frames asked for";
+}
+
+TEST_F(Trust, IsThereWhereMattesAreRight) {
+  MatteClip green =
+      make_clip(studio_cutout(4), green_cloth(270, 180, 4), {.width = 270, .height = 180, .frames = 4});
+  const fs::path cloth = clip_take(folder_, green, "green"), clear = clip_take(folder_, still(4), "plate");
+  ASSERT_THAT(make_folder(TakeLayout(clear).plate("cam0").parent_path()), IsOk());
+  ASSERT_THAT(save_png(still(4).plate, TakeLayout(clear).plate("cam0")), IsOk());
+  for (const fs::path& take : {cloth, clear}) {
+    const Result<MatteReport> report = matte_take(options_for(take, "auto"));
+    ASSERT_THAT(report, IsOk());
+    EXPECT_TRUE(report->doubts.empty()) << sentence(report->doubts[0]);
+    EXPECT_FALSE(fs::exists(doubts_folder(TakeLayout(take))));
+  }
+}
+
 }  // namespace
 }  // namespace floatstage::pipeline

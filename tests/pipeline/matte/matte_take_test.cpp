@@ -83,6 +83,16 @@ TEST(MatteTake, GoesOnWhereItStopped) {
   EXPECT_EQ(matte_of(take, "cam02", 1), before) << "the same bytes";
 }
 
+TEST(MatteTake, KeepsTheMattesOfATakeThatWasCopiedOrMoved) {
+  TempFolder folder;
+  const fs::path take = small_take(folder), copy = folder / "another name";
+  ASSERT_EQ(matte_take(options_for(take, "chroma"))->made, 12);
+  fs::copy(take, copy, fs::copy_options::recursive);
+  const Result<MatteReport> report = matte_take(options_for(copy, "chroma"));
+  ASSERT_THAT(report, IsOk());
+  EXPECT_EQ(report->made, 0);
+}
+
 TEST(MatteTake, MakesAgainOnlyOnRequestAndOnlyWhatWasMadeOtherwise) {
   TempFolder folder;
   const fs::path take = small_take(folder, 1);

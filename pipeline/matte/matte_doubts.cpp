@@ -1,0 +1,187 @@
+#include "pipeline/matte/matte_doubts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "core/file.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "pipeline/matte/doubt_picture.h"
+#include "pipeline/matte/hull_agreement.h"
+#include "pipeline/matte/matte_job.h"
+#include "pipeline/scene_loader.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMostUnseen = 0.8;  // of the subject, where its plate knows nothing
+constexpr double kMostBorder = 0.5;  // of the border: a majority, as rim_check.h has it
+constexpr std::size_t kMostTiles = 12;
+constexpr int kTile = 480;  // px
+constexpr int kFewestOthers = 3;
+
+constexpr const char* kClick =
+    "; click on it in the editor of `play`, give mattes with --guide, or choose another --matte with --redo";
+
+// The frames of each reason, over all cameras.
+struct Reason {
+  std::vector<const MatteJob*> jobs;
+  std::map<int, int> frames;  // and how many cameras
+  bool now = false;           // some were made in this run
+};
+
+std::map<std::string, Reason> reasons_in(const MatteStore& store, const std::vector<MatteJob>& jobs) {
+  std::map<std::string, Reason> reasons;
+  for (const MatteJob& job : jobs) {
+    const CameraRecord* record = store.find(job.serial);
+    if (!record) continue;
+    for (const auto& [why, frames] : record->doubts) {
+      bool any = false;
+      for (const int frame : frames) {
+        const auto f = static_cast<std::size_t>(frame);
+        const bool others = frame < 0 || f >= job.wanted.size() || !job.wanted[f] ||
+                            !record->files.contains(frame) || (job.there[f] && !job.ours[f]);
+        if (others) continue;
+        Reason& reason = reasons[why];
+        ++reason.frames[frame];
+        reason.now = reason.now || job.todo[f];
+        any = true;
+      }
+      if (any) reasons[why].jobs.push_back(&job);
+    }
+  }
+  return reasons;
+}
+
+// That most cameras share; of equals the one whose matte is farthest from what is usual in its camera.
+int worst_of(const Reason& reason) {
+  std::map<int, double> odd;
+  for (const MatteJob* job : reason.jobs) {
+    std::vector<double> areas;
+    for (const auto& [frame, shape] : job->shapes) areas.push_back(shape.area);
+    if (areas.empty()) continue;
+    std::nth_element(areas.begin(), areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2),
+                     areas.end());
+    const double usual = areas[areas.size() / 2];
+    for (const auto& [frame, shape] : job->shapes) odd[frame] += std::abs(shape.area - usual) + shape.border;
+  }
+  int worst = reason.frames.begin()->first;
+  for (const auto& [frame, cameras] : reason.frames) {
+    const int most = reason.frames.at(worst);
+    if (cameras > most || (cameras == most && odd[frame] > odd[worst])) worst = frame;
+  }
+  return worst;
+}
+
+Result<void> draw(capture::TakeReader& take, const Reason& reason, int frame, const fs::path& file) {
+  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
+  if (!mattes) return forward(mattes);
+  const auto there = std::count_if(mattes->begin(), mattes->end(), [](const Matte& m) { return !m.empty(); });
+  std::vector<Image> tiles;
+  for (const MatteJob* job : reason.jobs) {
+    const auto camera = static_cast<std::size_t>(job->camera);
+    const Result<Frame> photograph = take.frame(job->camera, frame);
+    if (tiles.size() >= kMostTiles || !photograph || photograph->empty() || (*mattes)[camera].empty())
+      continue;
+    const Result<Image> rgb = to_rgb(*photograph);
+    if (!rgb) continue;
+    const std::optional<Matte> others =
+        there > kFewestOthers ? silhouette_of_others(take.rig(), *mattes, camera) : std::nullopt;
+    tiles.push_back(doubt_tile(*rgb, (*mattes)[camera], others, kTile));
+  }
+  if (tiles.empty()) return {};
+  if (Result<void> ok = make_folder(file.parent_path()); !ok) return ok;
+  return save_png(contact_sheet(tiles), file);
+}
+
+}  // namespace
+
+MatteShape shape_of(const Image& matte) {
+  MatteShape shape;
+  long subject = 0, border = 0;
+  for (int y = 0; y < matte.height; ++y)
+    for (int x = 0; x < matte.width; ++x) {
+      if (*matte.at(x, y) < 128) continue;
+      ++subject;
+      border += x == 0 || y == 0 || x == matte.width - 1 || y == matte.height - 1;
+    }
+  const double all = static_cast<double>(matte.width) * matte.height,
+               rim = std::max(1.0, 2.0 * (matte.width + matte.height) - 4);
+  if (all > 0) shape = {static_cast<double>(subject) / all, static_cast<double>(border) / rim};
+  return shape;
+}
+
+void note_doubts(const MatteJob& job, CameraRecord& record) {
+  const CameraKey& key = job.matting->key();
+  if (key.kind() == CameraKey::Kind::Guide || job.report.clicks > 0) return;
+  std::set<int> made;
+  for (const auto& [frame, shape] : job.shapes) {
+    made.insert(frame);
+    if (shape.border > kMostBorder)
+      record
+          .doubts[text("the subject covers more than half of the picture's border, as a backdrop does",
+                       kClick)]
+          .insert(frame);
+  }
+  if (key.kind() == CameraKey::Kind::None)
+    record
+        .doubts[text("nothing tells the subject, so it was guessed",
+                     key.reason().empty() ? kClick : text(" (", key.reason(), ")"))]
+        .insert(made.begin(), made.end());
+  if (key.kind() == CameraKey::Kind::Keyer && !key.reason().empty())
+    record
+        .doubts[text("most of the picture is not before the cloth that was keyed (", key.spec(),
+                     "), and there is no other backdrop (", key.reason(), ")")]
+        .insert(made.begin(), made.end());
+  if (key.unseen() > kMostUnseen)
+    record
+        .doubts[text("no plate was shot, and nearly all of the subject stands where no picture shows the "
+                     "place without it, so its outline is not known; shoot a plate, record for longer",
+                     kClick)]
+        .insert(made.begin(), made.end());
+}
+
+Result<std::vector<MatteDoubt>> doubts_of(capture::TakeReader& take, const MatteStore& store,
+                                          const std::vector<MatteJob>& jobs) {
+  std::vector<MatteDoubt> doubts;
+  std::set<fs::path> drawn;
+  for (const auto& [why, reason] : reasons_in(store, jobs)) {
+    MatteDoubt doubt{.why = why,
+                     .cameras = {},
+                     .frames = static_cast<int>(reason.frames.size()),
+                     .worst = 0,
+                     .picture = {}};
+    for (const MatteJob* job : reason.jobs) doubt.cameras.push_back(job->serial);
+    doubt.worst = worst_of(reason);
+    const auto file_named = [&](const std::string& end) {
+      return doubts_folder(take.layout()) / text(doubt.cameras.front(), "-", doubt.worst, end, ".png");
+    };
+    fs::path file = file_named("");
+    for (int i = 2; !drawn.insert(file).second; ++i) file = file_named(text("-", i));
+    if (reason.now || !fs::exists(file))
+      if (Result<void> ok = draw(take, reason, doubt.worst, file); !ok) return forward(ok);
+    if (fs::exists(file)) doubt.picture = file;
+    doubts.push_back(std::move(doubt));
+  }
+  std::stable_sort(doubts.begin(), doubts.end(), [](const MatteDoubt& a, const MatteDoubt& b) {
+    return a.cameras.size() > b.cameras.size();
+  });
+  return doubts;
+}
+
+fs::path doubts_folder(const TakeLayout& layout) { return layout.mattes() / "doubts"; }
+
+std::string sentence(const MatteDoubt& doubt) {
+  std::string who;
+  for (const std::string& serial : doubt.cameras) who += text(who.empty() ? "" : ", ", "'", serial, "'");
+  return text(doubt.cameras.size() > 1 ? "cameras " : "camera ", who, ", frame ", doubt.worst,
+              doubt.frames > 1 ? text(" (", doubt.frames, " frames in all)") : "", ": ", doubt.why,
+              doubt.picture.empty() ? "" : text(": ", doubt.picture.string()));
+}
+
+}  // namespace floatstage::pipeline
