@@ -1,7 +1,9 @@
 #include "pipeline/matte/camera_matting.h"
 
 #include <algorithm>
+#include <span>
 
+#include "core/png.h"
 #include "core/text.h"
 #include "matting/closed_form.h"
 #include "matting/method_selection.h"
@@ -87,6 +89,8 @@ Result<Image> CameraMatting::finished(const std::string& method, const Image& rg
 }
 
 Result<Image> CameraMatting::matte(int frame, const Image& previous) const {
+  if (const auto made = compared_.find(frame); made != compared_.end() && edits_ == CameraEdits())
+    return decode_png(std::as_bytes(std::span(made->second)), text("frame ", frame));
   Result<Frame> photograph = take_->frame(camera_, frame);
   if (!photograph) return forward(photograph);
   if (photograph->empty()) return Image();
@@ -110,7 +114,7 @@ void CameraMatting::mask(int frame, Image& matte) const {
   overrule(said(frame, matte.width, matte.height, true, true), matte);
 }
 
-Result<std::string> CameraMatting::chosen_method() const {
+Result<std::string> CameraMatting::chosen_method() {
   if (method_ == "spectral" || (method_ == "auto" && key_.kind() == CameraKey::Kind::None))
     return std::string("spectral");
   if (method_ != "auto") return std::string(method_ == "closed-form" ? "closed-form" : "key");
@@ -135,6 +139,12 @@ Result<std::string> CameraMatting::chosen_method() const {
     return candidates;
   };
   matting::MethodComparison comparison(methods.size());
+  std::map<int, std::vector<std::string>> made;  // packed: a hundredth of their size
+  const auto keep = [&](int frame, const std::vector<Image>& candidates) {
+    if (made.contains(frame)) return;
+    for (const Image& candidate : candidates)
+      if (const Result<std::string> packed = encode_png_of_runs(candidate)) made[frame].push_back(*packed);
+  };
   const int count = take_->frame_count(), spots = std::min(kAutoSpots, count);
   for (int i = 0; i < spots; ++i) {
     const int frame = static_cast<int>((2L * i + 1) * count / (2L * spots));
@@ -142,13 +152,18 @@ Result<std::string> CameraMatting::chosen_method() const {
     Result<std::vector<Image>> now = candidates_of(frame, rgb);
     if (!now) return forward(now);
     if (now->empty()) continue;
+    keep(frame, *now);
     comparison.add(rgb, *now, key_.known_plate());
     Result<std::vector<Image>> before =
         frame > 0 ? candidates_of(frame - 1, rgb_before) : Result<std::vector<Image>>(std::vector<Image>());
     if (!before) return forward(before);
+    keep(frame - 1, *before);
     if (!before->empty()) comparison.add_pair(rgb_before, *before, rgb, *now);
   }
-  return methods[comparison.best(kUsual)];
+  const std::size_t best = comparison.best(kUsual);
+  for (const auto& [frame, packed] : made)
+    if (packed.size() == methods.size()) compared_[frame] = packed[best];
+  return methods[best];
 }
 
 }  // namespace floatstage::pipeline

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,8 @@ class CameraMatting {
   /// "key", "closed-form" or "spectral", as the method asks for. `auto` chooses by MethodComparison on a few
   /// photographs, and spectral where there is no key. Edits have no say in it: a stroke must not change the
   /// method of frames that it does not concern.
-  Result<std::string> chosen_method() const;
+  /// What it made for that is kept for matte(), packed.
+  Result<std::string> chosen_method();
 
   /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made
   /// before, or empty.
@@ -61,6 +63,7 @@ class CameraMatting {
   CameraKey key_;
   CameraEdits edits_;
   std::string method_;
+  std::map<int, std::string> compared_;  // PNGs of that method's mattes, by frame
 };
 
 }  // namespace floatstage::pipeline
