@@ -45,7 +45,7 @@ void FaceSweep::run(int view, int begin, int end, FaceOutput& out) {
     edges_.clear();
     first_line_ = 0;
     tie_ = defect_ = unbounded_ = false;
-    sweep(in_->cull ? window : PairTable::Bound{-kInfinity, kInfinity}, 0);
+    sweep(in_->cull ? window : PairTable::Bound{-kInfinity, kInfinity});
     add_ray_edges();
     if (!edges_.empty()) link(out);
     out.tie |= tie_;
@@ -136,7 +136,7 @@ PairTable::Bound FaceSweep::voted_window() {
 }
 
 /// Finds the runs of hull boundary in a window of w.
-void FaceSweep::sweep(const PairTable::Bound& window, std::size_t depth) {
+void FaceSweep::sweep(const PairTable::Bound& window) {
   keep_low_ = window.low * (1 - kSlack);
   keep_high_ = window.high * (1 + kSlack);
   lines_.clear();
@@ -147,10 +147,24 @@ void FaceSweep::sweep(const PairTable::Bound& window, std::size_t depth) {
   for (int j = 0; j < static_cast<int>(in_->views.size()); ++j) {
     if (j != i_ && !add_view(j) && strict) return;  // outside all over the window
   }
+  find_runs(0);
+}
+
+/// Those of the window whose lines were made.
+void FaceSweep::find_runs(std::size_t depth) {
+  const bool strict = in_->votes.strict;
   made_ += static_cast<std::int64_t>(lines_.size());
-  if (strict && in_->cull && depth < parts_.size() && lines_.size() > kMany && split_window(parts_[depth])) {
-    for (const PairTable::Bound& part : parts_[depth]) sweep(part, depth + 1);
-    return;
+  if (strict && in_->cull && depth < splits_.size() && lines_.size() > kMany) {
+    Split& split = splits_[depth];
+    if (split_window(split.parts)) {
+      std::swap(split.lines, lines_);
+      std::swap(split.exact, exact_);
+      std::swap(split.views, views_);
+      split.inside = inside_;
+      for (const PairTable::Bound& part : split.parts)
+        if (take_part(split, part)) find_runs(depth + 1);
+      return;
+    }
   }
   start_cutting();
   for (const ViewLines& group : views_) {
@@ -160,9 +174,42 @@ void FaceSweep::sweep(const PairTable::Bound& window, std::size_t depth) {
   first_line_ += static_cast<int>(lines_.size());
 }
 
+/// The lines of a window that reach into a part of it, as if they were made anew; false when some view is
+/// outside all over it.
+bool FaceSweep::take_part(const Split& whole, const PairTable::Bound& part) {
+  keep_low_ = part.low * (1 - kSlack);
+  keep_high_ = part.high * (1 + kSlack);
+  lines_.clear();
+  exact_.clear();
+  views_.clear();
+  inside_ = whole.inside;
+  for (const ViewLines& all : whole.views) {
+    ViewLines group{all.view, static_cast<int>(lines_.size()), 0, all.state};
+    for (int f = all.begin; f < all.end; ++f) {
+      const Line& line = whole.lines[f];
+      if (line.high < keep_low_ || line.low > keep_high_) {
+        if (line.left.ray == kSide && line.left.w > keep_high_) group.state += line.upper ? 1 : -1;
+        continue;
+      }
+      Line& kept = lines_.emplace_back(line);
+      kept.left_above = line.left.ray != kSide && line.left.w > keep_high_;
+      kept.right_above = line.right.ray != kSide && line.right.w > keep_high_;
+      if (in_->grid) exact_.push_back(whole.exact[f]);
+    }
+    group.end = static_cast<int>(lines_.size());
+    if (group.begin < group.end)
+      views_.push_back(group);
+    else if (group.state > 0)
+      inside_ += in_->votes.weight[group.view];
+    else
+      return false;
+  }
+  return true;
+}
+
 /// Leaves out of the window the ranges of w in which some view has no line and is outside. Views that the
 /// subject fills to the border have their inside in several ranges, and only together leave little. False
-/// when that is hardly worth making the lines again.
+/// when that leaves out hardly any.
 bool FaceSweep::split_window(std::vector<PairTable::Bound>& parts) {
   parts.assign(1, {keep_low_, keep_high_});
   const auto leave_out = [&](double low, double high) {

@@ -132,6 +132,15 @@ class FaceSweep {
     int begin, end;  ///< in lines_: those that reach into the window
     int state;       ///< inside (1) or not at s = 0 above all lines that are kept
   };
+  /// A window that was split: the windows of its parts hold some of its lines each.
+  struct Split {
+    std::vector<PairTable::Bound> parts;
+    std::vector<Line> lines;
+    std::vector<ExactLine> exact;
+    std::vector<ViewLines> views;
+    int inside = 0;
+  };
+  bool take_part(const Split& whole, const PairTable::Bound& part);
   struct Crossing {
     double s;
     std::int32_t line;
@@ -147,7 +156,8 @@ class FaceSweep {
   void find_windows(int begin, int end);
   PairTable::Bound bound_of(int j, double low, double high);
   PairTable::Bound voted_window();
-  void sweep(const PairTable::Bound& window, std::size_t depth);
+  void sweep(const PairTable::Bound& window);
+  void find_runs(std::size_t depth);
   bool split_window(std::vector<PairTable::Bound>& parts);
   double w_of(const PairTable::FaceHit& hit, const Eigen::Vector3d& ray, double along_baseline) const {
     return hit.w / (hit.w * along_baseline + depth_.dot(ray));
@@ -193,7 +203,7 @@ class FaceSweep {
   Eigen::Vector3d depth_;  ///< w of a point X of the face is 1 / (depth_ . (X - C_i))
   std::array<PairTable::Bound, kMostFaces> windows_;
   double keep_low_ = 0, keep_high_ = 0;  ///< lines that do not reach into this range of w are left out
-  std::array<std::vector<PairTable::Bound>, 2> parts_;  ///< of windows that were split, and of their parts
+  std::array<Split, 2> splits_;          ///< of the window, and of its parts
   struct Extent {
     double high, low;
     int change;  ///< of the view's state at s = 0, downwards
