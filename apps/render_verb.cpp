@@ -55,6 +55,7 @@ Result<void> run(const Options& given) {
     constexpr double kOrbitSeconds = 6;
     Result<Eigen::AlignedBox3d> box = pipeline::subject_box(**take);
     if (!box) return forward(box);
+    film.subject = *box;
     *path = pipeline::orbit_path((*take)->rig(), *box, given.seconds > 0 ? given.seconds : kOrbitSeconds);
   }
   const Result<render::OpenBackEnd> drawing = render::open_back_end(film.renderer.back_end);

@@ -9,6 +9,7 @@
 #include "pipeline/balance.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
+#include "render/drawn_from.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -45,28 +46,84 @@ Result<void> check(const capture::TakeReader& take, const FilmOptions& options) 
   return render::check(options.renderer);
 }
 
-// Decodes the next instant while the present one is drawn.
+// One instant of the take; of the photographs that are needed only, where `chosen`.
+struct Instant {
+  struct Picture {
+    int camera;
+    Image photograph, matte;
+  };
+  SceneFrame scene;
+  bool chosen = false;
+  std::vector<Picture> pictures;  // with chosen
+};
+
+Result<void> set_scene(const Rig& rig, const Instant& instant, render::Scene& to) {
+  if (!instant.chosen) return to.set(rig, instant.scene);
+  std::vector<render::PictureTile> whole;
+  for (const Instant::Picture& picture : instant.pictures)
+    whole.push_back({picture.camera, 0, 0, &picture.photograph, &picture.matte});
+  return to.set(rig, instant.scene.mesh, whole);
+}
+
+// Decodes the next instant while the present one is drawn: of the photographs that its views are drawn from.
 class SceneStream {
  public:
-  SceneStream(capture::TakeReader& take, bool suppress_spill, const std::vector<int>& schedule)
-      : loader_(take, suppress_spill), schedule_(schedule), next_(load(schedule.front())) {}
+  SceneStream(capture::TakeReader& take, const FilmOptions& options, const std::vector<int>& schedule,
+              const std::vector<View>& views)
+      : rig_(take.rig()),
+        blended_(options.renderer.cameras),
+        choosy_(options.renderer.output == render::RenderOutput::Color),
+        loader_(take, options.suppress_spill),
+        schedule_(schedule),
+        views_(views),
+        next_(load(0)) {}
 
-  Result<SceneFrame> at(std::size_t picture) {
-    Result<SceneFrame> scene = next_.get();
-    std::size_t later = picture + 1;
-    while (later < schedule_.size() && schedule_[later] == schedule_[picture]) ++later;
-    if (later < schedule_.size()) next_ = load(schedule_[later]);
+  Result<Instant> at(std::size_t picture) {
+    Result<Instant> scene = next_.get();
+    if (const std::size_t later = end_of(picture); later < schedule_.size()) next_ = load(later);
     return scene;
   }
 
  private:
-  std::future<Result<SceneFrame>> load(int frame) {
-    return std::async(std::launch::async, [this, frame] { return loader_.load(frame); });
+  std::size_t end_of(std::size_t picture) const {
+    std::size_t later = picture + 1;
+    while (later < schedule_.size() && schedule_[later] == schedule_[picture]) ++later;
+    return later;
+  }
+  std::vector<bool> drawn_in(const Mesh& mesh, std::size_t first) const {
+    std::vector<bool> cameras(rig_.cameras.size(), false);
+    for (std::size_t p = first; p < end_of(first); ++p)
+      for (const int camera : render::drawn_from(rig_, mesh, views_[p], blended_))
+        cameras[static_cast<std::size_t>(camera)] = true;
+    return cameras;
+  }
+  std::future<Result<Instant>> load(std::size_t picture) {
+    return std::async(std::launch::async, [this, picture]() -> Result<Instant> {
+      SceneLoader::Choose choose;
+      if (choosy_) choose = [&](const Mesh& mesh) { return drawn_in(mesh, picture); };
+      Instant instant;
+      Result<SceneFrame> scene = loader_.load(schedule_[picture], choose, &instant.chosen);
+      if (!scene) return forward(scene);
+      instant.scene = std::move(*scene);
+      if (!instant.chosen) return instant;
+      for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
+        if (instant.scene.images.frames[i].empty()) continue;
+        Result<Image> photograph = to_rgb(instant.scene.images.frames[i]);
+        if (!photograph) return forward(photograph);
+        instant.pictures.push_back(
+            {static_cast<int>(i), std::move(*photograph), to_image(instant.scene.mattes[i])});
+      }
+      return instant;
+    });
   }
 
+  const Rig& rig_;
+  const int blended_;
+  const bool choosy_;  // pictures of weights and the like have colours by the number of cameras there are
   SceneLoader loader_;
   const std::vector<int>& schedule_;
-  std::future<Result<SceneFrame>> next_;
+  const std::vector<View>& views_;
+  std::future<Result<Instant>> next_;
 };
 
 }  // namespace
@@ -109,14 +166,20 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     if (!r) return forward(r);
     renderers.push_back(std::move(*r));
   }
-  Result<Eigen::AlignedBox3d> box = subject_box(take);
+  const Result<Eigen::AlignedBox3d> box = options.subject ? *options.subject : subject_box(take);
   if (!box) return forward(box);
   const Result<Rig> rig = options.balance ? rig_in_balance(take) : rig_with_colors(take);
   if (!rig) return forward(rig);
 
   const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
   const double film_seconds = static_cast<double>(frames.size()) / options.frame_rate;
-  SceneStream scenes(take, options.suppress_spill, frames);
+  std::vector<View> views;
+  for (std::size_t p = 0; p < frames.size(); ++p) {
+    const double film_time = static_cast<double>(p) / options.frame_rate;
+    views.push_back(view_of(sample(path, film_time / film_seconds * path.duration()), options.width,
+                            options.height, *box));
+  }
+  SceneStream scenes(take, options, frames, views);
   render::Scene drawn;
   FilmReport report;
   ProgressPart progress(options.progress, "pictures", frames.size());
@@ -125,14 +188,11 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     auto in_frame = [&](const Error& e) { return fail(e.code, text("frame ", frames[p], ": ", e.message)); };
     const Clock::time_point drawing = Clock::now();
     if (p == 0 || frames[p] != frames[p - 1]) {
-      Result<SceneFrame> scene = scenes.at(p);
+      Result<Instant> scene = scenes.at(p);
       if (!scene) return forward(scene);
-      if (Result<void> ok = drawn.set(*rig, *scene); !ok) return in_frame(ok.error());
+      if (Result<void> ok = set_scene(*rig, *scene, drawn); !ok) return in_frame(ok.error());
     }
-    const double film_time = static_cast<double>(p) / options.frame_rate;
-    const PathKey key = sample(path, film_time / film_seconds * path.duration());
-    FilmPicture picture{
-        static_cast<int>(p), frames[p], view_of(key, options.width, options.height, *box), {}};
+    FilmPicture picture{static_cast<int>(p), frames[p], views[p], {}};
     for (const std::unique_ptr<render::ViewRenderer>& renderer : renderers) {
       Result<render::RenderedView> rendered = renderer->render(drawn, picture.view, options.renderer);
       if (!rendered) return in_frame(rendered.error());

@@ -1,5 +1,7 @@
 #include "pipeline/scene_loader.h"
 
+#include <algorithm>
+#include <optional>
 #include <span>
 
 #include "capture/sha256.h"
@@ -14,13 +16,15 @@ namespace floatstage::pipeline {
 namespace {
 
 // Nothing for a camera without a matte.
-Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera, int frame, std::string& hash) {
+Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera, int frame, bool decode,
+                         std::string& hash) {
   const RigCamera& of = take.rig().cameras[camera];
   const std::filesystem::path file = take.layout().matte(of.serial, frame);
   const Result<std::string> bytes = read_file(file);
   if (!bytes && bytes.error().code == ErrorCode::NotFound) return Matte();
   if (!bytes) return forward(bytes);
   hash = capture::sha256(*bytes);
+  if (!decode) return Matte();
   const Result<Image> alpha = decode_png(std::as_bytes(std::span(*bytes)), file.string());
   if (!alpha) return forward(alpha);
   if (alpha->channels != 1 || alpha->width != of.model.width || alpha->height != of.model.height)
@@ -34,11 +38,14 @@ Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera, in
 
 }  // namespace
 
-Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int frame, MatteHashes* hashes) {
+Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int frame, MatteHashes* hashes,
+                                       const std::vector<bool>& cameras) {
   const Rig& rig = take.rig();
   std::vector<Result<Matte>> read(rig.cameras.size(), Matte());
   std::vector<std::string> read_hashes(read.size());
-  parallel_for(read.size(), 0, [&](std::size_t i) { read[i] = load_matte(take, i, frame, read_hashes[i]); });
+  parallel_for(read.size(), 0, [&](std::size_t i) {
+    read[i] = load_matte(take, i, frame, cameras.empty() || cameras[i], read_hashes[i]);
+  });
   std::vector<Matte> mattes;
   for (std::size_t i = 0; i < read.size(); ++i) {
     if (!read[i]) return forward(read[i]);
@@ -113,7 +120,43 @@ Result<void> SceneLoader::check_age(int frame, const MatteHashes& mattes) {
                    *newer, "'; run `floatstage process ", folder, "`"));
 }
 
-Result<SceneFrame> SceneLoader::load(int frame) {
+// Of `cameras`; of all, and `cameras` says so, when not every camera has one.
+Result<FrameSet> SceneLoader::photographs(int frame, std::vector<bool>& cameras) {
+  const auto here = static_cast<std::size_t>(frame);
+  for (std::size_t i = 0; i < take_.rig().cameras.size() && !cameras.empty(); ++i) {
+    const std::vector<FrameRow>& rows = take_.rows(static_cast<int>(i));
+    if (here >= rows.size() || !rows[here].media_index) cameras.clear();
+  }
+  if (cameras.empty()) return take_.frame_set(frame);
+  FrameSet set;
+  set.frames.resize(cameras.size());
+  std::vector<Result<void>> read(cameras.size());
+  parallel_for(cameras.size(), 0, [&](std::size_t i) {
+    if (!cameras[i]) return;
+    Result<Frame> photograph = take_.frame(static_cast<int>(i), frame);
+    if (photograph)
+      set.frames[i] = std::move(*photograph);
+    else
+      read[i] = forward(photograph);
+  });
+  bool missing = false;
+  std::optional<Timestamp> earliest;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    if (!read[i]) return forward(read[i]);
+    if (!cameras[i]) continue;
+    const Timestamp exposed = set.frames[i].info.exposure_start;
+    missing |= set.frames[i].empty();
+    earliest = earliest ? std::min(*earliest, exposed) : exposed;
+  }
+  if (missing || !earliest) {
+    cameras.clear();
+    return take_.frame_set(frame);
+  }
+  set.time = *earliest;
+  return set;
+}
+
+Result<SceneFrame> SceneLoader::load(int frame, const Choose& choose, bool* chosen) {
   SceneFrame scene;
   Result<Mesh> mesh = load_ply(take_.layout().mesh(frame));
   const std::string folder = take_.layout().folder().string();
@@ -122,13 +165,17 @@ Result<SceneFrame> SceneLoader::load(int frame) {
                                           " has no mesh yet; run `floatstage process ", folder, "`"));
   if (!mesh) return forward(mesh);
   scene.mesh = std::move(*mesh);
-  Result<FrameSet> images = take_.frame_set(frame);
+  std::vector<bool> cameras = choose && !scene.mesh.empty() ? choose(scene.mesh) : std::vector<bool>();
+  Result<FrameSet> images = photographs(frame, cameras);
   if (!images) return forward(images);
   scene.images = std::move(*images);
   MatteHashes hashes;
-  Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes);
+  Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &hashes, cameras);
   if (!mattes) return forward(mattes);
   if (Result<void> ok = check_age(frame, hashes); !ok) return forward(ok);
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    if (cameras[i] && (*mattes)[i].empty()) return load(frame, {}, chosen);
+  if (chosen) *chosen = !cameras.empty();
   scene.mattes = std::move(*mattes);
   if (suppress_spill_)
     if (Result<void> ok = take_spill_off(scene.images); !ok) return forward(ok);
@@ -153,12 +200,21 @@ Result<Rig> rig_with_colors(const capture::TakeReader& take) {
 }
 
 Result<Eigen::AlignedBox3d> subject_box(const capture::TakeReader& take) {
+  std::vector<Result<Eigen::AlignedBox3d>> boxes(static_cast<std::size_t>(take.frame_count()),
+                                                 Eigen::AlignedBox3d());
+  parallel_for(boxes.size(), 0, [&](std::size_t frame) {
+    const std::filesystem::path file = take.layout().mesh(static_cast<int>(frame));
+    if (!std::filesystem::exists(file)) return;
+    Result<Mesh> mesh = load_ply(file);
+    if (!mesh)
+      boxes[frame] = forward(mesh);
+    else if (!mesh->empty())
+      boxes[frame] = bounding_box(*mesh).cast<double>();
+  });
   Eigen::AlignedBox3d box;
-  for (int frame = 0; frame < take.frame_count(); ++frame) {
-    if (!std::filesystem::exists(take.layout().mesh(frame))) continue;
-    Result<Mesh> mesh = load_ply(take.layout().mesh(frame));
-    if (!mesh) return forward(mesh);
-    if (!mesh->empty()) box.extend(bounding_box(*mesh).cast<double>());
+  for (const Result<Eigen::AlignedBox3d>& of : boxes) {
+    if (!of) return forward(of);
+    if (!of->isEmpty()) box.extend(*of);
   }
   if (box.isEmpty())
     return fail(ErrorCode::NotFound,

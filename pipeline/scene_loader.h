@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -19,9 +20,10 @@
 namespace floatstage::pipeline {
 
 /// The mattes of one instant, whoever made them; empty where there is none. `hashes`, where it is given, gets
-/// those of the bytes that were read. The first camera's error, whichever was met first.
+/// those of the bytes that were read. `cameras` (empty: all) says whose are decoded; the others' come back
+/// empty. The first camera's error, whichever was met first.
 Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int frame,
-                                       MatteHashes* hashes = nullptr);
+                                       MatteHashes* hashes = nullptr, const std::vector<bool>& cameras = {});
 
 /// Photographs, mattes and mesh of instants of a processed take. What is the same for all of them (the
 /// records of meshes and mattes, the keyers that take the cloth's cast off) is read or made once, and again
@@ -33,9 +35,13 @@ class SceneLoader {
   SceneLoader(capture::TakeReader& take, bool suppress_spill)
       : take_(take), suppress_spill_(suppress_spill), keyers_(take.rig().cameras.size()) {}
 
+  /// Which cameras a scene with this mesh is drawn from (render::drawn_from()); one entry a camera.
+  using Choose = std::function<std::vector<bool>(const Mesh&)>;
+
   /// NotFound says which stage is missing and how to run it: no mesh, or one that is older than a matte of
-  /// its instant.
-  Result<SceneFrame> load(int frame);
+  /// its instant. With `choose`, photographs and mattes of the chosen cameras alone are decoded, and `chosen`
+  /// says so; of all where some camera has no picture or one of the chosen no matte.
+  Result<SceneFrame> load(int frame, const Choose& choose = {}, bool* chosen = nullptr);
 
  private:
   template <class Record>
@@ -54,6 +60,7 @@ class SceneLoader {
   Result<std::shared_ptr<const matting::Keyer>> keyer(std::size_t camera, const std::string& key);
   Result<void> check_age(int frame, const MatteHashes& mattes);
   Result<void> take_spill_off(FrameSet& images);
+  Result<FrameSet> photographs(int frame, std::vector<bool>& cameras);
 
   capture::TakeReader& take_;
   const bool suppress_spill_;

@@ -8,6 +8,7 @@
 #include "render/band_limit.h"
 #include "render/camera_choice.h"
 #include "render/cpu/renderers.h"
+#include "render/drawn_from.h"
 #include "render/gl/blend_renderer.h"
 #include "render/gl/filtered_renderer.h"
 #include "render/gl/floating_renderer.h"
@@ -97,6 +98,12 @@ std::vector<RendererInfo> renderers() {
   std::vector<RendererInfo> list;
   for (const Entry& entry : kRenderers) list.push_back({entry.name, entry.help, entry.needs_grid});
   return list;
+}
+
+std::vector<int> drawn_from(const Rig& rig, const Mesh& mesh, const View& view, int count) {
+  CameraRanking memory;
+  const CameraChoice choice = choose_cameras(rig.cameras, ranking_samples(mesh), view, count, {}, memory);
+  return {choice.listed.begin(), choice.listed.end()};
 }
 
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count) {

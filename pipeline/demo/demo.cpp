@@ -61,7 +61,8 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
   Result<Eigen::AlignedBox3d> box = subject_box(**take);
   if (!box) return forward(box);
 
-  FilmOptions film{.frame_rate = options.film_rate, .frames = {}, .methods = kMethods, .renderer = {}};
+  FilmOptions film{
+      .frame_rate = options.film_rate, .frames = {}, .methods = kMethods, .subject = *box, .renderer = {}};
   for (int f = 0; f < (*take)->frame_count(); ++f) film.frames.push_back(f);
   film.renderer.back_end = drawing->back_end;
   film.renderer.background = {0.16f, 0.17f, 0.19f};

@@ -96,6 +96,7 @@ void LiveChain::make_scene(const TimedSet& set) {
     const std::lock_guard lock(mutex_);
     quality = quality_;
     textured = textured_;
+    working_ = true;
   }
   auto scene = std::make_shared<LiveScene>();
   scene->times.wait = milliseconds_of(begun - set.first_produced);
@@ -109,6 +110,7 @@ void LiveChain::make_scene(const TimedSet& set) {
                                       : reconstruction_.remark());
 
   const std::lock_guard lock(mutex_);
+  working_ = false;
   smooth(makes_ms_, milliseconds_of(scene->ready - begun));
   counters_.busy_seconds += seconds(scene->ready - begun);
   if (!rack_.trouble().empty()) ++counters_.troubled;
@@ -163,6 +165,11 @@ void LiveChain::drawn(Timestamp ended) {
     drawing_since_.reset();
   }
   changed_.notify_all();
+}
+
+bool LiveChain::working() const {
+  const std::lock_guard lock(mutex_);
+  return working_;
 }
 
 void LiveChain::want(const std::vector<int>& cameras) {

@@ -48,6 +48,7 @@ class LiveChain final : public SceneFeed {
   void drawn(Timestamp ended) override;
   /// Whose textures the next scenes hold; until the first call: everybody's.
   void want(const std::vector<int>& cameras) override;
+  bool working() const override;
   void set_quality(const NodeQuality& quality) override;
 
   const Rig& rig() const override { return source_.rig(); }
@@ -89,7 +90,7 @@ class LiveChain final : public SceneFeed {
   double draws_ms_ = 0, makes_ms_ = 0;  // what the last ones took, smoothed
   Counters counters_;
   std::string remark_;
-  bool stopping_ = false, over_ = false;
+  bool stopping_ = false, over_ = false, working_ = false;
 };
 
 }  // namespace floatstage::studio

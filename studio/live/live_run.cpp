@@ -140,7 +140,7 @@ Result<LiveReport> Run::draw(const ViewAt& view_at, const std::function<bool()>&
     const std::shared_ptr<const LiveScene> fresh = chain_.newest(last + patience);
     last = now();
     if (!fresh && chain_.over()) break;
-    if (!fresh && view_.scene() == nullptr) continue;
+    if (!fresh && (view_.scene() == nullptr || chain_.working())) continue;
     if (Result<void> ok = picture(fresh, view_at, visit); !ok) return forward(ok);
   }
   report_.seconds = std::max(at(now()) - kWarmUp, 0.0);

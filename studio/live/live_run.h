@@ -18,7 +18,7 @@ struct LiveRunOptions {
   std::size_t quality = 0;           ///< of live_qualities(), to begin with
   double target_fps =
       12;  ///< the quality is changed so that so many scenes a second are shown; 0: never changed
-  double view_fps = 10;  ///< the view goes on at least so often when no new scene comes
+  double view_fps = 10;  ///< the view goes on so often when no new scene comes nor is being made
 };
 
 /// A picture as it leaves the chain.

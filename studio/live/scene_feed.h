@@ -38,6 +38,8 @@ class SceneFeed {
   /// The view draws, so that the next scene may be ready when it is done. Any time may be left out.
   virtual void drawing(Timestamp /*begun*/) {}
   virtual void drawn(Timestamp /*ended*/) {}
+  /// Whether a scene is being made on this machine, which pictures of the last one would only delay.
+  virtual bool working() const { return false; }
   virtual void set_quality(const NodeQuality& /*quality*/) {}
   virtual void poll() {}  ///< called between pictures
   /// Health of the cameras, and takes; the feed's own. Null where there is nothing to ask.

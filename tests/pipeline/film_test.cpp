@@ -1,0 +1,100 @@
+#include "pipeline/film.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/process/process.h"
+#include "pipeline/scene_loader.h"
+#include "render/drawn_from.h"
+#include "tests/support/small_take.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+class AFilm : public testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = small_take(folder_, 2);
+    ProcessOptions options{.take = path_, .matte = "chroma", .hull = recon::HullOptions{}};
+    ASSERT_THAT(process_take(options), IsOk());
+    take_ = std::move(*capture::TakeReader::open(path_));
+    box_ = *subject_box(*take_);
+    film_.width = 160;
+    film_.height = 120;
+    film_.frame_rate = 4;
+    film_.seconds = 2;
+    film_.frames = {0, 1};
+    film_.methods = {"floating"};
+    film_.renderer.back_end = render::BackEnd::Cpu;
+  }
+  // One photograph and its stand-ins are not all there are.
+  void blend(int count) { film_.renderer.cameras = count; }
+  std::vector<FilmPicture> shoot() {
+    std::vector<FilmPicture> pictures;
+    const CameraPath path = orbit_path(take_->rig(), box_, 2);
+    EXPECT_THAT(render_film(*take_, path, film_,
+                            [&](FilmPicture picture) -> Result<void> {
+                              pictures.push_back(std::move(picture));
+                              return {};
+                            }),
+                IsOk());
+    return pictures;
+  }
+  // With all photographs there are.
+  Image alone(const FilmPicture& picture) {
+    render::Scene scene;
+    EXPECT_THAT(scene.set(take_->rig(), *SceneLoader(*take_, film_.suppress_spill).load(picture.frame)),
+                IsOk());
+    const auto renderer = std::move(*render::make_renderer("floating", render::BackEnd::Cpu));
+    return render::download(*renderer->render(scene, picture.view, film_.renderer));
+  }
+
+  TempFolder folder_;
+  std::filesystem::path path_;
+  std::unique_ptr<capture::TakeReader> take_;
+  Eigen::AlignedBox3d box_;
+  FilmOptions film_;
+};
+
+TEST_F(AFilm, DecodesOnlyThePhotographsOfAPictureAndDrawsTheSameOne) {
+  blend(1);
+  const std::vector<FilmPicture> pictures = shoot();
+  ASSERT_EQ(pictures.size(), 8u);
+  for (const FilmPicture& picture : pictures) {
+    const Mesh mesh = SceneLoader(*take_, false).load(picture.frame)->mesh;
+    EXPECT_LT(render::drawn_from(take_->rig(), mesh, picture.view, 1).size(), 6u);
+    EXPECT_EQ(picture.renders[0].pixels, alone(picture).pixels) << picture.index;
+  }
+}
+
+TEST_F(AFilm, DrawsAllPhotographsWhereOneIsMissing) {
+  const std::filesystem::path matte = TakeLayout(path_).matte("cam00", 0);
+  ASSERT_TRUE(std::filesystem::remove(matte));
+  blend(1);
+  for (const FilmPicture& picture : shoot())
+    EXPECT_EQ(picture.renders[0].pixels, alone(picture).pixels) << picture.index;
+}
+
+TEST_F(AFilm, LoadsWhatWasChosenAndSaysSo) {
+  bool chosen = false;
+  SceneLoader loader(*take_, true);
+  const auto two = [](const Mesh&) { return std::vector<bool>{true, false, false, true, false, false}; };
+  const Result<SceneFrame> scene = loader.load(0, two, &chosen);
+  ASSERT_THAT(scene, IsOk());
+  EXPECT_TRUE(chosen);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(scene->images.frames[i].empty(), i % 3 != 0) << i;
+    EXPECT_EQ(scene->mattes[i].empty(), i % 3 != 0) << i;
+  }
+}
+
+TEST_F(AFilm, TellsWhenASilhouetteIsNewerThanTheMeshEvenWhereItIsNotDrawn) {
+  const std::filesystem::path matte = TakeLayout(path_).matte("cam01", 0);
+  const std::filesystem::path other = TakeLayout(path_).matte("cam02", 0);
+  std::filesystem::copy_file(other, matte, std::filesystem::copy_options::overwrite_existing);
+  const auto first = [](const Mesh&) { return std::vector<bool>{true, false, false, false, false, false}; };
+  EXPECT_THAT(SceneLoader(*take_, true).load(0, first), FailsWith(ErrorCode::NotFound, "cam01"));
+}
+
+}  // namespace
+}  // namespace floatstage::pipeline
