@@ -9,6 +9,7 @@
 #include "apps/exit_codes.h"
 #include "apps/flags.h"
 #include "apps/version.h"
+#include "core/file_presence.h"
 #include "core/text.h"
 
 namespace floatstage::apps {
@@ -103,7 +104,7 @@ std::string unknown_verb(const CLI::App& app, const std::vector<std::string>& wo
     const std::string meant = did_you_mean(word, names);
     // A word of the verb itself, unless it is a verb with a slip and no file.
     if (takes_words(*at) &&
-        (meant.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word)))
+        (meant.empty() || word.find_first_of("./") != std::string::npos || is_there(word)))
       return "";
     std::string all;
     for (const std::string& name : names) all += " " + name;
@@ -203,9 +204,9 @@ std::unique_ptr<CLI::App> command_line(Chosen& chosen) {
   app->footer(
       "Every verb explains itself: floatstage VERB --help\nExamples:\n  floatstage demo -o demo\n"
       "  floatstage render --help");
-  for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_matte,
-                   add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate, add_detail,
-                   add_flow, add_live, add_play})
+  for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_take_verb,
+                   add_matte, add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate,
+                   add_detail, add_flow, add_live, add_play})
     add(*app, chosen);
   app->require_subcommand(1);
   return app;

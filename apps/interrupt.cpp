@@ -18,8 +18,9 @@ void watch_for_interrupts() {
   struct sigaction action = {};
   action.sa_handler = on_signal;
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second one is the default: it ends the process
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  // A closed terminal ends work as Ctrl-C does; a reader of our lines who has gone ends nothing.
+  for (const int ending : {SIGINT, SIGTERM, SIGHUP}) sigaction(ending, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
 }
 
 bool interrupted() { return g_interrupted; }

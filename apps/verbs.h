@@ -29,6 +29,7 @@ void add_check(CLI::App& app, Chosen& chosen);
 void add_detail(CLI::App& app, Chosen& chosen);
 void add_synthesize(CLI::App& app, Chosen& chosen);
 void add_import(CLI::App& app, Chosen& chosen);
+void add_take_verb(CLI::App& app, Chosen& chosen);
 void add_matte(CLI::App& app, Chosen& chosen);
 void add_matte_image(CLI::App& app, Chosen& chosen);
 void add_hull(CLI::App& app, Chosen& chosen);

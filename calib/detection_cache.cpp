@@ -5,6 +5,7 @@
 
 #include "core/content_hash.h"
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/log.h"
 #include "core/text.h"
 
@@ -105,7 +106,7 @@ std::filesystem::path DetectionCache::file(const std::string& key) const {
 std::optional<Detection> DetectionCache::find(const std::string& key) const {
   if (folder_.empty() || key.empty()) return std::nullopt;
   const std::filesystem::path name = file(key);
-  if (!std::filesystem::exists(name)) return std::nullopt;
+  if (!is_there(name)) return std::nullopt;
   const Result<std::string> bytes = read_file(name);
   if (!bytes) return std::nullopt;
   Result<Detection> detection = parse_detection(*bytes, name.string());

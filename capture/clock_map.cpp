@@ -1,9 +1,10 @@
 #include "capture/clock_map.h"
-#include "core/statistics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "core/statistics.h"
 
 namespace floatstage::capture {
 namespace {

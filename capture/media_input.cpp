@@ -1,9 +1,7 @@
 #include "capture/media_input.h"
 
 #include <cerrno>
-#include <cstring>
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,13 +13,14 @@ namespace {
 constexpr int kBufferBytes = 1 << 16;
 
 int read_some(void* opaque, std::uint8_t* buffer, int size) {
-  const ssize_t n = ::read(*static_cast<int*>(opaque), buffer, static_cast<std::size_t>(size));
+  const ssize_t n =
+      ::read(static_cast<const FileDescriptor*>(opaque)->get(), buffer, static_cast<std::size_t>(size));
   if (n < 0) return AVERROR(errno);
   return n == 0 ? AVERROR_EOF : static_cast<int>(n);
 }
 
 std::int64_t seek(void* opaque, std::int64_t offset, int whence) {
-  const int fd = *static_cast<int*>(opaque);
+  const int fd = static_cast<const FileDescriptor*>(opaque)->get();
   if (whence & AVSEEK_SIZE) {
     struct stat status = {};
     return ::fstat(fd, &status) == 0 ? status.st_size : AVERROR(errno);
@@ -39,16 +38,12 @@ int refuse_other_files(AVFormatContext*, AVIOContext**, const char*, int, AVDict
 Result<std::unique_ptr<Input>> Input::open(const std::filesystem::path& file) {
   be_quiet();
   auto input = std::make_unique<Input>();
-  input->fd_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  struct stat status = {};
-  if (input->fd_ < 0 || ::fstat(input->fd_, &status) != 0)
-    return fail(errno == ENOENT ? ErrorCode::NotFound : ErrorCode::Io,
-                text("cannot open ", file.string(), ": ", std::strerror(errno)));
-  if (S_ISDIR(status.st_mode))
-    return fail(ErrorCode::Io, text(file.string(), " is a folder, not a picture or video"));
+  Result<FileDescriptor> open = open_to_read(file);
+  if (!open) return forward(open);
+  input->file_ = std::move(*open);
   auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
   FLOATSTAGE_CHECK(buffer != nullptr, "out of memory");
-  input->io_ = avio_alloc_context(buffer, kBufferBytes, 0, &input->fd_, &read_some, nullptr, &seek);
+  input->io_ = avio_alloc_context(buffer, kBufferBytes, 0, &input->file_, &read_some, nullptr, &seek);
   input->format_ = avformat_alloc_context();
   FLOATSTAGE_CHECK(input->io_ != nullptr && input->format_ != nullptr, "out of memory");
   input->format_->pb = input->io_;
@@ -66,7 +61,6 @@ Input::~Input() {
   avformat_close_input(&format_);  // leaves a caller's input routine alone
   if (io_) av_freep(&io_->buffer);
   avio_context_free(&io_);
-  if (fd_ >= 0) ::close(fd_);
 }
 
 }  // namespace floatstage::capture::libav

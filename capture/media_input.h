@@ -3,6 +3,7 @@
 // Private to capture/: a file opened for libav's demuxers.
 
 #include "capture/libav.h"
+#include "core/file_descriptor.h"
 
 namespace floatstage::capture::libav {
 
@@ -20,7 +21,7 @@ class Input {
  private:
   AVFormatContext* format_ = nullptr;
   AVIOContext* io_ = nullptr;
-  int fd_ = -1;
+  FileDescriptor file_;
 };
 
 }  // namespace floatstage::capture::libav

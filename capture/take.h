@@ -22,7 +22,8 @@ struct TakeWriterOptions {
   TakeCodec codec = TakeCodec::Ffv1;
   double frame_rate = 25;  ///< nominal, for the container's time base only: frames.csv holds the true times
   std::string label;
-  std::string created;  ///< UTC, ISO 8601; empty: now
+  std::string created;      ///< UTC, ISO 8601; empty: now
+  bool is_claimed = false;  ///< the caller has claimed the folder, which is empty (core/claim.h)
 };
 
 /// Records a take: a new folder that must not exist yet (or be empty), one media file and one side file a
@@ -30,8 +31,8 @@ struct TakeWriterOptions {
 /// Killed at any moment, what was written opens and plays up to the cut.
 class TakeWriter {
  public:
-  /// AlreadyExists when there is anything in the folder, InvalidArgument for a rig that does not pass
-  /// check(), Io. After an error the folder is as it was.
+  /// AlreadyExists when there is anything in the folder or another run is writing it, InvalidArgument for a
+  /// rig that does not pass check(), Io. After an error the folder is as it was.
   static Result<std::unique_ptr<TakeWriter>> create(const std::filesystem::path& folder, const Rig& rig,
                                                     const TakeWriterOptions& options);
   virtual ~TakeWriter() = default;

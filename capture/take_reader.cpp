@@ -41,6 +41,8 @@ class FolderReader final : public TakeReader {
  private:
   Result<void> read_rig();
   Result<void> read_camera(const TakeManifest::Camera& camera);
+  void look_at_order(const fs::path& side_file, const std::vector<FrameRow>& rows);
+  void look_at_end(const TakeManifest::Camera& camera, const std::string& csv, bool has_pictures);
   void stop_at_the_cut(const TakeManifest::Camera& camera, CameraPlayback& playback);
   void warn(std::string sentence) {
     log::warning(sentence);
@@ -113,6 +115,35 @@ void FolderReader::stop_at_the_cut(const TakeManifest::Camera& camera, CameraPla
     warn(text(media, " is cut after its last picture; all of them are there"));
 }
 
+// What no recorder of ours writes: the take plays, and its times are not to be trusted.
+void FolderReader::look_at_order(const fs::path& side_file, const std::vector<FrameRow>& rows) {
+  const auto backward = std::adjacent_find(
+      rows.begin(), rows.end(),
+      [](const FrameRow& a, const FrameRow& b) { return b.info.exposure_start < a.info.exposure_start; });
+  if (backward != rows.end())
+    warn(text(side_file.string(), ": the time of row ", backward - rows.begin() + 1,
+              " lies before that of the row above it; was the file edited?"));
+  const auto repeated = std::adjacent_find(
+      rows.begin(), rows.end(),
+      [](const FrameRow& a, const FrameRow& b) { return b.info.sequence <= a.info.sequence; });
+  if (repeated != rows.end())
+    warn(text(side_file.string(), ": the sequence number of row ", repeated - rows.begin() + 1, ", ",
+              (repeated + 1)->info.sequence, ", does not follow ", repeated->info.sequence,
+              "; was the file edited?"));
+}
+
+// A complete take's side file ends with a whole line, and has a row for every picture.
+void FolderReader::look_at_end(const TakeManifest::Camera& camera, const std::string& csv,
+                               bool has_pictures) {
+  const std::string side_file = layout_.frames_csv(camera.serial).string();
+  if (!csv.ends_with('\n'))
+    warn(text(side_file, " is cut in its last line; camera '", camera.serial, "' plays up to there"));
+  std::error_code error;
+  if (!has_pictures && fs::file_size(layout_.folder() / camera.media, error) > 0 && !error)
+    warn(text(side_file, " has no row with a picture, but ", camera.media, " is there: camera '",
+              camera.serial, "' does not play; put the side file back"));
+}
+
 Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
   const fs::path side_file = layout_.frames_csv(camera.serial);
   const Result<std::string> csv = read_file(side_file);
@@ -136,6 +167,8 @@ Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
                                            *row.media_index, " does not follow ", last));
     last = *row.media_index;
   }
+  look_at_order(side_file, playback.rows);
+  if (manifest_.complete) look_at_end(camera, *csv, last >= 0);
   if (last >= 0) {
     Result<std::unique_ptr<TrackReader>> track = TrackReader::open(layout_.folder() / camera.media, camera);
     if (!track) return forward(track);

@@ -8,6 +8,7 @@
 #include "capture/take.h"
 #include "capture/take_codec.h"
 #include "capture/track_writer.h"
+#include "core/claim.h"
 #include "core/file.h"
 #include "core/rig_io.h"
 #include "core/text.h"
@@ -43,8 +44,8 @@ struct CameraRecording {
 
 class FolderWriter final : public TakeWriter {
  public:
-  FolderWriter(const fs::path& folder, const Rig& rig, const TakeWriterOptions& options)
-      : layout_(folder), rig_(rig), options_(options) {}
+  FolderWriter(const fs::path& folder, const Rig& rig, const TakeWriterOptions& options, Claim claim)
+      : layout_(folder), rig_(rig), options_(options), claim_(std::move(claim)) {}
 
   Result<void> start();
   Result<void> write(const Frame& frame) override;
@@ -64,6 +65,7 @@ class FolderWriter final : public TakeWriter {
   const TakeLayout layout_;
   const Rig rig_;
   const TakeWriterOptions options_;
+  const Claim claim_;
   std::vector<CameraRecording> cameras_;
   bool finished_ = false;
   std::mutex manifest_mutex_;  // guards manifest_ and its file
@@ -210,30 +212,13 @@ Result<void> FolderWriter::finish() {
   return write_manifest();
 }
 
-// Whether the folder may become a take; `made` says that we created it.
-Result<void> claim_folder(const fs::path& folder, bool& made) {
-  std::error_code error;
-  made = fs::create_directories(folder, error);
-  if (error)
-    return fail(ErrorCode::Io, text("cannot make the folder ", folder.string(), ": ", error.message()));
-  const bool empty = fs::is_empty(folder, error);
-  if (error)
-    return fail(ErrorCode::Io, text("cannot read the folder ", folder.string(), ": ", error.message()));
-  if (!empty)
-    return fail(
-        ErrorCode::AlreadyExists,
-        text(folder.string(), " is not empty; a take needs a new folder, nothing is ever overwritten"));
-  return {};
-}
-
-void undo(const fs::path& folder, bool made) {
+// Only what a writer makes before its first frame: whoever put more there keeps it.
+void undo(const TakeLayout& layout, const Rig& rig, bool made) {
   std::error_code ignored;
-  if (made) {
-    fs::remove_all(folder, ignored);
-    return;
-  }
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    fs::remove_all(entry.path(), ignored);
+  fs::remove(layout.rig(), ignored);
+  for (const RigCamera& camera : rig.cameras) fs::remove(layout.frames_csv(camera.serial), ignored);
+  fs::remove(layout.manifest(), ignored);
+  if (made) fs::remove(layout.folder(), ignored);
 }
 
 }  // namespace
@@ -246,12 +231,17 @@ Result<std::unique_ptr<TakeWriter>> TakeWriter::create(const std::filesystem::pa
   if (!(options.frame_rate >= 0 && options.frame_rate <= 1'000'000))
     return fail(ErrorCode::InvalidArgument,
                 text("cannot record ", folder.string(), ": ", options.frame_rate, " frames per second"));
-  bool made = false;
-  if (Result<void> ok = claim_folder(folder, made); !ok) return forward(ok);
-  auto writer = std::make_unique<FolderWriter>(folder, rig, options);
+  NewFolder ours;
+  if (!options.is_claimed) {
+    Result<NewFolder> claimed = claim_new_folder(folder);
+    if (!claimed) return forward(claimed);
+    ours = std::move(*claimed);
+  }
+  const bool made = ours.made;
+  auto writer = std::make_unique<FolderWriter>(folder, rig, options, std::move(ours.claim));
   if (Result<void> ok = writer->start(); !ok) {
     writer.reset();
-    undo(folder, made);
+    undo(TakeLayout(folder), rig, made);
     return forward(ok);
   }
   return {std::move(writer)};

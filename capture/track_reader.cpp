@@ -8,7 +8,6 @@ extern "C" {
 #include <cstring>
 #include <mutex>
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include "capture/ffv1_check.h"
@@ -16,26 +15,11 @@ extern "C" {
 #include "capture/matroska_index.h"
 #include "capture/picture_packing.h"
 #include "capture/take_codec.h"
+#include "core/file_descriptor.h"
 #include "core/text.h"
 
 namespace floatstage::capture {
 namespace {
-
-class FileDescriptor {
- public:
-  FileDescriptor() = default;
-  explicit FileDescriptor(const std::filesystem::path& file)
-      : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  ~FileDescriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_ = -1;
-};
 
 AVCodecID codec_id(TakeCodec codec) {
   switch (codec) {
@@ -54,7 +38,7 @@ AVCodecID codec_id(TakeCodec codec) {
 class MatroskaTrack final : public TrackReader {
  public:
   MatroskaTrack(const std::filesystem::path& file, TakeCodec codec, PicturePacking packing)
-      : name_(file.string()), file_(file), codec_(codec), packing_(std::move(packing)) {}
+      : name_(file.string()), codec_(codec), packing_(std::move(packing)) {}
 
   Result<void> open(const TakeManifest::Camera& camera);
   std::int64_t pictures() const override { return static_cast<std::int64_t>(index_.pictures.size()); }
@@ -73,7 +57,7 @@ class MatroskaTrack final : public TrackReader {
   }
 
   const std::string name_;
-  const FileDescriptor file_;
+  FileDescriptor file_;
   const TakeCodec codec_;
   const PicturePacking packing_;
   MatroskaIndex index_;
@@ -127,13 +111,12 @@ Result<void> MatroskaTrack::read_header(const TakeManifest::Camera& camera) {
 }
 
 Result<void> MatroskaTrack::open(const TakeManifest::Camera& camera) {
-  if (file_.get() < 0) {
-    const int error = errno;
-    if (error == ENOENT)
-      return fail(ErrorCode::NotFound, text(name_, " is missing: camera '", camera.serial,
-                                            "' has rows with pictures; put the file back under this name"));
-    return fail(ErrorCode::Io, text("cannot open ", name_, ": ", std::strerror(error)));
-  }
+  Result<FileDescriptor> opened = open_to_read(name_);
+  if (!opened && opened.error().code == ErrorCode::NotFound)
+    return fail(ErrorCode::NotFound, text(name_, " is missing: camera '", camera.serial,
+                                          "' has rows with pictures; put the file back under this name"));
+  if (!opened) return forward(opened);
+  file_ = std::move(*opened);
   if (Result<void> ok = read_header(camera); !ok) return ok;
   Result<MatroskaIndex> index = index_matroska(file_.get());
   if (!index) return fail(index.error().code, text(name_, ": ", index.error().message));

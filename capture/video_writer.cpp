@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 #include "capture/libav.h"
 #include "capture/media_file.h"
+#include "core/claim.h"
 #include "core/file.h"
 #include "core/text.h"
 
@@ -36,6 +38,7 @@ class Mp4Writer final : public VideoWriter {
 
   const fs::path file_, temporary_;
   const int width_, height_;
+  std::optional<Claim> claim_;
   State state_ = State::Closed;
   libav::Owned<SwsContext> scaler_;
   libav::Owned<AVCodecContext> encoder_;
@@ -49,7 +52,7 @@ class Mp4Writer final : public VideoWriter {
 
 Mp4Writer::~Mp4Writer() {
   muxer_.reset();
-  if (state_ == State::Closed || state_ == State::Finished) return;
+  if (!claim_ || state_ == State::Finished) return;
   std::error_code ignored;
   fs::remove(temporary_, ignored);
 }
@@ -94,6 +97,9 @@ Result<void> Mp4Writer::open_encoder(AVRational rate) {
 
 Result<void> Mp4Writer::open(double frame_rate) {
   if (Result<void> ok = open_encoder(av_d2q(frame_rate, 100'000)); !ok) return ok;
+  Result<Claim> claim = claim_temporary_file(file_, IfThere::Replace);
+  if (!claim) return forward(claim);
+  claim_ = std::move(*claim);
   AVFormatContext* made = nullptr;
   const std::string url = libav::file_url(temporary_);
   FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, "mp4", url.c_str()) >= 0,

@@ -25,13 +25,36 @@ bool collect(const nlohmann::json& value, std::vector<double>& out) {
   return true;
 }
 
+// The parser needs no stack for depth, but copying a document and taking it apart do.
+bool is_deep(std::string_view json) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (quoted && c == '\\')
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{') && ++depth > kDeepestJson)
+      return true;
+    else if (!quoted && (c == ']' || c == '}'))
+      --depth;
+  }
+  return false;
+}
+
 }  // namespace
 
 void JsonProblem::note(const std::string& where, const std::string& what) {
   if (!first) first = where + ": " + what;
 }
 
-Result<nlohmann::json> parse_json(std::string_view bytes, std::string_view name) {
+Result<nlohmann::json> parse_json(std::string_view bytes, std::string_view name, std::size_t most) {
+  if (bytes.size() > most)
+    return fail(ErrorCode::BadData, text(name, ": ", bytes.size(), " bytes, more than any of ours"));
+  if (is_deep(bytes))
+    return fail(ErrorCode::BadData,
+                text(name, ": nested deeper than ", kDeepestJson, " lists; this was not written by us"));
   try {
     return nlohmann::json::parse(bytes.begin(), bytes.end());
   } catch (const nlohmann::json::parse_error& e) {

@@ -1,8 +1,10 @@
 #pragma once
 
-// Reads JSON strictly. Not a public header, since it names nlohmann-json: for the .cpp files of core and of
-// stages that have files of their own.
+// Reads JSON strictly. Not a public header, since it names nlohmann-json: for the .cpp files of core, of
+// stages that have files of their own, and of the floors. Whatever is read from a file or a peer is parsed
+// here.
 
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,8 +24,15 @@ struct JsonProblem {
   void note(const std::string& where, const std::string& what);
 };
 
-/// Parses a document; BadData with the file's name and the byte where it stops making sense.
-Result<nlohmann::json> parse_json(std::string_view text, std::string_view name_for_errors);
+/// Nothing of ours nests deeper: a document asks the machine's stack for every level.
+constexpr int kDeepestJson = 16;
+/// The largest documents are records of long takes: 100 bytes a camera and frame.
+constexpr std::size_t kLargestJson = std::size_t{1} << 28;
+
+/// Parses a document; BadData with its name and the byte where it stops making sense, or because it is deeper
+/// than kDeepestJson or longer than `most`.
+Result<nlohmann::json> parse_json(std::string_view text, std::string_view name_for_errors,
+                                  std::size_t most = kLargestJson);
 
 /// The text of a document, indented, with invalid UTF-8 replaced instead of refused.
 std::string print_json(const nlohmann::ordered_json& document);

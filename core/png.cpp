@@ -81,6 +81,7 @@ Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name
   // such data.
   if (header.width / 8 * std::uint64_t{header.height} > std::uint64_t{1032} * bytes.size())
     return bad("far shorter than its picture");
+  if (header.width * std::uint64_t{header.height} > kMostPngPixels) return bad("more than 112 Mpx");
   header.flags |=
       PNG_IMAGE_FLAG_16BIT_sRGB;  // libpng takes 16 bits for linear light where the file does not say
   const bool color = header.format & PNG_FORMAT_FLAG_COLOR, alpha = header.format & PNG_FORMAT_FLAG_ALPHA;

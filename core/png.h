@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -11,9 +12,12 @@
 
 namespace floatstage {
 
-/// Reads a PNG of at most 32768 px a side as 1 (grey), 3 (RGB) or 4 (RGBA) channels of 8 bits; palettes and
-/// 1-bit images are expanded, 16-bit ones reduced. Errors name the file: NotFound, Io, BadData when it is not
-/// a whole PNG.
+/// A picture that claims more is refused before it costs memory: 100 Mpx is the largest sensor's.
+constexpr std::uint64_t kMostPngPixels = 112'000'000;
+
+/// Reads a PNG of at most 32768 px a side and kMostPngPixels as 1 (grey), 3 (RGB) or 4 (RGBA) channels of 8
+/// bits; palettes and 1-bit images are expanded, 16-bit ones reduced. Errors name the file: NotFound, Io,
+/// BadData when it is not a whole PNG.
 Result<Image> load_png(const std::filesystem::path& file);
 Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name_for_errors);
 

@@ -56,6 +56,25 @@ TakeManifest::Camera read_camera(const nlohmann::json& value, const std::string&
   return c;
 }
 
+TakeManifest::File read_file_entry(const nlohmann::json& value, const std::string& where,
+                                   JsonProblem& problem) {
+  JsonFields fields(value, where, problem);
+  TakeManifest::File file;
+  file.name = fields.string("name");
+  const double bytes = fields.number("bytes");
+  file.sha256 = fields.string("sha256");
+  fields.refuse_others();
+  if (!plain_file_name(file.name))
+    problem.note(where, text("'", file.name, "' is not the name of a file inside the take"));
+  if (!(bytes >= 0 && bytes < 9e15 && bytes == std::floor(bytes)))
+    problem.note(where, "'bytes' is not the size of a file");
+  else
+    file.bytes = static_cast<std::uint64_t>(bytes);
+  if (!sha256_in_hex(file.sha256))
+    problem.note(where, "'sha256' is not 64 lower-case hexadecimal digits");
+  return file;
+}
+
 }  // namespace
 
 std::filesystem::path TakeLayout::matte(std::string_view serial, int frame) const {
@@ -83,6 +102,10 @@ Result<TakeManifest> parse_manifest(std::string_view bytes, std::string_view nam
   if (const nlohmann::json* cameras = fields.list("cameras"))
     for (const nlohmann::json& camera : *cameras)
       m.cameras.push_back(read_camera(camera, text(name, ": camera ", m.cameras.size()), problem));
+  if (fields.has("files"))
+    if (const nlohmann::json* files = fields.list("files"))
+      for (const nlohmann::json& file : *files)
+        m.files.push_back(read_file_entry(file, text(name, ": file ", m.files.size()), problem));
   fields.refuse_others();
 
   const std::string where(name);
@@ -107,14 +130,17 @@ std::string to_json(const TakeManifest& m) {
                        {"format", name_of(c.format)},
                        {"width", c.width},
                        {"height", c.height}});
-  return print_json({{"floatstage_take", m.version},
-                     {"label", m.label},
-                     {"created", m.created},
-                     {"writer", m.writer},
-                     {"frame_rate", m.frame_rate},
-                     {"rig_sha256", m.rig_sha256},
-                     {"complete", m.complete},
-                     {"cameras", std::move(cameras)}});
+  Json whole = {{"floatstage_take", m.version},
+                {"label", m.label},
+                {"created", m.created},
+                {"writer", m.writer},
+                {"frame_rate", m.frame_rate},
+                {"rig_sha256", m.rig_sha256},
+                {"complete", m.complete},
+                {"cameras", std::move(cameras)}};
+  for (const TakeManifest::File& file : m.files)
+    whole["files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+  return print_json(whole);
 }
 
 }  // namespace floatstage

@@ -65,6 +65,13 @@ struct TakeManifest {
     int width = 0, height = 0;
     bool operator==(const Camera&) const = default;
   };
+  /// A recorded file as it was when the recording was over.
+  struct File {
+    std::string name;  ///< inside the take
+    std::uint64_t bytes = 0;
+    std::string sha256;  ///< lower-case hex
+    bool operator==(const File&) const = default;
+  };
   int version = 1;
   std::string label;
   std::string created;     ///< UTC, ISO 8601
@@ -73,6 +80,7 @@ struct TakeManifest {
   std::string rig_sha256;  ///< of rig.json's bytes, lower-case hex
   bool complete = false;
   std::vector<Camera> cameras;  ///< in rig order
+  std::vector<File> files;      ///< every media and side file, once the take is sealed
   bool operator==(const TakeManifest&) const = default;
 };
 

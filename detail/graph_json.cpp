@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "core/bounded_json.h"
 #include "core/file.h"
 #include "core/json_fields.h"
 #include "core/text.h"
@@ -131,7 +130,7 @@ std::string graph_to_json(const PhotoGraph& graph, const fs::path& folder_of_doc
 
 Result<PhotoGraph> graph_from_json(std::string_view json, std::string_view name,
                                    const fs::path& folder_of_document) {
-  const Result<nlohmann::json> parsed = parse_bounded(json, name, kLongest);
+  const Result<nlohmann::json> parsed = parse_json(json, name, kLongest);
   if (!parsed) return forward(parsed);
   JsonProblem problem;
   JsonFields document(*parsed, std::string(name), problem);

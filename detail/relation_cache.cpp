@@ -4,7 +4,6 @@
 #include <cstring>
 #include <type_traits>
 
-#include "core/bounded_json.h"
 #include "core/content_hash.h"
 #include "core/file.h"
 #include "core/json_fields.h"
@@ -117,7 +116,7 @@ std::string pairs_to_json(const PairRows& rows) {
 }
 
 Result<PairRows> pairs_from_json(std::string_view json, std::string_view name) {
-  const Result<nlohmann::json> parsed = parse_bounded(json, name, kLongest);
+  const Result<nlohmann::json> parsed = parse_json(json, name, kLongest);
   if (!parsed) return forward(parsed);
   JsonProblem problem;
   JsonFields document(*parsed, std::string(name), problem);

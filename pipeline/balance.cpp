@@ -5,6 +5,7 @@
 
 #include "calib/gain_balance.h"
 #include "calib/surface_colors.h"
+#include "core/file_presence.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/text.h"
@@ -58,7 +59,7 @@ Result<Rig> rig_in_balance(capture::TakeReader& take) {
   if (!rig || has_colors(*rig)) return rig;
   SceneLoader loader(take, true);
   for (int frame = 0; frame < take.frame_count(); ++frame) {
-    if (!std::filesystem::exists(take.layout().mesh(frame))) continue;
+    if (!is_there(take.layout().mesh(frame))) continue;
     const Result<SceneFrame> scene = loader.load(frame);
     if (!scene) return forward(scene);
     if (!scene->mesh.empty()) return balanced(std::move(*rig), *scene);

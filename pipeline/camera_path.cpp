@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/json_fields.h"
 #include "core/text.h"
 
 namespace floatstage::pipeline {
@@ -102,7 +103,8 @@ View view_of(const PathKey& key, int width, int height, const Eigen::AlignedBox3
 }
 
 Result<CameraPath> parse_path(std::string_view text_json, std::string_view name) {
-  const json j = json::parse(text_json, nullptr, false);
+  const Result<json> parsed = parse_json(text_json, name);
+  const json j = parsed ? *parsed : json();
   if (!j.is_object() || !j.contains("floatstage_path") || !j.contains("keys") || !j["keys"].is_array())
     return fail(
         ErrorCode::BadData,

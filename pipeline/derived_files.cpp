@@ -2,6 +2,10 @@
 
 #include <vector>
 
+#include "core/file.h"
+#include "core/log.h"
+#include "core/text.h"
+
 namespace floatstage::pipeline {
 
 namespace fs = std::filesystem;
@@ -9,14 +13,18 @@ namespace fs = std::filesystem;
 void sweep_temporaries(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> halves;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
-    const fs::path finished = entry.path().stem().stem();  // ".000012.tmp.png" → ".000012"
-    if (entry.path() ==
-            entry.path().parent_path() / (finished.string() + ".tmp" + entry.path().extension().string()) &&
-        finished.string().starts_with('.'))
-      halves.push_back(entry.path());
-  }
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error))
+    if (is_temporary(entry.path())) halves.push_back(entry.path());
   for (const fs::path& half : halves) fs::remove(half, error);
+}
+
+Result<Claim> claim_take(const fs::path& take, const Progress* progress) {
+  bool said = false;
+  return wait_for_folder(take, [&] {
+    if (!said) log::info(text("another run is writing in ", take.string(), "; this one waits for it"));
+    said = true;
+    return !is_cancelled(progress);
+  });
 }
 
 }  // namespace floatstage::pipeline

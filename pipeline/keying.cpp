@@ -1,5 +1,6 @@
 #include "pipeline/keying.h"
 
+#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/camera_still.h"
@@ -13,7 +14,7 @@ Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int
   const std::filesystem::path plate = take.layout().plate(serial);
   // How far black cloth is lit shows beside the subject: an empty stage has nothing brighter to tell it from.
   const bool of_photographs = spec.starts_with("luminance");
-  if (std::filesystem::exists(plate) && !of_photographs) {
+  if (is_there(plate) && !of_photographs) {
     Result<Image> picture = load_png(plate);
     if (!picture) return forward(picture);
     samples.push_back(std::move(*picture));
@@ -32,11 +33,11 @@ Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int
   }
   // The median of two photographs is no plate: the subject would be taken for its own backing.
   constexpr std::size_t kFewest = 3;
-  if (spec.starts_with("difference") && samples.size() < kFewest && !std::filesystem::exists(plate))
+  if (spec.starts_with("difference") && samples.size() < kFewest && !is_there(plate))
     return fail(ErrorCode::NotFound,
                 text("camera '", serial, "': there is no plate ", plate.string(), " and only ",
                      samples.size(), " photographs to make one of; shoot a plate, or key otherwise"));
-  if (spec.starts_with("difference") && !std::filesystem::exists(plate))
+  if (spec.starts_with("difference") && !is_there(plate))
     if (Result<void> ok = check_camera_still(take, camera); !ok) return forward(ok);
   Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, samples);
   if (!keyer) return fail(keyer.error().code, text("camera '", serial, "': ", keyer.error().message));

@@ -10,6 +10,7 @@
 
 #include "capture/sha256.h"
 #include "core/file.h"
+#include "core/json_fields.h"
 #include "core/text.h"
 
 namespace floatstage::pipeline {
@@ -36,8 +37,8 @@ std::vector<json> read_journal(const std::filesystem::path& file) {
   const Result<std::string> bytes = read_file(file);
   if (!bytes) return entries;
   for (std::size_t begin = 0, end; (end = bytes->find('\n', begin)) != std::string::npos; begin = end + 1) {
-    json entry = json::parse(bytes->substr(begin, end - begin), nullptr, false);
-    if (entry.is_object()) entries.push_back(std::move(entry));
+    Result<json> entry = parse_json(std::string_view(*bytes).substr(begin, end - begin), file.string());
+    if (entry && entry->is_object()) entries.push_back(std::move(*entry));
   }
   return entries;
 }

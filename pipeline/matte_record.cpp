@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/json_fields.h"
 #include "core/text.h"
 #include "pipeline/made_files.h"
 
@@ -77,7 +78,9 @@ Result<MatteRecord> load_matte_record(const TakeLayout& layout) {
   if (!bytes && bytes.error().code != ErrorCode::NotFound) return forward(bytes);
   try {
     if (bytes) {
-      const json j = json::parse(*bytes);
+      const Result<json> parsed = parse_json(*bytes, name);
+      if (!parsed) return bad(parsed.error().message);
+      const json& j = *parsed;
       if (const int version = j.at("floatstage_mattes"); version != kVersion)
         return fail(ErrorCode::Unsupported, text(name, ": record format ", version, " is not known here"));
       for (const auto& [serial, camera] : j.at("cameras").items()) record[serial] = camera_of(camera, name);

@@ -2,6 +2,7 @@
 
 #include "capture/sha256.h"
 #include "core/file.h"
+#include "core/json_fields.h"
 #include "core/text.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/made_files.h"
@@ -32,7 +33,9 @@ Result<MeshRecord> load_mesh_record(const TakeLayout& layout) {
   if (!bytes && bytes.error().code != ErrorCode::NotFound) return forward(bytes);
   try {
     if (bytes) {
-      const json j = json::parse(*bytes);
+      const Result<json> parsed = parse_json(*bytes, layout.hull_report().string());
+      if (!parsed) throw std::invalid_argument(parsed.error().message);
+      const json& j = *parsed;
       record.options = j.value("options", json());
       if (j.contains("frames"))
         for (const auto& [frame, line] : j.at("frames").items()) take_line(std::stoi(frame), line, record);

@@ -3,7 +3,9 @@
 #include <cstdio>
 
 #include "capture/media_file.h"
+#include "core/claim.h"
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 
@@ -24,7 +26,8 @@ class VideoSink : public PictureSink {
 
 class FolderSink : public PictureSink {
  public:
-  FolderSink(fs::path out, fs::path temporary) : out_(std::move(out)), temporary_(std::move(temporary)) {}
+  FolderSink(fs::path out, Claim claim)
+      : out_(std::move(out)), temporary_(temporary_name(out_)), claim_(std::move(claim)) {}
   ~FolderSink() override {
     std::error_code ignored;
     if (!finished_) fs::remove_all(temporary_, ignored);
@@ -35,43 +38,44 @@ class FolderSink : public PictureSink {
     return save_png(rgb, temporary_ / name);
   }
   Result<void> finish() override {
-    std::error_code error;
-    fs::rename(temporary_, out_, error);
-    if (error)
-      return fail(ErrorCode::Io,
-                  text("cannot rename the pictures to ", out_.string(), ": ", error.message()));
+    if (Result<void> ok = rename_new(temporary_, out_); !ok) return ok;
     finished_ = true;
     return {};
   }
 
  private:
   const fs::path out_, temporary_;
+  const Claim claim_;
   int count_ = 0;
   bool finished_ = false;
 };
+
+Result<void> refuse_existing(const fs::path& out) {
+  if (!is_there(out)) return {};
+  return fail(ErrorCode::AlreadyExists,
+              text(out.string(), " exists already; choose another --out or remove it"));
+}
 
 }  // namespace
 
 Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int width, int height,
                                                        double frame_rate) {
-  if (fs::exists(out))
-    return fail(ErrorCode::AlreadyExists,
-                text(out.string(), " exists already; choose another --out or remove it"));
+  if (Result<void> ok = refuse_existing(out); !ok) return forward(ok);
   const fs::path extension = out.extension();
   if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
     Result<std::unique_ptr<capture::VideoWriter>> writer =
         capture::VideoWriter::create(out, width, height, frame_rate);
     if (!writer) return forward(writer);
+    // Once more, now that nobody else can write it.
+    if (Result<void> ok = refuse_existing(out); !ok) return forward(ok);
     return std::unique_ptr<PictureSink>(std::make_unique<VideoSink>(std::move(*writer)));
   }
   if (!extension.empty())
     return fail(ErrorCode::InvalidArgument,
                 text(out.string(), ": name a .mp4, .mkv or .mov video, or a folder for PNGs"));
-  const fs::path temporary = temporary_name(out);
-  std::error_code error;
-  fs::remove_all(temporary, error);
-  if (Result<void> ok = make_folder(temporary); !ok) return forward(ok);
-  return std::unique_ptr<PictureSink>(std::make_unique<FolderSink>(out, temporary));
+  Result<Claim> claim = claim_temporary_folder(out);
+  if (!claim) return forward(claim);
+  return std::unique_ptr<PictureSink>(std::make_unique<FolderSink>(out, std::move(*claim)));
 }
 
 }  // namespace floatstage::pipeline

@@ -6,6 +6,7 @@
 
 #include "capture/sha256.h"
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/mesh_io.h"
 #include "core/parallel.h"
 #include "core/png.h"
@@ -185,7 +186,7 @@ Result<SceneFrame> SceneLoader::load(int frame, const Choose& choose, bool* chos
 Result<Rig> rig_with_colors(const capture::TakeReader& take) {
   const std::filesystem::path file = take.layout().colors();
   Rig rig = take.rig();
-  if (!std::filesystem::exists(file)) return rig;
+  if (!is_there(file)) return rig;
   const Result<Rig> colors = load_rig(file);
   if (!colors) return forward(colors);
   for (RigCamera& camera : rig.cameras) {
@@ -204,7 +205,7 @@ Result<Eigen::AlignedBox3d> subject_box(const capture::TakeReader& take) {
                                                  Eigen::AlignedBox3d());
   parallel_for(boxes.size(), 0, [&](std::size_t frame) {
     const std::filesystem::path file = take.layout().mesh(static_cast<int>(frame));
-    if (!std::filesystem::exists(file)) return;
+    if (!is_there(file)) return;
     Result<Mesh> mesh = load_ply(file);
     if (!mesh)
       boxes[frame] = forward(mesh);

@@ -11,6 +11,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "pipeline/progress.h"
+#include "pipeline/recorded_take.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -83,7 +84,8 @@ Result<void> synthesize_take(const SynthesizeOptions& options) {
       if (e) return Unexpected{*e};
     if (Result<void> ok = save_ply(studio->performer(frame), layout.truth().mesh(frame)); !ok) return ok;
   }
-  return (*writer)->finish();
+  if (Result<void> ok = (*writer)->finish(); !ok) return ok;
+  return seal_take(options.out, options.progress);
 }
 
 }  // namespace floatstage::pipeline

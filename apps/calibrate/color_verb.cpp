@@ -12,6 +12,7 @@
 #include "calib/surface_colors.h"
 #include "capture/take.h"
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/mesh_io.h"
 #include "core/rig_io.h"
 #include "core/text.h"
@@ -65,7 +66,7 @@ Result<ChartFound> look_for_chart(capture::TakeReader& take, int camera, int loo
 Result<std::vector<calib::ColorSample>> overlap(capture::TakeReader& take, const Rig& rig, int wanted) {
   std::vector<int> frames;
   for (int i = 0; i < take.frame_count(); ++i)
-    if (std::filesystem::exists(take.layout().mesh(i))) frames.push_back(i);
+    if (is_there(take.layout().mesh(i))) frames.push_back(i);
   if (frames.empty())
     return fail(ErrorCode::NotFound, text(take.layout().folder().string(),
                                           ": there are no meshes; run `floatstage process` on it first, or "

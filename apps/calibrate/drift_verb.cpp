@@ -9,6 +9,8 @@
 #include "calib/drift.h"
 #include "capture/take.h"
 #include "core/file.h"
+#include "core/file_presence.h"
+#include "core/json_fields.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
@@ -26,7 +28,7 @@ struct Options {
 // The empty stage where a plate was shot, else the first picture.
 Result<Image> still(capture::TakeReader& take, int camera) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
-  if (const auto plate = take.layout().plate(serial); std::filesystem::exists(plate)) return load_png(plate);
+  if (const auto plate = take.layout().plate(serial); is_there(plate)) return load_png(plate);
   for (int i = 0; i < take.frame_count(); ++i) {
     const Result<Frame> frame = take.frame(camera, i);
     if (!frame) return forward(frame);
@@ -64,11 +66,12 @@ Result<void> make_reference(capture::TakeReader& take, const Options& given) {
 // Beside what the recorder found out.
 Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json drift) {
   nlohmann::json quality = nlohmann::json::object();
-  if (std::filesystem::exists(file)) {
+  if (is_there(file)) {
     const Result<std::string> bytes = read_file(file);
     if (!bytes) return forward(bytes);
-    quality = nlohmann::json::parse(*bytes, nullptr, false);
-    if (!quality.is_object())
+    Result<nlohmann::json> parsed = parse_json(*bytes, file.string());
+    if (parsed) quality = std::move(*parsed);
+    if (!parsed || !quality.is_object())
       return fail(ErrorCode::BadData, text(file.string(), ": is no JSON object; move it away"));
   }
   quality["drift"] = std::move(drift);

@@ -7,6 +7,7 @@
 #include "apps/did_you_mean.h"
 #include "apps/flags.h"
 #include "calib/rig_formats.h"
+#include "core/file_presence.h"
 #include "core/rig_io.h"
 #include "core/take_layout.h"
 #include "core/text.h"
@@ -43,10 +44,10 @@ Result<void> run(const Options& given) {
     return fail(ErrorCode::InvalidArgument,
                 text("'", given.format, "' is no format that is written; there are ", list_of_formats(),
                      did_you_mean(given.format, names_of_formats())));
-  if (std::filesystem::exists(given.out))
+  if (is_there(given.out))
     return fail(ErrorCode::AlreadyExists,
                 text(given.out.string(), ": is there already, and is left as it is; give another --out"));
-  const bool take = std::filesystem::is_directory(given.rig);
+  const bool take = is_folder(given.rig);
   const Result<Rig> rig = load_rig(take ? TakeLayout(given.rig).rig() : given.rig);
   if (!rig) return forward(rig);
   std::vector<std::string> pictures;

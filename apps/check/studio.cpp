@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "capture/frame_source.h"
+#include "core/file_presence.h"
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "studio/node/capture_config.h"
@@ -73,7 +74,7 @@ Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file) {
     findings.push_back(look_at_endpoint(config->publish->control, "requests to the node"));
   }
   std::filesystem::path folder = std::filesystem::absolute(config->folder);
-  while (!std::filesystem::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
+  while (!is_there(folder) && folder.has_relative_path()) folder = folder.parent_path();
   // Uncompressed: what FFV1 makes of noise is not less by much.
   findings.push_back(look_at_disk(folder, bytes_per_second, "the config's cameras"));
   return findings;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/parallel.h"
 #include "core/text.h"
 #include "matting/spectral/spectral_cache.h"
@@ -74,7 +75,7 @@ Result<void> ComponentStore::prepare_run(int first, int last, const std::functio
     const std::uint64_t key_before = key;
     key = key_after(key, *picture);
     auto kept = load_if_current(file(frame, ".components"), key, parse_components);
-    if (kept && std::filesystem::exists(file(frame, ".eigen"))) {
+    if (kept && is_there(file(frame, ".eigen"))) {
       components = std::move(kept);
       pairs.reset();
       before = *picture;

@@ -7,6 +7,7 @@
 
 #include "core/file.h"
 #include "core/text.h"
+#include "pipeline/derived_files.h"
 #include "pipeline/evaluate/evaluate.h"
 #include "pipeline/film.h"
 #include "pipeline/json_report.h"
@@ -26,7 +27,6 @@ constexpr const char* kProducts[] = {"take", "freeview.mp4", "compare.mp4", "rep
 
 // Only what a demo makes may stand in the folder; that is made again.
 Result<void> clear_earlier_demo(const fs::path& out) {
-  if (Result<void> ok = make_folder(out); !ok) return ok;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(out, error)) {
     const fs::path name = entry.path().filename();
@@ -125,6 +125,9 @@ Result<DemoReport> run_demo(const DemoOptions& options) {
     report.stage_seconds[name] = std::chrono::duration<double>(Clock::now() - stage).count();
     stage = Clock::now();
   };
+  if (Result<void> ok = make_folder(options.out); !ok) return forward(ok);
+  const Result<Claim> claim = claim_take(options.out, options.progress);
+  if (!claim) return forward(claim);
   if (Result<void> ok = clear_earlier_demo(options.out); !ok) return forward(ok);
 
   SynthesizeOptions synthesize = options.studio;

@@ -1,5 +1,6 @@
 #include "pipeline/evaluate/evaluate_mattes.h"
 
+#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/progress.h"
@@ -46,7 +47,7 @@ Result<std::vector<CameraMatteScores>> evaluate_mattes(const capture::TakeReader
       progress.advance();
       const fs::path matte_file = take.layout().matte(camera.serial, frame),
                      truth_file = truth / camera.serial / matte_file.filename();
-      if (!fs::exists(matte_file) || !fs::exists(truth_file)) continue;
+      if (!is_there(matte_file) || !is_there(truth_file)) continue;
       Result<Image> matte = load_matte(matte_file), real = load_matte(truth_file);
       if (!matte) return forward(matte);
       if (!real) return forward(real);

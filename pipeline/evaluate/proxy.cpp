@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/file_presence.h"
 #include "core/mesh_io.h"
 #include "core/text.h"
 #include "pipeline/hull_record.h"
@@ -55,8 +56,7 @@ Result<Instant> load_instant(capture::TakeReader& take, int frame, const Proxy& 
   if (!mattes) return forward(mattes);
   Instant instant{frame, std::move(*images), std::move(*mattes), false, {}};
   for (const Matte& m : instant.mattes) instant.any_matte = instant.any_matte || !m.empty();
-  const bool has_mesh =
-      proxy.kind == Proxy::Kind::Films && std::filesystem::exists(take.layout().mesh(frame));
+  const bool has_mesh = proxy.kind == Proxy::Kind::Films && is_there(take.layout().mesh(frame));
   const bool needs_mattes =
       proxy.kind == Proxy::Kind::Hull || (proxy.kind == Proxy::Kind::Films && !has_mesh);
   if (needs_mattes && !instant.any_matte)

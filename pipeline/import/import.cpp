@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "core/claim.h"
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/text.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/light_field.h"
 #include "pipeline/progress.h"
+#include "pipeline/recorded_take.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -215,38 +218,44 @@ class UnfinishedTake {
   UnfinishedTake(const UnfinishedTake&) = delete;
   UnfinishedTake& operator=(const UnfinishedTake&) = delete;
   ~UnfinishedTake() {
-    if (!folder_.empty()) remove();
+    if (!claim_ || published_) return;
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+    if (out_claim_->made) fs::remove(out_, ignored);
   }
 
   const fs::path& folder() const { return folder_; }
 
-  /// Clears what a killed import left and refuses an `out` that is in the way.
+  /// Claims `out`, which stands empty until the take replaces it, and what is written until then.
   Result<void> prepare() {
-    std::error_code error;
-    if (fs::exists(out_, error) && !(fs::is_directory(out_, error) && fs::is_empty(out_, error)))
-      return fail(ErrorCode::AlreadyExists,
-                  text(out_.string(), " exists already and is never overwritten; choose another --out"));
-    remove();
+    Result<NewFolder> out = claim_new_folder(out_);
+    if (!out) return forward(out);
+    out_claim_ = std::move(*out);
+    Result<Claim> folder = claim_temporary_folder(out_, IfThere::Replace);
+    if (!folder && out_claim_->made) {
+      std::error_code ignored;
+      fs::remove(out_, ignored);
+    }
+    if (!folder) return forward(folder);
+    claim_ = std::move(*folder);
     return {};
   }
 
   Result<void> publish() {
     std::error_code error;
-    fs::rename(folder_, out_, error);
+    fs::rename(folder_, out_, error);  // over an empty folder, never over a full one
     if (error)
       return fail(ErrorCode::Io,
                   text("cannot name the finished take ", out_.string(), ": ", error.message()));
-    folder_.clear();
+    published_ = true;
     return {};
   }
 
  private:
-  void remove() const {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
   fs::path out_, folder_;
+  std::optional<NewFolder> out_claim_;
+  std::optional<Claim> claim_;
+  bool published_ = false;
 };
 
 Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
@@ -256,6 +265,7 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
   take_options.codec = options.codec;
   take_options.frame_rate = rate;
   take_options.label = options.label;
+  take_options.is_claimed = true;
   Result<std::unique_ptr<capture::TakeWriter>> writer =
       capture::TakeWriter::create(folder, rig, take_options);
   if (!writer) return forward(writer);
@@ -285,7 +295,8 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
       if (Result<void> ok = (*writer)->write(gap); !ok) return ok;
     }
   }
-  return (*writer)->finish();
+  if (Result<void> ok = (*writer)->finish(); !ok) return ok;
+  return seal_take(folder, options.progress);
 }
 
 Result<void> make_plane(const fs::path& folder, std::optional<double> distance, ImportReport& report) {

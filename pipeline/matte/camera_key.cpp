@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "matting/guided_upsample.h"
@@ -27,7 +28,7 @@ std::vector<fs::path> plate_files(const capture::TakeReader& take, int camera) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   std::vector<fs::path> files;
   const fs::path one = take.layout().plate(serial), folder = one.parent_path() / serial;
-  if (fs::exists(one)) files.push_back(one);
+  if (is_there(one)) files.push_back(one);
   std::error_code none;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, none))
     if (entry.path().extension() == ".png") files.push_back(entry.path());
@@ -124,7 +125,7 @@ Result<CameraKey> CameraKey::guided(const capture::TakeReader& take, int camera,
   key.spec_ = "guide";
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
   key.guide_ = guide / serial;
-  if (!fs::is_directory(key.guide_))
+  if (!is_folder(key.guide_))
     return fail(ErrorCode::NotFound,
                 text(guide.string(), " has no folder '", serial, "' with mattes of that camera"));
   return key;
@@ -206,7 +207,7 @@ Result<CameraKey> CameraKey::for_how(capture::TakeReader& take, int camera, cons
   Result<CameraKey> key = without_given(take, camera, how, guide, edits, go_on);
   const fs::path given =
       take.layout().given_mattes(take.rig().cameras[static_cast<std::size_t>(camera)].serial);
-  if (key && fs::is_directory(given)) key->given_ = given;
+  if (key && is_folder(given)) key->given_ = given;
   return key;
 }
 
@@ -241,7 +242,7 @@ Result<void> CameraKey::ready() const {
 
 Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
   const fs::path name = TakeLayout("").matte("", frame).filename();
-  if (!given_.empty() && fs::exists(given_ / name)) return matte_in(given_ / name, photograph);
+  if (!given_.empty() && is_there(given_ / name)) return matte_in(given_ / name, photograph);
   if (kind_ == Kind::None) return Image();
   if (kind_ == Kind::Cut) {
     Result<Image> rgb = to_rgb(photograph);
@@ -255,7 +256,7 @@ Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
     if (!matte) return forward(matte);
     return to_image(*matte);
   }
-  if (!fs::exists(guide_ / name)) return Image();
+  if (!is_there(guide_ / name)) return Image();
   return matte_in(guide_ / name, photograph);
 }
 

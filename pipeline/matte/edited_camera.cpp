@@ -7,6 +7,7 @@
 
 #include "capture/sha256.h"
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/parallel.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -122,7 +123,7 @@ std::vector<bool> EditedCamera::changed_since(const CameraEdits& edits) const {
   const CameraRecord& mine = record();
   std::vector<bool> out = frames_made_otherwise(mine.method, mine.key, *made_for_, edits, count);
   for (int f = 0; f < count; ++f)
-    if (mine.stale.contains(f) || (how_ != "given" && recorded(*take_, camera_, f) && !fs::exists(file(f))))
+    if (mine.stale.contains(f) || (how_ != "given" && recorded(*take_, camera_, f) && !is_there(file(f))))
       out[static_cast<std::size_t>(f)] = true;
   return out;
 }
@@ -203,7 +204,7 @@ Result<void> EditedCamera::begin(const CameraEdits& edits, const std::vector<boo
   mine.edits = edits;
   mine.stale.clear();
   for (std::size_t f = 0; f < stale.size(); ++f)
-    if (stale[f] && fs::exists(file(static_cast<int>(f)))) mine.stale.insert(static_cast<int>(f));
+    if (stale[f] && is_there(file(static_cast<int>(f)))) mine.stale.insert(static_cast<int>(f));
   if (Result<void> ok = store_->save({options_.serial}); !ok) return ok;
   made_for_ = edits;
   return {};
@@ -214,6 +215,9 @@ Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const Re
   if (const std::vector<bool> wanted = stale(edits);
       std::find(wanted.begin(), wanted.end(), true) == wanted.end() && record().edits == edits)
     return std::vector<int>();
+  WatchProgress waiting(watch);
+  const Result<Claim> claim = claim_take(take_->layout().folder(), &waiting);
+  if (!claim) return forward(claim);
   Result<bool> adopted = adopt(stale(edits));
   do {  // another key may concern more, and what was adopted is another key
     if (!adopted) return forward(adopted);
@@ -244,7 +248,7 @@ Result<bool> EditedCamera::put(int frame, Result<Image> matte) {
   if (!matte)
     failures_.push_back(text("camera '", options_.serial, "', frame ", frame, ": ", matte.error().message));
   if (matte && !matte->empty()) return store_->put(options_.serial, frame, *matte);
-  const bool there = fs::exists(file(frame));
+  const bool there = is_there(file(frame));
   if (Result<void> ok = store_->remove(options_.serial, frame); !ok) return forward(ok);
   return there;
 }
@@ -305,7 +309,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
     const auto any_wanted_beyond = [&](int frame) {  // somebody may ask for this frame's matte
       const auto at = [&](int f) {
         return f >= 0 && static_cast<std::size_t>(f) < wanted.size() &&
-               (wanted[static_cast<std::size_t>(f)] || !fs::exists(file(f)));
+               (wanted[static_cast<std::size_t>(f)] || !is_there(file(f)));
       };
       return at(frame - 1) || at(frame + 1);
     };
@@ -313,7 +317,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
       if (forced[static_cast<std::size_t>(frame)] || previous.changed) return make(frame, previous.matte);
       record().stale.erase(frame);
       if (wanted[static_cast<std::size_t>(frame)]) watch.progress("mattes", ++done, all);
-      if (!any_wanted_beyond(frame) || !fs::exists(file(frame))) return {};
+      if (!any_wanted_beyond(frame) || !is_there(file(frame))) return {};
       Result<Image> matte = load_png(file(frame));
       return {matte ? std::move(*matte) : Image(), false};
     });
@@ -378,7 +382,7 @@ Result<matting::MattingComponents> EditedCamera::components(int frame) {
 }
 
 Result<std::optional<double>> EditedCamera::flicker(int frame) {
-  if (frame < 1 || !fs::exists(file(frame - 1)) || !fs::exists(file(frame))) return std::optional<double>();
+  if (frame < 1 || !is_there(file(frame - 1)) || !is_there(file(frame))) return std::optional<double>();
   Image photographs[2], mattes[2];
   for (int i = 0; i < 2; ++i) {
     Result<Frame> photograph = take_->frame(camera_, frame - 1 + i);

@@ -9,6 +9,7 @@
 
 #include "capture/take.h"
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/parallel.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -103,7 +104,7 @@ Result<int> export_layers(const ExportOptions& options) {
     for (int f = 0; f < take.frame_count(); ++f) {
       if (!options.frames.empty() && !std::count(options.frames.begin(), options.frames.end(), f)) continue;
       const fs::path matte = take.layout().matte(serial, f);
-      if (fs::exists(matte))
+      if (is_there(matte))
         items.push_back({static_cast<int>(c), f, key_of(c), matte,
                          options.out / serial /
                              matte.filename().replace_extension(options.format == "exr" ? ".exr" : ".png")});

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/matte/doubt_picture.h"
@@ -163,9 +164,9 @@ Result<std::vector<MatteDoubt>> doubts_of(capture::TakeReader& take, const Matte
     };
     fs::path file = file_named("");
     for (int i = 2; !drawn.insert(file).second; ++i) file = file_named(text("-", i));
-    if (reason.now || !fs::exists(file))
+    if (reason.now || !is_there(file))
       if (Result<void> ok = draw(take, reason, doubt.worst, file); !ok) return forward(ok);
-    if (fs::exists(file)) doubt.picture = file;
+    if (is_there(file)) doubt.picture = file;
     doubts.push_back(std::move(doubt));
   }
   std::stable_sort(doubts.begin(), doubts.end(), [](const MatteDoubt& a, const MatteDoubt& b) {

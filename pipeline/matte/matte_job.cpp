@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "capture/sha256.h"
+#include "core/file_presence.h"
 #include "core/parallel.h"
 #include "core/text.h"
 #include "pipeline/matte/affected_frames.h"
@@ -110,7 +111,7 @@ Result<void> settle(const capture::TakeReader& take, const MatteStore& store, co
   for (std::size_t f = 0; f < count; ++f)
     if (job.ours[f] && old[f] && !job.wanted[f]) job.stale.insert(static_cast<int>(f));
   const bool nothing_given =
-      job.how == "given" && job.guide.empty() && !fs::is_directory(take.layout().given_mattes(job.serial));
+      job.how == "given" && job.guide.empty() && !is_folder(take.layout().given_mattes(job.serial));
   if (!nothing_given) return {};
   for (std::size_t f = 0; f < count; ++f) {
     if (job.todo[f] && job.ours[f])

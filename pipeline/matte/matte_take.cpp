@@ -233,6 +233,8 @@ Result<void> make_all(capture::TakeReader& take, const MatteTakeOptions& options
 Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);
+  const Result<Claim> claim = claim_take(options.take, options.progress);
+  if (!claim) return forward(claim);
   return matte_take(**opened, options);
 }
 

@@ -5,6 +5,7 @@
 
 #include <ImfRgbaFile.h>
 
+#include "core/claim.h"
 #include "core/file.h"
 #include "core/text.h"
 #include "pipeline/matte/export_layers.h"
@@ -22,6 +23,8 @@ float linear(std::uint8_t v) {
 
 Result<void> save_exr(const Image& rgba, const std::filesystem::path& file) {
   FLOATSTAGE_CHECK(rgba.channels == 4, "EXR layers are RGBA");
+  const Result<Claim> claim = claim_temporary_file(file, IfThere::Replace);
+  if (!claim) return forward(claim);
   const std::filesystem::path temporary = temporary_name(file);
   std::error_code none;
   try {

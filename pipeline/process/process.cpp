@@ -72,6 +72,8 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);
+  const Result<Claim> claim = claim_take(options.take, options.progress);
+  if (!claim) return forward(claim);
   capture::TakeReader& take = **opened;
   std::vector<int> frames = options.frames;
   for (int f = 0; options.frames.empty() && f < take.frame_count(); ++f) frames.push_back(f);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/frame_pixels.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -131,7 +132,7 @@ HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::p
   }
   for (auto& [serial, fault] : faults) {
     const std::filesystem::path picture = picture_of(pictures, serial, fault.worst);
-    if (std::filesystem::exists(picture)) fault.picture = picture;
+    if (is_there(picture)) fault.picture = picture;
     doubts.faults.push_back(std::move(fault));
   }
   std::stable_sort(doubts.faults.begin(), doubts.faults.end(),

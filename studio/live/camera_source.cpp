@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/file_presence.h"
 #include "core/log.h"
 #include "core/png.h"
 #include "core/rig_io.h"
@@ -78,7 +79,7 @@ Result<void> CameraSource::wait_for_pictures() {
 Result<void> CameraSource::learn(const std::filesystem::path& plates) {
   for (std::size_t i = 0; i < first_.size(); ++i) {
     const std::filesystem::path plate = plates / (rig_.cameras[i].serial + ".png");
-    const bool clean = !plates.empty() && std::filesystem::exists(plate);
+    const bool clean = !plates.empty() && is_there(plate);
     Result<Image> picture = clean ? load_png(plate) : to_rgb(first_[i]);
     if (!picture) return forward(picture);
     samples_.push_back({std::move(*picture)});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <future>
 
+#include "core/file_presence.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "core/png.h"
@@ -59,7 +60,7 @@ Result<void> TakePlayer::load_samples() {
   for (std::size_t c = 0; c < rig().cameras.size(); ++c) {
     std::vector<Image> samples;
     const std::filesystem::path plate = take_->layout().plate(rig().cameras[c].serial);
-    if (std::filesystem::exists(plate)) {
+    if (is_there(plate)) {
       Result<Image> picture = load_png(plate);
       if (!picture) return forward(picture);
       samples.push_back(std::move(*picture));

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/bounded_json.h"
 #include "core/json_fields.h"
 #include "core/text.h"
+#include "studio/messages/bounded_json.h"
 
 namespace floatstage::studio::wire {
 namespace {

@@ -1,9 +1,16 @@
 #include "studio/network/keys.h"
 
+#include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <memory>
 
+#include <arpa/inet.h>
 #include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.h>
@@ -36,8 +43,52 @@ bool belong_together(const StudioKeys& keys) {
   return zmq_curve_public(derived, keys.secret_key.c_str()) == 0 && keys.public_key == derived;
 }
 
-bool is_local(std::string_view host) {
-  return host.starts_with("127.") || host == "localhost" || host == "[::1]";
+struct HostAndPort {
+  std::string host, port;
+};
+
+// ZeroMQ reads more into an address than it shows: a source before ';', several in a row, an interface's
+// name.
+std::optional<HostAndPort> split_address(const std::string& address) {
+  constexpr std::string_view kTcp = "tcp://";
+  if (!address.starts_with(kTcp)) return std::nullopt;
+  const std::size_t colon = address.rfind(':');
+  if (colon < kTcp.size() + 1) return std::nullopt;
+  HostAndPort parts{address.substr(kTcp.size(), colon - kTcp.size()), address.substr(colon + 1)};
+  const bool is_v6 = parts.host.size() > 2 && parts.host.front() == '[' && parts.host.back() == ']';
+  if (is_v6) parts.host = parts.host.substr(1, parts.host.size() - 2);
+  const std::string allowed = is_v6 ? "0123456789abcdefABCDEF:.%" : "";
+  for (const char c : parts.host)
+    if (is_v6 ? allowed.find(c) == std::string::npos
+              : !std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_' && c != '*')
+      return std::nullopt;
+  unsigned port = 0;
+  const auto [end, error] = std::from_chars(parts.port.data(), parts.port.data() + parts.port.size(), port);
+  const bool any = parts.port == "*";
+  if (!any && (error != std::errc() || end != parts.port.data() + parts.port.size() || port > 65535))
+    return std::nullopt;
+  return parts;
+}
+
+bool is_loopback(const sockaddr& address) {
+  if (address.sa_family == AF_INET)
+    return ntohl(reinterpret_cast<const sockaddr_in&>(address).sin_addr.s_addr) >> 24 == 127;
+  return address.sa_family == AF_INET6 &&
+         IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6&>(address).sin6_addr);
+}
+
+// A number, or "localhost" where it means nothing else: another name may lead elsewhere the next time it is
+// looked up.
+bool is_local(const std::string& host) {
+  addrinfo wanted = {};
+  wanted.ai_socktype = SOCK_STREAM;
+  wanted.ai_flags = host == "localhost" ? 0 : AI_NUMERICHOST;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(host.c_str(), nullptr, &wanted, &found) != 0) return false;
+  const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owned(found, &::freeaddrinfo);
+  for (const addrinfo* each = found; each; each = each->ai_next)
+    if (!is_loopback(*each->ai_addr)) return false;
+  return found != nullptr;
 }
 
 }  // namespace
@@ -83,14 +134,13 @@ Result<StudioKeys> load_keys(const fs::path& file) {
 }
 
 Result<void> check_address(const std::string& address, const std::optional<StudioKeys>& keys) {
-  constexpr std::string_view kTcp = "tcp://";
-  const bool tcp = address.starts_with(kTcp);
-  const std::size_t colon = address.rfind(':');
-  if (!tcp || colon < kTcp.size() + 1)
+  const std::optional<HostAndPort> parts = split_address(address);
+  if (!parts)
     return fail(ErrorCode::InvalidArgument,
-                text("'", address, "': an address is tcp://<host>:<port>, for example tcp://127.0.0.1:5570"));
-  const std::string host = address.substr(kTcp.size(), colon - kTcp.size());
-  if (keys || is_local(host)) return {};
+                text("'", address,
+                     "': an address is tcp://<host>:<port>, one host and one port, for example "
+                     "tcp://127.0.0.1:5570"));
+  if (keys || is_local(parts->host)) return {};
   return fail(ErrorCode::InvalidArgument,
               text("'", address,
                    "': leaves this machine, and without keys everybody there could listen and command; make ",

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <thread>
 
+#include "core/file_presence.h"
 #include "core/log.h"
 #include "core/rig.h"
 #include "core/text.h"
@@ -154,7 +155,7 @@ Result<fs::path> CaptureNode::new_folder(const std::string& label) const {
                 text("'", label, "' is no label of a take: use letters, digits, '.', '_' and '-'"));
   const fs::path named = config_.folder / take_name(label);
   fs::path folder = named;
-  for (int again = 2; fs::exists(folder); ++again) folder = text(named.string(), "-", again);
+  for (int again = 2; is_there(folder); ++again) folder = text(named.string(), "-", again);
   return folder;
 }
 
@@ -240,6 +241,7 @@ Result<void> CaptureNode::end_take() {
   take_.quality = finished ? *finished : recorder->quality();
   take_.recorder.reset();
   if (!finished) return forward(finished);
+  sealer_.add(take_.folder);
   return {};
 }
 

@@ -16,6 +16,7 @@
 #include "studio/node/capture_config.h"
 #include "studio/node/pre_roll.h"
 #include "studio/node/sync_watch.h"
+#include "studio/node/take_sealer.h"
 
 namespace floatstage::studio {
 
@@ -45,6 +46,9 @@ class CaptureNode final : public StudioControl {
 
   /// As start_recording(), with the take's folder chosen; empty: named by the time, in the config's folder.
   Result<std::string> record_into(std::filesystem::path folder, const std::string& label);
+  /// Until the takes of this node are sealed, which goes on beside everything else while none is recorded;
+  /// false once `stop` has answered yes.
+  bool wait_for_seals(const std::function<bool()>& stop) { return sealer_.wait(stop); }
   /// Ends the take, if there is one, and the cameras.
   Result<void> finish();
 
@@ -99,6 +103,7 @@ class CaptureNode final : public StudioControl {
   mutable std::mutex mutex_;  // over what follows
   Take take_;
   std::string last_recording_;
+  TakeSealer sealer_{[this] { return !recording(); }};  // last: it asks about what stands above
 };
 
 }  // namespace floatstage::studio

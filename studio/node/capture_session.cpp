@@ -15,6 +15,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kTurn = std::chrono::milliseconds(50);
+constexpr std::chrono::seconds kSealing{10};
 constexpr auto kLongestLook = std::chrono::seconds(10);  // at the cameras' agreement, before a take begins
 
 double since(Clock::time_point begun) { return std::chrono::duration<double>(Clock::now() - begun).count(); }
@@ -111,6 +112,9 @@ Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOpti
   notice.stopping();
   Result<void> finished = node.finish();
   if (!finished) return forward(finished);
+  // Ctrl-C is how a recording ends, and it is sealed all the same unless that takes long.
+  const auto asked_long_ago = Clock::now() + kSealing;
+  (void)node.wait_for_seals([&] { return stop() && Clock::now() > asked_long_ago; });
   if (const std::string why = node.status().last_recording; options.record && !why.empty())
     return fail(ErrorCode::Io, why);
   return report_of(node);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/file_presence.h"
 #include "core/log.h"
 #include "core/png.h"
 #include "studio/messages/clock.h"
@@ -66,7 +67,7 @@ Result<void> PublishingNode::load_plates() {
   if (options_.plates.empty()) return {};
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const std::filesystem::path file = options_.plates / (rig_.cameras[i].serial + ".png");
-    if (!std::filesystem::exists(file)) continue;
+    if (!is_there(file)) continue;
     Result<Image> plate = load_png(file);
     if (!plate) return forward(plate);
     samples_[i].push_back(std::move(*plate));

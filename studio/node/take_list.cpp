@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/json_fields.h"
 #include "core/take_layout.h"
 
 namespace floatstage::studio {
@@ -39,9 +40,9 @@ std::optional<NodeTake> look_at_take(const fs::path& folder) {
   if (!manifest->cameras.empty())
     take.seconds = length_of(layout.frames_csv(manifest->cameras.front().serial), manifest->frame_rate);
   if (const Result<std::string> quality = read_file(layout.quality())) {
-    const auto json = nlohmann::json::parse(*quality, nullptr, false);
-    if (json.is_object() && json.contains("verdict") && json["verdict"].is_string())
-      take.verdict = json["verdict"].get<std::string>();
+    const Result<nlohmann::json> json = parse_json(*quality, layout.quality().string());
+    if (json && json->is_object() && json->contains("verdict") && json->at("verdict").is_string())
+      take.verdict = json->at("verdict").get<std::string>();
   }
   return take;
 }

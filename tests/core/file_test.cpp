@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/parallel.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
@@ -46,13 +48,46 @@ TEST(File, InAFolderThatIsNotThereIsNotFound) {
   EXPECT_THAT(write_file(folder / "no/a.txt", "x"), FailsWith(ErrorCode::NotFound, "no/a.txt"));
 }
 
-TEST(File, KeepsItsOldContentsWhenTheDiskIsFull) {
+TEST(File, ThatIsAPipeOrADeviceIsRefusedWithoutWaiting) {
   const TempFolder folder;
-  folder.write("a.txt", "old");
-  // The temporary name leads to a device on which every write says "no space left".
-  std::filesystem::create_symlink("/dev/full", temporary_name(folder / "a.txt"));
-  EXPECT_THAT(write_file(folder / "a.txt", "new"), FailsWith(ErrorCode::Io, "No space left on device"));
-  EXPECT_THAT(read_file(folder / "a.txt"), IsOkAnd(Eq("old")));
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(read_file(folder / "pipe"), FailsWith(ErrorCode::Io, "it is a pipe, not a file"));
+  EXPECT_THAT(read_file("/dev/zero"), FailsWith(ErrorCode::Io, "it is a device, not a file"));
+}
+
+TEST(File, LargerThanAllOfItsKindIsRefusedBeforeItIsRead) {
+  const TempFolder folder;
+  folder.write("a.txt", std::string(3 << 20, 'x'));
+  EXPECT_THAT(read_file(folder / "a.txt", 2 << 20), FailsWith(ErrorCode::BadData, "more than 2 MiB"));
+  EXPECT_THAT(read_file(folder / "a.txt", 3 << 20), IsOk());
+}
+
+TEST(File, WithoutASizeIsReadToItsEnd) {
+  EXPECT_THAT(read_file("/proc/self/status"), IsOkAnd(testing::HasSubstr("Threads:")));
+}
+
+TEST(File, IsNotWrittenThroughALinkThatSomebodyLeft) {
+  const TempFolder folder;
+  folder.write("precious.txt", "precious");
+  std::filesystem::create_symlink(folder / "precious.txt", temporary_name(folder / "a.txt"));
+  ASSERT_THAT(write_file(folder / "a.txt", "new"), IsOk());
+  EXPECT_THAT(read_file(folder / "precious.txt"), IsOkAnd(Eq("precious")));
+}
+
+TEST(File, WrittenByManyAtOnceIsOneOfTheirs) {
+  const TempFolder folder;
+  const auto text_of = [](std::size_t writer) {
+    return std::string(50'000, static_cast<char>('a' + writer));
+  };
+  for (int round = 0; round < 20; ++round) {
+    std::vector<Result<void>> written(4);
+    parallel_for(written.size(), 4,
+                 [&](std::size_t i) { written[i] = write_file(folder / "a.txt", text_of(i)); });
+    for (const Result<void>& ok : written) EXPECT_THAT(ok, IsOk());
+    const Result<std::string> bytes = read_file(folder / "a.txt");
+    ASSERT_THAT(bytes, IsOk());
+    EXPECT_EQ(*bytes, text_of(static_cast<std::size_t>(bytes->front() - 'a')));
+  }
   EXPECT_THAT(folder.names(), ElementsAre("a.txt"));
 }
 
@@ -121,6 +156,14 @@ TEST(File, InAnUnwritableFolderIsRefusedAndLeavesTheOldOne) {
 TEST(TemporaryName, IsHiddenBesideTheFileAndKeepsTheType) {
   EXPECT_EQ(temporary_name("takes/a.mkv"), "takes/.a.tmp.mkv");
   EXPECT_EQ(temporary_name("left.frames.csv"), ".left.frames.tmp.csv");
+}
+
+TEST(TemporaryName, IsKnownAgainWithAndWithoutNumbers) {
+  for (const char* half :
+       {"m/.000012.tmp.png", ".a.tmp.mkv", ".left.frames.tmp.csv", "m/.a.tmp-12-3.png", ".T.tmp"})
+    EXPECT_TRUE(is_temporary(half)) << half;
+  for (const char* file : {"000012.png", "a.tmp.png", ".hidden.png", ".a.tmpx.png", ".a.tmp-x.png"})
+    EXPECT_FALSE(is_temporary(file)) << file;
 }
 
 }  // namespace

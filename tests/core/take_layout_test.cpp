@@ -27,7 +27,9 @@ TakeManifest manifest() {
           .rig_sha256 = std::string(64, 'a'),
           .complete = true,
           .cameras = {{"left", "left.mkv", "ffv1", PixelFormat::Nv12, 640, 480},
-                      {"right", "right.mkv", "raw", PixelFormat::BayerRggb8, 0, 0}}};
+                      {"right", "right.mkv", "raw", PixelFormat::BayerRggb8, 0, 0}},
+          .files = {{"left.mkv", 81'204'113, std::string(64, 'b')},
+                    {"left.frames.csv", 0, std::string(64, 'c')}}};
 }
 
 TEST(TakeManifest, ComesBackAsItWas) {

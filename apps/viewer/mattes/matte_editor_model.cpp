@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/matte/affected_frames.h"
@@ -61,7 +62,7 @@ MatteEditorModel::MatteEditorModel(MatteEditorModelOptions options, std::unique_
 MatteEditorModel::~MatteEditorModel() { task_.stop(); }
 
 bool MatteEditorModel::matte_exists(int frame) const {
-  return std::filesystem::exists(take_->layout().matte(serial(), frame));
+  return is_there(take_->layout().matte(serial(), frame));
 }
 
 bool MatteEditorModel::busy() const {

@@ -7,6 +7,7 @@
 #include "apps/viewer/mattes/matte_editor.h"
 #include "apps/viewer/play/player.h"
 #include "apps/viewer/window/window.h"
+#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 
@@ -23,7 +24,7 @@ void say(const std::string& line) {
 // The first of floatstage-0.png, floatstage-1.png … that is not there.
 fs::path free_screenshot_name() {
   int number = 0;
-  while (fs::exists(text("floatstage-", number, ".png"))) ++number;
+  while (is_there(text("floatstage-", number, ".png"))) ++number;
   return text("floatstage-", number, ".png");
 }
 

@@ -265,7 +265,7 @@ TEST_F(Import, NeverOverwrites) {
   middlebury_stills(1);
   fs::create_directories(folder_ / "take");
   folder_.write("take/mine.txt", "mine");
-  expect_refused(ErrorCode::AlreadyExists, "exists already");
+  expect_refused(ErrorCode::AlreadyExists, "nothing is ever overwritten");
   EXPECT_TRUE(fs::exists(folder_ / "take" / "mine.txt"));
 }
 

@@ -80,6 +80,22 @@ TEST(Address, ThatOthersReachNeedsKeysAndSaysSo) {
   }
 }
 
+TEST(Address, OfAnotherMachineIsNotTakenForThisOneByItsFirstLetters) {
+  for (const char* address : {"tcp://127.example:5570", "tcp://127.0.0.1.example.org:5570",
+                              "tcp://localhost.example:1", "tcp://lo:5570", "tcp://[::]:1", "tcp://[::2]:1"})
+    EXPECT_THAT(check_address(address, {}), FailsWith(ErrorCode::InvalidArgument, "leaves this machine"))
+        << address;
+}
+
+TEST(Address, IsOneAddressAndNotSeveral) {
+  for (const char* address : {"tcp://127.0.0.1:0;0.0.0.0:15570", "tcp://127.0.0.1:5570,tcp://0.0.0.0:5570",
+                              "tcp://127.0.0.1;10.0.0.1:1", "tcp://127.0.0.1:5570/..",
+                              "tcp://127.0.0.1:65536", "tcp://127.0.0.1:-1", "tcp://127.0.0.1: 1"})
+    EXPECT_THAT(check_address(address, some_keys()),
+                FailsWith(ErrorCode::InvalidArgument, "one host and one port"))
+        << address;
+}
+
 TEST(Address, IsNamedWhenItIsNone) {
   for (const char* address : {"", "5570", "tcp://", "tcp://:5", "http://127.0.0.1:80", "tcp://127.0.0.1"})
     EXPECT_THAT(check_address(address, some_keys()), FailsWith(ErrorCode::InvalidArgument, "an address is"))

@@ -1,0 +1,157 @@
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/flags.h"
+#include "apps/progress_bar.h"
+#include "apps/verbs.h"
+#include "capture/take.h"
+#include "core/text.h"
+#include "pipeline/json_report.h"
+#include "pipeline/recorded_take.h"
+
+namespace floatstage::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Options {
+  fs::path take, json;
+};
+
+int lost_rows(const std::vector<FrameRow>& rows) {
+  int lost = 0;
+  for (const FrameRow& row : rows) lost += row.media_index ? 0 : 1;
+  return lost;
+}
+
+double seconds_of(const std::vector<FrameRow>& rows) {
+  if (rows.size() < 2) return 0;
+  const Nanoseconds span = rows.back().info.exposure_start - rows.front().info.exposure_start;
+  return static_cast<double>(span.count) / 1e9;
+}
+
+// What was derived and how much of it: mattes by camera, meshes by frame.
+json derived_of(const capture::TakeReader& take) {
+  const TakeLayout& layout = take.layout();
+  int mattes = 0, meshes = 0;
+  std::error_code error;
+  for (int f = 0; f < take.frame_count(); ++f) {
+    meshes += fs::exists(layout.mesh(f), error) ? 1 : 0;
+    for (const RigCamera& camera : take.rig().cameras)
+      mattes += fs::exists(layout.matte(camera.serial, f), error) ? 1 : 0;
+  }
+  return {{"mattes", mattes}, {"meshes", meshes}};
+}
+
+Result<void> info(const Options& given) {
+  Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(given.take);
+  if (!opened) return forward(opened);
+  const capture::TakeReader& take = **opened;
+  const TakeManifest& m = take.manifest();
+  double seconds = 0;
+  json cameras = json::array();
+  for (std::size_t c = 0; c < m.cameras.size(); ++c) {
+    const std::vector<FrameRow>& rows = take.rows(static_cast<int>(c));
+    seconds = std::max(seconds, seconds_of(rows));
+    cameras.push_back({{"serial", m.cameras[c].serial},
+                       {"codec", m.cameras[c].codec},
+                       {"format", name_of(m.cameras[c].format)},
+                       {"size", {m.cameras[c].width, m.cameras[c].height}},
+                       {"rows", rows.size()},
+                       {"lost", lost_rows(rows)}});
+  }
+  const json derived = derived_of(take);
+  const std::uint64_t bytes = capture::recorded_bytes(given.take);
+  std::printf("%s: %d frames of %zu cameras at %g Hz, %.1f s, %.1f MB; %s, %s\n", given.take.c_str(),
+              take.frame_count(), m.cameras.size(), m.frame_rate, seconds, static_cast<double>(bytes) / 1e6,
+              m.complete ? "complete" : "cut off", m.files.empty() ? "not sealed" : "sealed");
+  std::printf("recorded %s by %s%s%s\n", m.created.c_str(), m.writer.c_str(), m.label.empty() ? "" : ": ",
+              m.label.c_str());
+  for (const json& c : cameras)
+    std::printf("  %-16s %dx%d %s %s, %d rows, %d lost\n", c["serial"].get<std::string>().c_str(),
+                c["size"][0].get<int>(), c["size"][1].get<int>(), c["format"].get<std::string>().c_str(),
+                c["codec"].get<std::string>().c_str(), c["rows"].get<int>(), c["lost"].get<int>());
+  std::printf("derived: %d mattes, %d meshes\n", derived["mattes"].get<int>(), derived["meshes"].get<int>());
+  if (given.json.empty()) return {};
+  return pipeline::save_json({{"take", given.take.string()},
+                              {"label", m.label},
+                              {"created", m.created},
+                              {"writer", m.writer},
+                              {"frame_rate", m.frame_rate},
+                              {"frames", take.frame_count()},
+                              {"seconds", seconds},
+                              {"bytes", bytes},
+                              {"complete", m.complete},
+                              {"sealed", !m.files.empty()},
+                              {"cameras", std::move(cameras)},
+                              {"derived", derived},
+                              {"warnings", take.warnings()}},
+                             given.json);
+}
+
+Result<void> verify(const Options& given) {
+  ProgressBar progress;
+  const Result<capture::TakeCheck> check = pipeline::check_take(given.take, &progress);
+  if (!check) return forward(check);
+  for (const std::string& remark : check->remarks) std::printf("%s\n", remark.c_str());
+  for (const std::string& problem : check->problems) std::printf("DAMAGED: %s\n", problem.c_str());
+  if (!given.json.empty()) {
+    const json report = {{"take", given.take.string()}, {"sealed", check->sealed},
+                         {"files", check->files},       {"bytes", check->bytes},
+                         {"pictures", check->pictures}, {"intact", check->problems.empty()},
+                         {"problems", check->problems}, {"remarks", check->remarks}};
+    if (Result<void> ok = pipeline::save_json(report, given.json); !ok) return ok;
+  }
+  if (!check->problems.empty())
+    return fail(ErrorCode::BadData,
+                text(given.take.string(), " is not as it was recorded: ", check->problems.size(),
+                     check->problems.size() == 1 ? " complaint" : " complaints",
+                     ", above; bring its files back from a copy"));
+  std::printf("%s: %d files as they were recorded, by %s\n", given.take.c_str(), check->files,
+              check->sealed ? "their SHA-256" : text("decoding ", check->pictures, " pictures").c_str());
+  return {};
+}
+
+Result<void> seal(const Options& given) {
+  ProgressBar progress;
+  const Result<capture::TakeCheck> check = pipeline::check_take(given.take, &progress);
+  if (!check) return forward(check);
+  if (!check->problems.empty())
+    return fail(ErrorCode::BadData, text(check->problems.front(), "; what is damaged is not sealed"));
+  if (Result<void> ok = pipeline::seal_take(given.take, &progress); !ok) return ok;
+  std::printf("%s: sealed\n", given.take.c_str());
+  if (given.json.empty()) return {};
+  return pipeline::save_json({{"take", given.take.string()}, {"sealed", true}}, given.json);
+}
+
+using Run = Result<void> (*)(const Options&);
+
+void add_one(CLI::App& take, Chosen& chosen, const char* name, const char* help, Run run,
+             const std::vector<std::string>& examples) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = add_verb(take, chosen, name, help, examples);
+  add_take(*verb, options->take);
+  add_json(*verb, options->json);
+  verb->callback([options, run, &chosen] { chosen.run = [options, run] { return run(*options); }; });
+}
+
+}  // namespace
+
+void add_take_verb(CLI::App& app, Chosen& chosen) {
+  CLI::App* take = add_verb(app, chosen, "take", "What a take holds, and whether it is as it was recorded",
+                            {"floatstage take info T", "floatstage take verify T --json V.json"});
+  take->require_subcommand(1);
+  add_one(*take, chosen, "info", "What was recorded and what was derived from it", &info,
+          {"floatstage take info T", "floatstage take info T --json I.json"});
+  add_one(*take, chosen, "verify",
+          "Whether every recorded file is as it was written; by hash, or by decoding", &verify,
+          {"floatstage take verify T", "floatstage take verify T --json V.json"});
+  add_one(*take, chosen, "seal",
+          "Notes the SHA-256 of every recorded file; recordings and imports do it alone", &seal,
+          {"floatstage take seal T", "floatstage take seal T --json S.json"});
+}
+
+}  // namespace floatstage::apps
