@@ -1,0 +1,215 @@
+// Takes that somebody prepared: each file of a take replaced by each kind of trap, then the program's verbs
+// on it. Whatever they say, they end: by no signal, with no check of our own failed, soon, and in little
+// memory.
+
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/file.h"
+#include "core/matte_edits.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "pipeline/camera_path.h"
+#include "pipeline/process/process.h"
+#include "tests/support/matchers.h"
+#include "tests/support/small_take.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kLongest = std::chrono::seconds(20);
+constexpr long kMostKilobytes = 500 * 1024;
+constexpr int kExitBug = 70;
+
+struct Ended {
+  int status = -1;  // of waitpid; -1: still running after kLongest
+  long kilobytes = 0;
+};
+
+Ended run(const std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+    for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
+    ::execv(arguments[0], arguments.data());
+    ::_exit(127);
+  }
+  Ended ended;
+  rusage used = {};
+  for (const auto until = Clock::now() + kLongest;;) {
+    int status = 0;
+    if (::wait4(pid, &status, WNOHANG, &used) == pid) {
+      ended = {status, used.ru_maxrss};
+      break;
+    }
+    if (Clock::now() > until) {
+      ::kill(pid, SIGKILL);
+      ::wait4(pid, &status, 0, &used);
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return ended;
+}
+
+/// What stands where a file of the take stood.
+struct Trap {
+  const char* name;
+  std::function<void(const fs::path& file, const std::string& was)> set;
+};
+
+void put(const fs::path& file, const std::string& bytes) { ASSERT_THAT(write_file(file, bytes), IsOk()); }
+
+std::string with_numbers_replaced(std::string bytes, const std::string& by) {
+  std::string out;
+  bool in_word = false;
+  for (std::size_t i = 0; i < bytes.size();) {
+    const bool digit = std::isdigit(static_cast<unsigned char>(bytes[i])) != 0;
+    if (digit && !in_word) {
+      while (i < bytes.size() && (std::isdigit(static_cast<unsigned char>(bytes[i])) || bytes[i] == '.')) ++i;
+      out += by;
+      continue;
+    }
+    in_word = std::isalnum(static_cast<unsigned char>(bytes[i])) || bytes[i] == '_';
+    out += bytes[i++];
+  }
+  return out;
+}
+
+const std::vector<Trap>& traps() {
+  static const std::vector<Trap> kTraps = {
+      {"empty", [](const fs::path& f, const std::string&) { put(f, ""); }},
+      {"cut", [](const fs::path& f, const std::string& was) { put(f, was.substr(0, was.size() / 2)); }},
+      {"doubled", [](const fs::path& f, const std::string& was) { put(f, was + was); }},
+      {"noise",
+       [](const fs::path& f, const std::string& was) {
+         std::string noise(was.size() + 64, '\0');
+         std::uint32_t state = 12345;
+         for (char& c : noise) c = static_cast<char>((state = state * 1664525 + 1013904223) >> 24);
+         put(f, noise);
+       }},
+      {"zeros", [](const fs::path& f, const std::string& was) { put(f, std::string(was.size(), '\0')); }},
+      {"brackets", [](const fs::path& f, const std::string&) { put(f, std::string(2'000'000, '[')); }},
+      {"huge numbers",
+       [](const fs::path& f, const std::string& was) { put(f, with_numbers_replaced(was, "9e307")); }},
+      {"many numbers",
+       [](const fs::path& f, const std::string& was) { put(f, with_numbers_replaced(was, "2147483647")); }},
+      {"negative numbers",
+       [](const fs::path& f, const std::string& was) { put(f, with_numbers_replaced(was, "-1")); }},
+      {"sparse",
+       [](const fs::path& f, const std::string& was) {
+         put(f, was);
+         fs::resize_file(f, std::uintmax_t{64} << 30);
+       }},
+      {"a pipe",
+       [](const fs::path& f, const std::string&) {
+         fs::remove(f);
+         ASSERT_EQ(::mkfifo(f.c_str(), 0600), 0);
+       }},
+      {"a device",
+       [](const fs::path& f, const std::string&) {
+         fs::remove(f);
+         fs::create_symlink("/dev/zero", f);
+       }},
+      {"a folder",
+       [](const fs::path& f, const std::string&) {
+         fs::remove(f);
+         fs::create_directory(f);
+       }},
+      {"a link to itself",
+       [](const fs::path& f, const std::string&) {
+         fs::remove(f);
+         fs::create_symlink(f.filename(), f);
+       }},
+      {"gone", [](const fs::path& f, const std::string&) { fs::remove(f); }},
+  };
+  return kTraps;
+}
+
+/// A take with everything that a take can hold.
+class HostileTake : public testing::TestWithParam<const char*> {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    const fs::path take = small_take(*folder_);
+    pipeline::ProcessOptions options;
+    options.take = take;
+    options.matte = "chroma";
+    ASSERT_THAT(pipeline::process_take(options), IsOk());
+    const pipeline::PathKey a{.time = 0, .eye = {3, 0, 1}, .target = {0, 0, 1}, .fov_y = 40},
+        b{.time = 0.1, .eye = {2.9, 0.3, 1}, .target = {0, 0, 1}, .fov_y = 40};
+    ASSERT_THAT(pipeline::save_path({{a, b}}, take / "path.json"), IsOk());
+    folder_->write("take/mattes/edits.json", to_json(MatteEdits{{{"cam00", CameraEdits()}}}));
+    fs::copy(take / "rig.json", take / "colors.json");
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  static void expect_orderly(const std::string& trap, const std::vector<std::string>& words) {
+    std::vector<std::string> command = {FLOATSTAGE_PROGRAM};
+    command.insert(command.end(), words.begin(), words.end());
+    const Ended ended = run(command);
+    const std::string what = text(GetParam(), " is ", trap, ": ", words[0], ' ', words[1]);
+    ASSERT_NE(ended.status, -1) << what << " ran for more than 20 s";
+    EXPECT_FALSE(WIFSIGNALED(ended.status)) << what << " died of signal " << WTERMSIG(ended.status);
+    EXPECT_NE(WEXITSTATUS(ended.status), kExitBug) << what << " failed a check of our own";
+    EXPECT_LT(ended.kilobytes, kMostKilobytes) << what;
+  }
+
+  static TempFolder* folder_;
+};
+
+TempFolder* HostileTake::folder_ = nullptr;
+
+TEST_P(HostileTake, EndsEveryVerbInOrder) {
+  const fs::path take = *folder_ / "take", victim = *folder_ / "victim", film = *folder_ / "film.mp4";
+  const Result<std::string> was = read_file(take / GetParam());
+  ASSERT_THAT(was, IsOk());
+  for (const Trap& trap : traps()) {
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"take", "info", victim},
+                                                  {"take", "verify", victim},
+                                                  {"process", victim, "--matte", "chroma"},
+                                                  {"render", victim, "--path", victim / "path.json", "--size",
+                                                   "64x48", "--method", "linear", "-o", film}}) {
+      fs::remove_all(victim);
+      fs::remove(film);
+      fs::copy(take, victim, fs::copy_options::recursive);
+      trap.set(victim / GetParam(), *was);
+      expect_orderly(trap.name, words);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryFile, HostileTake,
+                         testing::Values("take.json", "rig.json", "cam00.mkv", "cam00.frames.csv",
+                                         "colors.json", "plates/cam00.png", "path.json", "mattes/made.json",
+                                         "mattes/edits.json", "mattes/cam00/000000.png", "meshes/hull.json",
+                                         "meshes/000000.ply"),
+                         [](const auto& file) {
+                           std::string name = file.param;
+                           for (char& c : name)
+                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace floatstage
