@@ -157,9 +157,10 @@ void FaceSweep::find_runs(std::size_t depth) {
   if (strict && in_->cull && depth < splits_.size() && lines_.size() > kMany) {
     Split& split = splits_[depth];
     if (split_window(split.parts)) {
-      std::swap(split.lines, lines_);
-      std::swap(split.exact, exact_);
-      std::swap(split.views, views_);
+      // Copied, not swapped: memory that changed places would have to grow anew in later frames.
+      split.lines = lines_;
+      split.exact = exact_;
+      split.views = views_;
       split.inside = inside_;
       for (const PairTable::Bound& part : split.parts)
         if (take_part(split, part)) find_runs(depth + 1);
