@@ -3,6 +3,7 @@
 #include <atomic>
 #include <optional>
 
+#include "capture/manifest_file.h"
 #include "capture/sha256.h"
 #include "capture/take.h"
 #include "core/file.h"
@@ -14,14 +15,6 @@ namespace floatstage::capture {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<TakeManifest> read_manifest(const TakeLayout& layout) {
-  const Result<std::string> bytes = read_file(layout.manifest());
-  if (!bytes && bytes.error().code == ErrorCode::NotFound)
-    return fail(ErrorCode::NotFound, text(layout.folder().string(), " is no take: it has no take.json"));
-  if (!bytes) return forward(bytes);
-  return parse_manifest(*bytes, layout.manifest().string());
-}
 
 // A camera that never delivered has no media file.
 std::vector<std::string> recorded_files(const TakeLayout& layout, const TakeManifest& manifest) {
@@ -102,7 +95,7 @@ Result<void> decode_all(TakeReader& take, const ReadWatch& watch, TakeCheck& che
 std::uint64_t recorded_bytes(const fs::path& take) {
   const TakeLayout layout(take);
   std::uint64_t bytes = 0;
-  if (const Result<TakeManifest> manifest = read_manifest(layout))
+  if (const Result<TakeManifest> manifest = load_manifest(layout))
     for (const std::string& name : recorded_files(layout, *manifest)) {
       std::error_code error;
       const std::uint64_t size = fs::file_size(take / name, error);
@@ -113,7 +106,7 @@ std::uint64_t recorded_bytes(const fs::path& take) {
 
 Result<void> seal_take(const fs::path& take, const ReadWatch& watch) {
   const TakeLayout layout(take);
-  Result<TakeManifest> manifest = read_manifest(layout);
+  Result<TakeManifest> manifest = load_manifest(layout);
   if (!manifest) return forward(manifest);
   if (!manifest->files.empty()) return {};
   if (!manifest->complete)
@@ -131,7 +124,7 @@ Result<void> seal_take(const fs::path& take, const ReadWatch& watch) {
 
 Result<TakeCheck> check_take(const fs::path& folder, const ReadWatch& watch) {
   const TakeLayout layout(folder);
-  const Result<TakeManifest> manifest = read_manifest(layout);
+  const Result<TakeManifest> manifest = load_manifest(layout);
   if (!manifest) return forward(manifest);
   TakeCheck check;
   check.sealed = !manifest->files.empty();

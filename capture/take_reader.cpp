@@ -2,6 +2,7 @@
 #include <mutex>
 #include <set>
 
+#include "capture/manifest_file.h"
 #include "capture/sha256.h"
 #include "capture/take.h"
 #include "capture/track_reader.h"
@@ -181,11 +182,7 @@ Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
 }
 
 Result<void> FolderReader::open() {
-  const Result<std::string> bytes = read_file(layout_.manifest());
-  if (!bytes && bytes.error().code == ErrorCode::NotFound)
-    return fail(ErrorCode::NotFound, text(layout_.folder().string(), " is no take: it has no take.json"));
-  if (!bytes) return forward(bytes);
-  Result<TakeManifest> manifest = parse_manifest(*bytes, layout_.manifest().string());
+  Result<TakeManifest> manifest = load_manifest(layout_);
   if (!manifest) return forward(manifest);
   manifest_ = std::move(*manifest);
   if (Result<void> ok = read_rig(); !ok) return ok;

@@ -58,13 +58,14 @@ class Choice {
       }
   }
 
-  // The parent in which a child is largest, among those that are there.
-  int best_parent(std::size_t c) const {
+  // The parent in which a child is largest, among those that are there and show it smaller by more than
+  // `zoom`.
+  int best_parent(std::size_t c, double zoom) const {
     int best = -1;
     double largest = 0;
     for (std::size_t p = 0; p < n_; ++p) {
       const PairRelation& pair = r_.pair(c, p);
-      if (p == c || removed_[p] || !pair.contained()) continue;
+      if (p == c || removed_[p] || !pair.contained() || pair.zoom <= zoom) continue;
       const double area = pixels(c) / (pair.zoom * pair.zoom);
       if (area > largest) largest = area, best = static_cast<int>(p);
     }
@@ -77,7 +78,7 @@ class Choice {
     std::vector<std::size_t> idle;
     for (std::size_t c = 0; c < n_; ++c) {
       if (removed_[c]) continue;
-      const int p = best_parent(c);
+      const int p = best_parent(c, 0);
       // Each may lie in the other: a shrunk copy lies in its original, which is a detail of it.
       if (p >= 0 && r_.pair(c, static_cast<std::size_t>(p)).zoom <= kLeastZoom && !holds(c, p))
         idle.push_back(c);
@@ -87,14 +88,7 @@ class Choice {
   bool holds(std::size_t c, int p) const { return r_.pair(static_cast<std::size_t>(p), c).contained(); }
 
   void take_best(std::size_t c) {
-    int best = -1;
-    double largest = 0;
-    for (std::size_t p = 0; p < n_; ++p) {
-      const PairRelation& pair = r_.pair(c, p);
-      if (p == c || removed_[p] || !pair.contained() || pair.zoom <= kLeastZoom) continue;
-      const double area = pixels(c) / (pair.zoom * pair.zoom);
-      if (area > largest) largest = area, best = static_cast<int>(p);
-    }
+    const int best = best_parent(c, kLeastZoom);
     if (best < 0) return;
     const PairRelation& pair = r_.pair(c, static_cast<std::size_t>(best));
     GraphPhoto& photo = graph_.photos[c];

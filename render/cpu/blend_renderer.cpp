@@ -1,16 +1,16 @@
 // The weighted mean of the projected photographs (Eq. 9.1), or how far they disagree. The pass of
 // render/gl/shaders/blend.frag.
-#include <algorithm>
+#include <array>
+#include <span>
 
 #include "core/text.h"
 #include "render/cpu/picture.h"
 #include "render/cpu/renderers.h"
+#include "render/cpu/row_mean.h"
 #include "render/renderer_checks.h"
 
 namespace floatstage::render::cpu {
 namespace {
-
-constexpr float kFaint = 1e-4F;  // below half an 8-bit step even against the strongest contrast
 
 class BlendRenderer : public ViewRenderer {
  public:
@@ -39,33 +39,22 @@ class BlendRenderer : public ViewRenderer {
     const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
     const auto count = static_cast<std::size_t>(row.count);
     const std::size_t listed = projection_.choice().listed.size();
-    float *u = memory.floats(count), *v = memory.floats(count), *sum = memory.floats(4 * count);
-    float* total = memory.floats(count);
+    RowMean mean(count, kFaint, memory);
+    float *u = memory.floats(count), *v = memory.floats(count);
     std::int32_t *inside = memory.ints(count), *wanted = memory.ints(count);
-    std::array<float*, kMostListed> colors{};
-    std::fill_n(sum, 4 * count, 0.F);
-    std::fill_n(total, count, 0.F);
+    std::array<RowShare, kMostListed> shares{};
     const PixelList points{projection_.covered().x.data() + row.list, nullptr,
                            projection_.covered().inverse_z.data() + row.list, static_cast<float>(y) + 0.5F,
                            row.count};
     for (std::size_t slot = 0; slot < listed; ++slot) {
       const float* weight = projection_.weight(slot) + row.list;
-      colors[slot] = memory.floats(4 * count);
-      std::int32_t any = 0;
-      for (std::size_t i = 0; i < count; ++i) any |= wanted[i] = weight[i] >= kFaint ? 1 : 0;
-      if (any == 0) continue;
+      if (!mark_weighty(weight, kFaint, count, wanted)) continue;
+      float* color = memory.floats(4 * count);
       project_points(projection_.camera(slot), projection_.rays(), points, u, v, inside);
-      read_colors(projection_.camera(slot), projection_.sharp(), u, v, wanted, row.count, colors[slot]);
-      for (std::size_t i = 0; i < count; ++i) {
-        if (wanted[i] == 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += weight[i] * colors[slot][4 * i + c];
-        total[i] += weight[i];
-      }
+      read_colors(projection_.camera(slot), projection_.sharp(), u, v, wanted, row.count, color);
+      mean.add(shares[slot] = {weight, color});
     }
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] /= std::max(total[i], 1e-6F);
-    if (ghosting) show_ghosts(projection_, row, colors, kFaint, total, sum);
-    picture_.write(projection_, y, sum, 4);
+    picture_.write(projection_, y, mean.finish(ghosting, std::span(shares).first(listed)), 4);
   }
 
   const bool one_camera_;

@@ -5,16 +5,17 @@
 // docs/adr/0210-filtered-blending.md.
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "render/cpu/picture.h"
 #include "render/cpu/renderers.h"
+#include "render/cpu/row_mean.h"
 #include "render/photo_pyramid.h"
 #include "render/renderer_checks.h"
 
 namespace floatstage::render::cpu {
 namespace {
 
-constexpr float kFaint = 1e-4F;       // as in linear
 constexpr float kLeastShare = 0.25F;  // of a filter that must lie on the subject
 constexpr float kNearest = 0.1F;      // of the depth: a line of disparity never reaches the eye
 
@@ -164,37 +165,28 @@ class FilteredRenderer : public ViewRenderer {
                            projection_.covered().inverse_z.data() + row.list, static_cast<float>(y) + 0.5F,
                            row.count};
     const ViewRays& rays = projection_.rays();
-    float *length = memory.floats(count), *sum = memory.floats(4 * count), *total = memory.floats(count);
+    RowMean mean(count, kFaint, memory);
+    float* length = memory.floats(count);
     const float ry = (points.row_y - rays.cy) * rays.inverse_fy;
     for (std::size_t i = 0; i < count; ++i) {
       const float rx = (points.x[i] - rays.cx - rays.skew * ry) * rays.inverse_fx;
       length[i] = std::sqrt(rx * rx + ry * ry + 1);
     }
-    std::fill_n(sum, 4 * count, 0.F);
-    std::fill_n(total, count, 0.F);
     std::int32_t* wanted = memory.ints(count);
+    std::array<RowShare, kMostListed> shares{};
     std::array<float*, kMostListed> colors{};
     for (std::size_t slot = 0; slot < listed; ++slot) colors[slot] = memory.floats(4 * count);
     const std::size_t mark = memory.used();
     for (std::size_t slot = 0; slot < listed; ++slot) {
       const float* weight = projection_.weight(slot) + row.list;
-      std::int32_t any = 0;
-      for (std::size_t i = 0; i < count; ++i) any |= wanted[i] = weight[i] >= kFaint ? 1 : 0;
-      if (any == 0) continue;
+      if (!mark_weighty(weight, kFaint, count, wanted)) continue;
       memory.take_back(mark);
       Lines lines{memory.floats(count), memory.floats(count), memory.floats(count), memory.floats(count)};
       find_lines(slot, points, length, lines, memory);
       filter_row(slot, lines, wanted, row.count, colors[slot], memory);
-      for (std::size_t i = 0; i < count; ++i) {
-        if (wanted[i] == 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += weight[i] * colors[slot][4 * i + c];
-        total[i] += weight[i];
-      }
+      mean.add(shares[slot] = {weight, colors[slot]});
     }
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] /= std::max(total[i], 1e-6F);
-    if (ghosting) show_ghosts(projection_, row, colors, kFaint, total, sum);
-    picture_.write(projection_, y, sum, 4);
+    picture_.write(projection_, y, mean.finish(ghosting, std::span(shares).first(listed)), 4);
   }
 
   // The pictures before fade: each leaves its share, so what rests tends to what it is.

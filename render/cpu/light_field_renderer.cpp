@@ -2,10 +2,11 @@
 // meets the cameras' plane, weighted bilinearly. The pass of render/gl/shaders/light_field.frag.
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
 
 #include "render/cpu/picture.h"
 #include "render/cpu/renderers.h"
+#include "render/cpu/row_mean.h"
 #include "render/light_field.h"
 #include "render/renderer_checks.h"
 
@@ -70,8 +71,8 @@ class LightFieldRenderer : public ViewRenderer {
     const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
     const auto count = static_cast<std::size_t>(row.count);
     const Cells cells = find_cells(y, memory);
-    float *u = memory.floats(count), *v = memory.floats(count), *sum = memory.floats(4 * count),
-          *total = memory.floats(count);
+    RowMean mean(count, std::numeric_limits<float>::min(), memory);
+    float *u = memory.floats(count), *v = memory.floats(count);
     std::int32_t *inside = memory.ints(count), *wanted = memory.ints(count);
     std::array<float*, 4> colors{}, weights{};
     for (std::size_t k = 0; k < 4; ++k) {
@@ -79,8 +80,6 @@ class LightFieldRenderer : public ViewRenderer {
       weights[k] = memory.floats(count);
       std::fill_n(weights[k], count, 0.F);
     }
-    std::fill_n(sum, 4 * count, 0.F);
-    std::fill_n(total, count, 0.F);
     const PixelList points{projection_.covered().x.data() + row.list, nullptr,
                            projection_.covered().inverse_z.data() + row.list, static_cast<float>(y) + 0.5F,
                            row.count};
@@ -98,30 +97,9 @@ class LightFieldRenderer : public ViewRenderer {
                             (inside[i] != 0 ? 1 : LightFieldPlane::kBeside);
       }
     }
-    for (std::size_t k = 0; k < 4; ++k)
-      for (std::size_t i = 0; i < count; ++i) {
-        if (weights[k][i] == 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] += weights[k][i] * colors[k][4 * i + c];
-        total[i] += weights[k][i];
-      }
-    for (std::size_t i = 0; i < count; ++i)
-      for (std::size_t c = 0; c < 3; ++c) sum[4 * i + c] /= std::max(total[i], 1e-12F);
-    if (ghosting) show_ghosts(count, colors, weights, total, sum);
-    picture_.write(projection_, y, sum, 4);
-  }
-
-  static void show_ghosts(std::size_t count, const std::array<float*, 4>& colors,
-                          const std::array<float*, 4>& weights, const float* total, float* mean) {
-    for (std::size_t i = 0; i < count; ++i) {
-      float apart = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (weights[k][i] == 0) continue;
-        const float *c = colors[k] + 4 * i, *m = mean + 4 * i;
-        apart += weights[k][i] / total[i] * std::hypot(c[0] - m[0], c[1] - m[1], c[2] - m[2]) / 255;
-      }
-      const std::array<float, 3> heat = heat_color(3 * apart);
-      std::copy(heat.begin(), heat.end(), mean + 4 * i);
-    }
+    std::array<RowShare, 4> shares{};
+    for (std::size_t k = 0; k < 4; ++k) mean.add(shares[k] = {weights[k], colors[k]});
+    picture_.write(projection_, y, mean.finish(ghosting, shares), 4);
   }
 
   LightFieldPlane plane_;

@@ -119,22 +119,6 @@ std::array<float, 3> heat_color(float amount) {
   return rgb;
 }
 
-void show_ghosts(const Projection& projection, const Covered::Row& row,
-                 const std::array<float*, kMostListed>& colors, float faint, const float* total,
-                 float* mean) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(row.count); ++i) {
-    float apart = 0;
-    for (std::size_t slot = 0; slot < projection.choice().listed.size(); ++slot) {
-      const float weight = projection.weight(slot)[row.list + i];
-      if (weight < faint) continue;
-      const float *color = colors[slot] + 4 * i, *m = mean + 4 * i;
-      apart += weight / total[i] * std::hypot(color[0] - m[0], color[1] - m[1], color[2] - m[2]) / 255;
-    }
-    const std::array<float, 3> heat = heat_color(3 * apart);
-    std::copy(heat.begin(), heat.end(), mean + 4 * i);
-  }
-}
-
 RenderedView rendered_view(const Scene& scene, const View& view, const Projection& projection,
                            const Picture& picture) {
   return {.picture = &picture.image(),

@@ -30,12 +30,6 @@ void draw_intermediate(Projection& projection, const Scene& scene, const View& v
 std::array<float, 3> flow_color(float u, float v);
 std::array<float, 3> heat_color(float amount);  ///< black, red, yellow, white over 0…1
 
-/// In the place of a row's mean colours (four floats a pixel) how far the blended ones lie from them,
-/// weighted, as heat. `colors` by slot; weights below `faint` were not blended; `total` are the weights'
-/// sums.
-void show_ghosts(const Projection& projection, const Covered::Row& row,
-                 const std::array<float*, kMostListed>& colors, float faint, const float* total, float* mean);
-
 /// What render() returns once the picture is drawn.
 RenderedView rendered_view(const Scene& scene, const View& view, const Projection& projection,
                            const Picture& picture);

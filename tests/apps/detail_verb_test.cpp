@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/command_line.h"
 #include "core/file.h"
 #include "core/png.h"
+#include "tests/apps/verb_runs.h"
 #include "tests/detail/pictures.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -14,7 +14,7 @@ namespace {
 using detail::test::photograph;
 using detail::test::view_of_world;
 
-class DetailVerbs : public testing::Test {
+class DetailVerbs : public VerbRuns {
  protected:
   void SetUp() override {
     std::filesystem::create_directories(folder_ / "photos");
@@ -23,23 +23,6 @@ class DetailVerbs : public testing::Test {
                 IsOk());
     folder_.write("photos/cut.jpg", "\xFF\xD8\xFF");
   }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
-  static Result<void> run(const std::vector<std::string>& words) {
-    Chosen chosen;
-    const std::unique_ptr<CLI::App> app = command_line(chosen);
-    const std::optional<Ending> ending = read_command_line(*app, words);
-    if (ending) return fail(ErrorCode::InvalidArgument, ending->error);
-    return chosen.run();
-  }
-  nlohmann::json report(const std::string& name) const {
-    const Result<std::string> text = read_file(folder_ / name);
-    EXPECT_THAT(text, IsOk());
-    return text ? nlohmann::json::parse(*text) : nlohmann::json();
-  }
-
- private:
-  TempFolder folder_;
 };
 
 TEST_F(DetailVerbs, RelatePhotographsAndMakeOnePictureOfThem) {

@@ -1,10 +1,10 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "apps/command_line.h"
 #include "core/file.h"
 #include "core/png.h"
 #include "render/flow/flo_file.h"
+#include "tests/apps/verb_runs.h"
 #include "tests/render/flow/pictures.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWidth = 120, kHeight = 90;
 
-class FlowVerb : public testing::Test {
+class FlowVerb : public VerbRuns {
  protected:
   // A grainy picture, moved to the right and down.
   std::string picture(const std::string& name, int dx, int dy) {
@@ -23,23 +23,6 @@ class FlowVerb : public testing::Test {
     EXPECT_THAT(save_png(image, folder_ / name), IsOk());
     return file(name);
   }
-  std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
-  static Result<void> run(const std::vector<std::string>& words) {
-    Chosen chosen;
-    const std::unique_ptr<CLI::App> app = command_line(chosen);
-    const std::optional<Ending> ending = read_command_line(*app, words);
-    if (ending) return fail(ErrorCode::InvalidArgument, ending->error);
-    return chosen.run();
-  }
-  nlohmann::json report(const std::string& name) const {
-    const Result<std::string> text = read_file(folder_ / name);
-    EXPECT_THAT(text, IsOk());
-    return text ? nlohmann::json::parse(*text) : nlohmann::json();
-  }
-
- private:
-  TempFolder folder_;
 };
 
 TEST_F(FlowVerb, FindsAShiftAndWritesItsFieldColoursAndReport) {
