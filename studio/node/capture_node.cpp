@@ -176,6 +176,7 @@ Result<std::string> CaptureNode::record_into(fs::path folder, const std::string&
     if (!named) return forward(named);
     folder = *named;
   }
+  folder = fs::absolute(folder);  // "take" lies on a disk, too
   if (free_bytes(folder.parent_path()) < config_.keep_free_bytes)
     return fail(ErrorCode::Io,
                 text("the disk of ", folder.parent_path().string(), " is full but for the ",

@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "tests/support/board_picture.h"
 #include "tests/support/matchers.h"
+#include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::apps {
@@ -221,16 +222,12 @@ TEST(CalibrateLive, ShowsCoverageAndAdviceInAWindow) {
     toml += text("[[camera]]\nserial = \"", c.serial, "\"\nsource = \"", c.source, "\"\n");
   folder.write("studio.toml", toml);
   const std::filesystem::path file = folder / "live.png";
-  const std::string command =
-      text("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' ", FLOATSTAGE_PROGRAM,
-           " calibrate live ", (folder / "studio.toml").string(), " --target '", kTarget,
-           "' --size 1100x700 --screenshot ", file.string(), " 2>&1");
-  FILE* pipe = popen(command.c_str(), "r");
-  ASSERT_TRUE(pipe);
-  std::string said;
-  for (char buffer[256]; fgets(buffer, sizeof buffer, pipe) != nullptr;) said += buffer;
-  ASSERT_EQ(pclose(pipe), 0) << said;
-  EXPECT_THAT(said, testing::HasSubstr("PASS"));
+  const std::string command = text("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' ",
+                                   FLOATSTAGE_PROGRAM, " calibrate live ", (folder / "studio.toml").string(),
+                                   " --target '", kTarget, "' --size 1100x700 --screenshot ", file.string());
+  const Ended ended = run_command(command);
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  EXPECT_THAT(ended.output, testing::HasSubstr("PASS"));
   const Result<Image> window = load_png(file);
   ASSERT_THAT(window, IsOk());
   EXPECT_EQ(window->width, 1100);

@@ -1,12 +1,10 @@
-#include <cstdio>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "core/file.h"
 #include "tests/support/matchers.h"
+#include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::apps {
@@ -16,19 +14,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-struct Ended {
-  int code;
-  std::string output;  ///< standard output and error together
-};
-
-Ended floatstage(const std::string& arguments) {
-  FILE* pipe = popen((std::string(FLOATSTAGE_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
-  std::string output;
-  char buffer[4096];
-  for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, n);
-  const int status = pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, output};
-}
+Ended floatstage(const std::string& arguments) { return run_command(FLOATSTAGE_PROGRAM " " + arguments); }
 
 TEST(CommandLine, ExplainsItself) {
   const Ended help = floatstage("--help");

@@ -1,16 +1,15 @@
 #include <cmath>
-#include <cstdio>
 
 #include <ImfRgbaFile.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "core/file.h"
 #include "core/matte_edits.h"
 #include "core/png.h"
 #include "core/take_layout.h"
 #include "core/text.h"
+#include "tests/support/run_command.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::apps {
@@ -25,11 +24,9 @@ class MatteVerb : public testing::Test {
   MatteVerb() : take_(small_take(folder_, 2)) {}
 
   int run(const std::string& arguments) {
-    FILE* pipe = popen(text(FLOATSTAGE_PROGRAM, " ", arguments, " 2>&1").c_str(), "r");
-    output_.clear();
-    char buffer[4096];
-    for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output_.append(buffer, n);
-    return WEXITSTATUS(pclose(pipe));
+    Ended ended = run_command(FLOATSTAGE_PROGRAM " " + arguments);
+    output_ = std::move(ended.output);
+    return ended.code;
   }
   std::string matte(const std::string& arguments) const {
     return text("matte '", take_.string(), "' --cameras cam01 --hull-frames 0 ", arguments);

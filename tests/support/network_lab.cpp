@@ -11,6 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/run_command.h"
+
 namespace floatstage {
 namespace {
 
@@ -136,11 +138,7 @@ bool NetworkLab::enter(int machine) const {
 std::uint64_t NetworkLab::statistic(int machine, const std::string& which) const {
   const std::string command = "ip netns exec " + prefix_ + "switch cat /sys/class/net/port" +
                               std::to_string(machine) + "/statistics/" + which;
-  FILE* pipe = ::popen(command.c_str(), "r");
-  unsigned long long bytes = 0;
-  if (std::fscanf(pipe, "%llu", &bytes) != 1) bytes = 0;
-  ::pclose(pipe);
-  return bytes;
+  return std::strtoull(run_command(command).output.c_str(), nullptr, 10);
 }
 
 std::uint64_t NetworkLab::sent_bytes(int machine) const { return statistic(machine, "rx_bytes"); }

@@ -1,29 +1,14 @@
-#include <cstdio>
 
 #include <gmock/gmock.h>
-#include <sys/wait.h>
 
 #include "core/png.h"
+#include "tests/support/run_command.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::apps {
 namespace {
 
 using testing::HasSubstr;
-
-struct Ended {
-  int code = -1;
-  std::string output;
-};
-
-Ended run(const std::string& command) {
-  Ended ended;
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  char buffer[4096];
-  for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) ended.output.append(buffer, n);
-  ended.code = WEXITSTATUS(pclose(pipe));
-  return ended;
-}
 
 // The real window under a virtual display, closed by its own --screenshot.
 TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
@@ -32,9 +17,9 @@ TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
   // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from
   // ours.
   const Ended ended =
-      run("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
-          " live --source " +
-          take.string() + " --seconds 60 --rate 8 --size 900x600 --screenshot " + shot.string());
+      run_command("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
+                  " live --source " +
+                  take.string() + " --seconds 60 --rate 8 --size 900x600 --screenshot " + shot.string());
   ASSERT_EQ(ended.code, 0) << ended.output;
   const Result<Image> picture = load_png(shot);
   ASSERT_THAT(picture, IsOk());
@@ -58,16 +43,16 @@ TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
 }
 
 TEST(LiveVerb, SaysWhatIsMissing) {
-  const Ended nothing = run(FLOATSTAGE_PROGRAM " live --headless");
+  const Ended nothing = run_command(FLOATSTAGE_PROGRAM " live --headless");
   EXPECT_EQ(nothing.code, 3);
   EXPECT_THAT(nothing.output, HasSubstr("--source TAKE or --config STUDIO.toml"));
-  const Ended unseen = run(FLOATSTAGE_PROGRAM " live --source /no/such/take --json L.json");
+  const Ended unseen = run_command(FLOATSTAGE_PROGRAM " live --source /no/such/take --json L.json");
   EXPECT_EQ(unseen.code, 3);
   EXPECT_THAT(unseen.output, HasSubstr("add --headless"));
-  const Ended nobody = run(FLOATSTAGE_PROGRAM " live --headless --config /no/such/studio.toml");
+  const Ended nobody = run_command(FLOATSTAGE_PROGRAM " live --headless --config /no/such/studio.toml");
   EXPECT_EQ(nobody.code, 4);
   EXPECT_THAT(nobody.output, HasSubstr("/no/such/studio.toml"));
-  const Ended lost = run(FLOATSTAGE_PROGRAM " live --headless --source /no/such/take");
+  const Ended lost = run_command(FLOATSTAGE_PROGRAM " live --headless --source /no/such/take");
   EXPECT_EQ(lost.code, 4);
   EXPECT_THAT(lost.output, HasSubstr("/no/such/take"));
 }

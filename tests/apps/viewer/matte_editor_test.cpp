@@ -2,12 +2,12 @@
 #include <cstdlib>
 
 #include <gmock/gmock.h>
-#include <sys/wait.h>
 
 #include "core/matte_edits.h"
 #include "core/png.h"
 #include "core/take_layout.h"
 #include "core/text.h"
+#include "tests/support/run_command.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::apps {
@@ -57,13 +57,11 @@ cat <&3
 wait $editor
 exit $?
 )"));
-    const std::string command = "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' bash " +
-                                script.string() + " 2>&1";
-    FILE* pipe = popen(command.c_str(), "r");
-    char buffer[4096];
-    output_.clear();
-    for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) output_.append(buffer, n);
-    return WEXITSTATUS(pclose(pipe));
+    const std::string command =
+        "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' bash " + script.string();
+    Ended ended = run_command(command);
+    output_ = std::move(ended.output);
+    return ended.code;
   }
   std::vector<Image> mattes_of(const fs::path& take) const {
     std::vector<Image> all;

@@ -114,6 +114,19 @@ TEST(CaptureNode, EndsATakeBeforeTheDiskIsFullAndRecordsAgainWhenThereIsRoom) {
       << "the cameras go on";
 }
 
+TEST(CaptureNode, RecordsIntoAFolderOfTheWorkingDirectory) {
+  const TempFolder folder;
+  CaptureConfig config = live_studio(2, 50, folder.path());
+  config.keep_free_bytes = 1'000'000;
+  const auto node = running(config);
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const Result<std::string> name = node->record_into("bare", "");
+  std::filesystem::current_path(before);
+  ASSERT_THAT(name, IsOk());
+  EXPECT_TRUE(std::filesystem::exists(folder / "bare"));
+}
+
 TEST(CaptureNode, TellsHowItIs) {
   const TempFolder folder;
   const auto node = running(live_studio(2, 50, folder.path()));
