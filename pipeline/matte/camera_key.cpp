@@ -16,6 +16,7 @@
 #include "pipeline/keying.h"
 #include "pipeline/matte/camera_plate.h"
 #include "pipeline/matte/matte_how.h"
+#include "pipeline/matte/quick_keyer.h"
 #include "pipeline/matte/take_clip.h"
 
 namespace floatstage::pipeline {
@@ -137,7 +138,7 @@ Result<CameraKey> CameraKey::keyed(capture::TakeReader& take, int camera, const 
   CameraKey key;
   key.kind_ = Kind::Keyer;
   key.spec_ = (*keyer)->spec();
-  key.keyer_ = std::move(*keyer);
+  key.keyer_ = std::make_shared<QuickKeyer>(std::move(*keyer));
   return key;
 }
 
@@ -150,7 +151,7 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, std::o
   key.kind_ = Kind::Plate;
   key.spec_ = plate->keyer->spec();
   key.plate_ = std::make_shared<matting::Plate>(std::move(plate->plate));
-  key.keyer_ = std::move(plate->keyer);
+  key.keyer_ = std::make_shared<QuickKeyer>(std::move(plate->keyer));
   key.unseen_ = plate->unseen;
   return key;
 }

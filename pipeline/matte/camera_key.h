@@ -11,10 +11,11 @@
 #include "core/image.h"
 #include "core/matte_edits.h"
 #include "core/result.h"
-#include "matting/keyers/keyer.h"
 #include "matting/keyers/plate.h"
 
 namespace floatstage::pipeline {
+
+class QuickKeyer;
 
 /// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a keyer,
 /// a plate, or what was cut out from a person's clicks. Where mattes/given/ has a matte of the photograph,
@@ -86,7 +87,7 @@ class CameraKey {
   std::string spec_, reason_;
   std::filesystem::path guide_;  // a folder with <frame>.png
   std::filesystem::path given_;  // likewise, or nothing
-  std::shared_ptr<const matting::Keyer> keyer_;
+  std::shared_ptr<QuickKeyer> keyer_;
   std::shared_ptr<const matting::Plate> plate_;
   struct Cut;
   std::shared_ptr<Cut> cut_;
