@@ -88,6 +88,7 @@ const std::map<std::string, int>& ranks() {
                                                    {"pipeline/demo", 5},
                                                    {"studio/messages", 0},
                                                    {"studio/network", 1},
+                                                   {"studio/page", 1},
                                                    {"studio/node", 2},
                                                    {"studio/live", 3},
                                                    {"apps/check", 0},

@@ -28,6 +28,17 @@ class Section {
     if (!value) note(node, text(key, " must be a text in quotes"));
     return value.value_or(otherwise);
   }
+  std::vector<std::string> texts(const char* key) {
+    std::vector<std::string> all;
+    const toml::node* node = take(key);
+    if (!node) return all;
+    const toml::array* list = node->as_array();
+    for (std::size_t i = 0; list && i < list->size(); ++i)
+      if (const std::optional<std::string> value = list->get(i)->value_exact<std::string>())
+        all.push_back(*value);
+    if (!list || all.size() != list->size()) note(node, text(key, " must be a list of texts in quotes"));
+    return all;
+  }
   double number(const char* key, double otherwise, double low, double high) {
     const toml::node* node = take(key);
     if (!node) return otherwise;
@@ -108,10 +119,11 @@ void read_recording(Section section, CaptureConfig& config, const fs::path& base
 }
 
 void read_web(Section section, CaptureConfig& config, const fs::path& base) {
-  CaptureConfig::Web web;
+  PageSettings web;
   web.port = static_cast<int>(section.whole("port", static_cast<std::uint64_t>(web.port), 0, 65535));
   web.address = section.text_of("address", web.address);
   if (const std::string file = section.text_of("token_file", ""); !file.empty()) web.token_file = base / file;
+  web.names = section.texts("names");
   section.finish();
   config.web = std::move(web);
 }

@@ -8,6 +8,7 @@
 
 #include "capture/recorder.h"
 #include "core/result.h"
+#include "studio/page/page_settings.h"
 
 namespace floatstage::studio {
 
@@ -19,7 +20,8 @@ namespace floatstage::studio {
 ///   [recording]  folder = "takes", label = "rehearsal", codec = "ffv1" | "raw" | "h264", queue_frames = 64,
 ///                preroll_seconds = 2, keep_free_mb = 256, disagreement = "warn" | "refuse"
 ///   [limits]     skips = 0, duplicates = 0, spread_ms = 1.0, rate_deviation = 0.01
-///   [web]        port = 8470, address = "127.0.0.1", token_file = "token" (no table: no page)
+///   [web]        port = 8470, address = "127.0.0.1", token_file = "token", names = ["stage.local"]
+///                (no table: no page)
 ///   [publish]    address = "tcp://127.0.0.1:5570", control = "tcp://127.0.0.1:5571", keys = "studio.keys",
 ///                key = "chroma", plates = "plates", shrink = 2, tiles = "jpeg" | "raw", jpeg_quality = 90
 ///                (no table: nothing goes to the network)
@@ -30,12 +32,6 @@ struct CaptureConfig {
   struct Camera {
     std::string serial;
     std::string source;  ///< a URI of open_source()
-  };
-  /// The node's page.
-  struct Web {
-    int port = 8470;  ///< 0: any that is free
-    std::string address = "127.0.0.1";
-    std::filesystem::path token_file;  ///< holds the token; empty: a new one each time, which the log tells
   };
   /// What the node tells the studio's other machines (studio/node/publishing_node.h). Needs a rig.
   struct Publish {
@@ -58,7 +54,7 @@ struct CaptureConfig {
   double preroll_seconds = 0;
   std::uint64_t keep_free_bytes = 256'000'000;  ///< a take is ended well before the disk is full
   bool refuse_disagreement = false;             ///< no take begins while the synchroniser complains
-  std::optional<Web> web;
+  std::optional<PageSettings> web;
   std::optional<Publish> publish;
   std::vector<Camera> cameras;
 };

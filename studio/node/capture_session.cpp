@@ -6,8 +6,9 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "studio/node/capture_node.h"
-#include "studio/node/page_server.h"
 #include "studio/node/service_notice.h"
+#include "studio/page/page_access.h"
+#include "studio/page/page_server.h"
 
 namespace floatstage::studio {
 namespace {
@@ -55,7 +56,7 @@ struct StopFirst {
 
 // The node's page, where the config has one.
 Result<std::unique_ptr<PageServer>> serve_page(CaptureNode& node) {
-  const std::optional<CaptureConfig::Web>& web = node.config().web;
+  const std::optional<PageSettings>& web = node.config().web;
   if (!web) return std::unique_ptr<PageServer>();
   Result<std::string> token = page_token(web->token_file);
   if (!token) return forward(token);

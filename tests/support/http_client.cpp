@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdlib>
+#include <utility>
 
 #include <arpa/inet.h>
 #include <sys/socket.h>
@@ -84,6 +86,21 @@ HttpAnswer http_request(int port, std::string_view method, std::string_view path
   }
   ::close(fd);
   return answer;
+}
+
+OpenConnection::OpenConnection(int port, std::string_view bytes) : fd_(connected_to(port)) {
+  if (fd_ >= 0) send_all(fd_, bytes);
+}
+
+OpenConnection::OpenConnection(OpenConnection&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+
+OpenConnection::~OpenConnection() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+bool OpenConnection::is_closed() const {
+  char byte;
+  return fd_ < 0 || ::recv(fd_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0 || errno == ECONNRESET;
 }
 
 WebSocketClient::WebSocketClient(int port, std::string_view path, const std::vector<std::string>& headers) {

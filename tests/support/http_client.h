@@ -18,6 +18,21 @@ struct HttpAnswer {
 HttpAnswer http_request(int port, std::string_view method, std::string_view path,
                         const std::vector<std::string>& headers = {}, std::string_view body = {});
 
+/// A connection to 127.0.0.1:`port` that has sent some bytes and waits.
+class OpenConnection {
+ public:
+  OpenConnection(int port, std::string_view bytes);
+  ~OpenConnection();
+  OpenConnection(OpenConnection&& other) noexcept;
+  OpenConnection& operator=(OpenConnection&&) = delete;
+
+  /// Whether the server has closed it, or it never was open.
+  bool is_closed() const;
+
+ private:
+  int fd_;
+};
+
 /// A WebSocket client, to read what a page reads: each message with its kind (1 text, 2 binary).
 class WebSocketClient {
  public:

@@ -193,7 +193,8 @@ TEST(CaptureFaults, AClockThatIsTwentyMillisecondsOffIsNamedAndItsFramesKeepThei
 class ADaemon : public testing::Test {
  protected:
   void start(const std::string& take = "take", const std::string& more = "") {
-    folder_.write("token", "token-of-a-file-123\n");
+    std::filesystem::permissions(folder_.write("token", "token-of-a-file-123\n"),
+                                 std::filesystem::perms::owner_read);
     const std::filesystem::path config = folder_.write("studio.toml", text(R"(
 [studio]
 frame_rate = 25
@@ -264,7 +265,6 @@ source = "synthetic:live=on&loop=2&width=64&height=48&samples=1&rate=25&cameras=
   int notices_ = -1;
 };
 
-// As the whole program, whose libraries leave little of a small thread's stack.
 TEST_F(ADaemon, ServesItsPageAndMetrics) {
   start("take", "[web]\nport = 0\ntoken_file = \"token\"\n");
   ASSERT_TRUE(tells("READY=1"));

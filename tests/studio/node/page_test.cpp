@@ -6,7 +6,7 @@
 
 #include "capture/take.h"
 #include "studio/node/capture_node.h"
-#include "studio/node/page_server.h"
+#include "studio/page/page_server.h"
 #include "tests/studio/node/studios.h"
 #include "tests/support/browser.h"
 #include "tests/support/matchers.h"
@@ -28,7 +28,7 @@ class ANodesPage : public testing::Test {
     auto node = CaptureNode::open(config);
     ASSERT_THAT(node, IsOk());
     node_ = std::move(*node);
-    auto page = PageServer::serve(*node_, 8, {0, "127.0.0.1", {}}, "a-token-of-this-test");
+    auto page = PageServer::serve(*node_, 8, {0, "127.0.0.1", {}, {}}, "a-token-of-this-test");
     ASSERT_THAT(page, IsOk());
     page_ = std::move(*page);
     node_->add_tap([this](const Frame& frame) { page_->offer(frame); });

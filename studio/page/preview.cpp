@@ -1,4 +1,4 @@
-#include "studio/node/preview.h"
+#include "studio/page/preview.h"
 
 #include <algorithm>
 #include <chrono>

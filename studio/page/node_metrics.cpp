@@ -1,4 +1,4 @@
-#include "studio/node/node_metrics.h"
+#include "studio/page/node_metrics.h"
 
 #include <utility>
 #include <vector>

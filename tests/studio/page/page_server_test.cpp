@@ -1,18 +1,24 @@
-#include "studio/node/page_server.h"
+#include "studio/page/page_server.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/text.h"
+#include "tests/support/eventually.h"
 #include "tests/support/http_client.h"
 #include "tests/support/matchers.h"
-#include "tests/support/temp_folder.h"
 
 namespace floatstage::studio {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 constexpr const char* kToken = "0123456789abcdef0123";
 constexpr const char* kRight = "Authorization: Bearer 0123456789abcdef0123";
@@ -28,6 +34,12 @@ class NotingControl final : public StudioControl {
     return status;
   }
   Result<std::string> start_recording(const std::string& label) override {
+    {
+      std::unique_lock lock(mutex_);
+      held_ = holding_;
+      wake_.notify_all();
+      wake_.wait(lock, [&] { return !holding_; });
+    }
     if (recording_) return fail(ErrorCode::AlreadyExists, "'x' is being recorded");
     recording_ = true;
     return "take-" + label;
@@ -38,14 +50,28 @@ class NotingControl final : public StudioControl {
   }
   Result<std::vector<NodeTake>> takes() const override { return std::vector<NodeTake>(1); }
 
+  /// The next take begins only when it is let go.
+  void hold() { holding_ = true; }
+  bool wait_until_held() {
+    std::unique_lock lock(mutex_);
+    return wake_.wait_for(lock, std::chrono::seconds(30), [&] { return held_; });
+  }
+  void let_go() {
+    std::lock_guard lock(mutex_);
+    holding_ = false;
+    wake_.notify_all();
+  }
+
  private:
-  bool recording_ = false;
+  bool recording_ = false, holding_ = false, held_ = false;
+  std::mutex mutex_;
+  std::condition_variable wake_;
 };
 
 class APage : public testing::Test {
  protected:
   void SetUp() override {
-    auto server = PageServer::serve(control_, 2, {0, "127.0.0.1", {}}, kToken);
+    auto server = PageServer::serve(control_, 2, {0, "127.0.0.1", {}, {}}, kToken);
     ASSERT_THAT(server, IsOk());
     server_ = std::move(*server);
   }
@@ -76,12 +102,15 @@ TEST_F(APage, OpensToItsTokenAlone) {
   EXPECT_THAT(get("/metrics").body, HasSubstr("floatstage_page_refused_total 31\n"));
 }
 
-TEST_F(APage, ExchangesTheTokenOfItsAddressForACookie) {
+TEST_F(APage, ExchangesTheTokenOfItsAddressForACookieThatDoesNotTellIt) {
   const HttpAnswer answer = get(std::string("/?token=") + kToken, {});
   EXPECT_EQ(answer.status, 303);
   EXPECT_THAT(answer.headers, HasSubstr("Location: /\r\n"));
-  const std::string cookie = "floatstage_" + std::to_string(server_->port()) + "=" + kToken;
-  EXPECT_THAT(answer.headers, HasSubstr("Set-Cookie: " + cookie + "; Path=/; HttpOnly; SameSite=Strict"));
+  EXPECT_THAT(answer.headers, Not(HasSubstr(kToken)));
+  const std::size_t begin = answer.headers.find("Set-Cookie: ") + 12;
+  const std::string cookie = answer.headers.substr(begin, answer.headers.find(';', begin) - begin);
+  EXPECT_THAT(cookie, StartsWith("floatstage_" + std::to_string(server_->port()) + "="));
+  EXPECT_THAT(answer.headers, HasSubstr(cookie + "; Path=/; HttpOnly; SameSite=Strict"));
   EXPECT_THAT(get("/", {"Cookie: " + cookie}).body, HasSubstr("<!doctype html>"));
 }
 
@@ -141,22 +170,63 @@ TEST_F(APage, SurvivesHostileRequests) {
   EXPECT_EQ(get("/api/status").status, 200);
 }
 
-TEST(PageToken, IsRandomOrOfAFile) {
-  const TempFolder folder;
-  EXPECT_NE(*page_token({}), *page_token({}));
-  EXPECT_EQ(page_token({})->size(), 32u);
-  EXPECT_EQ(*page_token(folder.write("token", "abcdefgh-12345678_x\n")), "abcdefgh-12345678_x");
-  EXPECT_THAT(page_token(folder.write("short", "abc\n")), FailsWith(ErrorCode::InvalidArgument, "short"));
-  EXPECT_THAT(page_token(folder.write("odd", "abcdefgh 12345678\n")),
-              FailsWith(ErrorCode::InvalidArgument, "odd"));
-  EXPECT_THAT(page_token(folder / "none"), FailsWith(ErrorCode::NotFound, "none"));
+TEST_F(APage, TakesNoOrderOfAnotherSitesPage) {
+  const std::string own = "Origin: http://127.0.0.1:" + std::to_string(server_->port());
+  EXPECT_EQ(post("/api/record", {kRight, "Origin: http://elsewhere.example"}).status, 403);
+  EXPECT_EQ(post("/api/record", {kRight, own + "0"}).status, 403);
+  EXPECT_THAT(control_.stop_recording(), FailsWith(ErrorCode::NotFound, "")) << "nothing was begun";
+  EXPECT_EQ(post("/api/record", {kRight, own}).status, 200);
+  EXPECT_EQ(WebSocketClient(server_->port(), "/live", {kRight, "Origin: null"}).status(), 403);
+  EXPECT_EQ(server_->counters().refused, 3u);
+}
+
+TEST_F(APage, AnswersWhileHundredsWatchOrWait) {
+  std::vector<std::unique_ptr<WebSocketClient>> viewers;
+  for (int i = 0; i < 32; ++i) {
+    viewers.push_back(
+        std::make_unique<WebSocketClient>(server_->port(), "/live", std::vector<std::string>{kRight}));
+    ASSERT_EQ(viewers.back()->status(), 101) << i;
+  }
+  std::vector<OpenConnection> strangers;
+  for (int i = 0; i < 400; ++i)
+    strangers.emplace_back(server_->port(), "POST /api/stop HTTP/1.1\r\nHost: 127");
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(post("/api/record").status, 200);
+    EXPECT_EQ(post("/api/stop").status, 200);
+  }
+  EXPECT_EQ(server_->counters().viewers, 32u);
+  EXPECT_TRUE(eventually([&] { return strangers.front().is_closed(); }))
+      << "of more than 256 from one address the first ones make room";
+  EXPECT_FALSE(strangers.back().is_closed());
+}
+
+TEST_F(APage, CarriesOutNoOrderWhoseClientHasGone) {
+  control_.hold();
+  std::thread first([&] { EXPECT_EQ(post("/api/record").status, 200); });
+  ASSERT_TRUE(control_.wait_until_held());
+  {
+    const OpenConnection impatient(server_->port(), text("POST /api/stop HTTP/1.1\r\nHost: 127.0.0.1\r\n",
+                                                         kRight, "\r\nContent-Length: 0\r\n\r\n"));
+    ASSERT_TRUE(eventually([&] { return server_->counters().requests == 2; }));
+  }
+  EXPECT_EQ(get("/api/status").status, 200)
+      << "questions do not wait for orders, and the server has seen it go";
+  control_.let_go();
+  first.join();
+  EXPECT_EQ(post("/api/record").status, 409) << "the take goes on";
+}
+
+TEST(PageServer, RefusesWhatIsNoAddress) {
+  NotingControl control;
+  EXPECT_THAT(PageServer::serve(control, 1, {0, "localhost:80", {}, {}}, kToken),
+              FailsWith(ErrorCode::InvalidArgument, "'localhost:80' in [web] is no address"));
 }
 
 TEST(PageServer, RefusesAPortThatIsTaken) {
   NotingControl control;
-  auto first = PageServer::serve(control, 1, {0, "127.0.0.1", {}}, kToken);
+  auto first = PageServer::serve(control, 1, {0, "127.0.0.1", {}, {}}, kToken);
   ASSERT_THAT(first, IsOk());
-  EXPECT_THAT(PageServer::serve(control, 1, {(*first)->port(), "127.0.0.1", {}}, kToken),
+  EXPECT_THAT(PageServer::serve(control, 1, {(*first)->port(), "127.0.0.1", {}, {}}, kToken),
               FailsWith(ErrorCode::Io, "is the port taken?"));
 }
 

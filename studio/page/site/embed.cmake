@@ -1,5 +1,5 @@
 # Writes the page's files into one header as string literals: cmake -DFOLDER=… -DOUT=… -P embed.cmake
-set(text "// Made from studio/node/page by the build.\n#pragma once\n\n#include <string_view>\n\nnamespace floatstage::studio::page {\n\n")
+set(text "// Made from studio/page/site by the build.\n#pragma once\n\n#include <string_view>\n\nnamespace floatstage::studio::page {\n\n")
 foreach(file Html Css Js)
   string(TOLOWER ${file} extension)
   file(READ ${FOLDER}/page.${extension} content)
