@@ -48,7 +48,11 @@ std::string lower(std::string_view text) {
 
 // "studio:8470" → "studio", "[::1]:8470" → "::1".
 std::string_view without_port(std::string_view host) {
-  if (host.starts_with('[')) return host.substr(1, host.find(']') - 1);
+  if (host.starts_with('[')) {
+    const std::size_t end = host.find(']');
+    const bool whole = end != std::string_view::npos && (end + 1 == host.size() || host[end + 1] == ':');
+    return whole ? host.substr(1, end - 1) : std::string_view();
+  }
   return host.substr(0, host.rfind(':'));
 }
 

@@ -41,6 +41,12 @@ PageRequest request_of(const PageConnection::Request& message) {
   return request;
 }
 
+// The other end, or its time: not what it said.
+bool has_gone(beast::error_code error) {
+  return error && (error == beast::http::error::end_of_stream || error == beast::error::timeout ||
+                   error.category() == net::error::get_system_category());
+}
+
 }  // namespace
 
 PageConnection::PageConnection(tcp::socket socket) : stream_(std::move(socket)) {
@@ -55,9 +61,7 @@ void PageConnection::read(Handler handler, std::function<void()> left) {
       stream_, buffer_, parser_,
       [self = shared_from_this(), handler = std::move(handler)](beast::error_code error, std::size_t) {
         std::exchange(self->left_, nullptr)();
-        if (error == beast::http::error::end_of_stream || error == beast::error::timeout ||
-            error.category() == net::error::get_system_category())
-          return self->close();
+        if (has_gone(error)) return self->close();
         if (error) return self->answer({400, "text/plain; charset=utf-8", "This is no request.\n", {}});
         handler(self, request_of(self->parser_.get()));
       });
