@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "capture/disk_sync.h"
 #include "capture/epoch_grid.h"
 #include "capture/recording_quality.h"
 #include "core/check.h"
@@ -84,6 +85,7 @@ class TakeRecorder final : public Recorder {
   std::optional<std::int64_t> end_from_;  // the last row is this one or a later one
   std::optional<std::int64_t> last_row_;  // of the take
   mutable QualityMeter meter_;
+  std::unique_ptr<DiskSync> disk_sync_;
 };
 
 std::vector<std::string> serials_of(const Rig& rig) {
@@ -102,6 +104,9 @@ TakeRecorder::TakeRecorder(std::unique_ptr<TakeWriter> writer, std::filesystem::
   for (std::size_t i = 0; i < rig.cameras.size(); ++i)
     lanes_.push_back(std::make_unique<Lane>(options.queue_frames));
   for (const auto& lane : lanes_) lane->writer = std::thread([this, &lane] { write_all(*lane); });
+  if (options.sync_seconds > 0)
+    disk_sync_ = std::make_unique<DiskSync>(
+        folder_, std::chrono::nanoseconds(static_cast<std::int64_t>(options.sync_seconds * 1e9)));
 }
 
 void TakeRecorder::write(Lane& lane, const Shot& shot) {
@@ -271,6 +276,7 @@ Result<RecordingQuality> TakeRecorder::finish() {
   Result<void> finished = writer_->finish();
   const RecordingQuality judged = quality();
   const Result<void> noted = write_file(TakeLayout(folder_).quality(), to_json(judged));
+  disk_sync_.reset();
   for (const auto& lane : lanes_)
     if (lane->failure) return Unexpected{*lane->failure};
   if (!finished) return forward(finished);

@@ -30,6 +30,9 @@ struct RecorderOptions {
   std::size_t queue_frames =
       64;  ///< of a camera, between its thread and the disk; a full queue blocks (Block)
   RecordingLimits limits;
+  /// The disk is made to keep what was written so often (DiskSync): a power cut takes no more. 0: when the
+  /// system likes, which is half a minute.
+  double sync_seconds = 0;
 };
 
 /// One camera of a recording, so far.

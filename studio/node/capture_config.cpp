@@ -108,6 +108,7 @@ void read_recording(Section section, CaptureConfig& config, const fs::path& base
   if (!is_usable_serial(take.label))
     section.note(section.at("label"), "label must be of letters, digits, '.', '_' and '-'");
   config.recorder.queue_frames = section.whole("queue_frames", config.recorder.queue_frames, 1, 100'000);
+  config.recorder.sync_seconds = section.number("sync_seconds", 0, 0, 3600);
   config.preroll_seconds = section.number("preroll_seconds", 0, 0, 60);
   config.keep_free_bytes =
       section.whole("keep_free_mb", config.keep_free_bytes / 1'000'000, 0, 1'000'000'000) * 1'000'000;

@@ -18,7 +18,7 @@ namespace floatstage::studio {
 ///   [studio]     frame_rate = 30, rig = "rig.json" (optional: without it a take is recorded uncalibrated),
 ///                name = "stage left"
 ///   [recording]  folder = "takes", label = "rehearsal", codec = "ffv1" | "raw" | "h264", queue_frames = 64,
-///                preroll_seconds = 2, keep_free_mb = 256, disagreement = "warn" | "refuse"
+///                preroll_seconds = 2, keep_free_mb = 256, sync_seconds = 1, disagreement = "warn" | "refuse"
 ///   [limits]     skips = 0, duplicates = 0, spread_ms = 1.0, rate_deviation = 0.01
 ///   [web]        port = 8470, address = "127.0.0.1", token_file = "token", names = ["stage.local"]
 ///                (no table: no page)
