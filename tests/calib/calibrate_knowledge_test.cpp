@@ -170,10 +170,10 @@ TEST(Calibrate, FindsWhenACameraExposes) {
   const Observations seen = capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
   const Result<Calibration> solved = calibrate(seen, {.time_offsets = true});
   ASSERT_THAT(solved, IsOk());
-  const double others = solved->cameras[0].time_offset_ms;
+  const double others = *solved->cameras[0].time_offset_ms;
   // Its pictures show what the others saw 0.4 frames before: it is at -0.4 frames on the others' clock.
-  EXPECT_NEAR(solved->cameras[1].time_offset_ms - others, -0.4 * 1000 / 30, 0.5);
-  EXPECT_NEAR(solved->cameras[2].time_offset_ms - others, 0, 0.5);
+  EXPECT_NEAR(*solved->cameras[1].time_offset_ms - others, -0.4 * 1000 / 30, 0.5);
+  EXPECT_NEAR(*solved->cameras[2].time_offset_ms - others, 0, 0.5);
   EXPECT_LT(solved->cameras[1].rms_px, 0.2);
   EXPECT_LT(compare(solved->rig, truth, options).grid_mm, 0.3);
 }
@@ -188,15 +188,15 @@ TEST(Calibrate, BearsPicturesTakenTooEarlyAndTooLate) {
       capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(options, 0.15), options);
   const Result<Calibration> solved = calibrate(seen, {.time_offsets = true});
   ASSERT_THAT(solved, IsOk());
-  const double others = solved->cameras[0].time_offset_ms;
-  EXPECT_NEAR(solved->cameras[1].time_offset_ms - others, -0.8 * 1000 / 6, 6);
-  EXPECT_NEAR(solved->cameras[2].time_offset_ms - others, 0, 6);
+  const double others = *solved->cameras[0].time_offset_ms;
+  EXPECT_NEAR(*solved->cameras[1].time_offset_ms - others, -0.8 * 1000 / 6, 6);
+  EXPECT_NEAR(*solved->cameras[2].time_offset_ms - others, 0, 6);
   EXPECT_NEAR(
       solved->jitter_ms, 10,
       5);  // too small rather than too large: boards follow what all cameras of a frame have in common
   for (const CameraQuality& q : solved->cameras) {
     EXPECT_LT(q.rms_px, 0.2) << q.serial;
-    EXPECT_LT(q.holdout_px, 1.3 * q.rms_px) << q.serial;
+    EXPECT_LT(q.holdout_px, 1.3 * *q.rms_px) << q.serial;
     EXPECT_LT(q.outliers, 0.1 * (q.points + q.outliers)) << q.serial;
   }
   EXPECT_LT(compare(solved->rig, truth, options).grid_mm, 1);
@@ -212,8 +212,8 @@ TEST(Calibrate, PredictsEveryFrameOfASmallCapture) {
   ASSERT_THAT(with, IsOk());
   ASSERT_THAT(without, IsOk());
   for (const CameraQuality& q : with->cameras) {
-    EXPECT_GT(q.holdout_px, 0.9 * q.rms_px);  // not of a few lucky frames
-    EXPECT_LT(q.holdout_px, 1.3 * q.rms_px);
+    EXPECT_GT(q.holdout_px, 0.9 * *q.rms_px);  // not of a few lucky frames
+    EXPECT_LT(q.holdout_px, 1.3 * *q.rms_px);
   }
   EXPECT_EQ(to_json(with->rig), to_json(without->rig));
   EXPECT_EQ(without->cameras[0].holdout_px, 0);
