@@ -7,6 +7,7 @@
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
 #include "calib/calibrate.h"
+#include "calib/uncertainty/picture_advice.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/calibrate/calibration_outcome.h"
@@ -138,6 +139,10 @@ Result<void> run(const Options& given) {
   pipeline::ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
                                   collected->seconds};
   if (session->volume) context.volume = calib::box_volume(session->volume->low, session->volume->high);
+  const calib::WorkingVolume volume = session->volume ? context.volume : calib::hull_of_targets(*solved);
+  for (const calib::PictureAdvice& advice : calib::pictures_to_add(
+           *solved, collected->observations, volume, session->bars.projection_sigma_px))
+    context.remarks.push_back(advice.sentence);
   std::vector<pipeline::BarCheck> checks;
   if (session->known)
     if (Result<void> ok = compare_with_known(*session, solved->rig, context, checks); !ok) return ok;

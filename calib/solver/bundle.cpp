@@ -444,7 +444,7 @@ CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& 
     } else if (coefficients > 0) {
       free[kLensRow] = true;
     }
-    free.head<kIntrinsics>() = free.head<kIntrinsics>() && !c.held.array();
+    for (int k = 0; k < kIntrinsics; ++k) free[k] = free[k] && !c.held[k];
   }
   if (!c.pose_fixed && camera != scene.reference) free.segment<6>(kIntrinsics).setConstant(true);
   if (options.offsets && camera != scene.reference) free[kIntrinsics + 6] = true;
