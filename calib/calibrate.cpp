@@ -81,15 +81,15 @@ void take_cameras(const Scene& scene, const Observations& observations, Calibrat
 }
 
 // How much more than its points' noise says each camera moves when frames are left out, by where it sees the
-// targets' volume; the covariance grows by that. The blocks of one capture do not say in which direction, only
-// how much: one number a camera.
+// targets' volume; the covariance grows by that. The blocks of one capture do not say in which direction,
+// only how much: one number a camera.
 std::vector<Measured> enlarge_by_scatter(const Scene& scene, const Observations& observations,
                                          const solver::BundleOptions& used, Eigen::MatrixXd& covariance) {
   const std::size_t count = scene.cameras.size();
   int blocks = 0;
   const Eigen::MatrixXd moved = solver::jackknife_covariance(scene, used, blocks);
-  std::vector<Measured> scatter(count, Measured::not_measured(text(
-                                           "fewer than ", solver::kFewestBlocks, " frames show what moves")));
+  std::vector<Measured> scatter(
+      count, Measured::not_measured(text("fewer than ", solver::kFewestBlocks, " frames show what moves")));
   if (moved.size() == 0) return scatter;
   Calibration by_noise, by_blocks;
   take_cameras(scene, observations, by_noise);

@@ -56,7 +56,7 @@ struct CameraQuality {
   Measured holdout_px;    ///< RMS in frames that had no part in the solution that predicts them
   Measured depth_ratio;   ///< farthest over nearest board point
   Measured tilt_degrees;  ///< of two board views or more
-  double covered = 0;  ///< share of the picture's 8×6 cells in which a point was seen
+  double covered = 0;     ///< share of the picture's 8×6 cells in which a point was seen
   /// fx fy cx cy (px), then the lens' coefficients (5 places), then the skew (px); 0 for those that were not
   /// solved for.
   Eigen::Matrix<double, 10, 1> intrinsics_sigma = Eigen::Matrix<double, 10, 1>::Zero();
@@ -115,8 +115,8 @@ struct Calibration {
   std::vector<TargetPlace> places;  ///< of boards
   std::vector<PointError> errors;
   Eigen::MatrixXd covariance;  ///< kCovarianceRows a camera
-  /// One a camera, 1 or more: how much further than its points' noise alone the solution moves when frames are
-  /// left out; all sigmas are larger by it (ADR 0224).
+  /// One a camera, 1 or more: how much further than its points' noise alone the solution moves when frames
+  /// are left out; all sigmas are larger by it (ADR 0224).
   std::vector<Measured> scatter;
   double seconds = 0;
 };

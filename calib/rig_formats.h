@@ -18,8 +18,8 @@ struct ForeignRig {
   std::filesystem::path pictures;        ///< the folder where such a calibration's pictures lie, if anywhere
 };
 
-/// What a format can hold of a camera's lens. (A rig that was written for one that holds less is fitted again,
-/// see formats/refit.h.)
+/// What a format can hold of a camera's lens. (A rig that was written for one that holds less is fitted
+/// again, see formats/refit.h.)
 struct LensLimits {
   int radial = 3;          ///< terms of a Brown-Conrady lens: k1, k1 k2, …
   bool tangential = true;  ///< p1 and p2

@@ -151,9 +151,9 @@ std::optional<Rig> onto_known(const Rig& rig, const Rig& known) {
 Result<RigAgreement> agreement(const Rig& rig, const Rig& known) {
   const auto pairs = common(rig, known);
   if (pairs.size() < 3)
-    return fail(ErrorCode::BadData,
-                text("only ", pairs.size(), " cameras are in both rigs and a similarity fits any two centres "
-                     "exactly; three or more are needed"));
+    return fail(ErrorCode::BadData, text("only ", pairs.size(),
+                                         " cameras are in both rigs and a similarity fits any two centres "
+                                         "exactly; three or more are needed"));
   const auto n = static_cast<Eigen::Index>(pairs.size());
   Eigen::Matrix3Xd from(3, n), to(3, n);
   Rig shared;
@@ -166,7 +166,8 @@ Result<RigAgreement> agreement(const Rig& rig, const Rig& known) {
   const Spread solved_spread = spread_of(from), known_spread = spread_of(to);
   for (const auto& [spread, whose] : {std::pair{solved_spread, "solved"}, std::pair{known_spread, "known"}})
     if (spread == Spread::Point)
-      return fail(ErrorCode::BadData, text("the ", whose, " cameras all stand in one point, which any rig fits "
+      return fail(ErrorCode::BadData, text("the ", whose,
+                                           " cameras all stand in one point, which any rig fits "
                                            "when it is made small enough; there is no baseline to compare"));
   const Eigen::Matrix4d similarity = Eigen::umeyama(from, to);
   const Eigen::Matrix3Xd off =

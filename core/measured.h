@@ -15,7 +15,8 @@ namespace floatstage {
 class Measured {
  public:
   Measured() = default;
-  /// `count` >= 1: points, frames, pixels, whatever was counted. Not explicit: a bare number is one measurement.
+  /// `count` >= 1: points, frames, pixels, whatever was counted. Not explicit: a bare number is one
+  /// measurement.
   Measured(double value, long count = 1) : value_(value), count_(count) {
     FLOATSTAGE_CHECK(count > 0, "a figure that rests on nothing");
   }

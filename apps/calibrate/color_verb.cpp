@@ -140,8 +140,8 @@ std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
       "tr>";
   for (const Row& r : rows)
     out += text("<tr><td>", pipeline::escaped(r.serial), r.reference ? " (the others look like it)" : "",
-                "</td><td>", r.agreement.points, "</td><td>", r.agreement.strays,
-                "</td><td>", short_words(r.figure(r.agreement.mean_before), 2), "</td><td>",
+                "</td><td>", r.agreement.points, "</td><td>", r.agreement.strays, "</td><td>",
+                short_words(r.figure(r.agreement.mean_before), 2), "</td><td>",
                 short_words(r.figure(r.agreement.mean_after), 2), "</td><td>",
                 short_words(r.figure(r.agreement.p95_after), 2), "</td></tr>");
   out += "</table>";

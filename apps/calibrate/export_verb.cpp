@@ -101,8 +101,9 @@ void add_calibrate_export(CLI::App& calibrate, Chosen& chosen) {
   verb->add_option("--pictures", options->pictures,
                    "Extension of the pictures' names, which are <serial>.<extension> (COLMAP, Middlebury)")
       ->capture_default_str();
-  verb->add_option("--largest-residual", options->largest_residual,
-                   "Pixels that a camera may be off where the format cannot hold its lens and gets the nearest")
+  verb->add_option(
+          "--largest-residual", options->largest_residual,
+          "Pixels that a camera may be off where the format cannot hold its lens and gets the nearest")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   add_json(*verb, options->json);

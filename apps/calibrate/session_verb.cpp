@@ -140,8 +140,8 @@ Result<void> run(const Options& given) {
                                   collected->seconds};
   if (session->volume) context.volume = calib::box_volume(session->volume->low, session->volume->high);
   const calib::WorkingVolume volume = session->volume ? context.volume : calib::hull_of_targets(*solved);
-  for (const calib::PictureAdvice& advice : calib::pictures_to_add(
-           *solved, collected->observations, volume, session->bars.projection_sigma_px))
+  for (const calib::PictureAdvice& advice :
+       calib::pictures_to_add(*solved, collected->observations, volume, session->bars.projection_sigma_px))
     context.remarks.push_back(advice.sentence);
   std::vector<pipeline::BarCheck> checks;
   if (session->known)
@@ -150,12 +150,11 @@ Result<void> run(const Options& given) {
     const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session->points, solved->rig);
     context.remarks.push_back(measured ? pipeline::describe(*measured, solved->rig, "solved")
                                        : measured.error().message);
-    checks.push_back(
-        {.what = "points_px",
-         .camera = "",
-         .value = measured ? measured->rms_px : Measured::not_measured(measured.error().message),
-         .bar = session->bars.points_px,
-         .required = true});
+    checks.push_back({.what = "points_px",
+                      .camera = "",
+                      .value = measured ? measured->rms_px : Measured::not_measured(measured.error().message),
+                      .bar = session->bars.points_px,
+                      .required = true});
   }
   return pipeline::write_outcome(
       *solved, session->bars, checks, context,

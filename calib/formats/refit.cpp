@@ -151,7 +151,8 @@ std::string what_it_lacks(const CameraModel& m, const LensLimits& holds) {
 }
 
 std::string remedy(const CameraModel& m, const LensLimits& holds) {
-  if (m.skew != 0 && !holds.skew) return "write qualisys or middlebury, which hold a skew, or calibrate without it";
+  if (m.skew != 0 && !holds.skew)
+    return "write qualisys or middlebury, which hold a skew, or calibrate without it";
   if (std::holds_alternative<KannalaBrandt>(m.lens)) return "write colmap or kalibr, which hold a fisheye";
   if (holds.radial == 2) return "calibrate with radial = 2, or write colmap, opencv or qualisys";
   return "write colmap, or undistort the pictures first";
@@ -178,8 +179,8 @@ Result<FittedRig> fit_to_format(const Rig& rig, const LensLimits& holds, std::st
       Candidate c = start(was, lens, holds);
       improve(c, sights);
       const CameraModel model = solver::unpack(c.intrinsics, lens, was.width, was.height);
-      const double off = check(model) ? furthest(model, c.turn, between)
-                                      : std::numeric_limits<double>::infinity();
+      const double off =
+          check(model) ? furthest(model, c.turn, between) : std::numeric_limits<double>::infinity();
       if (!(off < least)) continue;
       least = off;
       camera.model = model;
@@ -190,8 +191,8 @@ Result<FittedRig> fit_to_format(const Rig& rig, const LensLimits& holds, std::st
       return fail(ErrorCode::Unsupported,
                   text("camera '", camera.serial, "' has ", what_it_lacks(was, holds), ", which ", format,
                        " cannot hold; the nearest camera that it holds is up to ", std::setprecision(3),
-                       least, " px off, and at most ", largest_px,
-                       " px are accepted (--largest-residual); ", remedy(was, holds)));
+                       least, " px off, and at most ", largest_px, " px are accepted (--largest-residual); ",
+                       remedy(was, holds)));
     out.residual_px.emplace_back(least, static_cast<long>(between.size()));
   }
   return out;

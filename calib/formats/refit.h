@@ -20,9 +20,9 @@ struct FittedRig {
 
 /// Cameras that `holds` has room for stay bit by bit. The others get the nearest lens that it has room for:
 /// focal lengths, principal point, the terms it holds and a turn of the camera are fitted to the rays of the
-/// picture; a Brown-Conrady lens may become a fisheye where that is nearer. Unsupported names the camera whose
-/// nearest lens is further off than `largest_px`, how far, and what else can be done. `format` is for the
-/// sentence.
+/// picture; a Brown-Conrady lens may become a fisheye where that is nearer. Unsupported names the camera
+/// whose nearest lens is further off than `largest_px`, how far, and what else can be done. `format` is for
+/// the sentence.
 Result<FittedRig> fit_to_format(const Rig& rig, const LensLimits& holds, std::string_view format,
                                 double largest_px);
 

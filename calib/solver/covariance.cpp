@@ -98,7 +98,8 @@ ObjectPart part_of(const Scene& scene, bool is_board, int object, const std::vec
   ObjectPart part{is_board, object, {}, {}, {}};
   const SceneMarkers* markers = is_board ? nullptr : &scene.markers[static_cast<std::size_t>(object)];
   const SceneBoard* board = is_board ? &scene.boards[static_cast<std::size_t>(object)] : nullptr;
-  if (markers && views.size() < 2) return part;  // one ray says nothing of its camera, and cannot place its points
+  if (markers && views.size() < 2)
+    return part;  // one ray says nothing of its camera, and cannot place its points
   const MatrixXd known = own_knowledge(scene, markers, board);
   MatrixXd own = MatrixXd::Zero(known.rows(), known.cols());
   struct Shared {
@@ -112,8 +113,8 @@ ObjectPart part_of(const Scene& scene, bool is_board, int object, const std::vec
     linearize(scene, *v, loss, true, linear);
     if (!linear.valid) continue;
     const MatrixXd j = by_parameters(linear);
-    shared.push_back({v->camera, j.transpose() * j, j.transpose() * linear.by_object,
-                      j.transpose() * linear.residual});
+    shared.push_back(
+        {v->camera, j.transpose() * j, j.transpose() * linear.by_object, j.transpose() * linear.residual});
     own += linear.by_object.transpose() * linear.by_object;
   }
   own += known;

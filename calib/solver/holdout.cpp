@@ -101,8 +101,7 @@ std::vector<Measured> holdout_errors(const Scene& solved, const Observations& ob
   const auto none = [&](std::string because) {
     return std::vector<Measured>(solved.cameras.size(), Measured::not_measured(std::move(because)));
   };
-  if (folds < 2)
-    return none("no frame was to be held out (holdout_every)");
+  if (folds < 2) return none("no frame was to be held out (holdout_every)");
   if (frames.size() < kFewestFrames)
     return none(text("only ", frames.size(), " frames show what moves; ", kFewestFrames,
                      " are needed to hold some out"));

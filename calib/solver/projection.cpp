@@ -58,14 +58,22 @@ int coefficient_count(LensKind lens) {
 Intrinsics pack(const CameraModel& m) {
   Intrinsics v = Intrinsics::Zero();
   v.head<4>() << m.fx, m.fy, m.cx, m.cy;
-  if (const auto* b = std::get_if<BrownConrady>(&m.lens)) v.segment<kLensRows>(kLensRow) << b->k1, b->k2, b->p1, b->p2, b->k3;
-  if (const auto* f = std::get_if<KannalaBrandt>(&m.lens)) v.segment<4>(kLensRow) << f->k1, f->k2, f->k3, f->k4;
+  if (const auto* b = std::get_if<BrownConrady>(&m.lens))
+    v.segment<kLensRows>(kLensRow) << b->k1, b->k2, b->p1, b->p2, b->k3;
+  if (const auto* f = std::get_if<KannalaBrandt>(&m.lens))
+    v.segment<4>(kLensRow) << f->k1, f->k2, f->k3, f->k4;
   v[kSkewRow] = m.skew;
   return v;
 }
 
 CameraModel unpack(const Intrinsics& v, LensKind lens, int width, int height) {
-  CameraModel m{.width = width, .height = height, .fx = v[0], .fy = v[1], .cx = v[2], .cy = v[3], .skew = v[kSkewRow],
+  CameraModel m{.width = width,
+                .height = height,
+                .fx = v[0],
+                .fy = v[1],
+                .cx = v[2],
+                .cy = v[3],
+                .skew = v[kSkewRow],
                 .lens = {}};
   if (lens == LensKind::BrownConrady) m.lens = BrownConrady{v[4], v[5], v[6], v[7], v[8]};
   if (lens == LensKind::KannalaBrandt) m.lens = KannalaBrandt{v[4], v[5], v[6], v[7]};

@@ -100,8 +100,8 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
     q.views = static_cast<int>(frames.size());
     q.rms_px = rms_of(errors, index);
     const auto seen = static_cast<long>(lengths.size()), deep = static_cast<long>(depths.size());
-    q.p95_px = Measured::of(seen > 0 ? percentile(std::move(lengths), 0.95) : 0, seen,
-                            "this camera saw no point");
+    q.p95_px =
+        Measured::of(seen > 0 ? percentile(std::move(lengths), 0.95) : 0, seen, "this camera saw no point");
     q.depth_ratio = Measured::of(deep > 0 ? percentile(depths, 0.95) / percentile(depths, 0.05) : 0, deep,
                                  "this camera saw no board");
     q.tilt_degrees = tilt_of(scene, index);
@@ -109,7 +109,7 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
     const Eigen::Index row = kCameraParameters * static_cast<Eigen::Index>(c);
     const Eigen::VectorXd variance = covariance.diagonal().segment<kCameraParameters>(row);
     q.intrinsics_sigma = variance.head<kIntrinsics>().cwiseSqrt();
-    const std::string why_still = camera.pose_fixed     ? "its pose was given and not solved for"
+    const std::string why_still = camera.pose_fixed          ? "its pose was given and not solved for"
                                   : scene.reference == index ? "poses are relative to this camera"
                                                              : "it was placed by no view";
     q.rotation_sigma_degrees = Measured::of(std::sqrt(variance.segment<3>(kIntrinsics).sum()) * kDegrees,

@@ -24,7 +24,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 constexpr double kRadians = std::numbers::pi / 180;
-constexpr std::size_t kTogether = 4;  // cameras whose covariance is followed: one and those it shares most with
+constexpr std::size_t kTogether =
+    4;  // cameras whose covariance is followed: one and those it shares most with
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -63,9 +64,9 @@ Rigid3 world_from_board(const RigCamera& camera, const PictureToTake& p, const E
   const Eigen::Vector2d pixel(p.place.x() * camera.model.width, p.place.y() * camera.model.height);
   const Eigen::Vector3d ray = unproject(camera.model, pixel).value_or(Eigen::Vector3d::UnitZ());
   // Facing the camera: the printed side is the board's -z when it looks along +z.
-  const Eigen::Quaterniond tilt = Eigen::Quaterniond(
-      Eigen::AngleAxisd(p.turned * kRadians, Eigen::Vector3d::UnitY()) *
-      Eigen::AngleAxisd(p.leaned * kRadians, Eigen::Vector3d::UnitX()));
+  const Eigen::Quaterniond tilt =
+      Eigen::Quaterniond(Eigen::AngleAxisd(p.turned * kRadians, Eigen::Vector3d::UnitY()) *
+                         Eigen::AngleAxisd(p.leaned * kRadians, Eigen::Vector3d::UnitX()));
   return camera.cam_from_world.inverse() * Rigid3{tilt, ray * p.distance - tilt * middle};
 }
 
@@ -126,8 +127,9 @@ std::vector<PictureToTake> candidates(const RigCamera& camera, const WorkingVolu
   for (const double distance : {percentile(depths, 0.1), percentile(depths, 0.9)})
     for (const double x : {0.2, 0.5, 0.8})
       for (const double y : {0.2, 0.5, 0.8})
-        for (const auto& [turned, leaned] : {std::pair{0.0, 0.0}, std::pair{kTilt, 0.0}, std::pair{-kTilt, 0.0},
-                                             std::pair{0.0, kTilt}, std::pair{0.0, -kTilt}})
+        for (const auto& [turned, leaned] :
+             {std::pair{0.0, 0.0}, std::pair{kTilt, 0.0}, std::pair{-kTilt, 0.0}, std::pair{0.0, kTilt},
+              std::pair{0.0, -kTilt}})
           out.push_back({{x, y}, distance, turned, leaned});
   return out;
 }
@@ -135,15 +137,19 @@ std::vector<PictureToTake> candidates(const RigCamera& camera, const WorkingVolu
 std::string words(const PictureToTake& p) {
   const char* const down[] = {"upper ", "", "lower "};
   const char* const across[] = {"left", "middle", "right"};
-  const std::string place = text(down[p.place.y() < 0.4 ? 0 : p.place.y() < 0.6 ? 1 : 2],
-                                 across[p.place.x() < 0.4 ? 0 : p.place.x() < 0.6 ? 1 : 2]);
-  const std::string tilt = p.turned != 0   ? text("turned by ", std::abs(p.turned), "° about its upright, the ",
-                                                  p.turned > 0 ? "left" : "right", " edge nearer")
+  const std::string place = text(down[p.place.y() < 0.4   ? 0
+                                      : p.place.y() < 0.6 ? 1
+                                                          : 2],
+                                 across[p.place.x() < 0.4   ? 0
+                                        : p.place.x() < 0.6 ? 1
+                                                            : 2]);
+  const std::string tilt = p.turned != 0 ? text("turned by ", std::abs(p.turned), "° about its upright, the ",
+                                                p.turned > 0 ? "left" : "right", " edge nearer")
                            : p.leaned != 0 ? text("leaned by ", std::abs(p.leaned), "°, the ",
                                                   p.leaned > 0 ? "lower" : "upper", " edge nearer")
                                            : std::string("facing it");
-  return text("at the ", place, " of its picture, ", std::fixed, std::setprecision(2), p.distance, " m away, ",
-              std::setprecision(0), tilt);
+  return text("at the ", place, " of its picture, ", std::fixed, std::setprecision(2), p.distance,
+              " m away, ", std::setprecision(0), tilt);
 }
 
 PictureAdvice advise_camera(const Calibration& whole, int camera, const Target& target,

@@ -22,8 +22,8 @@ struct PictureAdvice {
   std::string sentence;
 };
 
-/// For each camera above the bar (the worst three), the pictures of the first board that lower its sigma most,
-/// one after the other until it passes or ten are found. Empty when all pass or no board was shown.
+/// For each camera above the bar (the worst three), the pictures of the first board that lower its sigma
+/// most, one after the other until it passes or ten are found. Empty when all pass or no board was shown.
 std::vector<PictureAdvice> pictures_to_add(const Calibration& calibration, const Observations& observations,
                                            const WorkingVolume& volume, double bar_px);
 

@@ -12,7 +12,7 @@ namespace floatstage::calib {
 
 /// Where a calibration must hold: points all over it, and how it was chosen, for the report.
 struct WorkingVolume {
-  std::vector<Eigen::Vector3d> points;  ///< metres, world
+  std::vector<Eigen::Vector3d> points;                                            ///< metres, world
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  ///< of the box around them
   std::string how;  ///< "the convex hull of all targets, 1.2 x 0.8 x 0.9 m"
 };
@@ -26,7 +26,7 @@ WorkingVolume hull_of_targets(const Calibration& calibration);
 
 /// RMS of sigma_px over what a camera sees of the volume. For one volume it never rises when views are added
 /// and their noise is that of the others.
-Measured projection_sigma(const Calibration& calibration, const ProjectionUncertainty& uncertainty, int camera,
-                          const WorkingVolume& volume);
+Measured projection_sigma(const Calibration& calibration, const ProjectionUncertainty& uncertainty,
+                          int camera, const WorkingVolume& volume);
 
 }  // namespace floatstage::calib

@@ -44,14 +44,13 @@ std::string camera_table(const calib::Calibration& c) {
       "<th>rotation ± °</th><th>position ± mm</th><th>depth ratio</th><th>tilt °</th><th>covered</th></tr>";
   for (std::size_t i = 0; i < c.cameras.size(); ++i) {
     const calib::CameraQuality& q = c.cameras[i];
-    out +=
-        text("<tr><td>", escaped(q.serial), "</td><td>", rounded(q.rms_px), "</td><td>", rounded(q.p95_px),
-             "</td><td>", rounded(q.holdout_px), "</td><td>", q.points, "</td><td>",
-             q.outliers, "</td><td>", rounded(c.rig.cameras[i].model.fx, 2), "</td><td>",
-             q.intrinsics_sigma[0] > 0 ? rounded(q.intrinsics_sigma[0]) : "given", "</td><td>",
-             rounded(q.rotation_sigma_degrees, 4), "</td><td>",
-             rounded(q.position_sigma_mm), "</td><td>", rounded(q.depth_ratio, 2), "</td><td>",
-             rounded(q.tilt_degrees, 0), "</td><td>", rounded(100 * q.covered, 0), " %</td></tr>");
+    out += text("<tr><td>", escaped(q.serial), "</td><td>", rounded(q.rms_px), "</td><td>", rounded(q.p95_px),
+                "</td><td>", rounded(q.holdout_px), "</td><td>", q.points, "</td><td>", q.outliers,
+                "</td><td>", rounded(c.rig.cameras[i].model.fx, 2), "</td><td>",
+                q.intrinsics_sigma[0] > 0 ? rounded(q.intrinsics_sigma[0]) : "given", "</td><td>",
+                rounded(q.rotation_sigma_degrees, 4), "</td><td>", rounded(q.position_sigma_mm), "</td><td>",
+                rounded(q.depth_ratio, 2), "</td><td>", rounded(q.tilt_degrees, 0), "</td><td>",
+                rounded(100 * q.covered, 0), " %</td></tr>");
   }
   return out + "</table>";
 }
@@ -69,8 +68,9 @@ std::string bar_table(const Verdict& v) {
   }
   std::string out = "<table><tr><th>bar</th><th>worst</th><th>at most</th><th>camera</th><th></th></tr>";
   for (const BarCheck* b : worst)
-    out += text("<tr><td>", b->what, "</td><td>", b->value ? rounded(b->value, 4) : escaped(to_words(b->value, 4)),
-                "</td><td>", rounded(b->bar, 4), "</td><td>", escaped(b->camera), "</td><td>",
+    out += text("<tr><td>", b->what, "</td><td>",
+                b->value ? rounded(b->value, 4) : escaped(to_words(b->value, 4)), "</td><td>",
+                rounded(b->bar, 4), "</td><td>", escaped(b->camera), "</td><td>",
                 b->value || b->required ? word(b->pass) : "–", "</td></tr>");
   return out + "</table>";
 }
@@ -127,11 +127,12 @@ std::string report_html(const calib::Calibration& c, const Verdict& v, const Rep
     for (std::size_t i = 0; i < c.cameras.size(); ++i) {
       const int camera = static_cast<int>(i);
       out += text("<h2>Camera ", escaped(c.cameras[i].serial), "</h2>");
-      out += figure(
-          error_picture(c, camera),
-          text("Errors, enlarged ",
-               rounded(8 / std::max(c.cameras[i].rms_px ? *c.cameras[i].rms_px : 0, 1e-6) * c.rig.cameras[i].model.width / 320, 0),
-               "×. A pattern is a lens that the model does not fit; red was left out."));
+      out += figure(error_picture(c, camera),
+                    text("Errors, enlarged ",
+                         rounded(8 / std::max(c.cameras[i].rms_px ? *c.cameras[i].rms_px : 0, 1e-6) *
+                                     c.rig.cameras[i].model.width / 320,
+                                 0),
+                         "×. A pattern is a lens that the model does not fit; red was left out."));
       out += figure(coverage_picture(c, camera),
                     "Where the target was seen. White corners are guessed by the lens model.");
       out += figure(uncertainty_picture(c, uncertainty, camera),

@@ -34,14 +34,9 @@ Json sigma_json(const calib::CameraQuality& q, const CameraModel& model) {
 }
 
 Json camera_json(const calib::CameraQuality& q, const CameraModel& model) {
-  Json out = {{"serial", q.serial},
-              {"views", q.views},
-              {"points", q.points},
-              {"outliers", q.outliers},
-              {"covered", q.covered},
-              {"fx", model.fx},
-              {"fy", model.fy},
-              {"sigma", sigma_json(q, model)}};
+  Json out = {
+      {"serial", q.serial},   {"views", q.views}, {"points", q.points}, {"outliers", q.outliers},
+      {"covered", q.covered}, {"fx", model.fx},   {"fy", model.fy},     {"sigma", sigma_json(q, model)}};
   put(out, "rms_px", q.rms_px);
   put(out, "p95_px", q.p95_px);
   put(out, "holdout_px", q.holdout_px);
@@ -76,16 +71,14 @@ Json bar_json(const BarCheck& b) {
 nlohmann::json report_json(const calib::Calibration& c, const Verdict& v, const ReportContext& context) {
   Json cameras = Json::array(), lengths = Json::array(), failures = Json::array(), bars = Json::array(),
        links = Json::array();
-  for (std::size_t i = 0; i < c.cameras.size(); ++i)
-  {
+  for (std::size_t i = 0; i < c.cameras.size(); ++i) {
     cameras.push_back(camera_json(c.cameras[i], c.rig.cameras[i].model));
     if (i < c.scatter.size()) put(cameras.back(), "scatter", c.scatter[i]);
   }
   for (const calib::LengthQuality& l : c.lengths) lengths.push_back(length_json(l));
   for (const calib::NamedFailure& f : c.failures)
     failures.push_back({{"name", name_of(f.kind)}, {"camera", f.camera}, {"sentence", f.sentence}});
-  for (const BarCheck& b : v.checks)
-    bars.push_back(bar_json(b));
+  for (const BarCheck& b : v.checks) bars.push_back(bar_json(b));
   for (const calib::CameraLink& l : c.links)
     links.push_back({{"a", c.rig.cameras[static_cast<std::size_t>(l.a)].serial},
                      {"b", c.rig.cameras[static_cast<std::size_t>(l.b)].serial},
@@ -97,19 +90,19 @@ nlohmann::json report_json(const calib::Calibration& c, const Verdict& v, const 
   Json scale = length_json(c.scale);
   scale.erase("target");
   Json out = {
-          {"pass", v.pass},
-          {"cameras", cameras},
-          {"scale", scale},
-          {"lengths", lengths},
-          {"failures", failures},
-          {"bars", bars},
-          {"links", links},
-          {"remarks", remarks},
-          {"detection", context.detection},
-          {"reference", c.reference >= 0 ? Json(c.rig.cameras[static_cast<std::size_t>(c.reference)].serial)
-                                         : Json(nullptr)},
-          {"detection_seconds", context.detection_seconds},
-          {"seconds", c.seconds}};
+      {"pass", v.pass},
+      {"cameras", cameras},
+      {"scale", scale},
+      {"lengths", lengths},
+      {"failures", failures},
+      {"bars", bars},
+      {"links", links},
+      {"remarks", remarks},
+      {"detection", context.detection},
+      {"reference",
+       c.reference >= 0 ? Json(c.rig.cameras[static_cast<std::size_t>(c.reference)].serial) : Json(nullptr)},
+      {"detection_seconds", context.detection_seconds},
+      {"seconds", c.seconds}};
   put(out, "jitter_ms", c.jitter_ms);
   const calib::WorkingVolume volume =
       context.volume.points.empty() ? calib::hull_of_targets(c) : context.volume;

@@ -77,7 +77,8 @@ std::string escaped(const std::string& raw) {
 
 std::string error_picture(const calib::Calibration& c, int camera) {
   const CameraModel& m = c.rig.cameras[at(camera)].model;
-  const double scale = scale_of(m), rms = c.cameras[at(camera)].rms_px ? std::max(*c.cameras[at(camera)].rms_px, 1e-6) : 1;
+  const double scale = scale_of(m),
+               rms = c.cameras[at(camera)].rms_px ? std::max(*c.cameras[at(camera)].rms_px, 1e-6) : 1;
   const double longer = 8 / rms;  // an error as large as the RMS is 8 px long
   std::string kept, left_out;
   std::size_t count = 0;

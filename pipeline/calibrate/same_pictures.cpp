@@ -93,8 +93,9 @@ Result<std::vector<std::string>> notice_same_pictures(const std::vector<CameraFi
     const std::size_t fewer = std::min(cameras[who.first].files.size(), cameras[who.second].files.size());
     if (2 * static_cast<std::size_t>(p.count) >= fewer)
       return fail(ErrorCode::InvalidArgument,
-                  text(sentence(p, cameras), ": a folder was copied or a recording mixed up; give each camera "
-                                             "what it took"));
+                  text(sentence(p, cameras),
+                       ": a folder was copied or a recording mixed up; give each camera "
+                       "what it took"));
     remarks.push_back(sentence(p, cameras) + "; is one of them another camera's?");
   }
   for (const auto& [camera, p] : twice)

@@ -23,8 +23,8 @@ struct CalibrationBars {
   double focal_sigma_percent = 0.5;     ///< of every camera that was solved for
   double rotation_sigma_degrees = 0.1;  ///< of every camera against the reference camera
   double points_px = 5;                 ///< how near rays through the session's points come, where it has any
-  double projection_sigma_px = 0.5;  ///< RMS over the working volume, every camera; the choice of a
-                                     ///< reference changes nothing
+  double projection_sigma_px = 0.5;     ///< RMS over the working volume, every camera; the choice of a
+                                        ///< reference changes nothing
   std::optional<double> known_center_percent =
       {};  ///< of known places that are compared with, after a similarity; of the rig's radius
 };

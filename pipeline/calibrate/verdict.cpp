@@ -10,12 +10,16 @@ namespace floatstage::pipeline {
 namespace {
 
 void sum_up(Verdict& v, const calib::Calibration& c) {
-  v.pass = std::any_of(v.checks.begin(), v.checks.end(), [](const BarCheck& b) { return bool(b.value); }) &&
-           c.failures.empty() &&
-           std::all_of(v.checks.begin(), v.checks.end(), [](const BarCheck& b) { return b.pass; });
+  v.pass =
+      std::any_of(v.checks.begin(), v.checks.end(), [](const BarCheck& b) { return b.value.count() > 0; }) &&
+      c.failures.empty() &&
+      std::all_of(v.checks.begin(), v.checks.end(), [](const BarCheck& b) { return b.pass; });
 }
 
-bool passes(const BarCheck& b) { return b.value ? std::abs(*b.value) <= b.bar : !b.required; }
+// NaN reaches no bar.
+bool passes(const Measured& value, double bar, bool required) {
+  return value ? std::abs(*value) <= bar : !required;
+}
 
 Measured holdout_ratio(const calib::CameraQuality& q) {
   if (!q.holdout_px) return q.holdout_px;
@@ -32,7 +36,7 @@ Verdict judge(const calib::Calibration& c, const CalibrationBars& bars) {
 Verdict judge(const calib::Calibration& c, const CalibrationBars& bars, const calib::WorkingVolume& volume) {
   Verdict v;
   const auto check = [&](const char* what, const std::string& camera, const Measured& value, double bar) {
-    v.checks.push_back({what, camera, value, bar, passes({.value = value, .bar = bar})});
+    v.checks.push_back({what, camera, value, bar, passes(value, bar, false)});
   };
   const calib::ProjectionUncertainty uncertainty(c, volume.points);
   for (std::size_t i = 0; i < c.cameras.size(); ++i) {
@@ -57,7 +61,7 @@ Verdict judge(const calib::Calibration& c, const CalibrationBars& bars, const ca
 }
 
 void add_check(Verdict& v, const calib::Calibration& c, BarCheck check) {
-  check.pass = passes(check);
+  check.pass = passes(check.value, check.bar, check.required);
   v.checks.push_back(std::move(check));
   sum_up(v, c);
 }

@@ -66,7 +66,8 @@ class CalibrateVerb : public testing::Test {
     EXPECT_THAT(make_folder((folder_ / name).parent_path()), IsOk());
     Image image(width, 48, 3);
     for (int y = 0; y < 48; ++y)
-      for (int x = 0; x < width; ++x) *image.at(x, y) = static_cast<std::uint8_t>((x * 37 + y * 101 + name[0]) % 251);
+      for (int x = 0; x < width; ++x)
+        *image.at(x, y) = static_cast<std::uint8_t>((x * 37 + y * 101 + name[0]) % 251);
     EXPECT_THAT(save_png(image, folder_ / name), IsOk());
     return folder_ / name;
   }

@@ -100,8 +100,8 @@ HalvesRatio halves_ratio(const Observations& all, int splits, int blocks, std::u
       good = good && solved && solved->rig.cameras.size() == all.cameras.size();
       if (!good) break;
       halves[h].solved = *std::move(solved);
-      halves[h].from_whole = halves[h].solved.rig.cameras[0].cam_from_world.inverse() *
-                             whole->rig.cameras[0].cam_from_world;
+      halves[h].from_whole =
+          halves[h].solved.rig.cameras[0].cam_from_world.inverse() * whole->rig.cameras[0].cam_from_world;
     }
     if (!good) continue;
     ++out.splits;

@@ -50,7 +50,8 @@ std::vector<Eigen::Vector3d> points_before(const RigCamera& c) {
   std::vector<Eigen::Vector3d> out;
   for (int y = 0; y < 7; ++y)
     for (int x = 0; x < 9; ++x)
-      if (const auto ray = unproject(c.model, {(x + 0.5) / 9 * c.model.width, (y + 0.5) / 7 * c.model.height}))
+      if (const auto ray =
+              unproject(c.model, {(x + 0.5) / 9 * c.model.width, (y + 0.5) / 7 * c.model.height}))
         out.push_back(c.cam_from_world.inverse() * Eigen::Vector3d(*ray * (1.5 + 0.2 * (x % 3))));
   return out;
 }
@@ -80,8 +81,7 @@ TEST(ExportedRig, IsTheSameInEveryFormatThatHoldsItOrIsRefusedWithTheRemedy) {
       const Result<ForeignRig> back = f.read(out, kMetresPerUnit);
       ASSERT_THAT(back, IsOk());
       // A camchain has no world: its first camera is it.
-      const Rigid3 first =
-          f.name == "kalibr" ? fitted->rig.cameras[0].cam_from_world : Rigid3{};
+      const Rigid3 first = f.name == "kalibr" ? fitted->rig.cameras[0].cam_from_world : Rigid3{};
       double most = 0;
       for (std::size_t c = 0; c < rig.cameras.size(); ++c)
         for (const Eigen::Vector3d& x : points_before(rig.cameras[c])) {
@@ -113,9 +113,10 @@ TEST(ExportedRig, WithAThirdTermGoesToKalibrWithAStatedResidual) {
     std::printf("camera %zu: %.5f px\n", c, *fitted->residual_px[c]);
     double most = 0;
     for (const Eigen::Vector3d& x : points_before(rig.cameras[c]))
-      most = std::max(most, (*project(rig.cameras[c].model, rig.cameras[c].cam_from_world * x) -
-                             *project(fitted->rig.cameras[c].model, fitted->rig.cameras[c].cam_from_world * x))
-                                .norm());
+      most =
+          std::max(most, (*project(rig.cameras[c].model, rig.cameras[c].cam_from_world * x) -
+                          *project(fitted->rig.cameras[c].model, fitted->rig.cameras[c].cam_from_world * x))
+                             .norm());
     EXPECT_LE(most, *fitted->residual_px[c]) << "the residual is the most that it is off";
   }
 }
@@ -156,11 +157,11 @@ TEST(ExportedRig, IsSeenByOpenCvWhereWeSeeIt) {
         cv::fisheye::projectPoints(points, pixels, rv, tv, k,
                                    cv::Vec4d(fisheye->k1, fisheye->k2, fisheye->k3, fisheye->k4));
       else
-        cv::projectPoints(points, rv, tv, k,
-                          brown ? cv::Mat(cv::Matx<double, 1, 5>(brown->k1, brown->k2, brown->p1, brown->p2,
-                                                                  brown->k3))
-                                : cv::Mat(),
-                          pixels);
+        cv::projectPoints(
+            points, rv, tv, k,
+            brown ? cv::Mat(cv::Matx<double, 1, 5>(brown->k1, brown->k2, brown->p1, brown->p2, brown->k3))
+                  : cv::Mat(),
+            pixels);
       for (std::size_t i = 0; i < before.size(); ++i) {
         const Eigen::Vector2d ours = *project(c.model, c.cam_from_world * before[i]);
         EXPECT_LE((ours - Eigen::Vector2d(pixels[i].x + 0.5, pixels[i].y + 0.5)).norm(), kSame) << what;
@@ -182,7 +183,8 @@ std::string points_model(const Rig& rig, const std::filesystem::path& folder) {
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
       const auto pixel = project(rig.cameras[c].model, rig.cameras[c].cam_from_world * x);
       if (!pixel || !inside(rig.cameras[c].model, *pixel)) continue;
-      sights[c] += text(sights[c].empty() ? "" : " ", std::setprecision(17), pixel->x(), ' ', pixel->y(), ' ', id);
+      sights[c] +=
+          text(sights[c].empty() ? "" : " ", std::setprecision(17), pixel->x(), ' ', pixel->y(), ' ', id);
       track += text(' ', c + 1, ' ', counts[c]++);
     }
     points += text(id, std::setprecision(17), ' ', x.x(), ' ', x.y(), ' ', x.z(), " 0 0 0 0", track, '\n');

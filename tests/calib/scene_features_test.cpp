@@ -186,6 +186,20 @@ TEST(OntoKnown, BringsARigBackWhateverOneCameraDid) {
   EXPECT_FALSE(agreement(rig, known));
 }
 
+TEST(Agreement, IsRefusedForCamerasInOnePointAndKnowsNoTurnAboutALine) {
+  Rig known = ring_rig(5, 3);
+  for (RigCamera& c : known.cameras) c.cam_from_world.translation.setZero();
+  EXPECT_THAT(agreement(known, known), FailsWith(ErrorCode::BadData, "stand in one point"));
+  EXPECT_THAT(agreement(ring_rig(5, 3), known), FailsWith(ErrorCode::BadData, "the known cameras"));
+  for (std::size_t i = 0; i < known.cameras.size(); ++i)
+    known.cameras[i].cam_from_world.translation =
+        known.cameras[i].cam_from_world.rotation * Eigen::Vector3d(-0.3 * static_cast<double>(i), 0, 0);
+  const Result<RigAgreement> line = agreement(known, known);
+  ASSERT_THAT(line, IsOk());
+  EXPECT_FALSE(line->worst_turn_degrees);
+  EXPECT_LT(line->worst_percent, 1e-9);
+}
+
 TEST(Agreement, IsAShareOfTheRadiusAndNamesTheWorst) {
   const Rig known = ring_rig(8, 3);
   Rig rig = elsewhere(known, 0.5, 0);

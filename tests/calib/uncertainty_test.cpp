@@ -34,8 +34,8 @@ TEST(ProjectionSigma, IsHowFarHalvesOfACaptureAreApart) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const HalvesRatio r = halves_ratio(waved(48, seed), 3, 24, seed);
     EXPECT_EQ(r.splits, 3);
-    std::printf("seed %d: %.3f (%.3f px apart, %.3f px stated)\n", static_cast<int>(seed), r.ratio, r.apart_px,
-                r.stated_px);
+    std::printf("seed %d: %.3f (%.3f px apart, %.3f px stated)\n", static_cast<int>(seed), r.ratio,
+                r.apart_px, r.stated_px);
     apart += r.apart_px * r.apart_px;
     stated += r.stated_px * r.stated_px;
   }

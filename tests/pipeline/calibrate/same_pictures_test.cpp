@@ -42,20 +42,23 @@ TEST_F(SamePictures, GivenToTwoCamerasAsOneFolderNameBoth) {
 }
 
 TEST_F(SamePictures, CopiedToAnotherNameNameBothCamerasAndThePictures) {
-  const auto result = notice_same_pictures({camera("left", {"a1", "a2", "a3"}), camera("right", {"a1", "a2", "b3"})});
-  EXPECT_THAT(result, FailsWith(ErrorCode::InvalidArgument, "have 2 pictures that are the same byte for byte"));
+  const auto result =
+      notice_same_pictures({camera("left", {"a1", "a2", "a3"}), camera("right", {"a1", "a2", "b3"})});
+  EXPECT_THAT(result,
+              FailsWith(ErrorCode::InvalidArgument, "have 2 pictures that are the same byte for byte"));
   EXPECT_THAT(result, FailsWith(ErrorCode::InvalidArgument, "left_0.png"));
 }
 
 TEST_F(SamePictures, FewOfManyAreARemark) {
-  const auto remarks =
-      notice_same_pictures({camera("left", {"x1", "a2", "a3", "a4"}), camera("right", {"x1", "b2", "b3", "b4"})});
+  const auto remarks = notice_same_pictures(
+      {camera("left", {"x1", "a2", "a3", "a4"}), camera("right", {"x1", "b2", "b3", "b4"})});
   ASSERT_THAT(remarks, IsOk());
   EXPECT_THAT(*remarks, ElementsAre(HasSubstr("'left' and 'right' have 1 picture that")));
 }
 
 TEST_F(SamePictures, TwiceInOneCameraAreARemark) {
-  const auto remarks = notice_same_pictures({camera("left", {"a1", "a1", "a3"}), camera("right", {"b1", "b2", "b3"})});
+  const auto remarks =
+      notice_same_pictures({camera("left", {"a1", "a1", "a3"}), camera("right", {"b1", "b2", "b3"})});
   ASSERT_THAT(remarks, IsOk());
   EXPECT_THAT(*remarks, ElementsAre(HasSubstr("camera 'left' was given 1 picture more than once")));
 }
