@@ -187,12 +187,16 @@ Result<FittedRig> fit_to_format(const Rig& rig, const LensLimits& holds, std::st
       camera.cam_from_world = Rigid3{c.turn, Eigen::Vector3d::Zero()} * stood;
       camera.cam_from_world.rotation.normalize();
     }
-    if (!(least <= largest_px))
+    if (!(least <= largest_px)) {
+      const std::string how_far =
+          std::isfinite(least)
+              ? text("the nearest camera that it holds is up to ", std::setprecision(3), least,
+                     " px off, and at most ", largest_px, " px are accepted (--largest-residual)")
+              : std::string("no camera that it holds sees all of the picture");
       return fail(ErrorCode::Unsupported,
                   text("camera '", camera.serial, "' has ", what_it_lacks(was, holds), ", which ", format,
-                       " cannot hold; the nearest camera that it holds is up to ", std::setprecision(3),
-                       least, " px off, and at most ", largest_px, " px are accepted (--largest-residual); ",
-                       remedy(was, holds)));
+                       " cannot hold; ", how_far, "; ", remedy(was, holds)));
+    }
     out.residual_px.emplace_back(least, static_cast<long>(between.size()));
   }
   return out;

@@ -17,7 +17,7 @@ namespace {
 using testing::HasSubstr;
 
 Observations waved(int frames, std::uint64_t seed, double extent = 0.6) {
-  const CaptureOptions options{.frames = frames, .extent = extent, .seed = seed, .frame_seconds = 0.4};
+  const CaptureOptions options{.frames = frames, .seed = seed, .extent = extent, .frame_seconds = 0.4};
   return capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
 }
 
@@ -76,7 +76,7 @@ TEST(WorkingVolume, IsTheHullOfAllTargetsUnlessItIsGiven) {
 
 TEST(PicturesToAdd, BringACameraBelowItsBar) {
   // A board waved in a small place says little of the rest of the stage.
-  const CaptureOptions narrow{.frames = 16, .extent = 0.15, .seed = 6, .frame_seconds = 0.4};
+  const CaptureOptions narrow{.frames = 16, .seed = 6, .extent = 0.15, .frame_seconds = 0.4};
   const Observations seen =
       capture(ring_rig(3), two_sided_board(7, 5, 0.08, 0.005), wandering(narrow), narrow);
   const Result<Calibration> solved = calibrate(seen, {.holdout_every = 0});
