@@ -10,9 +10,11 @@
 #include "calib/solver/failures.h"
 #include "calib/solver/gauge.h"
 #include "calib/solver/holdout.h"
+#include "calib/solver/jackknife.h"
 #include "calib/solver/quality.h"
 #include "calib/solver/stages.h"
 #include "calib/solver/start.h"
+#include "calib/uncertainty/working_volume.h"
 #include "core/parallel.h"
 #include "core/text.h"
 
@@ -65,6 +67,51 @@ Eigen::MatrixXd without_offsets(const Eigen::MatrixXd& m, std::size_t cameras) {
   return m(rows, rows);
 }
 
+// The scene's cameras as they are now.
+void take_cameras(const Scene& scene, const Observations& observations, Calibration& out) {
+  out.reference = scene.reference;
+  out.rig.cameras.clear();
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    const solver::SceneCamera& from = scene.cameras[c];
+    CameraModel model = solver::unpack(from.intrinsics, from.lens, from.width, from.height);
+    if (from.intrinsics_fixed) model = observations.cameras[c].model;
+    out.rig.cameras.push_back({from.serial, model, from.cam_from_world, {}});
+  }
+  out.errors = solver::point_errors(scene, observations);
+}
+
+// How much more than its points' noise says each camera moves when frames are left out, by where it sees the
+// targets' volume; the covariance grows by that. The blocks of one capture do not say in which direction,
+// only how much: one number a camera.
+std::vector<Measured> enlarge_by_scatter(const Scene& scene, const Observations& observations,
+                                         const solver::BundleOptions& used, Eigen::MatrixXd& covariance) {
+  const std::size_t count = scene.cameras.size();
+  int blocks = 0;
+  const Eigen::MatrixXd moved = solver::jackknife_covariance(scene, used, blocks);
+  std::vector<Measured> scatter(
+      count, Measured::not_measured(text("fewer than ", solver::kFewestBlocks, " frames show what moves")));
+  if (moved.size() == 0) return scatter;
+  Calibration by_noise, by_blocks;
+  take_cameras(scene, observations, by_noise);
+  by_blocks.reference = by_noise.reference;
+  by_blocks.rig = by_noise.rig;
+  by_noise.covariance = without_offsets(covariance, count);
+  by_blocks.covariance = without_offsets(moved, count);
+  const WorkingVolume volume = hull_of_targets(by_noise);
+  const ProjectionUncertainty noise(by_noise, volume.points), seen(by_blocks, volume.points);
+  Eigen::VectorXd factors = Eigen::VectorXd::Ones(covariance.rows());
+  for (std::size_t c = 0; c < count; ++c) {
+    const Measured a = projection_sigma(by_noise, noise, static_cast<int>(c), volume),
+                   b = projection_sigma(by_blocks, seen, static_cast<int>(c), volume);
+    if (!a || !b || !(*a > 0) || !std::isfinite(*b)) continue;
+    scatter[c] = {std::max(1.0, *b / *a), blocks};
+    factors.segment<solver::kCameraParameters>(solver::kCameraParameters * static_cast<Eigen::Index>(c))
+        .setConstant(*scatter[c]);
+  }
+  covariance = factors.asDiagonal() * covariance * factors.asDiagonal();
+  return scatter;
+}
+
 }  // namespace
 
 const char* name_of(CalibrationFailure failure) {
@@ -105,23 +152,19 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
 
   solver::select_inliers(scene, 1e12);  // what lies behind a camera at the start takes no part
   const solver::BundleOptions used = solver::solve_in_stages(scene, options);
-  const std::vector<double> holdout = solver::holdout_errors(scene, observations, options);
+  const std::vector<Measured> holdout = solver::holdout_errors(scene, observations, options);
   out.failures = solver::late_cameras(scene, options);
 
   Eigen::MatrixXd covariance = solver::camera_covariance(scene, used);
+  out.scatter = enlarge_by_scatter(scene, observations, used, covariance);
   if (Result<void> ok = solver::set_gauge(scene, observations, covariance, out.remarks); !ok)
     return forward(ok);
-  out.reference = scene.reference;
-  out.jitter_ms = 1e3 * scene.jitter_sigma;
-  out.errors = solver::point_errors(scene, observations);
+  take_cameras(scene, observations, out);
+  out.jitter_ms = options.time_offsets && scene.jitter_sigma > 0
+                      ? Measured(1e3 * scene.jitter_sigma, static_cast<long>(scene.views.size()))
+                      : Measured::not_measured("time offsets were not solved for");
   out.cameras = solver::camera_qualities(scene, out.errors, covariance);
-  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
-    const solver::SceneCamera& from = scene.cameras[c];
-    CameraModel model = solver::unpack(from.intrinsics, from.lens, from.width, from.height);
-    if (from.intrinsics_fixed) model = observations.cameras[c].model;
-    out.rig.cameras.push_back({from.serial, model, from.cam_from_world, {}});
-    if (!holdout.empty()) out.cameras[c].holdout_px = holdout[c];
-  }
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) out.cameras[c].holdout_px = holdout[c];
   out.lengths = solver::measure_lengths(scene);
   out.scale = solver::merged(out.lengths);
   for (NamedFailure& f : solver::weak_geometry(scene, out.cameras, out.lengths, options))

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "calib/observations.h"
+#include "core/measured.h"
 #include "core/result.h"
 #include "core/rig.h"
 
@@ -45,22 +46,23 @@ struct NamedFailure {
   std::string sentence;  ///< what was found, in numbers, and what to do
 };
 
-/// How one camera did, and how well its numbers are known (one standard deviation).
+/// How one camera did, and how well its numbers are known (one standard deviation). What nobody measured says
+/// why and is never 0.
 struct CameraQuality {
   std::string serial;
   int views = 0, points = 0, outliers = 0;
-  double rms_px = 0;  ///< of the pixel errors' lengths, inliers
-  double p95_px = 0;  ///< 95th percentile of the lengths, outliers too
-  double holdout_px =
-      0;  ///< RMS in frames that had no part in the solution that predicts them; 0 when none were held out
-  double depth_ratio = 0;  ///< 0: saw no board
-  double tilt_degrees = 0;
-  double covered = 0;  ///< share of the picture's 8×6 cells in which a point was seen
-  /// fx fy cx cy (px), then the lens' coefficients; 0 for those that were not solved for.
-  Eigen::Matrix<double, 9, 1> intrinsics_sigma = Eigen::Matrix<double, 9, 1>::Zero();
-  /// Relative to the reference camera, whose own are 0.
-  double rotation_sigma_degrees = 0, position_sigma_mm = 0;
-  double time_offset_ms = 0, time_offset_sigma_ms = 0;
+  Measured rms_px;        ///< of the pixel errors' lengths, inliers
+  Measured p95_px;        ///< 95th percentile of the lengths, outliers too
+  Measured holdout_px;    ///< RMS in frames that had no part in the solution that predicts them
+  Measured depth_ratio;   ///< farthest over nearest board point
+  Measured tilt_degrees;  ///< of two board views or more
+  double covered = 0;     ///< share of the picture's 8×6 cells in which a point was seen
+  /// fx fy cx cy (px), then the lens' coefficients (5 places), then the skew (px); 0 for those that were not
+  /// solved for.
+  Eigen::Matrix<double, 10, 1> intrinsics_sigma = Eigen::Matrix<double, 10, 1>::Zero();
+  /// Relative to the reference camera, whose own are not measured.
+  Measured rotation_sigma_degrees, position_sigma_mm;
+  Measured time_offset_ms, time_offset_sigma_ms;
   std::optional<double> moved_mm, turned_degrees;  ///< since the pose it started from (Prior::Start)
 };
 
@@ -69,8 +71,12 @@ struct CameraQuality {
 struct LengthQuality {
   std::string target;
   int count = 0;
-  double rms_mm = 0, bias_mm = 0;     ///< measured minus known
+  double rms_mm = 0, bias_mm = 0;     ///< measured minus known; worth nothing where `count` is 0
   double ratio = 1, ratio_sigma = 0;  ///< measured over known, all lengths together
+  /// One of the numbers above as a figure of a report.
+  Measured figure(double number) const {
+    return Measured::of(number, count, "no known length was seen by two cameras at a good angle");
+  }
 };
 
 struct CameraLink {
@@ -91,9 +97,9 @@ struct TargetPlace {
   Rigid3 world_from_target;
 };
 
-/// Rows of Calibration::covariance a camera: 9 intrinsics, a rotation vector on the left of cam_from_world
+/// Rows of Calibration::covariance a camera: 10 intrinsics, a rotation vector on the left of cam_from_world
 /// (rad), its translation (m).
-inline constexpr int kCovarianceRows = 15;
+inline constexpr int kCovarianceRows = 16;
 
 struct Calibration {
   Rig rig;
@@ -102,14 +108,16 @@ struct Calibration {
   std::vector<CameraQuality> cameras;
   std::vector<LengthQuality> lengths;  ///< a row a target that was measured
   LengthQuality scale;                 ///< all of them
-  double jitter_ms =
-      0;  ///< how far pictures stray from their instants (sigma); 0 unless time offsets are solved for
+  Measured jitter_ms;  ///< how far pictures stray from their instants (sigma), of time offsets' solution
   std::vector<CameraLink> links;
   std::vector<NamedFailure> failures;
   std::vector<std::string> remarks;
   std::vector<TargetPlace> places;  ///< of boards
   std::vector<PointError> errors;
   Eigen::MatrixXd covariance;  ///< kCovarianceRows a camera
+  /// One a camera, 1 or more: how much further than its points' noise alone the solution moves when frames
+  /// are left out; all sigmas are larger by it (ADR 0224).
+  std::vector<Measured> scatter;
   double seconds = 0;
 };
 

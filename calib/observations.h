@@ -84,6 +84,16 @@ struct TargetView {
 
 enum class LensKind { None, BrownConrady, KannalaBrandt };
 
+/// Which terms of a lens are solved for; those that are not stay 0.
+struct LensTerms {
+  /// k1, k1 k2, …: 0 to 3 of a Brown-Conrady lens, 0 to 4 of a fisheye. Absent: all of a fisheye, and of a
+  /// Brown-Conrady lens two, and the third where the capture shows it (ADR 0225).
+  std::optional<int> radial;
+  bool tangential = true;  ///< p1 and p2 of a Brown-Conrady lens
+  bool skew = false;       ///< of the pixels; for pictures that were scaled or scanned oddly
+  bool operator==(const LensTerms&) const = default;
+};
+
 /// What is known of something before the calibration.
 enum class Prior {
   Unknown,  ///< nothing: the solver finds its own start
@@ -95,6 +105,7 @@ struct CalibrationCamera {
   std::string serial;
   int width = 0, height = 0;  ///< px
   LensKind lens = LensKind::BrownConrady;
+  LensTerms terms;
   Prior intrinsics = Prior::Unknown, pose = Prior::Unknown;
   CameraModel model;      ///< where intrinsics is not Unknown; size and lens as above
   Rigid3 cam_from_world;  ///< where pose is not Unknown

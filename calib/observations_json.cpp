@@ -60,6 +60,10 @@ Json camera_json(const CalibrationCamera& c) {
               {"intrinsics", name_in(kPriors, c.intrinsics)},
               {"pose", name_in(kPriors, c.pose)}};
   if (c.found) out["found"] = transform_json(*c.found);
+  // Only what was chosen, so that older programs read what they can solve.
+  if (c.terms.radial) out["radial"] = *c.terms.radial;
+  if (!c.terms.tangential) out["tangential"] = false;
+  if (c.terms.skew) out["skew"] = true;
   return out;
 }
 
@@ -142,6 +146,9 @@ CalibrationCamera read_camera(const nlohmann::json& value, const std::string& wh
   c.intrinsics = one_of<Prior>(kPriors, fields, "intrinsics", problem);
   c.pose = one_of<Prior>(kPriors, fields, "pose", problem);
   if (fields.has("found")) c.found = read_transform(fields, "found", problem);
+  if (fields.has("radial")) c.terms.radial = std::clamp(fields.integer("radial"), 0, 4);
+  if (fields.has("tangential")) c.terms.tangential = fields.boolean("tangential");
+  if (fields.has("skew")) c.terms.skew = fields.boolean("skew");
   fields.refuse_others();
   return c;
 }

@@ -18,6 +18,15 @@ struct ForeignRig {
   std::filesystem::path pictures;        ///< the folder where such a calibration's pictures lie, if anywhere
 };
 
+/// What a format can hold of a camera's lens. (A rig that was written for one that holds less is fitted
+/// again, see formats/refit.h.)
+struct LensLimits {
+  int radial = 3;          ///< terms of a Brown-Conrady lens: k1, k1 k2, …
+  bool tangential = true;  ///< p1 and p2
+  bool skew = true;
+  bool fisheye = true;  ///< Kannala-Brandt
+};
+
 /// One calibration format: a row of the table that import, known rigs, export, session files and the help of
 /// all of them read. docs/calibration-formats.md says what each file is taken to mean.
 struct RigFormat {
@@ -27,6 +36,7 @@ struct RigFormat {
   std::string_view
       written;  ///< what export makes: "a _par.txt"; empty: this format is not written, `write` is null
   bool states_unit = true;  ///< false: `metres_per_unit` is needed to read it
+  LensLimits holds = {};    ///< what `write` can write
 
   /// Whether what lies at the path (the calibration's file, or a folder that holds it) has this format's
   /// names. Opens no file.

@@ -87,6 +87,22 @@ std::optional<double> metres_per_unit(const Observations& o, const Rig& rig) {
   return median(std::move(ratios));
 }
 
+namespace {
+
+enum class Spread { Point, Line, Wide };
+
+// How far centres reach, against where the numbers of a file end: rigs are written with six digits and more,
+// and a pile of equal centres differs by rounding only.
+Spread spread_of(const Eigen::Matrix3Xd& centers) {
+  const Eigen::Matrix3Xd off = centers.colwise() - Vector3d(centers.rowwise().mean());
+  const Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3Xd>(off).singularValues();
+  constexpr double kRounding = 1e-6;
+  if (s[0] <= kRounding * std::max(1e-3, centers.colwise().norm().maxCoeff())) return Spread::Point;
+  return s[1] <= 1e-3 * s[0] ? Spread::Line : Spread::Wide;
+}
+
+}  // namespace
+
 std::optional<Rig> onto_known(const Rig& rig, const Rig& known) {
   const auto pairs = common(rig, known);
   if (pairs.size() < 3) return std::nullopt;
@@ -132,9 +148,12 @@ std::optional<Rig> onto_known(const Rig& rig, const Rig& known) {
   return out;
 }
 
-std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known) {
+Result<RigAgreement> agreement(const Rig& rig, const Rig& known) {
   const auto pairs = common(rig, known);
-  if (pairs.size() < 3) return std::nullopt;
+  if (pairs.size() < 3)
+    return fail(ErrorCode::BadData, text("only ", pairs.size(),
+                                         " cameras are in both rigs and a similarity fits any two centres "
+                                         "exactly; three or more are needed"));
   const auto n = static_cast<Eigen::Index>(pairs.size());
   Eigen::Matrix3Xd from(3, n), to(3, n);
   Rig shared;
@@ -144,6 +163,12 @@ std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known) {
     to.col(i) = center(known, b);
     shared.cameras.push_back(known.cameras[b]);
   }
+  const Spread solved_spread = spread_of(from), known_spread = spread_of(to);
+  for (const auto& [spread, whose] : {std::pair{solved_spread, "solved"}, std::pair{known_spread, "known"}})
+    if (spread == Spread::Point)
+      return fail(ErrorCode::BadData, text("the ", whose,
+                                           " cameras all stand in one point, which any rig fits "
+                                           "when it is made small enough; there is no baseline to compare"));
   const Eigen::Matrix4d similarity = Eigen::umeyama(from, to);
   const Eigen::Matrix3Xd off =
       ((similarity.topLeftCorner<3, 3>() * from).colwise() + Vector3d(similarity.topRightCorner<3, 1>())) -
@@ -157,12 +182,16 @@ std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known) {
   Eigen::Index worst = 0;
   out.worst_percent = 100 * off.colwise().norm().maxCoeff(&worst) / radius;
   out.worst = rig.cameras[pairs[static_cast<std::size_t>(worst)].first].serial;
+  double worst_turn = 0;
   for (const auto& [a, b] : pairs) {
     const Eigen::Quaterniond now = rig.cameras[a].cam_from_world.rotation * turn.conjugate();
-    out.worst_turn_degrees =
-        std::max(out.worst_turn_degrees,
-                 now.angularDistance(known.cameras[b].cam_from_world.rotation) * 180 / std::numbers::pi);
+    worst_turn = std::max(
+        worst_turn, now.angularDistance(known.cameras[b].cam_from_world.rotation) * 180 / std::numbers::pi);
   }
+  const bool line = solved_spread == Spread::Line || known_spread == Spread::Line;
+  out.worst_turn_degrees =
+      Measured::of(worst_turn, line ? 0 : out.cameras,
+                   "the cameras stand in one line, about which their centres leave the rig free to turn");
   return out;
 }
 

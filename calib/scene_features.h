@@ -6,6 +6,7 @@
 
 #include "calib/markerless.h"
 #include "calib/observations.h"
+#include "core/measured.h"
 
 namespace floatstage::calib {
 
@@ -29,11 +30,12 @@ std::optional<Rig> onto_known(const Rig& rig, const Rig& known);
 struct RigAgreement {
   int cameras = 0;
   double rms_percent = 0, worst_percent = 0;
-  double worst_turn_degrees = 0;
-  double scale = 1;   ///< known over solved
-  std::string worst;  ///< serial
+  Measured worst_turn_degrees;  ///< not of centres in one line: a turn about it is anyone's guess
+  double scale = 1;             ///< known over solved
+  std::string worst;            ///< serial
 };
-/// Absent when fewer than three cameras are in both.
-std::optional<RigAgreement> agreement(const Rig& rig, const Rig& known);
+/// BadData says why rigs cannot be compared: fewer than three cameras are in both (a similarity fits any two
+/// centres exactly), or the centres of either stand in one point.
+Result<RigAgreement> agreement(const Rig& rig, const Rig& known);
 
 }  // namespace floatstage::calib

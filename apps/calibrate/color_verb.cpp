@@ -18,6 +18,7 @@
 #include "core/text.h"
 #include "pipeline/calibrate/report_pictures.h"
 #include "pipeline/json_report.h"
+#include "pipeline/measured_json.h"
 
 namespace floatstage::apps {
 namespace {
@@ -116,6 +117,10 @@ struct Row {
   calib::ColorAgreement agreement;
   bool reference = false;
   std::vector<std::array<Eigen::Vector3d, 3>> swatches;  // seen, after, wanted
+
+  Measured figure(double number) const {
+    return Measured::of(number, agreement.points, "it shares no colour with other cameras");
+  }
 };
 
 std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
@@ -135,9 +140,10 @@ std::string html(const std::vector<Row>& rows, const nlohmann::json& json) {
       "tr>";
   for (const Row& r : rows)
     out += text("<tr><td>", pipeline::escaped(r.serial), r.reference ? " (the others look like it)" : "",
-                "</td><td>", r.agreement.points, "</td><td>", r.agreement.strays, std::fixed,
-                std::setprecision(2), "</td><td>", r.agreement.mean_before, "</td><td>",
-                r.agreement.mean_after, "</td><td>", r.agreement.p95_after, "</td></tr>");
+                "</td><td>", r.agreement.points, "</td><td>", r.agreement.strays, "</td><td>",
+                short_words(r.figure(r.agreement.mean_before), 2), "</td><td>",
+                short_words(r.figure(r.agreement.mean_after), 2), "</td><td>",
+                short_words(r.figure(r.agreement.p95_after), 2), "</td></tr>");
   out += "</table>";
   for (const Row& r : rows) {
     if (r.swatches.empty()) continue;
@@ -183,16 +189,20 @@ Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows)
   for (const Row& r : rows) {
     const bool good = r.reference || (r.agreement.points > 0 && r.agreement.mean_after <= given.bar);
     pass = pass && good;
-    cameras.push_back({{"serial", r.serial},
-                       {"points", r.agreement.points},
-                       {"strays", r.agreement.strays},
-                       {"delta_e_before", r.agreement.mean_before},
-                       {"delta_e", r.agreement.mean_after},
-                       {"delta_e_p95", r.agreement.p95_after},
-                       {"reference", r.reference},
-                       {"pass", good}});
-    std::printf("%s: dE00 %.2f before, %.2f after (P95 %.2f), %d colours, %d strays%s\n", r.serial.c_str(),
-                r.agreement.mean_before, r.agreement.mean_after, r.agreement.p95_after, r.agreement.points,
+    nlohmann::json camera = {{"serial", r.serial},
+                             {"points", r.agreement.points},
+                             {"strays", r.agreement.strays},
+                             {"reference", r.reference},
+                             {"pass", good}};
+    pipeline::put(camera, "delta_e_before", r.figure(r.agreement.mean_before));
+    pipeline::put(camera, "delta_e", r.figure(r.agreement.mean_after));
+    pipeline::put(camera, "delta_e_p95", r.figure(r.agreement.p95_after));
+    camera.erase("counts");  // `points`, all of them
+    cameras.push_back(std::move(camera));
+    std::printf("%s: dE00 %s before, %s after (P95 %s), %d colours, %d strays%s\n", r.serial.c_str(),
+                short_words(r.figure(r.agreement.mean_before), 2).c_str(),
+                short_words(r.figure(r.agreement.mean_after), 2).c_str(),
+                short_words(r.figure(r.agreement.p95_after), 2).c_str(), r.agreement.points,
                 r.agreement.strays, r.reference ? "; the others look like it" : "");
   }
   std::printf("%s\n", pass ? "PASS" : "FAIL");

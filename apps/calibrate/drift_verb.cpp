@@ -14,6 +14,7 @@
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
+#include "pipeline/measured_json.h"
 
 namespace floatstage::apps {
 namespace {
@@ -115,11 +116,12 @@ Result<nlohmann::json> watch_camera(capture::TakeReader& take, int camera, const
   if (2 * known < checks)
     std::printf("%s: its background was seen in only %d of %d checks: whether it turned is not known\n",
                 serial.c_str(), known, checks);
-  return nlohmann::json{{"serial", serial},
-                        {"checks", checks},
-                        {"known", known},
-                        {"largest_degrees", largest},
-                        {"largest_parallax_px", parallax}};
+  nlohmann::json out = {{"serial", serial}, {"checks", checks}, {"known", known}};
+  const char* const unseen = "in no check enough of its background was seen";
+  pipeline::put(out, "largest_degrees", Measured::of(largest, known, unseen));
+  pipeline::put(out, "largest_parallax_px", Measured::of(parallax, known, unseen));
+  out.erase("counts");  // `known`, both
+  return out;
 }
 
 Result<void> watch(capture::TakeReader& take, const Options& given) {

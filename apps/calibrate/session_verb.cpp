@@ -7,6 +7,7 @@
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
 #include "calib/calibrate.h"
+#include "calib/uncertainty/picture_advice.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/calibrate/calibration_outcome.h"
@@ -99,15 +100,22 @@ Result<void> compare_with_known(const pipeline::Session& session, const Rig& sol
   if (!known) return forward(known);
   for (std::string& sentence : pipeline::compare_to_known(*session.known, *known, solved))
     context.remarks.push_back(std::move(sentence));
-  if (const std::optional<calib::RigAgreement> a = pipeline::compare_poses(*session.known, *known, solved)) {
-    context.remarks.push_back(
-        text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent,
-             " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
-             "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale,
-             "; rotations at worst ", a->worst_turn_degrees, "°"));
-    if (session.bars.known_center_percent)
-      checks.push_back(
-          {"known_center_percent", a->worst, a->worst_percent, *session.bars.known_center_percent, false});
+  if (const auto compared = pipeline::compare_poses(*session.known, *known, solved)) {
+    pipeline::BarCheck check{.what = "known_center_percent", .camera = "", .value = {}, .required = true};
+    if (const Result<calib::RigAgreement>& a = *compared) {
+      context.remarks.push_back(
+          text("camera centres are ", std::fixed, std::setprecision(3), a->rms_percent,
+               " % (RMS) and at worst ", a->worst_percent, " % (camera '", a->worst,
+               "') of the rig's radius from the known ones after a similarity, which enlarges by ", a->scale,
+               "; rotations at worst: ", to_words(a->worst_turn_degrees, 3, "°")));
+      check.camera = a->worst;
+      check.value = {a->worst_percent, a->cameras};
+    } else {
+      context.remarks.push_back(text("not compared with the known poses: ", compared->error().message));
+      check.value = Measured::not_measured(compared->error().message);
+    }
+    check.bar = session.bars.known_center_percent.value_or(0);
+    if (session.bars.known_center_percent) checks.push_back(std::move(check));
   }
   if (session.points.empty()) return {};
   const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session.points, *known);
@@ -130,6 +138,11 @@ Result<void> run(const Options& given) {
   if (interrupted()) return pipeline::cancelled_unwritten();
   pipeline::ReportContext context{given.session.stem().string(), collected->detection, collected->remarks,
                                   collected->seconds};
+  if (session->volume) context.volume = calib::box_volume(session->volume->low, session->volume->high);
+  const calib::WorkingVolume volume = session->volume ? context.volume : calib::hull_of_targets(*solved);
+  for (const calib::PictureAdvice& advice :
+       calib::pictures_to_add(*solved, collected->observations, volume, session->bars.projection_sigma_px))
+    context.remarks.push_back(advice.sentence);
   std::vector<pipeline::BarCheck> checks;
   if (session->known)
     if (Result<void> ok = compare_with_known(*session, solved->rig, context, checks); !ok) return ok;
@@ -137,8 +150,11 @@ Result<void> run(const Options& given) {
     const Result<pipeline::ScenePoints> measured = pipeline::measure_points(session->points, solved->rig);
     context.remarks.push_back(measured ? pipeline::describe(*measured, solved->rig, "solved")
                                        : measured.error().message);
-    checks.push_back(
-        {"points_px", "", measured ? measured->rms_px : std::nan(""), session->bars.points_px, false});
+    checks.push_back({.what = "points_px",
+                      .camera = "",
+                      .value = measured ? measured->rms_px : Measured::not_measured(measured.error().message),
+                      .bar = session->bars.points_px,
+                      .required = true});
   }
   return pipeline::write_outcome(
       *solved, session->bars, checks, context,

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "calib/formats/camera_parts.h"
-#include "calib/formats/opencv_yaml.h"
 #include "calib/formats/format_files.h"
+#include "calib/formats/opencv_yaml.h"
 #include "calib/formats/parsers.h"
 #include "calib/formats/text_lines.h"
 #include "core/file.h"
@@ -134,6 +134,10 @@ Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder
       return fail(ErrorCode::Unsupported,
                   text(folder.string(), ": camera '", c.serial,
                        "' has a fisheye lens, which this format cannot hold; write COLMAP instead"));
+    if (c.model.skew != 0)
+      return fail(ErrorCode::Unsupported,
+                  text(folder.string(), ": camera '", c.serial,
+                       "' has skewed pixels, which OpenCV ignores; write Qualisys or Middlebury instead"));
     intri += "   - \"" + c.serial + "\"\n";
     extri += "   - \"" + c.serial + "\"\n";
   }

@@ -427,6 +427,7 @@ Intrinsics prior_sigmas(const SceneCamera& c) {
   sigma.head<2>() = 0.5 * c.start.head<2>();
   sigma[2] = 0.1 * c.width;
   sigma[3] = 0.1 * c.height;
+  sigma[kSkewRow] = 0.1 * c.start[0];
   return sigma;
 }
 
@@ -439,10 +440,11 @@ CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& 
     free.head<2>().setConstant(true);
     if (options.intrinsics == Freedom::All) {
       free.head(4 + coefficients).setConstant(true);
-      if (c.without_k3) free[8] = false;
+      free[kSkewRow] = true;
     } else if (coefficients > 0) {
-      free[4] = true;
+      free[kLensRow] = true;
     }
+    for (int k = 0; k < kIntrinsics; ++k) free[k] = free[k] && !c.held[k];
   }
   if (!c.pose_fixed && camera != scene.reference) free.segment<6>(kIntrinsics).setConstant(true);
   if (options.offsets && camera != scene.reference) free[kIntrinsics + 6] = true;

@@ -48,7 +48,8 @@ MatrixXd inverse(const MatrixXd& m) {
          eigen.eigenvectors().transpose() * scale.asDiagonal();
 }
 
-// The rows of what is solved for.
+}  // namespace
+
 std::vector<Index> free_rows(const Scene& scene, const BundleOptions& options) {
   std::vector<Index> free;
   for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
@@ -59,6 +60,8 @@ std::vector<Index> free_rows(const Scene& scene, const BundleOptions& options) {
   }
   return free;
 }
+
+namespace {
 
 void add_distances(const Scene& scene, MatrixXd& information) {
   for (const SceneDistance& d : scene.distances) {
@@ -88,47 +91,79 @@ MatrixXd own_knowledge(const Scene& scene, const SceneMarkers* markers, const Sc
   return own;
 }
 
-// The views of one board or of one instant's markers, with the object eliminated (Schur complement).
-void add_object(const Scene& scene, bool is_board, int object, const std::vector<const SceneView*>& views,
-                Loss loss, MatrixXd& information) {
+// The views of one board or of one instant's markers, with the object eliminated (Schur complement). At the
+// solution an object's own gradient is 0: what is left of the cameras' is theirs.
+ObjectPart part_of(const Scene& scene, bool is_board, int object, const std::vector<const SceneView*>& views,
+                   Loss loss) {
+  ObjectPart part{is_board, object, {}, {}, {}};
   const SceneMarkers* markers = is_board ? nullptr : &scene.markers[static_cast<std::size_t>(object)];
   const SceneBoard* board = is_board ? &scene.boards[static_cast<std::size_t>(object)] : nullptr;
-  if (markers && views.size() < 2) return;  // one ray says nothing of its camera, and cannot place its points
+  if (markers && views.size() < 2)
+    return part;  // one ray says nothing of its camera, and cannot place its points
   const MatrixXd known = own_knowledge(scene, markers, board);
   MatrixXd own = MatrixXd::Zero(known.rows(), known.cols());
-  std::vector<std::pair<Index, MatrixXd>> shared;  // camera's first row, its block with the object
+  struct Shared {
+    Index camera;
+    MatrixXd own, block;  // by the camera alone, and with the object
+    Eigen::VectorXd gradient;
+  };
+  std::vector<Shared> shared;
   for (const SceneView* v : views) {
     LinearView linear;
     linearize(scene, *v, loss, true, linear);
     if (!linear.valid) continue;
     const MatrixXd j = by_parameters(linear);
-    const Index at = kCameraParameters * v->camera;
-    information.block(at, at, kCameraParameters, kCameraParameters) += j.transpose() * j;
-    shared.emplace_back(at, j.transpose() * linear.by_object);
+    shared.push_back(
+        {v->camera, j.transpose() * j, j.transpose() * linear.by_object, j.transpose() * linear.residual});
     own += linear.by_object.transpose() * linear.by_object;
   }
   own += known;
   const Eigen::LDLT<MatrixXd> solved(own);
   std::vector<MatrixXd> eliminated;
-  for (const auto& [at, block] : shared) eliminated.push_back(solved.solve(block.transpose()));
-  for (const auto& [row, block] : shared)
+  for (const Shared& s : shared) eliminated.push_back(solved.solve(s.block.transpose()));
+  const Index size = kCameraParameters * static_cast<Index>(shared.size());
+  part.information.setZero(size, size);
+  part.gradient.resize(size);
+  for (std::size_t i = 0; i < shared.size(); ++i) {
+    const Index row = kCameraParameters * static_cast<Index>(i);
+    for (Index k = 0; k < kCameraParameters; ++k)
+      part.rows.push_back(kCameraParameters * shared[i].camera + k);
+    part.gradient.segment<kCameraParameters>(row) = shared[i].gradient;
+    part.information.block<kCameraParameters, kCameraParameters>(row, row) = shared[i].own;
     for (std::size_t k = 0; k < shared.size(); ++k)
-      information.block(row, shared[k].first, kCameraParameters, kCameraParameters) -= block * eliminated[k];
+      part.information.block<kCameraParameters, kCameraParameters>(
+          row, kCameraParameters * static_cast<Index>(k)) -= shared[i].block * eliminated[k];
+  }
+  return part;
 }
 
 }  // namespace
 
-MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
+std::vector<ObjectPart> object_parts(const Scene& scene, const BundleOptions& options) {
+  std::vector<ObjectPart> parts;
+  for (const auto& [object, views] : by_object(scene))
+    parts.push_back(part_of(scene, object.first, object.second, views, options.loss));
+  return parts;
+}
+
+MatrixXd camera_information(const Scene& scene, const std::vector<ObjectPart>& parts) {
   const Index size = kCameraParameters * static_cast<Index>(scene.cameras.size());
-  const std::vector<Index> free = free_rows(scene, options);
   MatrixXd information = MatrixXd::Zero(size, size);
   add_distances(scene, information);
-  for (const auto& [object, views] : by_object(scene))
-    add_object(scene, object.first, object.second, views, options.loss, information);
+  for (const ObjectPart& p : parts)  // a camera may be among an object's several times
+    for (std::size_t i = 0; i < p.rows.size(); ++i)
+      for (std::size_t k = 0; k < p.rows.size(); ++k)
+        information(p.rows[i], p.rows[k]) += p.information(static_cast<Index>(i), static_cast<Index>(k));
   for (std::size_t c = 0; c < scene.cameras.size(); ++c)
     information.diagonal().segment<kIntrinsics>(kCameraParameters * static_cast<Index>(c)) +=
         prior_sigmas(scene.cameras[c]).cwiseMax(1e-12).cwiseAbs2().cwiseInverse();
+  return information;
+}
 
+MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
+  const MatrixXd information = camera_information(scene, object_parts(scene, options));
+  const Index size = information.rows();
+  const std::vector<Index> free = free_rows(scene, options);
   MatrixXd result = MatrixXd::Zero(size, size);
   if (free.empty()) return result;
   const MatrixXd reduced = information(free, free);

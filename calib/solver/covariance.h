@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "calib/solver/bundle.h"
@@ -10,6 +12,23 @@ namespace floatstage::calib::solver {
 /// not solved for: the inverse of the Schur complement of boards and markers, weak priors included. Positive
 /// semidefinite.
 Eigen::MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options);
+
+/// What one board or one instant's markers say of the cameras, itself eliminated: rows of the cameras'
+/// parameters (a camera's may come twice), information about them and the gradient of half the squares.
+struct ObjectPart {
+  bool is_board = false;
+  int object = 0;
+  std::vector<Eigen::Index> rows;
+  Eigen::MatrixXd information;
+  Eigen::VectorXd gradient;
+};
+std::vector<ObjectPart> object_parts(const Scene& scene, const BundleOptions& options);
+
+/// All parts together, with known distances and the weak priors.
+Eigen::MatrixXd camera_information(const Scene& scene, const std::vector<ObjectPart>& parts);
+
+/// The rows of what is solved for.
+std::vector<Eigen::Index> free_rows(const Scene& scene, const BundleOptions& options);
 
 /// Numbers measured and numbers solved for: what the sum of squares is expected to be.
 struct Redundancy {

@@ -135,18 +135,18 @@ std::vector<NamedFailure> weak_geometry(const Scene& scene, const std::vector<Ca
   std::vector<NamedFailure> out;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const CameraQuality& q = cameras[c];
-    if (scene.cameras[c].intrinsics_fixed || q.depth_ratio <= 0) continue;
-    if (q.depth_ratio < options.least_depth_ratio)
+    if (scene.cameras[c].intrinsics_fixed || !q.depth_ratio) continue;
+    if (*q.depth_ratio < options.least_depth_ratio)
       out.push_back(
           {CalibrationFailure::ConstantDepth, q.serial,
            text("camera '", q.serial, "' saw the board at one distance only (farthest over nearest ",
-                rounded(q.depth_ratio, 2), ", at least ", rounded(options.least_depth_ratio, 2),
+                rounded(*q.depth_ratio, 2), ", at least ", rounded(options.least_depth_ratio, 2),
                 " is needed): focal length and distance cannot be told apart; show it nearer and farther")});
-    if (q.tilt_degrees < options.least_tilt_degrees)
+    if (q.tilt_degrees && *q.tilt_degrees < options.least_tilt_degrees)
       out.push_back(
           {CalibrationFailure::PlanarMotion, q.serial,
            text("camera '", q.serial, "' saw the board always parallel to one plane (turned by ",
-                rounded(q.tilt_degrees, 1), "°, at least ", rounded(options.least_tilt_degrees, 1),
+                rounded(*q.tilt_degrees, 1), "°, at least ", rounded(options.least_tilt_degrees, 1),
                 "° are needed): its focal length is not determined; tilt the board by 30° and more")});
   }
   for (NamedFailure& f : wrong_lengths(scene, lengths, options.largest_length_error))

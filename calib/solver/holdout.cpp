@@ -15,6 +15,7 @@
 #include "calib/solver/stages.h"
 #include "calib/solver/start.h"
 #include "calib/solver/timing.h"
+#include "core/text.h"
 
 namespace floatstage::calib::solver {
 namespace {
@@ -92,12 +93,18 @@ void predict(Scene& scene, const CalibrationOptions& options) {
 
 }  // namespace
 
-std::vector<double> holdout_errors(const Scene& solved, const Observations& observations,
-                                   const CalibrationOptions& options) {
+std::vector<Measured> holdout_errors(const Scene& solved, const Observations& observations,
+                                     const CalibrationOptions& options) {
   const std::set<int> frames = moving_frames(solved);
   constexpr std::size_t kFewestFrames = 15, kEnoughFrames = 40;
   const int folds = options.holdout_every;
-  if (folds < 2 || frames.size() < kFewestFrames) return {};
+  const auto none = [&](std::string because) {
+    return std::vector<Measured>(solved.cameras.size(), Measured::not_measured(std::move(because)));
+  };
+  if (folds < 2) return none("no frame was to be held out (holdout_every)");
+  if (frames.size() < kFewestFrames)
+    return none(text("only ", frames.size(), " frames show what moves; ", kFewestFrames,
+                     " are needed to hold some out"));
   std::vector<double> squares(solved.cameras.size());
   std::vector<int> counts(solved.cameras.size());
   std::size_t predicted = 0;
@@ -116,9 +123,10 @@ std::vector<double> holdout_errors(const Scene& solved, const Observations& obse
       ++counts[at(e.camera)];
     }
   }
-  std::vector<double> rms;
+  std::vector<Measured> rms;
   for (std::size_t c = 0; c < squares.size(); ++c)
-    rms.push_back(counts[c] > 0 ? std::sqrt(squares[c] / counts[c]) : 0);
+    rms.push_back(Measured::of(counts[c] > 0 ? std::sqrt(squares[c] / counts[c]) : 0, counts[c],
+                               "no frame that was held out shows this camera anything"));
   return rms;
 }
 

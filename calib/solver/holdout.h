@@ -11,9 +11,9 @@ namespace floatstage::calib::solver {
 /// fold is spread over the whole capture. For a fold everything is solved again without its frames (cameras,
 /// noise, time offsets, which points are outliers); then the cameras stay as they are while the fold's boards
 /// and markers are placed by what was seen of them. Folds are taken until enough frames have been predicted,
-/// in small captures all. Returns each camera's RMS error over all predicted points, in px; empty when none
-/// are to be held out or when there are too few frames.
-std::vector<double> holdout_errors(const Scene& solved, const Observations& observations,
-                                   const CalibrationOptions& options);
+/// in small captures all. Returns each camera's RMS error over all predicted points, in px, or why there is
+/// none: nothing was to be held out, too few frames, or none of a camera's.
+std::vector<Measured> holdout_errors(const Scene& solved, const Observations& observations,
+                                     const CalibrationOptions& options);
 
 }  // namespace floatstage::calib::solver

@@ -58,13 +58,23 @@ int coefficient_count(LensKind lens) {
 Intrinsics pack(const CameraModel& m) {
   Intrinsics v = Intrinsics::Zero();
   v.head<4>() << m.fx, m.fy, m.cx, m.cy;
-  if (const auto* b = std::get_if<BrownConrady>(&m.lens)) v.tail<5>() << b->k1, b->k2, b->p1, b->p2, b->k3;
-  if (const auto* f = std::get_if<KannalaBrandt>(&m.lens)) v.segment<4>(4) << f->k1, f->k2, f->k3, f->k4;
+  if (const auto* b = std::get_if<BrownConrady>(&m.lens))
+    v.segment<kLensRows>(kLensRow) << b->k1, b->k2, b->p1, b->p2, b->k3;
+  if (const auto* f = std::get_if<KannalaBrandt>(&m.lens))
+    v.segment<4>(kLensRow) << f->k1, f->k2, f->k3, f->k4;
+  v[kSkewRow] = m.skew;
   return v;
 }
 
 CameraModel unpack(const Intrinsics& v, LensKind lens, int width, int height) {
-  CameraModel m{.width = width, .height = height, .fx = v[0], .fy = v[1], .cx = v[2], .cy = v[3], .lens = {}};
+  CameraModel m{.width = width,
+                .height = height,
+                .fx = v[0],
+                .fy = v[1],
+                .cx = v[2],
+                .cy = v[3],
+                .skew = v[kSkewRow],
+                .lens = {}};
   if (lens == LensKind::BrownConrady) m.lens = BrownConrady{v[4], v[5], v[6], v[7], v[8]};
   if (lens == LensKind::KannalaBrandt) m.lens = KannalaBrandt{v[4], v[5], v[6], v[7]};
   return m;
@@ -84,13 +94,15 @@ bool project(const Intrinsics& in, LensKind lens, const Eigen::Vector3d& p, Proj
     bent.by_point.setIdentity();
     bent.by_lens.setZero();
   }
-  out.pixel = {in[0] * bent.point.x() + in[2], in[1] * bent.point.y() + in[3]};
+  Eigen::Matrix2d k;
+  k << in[0], in[kSkewRow], 0, in[1];
+  out.pixel = k * bent.point + Eigen::Vector2d(in[2], in[3]);
   Eigen::Matrix<double, 2, 3> plane_by_point;
   plane_by_point << inverse, 0, -x * inverse, 0, inverse, -y * inverse;
-  const Eigen::Vector2d f(in[0], in[1]);
-  out.by_point = f.asDiagonal() * bent.by_point * plane_by_point;
+  out.by_point = k * bent.by_point * plane_by_point;
   out.by_intrinsics.leftCols<4>() << bent.point.x(), 0, 1, 0, 0, bent.point.y(), 0, 1;
-  out.by_intrinsics.rightCols<5>() = f.asDiagonal() * bent.by_lens;
+  out.by_intrinsics.middleCols<kLensRows>(kLensRow) = k * bent.by_lens;
+  out.by_intrinsics.col(kSkewRow) << bent.point.y(), 0;
   return true;
 }
 

@@ -6,9 +6,10 @@
 
 namespace floatstage::calib::solver {
 
-/// fx fy cx cy, then the lens' coefficients in the order of its struct; those that a lens lacks are 0 and
-/// stay so.
-inline constexpr int kIntrinsics = 9;
+/// fx fy cx cy, then five of the lens' coefficients in the order of its struct, then the skew; those that a
+/// lens lacks are 0 and stay so.
+inline constexpr int kIntrinsics = 10;
+inline constexpr int kLensRow = 4, kLensRows = 5, kSkewRow = 9;
 using Intrinsics = Eigen::Matrix<double, kIntrinsics, 1>;
 
 /// Coefficients of a lens: 0, 5 or 4.

@@ -17,7 +17,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // The largest angle between a camera's board views and their mean direction; opposite faces count as one.
-double tilt_of(const Scene& scene, int camera) {
+Measured tilt_of(const Scene& scene, int camera) {
   std::vector<Eigen::Vector3d> normals;
   for (const SceneView& v : scene.views) {
     if (v.camera != camera || v.board < 0 || !usable(scene, v)) continue;
@@ -27,13 +27,17 @@ double tilt_of(const Scene& scene, int camera) {
   }
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& n : normals) mean += n;
-  if (mean.norm() == 0) return 0;
+  if (normals.size() < 2) return Measured::not_measured("fewer than two views show a board");
   mean.normalize();
   std::vector<double> angles;
   for (const Eigen::Vector3d& n : normals)
     angles.push_back(std::acos(std::clamp(n.dot(mean), -1.0, 1.0)) * kDegrees);
-  return percentile(std::move(angles), 0.95);
+  const auto count = static_cast<long>(angles.size());
+  return {percentile(std::move(angles), 0.95), count};
 }
+
+// Whether a camera's pose was solved for.
+bool moves(const Eigen::VectorXd& variance) { return variance.segment<6>(kIntrinsics).maxCoeff() > 0; }
 
 }  // namespace
 
@@ -59,7 +63,7 @@ std::vector<PointError> point_errors(const Scene& scene, const Observations& o) 
   return out;
 }
 
-double rms_of(const std::vector<PointError>& errors, int camera) {
+Measured rms_of(const std::vector<PointError>& errors, int camera) {
   double sum = 0;
   int count = 0;
   for (const PointError& e : errors)
@@ -67,7 +71,7 @@ double rms_of(const std::vector<PointError>& errors, int camera) {
       sum += e.error.squaredNorm();
       ++count;
     }
-  return count > 0 ? std::sqrt(sum / count) : 0;
+  return Measured::of(count > 0 ? std::sqrt(sum / count) : 0, count, "no point of this camera took part");
 }
 
 std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vector<PointError>& errors,
@@ -95,24 +99,33 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
     }
     q.views = static_cast<int>(frames.size());
     q.rms_px = rms_of(errors, index);
-    q.p95_px = lengths.empty() ? 0 : percentile(std::move(lengths), 0.95);
-    if (!depths.empty()) q.depth_ratio = percentile(depths, 0.95) / percentile(depths, 0.05);
+    const auto seen = static_cast<long>(lengths.size()), deep = static_cast<long>(depths.size());
+    q.p95_px =
+        Measured::of(seen > 0 ? percentile(std::move(lengths), 0.95) : 0, seen, "this camera saw no point");
+    q.depth_ratio = Measured::of(deep > 0 ? percentile(depths, 0.95) / percentile(depths, 0.05) : 0, deep,
+                                 "this camera saw no board");
     q.tilt_degrees = tilt_of(scene, index);
     q.covered = static_cast<double>(cells.size()) / (kColumns * kRows);
     const Eigen::Index row = kCameraParameters * static_cast<Eigen::Index>(c);
     const Eigen::VectorXd variance = covariance.diagonal().segment<kCameraParameters>(row);
     q.intrinsics_sigma = variance.head<kIntrinsics>().cwiseSqrt();
-    q.rotation_sigma_degrees = std::sqrt(variance.segment<3>(kIntrinsics).sum()) * kDegrees;
+    const std::string why_still = camera.pose_fixed          ? "its pose was given and not solved for"
+                                  : scene.reference == index ? "poses are relative to this camera"
+                                                             : "it was placed by no view";
+    q.rotation_sigma_degrees = Measured::of(std::sqrt(variance.segment<3>(kIntrinsics).sum()) * kDegrees,
+                                            moves(variance) ? q.points : 0, why_still);
     // The camera's centre is -Rᵀt: it moves with the translation and with the rotation.
     Eigen::Matrix<double, 3, 6> center;
     const Eigen::Matrix3d turn = camera.cam_from_world.rotation.conjugate().toRotationMatrix();
     center << -turn * cross_matrix(camera.cam_from_world.translation), -turn;
+    const Eigen::Matrix3d spread =
+        center * covariance.block<6, 6>(row + kIntrinsics, row + kIntrinsics) * center.transpose();
     q.position_sigma_mm =
-        1e3 *
-        std::sqrt((center * covariance.block<6, 6>(row + kIntrinsics, row + kIntrinsics) * center.transpose())
-                      .trace());
-    q.time_offset_ms = 1e3 * camera.offset;
-    q.time_offset_sigma_ms = 1e3 * std::sqrt(variance[kIntrinsics + 6]);
+        Measured::of(1e3 * std::sqrt(spread.trace()), moves(variance) ? q.points : 0, why_still);
+    const double offset_sigma = 1e3 * std::sqrt(variance[kIntrinsics + 6]);
+    const std::string why_untimed = "time offsets were not solved for, or are relative to this camera";
+    q.time_offset_ms = Measured::of(1e3 * camera.offset, offset_sigma > 0 ? q.points : 0, why_untimed);
+    q.time_offset_sigma_ms = Measured::of(offset_sigma, offset_sigma > 0 ? q.points : 0, why_untimed);
     out.push_back(std::move(q));
   }
   return out;

@@ -17,7 +17,7 @@ std::vector<CameraQuality> camera_qualities(const Scene& scene, const std::vecto
                                             const Eigen::MatrixXd& covariance);
 
 /// RMS of the kept points' errors of one camera, in px.
-double rms_of(const std::vector<PointError>& errors, int camera);
+Measured rms_of(const std::vector<PointError>& errors, int camera);
 
 /// The known lengths as the cameras alone measure them.
 std::vector<LengthQuality> measure_lengths(const Scene& scene);

@@ -13,6 +13,23 @@ namespace {
 
 constexpr int kAlways = std::numeric_limits<int>::min();  // the frame of what does not move
 
+// Terms of the lens that are not solved for.
+void hold_terms(const CalibrationCamera& c, SceneCamera& s) {
+  s.held[kSkewRow] = !c.terms.skew;
+  if (c.lens == LensKind::BrownConrady) {
+    constexpr int kRadial[] = {kLensRow, kLensRow + 1, kLensRow + 4};  // k1 k2 p1 p2 k3
+    for (int i = 0; i < 3; ++i) s.held[kRadial[i]] = i >= c.terms.radial.value_or(3);
+    s.held.segment<2>(kLensRow + 2).setConstant(!c.terms.tangential);
+    s.third_if_shown = !c.terms.radial;
+  }
+  if (c.lens == LensKind::KannalaBrandt)
+    for (int i = 0; i < 4; ++i) s.held[kLensRow + i] = i >= c.terms.radial.value_or(4);
+  if (s.intrinsics_fixed) return;
+  // Yesterday's lens may have had more terms.
+  for (int i = 0; i < kIntrinsics; ++i)
+    if (s.held[i]) s.start[i] = s.intrinsics[i] = 0;
+}
+
 SceneCamera make_camera(const CalibrationCamera& c) {
   SceneCamera s;
   s.serial = c.serial;
@@ -23,6 +40,7 @@ SceneCamera make_camera(const CalibrationCamera& c) {
   s.pose_fixed = c.pose == Prior::Fixed;
   s.has_intrinsics = c.intrinsics != Prior::Unknown;
   if (s.has_intrinsics) s.start = s.intrinsics = pack(c.model);
+  hold_terms(c, s);
   s.placed = c.pose != Prior::Unknown || c.found;
   if (s.placed) s.cam_from_world = c.found && c.pose != Prior::Fixed ? *c.found : c.cam_from_world;
   return s;

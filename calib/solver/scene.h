@@ -23,7 +23,9 @@ struct SceneCamera {
   Rigid3 cam_from_world;
   double offset = 0;  ///< seconds that this camera's pictures were taken later than their time says
   double noise = 1;   ///< its pixel errors in units of the detector's sigmas
-  bool intrinsics_fixed = false, pose_fixed = false, without_k3 = false;
+  bool intrinsics_fixed = false, pose_fixed = false;
+  bool third_if_shown = false;  ///< k3 was left to the capture: it is held where nothing speaks for it
+  Eigen::Matrix<bool, kIntrinsics, 1> held = Eigen::Matrix<bool, kIntrinsics, 1>::Constant(false);
   bool has_intrinsics = false, placed = false;
 };
 

@@ -32,13 +32,41 @@ bool covers_picture(const SceneCamera& c) {
   return true;
 }
 
+constexpr int kThirdRow = kLensRow + 4;
+
+void hold_k3(SceneCamera& c) {
+  c.held[kThirdRow] = true;
+  c.intrinsics[kThirdRow] = 0;
+}
+
 // Without k3 where the capture's border says so little that the lens would fold over inside its picture.
 bool drop_k3(Scene& scene) {
   bool any = false;
   for (SceneCamera& c : scene.cameras) {
-    if (c.intrinsics_fixed || c.without_k3 || !c.placed || covers_picture(c)) continue;
-    c.without_k3 = any = true;
-    c.intrinsics[8] = 0;
+    if (c.intrinsics_fixed || c.held[kThirdRow] || !c.placed || covers_picture(c)) continue;
+    hold_k3(c);
+    any = true;
+  }
+  return any;
+}
+
+// A third radial term is a guess at the picture's border where the capture does not show it: without it the
+// lens is known better, and formats with two terms hold it. It stays where it is further from 0 than chance
+// takes it (three sigmas).
+bool drop_unshown_k3(Scene& scene, const BundleOptions& bundle) {
+  constexpr double kShown = 3;
+  if (std::none_of(scene.cameras.begin(), scene.cameras.end(),
+                   [](const SceneCamera& c) { return c.third_if_shown && !c.held[kThirdRow]; }))
+    return false;
+  const Eigen::MatrixXd covariance = camera_covariance(scene, bundle);
+  bool any = false;
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    SceneCamera& c = scene.cameras[i];
+    if (c.intrinsics_fixed || !c.third_if_shown || c.held[kThirdRow] || !c.placed) continue;
+    const Eigen::Index row = kCameraParameters * static_cast<Eigen::Index>(i) + kThirdRow;
+    if (std::abs(c.intrinsics[kThirdRow]) >= kShown * std::sqrt(covariance(row, row))) continue;
+    hold_k3(c);
+    any = true;
   }
   return any;
 }
@@ -183,7 +211,8 @@ BundleOptions solve_in_stages(Scene& scene, const CalibrationOptions& options) {
   solve(scene, bundle);
   measure_noise(scene, bundle);
   select_inliers(scene, options.outlier_sigmas);
-  return solve_again(scene, options);
+  const BundleOptions settled = solve_again(scene, options);
+  return drop_unshown_k3(scene, settled) ? solve_again(scene, options) : settled;
 }
 
 BundleOptions solve_again(Scene& scene, const CalibrationOptions& options) {

@@ -129,7 +129,8 @@ Result<void> start_intrinsics(Scene& scene, int camera) {
   c.has_intrinsics = true;
   refine_alone(scene, camera, choose(scene, camera, kRefined));
   c.start = c.intrinsics;
-  c.start.tail<5>().setZero();
+  c.start.segment<kLensRows>(kLensRow).setZero();
+  c.start[kSkewRow] = 0;
   c.start.segment<2>(2) << 0.5 * c.width, 0.5 * c.height;
   return {};
 }

@@ -14,16 +14,20 @@ namespace floatstage::pipeline {
 Result<void> write_outcome(const calib::Calibration& solved, const CalibrationBars& bars,
                            const std::vector<BarCheck>& checks, const ReportContext& context,
                            const OutcomeOptions& given) {
-  Verdict verdict = judge(solved, bars);
+  const calib::WorkingVolume volume =
+      context.volume.points.empty() ? calib::hull_of_targets(solved) : context.volume;
+  Verdict verdict = judge(solved, bars, volume);
   for (const BarCheck& check : checks) add_check(verdict, solved, check);
   for (const calib::CameraQuality& q : solved.cameras)
-    std::printf("%s: %.3f px, P95 %.3f px, held out %.3f px, %d points of %d views, %d left out\n",
-                q.serial.c_str(), q.rms_px, q.p95_px, q.holdout_px, q.points, q.views, q.outliers);
+    std::printf("%s: %s, P95 %s, held out %s, %d points of %d views, %d left out\n", q.serial.c_str(),
+                short_words(q.rms_px, 3, " px").c_str(), short_words(q.p95_px, 3, " px").c_str(),
+                short_words(q.holdout_px, 3, " px").c_str(), q.points, q.views, q.outliers);
   if (solved.scale.count > 0)
     std::printf("%d known lengths: RMS %.3f mm, bias %.3f mm\n", solved.scale.count, solved.scale.rms_mm,
                 solved.scale.bias_mm);
   for (const std::string& remark : context.remarks) std::printf("%s\n", remark.c_str());
   for (const std::string& remark : solved.remarks) std::printf("%s\n", remark.c_str());
+  if (!volume.points.empty()) std::printf("projection sigmas over %s\n", volume.how.c_str());
   std::printf("%s\n", describe(solved, verdict).c_str());
 
   if (!given.report.empty()) {

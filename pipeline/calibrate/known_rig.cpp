@@ -38,8 +38,8 @@ Result<void> apply_known(const SessionKnown& known, const Rig& rig, calib::Obser
   return {};
 }
 
-std::optional<calib::RigAgreement> compare_poses(const SessionKnown& known, const Rig& rig,
-                                                 const Rig& solved) {
+std::optional<Result<calib::RigAgreement>> compare_poses(const SessionKnown& known, const Rig& rig,
+                                                         const Rig& solved) {
   if (known.poses != calib::Prior::Unknown) return std::nullopt;
   return calib::agreement(solved, rig);
 }

@@ -20,10 +20,11 @@ struct ReportContext {
       detection;  ///< a sentence a camera: how many pictures show the target, and why others do not
   std::vector<std::string> remarks;
   double detection_seconds = 0;
+  calib::WorkingVolume volume = {};  ///< where the calibration must hold; empty: where its targets were
 };
 
 /// {pass, cameras[{serial, rms_px, p95_px, holdout_px, sigma{…}, …}], scale{…}, lengths[…], failures[…],
-/// bars[…], links[…], remarks[…], detection[…], seconds}.
+/// bars[…], volume{…}, links[…], remarks[…], detection[…], seconds}.
 nlohmann::json report_json(const calib::Calibration& calibration, const Verdict& verdict,
                            const ReportContext& context);
 

@@ -22,6 +22,11 @@ constexpr const char* kStyle =
 
 std::string rounded(double v, int digits = 3) { return text(std::fixed, std::setprecision(digits), v); }
 
+// In a table a dash, which says why when it is pointed at.
+std::string rounded(const Measured& m, int digits = 3) {
+  return m ? rounded(*m, digits) : text("<span title=\"", escaped(to_words(m, digits)), "\">–</span>");
+}
+
 const char* word(bool pass) {
   return pass ? "<span class=\"pass\">PASS</span>" : "<span class=\"fail\">FAIL</span>";
 }
@@ -39,13 +44,13 @@ std::string camera_table(const calib::Calibration& c) {
       "<th>rotation ± °</th><th>position ± mm</th><th>depth ratio</th><th>tilt °</th><th>covered</th></tr>";
   for (std::size_t i = 0; i < c.cameras.size(); ++i) {
     const calib::CameraQuality& q = c.cameras[i];
-    out +=
-        text("<tr><td>", escaped(q.serial), "</td><td>", rounded(q.rms_px), "</td><td>", rounded(q.p95_px),
-             "</td><td>", q.holdout_px > 0 ? rounded(q.holdout_px) : "–", "</td><td>", q.points, "</td><td>",
-             q.outliers, "</td><td>", rounded(c.rig.cameras[i].model.fx, 2), "</td><td>",
-             rounded(q.intrinsics_sigma[0]), "</td><td>", rounded(q.rotation_sigma_degrees, 4), "</td><td>",
-             rounded(q.position_sigma_mm), "</td><td>", rounded(q.depth_ratio, 2), "</td><td>",
-             rounded(q.tilt_degrees, 0), "</td><td>", rounded(100 * q.covered, 0), " %</td></tr>");
+    out += text("<tr><td>", escaped(q.serial), "</td><td>", rounded(q.rms_px), "</td><td>", rounded(q.p95_px),
+                "</td><td>", rounded(q.holdout_px), "</td><td>", q.points, "</td><td>", q.outliers,
+                "</td><td>", rounded(c.rig.cameras[i].model.fx, 2), "</td><td>",
+                q.intrinsics_sigma[0] > 0 ? rounded(q.intrinsics_sigma[0]) : "given", "</td><td>",
+                rounded(q.rotation_sigma_degrees, 4), "</td><td>", rounded(q.position_sigma_mm), "</td><td>",
+                rounded(q.depth_ratio, 2), "</td><td>", rounded(q.tilt_degrees, 0), "</td><td>",
+                rounded(100 * q.covered, 0), " %</td></tr>");
   }
   return out + "</table>";
 }
@@ -58,13 +63,15 @@ std::string bar_table(const Verdict& v) {
         std::find_if(worst.begin(), worst.end(), [&](const BarCheck* w) { return w->what == b.what; });
     if (same == worst.end())
       worst.push_back(&b);
-    else if (!(std::abs(b.value) <= std::abs((*same)->value)))
+    else if (b.value && (!(*same)->value || !(std::abs(*b.value) <= std::abs(*(*same)->value))))
       *same = &b;
   }
   std::string out = "<table><tr><th>bar</th><th>worst</th><th>at most</th><th>camera</th><th></th></tr>";
   for (const BarCheck* b : worst)
-    out += text("<tr><td>", b->what, "</td><td>", rounded(b->value, 4), "</td><td>", rounded(b->bar, 4),
-                "</td><td>", escaped(b->camera), "</td><td>", word(b->pass), "</td></tr>");
+    out += text("<tr><td>", b->what, "</td><td>",
+                b->value ? rounded(b->value, 4) : escaped(to_words(b->value, 4)), "</td><td>",
+                rounded(b->bar, 4), "</td><td>", escaped(b->camera), "</td><td>",
+                b->value || b->required ? word(b->pass) : "–", "</td></tr>");
   return out + "</table>";
 }
 
@@ -106,22 +113,26 @@ std::string report_html(const calib::Calibration& c, const Verdict& v, const Rep
                                        escaped(c.rig.cameras[static_cast<std::size_t>(c.reference)].serial)
                                  : std::string("in the given world"),
                 ".</p>");
-    if (c.jitter_ms > 0)
+    if (c.jitter_ms)
       out += text("<p>Pictures stray by ", rounded(c.jitter_ms, 1),
                   " ms (one standard deviation) from their cameras' instants.</p>");
     out += "<h2>Known lengths, measured by the cameras alone</h2>" + length_table(c);
     out += "<h2>Cameras from above</h2>" +
            figure(graph_picture(c),
                   "Lines join cameras that saw the target together; the start went along the dark ones.");
-    const calib::ProjectionUncertainty uncertainty(c, target_volume(c));
+    const calib::WorkingVolume volume =
+        context.volume.points.empty() ? calib::hull_of_targets(c) : context.volume;
+    out += "<p>Projection sigmas are taken over " + escaped(volume.how) + ".</p>";
+    const calib::ProjectionUncertainty uncertainty(c, volume.points);
     for (std::size_t i = 0; i < c.cameras.size(); ++i) {
       const int camera = static_cast<int>(i);
       out += text("<h2>Camera ", escaped(c.cameras[i].serial), "</h2>");
-      out += figure(
-          error_picture(c, camera),
-          text("Errors, enlarged ",
-               rounded(8 / std::max(c.cameras[i].rms_px, 1e-6) * c.rig.cameras[i].model.width / 320, 0),
-               "×. A pattern is a lens that the model does not fit; red was left out."));
+      out += figure(error_picture(c, camera),
+                    text("Errors, enlarged ",
+                         rounded(8 / std::max(c.cameras[i].rms_px ? *c.cameras[i].rms_px : 0, 1e-6) *
+                                     c.rig.cameras[i].model.width / 320,
+                                 0),
+                         "×. A pattern is a lens that the model does not fit; red was left out."));
       out += figure(coverage_picture(c, camera),
                     "Where the target was seen. White corners are guessed by the lens model.");
       out += figure(uncertainty_picture(c, uncertainty, camera),

@@ -77,7 +77,8 @@ std::string escaped(const std::string& raw) {
 
 std::string error_picture(const calib::Calibration& c, int camera) {
   const CameraModel& m = c.rig.cameras[at(camera)].model;
-  const double scale = scale_of(m), rms = std::max(c.cameras[at(camera)].rms_px, 1e-6);
+  const double scale = scale_of(m),
+               rms = c.cameras[at(camera)].rms_px ? std::max(*c.cameras[at(camera)].rms_px, 1e-6) : 1;
   const double longer = 8 / rms;  // an error as large as the RMS is 8 px long
   std::string kept, left_out;
   std::size_t count = 0;
@@ -185,23 +186,6 @@ std::string graph_picture(const calib::Calibration& c) {
                 "</text>");
   }
   return out + "</svg>";
-}
-
-std::vector<Eigen::Vector3d> target_volume(const calib::Calibration& c) {
-  std::vector<Eigen::Vector3d> out;
-  if (c.rig.cameras.empty()) return out;
-  Eigen::Vector3d low = focus_point(c.rig) - Eigen::Vector3d::Constant(0.3),
-                  high = low + Eigen::Vector3d::Constant(0.6);
-  if (!c.places.empty()) {
-    low = high = c.places[0].world_from_target.translation;
-    for (const calib::TargetPlace& p : c.places) {
-      low = low.cwiseMin(p.world_from_target.translation);
-      high = high.cwiseMax(p.world_from_target.translation);
-    }
-  }
-  for (int i = 0; i < 125; ++i)
-    out.push_back(low + (high - low).cwiseProduct(Eigen::Vector3d(i % 5, i / 5 % 5, i / 25) / 4));
-  return out;
 }
 
 }  // namespace floatstage::pipeline

@@ -18,9 +18,6 @@ std::string uncertainty_picture(const calib::Calibration& calibration,
 /// Cameras from above, with the links between those that saw targets together.
 std::string graph_picture(const calib::Calibration& calibration);
 
-/// Points all over where the targets were.
-std::vector<Eigen::Vector3d> target_volume(const calib::Calibration& calibration);
-
 /// Text with <, > and & made harmless.
 std::string escaped(const std::string& text);
 

@@ -47,22 +47,23 @@ Result<ScenePoints> measure_points(const std::vector<SessionPoint>& points, cons
   double sum = 0;
   int count = 0;
   for (std::size_t c = 0; c < squares.size(); ++c) {
-    out.camera_rms_px.push_back(counts[c] > 0 ? std::sqrt(squares[c] / counts[c]) : 0);
+    out.camera_rms_px.push_back(
+        Measured::of(counts[c] > 0 ? std::sqrt(squares[c] / counts[c]) : 0, counts[c], "it saw no point"));
     sum += squares[c];
     count += counts[c];
   }
-  if (count > 0) out.rms_px = std::sqrt(sum / count);
+  out.rms_px = Measured::of(count > 0 ? std::sqrt(sum / count) : 0, count, "no camera saw a point");
   return out;
 }
 
 std::string describe(const ScenePoints& measured, const Rig& rig, const std::string& which) {
   std::string cameras;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c)
-    if (measured.camera_rms_px[c] > 0)
+    if (measured.camera_rms_px[c])
       cameras += text(cameras.empty() ? "" : ", ", rig.cameras[c].serial, " ", std::fixed,
-                      std::setprecision(1), measured.camera_rms_px[c]);
-  return text(measured.places.size(), " points of the scene meet within ", std::fixed, std::setprecision(1),
-              measured.rms_px, " px in the ", which, " rig (", cameras, ")");
+                      std::setprecision(1), *measured.camera_rms_px[c]);
+  return text(measured.places.size(), " points of the scene meet within ",
+              to_words(measured.rms_px, 1, " px"), " in the ", which, " rig (", cameras, ")");
 }
 
 }  // namespace floatstage::pipeline

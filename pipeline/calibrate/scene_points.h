@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/measured.h"
 #include "core/result.h"
 #include "core/rig.h"
 #include "pipeline/calibrate/session.h"
@@ -13,8 +14,8 @@ namespace floatstage::pipeline {
 /// did not see.
 struct ScenePoints {
   std::vector<Eigen::Vector3d> places;  ///< metres, where the rays come nearest to one another; one a point
-  std::vector<double> camera_rms_px;    ///< one a camera of the rig; 0 where it saw none
-  double rms_px = 0;                    ///< over all
+  std::vector<Measured> camera_rms_px;  ///< one a camera of the rig
+  Measured rms_px;                      ///< over all
 };
 
 /// NotFound names a camera that the rig lacks; BadData a point whose rays do not meet before the cameras.

@@ -127,6 +127,16 @@ class Table {
 constexpr int kMostFrames = 1'000'000;
 constexpr double kLarge = 1e6;
 
+// Which terms of the lens are solved for.
+void read_terms(Table& t, SessionCamera& c) {
+  const int most = c.lens == calib::LensKind::KannalaBrandt  ? 4
+                   : c.lens == calib::LensKind::BrownConrady ? 3
+                                                             : 0;
+  if (t.node("radial")) t.whole("radial", c.terms.radial.emplace(most), 0, most);
+  t.boolean("tangential", c.terms.tangential);
+  t.boolean("skew", c.terms.skew);
+}
+
 SessionCamera read_camera(Table t) {
   SessionCamera c;
   t.string("serial", c.serial);
@@ -135,6 +145,7 @@ SessionCamera read_camera(Table t) {
             {"brown-conrady", calib::LensKind::BrownConrady},
             {"kannala-brandt", calib::LensKind::KannalaBrandt}},
            c.lens);
+  read_terms(t, c);
   t.path("video", c.video);
   t.paths("images", c.images);
   t.paths("alone", c.alone);
@@ -216,6 +227,24 @@ SessionMarkerless read_markerless(Table t) {
   t.whole("least_points", m.least_points, 10, kMostFrames);
   t.refuse_others();
   return m;
+}
+
+SessionVolume read_volume(Table t) {
+  SessionVolume v;
+  for (const auto& [key, corner] : {std::pair{"low", &v.low}, std::pair{"high", &v.high}}) {
+    const toml::node* n = t.node(key);
+    const toml::array* list = n ? n->as_array() : nullptr;
+    bool good = list && list->size() == 3;
+    for (std::size_t i = 0; good && i < 3; ++i) {
+      const std::optional<double> value = list->get(i)->value<double>();
+      good = value && std::abs(*value) <= kLarge;
+      if (good) (*corner)[static_cast<Eigen::Index>(i)] = *value;
+    }
+    if (!good) t.complain(text("'", key, "' of [volume] is [x, y, z] in metres of the world"));
+  }
+  if (!((v.high - v.low).minCoeff() > 0)) t.complain("'high' of [volume] lies beyond 'low' along every axis");
+  t.refuse_others();
+  return v;
 }
 
 void read_options(Table t, Session& s) {
@@ -323,6 +352,7 @@ Result<Session> parse_session(std::string_view toml_text, std::string_view name)
   }
   if (std::optional<Table> markerless = t.child("markerless"))
     s.markerless = read_markerless(std::move(*markerless));
+  if (std::optional<Table> volume = t.child("volume")) s.volume = read_volume(std::move(*volume));
   if (std::optional<Table> options = t.child("options")) read_options(std::move(*options), s);
   if (std::optional<Table> bars = t.child("bars")) read_bars(std::move(*bars), s.bars);
   t.refuse_others();

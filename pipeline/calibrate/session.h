@@ -23,8 +23,8 @@ struct CalibrationBars {
   double focal_sigma_percent = 0.5;     ///< of every camera that was solved for
   double rotation_sigma_degrees = 0.1;  ///< of every camera against the reference camera
   double points_px = 5;                 ///< how near rays through the session's points come, where it has any
-  double projection_sigma_px = 0.5;  ///< of where every camera sees the volume of the targets; the choice of
-                                     ///< a reference changes nothing
+  double projection_sigma_px = 0.5;     ///< RMS over the working volume, every camera; the choice of a
+                                        ///< reference changes nothing
   std::optional<double> known_center_percent =
       {};  ///< of known places that are compared with, after a similarity; of the rig's radius
 };
@@ -32,6 +32,7 @@ struct CalibrationBars {
 struct SessionCamera {
   std::string serial;
   calib::LensKind lens = calib::LensKind::BrownConrady;
+  calib::LensTerms terms;
   /// Pictures of the same instants in every camera: one video, or a folder or list of stills in their order.
   std::filesystem::path video;
   std::vector<std::filesystem::path> images;
@@ -79,6 +80,11 @@ struct SessionMarkerless {
   int least_points = 60;   ///< points that a picture shows
 };
 
+/// Where the calibration must hold: a box of the world, metres.
+struct SessionVolume {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
+};
+
 /// A calibration session as people write it: which pictures are of which camera, what they show, what is
 /// known. Paths are relative to the session's file.
 struct Session {
@@ -92,6 +98,7 @@ struct Session {
   std::optional<SessionKnown> known;
   std::optional<SessionFloor> floor;
   std::optional<SessionMarkerless> markerless;
+  std::optional<SessionVolume> volume;  ///< absent: the convex hull of all targets
   std::vector<SessionPoint> points;
   calib::CalibrationOptions options;
   CalibrationBars bars;

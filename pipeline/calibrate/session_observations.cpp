@@ -6,6 +6,7 @@
 
 #include "calib/detect.h"
 #include "core/text.h"
+#include "pipeline/calibrate/same_pictures.h"
 #include "pipeline/import/media_files.h"
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
@@ -101,6 +102,7 @@ Result<void> collect_camera(const Session& s, const SessionCamera& camera,
   calib::CalibrationCamera c;
   c.serial = camera.serial;
   c.lens = camera.lens;
+  c.terms = camera.terms;
   const int index = static_cast<int>(out.observations.cameras.size());
   std::vector<calib::Detection> all;
   const auto take_size = [&](const Looked& l) -> Result<void> {
@@ -180,6 +182,25 @@ Result<std::vector<std::filesystem::path>> pictures_of(const std::vector<std::fi
   return out;
 }
 
+namespace {
+
+Result<std::vector<std::string>> look_for_same_pictures(const Session& s) {
+  std::vector<CameraFiles> all;
+  for (const SessionCamera& camera : s.cameras) {
+    CameraFiles files{camera.serial, {}};
+    if (!camera.video.empty()) files.files.push_back(camera.video);
+    for (const auto* given : {&camera.images, &camera.alone, &camera.scene}) {
+      const Result<std::vector<std::filesystem::path>> found = pictures_of(*given, camera.serial);
+      if (!found) return forward(found);
+      files.files.insert(files.files.end(), found->begin(), found->end());
+    }
+    all.push_back(std::move(files));
+  }
+  return notice_same_pictures(all);
+}
+
+}  // namespace
+
 Result<SessionObservations> collect(const Session& s, const std::filesystem::path& cache, int threads,
                                     Progress* watch) {
   const auto begin = std::chrono::steady_clock::now();
@@ -189,6 +210,10 @@ Result<SessionObservations> collect(const Session& s, const std::filesystem::pat
     if (!read) return forward(read);
     out.observations = std::move(*read);
   } else {
+    if (Result<std::vector<std::string>> same = look_for_same_pictures(s); !same)
+      return forward(same);
+    else
+      out.remarks = std::move(*same);
     if (s.target) out.observations.targets.push_back(calib::make_target(*s.target, "target", s.wand_sigma));
     ProgressPart progress(watch, "cameras", s.cameras.size());
     const calib::DetectAllOptions options{.threads = threads, .cache = cache};

@@ -39,9 +39,10 @@ Result<Rig> load_known(const SessionKnown& known);
 /// Fills in what the session knows of its cameras. NotFound names the camera that the known rig lacks.
 Result<void> apply_known(const SessionKnown& known, const Rig& rig, calib::Observations& observations);
 
-/// How far the solved poses are from the known ones after a similarity, where those were only to be compared.
-std::optional<calib::RigAgreement> compare_poses(const SessionKnown& known, const Rig& rig,
-                                                 const Rig& solved);
+/// How far the solved poses are from the known ones after a similarity; absent where those were not only to
+/// be compared. Errors of calib::agreement() say why there is nothing to compare.
+std::optional<Result<calib::RigAgreement>> compare_poses(const SessionKnown& known, const Rig& rig,
+                                                         const Rig& solved);
 
 /// How far the solved focal lengths are from the known ones, where those were only to be compared.
 std::vector<std::string> compare_to_known(const SessionKnown& known, const Rig& rig, const Rig& solved);

@@ -66,7 +66,8 @@ class CalibrateVerb : public testing::Test {
     EXPECT_THAT(make_folder((folder_ / name).parent_path()), IsOk());
     Image image(width, 48, 3);
     for (int y = 0; y < 48; ++y)
-      for (int x = 0; x < width; ++x) *image.at(x, y) = static_cast<std::uint8_t>((x * 37 + y * 101) % 251);
+      for (int x = 0; x < width; ++x)
+        *image.at(x, y) = static_cast<std::uint8_t>((x * 37 + y * 101 + name[0]) % 251);
     EXPECT_THAT(save_png(image, folder_ / name), IsOk());
     return folder_ / name;
   }
@@ -78,7 +79,7 @@ class CalibrateVerb : public testing::Test {
       Image image(64, 48, 3);
       for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 64; ++x)
-          *image.at(x, y) = static_cast<std::uint8_t>((x * 5 + y * 3 + f * 20) % 256);
+          *image.at(x, y) = static_cast<std::uint8_t>((x * 5 + y * 3 + f * 20 + name[0]) % 256);
       EXPECT_THAT((*writer)->write(image), IsOk());
     }
     EXPECT_THAT((*writer)->finish(), IsOk());
@@ -151,8 +152,15 @@ TEST_F(CalibrateVerb, NamesVideosOfUnequalLength) {
 
 TEST_F(CalibrateVerb, NamesPicturesOfUnequalSize) {
   picture("a/1.png"), picture("a/2.png", 32);
-  expect_error(two_cameras("images = \"a\"", "images = \"a\""), ErrorCode::BadData, 6,
+  picture("b/1.png"), picture("b/2.png", 32);
+  expect_error(two_cameras("images = \"a\"", "images = \"b\""), ErrorCode::BadData, 6,
                "picture 1 is 32x48, but the first one is 64x48");
+}
+
+TEST_F(CalibrateVerb, NamesTwoCamerasThatWereGivenOneFolder) {
+  picture("a/1.png"), picture("a/2.png");
+  expect_error(two_cameras("images = \"a\"", "images = \"a\""), ErrorCode::InvalidArgument,
+               exit_code(ErrorCode::InvalidArgument), "cameras 'left' and 'right' were both given");
 }
 
 TEST_F(CalibrateVerb, SaysWhenNoPictureShowsTheTarget) {

@@ -80,7 +80,7 @@ TEST(RenderedBoards, AreCalibratedToTheirTruth) {
   CaptureOptions volume;
   volume.extent = 0.5;
   const TruthErrors errors = compare(solved->rig, truth, volume);
-  std::printf("rms %.3f px, focal %.4f %%, rotation %.4f degrees, grid %.3f mm\n", solved->cameras[0].rms_px,
+  std::printf("rms %.3f px, focal %.4f %%, rotation %.4f degrees, grid %.3f mm\n", *solved->cameras[0].rms_px,
               100 * errors.focal, errors.rotation_degrees, errors.grid_mm);
   EXPECT_LE(errors.rotation_degrees, 0.02);
   EXPECT_LE(errors.grid_mm, 1);

@@ -85,13 +85,13 @@ TEST(SceneFeatures, PlaceARigWhoseScaleIsOneKnownDistance) {
   const Result<Calibration> solved = calibrate(o);
   ASSERT_THAT(solved, IsOk());
   EXPECT_NEAR(distance(solved->rig, 0, 4), distance(truth, 0, 4), 2e-4);
-  const std::optional<RigAgreement> a = agreement(solved->rig, truth);
+  const Result<RigAgreement> a = agreement(solved->rig, truth);
   ASSERT_TRUE(a);
   EXPECT_NEAR(a->scale, 1, 5e-4);
   EXPECT_LT(a->worst_percent, 0.1);
   EXPECT_LT(a->worst_turn_degrees, 0.05);
   for (const CameraQuality& q : solved->cameras) {
-    EXPECT_NEAR(q.rms_px, 0.3, 0.1) << q.serial << ": of six numbers a point, three go into its place";
+    EXPECT_NEAR(*q.rms_px, 0.3, 0.1) << q.serial << ": of six numbers a point, three go into its place";
     EXPECT_FALSE(q.moved_mm) << "where it was found is not where it was";
     EXPECT_LT(q.position_sigma_mm, 10) << q.serial;
   }
@@ -117,7 +117,7 @@ TEST(SceneFeatures, AndBoardsAreSolvedForTogetherAndTheBoardIsTheScale) {
   const Result<Calibration> solved = calibrate(o);
   ASSERT_THAT(solved, IsOk());
   EXPECT_THAT(solved->failures, testing::IsEmpty());
-  const std::optional<RigAgreement> a = agreement(solved->rig, truth);
+  const Result<RigAgreement> a = agreement(solved->rig, truth);
   EXPECT_NEAR(a->scale, 1, 5e-4);
   EXPECT_LT(a->worst_percent, 0.05);
 }
@@ -184,6 +184,20 @@ TEST(OntoKnown, BringsARigBackWhateverOneCameraDid) {
   rig.cameras.resize(2);
   EXPECT_FALSE(onto_known(rig, known));
   EXPECT_FALSE(agreement(rig, known));
+}
+
+TEST(Agreement, IsRefusedForCamerasInOnePointAndKnowsNoTurnAboutALine) {
+  Rig known = ring_rig(5, 3);
+  for (RigCamera& c : known.cameras) c.cam_from_world.translation.setZero();
+  EXPECT_THAT(agreement(known, known), FailsWith(ErrorCode::BadData, "stand in one point"));
+  EXPECT_THAT(agreement(ring_rig(5, 3), known), FailsWith(ErrorCode::BadData, "the known cameras"));
+  for (std::size_t i = 0; i < known.cameras.size(); ++i)
+    known.cameras[i].cam_from_world.translation =
+        known.cameras[i].cam_from_world.rotation * Eigen::Vector3d(-0.3 * static_cast<double>(i), 0, 0);
+  const Result<RigAgreement> line = agreement(known, known);
+  ASSERT_THAT(line, IsOk());
+  EXPECT_FALSE(line->worst_turn_degrees);
+  EXPECT_LT(line->worst_percent, 1e-9);
 }
 
 TEST(Agreement, IsAShareOfTheRadiusAndNamesTheWorst) {

@@ -54,8 +54,10 @@ void draw_camera(const LiveStatus& status, std::size_t c, float width) {
   ImGui::Text("distances x %.1f   turned %d   leaned %d", coverage.depth_ratio(), coverage.turned,
               coverage.leaned);
   if (const calib::CameraQuality* q = quality_of(status, coverage.serial))
-    ImGui::Text("%.2f px   focal +- %.1f px   +- %.2f mm", q->rms_px, q->intrinsics_sigma[0],
-                q->position_sigma_mm);
+    ImGui::TextUnformatted(text(short_words(q->rms_px, 2, " px"), "   focal +- ", std::fixed,
+                                std::setprecision(1), q->intrinsics_sigma[0], " px   +- ",
+                                short_words(q->position_sigma_mm, 2, " mm"))
+                               .c_str());
   else
     ImGui::TextDisabled("not solved yet");
 }
@@ -177,7 +179,7 @@ std::string describe_live(const LiveStatus& status) {
                 100 * c.covered, " % of its picture, distances x ", std::setprecision(1), c.depth_ratio(),
                 ", turned ", c.turned, ", leaned ", c.leaned);
     if (const calib::CameraQuality* q = quality_of(status, c.serial))
-      out += text(", ", std::setprecision(2), q->rms_px, " px, focal ± ", std::setprecision(1),
+      out += text(", ", short_words(q->rms_px, 2, " px"), ", focal ± ", std::setprecision(1),
                   q->intrinsics_sigma[0], " px");
   }
   if (!status.trouble.empty()) out += "\n  " + status.trouble;

@@ -12,7 +12,7 @@
 namespace floatstage::calib::solver {
 namespace {
 
-using testing::IsEmpty;
+using testing::HasSubstr;
 using testing::SizeIs;
 
 constexpr double kNoise = 0.2;
@@ -25,11 +25,11 @@ TrueScene solved_scene(int frames, const CalibrationOptions& options) {
 
 TEST(Holdout, IsTheNoiseAndALittleMoreForASoundCapture) {
   const TrueScene s = solved_scene(40, {});
-  const std::vector<double> held = holdout_errors(s.scene, s.seen, {});
+  const std::vector<Measured> held = holdout_errors(s.scene, s.seen, {});
   const std::vector<PointError> errors = point_errors(s.scene, s.seen);
   ASSERT_THAT(held, SizeIs(3));
   for (int c = 0; c < 3; ++c) {
-    const double rms = rms_of(errors, c);
+    const double rms = *rms_of(errors, c);
     EXPECT_GT(held[static_cast<std::size_t>(c)], 0.95 * rms) << "what was solved with fits better";
     EXPECT_LT(held[static_cast<std::size_t>(c)], 1.25 * rms);
   }
@@ -37,25 +37,31 @@ TEST(Holdout, IsTheNoiseAndALittleMoreForASoundCapture) {
 
 TEST(Holdout, GrowsWhereALensIsHeldAtAWrongFocalLength) {
   TrueScene s = solved_scene(24, {});
-  const std::vector<double> sound = holdout_errors(s.scene, s.seen, {});
+  const std::vector<Measured> sound = holdout_errors(s.scene, s.seen, {});
   SceneCamera& camera = s.scene.cameras[1];
   camera.intrinsics.head<2>() *= 1.06;
   camera.intrinsics_fixed = true;
-  const std::vector<double> wrong = holdout_errors(s.scene, s.seen, {});
+  const std::vector<Measured> wrong = holdout_errors(s.scene, s.seen, {});
   ASSERT_THAT(sound, SizeIs(3));
   ASSERT_THAT(wrong, SizeIs(3));
-  EXPECT_GT(wrong[1], 2 * sound[1]);
+  EXPECT_GT(wrong[1], 2 * *sound[1]);
 }
 
-TEST(Holdout, IsEmptyWhereNothingIsHeldOut) {
+TEST(Holdout, SaysThatNothingWasHeldOutAndNever0) {
   const TrueScene s = solved_scene(20, {});
-  EXPECT_THAT(holdout_errors(s.scene, s.seen, {.holdout_every = 0}), IsEmpty());
-  EXPECT_THAT(holdout_errors(s.scene, s.seen, {.holdout_every = 1}), IsEmpty());
+  for (const int every : {0, 1})
+    for (const Measured& m : holdout_errors(s.scene, s.seen, {.holdout_every = every})) {
+      EXPECT_FALSE(m);
+      EXPECT_THAT(m.because(), HasSubstr("holdout_every"));
+    }
 }
 
-TEST(Holdout, IsEmptyForTooFewFrames) {
+TEST(Holdout, SaysThatThereWereTooFewFrames) {
   const TrueScene s = solved_scene(14, {});
-  EXPECT_THAT(holdout_errors(s.scene, s.seen, {}), IsEmpty());
+  const std::vector<Measured> held = holdout_errors(s.scene, s.seen, {});
+  ASSERT_THAT(held, SizeIs(3));
+  EXPECT_EQ(to_words(held[0], 3, " px"),
+            "not measured, because only 14 frames show what moves; 15 are needed to hold some out");
 }
 
 TEST(Holdout, IsTheSameForEveryNumberOfThreads) {
