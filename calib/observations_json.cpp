@@ -60,6 +60,8 @@ Json camera_json(const CalibrationCamera& c) {
               {"intrinsics", name_in(kPriors, c.intrinsics)},
               {"pose", name_in(kPriors, c.pose)}};
   if (c.found) out["found"] = transform_json(*c.found);
+  if (c.same_lens_as) out["same_lens_as"] = *c.same_lens_as;
+  if (c.plain_lens) out["plain_lens"] = true;
   return out;
 }
 
@@ -142,6 +144,8 @@ CalibrationCamera read_camera(const nlohmann::json& value, const std::string& wh
   c.intrinsics = one_of<Prior>(kPriors, fields, "intrinsics", problem);
   c.pose = one_of<Prior>(kPriors, fields, "pose", problem);
   if (fields.has("found")) c.found = read_transform(fields, "found", problem);
+  if (fields.has("same_lens_as")) c.same_lens_as = fields.integer("same_lens_as");
+  if (fields.has("plain_lens")) c.plain_lens = fields.boolean("plain_lens");
   fields.refuse_others();
   return c;
 }

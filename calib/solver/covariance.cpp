@@ -116,6 +116,43 @@ void add_object(const Scene& scene, bool is_board, int object, const std::vector
       information.block(row, shared[k].first, kCameraParameters, kCameraParameters) -= block * eliminated[k];
 }
 
+// What cameras say of one lens, together: in the rows of the one that owns it.
+void gather_lenses(const Scene& scene, MatrixXd& information) {
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    if (scene.cameras[c].lens_of < 0) continue;
+    const Index from = kCameraParameters * static_cast<Index>(c),
+                to = kCameraParameters * static_cast<Index>(scene.cameras[c].lens_of);
+    information.middleRows(to, kIntrinsics) += information.middleRows(from, kIntrinsics).eval();
+    information.middleCols(to, kIntrinsics) += information.middleCols(from, kIntrinsics).eval();
+  }
+}
+
+// And back: a lens is as well known in every camera that has it.
+void share_lenses(const Scene& scene, MatrixXd& covariance) {
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    if (scene.cameras[c].lens_of < 0) continue;
+    const Index to = kCameraParameters * static_cast<Index>(c),
+                from = kCameraParameters * static_cast<Index>(scene.cameras[c].lens_of);
+    covariance.middleRows(to, kIntrinsics) = covariance.middleRows(from, kIntrinsics).eval();
+    covariance.middleCols(to, kIntrinsics) = covariance.middleCols(from, kIntrinsics).eval();
+  }
+}
+
+// What is known of lenses beside the views.
+void add_lens_knowledge(const Scene& scene, MatrixXd& information) {
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    const SceneCamera& camera = scene.cameras[c];
+    const Index at = kCameraParameters * static_cast<Index>(c);
+    information.diagonal().segment<kIntrinsics>(at) +=
+        prior_sigmas(camera).cwiseMax(1e-12).cwiseAbs2().cwiseInverse();
+    if (!camera.plain_lens || !(camera.intrinsics[1] > 0)) continue;
+    const double fx = camera.intrinsics[0], fy = camera.intrinsics[1];
+    const double weight = camera.start[1] / camera.start[0] / (fy * kPixelShapeSigma);
+    const Eigen::RowVector2d row(weight, -weight * fx / fy);
+    information.block<2, 2>(at, at) += row.transpose() * row;
+  }
+}
+
 }  // namespace
 
 MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
@@ -125,14 +162,14 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
   add_distances(scene, information);
   for (const auto& [object, views] : by_object(scene))
     add_object(scene, object.first, object.second, views, options.loss, information);
-  for (std::size_t c = 0; c < scene.cameras.size(); ++c)
-    information.diagonal().segment<kIntrinsics>(kCameraParameters * static_cast<Index>(c)) +=
-        prior_sigmas(scene.cameras[c]).cwiseMax(1e-12).cwiseAbs2().cwiseInverse();
+  gather_lenses(scene, information);
+  add_lens_knowledge(scene, information);
 
   MatrixXd result = MatrixXd::Zero(size, size);
   if (free.empty()) return result;
   const MatrixXd reduced = information(free, free);
   result(free, free) = inverse(0.5 * (reduced + reduced.transpose()));
+  share_lenses(scene, result);
   return result;
 }
 

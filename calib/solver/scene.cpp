@@ -24,6 +24,8 @@ SceneCamera make_camera(const CalibrationCamera& c) {
   s.has_intrinsics = c.intrinsics != Prior::Unknown;
   if (s.has_intrinsics) s.start = s.intrinsics = pack(c.model);
   s.placed = c.pose != Prior::Unknown || c.found;
+  s.lens_of = c.same_lens_as.value_or(-1);
+  s.plain_lens = c.plain_lens;
   if (s.placed) s.cam_from_world = c.found && c.pose != Prior::Fixed ? *c.found : c.cam_from_world;
   return s;
 }

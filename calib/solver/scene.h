@@ -25,7 +25,15 @@ struct SceneCamera {
   double noise = 1;   ///< its pixel errors in units of the detector's sigmas
   bool intrinsics_fixed = false, pose_fixed = false, without_k3 = false;
   bool has_intrinsics = false, placed = false;
+  int lens_of = -1;         ///< the camera whose intrinsics are this one's too; -1: they are its own
+  bool plain_lens = false;  ///< see CalibrationCamera
 };
+
+/// The camera whose intrinsics are this one's: itself in most rigs.
+inline int lens_owner(const std::vector<SceneCamera>& cameras, int camera) {
+  const int of = cameras[static_cast<std::size_t>(camera)].lens_of;
+  return of >= 0 ? of : camera;
+}
 
 /// A board at one instant, and how it was moving then.
 struct SceneBoard {
