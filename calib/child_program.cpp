@@ -93,9 +93,8 @@ Result<ProgramEnd> run_program(const std::vector<std::string>& arguments, const 
     reap(child);
     if (cancelled && cancelled())
       return fail(ErrorCode::Cancelled, text("'", arguments[0], "' was interrupted"));
-    return fail(ErrorCode::Timeout,
-                text("'", arguments[0], arguments.size() > 1 ? " " + arguments[1] : "", "' took longer than ",
-                     seconds, " s and was ended; its log is ", log.string()));
+    return fail(ErrorCode::Timeout, text("'", arguments[0], arguments.size() > 1 ? " " + arguments[1] : "",
+                                         "' took longer than ", seconds, " s and was ended"));
   }
   return reap(child);
 }

@@ -40,11 +40,34 @@ std::pair<std::string, std::string> colmap_camera(const CameraModel& m) {
   return {"PINHOLE", p};
 }
 
-// One call for each kind of camera: COLMAP takes one set of parameters a call.
-std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> by_kind(
-    const std::vector<MarkerlessPicture>& pictures) {
-  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> lists;
-  for (std::size_t i = 0; i < pictures.size(); ++i) lists[colmap_camera(pictures[i].model)].push_back(i);
+// The same of a lens that COLMAP is to find: from a start, or from what the file's EXIF says, else from a
+// focal length of 1.2 widths.
+std::pair<std::string, std::string> colmap_unknown(const MarkerlessPicture& p) {
+  const CameraModel& m = p.model;
+  const bool radial = m.lens.index() != 0;
+  const std::string name = radial ? "SIMPLE_RADIAL" : "SIMPLE_PINHOLE";
+  if (p.lens == Prior::Unknown) return {name, ""};
+  const auto* lens = std::get_if<BrownConrady>(&m.lens);
+  return {name, text(number(m.fx), ",", number(m.cx), ",", number(m.cy),
+                     radial ? "," + number(lens ? lens->k1 : 0) : "")};
+}
+
+// One call for each kind of camera: COLMAP takes one set of parameters a call, for one camera or for one a
+// picture.
+struct Kind {
+  std::string model, parameters;
+  int lens = -1;  // the picture whose lens all of these have; -1: a camera a picture
+  auto operator<=>(const Kind&) const = default;
+};
+
+std::map<Kind, std::vector<std::size_t>> by_kind(const std::vector<MarkerlessPicture>& pictures) {
+  std::map<Kind, std::vector<std::size_t>> lists;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const MarkerlessPicture& p = pictures[i];
+    const auto [model, parameters] = p.lens == Prior::Fixed ? colmap_camera(p.model) : colmap_unknown(p);
+    const int lens = p.lens == Prior::Fixed ? -1 : p.same_lens_as.value_or(static_cast<int>(i));
+    lists[{model, parameters, lens}].push_back(i);
+  }
   return lists;
 }
 
@@ -78,11 +101,10 @@ Result<void> Colmap::run(const std::string& step, std::vector<std::string> argum
         text(end.error().message, "; markerless calibration needs COLMAP: install the package 'colmap'"));
   if (!end) return forward(end);
   if (end->signal != 0 || end->code != 0)
-    return fail(ErrorCode::BadData,
-                text("COLMAP's ", step,
-                     end->signal != 0 ? text(" was ended by signal ", end->signal)
-                                      : text(" ended with code ", end->code),
-                     ": ", advice, " (", end_of_log(log_, 1), "; the log is ", log_.string(), ")"));
+    return fail(ErrorCode::BadData, text("COLMAP's ", step,
+                                         end->signal != 0 ? text(" was ended by signal ", end->signal)
+                                                          : text(" ended with code ", end->code),
+                                         ": ", advice, " (", end_of_log(log_, 1), ")"));
   return {};
 }
 
@@ -100,11 +122,29 @@ Result<void> check_pictures(const std::vector<MarkerlessPicture>& pictures) {
       return fail(ErrorCode::InvalidArgument,
                   text(p.file.string(), ": has ", p.pixels.width, "x", p.pixels.height,
                        " pixels, and camera '", p.serial, "' ", p.model.width, "x", p.model.height));
+    if (p.lens == Prior::Fixed) continue;
+    if (std::holds_alternative<KannalaBrandt>(p.model.lens))
+      return fail(ErrorCode::InvalidArgument,
+                  text("camera '", p.serial,
+                       "': the scene alone does not tell a fisheye's lens; calibrate it with a board"));
+    if (!p.same_lens_as) continue;
+    const int of = *p.same_lens_as;
+    const auto here = &p - pictures.data();
+    if (of < 0 || of >= here || pictures[static_cast<std::size_t>(of)].same_lens_as ||
+        pictures[static_cast<std::size_t>(of)].lens != p.lens)
+      return fail(ErrorCode::InvalidArgument,
+                  text("camera '", p.serial, "' shares no lens of an earlier picture"));
+    const CameraModel& owner = pictures[static_cast<std::size_t>(of)].model;
+    if (owner.width != p.model.width || owner.height != p.model.height)
+      return fail(ErrorCode::InvalidArgument,
+                  text("cameras '", pictures[static_cast<std::size_t>(of)].serial, "' and '", p.serial,
+                       "' cannot share a lens: their pictures are ", owner.width, "x", owner.height, " and ",
+                       p.model.width, "x", p.model.height, "; give each its own"));
   }
   return {};
 }
 
-Result<void> Colmap::prepare(const std::vector<MarkerlessPicture>& pictures) const {
+Result<void> Colmap::check_workspace(const std::vector<MarkerlessPicture>& pictures) const {
   const fs::path& workspace = workspace_;
   if (Result<void> sound = check_pictures(pictures); !sound) return sound;
   std::error_code error;
@@ -117,6 +157,13 @@ Result<void> Colmap::prepare(const std::vector<MarkerlessPicture>& pictures) con
     if (!fs::is_regular_file(p.file, error))
       return fail(ErrorCode::NotFound, text(p.file.string(), ": there is no such picture"));
   }
+  return {};
+}
+
+Result<void> Colmap::prepare(const std::vector<MarkerlessPicture>& pictures) const {
+  if (Result<void> ok = check_workspace(pictures); !ok) return ok;
+  const fs::path& workspace = workspace_;
+  std::error_code error;
   for (const char* name : {"images", "features", "sparse", "model"})
     if (Result<void> made = make_folder(workspace / name); !made) return made;
   for (const MarkerlessPicture& p : pictures) {
@@ -140,13 +187,22 @@ Result<void> Colmap::import(const std::vector<MarkerlessPicture>& pictures,
     std::string names;
     for (const std::size_t i : indices) names += image_name(pictures[i]) + "\n";
     if (Result<void> ok = write_file(workspace_ / "list.txt", names); !ok) return ok;
-    if (Result<void> ok = run("feature_importer",
-                              {"--database_path", path("database.db"), "--image_path", path("images"),
-                               "--import_path", path("features"), "--image_list_path", path("list.txt"),
-                               "--ImageReader.camera_model", camera.first, "--ImageReader.camera_params",
-                               camera.second, "--ImageReader.single_camera_per_image", "1"},
-                              "are the pictures whole?");
-        !ok)
+    std::vector<std::string> arguments = {
+        "--database_path",
+        path("database.db"),
+        "--image_path",
+        path("images"),
+        "--import_path",
+        path("features"),
+        "--image_list_path",
+        path("list.txt"),
+        "--ImageReader.camera_model",
+        camera.model,
+        camera.lens < 0 ? "--ImageReader.single_camera_per_image" : "--ImageReader.single_camera",
+        "1"};
+    if (!camera.parameters.empty())
+      arguments.insert(arguments.end(), {"--ImageReader.camera_params", camera.parameters});
+    if (Result<void> ok = run("feature_importer", std::move(arguments), "are the pictures whole?"); !ok)
       return ok;
   }
   std::string pairs;
@@ -163,6 +219,18 @@ Result<void> Colmap::import(const std::vector<MarkerlessPicture>& pictures,
              {"--database_path", path("database.db"), "--match_list_path", path("matches.txt"),
               "--match_type", "raw", "--SiftMatching.use_gpu", "0", "--SiftMatching.num_threads",
               text(options_.threads > 0 ? options_.threads : default_threads())},
+             kWeakScene);
+}
+
+Result<void> Colmap::map(const std::vector<MarkerlessPicture>& pictures) const {
+  const bool free = std::any_of(pictures.begin(), pictures.end(),
+                                [](const MarkerlessPicture& p) { return p.lens != Prior::Fixed; });
+  // The principal point comes later, when the rest is nearly right.
+  return run("mapper",
+             {"--database_path", path("database.db"), "--image_path", path("images"), "--output_path",
+              path("sparse"), "--Mapper.ba_refine_focal_length", free ? "1" : "0",
+              "--Mapper.ba_refine_principal_point", "0", "--Mapper.ba_refine_extra_params", free ? "1" : "0",
+              "--Mapper.num_threads", "1", "--Mapper.filter_max_reproj_error", free ? "4" : "2"},
              kWeakScene);
 }
 

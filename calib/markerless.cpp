@@ -4,11 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "calib/calibrate.h"
 #include "calib/colmap_steps.h"
 #include "calib/formats/format_files.h"
-#include "calib/scene_features.h"
 #include "calib/scene_matching.h"
+#include "calib/scene_settling.h"
 #include "core/parallel.h"
 #include "core/text.h"
 
@@ -16,10 +15,6 @@ namespace floatstage::calib {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Lines of sight may miss one another by this many pixels: where poses are COLMAP's or yesterday's, and where
-// they were refined.
-constexpr double kRoughly = 6, kClosely = 2;
 
 Result<ForeignRig> largest_model(const Colmap& colmap, const fs::path& workspace) {
   std::optional<ForeignRig> best;
@@ -39,127 +34,27 @@ Result<ForeignRig> largest_model(const Colmap& colmap, const fs::path& workspace
   return *std::move(best);
 }
 
-std::vector<SceneKeypoints> keypoints_of(const std::vector<MarkerlessPicture>& pictures, int threads) {
+bool is_cancelled(const MarkerlessOptions& options) { return options.cancelled && options.cancelled(); }
+
+Result<std::vector<SceneKeypoints>> keypoints_of(const std::vector<MarkerlessPicture>& pictures,
+                                                 const MarkerlessOptions& options) {
   std::vector<SceneKeypoints> out(pictures.size());
-  parallel_for(pictures.size(), threads, [&](std::size_t i) { out[i] = find_keypoints(pictures[i].pixels); });
+  parallel_for(pictures.size(), options.threads, [&](std::size_t i) {
+    if (!is_cancelled(options)) out[i] = find_keypoints(pictures[i].pixels);
+  });
+  if (is_cancelled(options)) return fail(ErrorCode::Cancelled, "looking for keypoints was interrupted");
   return out;
 }
 
-// The points that keypoints show given the rig, and what can be said of them.
-void add_points(const std::vector<SceneKeypoints>& keypoints, double tolerance, int threads,
-                MarkerlessResult& result) {
-  result.features = points_of_matches(keypoints, match_along_lines(keypoints, result.rig, tolerance, threads),
-                                      result.rig, tolerance);
-  double squares = 0;
-  std::size_t sights = 0;
-  for (const SceneFeature& f : result.features)
-    for (const auto& [picture, pixel] : f.seen) {
-      const RigCamera& c = result.rig.cameras[static_cast<std::size_t>(picture)];
-      squares += (project(c.model, c.cam_from_world * f.position).value_or(pixel) - pixel).squaredNorm();
-      ++sights;
-    }
-  const double points = static_cast<double>(std::max<std::size_t>(result.features.size(), 1));
-  result.mean_track = static_cast<double>(sights) / points;
-  result.rms_px = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(sights, 1)));
-}
-
-// Poses and points solved for together; the distance of the two outermost cameras stays.
-Result<Rig> refined(const MarkerlessResult& found, int threads) {
-  Observations o;
-  std::vector<int> camera_of;
-  double widest = 0;
-  CameraDistance held;
-  for (const RigCamera& c : found.rig.cameras) {
-    CalibrationCamera camera;
-    camera.serial = c.serial;
-    camera.width = c.model.width;
-    camera.height = c.model.height;
-    camera.lens = c.model.lens.index() == 0 ? camera.lens : static_cast<LensKind>(c.model.lens.index());
-    camera.intrinsics = Prior::Fixed;
-    camera.model = c.model;
-    camera.found = c.cam_from_world;
-    camera_of.push_back(static_cast<int>(o.cameras.size()));
-    if (const double apart =
-            (c.cam_from_world.center() - found.rig.cameras.front().cam_from_world.center()).norm();
-        apart > widest) {
-      widest = apart;
-      held = {0, camera_of.back(), apart, 1e-3 * apart};
-    }
-    o.cameras.push_back(std::move(camera));
-  }
-  o.distances.push_back(held);
-  add_features(o, found.features, camera_of);
-  const Result<Calibration> solved = calibrate(o, {.holdout_every = 0, .threads = threads});
-  if (!solved) return forward(solved);
-  return solved->rig;
-}
-
-// Points a picture.
-std::vector<int> points_of(const std::vector<MarkerlessPicture>& pictures, const MarkerlessResult& result) {
-  std::vector<int> counts(pictures.size());
-  for (const SceneFeature& f : result.features)
-    for (const auto& [picture, pixel] : f.seen) ++counts[static_cast<std::size_t>(picture)];
-  return counts;
-}
-
-// A reprojection error would look fine all the same.
-Result<void> check_ties(const std::vector<MarkerlessPicture>& pictures, const MarkerlessResult& result,
-                        const MarkerlessOptions& options, const char* advice) {
-  if (result.mean_track < options.least_track)
-    return fail(ErrorCode::BadData,
-                text("a point is seen by ", std::round(10 * result.mean_track) / 10,
-                     " cameras on average, and by ", options.least_track,
-                     " at least it should be: poses could be off although the reprojection error is ",
-                     std::round(100 * result.rms_px) / 100, " px; ", advice));
-  const std::vector<int> counts = points_of(pictures, result);
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    if (counts[i] < options.least_points)
-      return fail(ErrorCode::BadData, text("camera '", pictures[i].serial, "' shows only ", counts[i],
-                                           " points, and ", options.least_points, " are needed: ", advice));
-  return {};
-}
-
-// From poses that are roughly right to poses and points that agree. From the second time on, matches depend
-// on where the poses began by next to nothing.
-Result<void> settle(const std::vector<MarkerlessPicture>& pictures,
-                    const std::vector<SceneKeypoints>& keypoints, const MarkerlessOptions& options,
-                    const char* advice, MarkerlessResult& result) {
-  for (const double tolerance : {kRoughly, kClosely, kClosely}) {
-    add_points(keypoints, tolerance, options.threads, result);
-    if (Result<void> ok = check_ties(pictures, result, options, advice); !ok) return ok;
-    Result<Rig> rig = refined(result, options.threads);
-    if (!rig)
-      return fail(rig.error().code, text("the cameras do not agree: ", rig.error().message, "; ", advice));
-    result.rig = *std::move(rig);
-  }
-  add_points(keypoints, kClosely, options.threads, result);
-  return {};
-}
-
-}  // namespace
-
-Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures,
-                                              const fs::path& workspace, const MarkerlessOptions& options) {
-  const Colmap colmap(options, workspace);
+// Where COLMAP puts the cameras, with the lenses that they begin from.
+Result<Rig> placed(const Colmap& colmap, const std::vector<MarkerlessPicture>& pictures,
+                   const std::vector<SceneKeypoints>& keypoints, const std::vector<SceneMatches>& matches) {
   if (const Result<void> ready = colmap.prepare(pictures); !ready) return forward(ready);
-  const std::vector<SceneKeypoints> keypoints = keypoints_of(pictures, options.threads);
-  if (const Result<void> ok = colmap.import(pictures, keypoints, match_pictures(keypoints, options.threads));
-      !ok)
-    return forward(ok);
-  // Intrinsics as they were given.
-  if (const Result<void> ok =
-          colmap.run("mapper",
-                     {"--database_path", colmap.path("database.db"), "--image_path", colmap.path("images"),
-                      "--output_path", colmap.path("sparse"), "--Mapper.ba_refine_focal_length", "0",
-                      "--Mapper.ba_refine_principal_point", "0", "--Mapper.ba_refine_extra_params", "0",
-                      "--Mapper.num_threads", "1", "--Mapper.filter_max_reproj_error", "2"},
-                     kWeakScene);
-      !ok)
-    return forward(ok);
-  const Result<ForeignRig> model = largest_model(colmap, workspace);
+  if (const Result<void> ok = colmap.import(pictures, keypoints, matches); !ok) return forward(ok);
+  if (const Result<void> ok = colmap.map(pictures); !ok) return forward(ok);
+  const Result<ForeignRig> model = largest_model(colmap, colmap.workspace());
   if (!model) return forward(model);
-
-  MarkerlessResult result;
+  Rig rig;
   std::string missing;
   for (const MarkerlessPicture& p : pictures) {
     const std::vector<std::string>& names = model->image_names;
@@ -170,15 +65,87 @@ Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPictur
     }
     RigCamera camera = model->rig.cameras[static_cast<std::size_t>(found - names.begin())];
     camera.serial = p.serial;
-    camera.model = p.model;
-    result.rig.cameras.push_back(std::move(camera));
+    if (p.lens == Prior::Fixed)
+      camera.model = p.model;
+    else if (p.same_lens_as)
+      camera.model = rig.cameras[static_cast<std::size_t>(*p.same_lens_as)].model;
+    else if (p.model.lens.index() != 0 && camera.model.lens.index() == 0)
+      camera.model.lens = BrownConrady{};
+    rig.cameras.push_back(std::move(camera));
   }
   if (!missing.empty())
-    return fail(ErrorCode::BadData, text("COLMAP placed ", result.rig.cameras.size(), " of ", pictures.size(),
+    return fail(ErrorCode::BadData, text("COLMAP placed ", rig.cameras.size(), " of ", pictures.size(),
                                          " cameras, not ", missing, ": ", kWeakScene));
-  if (const Result<void> ok = settle(pictures, keypoints, options, kWeakScene, result); !ok)
+  return rig;
+}
+
+Result<MarkerlessResult> placed_and_settled(const Colmap& colmap,
+                                            const std::vector<MarkerlessPicture>& pictures,
+                                            const std::vector<SceneKeypoints>& keypoints,
+                                            const std::vector<SceneMatches>& matches,
+                                            const MarkerlessOptions& options) {
+  Result<Rig> rig = placed(colmap, pictures, keypoints, matches);
+  if (!rig) return forward(rig);
+  MarkerlessResult result;
+  result.rig = *std::move(rig);
+  if (const Result<void> ok = settle(pictures, keypoints, options, kWeakScene, result); !ok) {
+    if (ok.error().code == ErrorCode::Cancelled) return forward(ok);
     return fail(ok.error().code, text("where COLMAP placed the cameras: ", ok.error().message));
+  }
   result.settled = result.rig;
+  return result;
+}
+
+// The same pictures with the given lenses as a start, equal ones shared.
+std::vector<MarkerlessPicture> with_free_lenses(std::vector<MarkerlessPicture> pictures) {
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    if (pictures[i].lens != Prior::Fixed) continue;
+    pictures[i].lens = Prior::Unknown;
+    for (std::size_t k = 0; k < i && !pictures[i].same_lens_as; ++k)
+      if (!pictures[k].same_lens_as && pictures[k].model == pictures[i].model)
+        pictures[i].same_lens_as = static_cast<int>(k);
+  }
+  return pictures;
+}
+
+// Cameras could not be placed with the lenses that were given: whether they can without them, and what lenses
+// those are. Empty when that is not so.
+std::string blame_of_lenses(const std::vector<MarkerlessPicture>& pictures, const fs::path& workspace,
+                            const std::vector<SceneKeypoints>& keypoints,
+                            const std::vector<SceneMatches>& matches, const MarkerlessOptions& options) {
+  if (std::none_of(pictures.begin(), pictures.end(),
+                   [](const MarkerlessPicture& p) { return p.lens == Prior::Fixed; }))
+    return {};
+  const Colmap colmap(options, workspace / "without-lenses");
+  const Result<MarkerlessResult> without =
+      placed_and_settled(colmap, with_free_lenses(pictures), keypoints, matches, options);
+  if (!without) return {};
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const SuspectLens s{i, pictures[i].model.fx, without->rig.cameras[i].model.fx, 0};
+    if (pictures[i].lens == Prior::Fixed && std::abs(s.share()) > options.largest_focal_error)
+      return "; without the lenses that were given they can be placed, so " + describe(s, pictures);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures,
+                                              const fs::path& workspace, const MarkerlessOptions& options) {
+  const Colmap colmap(options, workspace);
+  if (const Result<void> ok = colmap.check_workspace(pictures); !ok) return forward(ok);
+  const Result<std::vector<SceneKeypoints>> keypoints = keypoints_of(pictures, options);
+  if (!keypoints) return forward(keypoints);
+  const std::vector<SceneMatches> matches = match_pictures(*keypoints, options.threads);
+  if (is_cancelled(options)) return fail(ErrorCode::Cancelled, "matching the pictures was interrupted");
+  Result<MarkerlessResult> result = placed_and_settled(colmap, pictures, *keypoints, matches, options);
+  if (!result && result.error().code == ErrorCode::BadData)
+    return fail(result.error().code,
+                result.error().message + blame_of_lenses(pictures, workspace, *keypoints, matches, options));
+  if (!result) return result;
+  const Result<std::vector<SuspectLens>> suspects =
+      suspect_lenses(pictures, *result, options.largest_focal_error, options.threads);
+  if (suspects && !suspects->empty()) return fail(ErrorCode::BadData, describe(suspects->front(), pictures));
   return result;
 }
 
@@ -193,12 +160,13 @@ Result<MarkerlessResult> triangulate_markerless(const std::vector<MarkerlessPict
     camera.model = p.model;
     result.rig.cameras.push_back(std::move(camera));
   }
-  const std::vector<SceneKeypoints> keypoints = keypoints_of(pictures, options.threads);
+  const Result<std::vector<SceneKeypoints>> keypoints = keypoints_of(pictures, options);
+  if (!keypoints) return forward(keypoints);
   // Cameras may have moved a little: points are told from mistakes by where cameras are now, not where they
   // are said to be.
   MarkerlessResult now = result;
   if (const Result<void> ok = settle(
-          pictures, keypoints, options,
+          pictures, *keypoints, options,
           "either it has moved since the known rig was made, or its pictures show too little texture", now);
       !ok)
     return forward(ok);

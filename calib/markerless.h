@@ -2,25 +2,31 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "calib/observations.h"
 #include "core/image.h"
 #include "core/result.h"
 #include "core/rig.h"
 
 namespace floatstage::calib {
 
-/// A picture and the camera that took it; the camera's intrinsics are known. Of the file's pixels every step
-/// but COLMAP's makes use.
+/// A picture and the camera that took it. Of the file's pixels every step but COLMAP's makes use.
 struct MarkerlessPicture {
   std::string serial;
   std::filesystem::path file;
   CameraModel model;
   Image pixels;  ///< 1 or 3 channels
+  /// Fixed: the model holds. Start: it is nearly that. Unknown: of the model only the size and whether it has
+  /// a lens count. What is not fixed is solved for as a plain lens (CalibrationCamera::plain_lens).
+  Prior lens = Prior::Fixed;
+  /// Index of an earlier picture with a lens of its own, not fixed, which is this one's too.
+  std::optional<int> same_lens_as = {};
 };
 
 struct MarkerlessOptions {
@@ -31,6 +37,8 @@ struct MarkerlessOptions {
   /// Bars below which the result is refused: its reprojection error would look fine all the same.
   double least_track = 4;  ///< pictures that show a point, on average
   int least_points = 60;   ///< points that a picture shows
+  /// A given focal length that the points contradict by more than this share (and five sigmas) is refused.
+  double largest_focal_error = 0.02;
 };
 
 /// A point of the scene and where it was seen.
@@ -41,7 +49,7 @@ struct SceneFeature {
 };
 
 struct MarkerlessResult {
-  Rig rig;      ///< in the order of the pictures; the unit is arbitrary, see scale_to()
+  Rig rig;      ///< in the order of the pictures, with their lenses; the unit is arbitrary, see scale_to()
   Rig settled;  ///< where the cameras are by these points alone, in a world of their own; equals `rig` unless
                 ///< that was known
   std::vector<SceneFeature> features;  ///< in the settled rig's world and unit
@@ -52,10 +60,11 @@ struct MarkerlessResult {
 /// Poses of cameras that saw one scene, without a target. COLMAP (a subprocess that needs no display) places
 /// them; its estimates are drawn by chance and differ from run to run, so they are only a start: keypoints
 /// are matched again along the lines that poses allow, and poses and points are solved for together, three
-/// times. `workspace` is a new or empty folder; database, models and `colmap.log` stay there. Errors:
-/// NotFound when COLMAP is not installed or a picture is missing; AlreadyExists for a workspace that holds
-/// something; Timeout; BadData when it finds no model, leaves cameras out or ties them too loosely, naming
-/// them and what helps; Io.
+/// times. Lenses that are not fixed are solved for with them. `workspace` is a new or empty folder; database,
+/// models and `colmap.log` stay there. Errors: NotFound when COLMAP is not installed or a picture is missing;
+/// AlreadyExists for a workspace that holds something; Timeout; Cancelled; BadData when it finds no model,
+/// leaves cameras out or ties them too loosely, naming them and what helps, and when the points contradict a
+/// given focal length; Io.
 Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures,
                                               const std::filesystem::path& workspace,
                                               const MarkerlessOptions& options = {});

@@ -92,6 +92,23 @@ Result<void> check_view(const TargetView& v, const Observations& o, const std::s
   return {};
 }
 
+Result<void> check_lenses(const std::vector<CalibrationCamera>& cameras) {
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const CalibrationCamera& c = cameras[i];
+    if (!c.same_lens_as) continue;
+    const int of = *c.same_lens_as;
+    if (of < 0 || of >= static_cast<int>(i) || cameras[static_cast<std::size_t>(of)].same_lens_as)
+      return bad(text("camera '", c.serial, "' has the lens of camera ", of,
+                      ", which is not an earlier one with a lens of its own"));
+    const CalibrationCamera& owner = cameras[static_cast<std::size_t>(of)];
+    if (c.intrinsics == Prior::Unknown || c.intrinsics != owner.intrinsics || c.lens != owner.lens ||
+        c.width != owner.width || c.height != owner.height || !(c.model == owner.model))
+      return bad(text("cameras '", c.serial, "' and '", owner.serial,
+                      "' share a lens, but begin from different intrinsics, or from none"));
+  }
+  return {};
+}
+
 }  // namespace
 
 int point_index(const Target& target, int id) {
@@ -109,6 +126,7 @@ Result<void> check(const Observations& o) {
     if (Result<void> ok = check_camera(c); !ok) return ok;
     if (!serials.insert(c.serial).second) return bad(text("camera '", c.serial, "' stands there twice"));
   }
+  if (Result<void> ok = check_lenses(o.cameras); !ok) return ok;
   std::vector<std::set<int>> ids;
   for (const Target& t : o.targets) {
     if (Result<void> ok = check_target(t); !ok) return ok;

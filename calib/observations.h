@@ -112,6 +112,12 @@ struct CalibrationCamera {
   /// A place found by other means (COLMAP), where the solver starts. It says nothing of the world, and
   /// nothing moved since.
   std::optional<Rigid3> found = {};
+  /// Index of an earlier camera with a lens of its own whose intrinsics are this one's too: one camera that
+  /// was carried about, or a turntable's. Both begin from known intrinsics.
+  std::optional<int> same_lens_as = {};
+  /// Pixels of the shape (fx / fy) that they begin with and two radial coefficients: all that points of a
+  /// scene, without a target, can tell of a lens.
+  bool plain_lens = false;
 };
 
 /// Two cameras' centres and how far apart they are: measured, or as they were yesterday. One that contradicts

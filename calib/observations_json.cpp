@@ -64,6 +64,8 @@ Json camera_json(const CalibrationCamera& c) {
   if (c.terms.radial) out["radial"] = *c.terms.radial;
   if (!c.terms.tangential) out["tangential"] = false;
   if (c.terms.skew) out["skew"] = true;
+  if (c.same_lens_as) out["same_lens_as"] = *c.same_lens_as;
+  if (c.plain_lens) out["plain_lens"] = true;
   return out;
 }
 
@@ -149,6 +151,8 @@ CalibrationCamera read_camera(const nlohmann::json& value, const std::string& wh
   if (fields.has("radial")) c.terms.radial = std::clamp(fields.integer("radial"), 0, 4);
   if (fields.has("tangential")) c.terms.tangential = fields.boolean("tangential");
   if (fields.has("skew")) c.terms.skew = fields.boolean("skew");
+  if (fields.has("same_lens_as")) c.same_lens_as = fields.integer("same_lens_as");
+  if (fields.has("plain_lens")) c.plain_lens = fields.boolean("plain_lens");
   fields.refuse_others();
   return c;
 }

@@ -13,6 +13,7 @@ void add_calibrate(CLI::App& app, Chosen& chosen) {
   add_calibrate_drift(*verb, chosen);
   add_calibrate_export(*verb, chosen);
   add_calibrate_live(*verb, chosen);
+  add_calibrate_new(*verb, chosen);
   add_calibrate_target(*verb, chosen);
 }
 

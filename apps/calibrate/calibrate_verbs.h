@@ -10,6 +10,7 @@ void add_calibrate_color(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_export(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_live(CLI::App& calibrate, Chosen& chosen);
+void add_calibrate_new(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen);
 
 }  // namespace floatstage::apps

@@ -1,8 +1,8 @@
 #include <cmath>
-#include <cstdlib>
 #include <iomanip>
 
 #include "apps/calibrate/calibrate_verbs.h"
+#include "apps/calibrate/scratch_folder.h"
 #include "apps/flags.h"
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
@@ -25,32 +25,6 @@ struct Options {
   std::filesystem::path session, out, report, json, cache, observations, from, workspace;
   int threads = 0;
   bool keep_failed = false;
-};
-
-// Where COLMAP works: a given folder, or one that goes away unless something went wrong (its log says what).
-class Workspace {
- public:
-  explicit Workspace(const std::filesystem::path& given) : folder_(given), keep_(!given.empty()) {
-    if (keep_) return;
-    std::string name = (std::filesystem::temp_directory_path() / "floatstage-scene-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      ready_ = fail(ErrorCode::Io, text(name, ": cannot be made; give --workspace"));
-    folder_ = name;
-  }
-  ~Workspace() {
-    std::error_code ignored;
-    if (!keep_ && ready_) std::filesystem::remove_all(folder_, ignored);
-  }
-  Workspace(const Workspace&) = delete;
-  Workspace& operator=(const Workspace&) = delete;
-  const std::filesystem::path& folder() const { return folder_; }
-  const Result<void>& ready() const { return ready_; }
-  void keep() const { keep_ = true; }
-
- private:
-  std::filesystem::path folder_;
-  mutable bool keep_;
-  Result<void> ready_;
 };
 
 // The session's file, and the rig of before where one is given.
@@ -76,13 +50,14 @@ Result<pipeline::SessionObservations> observe(const pipeline::Session& session, 
       pipeline::collect(session, given.cache, given.threads, &bar);
   if (!collected) return collected;
   if (session.markerless) {
-    const Workspace workspace(given.workspace);
+    const ScratchFolder workspace(given.workspace);
     if (!workspace.ready()) return forward(workspace.ready());
     if (Result<void> ok = pipeline::add_scene(session, workspace.folder(), given.threads, &bar, *collected);
         !ok) {
       if (ok.error().code == ErrorCode::Cancelled) return pipeline::cancelled_unwritten();
-      workspace.keep();
-      return fail(ok.error().code, text(given.session.string(), ": ", ok.error().message));
+      return fail(ok.error().code,
+                  text(given.session.string(), ": ", ok.error().message,
+                       workspace.stays() ? "" : "; --workspace FOLDER keeps what COLMAP wrote"));
     }
   }
   if (interrupted()) return pipeline::cancelled_unwritten();

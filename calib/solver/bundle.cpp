@@ -157,9 +157,17 @@ struct Workspace {
                         : markers(static_cast<std::size_t>(v.markers));
   }
 
+  double* intrinsics_of(std::size_t camera) {
+    return scene.cameras[static_cast<std::size_t>(lens_owner(scene.cameras, static_cast<int>(camera)))]
+        .intrinsics.data();
+  }
+
   void to_scene() {
-    for (std::size_t i = 0; i < cameras.size(); ++i)
-      if (scene.cameras[i].placed) scene.cameras[i].cam_from_world = from_array(cameras[i]);
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      SceneCamera& c = scene.cameras[i];
+      if (c.placed) c.cam_from_world = from_array(cameras[i]);
+      if (c.lens_of >= 0) c.intrinsics = scene.cameras[static_cast<std::size_t>(c.lens_of)].intrinsics;
+    }
     for (std::size_t i = 0; i < scene.boards.size(); ++i)
       if (SceneBoard& b = scene.boards[i]; b.placed) {
         const double* const p = board(i);
@@ -251,6 +259,26 @@ class IntrinsicsPrior final : public ceres::SizedCostFunction<kIntrinsics, kIntr
   const Intrinsics start_, sigma_;
 };
 
+// How far a plain lens' pixels are from the shape that they began with.
+class PixelShape final : public ceres::SizedCostFunction<1, kIntrinsics> {
+ public:
+  explicit PixelShape(const SceneCamera& c) : start_(c.start[1] / c.start[0]) {}
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const double fx = parameters[0][0], fy = parameters[0][1], weight = 1 / kPixelShapeSigma;
+    residuals[0] = (start_ * fx / fy - 1) * weight;
+    if (jacobians && jacobians[0]) {
+      Eigen::Map<Eigen::Matrix<double, 1, kIntrinsics>> j(jacobians[0]);
+      j.setZero();
+      j[0] = start_ / fy * weight;
+      j[1] = -start_ * fx / (fy * fy) * weight;
+    }
+    return true;
+  }
+
+ private:
+  const double start_;
+};
+
 // What neighbouring frames say of a board's motion.
 class MotionPrior final : public ceres::SizedCostFunction<6, 13> {
  public:
@@ -320,21 +348,25 @@ class MarkerKnowledge final : public ceres::CostFunction {
   const Target& target_;
 };
 
+void add_lens(ceres::Problem& problem, SceneCamera& c, const CameraMask& free) {
+  std::vector<int> still;
+  for (int k = 0; k < kIntrinsics; ++k)
+    if (!free[k]) still.push_back(k);
+  if (still.size() == kIntrinsics) {
+    problem.SetParameterBlockConstant(c.intrinsics.data());
+    return;
+  }
+  if (!still.empty()) problem.SetManifold(c.intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, still));
+  problem.AddResidualBlock(new IntrinsicsPrior(c), nullptr, c.intrinsics.data());
+  if (c.plain_lens) problem.AddResidualBlock(new PixelShape(c), nullptr, c.intrinsics.data());
+}
+
 void add_cameras(ceres::Problem& problem, Workspace& w, const std::vector<bool>& seen) {
   for (std::size_t i = 0; i < w.scene.cameras.size(); ++i) {
-    if (!seen[i]) continue;
     SceneCamera& c = w.scene.cameras[i];
     const CameraMask free = free_parameters(w.scene, static_cast<int>(i), w.options);
-    std::vector<int> still;
-    for (int k = 0; k < kIntrinsics; ++k)
-      if (!free[k]) still.push_back(k);
-    if (still.size() == kIntrinsics) {
-      problem.SetParameterBlockConstant(c.intrinsics.data());
-    } else {
-      if (!still.empty())
-        problem.SetManifold(c.intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, still));
-      problem.AddResidualBlock(new IntrinsicsPrior(c), nullptr, c.intrinsics.data());
-    }
+    if (problem.HasParameterBlock(c.intrinsics.data())) add_lens(problem, c, free);
+    if (!seen[i]) continue;
     problem.SetManifold(w.cameras[i].data(), new PoseManifold);
     if (!free[kIntrinsics]) problem.SetParameterBlockConstant(w.cameras[i].data());
     if (!free[kIntrinsics + 6]) problem.SetParameterBlockConstant(&c.offset);
@@ -353,8 +385,8 @@ Seen add_views(ceres::Problem& problem, Workspace& w) {
   for (std::size_t i = 0; i < w.views.size(); ++i) {
     const SceneView& v = scene.views[static_cast<std::size_t>(w.views[i])];
     const auto camera = static_cast<std::size_t>(v.camera);
-    problem.AddResidualBlock(new ViewCost(w, i), nullptr, scene.cameras[camera].intrinsics.data(),
-                             w.cameras[camera].data(), w.object_of(v), &scene.cameras[camera].offset);
+    problem.AddResidualBlock(new ViewCost(w, i), nullptr, w.intrinsics_of(camera), w.cameras[camera].data(),
+                             w.object_of(v), &scene.cameras[camera].offset);
     seen.cameras[camera] = true;
     if (v.board >= 0)
       seen.boards[static_cast<std::size_t>(v.board)] = true;
@@ -405,10 +437,12 @@ void add_distances(ceres::Problem& problem, Workspace& w, const std::vector<bool
 
 // Ceres orders the blocks of a group by their addresses, so blocks of different arrays are in different
 // groups: the sums must not depend on where the heap put an array.
-void order_cameras(Workspace& w, const std::vector<bool>& seen, ceres::ParameterBlockOrdering& ordering) {
+void order_cameras(const ceres::Problem& problem, Workspace& w, const std::vector<bool>& seen,
+                   ceres::ParameterBlockOrdering& ordering) {
   for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (problem.HasParameterBlock(w.scene.cameras[i].intrinsics.data()))
+      ordering.AddElementToGroup(w.scene.cameras[i].intrinsics.data(), 1);
     if (!seen[i]) continue;
-    ordering.AddElementToGroup(w.scene.cameras[i].intrinsics.data(), 1);
     ordering.AddElementToGroup(&w.scene.cameras[i].offset, 1);
     ordering.AddElementToGroup(w.cameras[i].data(), 2);
   }
@@ -435,12 +469,13 @@ CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& 
   const SceneCamera& c = scene.cameras[static_cast<std::size_t>(camera)];
   CameraMask free = CameraMask::Constant(false);
   if (!options.cameras_move) return free;
-  if (!c.intrinsics_fixed && options.intrinsics != Freedom::None) {
+  if (!c.intrinsics_fixed && c.lens_of < 0 && options.intrinsics != Freedom::None) {
     const int coefficients = coefficient_count(c.lens);
     free.head<2>().setConstant(true);
     if (options.intrinsics == Freedom::All) {
       free.head(4 + coefficients).setConstant(true);
       free[kSkewRow] = true;
+      if (c.plain_lens && coefficients > 0) free.segment<3>(kLensRow + 2).setConstant(false);
     } else if (coefficients > 0) {
       free[kLensRow] = true;
     }
@@ -465,7 +500,7 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
   add_boards(problem, w, seen.boards, *ordering);
   add_markers(problem, w, seen.markers, *ordering);
   add_distances(problem, w, seen.cameras);
-  order_cameras(w, seen.cameras, *ordering);
+  order_cameras(problem, w, seen.cameras, *ordering);
 
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_SCHUR;

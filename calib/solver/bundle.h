@@ -45,4 +45,8 @@ Eigen::Matrix<double, 6, 1> motion_weights(const SceneBoard& board);
 /// knowledge.
 Intrinsics prior_sigmas(const SceneCamera& camera);
 
+/// Sigma of how far a plain lens' pixels are from the shape (fx / fy) that they began with: sensors' pixels
+/// are squares, and a turntable's pictures alone would let the scene be stretched along its axis.
+inline constexpr double kPixelShapeSigma = 1e-3;
+
 }  // namespace floatstage::calib::solver

@@ -126,8 +126,10 @@ ObjectPart part_of(const Scene& scene, bool is_board, int object, const std::vec
   part.gradient.resize(size);
   for (std::size_t i = 0; i < shared.size(); ++i) {
     const Index row = kCameraParameters * static_cast<Index>(i);
+    // What cameras say of one lens stands in the rows of the one that owns it.
+    const Index lens = lens_owner(scene.cameras, static_cast<int>(shared[i].camera));
     for (Index k = 0; k < kCameraParameters; ++k)
-      part.rows.push_back(kCameraParameters * shared[i].camera + k);
+      part.rows.push_back(kCameraParameters * (k < kIntrinsics ? lens : shared[i].camera) + k);
     part.gradient.segment<kCameraParameters>(row) = shared[i].gradient;
     part.information.block<kCameraParameters, kCameraParameters>(row, row) = shared[i].own;
     for (std::size_t k = 0; k < shared.size(); ++k)
@@ -135,6 +137,32 @@ ObjectPart part_of(const Scene& scene, bool is_board, int object, const std::vec
           row, kCameraParameters * static_cast<Index>(k)) -= shared[i].block * eliminated[k];
   }
   return part;
+}
+
+// A lens is as well known in every camera that has it.
+void share_lenses(const Scene& scene, MatrixXd& covariance) {
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    if (scene.cameras[c].lens_of < 0) continue;
+    const Index to = kCameraParameters * static_cast<Index>(c),
+                from = kCameraParameters * static_cast<Index>(scene.cameras[c].lens_of);
+    covariance.middleRows(to, kIntrinsics) = covariance.middleRows(from, kIntrinsics).eval();
+    covariance.middleCols(to, kIntrinsics) = covariance.middleCols(from, kIntrinsics).eval();
+  }
+}
+
+// What is known of lenses beside the views.
+void add_lens_knowledge(const Scene& scene, MatrixXd& information) {
+  for (std::size_t c = 0; c < scene.cameras.size(); ++c) {
+    const SceneCamera& camera = scene.cameras[c];
+    const Index at = kCameraParameters * static_cast<Index>(c);
+    information.diagonal().segment<kIntrinsics>(at) +=
+        prior_sigmas(camera).cwiseMax(1e-12).cwiseAbs2().cwiseInverse();
+    if (!camera.plain_lens || !(camera.intrinsics[1] > 0)) continue;
+    const double fx = camera.intrinsics[0], fy = camera.intrinsics[1];
+    const double weight = camera.start[1] / camera.start[0] / (fy * kPixelShapeSigma);
+    const Eigen::RowVector2d row(weight, -weight * fx / fy);
+    information.block<2, 2>(at, at) += row.transpose() * row;
+  }
 }
 
 }  // namespace
@@ -154,9 +182,7 @@ MatrixXd camera_information(const Scene& scene, const std::vector<ObjectPart>& p
     for (std::size_t i = 0; i < p.rows.size(); ++i)
       for (std::size_t k = 0; k < p.rows.size(); ++k)
         information(p.rows[i], p.rows[k]) += p.information(static_cast<Index>(i), static_cast<Index>(k));
-  for (std::size_t c = 0; c < scene.cameras.size(); ++c)
-    information.diagonal().segment<kIntrinsics>(kCameraParameters * static_cast<Index>(c)) +=
-        prior_sigmas(scene.cameras[c]).cwiseMax(1e-12).cwiseAbs2().cwiseInverse();
+  add_lens_knowledge(scene, information);
   return information;
 }
 
@@ -168,6 +194,7 @@ MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
   if (free.empty()) return result;
   const MatrixXd reduced = information(free, free);
   result(free, free) = inverse(0.5 * (reduced + reduced.transpose()));
+  share_lenses(scene, result);
   return result;
 }
 

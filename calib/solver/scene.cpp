@@ -42,6 +42,8 @@ SceneCamera make_camera(const CalibrationCamera& c) {
   if (s.has_intrinsics) s.start = s.intrinsics = pack(c.model);
   hold_terms(c, s);
   s.placed = c.pose != Prior::Unknown || c.found;
+  s.lens_of = c.same_lens_as.value_or(-1);
+  s.plain_lens = c.plain_lens;
   if (s.placed) s.cam_from_world = c.found && c.pose != Prior::Fixed ? *c.found : c.cam_from_world;
   return s;
 }

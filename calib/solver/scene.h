@@ -27,7 +27,15 @@ struct SceneCamera {
   bool third_if_shown = false;  ///< k3 was left to the capture: it is held where nothing speaks for it
   Eigen::Matrix<bool, kIntrinsics, 1> held = Eigen::Matrix<bool, kIntrinsics, 1>::Constant(false);
   bool has_intrinsics = false, placed = false;
+  int lens_of = -1;         ///< the camera whose intrinsics are this one's too; -1: they are its own
+  bool plain_lens = false;  ///< see CalibrationCamera
 };
+
+/// The camera whose intrinsics are this one's: itself in most rigs.
+inline int lens_owner(const std::vector<SceneCamera>& cameras, int camera) {
+  const int of = cameras[static_cast<std::size_t>(camera)].lens_of;
+  return of >= 0 ? of : camera;
+}
 
 /// A board at one instant, and how it was moving then.
 struct SceneBoard {

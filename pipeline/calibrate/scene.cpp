@@ -1,8 +1,12 @@
 #include "pipeline/calibrate/scene.h"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
+#include "calib/exif_lens.h"
 #include "calib/scene_features.h"
+#include "core/file.h"
 #include "core/text.h"
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
@@ -27,13 +31,61 @@ Result<Image> load_picture(const std::filesystem::path& file, const std::string&
   return **std::move(picture);
 }
 
+// What is known of a camera's lens by what its photograph's file says, or the session: a start; nothing
+// otherwise.
+void guess_lens(const SessionMarkerless& session, calib::MarkerlessPicture& picture) {
+  CameraModel& m = picture.model;
+  picture.lens = calib::Prior::Unknown;
+  double focal = session.focal_px;
+  if (const Result<std::string> bytes =
+          focal > 0 ? Result<std::string>(std::string()) : read_file(picture.file))
+    if (const calib::ExifLens lens = calib::exif_lens(*bytes); lens.focal_per_width)
+      focal = *lens.focal_per_width * std::max(m.width, m.height);
+  if (!(focal > 0))
+    focal = std::max(m.width, m.height);  // only so that the model is sound
+  else
+    picture.lens = calib::Prior::Start;
+  m.fx = m.fy = focal;
+  m.cx = m.width / 2.0;
+  m.cy = m.height / 2.0;
+}
+
+// A picture whose lens the scene itself is to tell.
+Result<void> add_unknown(const SessionMarkerless& session, calib::LensKind kind,
+                         calib::MarkerlessPicture picture, Scene& scene) {
+  if (kind == calib::LensKind::BrownConrady) picture.model.lens = BrownConrady{};
+  if (kind == calib::LensKind::KannalaBrandt) picture.model.lens = KannalaBrandt{};
+  picture.model.width = picture.pixels.width;
+  picture.model.height = picture.pixels.height;
+  guess_lens(session, picture);
+  if (session.lens == UnknownLenses::Shared)
+    for (std::size_t i = 0; i < scene.pictures.size(); ++i)
+      if (const calib::MarkerlessPicture& first = scene.pictures[i];
+          first.lens != calib::Prior::Fixed && !first.same_lens_as) {
+        picture.same_lens_as = static_cast<int>(i);
+        picture.lens = first.lens;
+        if (first.model.width == picture.model.width && first.model.height == picture.model.height)
+          picture.model = first.model;
+        break;
+      }
+  scene.pictures.push_back(std::move(picture));
+  return {};
+}
+
+Unexpected unknown_lens(const std::string& serial) {
+  return fail(
+      ErrorCode::BadData,
+      text("camera '", serial,
+           "': its intrinsics are not known; calibrate this camera alone with a board, "
+           "then give [known] file = …, intrinsics = \"fixed\"; or let the scene tell them: [markerless] "
+           "lens = \"shared\" where all pictures are of one camera or of cameras alike, else \"separate\""));
+}
+
 // The pictures of a carried camera are cameras of their own.
-Result<void> add_carried(const SessionCamera& camera, const Rig& known, SessionObservations& out,
-                         Scene& scene) {
-  const int index = camera_index(known, camera.serial);
-  if (index < 0)
-    return fail(ErrorCode::NotFound,
-                text("camera '", camera.serial, "': its intrinsics are not among the known ones"));
+Result<void> add_carried(const SessionMarkerless& session, const SessionCamera& camera, const Rig* known,
+                         SessionObservations& out, Scene& scene) {
+  const int index = known ? camera_index(*known, camera.serial) : -1;
+  if (index < 0 && session.lens == UnknownLenses::Refused) return unknown_lens(camera.serial);
   const Result<std::vector<std::filesystem::path>> files = pictures_of(camera.scene, camera.serial);
   if (!files) return forward(files);
   for (std::size_t i = 0; i < files->size(); ++i) {
@@ -41,22 +93,29 @@ Result<void> add_carried(const SessionCamera& camera, const Rig& known, SessionO
     if (!pixels) return forward(pixels);
     calib::CalibrationCamera c;
     c.serial = text(camera.serial, "-", i + 1);
+    c.lens = camera.lens;
     c.width = pixels->width;
     c.height = pixels->height;
-    c.intrinsics = calib::Prior::Fixed;
-    c.model = known.cameras[static_cast<std::size_t>(index)].model;
-    c.model.width = c.width;
-    c.model.height = c.height;
-    if (c.model.lens.index() != 0) c.lens = static_cast<calib::LensKind>(c.model.lens.index());
-    scene.pictures.push_back({c.serial, (*files)[i], c.model, *std::move(pixels)});
     scene.camera_of.push_back(static_cast<int>(out.observations.cameras.size()));
     out.carried.push_back(c.serial);
+    calib::MarkerlessPicture picture{c.serial, (*files)[i], {}, *std::move(pixels)};
+    if (index < 0) {
+      if (Result<void> ok = add_unknown(session, camera.lens, std::move(picture), scene); !ok) return ok;
+    } else {
+      c.intrinsics = calib::Prior::Fixed;
+      c.model = known->cameras[static_cast<std::size_t>(index)].model;
+      c.model.width = c.width;
+      c.model.height = c.height;
+      if (c.model.lens.index() != 0) c.lens = static_cast<calib::LensKind>(c.model.lens.index());
+      picture.model = c.model;
+      scene.pictures.push_back(std::move(picture));
+    }
     out.observations.cameras.push_back(std::move(c));
   }
   return {};
 }
 
-Result<Scene> gather(const Session& s, const Rig& known, SessionObservations& out) {
+Result<Scene> gather(const Session& s, const Rig* known, SessionObservations& out) {
   Scene scene;
   for (const SessionCamera& camera : s.cameras) {
     if (camera.scene.empty() || camera.carried) continue;
@@ -70,20 +129,37 @@ Result<Scene> gather(const Session& s, const Rig& known, SessionObservations& ou
       return fail(ErrorCode::BadData,
                   text("camera '", camera.serial, "': 'scene' has ", files->size(),
                        " pictures; give one, or say carried = true when it was carried about"));
-    if (found->intrinsics == calib::Prior::Unknown)
-      return fail(ErrorCode::BadData, text("camera '", camera.serial,
-                                           "': markerless calibration needs known intrinsics; calibrate this "
-                                           "camera alone with a board, then give "
-                                           "[known] file = …, intrinsics = \"fixed\""));
+    const bool unknown = found->intrinsics == calib::Prior::Unknown;
+    if (unknown && s.markerless->lens == UnknownLenses::Refused) return unknown_lens(camera.serial);
     Result<Image> pixels = load_picture(files->front(), camera.serial);
     if (!pixels) return forward(pixels);
-    scene.pictures.push_back({camera.serial, files->front(), found->model, *std::move(pixels)});
+    calib::MarkerlessPicture picture{camera.serial, files->front(), found->model, *std::move(pixels)};
     scene.camera_of.push_back(static_cast<int>(found - cameras.begin()));
+    if (!unknown)
+      scene.pictures.push_back(std::move(picture));
+    else if (Result<void> ok = add_unknown(*s.markerless, camera.lens, std::move(picture), scene); !ok)
+      return forward(ok);
   }
   for (const SessionCamera& camera : s.cameras)
     if (camera.carried)
-      if (Result<void> ok = add_carried(camera, known, out, scene); !ok) return forward(ok);
+      if (Result<void> ok = add_carried(*s.markerless, camera, known, out, scene); !ok) return forward(ok);
   return scene;
+}
+
+// Lenses that the scene told are where the solver starts; boards tell more of a lens where they are seen.
+void keep_lenses(const Scene& scene, const Rig& rig, calib::Observations& o) {
+  std::set<int> seen;
+  for (const calib::TargetView& v : o.views) seen.insert(v.camera);
+  for (std::size_t i = 0; i < scene.pictures.size(); ++i) {
+    const calib::MarkerlessPicture& picture = scene.pictures[i];
+    if (picture.lens == calib::Prior::Fixed) continue;
+    calib::CalibrationCamera& c = o.cameras[static_cast<std::size_t>(scene.camera_of[i])];
+    c.intrinsics = calib::Prior::Start;
+    c.model = rig.cameras[i].model;
+    c.plain_lens = seen.empty();
+    if (picture.same_lens_as && c.plain_lens)
+      c.same_lens_as = scene.camera_of[static_cast<std::size_t>(*picture.same_lens_as)];
+  }
 }
 
 // Cameras of the observations, as far as they are placed.
@@ -135,18 +211,19 @@ void hold_scale(const Rig& known, calib::Observations& o) {
 Result<void> add_scene(const Session& s, const std::filesystem::path& workspace, int threads,
                        const Progress* watch, SessionObservations& out) {
   if (!s.markerless) return {};
-  if (!s.known)
-    return fail(
-        ErrorCode::BadData,
-        "markerless calibration needs known intrinsics: give [known] file = …, intrinsics = \"fixed\"");
-  const Result<Rig> known = load_known(*s.known);
-  if (!known) return forward(known);
+  std::optional<Rig> known;
+  if (s.known) {
+    Result<Rig> loaded = load_known(*s.known);
+    if (!loaded) return forward(loaded);
+    known = *std::move(loaded);
+  }
+  const calib::Prior poses = s.known ? s.known->poses : calib::Prior::Unknown;
   calib::Observations& o = out.observations;
   const bool boards = !o.views.empty();
-  const Result<Scene> scene = gather(s, *known, out);
+  const Result<Scene> scene = gather(s, known ? &*known : nullptr, out);
   if (!scene) return forward(scene);
   const bool carried = !out.carried.empty();
-  if (carried && s.known->poses == calib::Prior::Fixed)
+  if (carried && poses == calib::Prior::Fixed)
     return fail(
         ErrorCode::BadData,
         "pictures of a carried camera have no known pose; say poses = \"start\" or \"compare\" in [known]");
@@ -155,17 +232,18 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
                                    .threads = threads,
                                    .cancelled = [watch] { return is_cancelled(watch); },
                                    .least_track = s.markerless->least_track,
-                                   .least_points = s.markerless->least_points};
+                                   .least_points = s.markerless->least_points,
+                                   .largest_focal_error = s.markerless->largest_focal_error};
   std::optional<calib::MarkerlessResult> found;
   bool kept = false;  // the known poses hold
-  if (s.known->poses != calib::Prior::Unknown && !carried) {
+  if (poses != calib::Prior::Unknown && !carried) {
     options.least_track = 2;  // places are known: ties need not hold them
     Result<calib::MarkerlessResult> result = calib::triangulate_markerless(scene->pictures, *known, options);
     options.least_track = s.markerless->least_track;
     if (result) {
       found = *std::move(result);
       kept = true;
-    } else if (s.known->poses == calib::Prior::Fixed || result.error().code != ErrorCode::BadData) {
+    } else if (poses == calib::Prior::Fixed || result.error().code != ErrorCode::BadData) {
       return forward(result);
     } else {
       out.remarks.push_back(
@@ -178,7 +256,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     found = *std::move(result);
   }
   Rig rig = found->settled;
-  const bool from_known = s.known->poses == calib::Prior::Start;
+  const bool from_known = poses == calib::Prior::Start;
   if (from_known) {
     const std::optional<Rig> moved = calib::onto_known(rig, *known);
     if (!moved)
@@ -192,8 +270,9 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     if (!metres) return forward(metres);
     for (RigCamera& c : rig.cameras) c.cam_from_world.translation *= *metres;
   }
-  for (std::size_t i = 0; i < scene->camera_of.size() && s.known->poses != calib::Prior::Fixed; ++i)
+  for (std::size_t i = 0; i < scene->camera_of.size() && poses != calib::Prior::Fixed; ++i)
     o.cameras[static_cast<std::size_t>(scene->camera_of[i])].found = rig.cameras[i].cam_from_world;
+  keep_lenses(*scene, found->rig, o);
   calib::add_features(o, found->features, scene->camera_of);
   if (!s.markerless->a.empty()) {
     const auto index = [&](const std::string& serial) {

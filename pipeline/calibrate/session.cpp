@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "core/rig.h"
 #include "core/text.h"
+#include "pipeline/calibrate/session_patterns.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -151,8 +152,12 @@ SessionCamera read_camera(Table t) {
   t.paths("alone", c.alone);
   t.paths("scene", c.scene);
   t.boolean("carried", c.carried);
-  if (!is_usable_serial(c.serial))
-    t.complain(text("'serial' names a camera by letters, digits, '.', '_' and '-', not '", c.serial, "'"));
+  if (c.serial.empty() ? !is_camera_pattern(c) : !is_usable_serial(c.serial))
+    t.complain(text("'serial' names a camera by letters, digits, '.', '_' and '-', not '", c.serial,
+                    "'; without it, paths have {serial} where cameras differ"));
+  if (!c.serial.empty() && is_camera_pattern(c))
+    t.complain(
+        text("camera '", c.serial, "' has {serial} in a path, which stands for cameras without a 'serial'"));
   if (!c.video.empty() && !c.images.empty())
     t.complain(text("camera '", c.serial, "' has a 'video' and 'images'; give one of them"));
   if (c.video.empty() && c.images.empty() && c.alone.empty() && c.scene.empty())
@@ -225,6 +230,15 @@ SessionMarkerless read_markerless(Table t) {
   t.number("timeout", m.timeout, 1, kLarge);
   t.number("least_track", m.least_track, 2, 1000);
   t.whole("least_points", m.least_points, 10, kMostFrames);
+  t.one_of("lens",
+           {{"known", UnknownLenses::Refused},
+            {"shared", UnknownLenses::Shared},
+            {"separate", UnknownLenses::Separate}},
+           m.lens);
+  t.number("focal_px", m.focal_px, 1, kLarge);
+  double percent = 100 * m.largest_focal_error;
+  t.number("largest_focal_error_percent", percent, 0.01, 100);
+  m.largest_focal_error = percent / 100;
   t.refuse_others();
   return m;
 }
@@ -293,11 +307,14 @@ void check_whole(Table& t, const Session& s) {
   for (const SessionCamera& c : s.cameras)
     if (!c.scene.empty() && !s.markerless)
       t.complain(text("camera '", c.serial, "' has pictures of the 'scene'; they need a table [markerless]"));
-  if (s.markerless && std::count_if(s.cameras.begin(), s.cameras.end(),
-                                    [](const SessionCamera& c) { return !c.scene.empty(); }) < 2)
+  const bool patterns = std::any_of(s.cameras.begin(), s.cameras.end(), is_camera_pattern);
+  if (s.markerless && !patterns &&
+      std::count_if(s.cameras.begin(), s.cameras.end(),
+                    [](const SessionCamera& c) { return !c.scene.empty(); }) < 2)
     t.complain("[markerless] needs two cameras or more with a picture of the 'scene'");
   for (const std::string& serial : {s.markerless ? s.markerless->a : "", s.markerless ? s.markerless->b : ""})
-    if (!serial.empty() && std::none_of(s.cameras.begin(), s.cameras.end(), [&](const SessionCamera& c) {
+    if (!serial.empty() && !patterns &&
+        std::none_of(s.cameras.begin(), s.cameras.end(), [&](const SessionCamera& c) {
           return c.serial == serial && !c.scene.empty() && !c.carried;
         }))
       t.complain(text("'between' names camera '", serial, "', which has no picture of the 'scene'"));
@@ -309,7 +326,8 @@ void check_whole(Table& t, const Session& s) {
     t.complain("'observations' hold targets and cameras already; leave 'target' and [[cameras]] out");
   std::set<std::string> serials;
   for (const SessionCamera& c : s.cameras)
-    if (!serials.insert(c.serial).second) t.complain(text("camera '", c.serial, "' stands there twice"));
+    if (!c.serial.empty() && !serials.insert(c.serial).second)
+      t.complain(text("camera '", c.serial, "' stands there twice"));
   if (s.end_frame && *s.end_frame <= s.first_frame) t.complain("'end_frame' is not after 'first_frame'");
 }
 
@@ -375,6 +393,8 @@ Result<Session> load_session(const std::filesystem::path& file) {
     for (std::filesystem::path& p : c.alone) make_relative(p, folder);
     for (std::filesystem::path& p : c.scene) make_relative(p, folder);
   }
+  if (Result<void> ok = expand_patterns(*session); !ok)
+    return fail(ok.error().code, text(file.string(), ": ", ok.error().message));
   return session;
 }
 

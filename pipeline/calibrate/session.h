@@ -30,7 +30,8 @@ struct CalibrationBars {
 };
 
 struct SessionCamera {
-  std::string serial;
+  std::string
+      serial;  ///< empty while paths have the word {serial} (session_patterns.h): in no loaded session
   calib::LensKind lens = calib::LensKind::BrownConrady;
   calib::LensTerms terms;
   /// Pictures of the same instants in every camera: one video, or a folder or list of stills in their order.
@@ -70,6 +71,13 @@ struct SessionFloor {
   double height = 0;  ///< metres of the printed face above the floor
 };
 
+/// Which lenses a markerless session solves for, of cameras whose lens is not known.
+enum class UnknownLenses {
+  Refused,   ///< there should be none
+  Shared,    ///< all have one: one camera that was carried about, or a turntable's, or cameras alike
+  Separate,  ///< each its own
+};
+
 /// Cameras placed by what they see of the scene, without a target.
 struct SessionMarkerless {
   std::string a, b;  ///< two cameras whose distance is known; empty: a target or a known rig gives the scale
@@ -78,6 +86,9 @@ struct SessionMarkerless {
   double timeout = 3600;   ///< seconds, for each of COLMAP's steps
   double least_track = 4;  ///< pictures that show a point, on average
   int least_points = 60;   ///< points that a picture shows
+  UnknownLenses lens = UnknownLenses::Refused;
+  double focal_px = 0;                ///< nearly, of unknown lenses; 0: what EXIF says, or nothing
+  double largest_focal_error = 0.02;  ///< share by which points may contradict a known focal length
 };
 
 /// Where the calibration must hold: a box of the world, metres.

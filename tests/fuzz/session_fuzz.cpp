@@ -4,6 +4,7 @@
 #include "core/check.h"
 #include "core/rig.h"
 #include "pipeline/calibrate/session.h"
+#include "pipeline/calibrate/session_patterns.h"
 
 // Whatever parses names its cameras so that files can be named after them, and says what to look at.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -15,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                        ((session->target || session->markerless) && !session->cameras.empty()),
                    "a session of nothing");
   for (const pipeline::SessionCamera& c : session->cameras) {
-    FLOATSTAGE_CHECK(is_usable_serial(c.serial), "an unusable serial");
+    FLOATSTAGE_CHECK(is_usable_serial(c.serial) || (c.serial.empty() && pipeline::is_camera_pattern(c)),
+                     "an unusable serial");
     FLOATSTAGE_CHECK(!c.video.empty() || !c.images.empty() || !c.alone.empty() || !c.scene.empty(),
                      "a camera without pictures");
     FLOATSTAGE_CHECK(c.scene.empty() || session->markerless, "a scene that nobody looks at");
