@@ -77,7 +77,42 @@ LayerPyramid::LayerPyramid(const DetailLayer& layer, int levels)
     }
   for (std::size_t t = levels_.size() - 1; t > 0; --t)
     halve(levels_[t].colors, levels_[t].opacity, levels_[t - 1].colors, levels_[t - 1].opacity);
-  for (Level& level : levels_) soften(level.opacity);
+  for (Level& level : levels_) {
+    level.whole = Grid<std::uint8_t>(level.opacity.region, 0);
+    for (std::size_t i = 0; i < level.whole.values.size(); ++i)
+      level.whole.values[i] = level.opacity.values[i] > 0.999F;
+    soften(level.opacity);
+  }
+}
+
+Grid<float> contrast_around(const ColorGrid& detail, const Grid<std::uint8_t>* usable, const Region& region,
+                            int threads) {
+  static const int kWindow = getenv("KW") ? atoi(getenv("KW")) : 3;
+  static const float kWeight = (getenv("CW") ? atof(getenv("CW")) : 1) * std::sqrt(static_cast<float>(Neighbourhoods::kLength));
+  // Sums along x, then along y: of squares, and of how many there are.
+  const Region tall = grown(region, kWindow, detail.region);
+  Grid<std::array<float, 2>> rows(Region{region.x0, tall.y0, region.x1, tall.y1});
+  Grid<float> out(region);
+  parallel_for(static_cast<std::size_t>(tall.height()), threads, [&](std::size_t row) {
+    const int y = tall.y0 + static_cast<int>(row);
+    for (int x = region.x0; x < region.x1; ++x)
+      for (int u = std::max(x - kWindow, tall.x0); u <= std::min(x + kWindow, tall.x1 - 1); ++u) {
+        if (usable && !usable->at(u, y)) continue;
+        const Color& d = detail.at(u, y);
+        rows.at(x, y)[0] += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        rows.at(x, y)[1] += 3;
+      }
+  });
+  parallel_for(static_cast<std::size_t>(region.height()), threads, [&](std::size_t row) {
+    const int y = region.y0 + static_cast<int>(row);
+    for (int x = region.x0; x < region.x1; ++x) {
+      float sum = 0, count = 0;
+      for (int v = std::max(y - kWindow, tall.y0); v <= std::min(y + kWindow, tall.y1 - 1); ++v)
+        sum += rows.at(x, v)[0], count += rows.at(x, v)[1];
+      out.at(x, y) = count > 0 ? kWeight * std::sqrt(sum / count) : 0;
+    }
+  });
+  return out;
 }
 
 Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::size_t most, int threads) {
@@ -116,7 +151,7 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
       for (int y = from.y0; y < from.y1; ++y)
         for (int x = from.x0; x < from.x1; ++x) {
           to.at(x + dx, y + dy) = layers[i].colors(t).at(x, y);
-          cover.at(x + dx, y + dy) = t <= layers[i].finest() && layers[i].opacity(t, x, y) > 0.999F;
+          cover.at(x + dx, y + dy) = t <= layers[i].finest() && layers[i].covers(t, x, y);
         }
     }
   }
@@ -138,8 +173,8 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
             whole = cover.region.contains(a, b) && cover.at(a, b);
         l.usable.at(x, y) = whole && (x + y >= 0);
       }
-    if (t > 0) {
-      l.detail = refined(colors[i - 1], colors[i].region);
+    {
+      l.detail = refined(t == 0 ? halved(colors[0]) : colors[i - 1], colors[i].region);
       for (std::size_t k = 0; k < l.detail.values.size(); ++k)
         for (std::size_t c = 0; c < 3; ++c)
           l.detail.values[k][c] = colors[i].values[k][c] - l.detail.values[k][c];
@@ -161,6 +196,7 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
   parallel_for(levels_.size() - 1, threads, [&](std::size_t i) {
     Level& l = levels_[i];
     const auto d = static_cast<std::size_t>(std::max(1, l.basis.dimensions()));
+    const Grid<float> contrasts = contrast_around(l.detail, &l.usable, l.usable.region, 1);
     std::vector<float> points;
     for (std::size_t p = 0; p < l.usable.values.size(); ++p) {
       if (!l.usable.values[p]) continue;
@@ -170,10 +206,11 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
                 y = static_cast<int>(p / static_cast<std::size_t>(l.width));
       if (!finer.at(2 * x, 2 * y) || !finer.at(2 * x + 1, 2 * y + 1)) continue;
       l.tree_places.push_back(static_cast<Place>(p));
+      points.push_back(contrasts.values[p]);
       points.insert(points.end(), l.features.begin() + static_cast<std::ptrdiff_t>(p * d),
                     l.features.begin() + static_cast<std::ptrdiff_t>((p + 1) * d));
     }
-    l.tree = NearestPoints(points, static_cast<int>(d));
+    l.tree = NearestPoints(points, static_cast<int>(d) + 1);
   });
 }
 

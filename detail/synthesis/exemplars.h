@@ -26,7 +26,12 @@ class LayerPyramid {
   LayerPyramid(const DetailLayer& layer, int levels);
 
   const ColorGrid& colors(int level) const { return levels_[static_cast<std::size_t>(level)].colors; }
-  /// 0 to 1; 0 beyond the layer.
+  /// Whether a pixel shows the layer alone.
+  bool covers(int level, int x, int y) const {
+    const Grid<std::uint8_t>& w = levels_[static_cast<std::size_t>(level)].whole;
+    return w.region.contains(x, y) && w.at(x, y) != 0;
+  }
+  /// 0 to 1; 0 beyond the layer. Less than 1 near its border.
   float opacity(int level, int x, int y) const {
     const Grid<float>& o = levels_[static_cast<std::size_t>(level)].opacity;
     return o.region.contains(x, y) ? o.at(x, y) : 0.0F;
@@ -38,6 +43,7 @@ class LayerPyramid {
   struct Level {
     ColorGrid colors;
     Grid<float> opacity;
+    Grid<std::uint8_t> whole;
   };
   std::vector<Level> levels_;  ///< 0 the coarsest
   int finest_;
@@ -50,12 +56,10 @@ class Exemplars {
  public:
   using Place = std::uint32_t;  ///< of a pixel of a level: y * width + x
   static constexpr Place kNowhere = 0xFFFFFFFF;
-  static constexpr int kMost = 8;
 
   struct Level {
     int width = 0, height = 0;
     ColorGrid detail;             ///< what the level adds to the refined coarser one; means over 2 x 2 are 0
-    std::vector<float> contrast;  ///< local mean square of `detail` of the level itself
     Grid<std::uint8_t> usable;    ///< 1: the neighbourhood and the detail are whole
     Neighbourhoods basis;
     std::vector<float> features;  ///< basis.dimensions() a pixel
@@ -83,5 +87,10 @@ class Exemplars {
   std::vector<Part> parts_;
   std::vector<Level> levels_;
 };
+
+/// How much a level adds to the coarser one around each pixel of `region`: the root of the mean square over 7 x 7
+/// pixels of `detail` that are marked in `usable`, weighed so that it counts as much as a neighbourhood that differs
+/// by it everywhere.
+Grid<float> contrast_around(const ColorGrid& detail, const Grid<std::uint8_t>* usable, const Region& region, int threads);
 
 }  // namespace floatstage::detail
