@@ -11,6 +11,9 @@
 namespace floatstage::detail {
 namespace {
 
+constexpr float kOpaque = 0.999F;
+constexpr float kMeanCounts = 0.5F;  // of a neighbourhood's colour, beside its structure
+
 // Rounded down and up to multiples of a power of two.
 Region aligned(const Region& r, int side) {
   const auto down = [&](int v) { return v & ~(side - 1); };
@@ -37,26 +40,26 @@ void halve(const ColorGrid& colors, const Grid<float>& opacity, ColorGrid& to_co
     }
 }
 
-// Opacity rises from a layer's border over kRim pixels of every level: what stands beside it is not cut off.
+// Opacity rises from a layer's border over kRim pixels of every level, the fine details' over less of the
+// picture than the coarse ones' (P. Burt and E. Adelson, 1983): what stands beside it is not cut off.
 void soften(Grid<float>& opacity) {
-  const int kRim = getenv("RIM") ? atoi(getenv("RIM")) : 3;
+  constexpr int kRim = 8;
   const Region& r = opacity.region;
-  Grid<int> depth(r, kRim);
+  Grid<int> depth(r, kRim + 1);  // in moves of a king from what is not opaque
+  const auto at = [&](int x, int y) { return r.contains(x, y) ? depth.at(x, y) : 0; };
   for (int y = r.y0; y < r.y1; ++y)
-    for (int x = r.x0; x < r.x1; ++x) {
-      int& d = depth.at(x, y);
-      if (opacity.at(x, y) < 0.999F) d = 0;
-      d = std::min(d, std::min(std::min(x - r.x0, r.x1 - 1 - x), std::min(y - r.y0, r.y1 - 1 - y)) + 1);
-    }
-  for (int i = 0; i < kRim; ++i) {
-    const Grid<int> last = depth;
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x)
-        for (int dy = -1; dy <= 1; ++dy)
-          for (int dx = -1; dx <= 1; ++dx) depth.at(x, y) = std::min(depth.at(x, y), last.nearest(x + dx, y + dy) + 1);
-  }
+    for (int x = r.x0; x < r.x1; ++x)
+      depth.at(x, y) =
+          opacity.at(x, y) < kOpaque
+              ? 0
+              : std::min(kRim + 1,
+                         1 + std::min({at(x - 1, y), at(x - 1, y - 1), at(x, y - 1), at(x + 1, y - 1)}));
+  for (int y = r.y1 - 1; y >= r.y0; --y)
+    for (int x = r.x1 - 1; x >= r.x0; --x)
+      depth.at(x, y) = std::min(
+          depth.at(x, y), 1 + std::min({at(x + 1, y), at(x + 1, y + 1), at(x, y + 1), at(x - 1, y + 1)}));
   for (std::size_t i = 0; i < depth.values.size(); ++i)
-    opacity.values[i] *= std::min(1.0F, static_cast<float>(depth.values[i]) / static_cast<float>(kRim + 1) + (depth.values[i] >= kRim));
+    opacity.values[i] *= static_cast<float>(depth.values[i]) / (kRim + 1);
 }
 
 }  // namespace
@@ -80,39 +83,9 @@ LayerPyramid::LayerPyramid(const DetailLayer& layer, int levels)
   for (Level& level : levels_) {
     level.whole = Grid<std::uint8_t>(level.opacity.region, 0);
     for (std::size_t i = 0; i < level.whole.values.size(); ++i)
-      level.whole.values[i] = level.opacity.values[i] > 0.999F;
+      level.whole.values[i] = level.opacity.values[i] > kOpaque;
     soften(level.opacity);
   }
-}
-
-Grid<float> contrast_around(const ColorGrid& detail, const Grid<std::uint8_t>* usable, const Region& region,
-                            int threads) {
-  static const int kWindow = getenv("KW") ? atoi(getenv("KW")) : 3;
-  static const float kWeight = (getenv("CW") ? atof(getenv("CW")) : 1) * std::sqrt(static_cast<float>(Neighbourhoods::kLength));
-  // Sums along x, then along y: of squares, and of how many there are.
-  const Region tall = grown(region, kWindow, detail.region);
-  Grid<std::array<float, 2>> rows(Region{region.x0, tall.y0, region.x1, tall.y1});
-  Grid<float> out(region);
-  parallel_for(static_cast<std::size_t>(tall.height()), threads, [&](std::size_t row) {
-    const int y = tall.y0 + static_cast<int>(row);
-    for (int x = region.x0; x < region.x1; ++x)
-      for (int u = std::max(x - kWindow, tall.x0); u <= std::min(x + kWindow, tall.x1 - 1); ++u) {
-        if (usable && !usable->at(u, y)) continue;
-        const Color& d = detail.at(u, y);
-        rows.at(x, y)[0] += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-        rows.at(x, y)[1] += 3;
-      }
-  });
-  parallel_for(static_cast<std::size_t>(region.height()), threads, [&](std::size_t row) {
-    const int y = region.y0 + static_cast<int>(row);
-    for (int x = region.x0; x < region.x1; ++x) {
-      float sum = 0, count = 0;
-      for (int v = std::max(y - kWindow, tall.y0); v <= std::min(y + kWindow, tall.y1 - 1); ++v)
-        sum += rows.at(x, v)[0], count += rows.at(x, v)[1];
-      out.at(x, y) = count > 0 ? kWeight * std::sqrt(sum / count) : 0;
-    }
-  });
-  return out;
 }
 
 Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::size_t most, int threads) {
@@ -133,8 +106,8 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
     width = std::max(width, from.width());
     height += from.height() + side;
   }
-  if (layers.empty()) return;
   levels_.resize(static_cast<std::size_t>(levels) + 1);
+  if (layers.empty()) return;
   std::vector<ColorGrid> colors(levels_.size());
   std::vector<Grid<std::uint8_t>> covered(levels_.size());
   for (int t = 0; t <= levels; ++t) {
@@ -171,10 +144,10 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
         for (int b = v - reach; b <= v + reach && whole; ++b)
           for (int a = u - reach; a <= u + reach && whole; ++a)
             whole = cover.region.contains(a, b) && cover.at(a, b);
-        l.usable.at(x, y) = whole && (x + y >= 0);
+        l.usable.at(x, y) = whole;
       }
-    {
-      l.detail = refined(t == 0 ? halved(colors[0]) : colors[i - 1], colors[i].region);
+    if (t > 0) {
+      l.detail = refined(colors[i - 1], colors[i].region);
       for (std::size_t k = 0; k < l.detail.values.size(); ++k)
         for (std::size_t c = 0; c < 3; ++c)
           l.detail.values[k][c] = colors[i].values[k][c] - l.detail.values[k][c];
@@ -183,7 +156,7 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     Level& l = levels_[i];
     if (std::find(l.usable.values.begin(), l.usable.values.end(), 1) == l.usable.values.end()) continue;
-    l.basis = Neighbourhoods(colors[i], l.usable, getenv("MC") ? atof(getenv("MC")) : 0.25F);
+    l.basis = Neighbourhoods(colors[i], l.usable, kMeanCounts);
     const auto d = static_cast<std::size_t>(l.basis.dimensions());
     l.features.assign(l.usable.values.size() * d, 0);
     parallel_for(static_cast<std::size_t>(l.height), threads, [&](std::size_t y) {
@@ -196,7 +169,6 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
   parallel_for(levels_.size() - 1, threads, [&](std::size_t i) {
     Level& l = levels_[i];
     const auto d = static_cast<std::size_t>(std::max(1, l.basis.dimensions()));
-    const Grid<float> contrasts = contrast_around(l.detail, &l.usable, l.usable.region, 1);
     std::vector<float> points;
     for (std::size_t p = 0; p < l.usable.values.size(); ++p) {
       if (!l.usable.values[p]) continue;
@@ -206,11 +178,10 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
                 y = static_cast<int>(p / static_cast<std::size_t>(l.width));
       if (!finer.at(2 * x, 2 * y) || !finer.at(2 * x + 1, 2 * y + 1)) continue;
       l.tree_places.push_back(static_cast<Place>(p));
-      points.push_back(contrasts.values[p]);
       points.insert(points.end(), l.features.begin() + static_cast<std::ptrdiff_t>(p * d),
                     l.features.begin() + static_cast<std::ptrdiff_t>((p + 1) * d));
     }
-    l.tree = NearestPoints(points, static_cast<int>(d) + 1);
+    l.tree = NearestPoints(points, static_cast<int>(d));
   });
 }
 

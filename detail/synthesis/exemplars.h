@@ -59,8 +59,8 @@ class Exemplars {
 
   struct Level {
     int width = 0, height = 0;
-    ColorGrid detail;             ///< what the level adds to the refined coarser one; means over 2 x 2 are 0
-    Grid<std::uint8_t> usable;    ///< 1: the neighbourhood and the detail are whole
+    ColorGrid detail;           ///< what the level adds to the refined coarser one; means over 2 x 2 are 0
+    Grid<std::uint8_t> usable;  ///< 1: the neighbourhood and the detail are whole
     Neighbourhoods basis;
     std::vector<float> features;  ///< basis.dimensions() a pixel
     NearestPoints tree;           ///< of usable pixels; not of the finest level
@@ -74,7 +74,6 @@ class Exemplars {
   Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::size_t most, int threads);
 
   const Level& level(int t) const { return levels_[static_cast<std::size_t>(t)]; }
-  bool empty() const { return levels_.empty(); }
   /// Where a pixel of a layer is; kNowhere when it is not among the exemplars or not usable.
   Place place_of(std::size_t layer, int level, int x, int y) const;
   Place shifted(int level, Place place, int dx, int dy) const;
@@ -87,10 +86,5 @@ class Exemplars {
   std::vector<Part> parts_;
   std::vector<Level> levels_;
 };
-
-/// How much a level adds to the coarser one around each pixel of `region`: the root of the mean square over 7 x 7
-/// pixels of `detail` that are marked in `usable`, weighed so that it counts as much as a neighbourhood that differs
-/// by it everywhere.
-Grid<float> contrast_around(const ColorGrid& detail, const Grid<std::uint8_t>* usable, const Region& region, int threads);
 
 }  // namespace floatstage::detail

@@ -10,7 +10,7 @@ namespace floatstage::detail {
 /// once, asked from any thread.
 class NearestPoints {
  public:
-  static constexpr int kMostDimensions = 32;
+  static constexpr int kMostDimensions = 40;
   static constexpr int kMostAsked = 8;
 
   struct Found {

@@ -45,8 +45,8 @@ Neighbourhoods::Neighbourhoods(const ColorGrid& colors, const Grid<std::uint8_t>
   const auto width = static_cast<std::size_t>(colors.region.width());
   for (std::size_t i = 0, k = 0; i < places.size(); i += step, ++k)
     gather(colors, colors.region.x0 + static_cast<int>(places[i] % width),
-           colors.region.y0 + static_cast<int>(places[i] / width),
-           mean_counts, samples.col(static_cast<Eigen::Index>(k)).data());
+           colors.region.y0 + static_cast<int>(places[i] / width), mean_counts,
+           samples.col(static_cast<Eigen::Index>(k)).data());
   mean_ = samples.rowwise().mean();
   samples.colwise() -= mean_;
   const Eigen::MatrixXd covariance =

@@ -19,7 +19,8 @@ class Neighbourhoods {
   Neighbourhoods() = default;
   /// Learns the components from the pixels of `colors` that are marked in `usable` (of the same region), at
   /// most some twenty thousand, evenly chosen. Components whose variance is below `least` of the first's are
-  /// left out. `mean_counts`: how much the mean colour of a neighbourhood counts, beside 1 for what differs from it.
+  /// left out. `mean_counts`: how much the mean colour of a neighbourhood counts, beside 1 for what differs
+  /// from it.
   Neighbourhoods(const ColorGrid& colors, const Grid<std::uint8_t>& usable, float mean_counts = 1,
                  double least = 0.005);
 

@@ -17,9 +17,6 @@ namespace {
 
 constexpr int kMatches = 3;  // the thesis' n
 constexpr float kOpaque = 0.999F;
-// px of the coarser level that a match looks at: a window of 3, 1 that is interpolated from, 2 of cells
-constexpr int kContext = 7;
-
 
 using Matches = std::array<Exemplars::Place, kMatches>;
 
@@ -41,19 +38,14 @@ struct SynthesisLevel::Work {
 
 Region SynthesisLevel::needed(const Region& wanted) const {
   const Region all = grown(wanted, 2 * s_.options_.iterations, s_.whole(level_));
-  const Region whole = s_.whole(level_ - 1);
-  return common(doubled(halved(grown(halved(all), 1 + kContext, whole))), whole);
+  return grown(halved(all), 1 + Neighbourhoods::kReach, s_.whole(level_ - 1));
 }
 
 // The nearest neighbourhoods of the coarser level; of what a layer shows, the layer's own.
 void SynthesisLevel::find_matches(Work& w, const ColorGrid& coarse) const {
   w.matches = Grid<Matches>(grown(halved(w.all), 1, s_.whole(level_ - 1)));
-  std::array<float, 1 + Neighbourhoods::kMost> feature{};
+  std::array<float, Neighbourhoods::kMost> feature{};
   const Region& r = w.matches.region;
-  ColorGrid detail = refined(halved(coarse), coarse.region);
-  for (std::size_t i = 0; i < detail.values.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c) detail.values[i][c] = coarse.values[i][c] - detail.values[i][c];
-  const Grid<float> contrasts = contrast_around(detail, nullptr, r, 1);
   for (int y = r.y0; y < r.y1; ++y)
     for (int x = r.x0; x < r.x1; ++x) {
       Matches& m = w.matches.at(x, y);
@@ -62,8 +54,7 @@ void SynthesisLevel::find_matches(Work& w, const ColorGrid& coarse) const {
         if (s_.layers_[i].finest() >= level_ && s_.layers_[i].covers(level_ - 1, x, y))
           m[0] = s_.exemplars_->place_of(i, level_ - 1, x, y);
       if (m[0] != Exemplars::kNowhere || w.coarser->tree.count() == 0) continue;
-      feature[0] = contrasts.at(x, y);
-      w.coarser->basis.project(coarse, x, y, &feature[1]);
+      w.coarser->basis.project(coarse, x, y, feature.data());
       std::array<NearestPoints::Found, kMatches> found;
       const int count = w.coarser->tree.find(feature.data(), kMatches, s_.options_.slack, found.data());
       for (int k = 0; k < count; ++k)
@@ -175,7 +166,8 @@ void SynthesisLevel::improve(Work& w, const Region& region, bool first) const {
   w.next = w.places;
   for (int y = region.y0; y < region.y1; ++y)
     for (int x = region.x0; x < region.x1; ++x)
-      if (!w.covered.at(x, y)) w.next.at(x, y) = best_candidate(w, x, y, first);
+      if (!w.covered.at(x, y) && w.here->basis.dimensions() > 0)
+        w.next.at(x, y) = best_candidate(w, x, y, first);
   std::swap(w.next, w.places);
 }
 

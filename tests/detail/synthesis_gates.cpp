@@ -174,7 +174,6 @@ double seam_of(const SynthesisProtocol& p, const cv::Mat& grey, int tile) {
       tiles.add(grey, at, i, true);
       tiles.add(grey, i, at, false);
     }
-  std::printf("seam %.3f %.3f\n", children.there / children.beside-1, tiles.off());
   return std::max(children.off(), tiles.off());
 }
 
@@ -266,8 +265,6 @@ SynthesisFigures SynthesisJudge::measure(const Image& picture, int tile, const P
   const std::vector<double> bands = bands_of(protocol_, grey);
   for (std::size_t i = 0; i < bands.size(); ++i)
     out.sub_bands += std::abs(bands[i] - truth_bands_[i]) / static_cast<double>(bands.size());
-  { std::vector<double> sg(4),ab(4),n(4); const std::size_t per[4]={bands.size()*0,0,0,0}; (void)per;
-    std::size_t k=0; for(int l=0;l<4;++l){ cv::Size w(grey.cols/64>>l,grey.rows/64>>l); std::size_t c=0; cv::Mat m=outside_of(protocol_,l,{grey.cols>>l,grey.rows>>l}),ww; cv::resize(m,ww,w,0,0,cv::INTER_AREA); for(int y=0;y<w.height;++y)for(int x=0;x<w.width;++x) c+=ww.at<float>(y,x)>=0.5F; if(l==1){std::size_t q=0; for(int y=0;y<w.height;++y){for(int x=0;x<w.width;++x){ if(ww.at<float>(y,x)>=0.5F){ std::printf("%4.1f/%4.1f ",bands[k+q],truth_bands_[k+q]); ++q;} else std::printf("         ");} std::printf("\n");}} for(std::size_t i=0;i<4*c;++i,++k){sg[l]+=bands[k]-truth_bands_[k];ab[l]+=std::abs(bands[k]-truth_bands_[k]);++n[l];} std::printf("L%d %+.2f %.2f | ",l,sg[l]/n[l],ab[l]/n[l]); } std::printf("\n"); }
   out.downsampled = psnr_of_means(protocol_, picture);
   out.seam = seam_of(protocol_, grey, tile);
   if (!places.empty()) out.repeats = most_used_block(protocol_, places, picture.width, picture.height);

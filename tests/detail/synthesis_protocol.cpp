@@ -28,14 +28,11 @@ cv::Mat in_floats(const Image& image) {
   return out;
 }
 
-// Moved by whole pixels; what leaves on one side enters on the other.
+// Moved by whole pixels to the left and up; what leaves on one side enters on the other.
 cv::Mat moved(const cv::Mat& from, int dx, int dy) {
-  cv::Mat out(from.size(), from.type());
-  for (int y = 0; y < from.rows; ++y) {
-    const int v = (y + dy + from.rows) % from.rows, u = (dx + from.cols) % from.cols;
-    from.row(v).colRange(u, from.cols).copyTo(out.row(y).colRange(0, from.cols - u));
-    if (u > 0) from.row(v).colRange(0, u).copyTo(out.row(y).colRange(from.cols - u, from.cols));
-  }
+  cv::Mat around, out;
+  cv::copyMakeBorder(from, around, 0, dy, 0, dx, cv::BORDER_WRAP);
+  around(cv::Rect(dx, dy, from.cols, from.rows)).copyTo(out);
   return out;
 }
 
@@ -96,11 +93,11 @@ std::vector<Variant> variants_of(const SynthesisProtocol& p) {
   out.push_back({"truth", p.truth});
   out.push_back({"moved by 1", image_of(moved(truth, 1, 1))});
   out.push_back({"moved by 4", image_of(moved(truth, 4, 4))});
-  out.push_back({"borrowed", image_of(bicubic + moved(detail, 64, 40))});
+  out.push_back({"borrowed", image_of(bicubic + moved(detail, 40, 24))});
   out.push_back({"bicubic", image_of(bicubic)});
   out.push_back({"lanczos", image_of(lanczos)});
   cv::GaussianBlur(bicubic, blurred, {}, 6);
-  out.push_back({"unsharp", image_of(bicubic + 1.5 * (bicubic - blurred))});
+  out.push_back({"unsharp", image_of(bicubic + 2.5 * (bicubic - blurred))});
   cv::Mat noise(truth.size(), CV_32FC3);
   cv::RNG(11).fill(noise, cv::RNG::NORMAL, 0, 14);
   out.push_back({"noise", image_of(bicubic + noise)});

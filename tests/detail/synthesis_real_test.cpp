@@ -2,11 +2,12 @@
 
 #include <cstdlib>
 #include <ctime>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/png.h"
 #include "core/parallel.h"
+#include "core/png.h"
 #include "detail/synthesis/synthesis.h"
 #include "tests/detail/synthesis_gates.h"
 #include "tests/support/matchers.h"
@@ -30,7 +31,8 @@ TEST(ASynthesisOfFur, PassesTheGates) {
   std::vector<DetailLayer> layers;
   for (const Region& r : p->children) layers.push_back(layer_of(*p, r));
   const SynthesisJudge judge(*p);
-  { const int n = getenv("N") ? atoi(getenv("N")) : 2;
+  {
+    const int n = getenv("N") ? atoi(getenv("N")) : 2;
     SynthesisOptions options;
     options.iterations = n;
     std::clock_t t0 = std::clock();
@@ -46,7 +48,8 @@ TEST(ASynthesisOfFur, PassesTheGates) {
     for (std::size_t i = 0; i < places.size(); ++i)
       places[i] = tile.places.values[i] == Exemplars::kNowhere ? -1 : tile.places.values[i];
     const SynthesisFigures f = judge.measure(picture, 256, places);
-    std::printf("%d: prep %.2f tile %.2f all %.2f %s\n", n, double(t1 - t0) / 1e6, double(t2 - t1) / 1e6, double(t3 - t2) / 1e6, to_text(f).c_str());
+    std::printf("%d: prep %.2f tile %.2f all %.2f %s\n", n, double(t1 - t0) / 1e6, double(t2 - t1) / 1e6,
+                double(t3 - t2) / 1e6, to_text(f).c_str());
     std::fflush(stdout);
     ASSERT_THAT(save_png(picture, "/tmp/syn/out" + std::to_string(n) + ".png"), IsOk());
   }
