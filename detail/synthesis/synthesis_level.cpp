@@ -36,9 +36,14 @@ struct SynthesisLevel::Work {
   Grid<std::uint8_t> provenance;
 };
 
+// What has to be there so that `iterations` more give `wanted`: whole cells of 2 x 2, whose means are kept.
+Region SynthesisLevel::worked_on(const Region& wanted, int iterations) const {
+  return grown(doubled(halved(wanted)), 2 * iterations, s_.whole(level_));
+}
+
 Region SynthesisLevel::needed(const Region& wanted) const {
-  const Region all = grown(wanted, 2 * s_.options_.iterations, s_.whole(level_));
-  return grown(halved(all), 1 + Neighbourhoods::kReach, s_.whole(level_ - 1));
+  return grown(halved(worked_on(wanted, s_.options_.iterations)), 1 + Neighbourhoods::kReach,
+               s_.whole(level_ - 1));
 }
 
 // The nearest neighbourhoods of the coarser level; of what a layer shows, the layer's own.
@@ -176,7 +181,7 @@ SynthesisTile SynthesisLevel::make(const Region& wanted, const ColorGrid& coarse
   Work w;
   w.coarser = &s_.exemplars_->level(level_ - 1);
   w.here = &s_.exemplars_->level(level_);
-  w.all = doubled(halved(grown(wanted, 2 * s_.options_.iterations, s_.whole(level_))));
+  w.all = worked_on(wanted, s_.options_.iterations);
   find_matches(w, coarse);
   w.base = refined(coarse, w.all);
   w.colors = ColorGrid(w.all);
@@ -192,9 +197,9 @@ SynthesisTile SynthesisLevel::make(const Region& wanted, const ColorGrid& coarse
   place_layers(w);
   color(w, w.all);
   for (int i = 0; i < s_.options_.iterations; ++i) {
-    const Region r = grown(wanted, 2 * (s_.options_.iterations - 1 - i), s_.whole(level_));
+    const Region r = worked_on(wanted, s_.options_.iterations - 1 - i);
     improve(w, r, i == 0);
-    color(w, common(doubled(halved(r)), w.all));
+    color(w, r);
   }
   SynthesisTile out{wanted, ColorGrid(wanted), Grid<std::uint8_t>(wanted), Grid<Place>(wanted)};
   for (int y = wanted.y0; y < wanted.y1; ++y)

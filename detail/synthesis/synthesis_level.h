@@ -18,6 +18,7 @@ class SynthesisLevel {
   struct Work;
   using Place = Exemplars::Place;
 
+  Region worked_on(const Region& wanted, int iterations) const;
   void find_matches(Work& work, const ColorGrid& coarse) const;
   void place_layers(Work& work) const;
   void color(Work& work, const Region& region) const;

@@ -1,7 +1,5 @@
-// The synthesis against the gates (../shared/data/detail/panda).
-
-#include <cstdlib>
-#include <ctime>
+// The synthesis against the gates (../shared/data/detail/panda): 2048 x 2048 pixels from 128 x 128 and three
+// children, as ADR 248 has it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +8,16 @@
 #include "core/png.h"
 #include "detail/synthesis/synthesis.h"
 #include "tests/detail/synthesis_gates.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage::detail::test {
 namespace {
+
+// As far as one gets: how strong details are in windows of 64 px is not known from the root alone (ADR 252).
+constexpr double kSubBandsReached = 0.55;
 
 DetailLayer layer_of(const SynthesisProtocol& p, const Region& r) {
   const Image rgb = cut_out(p.truth, r);
@@ -24,35 +27,37 @@ DetailLayer layer_of(const SynthesisProtocol& p, const Region& r) {
   return out;
 }
 
-TEST(ASynthesisOfFur, PassesTheGates) {
+TEST(ASynthesisOfFur, PassesTheGatesButThatOfLocalStrength) {
   FLOATSTAGE_NEEDS_DATA(real_data("detail/panda"));
+  if (!wants_long_tests()) GTEST_SKIP() << "30 s; FLOATSTAGE_LONG=1 runs it";
   const Result<SynthesisProtocol> p = panda_protocol();
   ASSERT_THAT(p, IsOk());
   std::vector<DetailLayer> layers;
   for (const Region& r : p->children) layers.push_back(layer_of(*p, r));
-  const SynthesisJudge judge(*p);
-  {
-    const int n = getenv("N") ? atoi(getenv("N")) : 2;
-    SynthesisOptions options;
-    options.iterations = n;
-    std::clock_t t0 = std::clock();
-    Result<Synthesis> s = Synthesis::make(p->low, layers, options);
-    ASSERT_THAT(s, IsOk());
-    std::clock_t t1 = std::clock();
-    s->tile({256, 1536, 512, 1792});
-    std::clock_t t2 = std::clock();
-    const SynthesisTile tile = s->tile({0, 0, 2048, 2048});
-    std::clock_t t3 = std::clock();
-    const Image picture = to_picture(tile.colors);
-    Places places(tile.places.values.size());
-    for (std::size_t i = 0; i < places.size(); ++i)
-      places[i] = tile.places.values[i] == Exemplars::kNowhere ? -1 : tile.places.values[i];
-    const SynthesisFigures f = judge.measure(picture, 256, places);
-    std::printf("%d: prep %.2f tile %.2f all %.2f %s\n", n, double(t1 - t0) / 1e6, double(t2 - t1) / 1e6,
-                double(t3 - t2) / 1e6, to_text(f).c_str());
-    std::fflush(stdout);
-    ASSERT_THAT(save_png(picture, "/tmp/syn/out" + std::to_string(n) + ".png"), IsOk());
-  }
+  const Result<Synthesis> synthesis = Synthesis::make(p->low, layers, {});
+  ASSERT_THAT(synthesis, IsOk());
+  Image picture(2048, 2048, 3);
+  Places places(2048UL * 2048, -1);
+  parallel_for(64, 0, [&](std::size_t i) {
+    const int x0 = static_cast<int>(i % 8) * 256, y0 = static_cast<int>(i / 8) * 256;
+    const SynthesisTile tile = synthesis->tile({x0, y0, x0 + 256, y0 + 256});
+    const Image part = to_picture(tile.colors);
+    for (int y = 0; y < 256; ++y) {
+      std::copy_n(part.at(0, y), 3 * 256, picture.at(x0, y0 + y));
+      for (int x = 0; x < 256; ++x)
+        if (const Exemplars::Place from = tile.places.at(x0 + x, y0 + y); from != Exemplars::kNowhere)
+          places[static_cast<std::size_t>((y0 + y) * 2048 + x0 + x)] = from;
+    }
+  });
+  const SynthesisFigures f = SynthesisJudge(*p).measure(picture, 256, places);
+  RecordProperty("figures", to_text(f));
+  EXPECT_THAT(failed_gates(f), testing::ElementsAre("G3")) << to_text(f);
+  EXPECT_LT(f.sub_bands, kSubBandsReached) << to_text(f);
+  for (const Region& r : p->children)  // inside the softened rim the real pixels
+    EXPECT_EQ(cut_out(picture, {r.x0 + 8, r.y0 + 8, r.x1 - 8, r.y1 - 8}),
+              cut_out(p->truth, {r.x0 + 8, r.y0 + 8, r.x1 - 8, r.y1 - 8}));
+  if (const char* folder = std::getenv("FLOATSTAGE_PICTURES"))
+    EXPECT_THAT(save_png(picture, std::filesystem::path(folder) / "fur.png"), IsOk());
 }
 
 }  // namespace
