@@ -60,26 +60,13 @@ void print(const detail::Composition& made) {
 
 bool is_jpeg(const fs::path& file) { return file.extension() == ".jpg" || file.extension() == ".jpeg"; }
 
-Result<void> save(const Image& picture, const fs::path& file) {
-  return is_jpeg(file) ? write_file(file, encode_jpeg(picture, kJpegQuality)) : save_png(picture, file);
-}
-
-Result<void> take_root(detail::PhotoGraph& graph, const std::string& name) {
-  for (std::size_t i = 0; i < graph.photos.size(); ++i)
-    if (graph.photos[i].photo.name == name) graph.root = static_cast<int>(i);
-  if (graph.photos[static_cast<std::size_t>(graph.root)].photo.name == name) return {};
-  return fail(ErrorCode::InvalidArgument,
-              text("--root ", name, ": the graph has no photograph of this name"));
-}
-
 Result<void> run(const Options& given) {
-  if (!is_jpeg(given.out) && given.out.extension() != ".png")
+  if (!is_picture_file(given.out))
     return fail(ErrorCode::InvalidArgument,
                 text("--out ", given.out.string(), ": a picture is a .png or a .jpg file"));
   Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
   if (!graph) return forward(graph);
-  if (!given.root.empty())
-    if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
+  if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
   ProgressBar bar;
   detail::ComposeOptions options = given.compose;
   options.watch = watched_by(bar);
@@ -89,11 +76,26 @@ Result<void> run(const Options& given) {
     std::fprintf(stderr, "floatstage: nothing lies below %s: it is only enlarged\n",
                  graph->photos[static_cast<std::size_t>(graph->root)].photo.name.c_str());
   print(*made);
-  if (Result<void> ok = save(made->picture, given.out); !ok) return ok;
+  if (Result<void> ok = save_picture(made->picture, given.out); !ok) return ok;
   return given.json_file.empty() ? Result<void>() : pipeline::save_json(to_json(*made), given.json_file);
 }
 
 }  // namespace
+
+bool is_picture_file(const fs::path& file) { return is_jpeg(file) || file.extension() == ".png"; }
+
+Result<void> save_picture(const Image& picture, const fs::path& file) {
+  return is_jpeg(file) ? write_file(file, encode_jpeg(picture, kJpegQuality)) : save_png(picture, file);
+}
+
+Result<void> take_root(detail::PhotoGraph& graph, const std::string& name) {
+  if (name.empty()) return {};
+  for (std::size_t i = 0; i < graph.photos.size(); ++i)
+    if (graph.photos[i].photo.name == name) graph.root = static_cast<int>(i);
+  if (graph.photos[static_cast<std::size_t>(graph.root)].photo.name == name) return {};
+  return fail(ErrorCode::InvalidArgument,
+              text("--root ", name, ": the graph has no photograph of this name"));
+}
 
 void add_detail_compose(CLI::App& detail, Chosen& chosen) {
   auto options = std::make_shared<Options>();

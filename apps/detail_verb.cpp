@@ -96,6 +96,7 @@ void add_detail(CLI::App& app, Chosen& chosen) {
   verb->require_subcommand(1);
   add_graph(*verb, chosen);
   add_detail_compose(*verb, chosen);
+  add_detail_synthesize(*verb, chosen);
 }
 
 }  // namespace floatstage::apps

@@ -102,7 +102,8 @@ ComposedPhoto report_of(const std::string& name, double zoom, const Transfer& t)
 }
 
 // Lays the child over the canvas, as opaque as its mask says.
-void lay_over(const Transfer& t, const Matrix3d& canvas_from_child, int threads, LightPicture& canvas) {
+void lay_over(const Transfer& t, const Matrix3d& canvas_from_child, const ComposedPhoto& report,
+              const ComposeOptions& options, LightPicture& canvas) {
   const Quad quad = *sane_quad(canvas_from_child, t.adjusted.width, t.adjusted.height);
   Vector2d low = quad[0], high = quad[0];
   for (const Vector2d& corner : quad) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
@@ -116,7 +117,9 @@ void lay_over(const Transfer& t, const Matrix3d& canvas_from_child, int threads,
   Matrix3d shift = Matrix3d::Identity();
   shift(0, 2) = x0;
   shift(1, 2) = y0;
-  const LightPicture patch = warped(layer, canvas_from_child.inverse() * shift, x1 - x0, y1 - y0, threads);
+  const LightPicture patch =
+      warped(layer, canvas_from_child.inverse() * shift, x1 - x0, y1 - y0, options.threads);
+  if (options.laid) options.laid({report, patch, x0, y0});
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
       const Light& from = patch.at(x - x0, y - y0);
@@ -158,8 +161,9 @@ Result<ComposedPhoto> carry(const PhotoGraph& graph, int index, const Place& pla
   if (!options.steps.empty())
     if (Result<void> ok = save_steps(*child, parent, t, options.steps, flat(photo.photo.name)); !ok)
       return forward(ok);
-  lay_over(t, canvas_from_child, options.threads, canvas);
-  return report_of(photo.photo.name, place.zoom, t);
+  const ComposedPhoto report = report_of(photo.photo.name, place.zoom, t);
+  lay_over(t, canvas_from_child, report, options, canvas);
+  return report;
 }
 
 }  // namespace

@@ -1,25 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/image.h"
 #include "core/result.h"
+#include "detail/float_picture.h"
 #include "detail/photo_graph.h"
 #include "detail/watch.h"
 
 namespace floatstage::detail {
-
-struct ComposeOptions {
-  double zoom = 0;              ///< of the root, 1 or more; 0: that of the closest photograph, as far as 32
-                                ///< million pixels allow
-  bool adapt = true;            ///< move children's edges onto their parents'
-  std::filesystem::path steps;  ///< a folder for pictures of every step; empty: none
-  int threads = 0;
-  Watch watch;
-};
 
 /// What was done with a photograph.
 struct ComposedPhoto {
@@ -34,6 +27,23 @@ struct ComposedPhoto {
   double seam_after = 0;
   double correction = 0;  ///< of its colours, mean, linear light
   std::string why_not;    ///< why it was left out; empty: it was not
+};
+
+/// A photograph as it is laid over the picture.
+struct LaidPhoto {
+  const ComposedPhoto& report;
+  const LightPicture& patch;  ///< of the picture's pixels, from (x, y); the fourth number is its opacity
+  int x, y;
+};
+
+struct ComposeOptions {
+  double zoom = 0;              ///< of the root, 1 or more; 0: that of the closest photograph, as far as 32
+                                ///< million pixels allow
+  bool adapt = true;            ///< move children's edges onto their parents'
+  std::filesystem::path steps;  ///< a folder for pictures of every step; empty: none
+  int threads = 0;
+  std::function<void(const LaidPhoto&)> laid;  ///< called for each, the least zoom first; may be empty
+  Watch watch;
 };
 
 struct Composition {

@@ -46,6 +46,46 @@ TEST_F(DetailVerbs, RelatePhotographsAndMakeOnePictureOfThem) {
               IsOk());
 }
 
+TEST_F(DetailVerbs, MakeUpWhatNoClosePhotographShows) {
+  ASSERT_THAT(run({"detail", "graph", file("photos"), "--json", file("g.json")}), IsOk());
+  ASSERT_THAT(run({"detail", "synthesize", file("g.json"), "-o", file("large.png"), "--zoom", "4",
+                   "--provenance", file("from.png"), "--json", file("s.json"), "--threads", "1"}),
+              IsOk());
+  ASSERT_THAT(
+      run({"detail", "synthesize", file("g.json"), "-o", file("again.png"), "--zoom", "4", "--threads", "2"}),
+      IsOk());
+  const Result<Image> large = load_png(file("large.png"));
+  ASSERT_THAT(large, IsOkAnd(testing::Field(&Image::width, 960)));
+  EXPECT_EQ(*large, *load_png(file("again.png")));
+  EXPECT_THAT(load_png(file("from.png")), IsOkAnd(testing::Field(&Image::height, 720)));
+  const nlohmann::json made = report("s.json");
+  EXPECT_EQ(made.at("zoom"), 4);
+  EXPECT_GT(made.at("like_root"), 40);
+  EXPECT_EQ(made.at("photos")[0].at("name"), "close.png");
+  double shares = 0;
+  for (const auto& share : made.at("shares")) shares += share.get<double>();
+  EXPECT_NEAR(shares, 1, 1e-6);
+  ASSERT_THAT(run({"detail", "synthesize", file("g.json"), "-o", file("deep.dzi")}), IsOk());
+  EXPECT_TRUE(std::filesystem::exists(file("deep_files/0/0_0.jpg")));
+}
+
+TEST_F(DetailVerbs, SayWhyNothingIsMadeUp) {
+  ASSERT_THAT(run({"detail", "graph", file("photos"), "--json", file("g.json")}), IsOk());
+  const auto synthesize = [&](const std::string& out, const std::string& option, const std::string& value) {
+    return run({"detail", "synthesize", file("g.json"), "-o", file(out), option, value});
+  };
+  EXPECT_THAT(synthesize("z.gif", "--zoom", "2"),
+              FailsWith(ErrorCode::InvalidArgument, "a picture is a .png"));
+  EXPECT_THAT(synthesize("z.png", "--zoom", "3"),
+              FailsWith(ErrorCode::InvalidArgument, "2, 4, 8, 16, 32 or 64"));
+  EXPECT_THAT(synthesize("z.png", "--zoom", "64"), FailsWith(ErrorCode::InvalidArgument, "million pixels"));
+  EXPECT_THAT(synthesize("z.png", "--provenance", "p.jpg"),
+              FailsWith(ErrorCode::InvalidArgument, "a .png file"));
+  EXPECT_THAT(synthesize("z.png", "--root", "close.png"),
+              FailsWith(ErrorCode::InvalidArgument, "nothing lies below close.png"));
+  EXPECT_FALSE(std::filesystem::exists(file("z.png")));
+}
+
 TEST_F(DetailVerbs, SayWhatIsWrongBeforeAnythingIsWritten) {
   EXPECT_THAT(run({"detail", "graph", file("nothing")}),
               FailsWith(ErrorCode::NotFound, "nothing is no folder"));

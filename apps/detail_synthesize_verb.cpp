@@ -1,0 +1,114 @@
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/detail_verbs.h"
+#include "apps/flags.h"
+#include "apps/progress_bar.h"
+#include "apps/verbs.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "detail/graph_json.h"
+#include "detail/synthesis/deep_zoom.h"
+#include "detail/synthesis/enlarge.h"
+#include "pipeline/json_report.h"
+
+namespace floatstage::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path graph, out, json_file, provenance;
+  std::string root;
+  detail::EnlargeOptions enlarge;
+};
+
+nlohmann::json to_json(const detail::Enlargement& made) {
+  nlohmann::json photos = nlohmann::json::array();
+  for (const detail::ComposedPhoto& p : made.photos)
+    photos.push_back({{"name", p.name}, {"zoom", p.zoom}, {"used", p.used}, {"why_not", p.why_not}});
+  return {{"zoom", made.zoom},
+          {"size", {made.picture.width, made.picture.height}},
+          {"shares",
+           {{"upsampled", made.shares[0]},
+            {"synthesised", made.shares[1]},
+            {"warped", made.shares[2]},
+            {"real", made.shares[3]}}},
+          {"like_root", made.like_root},
+          {"photos", photos}};
+}
+
+void print(const detail::Enlargement& made) {
+  for (const detail::ComposedPhoto& p : made.photos)
+    if (p.why_not.empty())
+      std::printf("%s: %.2f x, %.0f %% of it used\n", p.name.c_str(), p.zoom, 100 * p.used);
+    else
+      std::printf("%s: left out: %s\n", p.name.c_str(), p.why_not.c_str());
+  std::printf(
+      "%dx%d px, the root %d times enlarged: %.1f %% real, %.1f %% warped, %.1f %% synthesised, %.1f %% "
+      "upsampled; its means are the root's to %.1f dB\n",
+      made.picture.width, made.picture.height, made.zoom, 100 * made.shares[3], 100 * made.shares[2],
+      100 * made.shares[1], 100 * made.shares[0], made.like_root);
+}
+
+Result<void> run(const Options& given) {
+  const bool deep_zoom = given.out.extension() == ".dzi";
+  if (!deep_zoom && !is_picture_file(given.out))
+    return fail(ErrorCode::InvalidArgument, text("--out ", given.out.string(),
+                                                 ": a picture is a .png, a .jpg or a .dzi (Deep Zoom) file"));
+  if (!given.provenance.empty() && given.provenance.extension() != ".png")
+    return fail(ErrorCode::InvalidArgument,
+                text("--provenance ", given.provenance.string(), ": this picture is a .png file"));
+  Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
+  if (!graph) return forward(graph);
+  if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
+  ProgressBar bar;
+  detail::EnlargeOptions options = given.enlarge;
+  options.watch = watched_by(bar);
+  const Result<detail::Enlargement> made = detail::enlarge(*graph, options);
+  if (!made) return forward(made);
+  print(*made);
+  if (Result<void> ok = deep_zoom ? detail::save_deep_zoom(made->picture, given.out)
+                                  : save_picture(made->picture, given.out);
+      !ok)
+    return ok;
+  if (!given.provenance.empty())
+    if (Result<void> ok = save_png(detail::provenance_picture(made->provenance), given.provenance); !ok)
+      return ok;
+  return given.json_file.empty() ? Result<void>() : pipeline::save_json(to_json(*made), given.json_file);
+}
+
+}  // namespace
+
+void add_detail_synthesize(CLI::App& detail, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      add_verb(detail, chosen, "synthesize",
+               "Enlarges a photograph, with details made up of those that close ones show",
+               {"floatstage detail synthesize graph.json -o large.png",
+                "floatstage detail synthesize graph.json -o large.dzi --zoom 8 --provenance from.png"});
+  verb->add_option("graph", options->graph, "What `detail graph --json` wrote")
+      ->required()
+      ->type_name("FILE");
+  add_out(*verb, options->out, "The picture (.png or .jpg), or a Deep Zoom image (.dzi and its folder)")
+      ->required();
+  verb->add_option("--zoom", options->enlarge.zoom,
+                   "How many times the root is enlarged: 2, 4, 8, 16, 32 or 64 (default: that nearest to the "
+                   "closest photograph's, as far as 32 million pixels allow)")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--root", options->root,
+                   "The photograph that gets the details (default: as the graph says)")
+      ->type_name("NAME");
+  verb->add_option(
+          "--provenance", options->provenance,
+          "Write where every pixel comes from to this .png: blue real, green warped, red synthesised, "
+          "grey upsampled")
+      ->type_name("FILE");
+  add_threads(*verb, options->enlarge.threads);
+  add_json(*verb, options->json_file);
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage::apps

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/image.h"
+#include "core/result.h"
+
+namespace floatstage::detail {
+
+/// A picture as a Deep Zoom image: `file` (NAME.dzi), and tiles of 254 px with a pixel of their neighbours
+/// around them as JPEGs in NAME_files/LEVEL/COLUMN_ROW.jpg, each level half of the next, down to one pixel.
+/// The document comes last: while it is not there, the image is not whole. `rgb`: 3 channels, not empty. Io.
+Result<void> save_deep_zoom(const Image& rgb, const std::filesystem::path& file);
+
+}  // namespace floatstage::detail
