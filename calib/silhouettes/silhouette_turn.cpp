@@ -32,8 +32,10 @@ using Eigen::Vector3d;
 constexpr double kBorder = 2;      // px: outlines this near to the picture's border are the border's
 constexpr int kStretches = 12;     // of each outline, for the jackknife
 constexpr int kFewestPoints = 50;  // of all outlines
-constexpr int kRounds = 5;         // of linear motion; each is a hundredth of the turn nearer
-constexpr double kLoss = 1;  // px: what sticks out farther counts less (Cauchy's, which has no second best)
+constexpr double kLoss = 1;        // px: what sticks out farther counts less (Cauchy's)
+// By rounds, each a hundredth of the turn nearer. At first the loss is nearly least squares', which has one
+// best; that is followed to kLoss (Blake and Zisserman 1987: graduated non-convexity).
+constexpr double kLosses[] = {8 * kLoss, 4 * kLoss, 2 * kLoss, kLoss, kLoss, kLoss};
 
 // Signed distances (px) from the silhouette that the others leave, positive outside, over the part of the
 // picture that matters.
@@ -138,8 +140,8 @@ struct Fit {
   std::vector<OutlinePoint> points;
 
   // One solution around `turn`, to which its step is added.
-  void improve(Vector3d& turn) const {
-    ceres::CauchyLoss loss(kLoss);
+  void improve(Vector3d& turn, double scale) const {
+    ceres::CauchyLoss loss(scale);
     const Matrix3d rotation = solver::rotation_from_vector(turn).toRotationMatrix();
     ceres::Problem::Options ownership;
     ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -152,7 +154,7 @@ struct Fit {
     if (problem.NumResidualBlocks() == 0) return;
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 10;
+    options.max_num_iterations = 20;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
@@ -229,7 +231,7 @@ SilhouetteTurn measure_silhouette_turn(const CameraModel& model,
   if (out.points < kFewestPoints) return out;
   out.outside_px = fit.outside(Vector3d::Zero());
   Vector3d turn(0, 0, 0);
-  for (int round = 0; round < kRounds; ++round) fit.improve(turn);
+  for (const double scale : kLosses) fit.improve(turn, scale);
   out.outside_after_px = fit.outside(turn);
   int gross = 0;
   fit.visit(turn, [&](const OutlinePoint&, double d, const Vector3d&) { gross += d > kFarthestOutside; });
