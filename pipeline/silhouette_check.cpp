@@ -226,8 +226,8 @@ Found find(const Rig& rig, const std::vector<InstantMattes>& instants,
            const SilhouetteCheckOptions& options) {
   const Instants asked(rig, instants, options);
   const Search search(asked, options);
-  Found found{{rig, search.turns_of(rig), std::vector<bool>(rig.cameras.size(), false)}, {}, false, 0};
-  found.before = found.state.turns;
+  const State given{rig, search.turns_of(rig), std::vector<bool>(rig.cameras.size(), false)};
+  Found found{given, given.turns, false, 0};
   const auto count = [](const State& state) {
     return std::count(state.named.begin(), state.named.end(), true);
   };
@@ -235,6 +235,7 @@ Found find(const Rig& rig, const std::vector<InstantMattes>& instants,
   while (!found.whole_rig && !is_cancelled(options.progress)) {
     State next = found.state;
     found.whole_rig = !search.name_one(next) || count(next) > most;
+    if (count(next) > most) found.state = given;
     if (found.whole_rig || count(next) == count(found.state)) break;
     found.state = std::move(next);
   }
