@@ -66,6 +66,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"doubts", doubts_json(report.doubts)},
           {"healed", to_json(report.healed)},
           {"silhouettes", to_json(report.faults)},
+          {"poses", report.pose_doubts},
           {"contradictory_frames", report.contradictory_frames},
           {"cut_frames", report.cut_frames},
           {"poor_frames", report.poor_frames},
@@ -83,6 +84,7 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
     std::fprintf(stderr, "floatstage: %s\n", sentence(healed).c_str());
   for (const pipeline::SilhouetteFault& fault : report.faults)
     std::fprintf(stderr, "floatstage: %s\n", sentence(fault).c_str());
+  for (const std::string& doubt : report.pose_doubts) std::fprintf(stderr, "floatstage: %s\n", doubt.c_str());
   if (report.poor_frames > 0)
     std::fprintf(
         stderr,

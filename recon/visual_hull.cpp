@@ -82,6 +82,23 @@ Result<void> octree_visual_hull(const Rig& rig, std::span<const Matte> mattes, c
   return {};
 }
 
+/// Whether there are as many cameras as are asked to agree, and enough to bound a body.
+Result<void> check_cameras(const Rig& rig, const HullInput& input, const HullOptions& options) {
+  const std::size_t cameras = rig.cameras.size();
+  if (options.voting == HullVoting::MofN && static_cast<std::size_t>(options.votes) > cameras)
+    return fail(ErrorCode::InvalidArgument,
+                text("hull: ", options.votes, " cameras cannot agree where there are ", cameras, "; ask for ",
+                     cameras, " at most, or for strict votes"));
+  std::size_t known = 0, last = 0;
+  for (std::size_t c = 0; c < cameras; ++c)
+    if (input.knows(c)) ++known, last = c;
+  if (known != 1 || options.volume) return {};
+  return fail(ErrorCode::BadData,
+              text("only camera '", rig.cameras[last].serial,
+                   "' shows a silhouette, which bounds a cone without an end; add cameras, or "
+                   "give the volume to search"));
+}
+
 /// visual_hull() of either input.
 Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options, HullWorkspace& workspace,
                      HullReport& report) {
@@ -90,6 +107,7 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
   if (Result<void> ok = check(options); !ok) return forward(ok);
   if (Result<void> ok = check(rig); !ok) return forward(ok);
   if (Result<void> ok = input.check(); !ok) return forward(ok);
+  if (Result<void> ok = check_cameras(rig, input, options); !ok) return forward(ok);
   Result<std::vector<std::string>> remarks = remark_on_subjects(rig, input);
   if (!remarks) return forward(remarks);
 

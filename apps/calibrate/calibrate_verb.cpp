@@ -14,7 +14,9 @@ void add_calibrate(CLI::App& app, Chosen& chosen) {
   add_calibrate_export(*verb, chosen);
   add_calibrate_live(*verb, chosen);
   add_calibrate_new(*verb, chosen);
+  add_calibrate_silhouettes(*verb, chosen);
   add_calibrate_target(*verb, chosen);
+  add_calibrate_times(*verb, chosen);
 }
 
 }  // namespace floatstage::apps

@@ -11,6 +11,8 @@ void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_export(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_live(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_new(CLI::App& calibrate, Chosen& chosen);
+void add_calibrate_silhouettes(CLI::App& calibrate, Chosen& chosen);
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen);
+void add_calibrate_times(CLI::App& calibrate, Chosen& chosen);
 
 }  // namespace floatstage::apps

@@ -12,6 +12,7 @@
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/mesh_record.h"
 #include "pipeline/process/mesh_maker.h"
+#include "pipeline/process/pose_doubts.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -95,6 +96,11 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   if (Result<void> ok = make_meshes(take, options, *hull, std::move(*record), frames, report); !ok)
     return forward(ok);
   forget_failures(report);
+  if (report.meshes.made > 0) {
+    Result<std::vector<std::string>> doubts = pose_doubts(take, frames, options.threads, options.progress);
+    if (!doubts) return forward(doubts);
+    report.pose_doubts = *std::move(doubts);
+  }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return report;
 }

@@ -169,13 +169,13 @@ TEST(Calibrate, FindsWhenACameraExposes) {
   const Rig truth = ring_rig(4);
   CaptureOptions options{.frames = 150};
   options.late_camera = 1;
-  options.late_frames = 0.4;
+  options.late_frames = 0.37;
   const Observations seen = capture(truth, two_sided_board(7, 5, 0.08, 0.005), wandering(options), options);
   const Result<Calibration> solved = calibrate(seen, {.time_offsets = true});
   ASSERT_THAT(solved, IsOk());
   const double others = late_by(solved->cameras[0]);
-  // Its pictures show what the others saw 0.4 frames before: it is at -0.4 frames on the others' clock.
-  EXPECT_NEAR(late_by(solved->cameras[1]) - others, -0.4 * 1000 / 30, 0.5);
+  // Its pictures show what the others saw 0.37 frames before: it is at -0.37 frames on the others' clock.
+  EXPECT_NEAR(late_by(solved->cameras[1]) - others, -0.37 * 1000 / 30, 0.5);
   EXPECT_NEAR(late_by(solved->cameras[2]) - others, 0, 0.5);
   EXPECT_LT(solved->cameras[1].rms_px, 0.2);
   EXPECT_LT(compare(solved->rig, truth, options).grid_mm, 0.3);

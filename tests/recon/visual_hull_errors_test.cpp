@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/text.h"
 #include "recon/visual_hull.h"
 #include "tests/support/analytic_shapes.h"
 #include "tests/support/matchers.h"
@@ -63,6 +64,23 @@ TEST_P(VisualHullErrors, SaysSoWhenNoCameraShowsASubject) {
 TEST_P(VisualHullErrors, SaysSoWhenTheSilhouettesBoundNothing) {
   for (std::size_t i = 0; i < mattes.size(); ++i) mattes[i] = shapes::uniform_matte(rig.cameras[i], 255);
   EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::BadData, "give the volume to search"));
+}
+
+TEST_P(VisualHullErrors, RefusesMoreVotesThanThereAreCameras) {
+  options.voting = HullVoting::MofN;
+  options.votes = static_cast<int>(rig.cameras.size()) + 1;
+  EXPECT_THAT(visual_hull(rig, mattes, options), FailsWith(ErrorCode::InvalidArgument, "cannot agree"));
+}
+
+TEST_P(VisualHullErrors, SaysThatOneCameraAloneBoundsNothing) {
+  for (std::size_t i = 1; i < mattes.size(); ++i) mattes[i] = {};
+  EXPECT_THAT(
+      visual_hull(rig, mattes, options),
+      FailsWith(ErrorCode::BadData, text("only camera '", rig.cameras[0].serial, "' shows a silhouette")));
+  options.volume = Eigen::AlignedBox3d(Vector3d(-1, -1, -1), Vector3d(1, 1, 1));
+  const Result<HullReport> cone = visual_hull(rig, mattes, options);
+  ASSERT_THAT(cone, IsOk());
+  EXPECT_GT(cone->volume, 0);
 }
 
 TEST_P(VisualHullErrors, RefusesOptionsOutOfRange) {

@@ -1,0 +1,266 @@
+// Method:  epipolar tangents as functions of time, shifted against one another until they meet
+// Paper:   the tangents: J. Porrill, S. Pollard, "Curve matching and stereo calibration", 1991; compare
+//          S. Sinha, M. Pollefeys, "Synchronization and calibration of camera networks from silhouettes", 2004
+// Differs: poses are known, and offsets are fractions of a frame: cubic interpolation between pictures, least
+//          squares over all pairs, with a constant for each tangent, so that a rig that is off a little moves
+//          nothing; uncertainty by leaving stretches of time out (Efron 1982)
+// ADR:     0235
+
+#include "calib/silhouettes/silhouette_times.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <ceres/ceres.h>
+#include <ceres/cubic_interpolation.h>
+
+#include "calib/silhouettes/tangencies.h"
+#include "core/statistics.h"
+#include "core/text.h"
+
+namespace floatstage::calib {
+namespace {
+
+using Curve = ceres::Grid1D<double>;
+using Interpolator = ceres::CubicInterpolator<Curve>;
+
+constexpr int kFewestFrames = 8;
+constexpr int kMargin = 3;          // frames around one, so that two of offset can be interpolated
+constexpr double kMost = 2;         // frames of offset
+constexpr int kStretches = 8;       // of time, for the jackknife
+constexpr double kFirstLoss = 2;    // px
+constexpr double kLeastLoss = 0.1;  // px: outlines are no better than that
+constexpr double kUseless = 0.25;   // frames: a sigma that helps nobody
+constexpr int kFewestInstants = 5;  // of a tangent, of which one constant is estimated
+
+/// One tangent of a pair of cameras over time.
+struct Track {
+  int a = 0, b = 0;
+  std::vector<double> in_a, in_b;  ///< px of both pictures together; NaN: not seen
+  std::vector<int> usable;         ///< frames around which both are known
+  double constant = 0;
+};
+
+bool known_around(const std::vector<double>& curve, int k) {
+  for (int i = k - kMargin; i <= k + kMargin; ++i)
+    if (i < 0 || i >= static_cast<int>(curve.size()) || std::isnan(curve[static_cast<std::size_t>(i)]))
+      return false;
+  return true;
+}
+
+/// Whether a curve moves by more than its noise: rates over four frames against what three in a row stray by.
+struct Motion {
+  double rates = 0, strays = 0;
+  void add(const std::vector<double>& curve, const std::vector<int>& at) {
+    for (const int frame : at) {
+      const auto k = static_cast<std::size_t>(frame);
+      const double rate = (curve[k + 2] - curve[k - 2]) / 4,
+                   stray = (curve[k - 1] - 2 * curve[k] + curve[k + 1]) / std::sqrt(6.0);
+      rates += rate * rate, strays += stray * stray;
+    }
+  }
+  // Noise alone has rates of a third of it.
+  bool any() const { return rates > 0 && rates > strays; }
+};
+
+std::optional<Track> track_of(const Rig& rig, int a, int b, int side,
+                              std::span<const std::vector<ConvexOutline>> frames) {
+  const RigCamera &one = rig.cameras[static_cast<std::size_t>(a)],
+                  &other = rig.cameras[static_cast<std::size_t>(b)];
+  const auto pencil = PlanePencil::through(one, other, focus_point(rig) - one.cam_from_world.center());
+  if (!pencil) return std::nullopt;
+  Track track{a, b, {}, {}, {}};
+  std::optional<double> per_pixel;
+  for (const std::vector<ConvexOutline>& outlines : frames) {
+    track.in_a.push_back(NAN), track.in_b.push_back(NAN);
+    const auto in_a = pencil->extremes(one, outlines[static_cast<std::size_t>(a)]),
+               in_b = pencil->extremes(other, outlines[static_cast<std::size_t>(b)]);
+    const auto at = [&](const Extremes& e, const ConvexOutline& outline) {
+      return outline.rays[static_cast<std::size_t>(e.ray[side])];
+    };
+    if (in_a && in_b && in_a->ray[side] >= 0 && in_b->ray[side] >= 0 && !per_pixel)
+      per_pixel =
+          std::hypot(pencil->angle_per_pixel(one, at(*in_a, outlines[static_cast<std::size_t>(a)])),
+                     pencil->angle_per_pixel(other, at(*in_b, outlines[static_cast<std::size_t>(b)])));
+    if (in_a && in_a->ray[side] >= 0) track.in_a.back() = in_a->angle[side];
+    if (in_b && in_b->ray[side] >= 0) track.in_b.back() = in_b->angle[side];
+  }
+  if (!per_pixel) return std::nullopt;
+  for (double& angle : track.in_a) angle /= *per_pixel;
+  for (double& angle : track.in_b) angle /= *per_pixel;
+  for (int k = 0; k < static_cast<int>(frames.size()); ++k)
+    if (known_around(track.in_a, k) && known_around(track.in_b, k)) track.usable.push_back(k);
+  if (static_cast<int>(track.usable.size()) < kFewestInstants) return std::nullopt;
+  return track;
+}
+
+/// What two tangents differ by at frame k of the studio: offset of a, offset of b, constant.
+class Apart final : public ceres::SizedCostFunction<1, 1, 1, 1> {
+ public:
+  Apart(const Track& track, int frame)
+      : grid_a_(track.in_a.data(), 0, static_cast<int>(track.in_a.size())),
+        grid_b_(track.in_b.data(), 0, static_cast<int>(track.in_b.size())),
+        a_(grid_a_),
+        b_(grid_b_),
+        frame_(frame) {}
+  bool Evaluate(const double* const* p, double* residual, double** jacobians) const override {
+    double a, b, rate_a, rate_b;
+    a_.Evaluate(frame_ - std::clamp(p[0][0], -kMost, kMost), &a, &rate_a);
+    b_.Evaluate(frame_ - std::clamp(p[1][0], -kMost, kMost), &b, &rate_b);
+    residual[0] = a - b - p[2][0];
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) jacobians[0][0] = -rate_a;
+    if (jacobians[1] != nullptr) jacobians[1][0] = rate_b;
+    if (jacobians[2] != nullptr) jacobians[2][0] = -1;
+    return true;
+  }
+
+ private:
+  Curve grid_a_, grid_b_;
+  Interpolator a_, b_;
+  double frame_;
+};
+
+/// Offsets of all cameras, those of `measurable` against the first of them.
+class Solver {
+ public:
+  Solver(std::vector<Track>& tracks, std::size_t cameras, int frames)
+      : tracks_(tracks), cameras_(cameras), frames_(frames) {}
+
+  /// `without`: a stretch of time that is left out; -1: none.
+  std::vector<double> solve(int reference, int without) {
+    std::vector<double> offsets(cameras_, 0.0);
+    double loss = kFirstLoss;
+    for (int round = 0; round < 3; ++round) {
+      run(reference, without, loss, offsets);
+      loss = std::max(kLeastLoss, 2 * typical_residual(offsets));
+    }
+    return offsets;
+  }
+
+ private:
+  bool left_out(int frame, int without) const { return frame * kStretches / frames_ == without; }
+
+  void run(int reference, int without, double scale, std::vector<double>& offsets) {
+    ceres::CauchyLoss loss(scale);
+    ceres::Problem::Options ownership;
+    ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(ownership);
+    for (Track& track : tracks_)
+      for (const int frame : track.usable)
+        if (!left_out(frame, without))
+          problem.AddResidualBlock(new Apart(track, frame), &loss,
+                                   &offsets[static_cast<std::size_t>(track.a)],
+                                   &offsets[static_cast<std::size_t>(track.b)], &track.constant);
+    double* const fixed = &offsets[static_cast<std::size_t>(reference)];
+    if (!problem.HasParameterBlock(fixed)) return;
+    problem.SetParameterBlockConstant(fixed);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = 30;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+  }
+
+  double typical_residual(const std::vector<double>& offsets) const {
+    std::vector<double> sizes;
+    for (const Track& track : tracks_)
+      for (const int frame : track.usable) {
+        const double* const p[] = {&offsets[static_cast<std::size_t>(track.a)],
+                                   &offsets[static_cast<std::size_t>(track.b)], &track.constant};
+        double residual;
+        Apart(track, frame).Evaluate(p, &residual, nullptr);
+        sizes.push_back(std::abs(residual));
+      }
+    return median(std::move(sizes));
+  }
+
+  std::vector<Track>& tracks_;
+  std::size_t cameras_;
+  int frames_;
+};
+
+std::vector<Track> all_tracks(const Rig& rig, std::span<const std::vector<ConvexOutline>> frames) {
+  std::vector<Track> tracks;
+  const int cameras = static_cast<int>(rig.cameras.size());
+  for (int a = 0; a < cameras; ++a)
+    for (int b = a + 1; b < cameras; ++b)
+      for (int side = 0; side < 2; ++side)
+        if (auto track = track_of(rig, a, b, side, frames)) tracks.push_back(std::move(*track));
+  return tracks;
+}
+
+// Says of every camera whether there is motion to measure it by; the first that has any is the reference.
+TimeOffsets measurable(std::size_t cameras, const std::vector<Track>& tracks) {
+  TimeOffsets out;
+  out.cameras.resize(cameras);
+  std::vector<Motion> motions(cameras);
+  std::vector<bool> seen(cameras, false);
+  for (const Track& track : tracks) {
+    motions[static_cast<std::size_t>(track.a)].add(track.in_a, track.usable);
+    motions[static_cast<std::size_t>(track.b)].add(track.in_b, track.usable);
+    seen[static_cast<std::size_t>(track.a)] = seen[static_cast<std::size_t>(track.b)] = true;
+  }
+  for (std::size_t c = 0; c < cameras; ++c) {
+    TimeOffset& one = out.cameras[c];
+    one.measured = motions[c].any();
+    if (one.measured && out.reference < 0) out.reference = static_cast<int>(c);
+    if (!seen[c]) {
+      one.not_measured =
+          "its silhouettes and another's are not seen together, uncut, in enough frames in a row";
+    } else if (!one.measured) {
+      one.not_measured = "nothing moves in its silhouettes";
+    }
+  }
+  return out;
+}
+
+void add_uncertainty(Solver& solver, TimeOffsets& out) {
+  std::vector<std::vector<double>> without;
+  for (int k = 0; k < kStretches; ++k) without.push_back(solver.solve(out.reference, k));
+  for (std::size_t c = 0; c < out.cameras.size(); ++c) {
+    TimeOffset& one = out.cameras[c];
+    if (!one.measured || static_cast<int>(c) == out.reference) continue;
+    double squares = 0;
+    for (const std::vector<double>& offsets : without) squares += std::pow(offsets[c] - one.frames, 2);
+    one.sigma_frames = std::sqrt((kStretches - 1.0) / kStretches * squares);
+    if (one.sigma_frames < kUseless && std::abs(one.frames) < kMost) continue;
+    one = {};
+    one.not_measured =
+        "its silhouettes do not tell: too little moves, or they are apart by two frames or more";
+  }
+}
+
+}  // namespace
+
+Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames) {
+  if (rig.cameras.size() < 2)
+    return fail(ErrorCode::InvalidArgument, "one camera alone has no time offset to another");
+  if (static_cast<int>(frames.size()) < kFewestFrames)
+    return fail(ErrorCode::InvalidArgument,
+                text("time offsets need ", kFewestFrames, " frames in a row at least, not ", frames.size()));
+  std::vector<std::vector<ConvexOutline>> convex(frames.size());
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c)
+      convex[k].push_back(convex_outline(rig.cameras[c].model, frames[k][c]));
+  std::vector<Track> tracks = all_tracks(rig, convex);
+  TimeOffsets out = measurable(rig.cameras.size(), tracks);
+  if (out.reference < 0) return out;
+  // A camera in which nothing moves says nothing, and must not be moved by what others see.
+  std::erase_if(tracks, [&](const Track& t) {
+    return !out.cameras[static_cast<std::size_t>(t.a)].measured ||
+           !out.cameras[static_cast<std::size_t>(t.b)].measured;
+  });
+  if (tracks.empty()) return TimeOffsets{-1, std::move(out.cameras)};
+  Solver solver(tracks, rig.cameras.size(), static_cast<int>(frames.size()));
+  const std::vector<double> offsets = solver.solve(out.reference, -1);
+  for (std::size_t c = 0; c < offsets.size(); ++c)
+    if (out.cameras[c].measured) out.cameras[c].frames = offsets[c];
+  add_uncertainty(solver, out);
+  return out;
+}
+
+}  // namespace floatstage::calib

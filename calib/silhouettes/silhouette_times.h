@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "core/rig.h"
+#include "core/silhouette.h"
+
+namespace floatstage::calib {
+
+/// When a camera really takes its pictures, in frame periods: its k-th picture shows the instant at which the
+/// reference's picture k + frames would be taken. As CameraQuality::time_offset_ms: an instant is what the
+/// stamp says plus this.
+struct TimeOffset {
+  bool measured = false;
+  double frames = 0;         ///< 0 of the reference
+  double sigma_frames = 0;   ///< one standard deviation; 0 of the reference
+  std::string not_measured;  ///< why, a clause: "nothing moves in its silhouettes"
+};
+
+struct TimeOffsets {
+  int reference = -1;               ///< the first camera that could be measured; -1: none
+  std::vector<TimeOffset> cameras;  ///< as in the rig
+};
+
+/// Offsets between cameras that run freely at one rate, from how silhouettes move. The outermost epipolar
+/// tangents of a pair of cameras lie in one plane at any one instant; of a pair that is
+/// apart in time, each follows the other by that time. `frames[k][i]`: camera i's k-th picture of a take,
+/// none left out; an outline without points says nothing. The rig may be off by a constant: only motion
+/// counts. Offsets of up to two frames. InvalidArgument when there are fewer than two cameras or eight
+/// frames.
+Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames);
+
+}  // namespace floatstage::calib

@@ -1,0 +1,80 @@
+#include "pipeline/take_times.h"
+
+#include <cmath>
+
+#include "core/parallel.h"
+#include "core/statistics.h"
+#include "core/text.h"
+#include "pipeline/scene_loader.h"
+#include "pipeline/take_outlines.h"
+#include "recon/outline.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+// How much later a camera's stamps are than another's of the same row, usually; ns.
+double stamps_apart(const capture::TakeReader& take, int camera, int reference,
+                    const std::vector<int>& frames) {
+  const std::vector<FrameRow>&one = take.rows(camera), &other = take.rows(reference);
+  std::vector<double> apart;
+  for (const int frame : frames) {
+    const auto k = static_cast<std::size_t>(frame);
+    if (k < one.size() && k < other.size() && one[k].media_index && other[k].media_index)
+      apart.push_back(static_cast<double>((one[k].info.exposure_start - other[k].info.exposure_start).count));
+  }
+  return apart.empty() ? 0 : median(std::move(apart));
+}
+
+Result<std::vector<std::vector<Silhouette>>> outlines_of(const capture::TakeReader& take,
+                                                         const std::vector<int>& frames, int threads,
+                                                         Progress* progress) {
+  const std::vector<RigCamera>& cameras = take.rig().cameras;
+  std::vector<std::vector<Silhouette>> outlines;
+  ProgressPart part(progress, "silhouettes", frames.size());
+  for (const int frame : frames) {
+    if (is_cancelled(progress)) return cancelled_unwritten();
+    const Result<std::vector<Matte>> mattes = load_mattes(take, frame);
+    if (!mattes) return forward(mattes);
+    std::vector<Silhouette> all(cameras.size());
+    parallel_for(all.size(), threads, [&](std::size_t c) {
+      const Matte& matte = (*mattes)[c];
+      if (!matte.empty())
+        all[c] = recon::outline_of(without_strands(matte), cameras[c].model, {.tolerance = 0});
+    });
+    outlines.push_back(std::move(all));
+    part.advance();
+  }
+  return outlines;
+}
+
+}  // namespace
+
+Result<TakeTimes> measure_take_times(const capture::TakeReader& take, const std::vector<int>& frames,
+                                     int threads, Progress* progress) {
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    if (frames[i] != frames[i - 1] + 1)
+      return fail(ErrorCode::InvalidArgument,
+                  "time offsets need frames that follow one another: A:B without a step");
+  if (!(take.manifest().frame_rate > 0))
+    return fail(ErrorCode::NotFound, text(take.layout().folder().string(), ": has no frame rate"));
+  const Result<std::vector<std::vector<Silhouette>>> outlines = outlines_of(take, frames, threads, progress);
+  if (!outlines) return forward(outlines);
+  Result<calib::TimeOffsets> offsets = calib::measure_time_offsets(take.rig(), *outlines);
+  if (!offsets) return forward(offsets);
+  TakeTimes out{*std::move(offsets), {"silhouettes", {}}};
+  const double period = 1e9 / take.manifest().frame_rate;
+  for (std::size_t c = 0; c < out.offsets.cameras.size(); ++c) {
+    calib::TimeOffset& one = out.offsets.cameras[c];
+    capture::CameraTimeOffset row{take.rig().cameras[c].serial, {}, {}, one.not_measured};
+    if (one.measured) {
+      // Silhouettes tell instants; what stamps tell of them already is no offset.
+      one.frames -= stamps_apart(take, static_cast<int>(c), out.offsets.reference, frames) / period;
+      row.offset = Nanoseconds{std::llround(one.frames * period)};
+      row.sigma = Nanoseconds{std::llround(one.sigma_frames * period)};
+    }
+    out.file.cameras.push_back(std::move(row));
+  }
+  return out;
+}
+
+}  // namespace floatstage::pipeline

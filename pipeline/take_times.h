@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "calib/silhouettes/silhouette_times.h"
+#include "capture/take.h"
+#include "capture/time_offsets.h"
+#include "core/result.h"
+#include "pipeline/progress.h"
+
+namespace floatstage::pipeline {
+
+struct TakeTimes {
+  calib::TimeOffsets offsets;    ///< in frames, what is left beside the take's stamps
+  capture::TimeOffsetFile file;  ///< the same in nanoseconds, for the synchroniser
+};
+
+/// When the cameras of a take really took their pictures, from how silhouettes move
+/// (calib::measure_time_offsets()): `frames`, in a row, of a take that has mattes. What the cameras' stamps
+/// say already, by which they may be a constant apart, counts: an offset is what must be added to a stamp.
+/// Errors: InvalidArgument for frames that do not follow one another, and as measure_time_offsets();
+/// NotFound for a take without a frame rate.
+Result<TakeTimes> measure_take_times(const capture::TakeReader& take, const std::vector<int>& frames,
+                                     int threads, Progress* progress);
+
+}  // namespace floatstage::pipeline
