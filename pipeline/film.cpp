@@ -9,6 +9,7 @@
 #include "pipeline/balance.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
+#include "pipeline/subject.h"
 #include "render/drawn_from.h"
 
 namespace floatstage::pipeline {
@@ -166,8 +167,14 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     if (!r) return forward(r);
     renderers.push_back(std::move(*r));
   }
-  const Result<Eigen::AlignedBox3d> box = options.subject ? *options.subject : subject_box(take);
-  if (!box) return forward(box);
+  Eigen::AlignedBox3d box;
+  if (options.subject) {
+    box = *options.subject;
+  } else {
+    const Result<Subject> subject = find_subject(take);
+    if (!subject) return forward(subject);
+    box = subject->box;
+  }
   const Result<Rig> rig = options.balance ? rig_in_balance(take) : rig_with_colors(take);
   if (!rig) return forward(rig);
 
@@ -177,7 +184,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   for (std::size_t p = 0; p < frames.size(); ++p) {
     const double film_time = static_cast<double>(p) / options.frame_rate;
     views.push_back(view_of(sample(path, film_time / film_seconds * path.duration()), options.width,
-                            options.height, *box));
+                            options.height, box));
   }
   SceneStream scenes(take, options, frames, views);
   render::Scene drawn;

@@ -21,8 +21,8 @@ struct FilmOptions {
   std::vector<int> frames;  ///< frames of the take to play, in order; begun again when the film is longer
   std::vector<std::string> methods;  ///< renderers, each draws every picture
   bool suppress_spill = true;
-  bool balance = false;                        ///< cameras' colours are brought to one another
-  std::optional<Eigen::AlignedBox3d> subject = {};  ///< subject_box() of the take, where it is known
+  bool balance = false;                             ///< cameras' colours are brought to one another
+  std::optional<Eigen::AlignedBox3d> subject = {};  ///< find_subject() of the take, where it is known
   render::RendererOptions renderer;
   Progress* progress = nullptr;  ///< null: unwatched
 };

@@ -11,9 +11,10 @@
 #include "pipeline/evaluate/evaluate.h"
 #include "pipeline/film.h"
 #include "pipeline/json_report.h"
+#include "pipeline/orbit.h"
 #include "pipeline/picture_sink.h"
 #include "pipeline/process/process.h"
-#include "pipeline/scene_loader.h"
+#include "pipeline/subject.h"
 #include "render/back_end.h"
 
 namespace floatstage::pipeline {
@@ -58,11 +59,14 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
   if (!take) return forward(take);
   const Result<render::OpenBackEnd> drawing = render::open_back_end(render::BackEnd::Auto);
   if (!drawing) return forward(drawing);
-  Result<Eigen::AlignedBox3d> box = subject_box(**take);
-  if (!box) return forward(box);
+  const Result<Subject> subject = find_subject(**take);
+  if (!subject) return forward(subject);
 
-  FilmOptions film{
-      .frame_rate = options.film_rate, .frames = {}, .methods = kMethods, .subject = *box, .renderer = {}};
+  FilmOptions film{.frame_rate = options.film_rate,
+                   .frames = {},
+                   .methods = kMethods,
+                   .subject = subject->box,
+                   .renderer = {}};
   for (int f = 0; f < (*take)->frame_count(); ++f) film.frames.push_back(f);
   film.renderer.back_end = drawing->back_end;
   film.renderer.background = {0.16f, 0.17f, 0.19f};
@@ -73,7 +77,7 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
   Result<std::unique_ptr<PictureSink>> compare =
       open_picture_sink(options.out / "compare.mp4", 2 * film.width, film.height, film.frame_rate);
   if (!compare) return forward(compare);
-  const CameraPath path = orbit_path((*take)->rig(), *box, 1);
+  const CameraPath path = orbit_around((*take)->rig(), *subject, {.seconds = 1}).path;
   Result<FilmReport> done = render_film(**take, path, film, [&](FilmPicture picture) -> Result<void> {
     const Image linear = over(picture.renders[0], film.renderer.background),
                 floating = over(picture.renders[1], film.renderer.background);

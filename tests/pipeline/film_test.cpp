@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pipeline/orbit.h"
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
 #include "render/drawn_from.h"
@@ -18,7 +19,7 @@ class AFilm : public testing::Test {
     ProcessOptions options{.take = path_, .matte = "chroma", .hull = recon::HullOptions{}};
     ASSERT_THAT(process_take(options), IsOk());
     take_ = std::move(*capture::TakeReader::open(path_));
-    box_ = *subject_box(*take_);
+    subject_ = *find_subject(*take_);
     film_.width = 160;
     film_.height = 120;
     film_.frame_rate = 4;
@@ -31,7 +32,7 @@ class AFilm : public testing::Test {
   void blend(int count) { film_.renderer.cameras = count; }
   std::vector<FilmPicture> shoot() {
     std::vector<FilmPicture> pictures;
-    const CameraPath path = orbit_path(take_->rig(), box_, 2);
+    const CameraPath path = orbit_around(take_->rig(), subject_, {.seconds = 2}).path;
     EXPECT_THAT(render_film(*take_, path, film_,
                             [&](FilmPicture picture) -> Result<void> {
                               pictures.push_back(std::move(picture));
@@ -52,7 +53,7 @@ class AFilm : public testing::Test {
   TempFolder folder_;
   std::filesystem::path path_;
   std::unique_ptr<capture::TakeReader> take_;
-  Eigen::AlignedBox3d box_;
+  Subject subject_;
   FilmOptions film_;
 };
 
