@@ -6,6 +6,7 @@
 #include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
+#include "apps/world_flags.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/import/import.h"
@@ -88,6 +89,7 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
                     "How far before the cameras the plane stands that it is drawn on, metres (default: where "
                     "neighbouring pictures agree best)")
         ->type_name("Z");
+  add_world_flags(*app, import.world);
   if (!format.states_unit)
     app->add_option("--metres-per-unit", import.calibration.metres_per_unit,
                     "Length of the calibration's unit, which it does not state")

@@ -79,7 +79,7 @@ Result<void> run(const Options& given) {
         std::vector<Image> pictures;
         for (const Image& rgba : picture.renders)
           pictures.push_back(pipeline::over(rgba, film.renderer.background));
-        return (*sink)->write(pipeline::side_by_side(pictures));
+        return (*sink)->write(pipeline::side_by_side(pictures, film.methods));
       });
   if (!report) return forward(report);
   if (Result<void> ok = (*sink)->finish(); !ok) return ok;

@@ -7,6 +7,7 @@
 
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/label.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
 #include "pipeline/subject.h"
@@ -143,7 +144,7 @@ Image over(const Image& rgba, const std::array<float, 3>& background) {
   return rgb;
 }
 
-Image side_by_side(const std::vector<Image>& pictures) {
+Image side_by_side(const std::vector<Image>& pictures, const std::vector<std::string>& names) {
   int width = 0;
   for (const Image& p : pictures) width += p.width;
   Image sheet(width, pictures.front().height, 3);
@@ -151,6 +152,8 @@ Image side_by_side(const std::vector<Image>& pictures) {
   for (const Image& p : pictures) {
     for (int y = 0; y < p.height; ++y)
       std::memcpy(sheet.at(left, y), p.at(0, y), static_cast<std::size_t>(p.width) * 3);
+    if (pictures.size() > 1)
+      label(sheet, left, 0, p.height, names[static_cast<std::size_t>(&p - pictures.data())]);
     left += p.width;
   }
   return sheet;

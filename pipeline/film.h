@@ -50,7 +50,8 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
 /// RGBA over a background colour (0…1).
 Image over(const Image& rgba, const std::array<float, 3>& background);
 
-/// RGB pictures of one height, left to right.
-Image side_by_side(const std::vector<Image>& pictures);
+/// RGB pictures of one height, left to right, each with its name in the upper left corner where there are
+/// several.
+Image side_by_side(const std::vector<Image>& pictures, const std::vector<std::string>& names);
 
 }  // namespace floatstage::pipeline

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/log.h"
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/evaluate/evaluate.h"
@@ -37,7 +38,11 @@ Result<void> clear_earlier_demo(const fs::path& out) {
       return fail(ErrorCode::AlreadyExists,
                   text(out.string(), " holds ", name.string(), ", which no demo made; choose another --out"));
   }
-  for (const char* product : kProducts) fs::remove_all(out / product, error);
+  std::string replaced;
+  for (const char* product : kProducts)
+    if (fs::remove_all(out / product, error) > 0 && !error)
+      replaced += text(replaced.empty() ? "" : ", ", product);
+  if (!replaced.empty()) log::info(text(out.string(), " held an earlier demo; made again: ", replaced));
   if (error) return fail(ErrorCode::Io, text("cannot clear ", out.string(), ": ", error.message()));
   return {};
 }
@@ -82,7 +87,7 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
     const Image linear = over(picture.renders[0], film.renderer.background),
                 floating = over(picture.renders[1], film.renderer.background);
     if (Result<void> ok = (*freeview)->write(floating); !ok) return ok;
-    if (Result<void> ok = (*compare)->write(side_by_side({linear, floating})); !ok) return ok;
+    if (Result<void> ok = (*compare)->write(side_by_side({linear, floating}, kMethods)); !ok) return ok;
     if (picture.index % options.score_every != options.score_every / 2) return {};
     for (std::size_t m = 0; m < kMethods.size(); ++m)
       report.scores[kMethods[m]].push_back(against_truth(studio, picture, picture.renders[m]));

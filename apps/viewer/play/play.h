@@ -35,6 +35,8 @@ struct PlayOptions {
 /// What a window showed and how quickly, for reports.
 struct PlayReport {
   CanvasTimes pictures;
+  /// From an input, at the latest that it can have come, to the window that shows the first picture with it.
+  PictureTimes after_input;
   int frame = 0;         ///< that it showed last
   long events = 0;       ///< of hands
   std::string renderer;  ///< what drew

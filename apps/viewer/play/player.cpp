@@ -137,8 +137,9 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
     return fail(ErrorCode::InvalidArgument,
                 text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
   // Home lies between two cameras: at a camera every method shows its photograph.
-  const pipeline::PathKey home = pipeline::sample(pipeline::orbit_around(take.rig(), subject, {.seconds = 1}).path,
-                                                  0.5 / static_cast<double>(take.rig().cameras.size()));
+  const pipeline::PathKey home =
+      pipeline::sample(pipeline::orbit_around(take.rig(), subject, {.seconds = 1}).path,
+                       0.5 / static_cast<double>(take.rig().cameras.size()));
   PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
   const bool grid = render::camera_grid(take.rig().cameras).has_value();
   for (const render::RendererInfo& r : render::renderers())
