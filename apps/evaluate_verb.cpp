@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/flags.h"
-#include "apps/orbit_flags.h"
 #include "apps/hull_flags.h"
+#include "apps/orbit_flags.h"
 #include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"

@@ -24,7 +24,7 @@ struct Options {
 
 nlohmann::json to_json(const pipeline::ImportReport& report, const std::filesystem::path& take) {
   return {{"take", take.string()},     {"frames", report.frames}, {"gaps", report.gaps},
-          {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes}};
+          {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes}, {"world", report.world}};
 }
 
 Result<void> run(const Options& given) {
@@ -44,6 +44,7 @@ Result<void> run(const Options& given) {
   const Result<pipeline::ImportReport> report = pipeline::import_take(options);
   if (!report) return forward(report);
   for (const std::string& note : report->notes) log::info(note);
+  log::info(report->world);
   std::printf("%s: %d frames of %zu cameras%s\n", options.out.c_str(), report->frames, report->serials.size(),
               report->mattes ? ", with mattes" : "");
   if (!given.json.empty()) return pipeline::save_json(to_json(*report, options.out), given.json);

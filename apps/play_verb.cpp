@@ -22,7 +22,10 @@ struct Options {
 };
 
 nlohmann::json to_json(const PictureTimes& times) {
-  return {{"pictures", times.count()}, {"median_ms", times.percentile(0.5)}, {"p95_ms", times.percentile(0.95)}, {"worst_ms", times.worst()}};
+  return {{"pictures", times.count()},
+          {"median_ms", times.percentile(0.5)},
+          {"p95_ms", times.percentile(0.95)},
+          {"worst_ms", times.worst()}};
 }
 
 nlohmann::json to_json(const PlayReport& report) {
@@ -36,6 +39,8 @@ nlohmann::json to_json(const PlayReport& report) {
           {"after_input", to_json(report.after_input)},
           {"frame", report.frame},
           {"events", report.events},
+          {"keys", report.keys},
+          {"presses", report.presses},
           {"renderer", report.renderer}};
 }
 

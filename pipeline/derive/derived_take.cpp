@@ -99,7 +99,8 @@ class Deriving {
         !ok)
       return ok;
     const fs::path side_file = from_.layout().frames_csv(camera.serial);
-    if (all()) return share(side_file, to_.frames_csv(camera.serial), report_);
+    // One that is still being recorded grows on: what is there now is taken.
+    if (all() && manifest_.complete) return share(side_file, to_.frames_csv(camera.serial), report_);
     const std::vector<FrameRow>& rows = from_.rows(static_cast<int>(c));
     std::string csv = frames_csv_header();
     for (int i = other_.first; i < std::min(end_, static_cast<int>(rows.size())); ++i)

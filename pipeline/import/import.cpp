@@ -294,9 +294,9 @@ Result<ImportReport> import_take(const ImportOptions& given) {
   const Result<WorldChange> change = world_change(*sized, options.world);
   if (!change) return forward(change);
   const Result<Rig> rig = in_world(*sized, *change);
-  report.notes.push_back(text(options.world.empty() ? "the world is taken as the calibration has it: "
-                                                    : "the world is as --up, --scale and --floor say: ",
-                              describe_world(*rig)));
+  report.world = text(options.world.empty() ? "the world is taken as the calibration has it: "
+                                            : "the world is as --up, --scale and --floor say: ",
+                      describe_world(*rig));
   report.mattes = mattes.has_value();
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
   const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);

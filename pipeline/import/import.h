@@ -45,7 +45,8 @@ struct ImportReport {
   int frames = 0;                    ///< instants
   int gaps = 0;                      ///< frames missing because a camera has fewer than the others
   bool mattes = false;
-  std::vector<std::string> notes;  ///< sentences about what was left out or assumed; the last is of the world
+  std::vector<std::string> notes;  ///< sentences about what was left out or assumed
+  std::string world;               ///< a sentence about where the cameras stand, and what was assumed of it
 };
 
 /// Makes a take of others' pictures and calibration. Cameras without pictures and pictures without a camera

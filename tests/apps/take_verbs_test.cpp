@@ -134,7 +134,7 @@ TEST_F(TakeVerbs, ImportsTakeUpScaleAndFloor) {
   const Vector3d was = rig.cameras[1].cam_from_world.center(),
                  is = open("new")->rig().cameras[1].cam_from_world.center();
   EXPECT_NEAR(is.z(), -2 * was.y() - 0.5, 1e-9);
-  EXPECT_THAT(report("i.json").at("notes").back().get<std::string>(), HasSubstr("--up"));
+  EXPECT_THAT(report("i.json").at("world").get<std::string>(), HasSubstr("--up"));
 }
 
 }  // namespace

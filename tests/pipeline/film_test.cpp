@@ -97,5 +97,21 @@ TEST_F(AFilm, TellsWhenASilhouetteIsNewerThanTheMeshEvenWhereItIsNotDrawn) {
   EXPECT_THAT(SceneLoader(*take_, true).load(0, first), FailsWith(ErrorCode::NotFound, "cam01"));
 }
 
+TEST(SideBySide, NamesWhatItShowsWhereThereAreSeveral) {
+  const Image grey(320, 240, 3, 128);
+  EXPECT_EQ(side_by_side({grey}, {"linear"}).pixels, grey.pixels) << "one needs no name";
+  const Image both = side_by_side({grey, grey}, {"linear", "floating"});
+  ASSERT_EQ(both.width, 640);
+  const auto brightest = [&](int from, int to) {
+    int most = 0;
+    for (int y = 0; y < 16; ++y)
+      for (int x = from; x < to; ++x) most = std::max<int>(most, both.at(x, y)[0]);
+    return most;
+  };
+  EXPECT_GT(brightest(0, 60), 200) << "the left one's name";
+  EXPECT_GT(brightest(320, 380), 200) << "the right one's";
+  for (int y = 30; y < 240; ++y) ASSERT_EQ(both.at(100, y)[1], 128) << "below it the picture is as it was";
+}
+
 }  // namespace
 }  // namespace floatstage::pipeline

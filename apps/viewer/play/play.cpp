@@ -84,6 +84,8 @@ class PlayWindow {
             .after_input = after_input_,
             .frame = editing_ ? editor_->frame_number() : player_->frame_number(),
             .events = events_,
+            .keys = keys_,
+            .presses = presses_,
             .renderer = options_.renderer.back_end == render::BackEnd::Gl ? "gl" : "cpu"};
   }
 
@@ -121,6 +123,10 @@ class PlayWindow {
   bool frame() {
     const std::vector<InputEvent> input = window_->take_input();
     events_ += static_cast<long>(input.size());
+    for (const InputEvent& e : input) {
+      keys_ += e.kind == InputEvent::Kind::Key && !e.repeated ? 1 : 0;
+      presses_ += e.kind == InputEvent::Kind::Press ? 1 : 0;
+    }
     if (!editing_) {
       const auto pressed = [&](int key) {
         return std::any_of(input.begin(), input.end(), [&](const InputEvent& e) {
@@ -165,7 +171,7 @@ class PlayWindow {
 
   PlayOptions options_;
   bool editing_, screenshot_ = false;
-  long events_ = 0;
+  long events_ = 0, keys_ = 0, presses_ = 0;
   PictureTimes after_input_;
   Clock::time_point looked_ = Clock::now();  // for events
   std::unique_ptr<capture::TakeReader> take_;

@@ -47,8 +47,7 @@ class Evaluate : public testing::Test {
   }
   Result<std::map<std::string, TemporalScores>> steadiness(int count) {
     const Subject subject = *find_subject(*take_);
-    return evaluate_path(*take_, options_,
-                         {orbit_around(take_->rig(), subject, {.seconds = 1}).path, count});
+    return evaluate_path(*take_, options_, {orbit_around(take_->rig(), subject, {.seconds = 1}).path, count});
   }
   static TempFolder* folder_;
   std::unique_ptr<capture::TakeReader> take_;

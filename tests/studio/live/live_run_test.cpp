@@ -42,7 +42,8 @@ class ALiveRun : public testing::Test {
   };
 
   static View view(const Rig& rig) {
-    return pipeline::view_of(pipeline::sample(pipeline::orbit_around(rig, {}, {.seconds = 1}).path, 0.29), kWidth, kHeight, {});
+    return pipeline::view_of(pipeline::sample(pipeline::orbit_around(rig, {}, {.seconds = 1}).path, 0.29),
+                             kWidth, kHeight, {});
   }
 
   /// Slowly enough that any machine keeps up.
