@@ -8,6 +8,7 @@
 
 #include "apps/flags.h"
 #include "apps/hull_flags.h"
+#include "apps/orbit_flags.h"
 #include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
@@ -20,6 +21,7 @@
 #include "pipeline/evaluate/picture_sheet.h"
 #include "pipeline/evaluate/temporal.h"
 #include "pipeline/json_report.h"
+#include "pipeline/orbit.h"
 #include "render/back_end.h"
 
 namespace floatstage::apps {
@@ -32,6 +34,7 @@ struct Options {
   std::vector<std::string> inputs, hold_out, methods = {"nearest", "linear", "floating"};
   std::string frames, proxy, scale = "1/1";
   bool orbit = false;
+  pipeline::OrbitOptions walk;
   int border = -1, steps = 200;
   bool mattes = false;
   std::filesystem::path truth;
@@ -302,7 +305,11 @@ Result<pipeline::CameraPath> path_of(const Options& given, capture::TakeReader& 
   const Result<Mesh> mesh = pipeline::proxy_without(
       take, *instant, -1, std::vector<bool>(take.rig().cameras.size(), true), options.proxy);
   if (!mesh) return forward(mesh);
-  return pipeline::orbit_path(take.rig(), bounding_box(*mesh).cast<double>(), 1);
+  pipeline::Subject subject;
+  pipeline::add(*mesh, subject);
+  pipeline::OrbitOptions walk = given.walk;
+  walk.seconds = 1;
+  return pipeline::orbit_around(take.rig(), subject, walk).path;
 }
 
 Result<void> run_path(const Options& given, capture::TakeReader& take,
@@ -417,6 +424,7 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
       ->type_name("FOLDER")
       ->group(kGroupMattes);
   add_hull_flags(*verb, options->hull);
+  add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));
   add_renderer_flags(*verb, options->renderer);
   add_json(*verb, options->json_file);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });

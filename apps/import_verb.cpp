@@ -6,6 +6,7 @@
 #include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
+#include "apps/world_flags.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/import/import.h"
@@ -23,7 +24,7 @@ struct Options {
 
 nlohmann::json to_json(const pipeline::ImportReport& report, const std::filesystem::path& take) {
   return {{"take", take.string()},     {"frames", report.frames}, {"gaps", report.gaps},
-          {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes}};
+          {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes}, {"world", report.world}};
 }
 
 Result<void> run(const Options& given) {
@@ -43,6 +44,7 @@ Result<void> run(const Options& given) {
   const Result<pipeline::ImportReport> report = pipeline::import_take(options);
   if (!report) return forward(report);
   for (const std::string& note : report->notes) log::info(note);
+  log::info(report->world);
   std::printf("%s: %d frames of %zu cameras%s\n", options.out.c_str(), report->frames, report->serials.size(),
               report->mattes ? ", with mattes" : "");
   if (!given.json.empty()) return pipeline::save_json(to_json(*report, options.out), given.json);
@@ -88,6 +90,7 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
                     "How far before the cameras the plane stands that it is drawn on, metres (default: where "
                     "neighbouring pictures agree best)")
         ->type_name("Z");
+  add_world_flags(*app, import.world);
   if (!format.states_unit)
     app->add_option("--metres-per-unit", import.calibration.metres_per_unit,
                     "Length of the calibration's unit, which it does not state")

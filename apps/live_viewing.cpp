@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/interrupt.h"
+#include "apps/orbit_flags.h"
 #include "apps/renderer_options.h"
 #include "apps/viewer/live/live_window.h"
 #include "core/file.h"
@@ -88,8 +89,9 @@ class Snapshots {
 
 Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* network,
                            const LiveViewing& o) {
-  Result<pipeline::CameraPath> path =
-      o.path_file.empty() ? pipeline::orbit_path(feed.rig(), {}, o.orbit) : pipeline::load_path(o.path_file);
+  Result<pipeline::CameraPath> path = o.path_file.empty()
+                                          ? pipeline::orbit_around(feed.rig(), {}, o.orbit).path
+                                          : pipeline::load_path(o.path_file);
   if (!path) return forward(path);
   const double duration = path->duration();
   const studio::ViewAt view_at = [&](double time) {
@@ -139,10 +141,11 @@ void add_viewing_flags(CLI::App& verb, LiveViewing& o) {
   add_blend(verb, o.blend);
   add_background(verb, o.background);
   add_back_end_flag(verb, o.back_end);
-  verb.add_option("--orbit", o.orbit, "Headless: seconds of a walk around the stage")
+  verb.add_option("--orbit", o.orbit.seconds, "Headless: seconds of a walk around the stage")
       ->capture_default_str()
       ->check(CLI::PositiveNumber)
       ->group(kGroupPicture);
+  add_orbit_flags(verb, o.orbit, nullptr);
   verb.add_option("--path", o.path_file, "Follow this camera path instead, again and again")
       ->group(kGroupPicture);
   verb.add_option("--snapshots", o.snapshots, "Headless: write a picture a second into this folder")

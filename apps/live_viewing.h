@@ -6,6 +6,7 @@
 
 #include "apps/flags.h"
 #include "apps/verbs.h"
+#include "pipeline/orbit.h"
 #include "studio/live/live_run.h"
 #include "studio/live/remote_scenes.h"
 #include "studio/live/scene_feed.h"
@@ -20,7 +21,7 @@ struct LiveViewing {
   std::string background = "000000", back_end = "auto";
   Size size{0, 0};  ///< 0: as the view or the window has it
   bool headless = false, show_cameras = false;
-  double orbit = 20;
+  pipeline::OrbitOptions orbit{.seconds = 20};
   int blend = 3;
   studio::LiveRunOptions run;
 };

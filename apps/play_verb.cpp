@@ -22,7 +22,10 @@ struct Options {
 };
 
 nlohmann::json to_json(const PictureTimes& times) {
-  return {{"pictures", times.count()}, {"median_ms", times.median()}, {"worst_ms", times.worst()}};
+  return {{"pictures", times.count()},
+          {"median_ms", times.percentile(0.5)},
+          {"p95_ms", times.percentile(0.95)},
+          {"worst_ms", times.worst()}};
 }
 
 nlohmann::json to_json(const PlayReport& report) {
@@ -30,10 +33,14 @@ nlohmann::json to_json(const PlayReport& report) {
   nlohmann::json moving = to_json(times.moving);
   moving["per_second"] = times.moving_seconds > 0 ? times.moving_steps / times.moving_seconds : 0;
   moving["coarsest"] = times.coarsest;
+  moving["without_flow"] = times.without_flow;
   return {{"at_rest", to_json(times.at_rest)},
           {"moving", std::move(moving)},
+          {"after_input", to_json(report.after_input)},
           {"frame", report.frame},
           {"events", report.events},
+          {"keys", report.keys},
+          {"presses", report.presses},
           {"renderer", report.renderer}};
 }
 

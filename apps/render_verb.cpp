@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/flags.h"
+#include "apps/orbit_flags.h"
 #include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
@@ -10,6 +11,7 @@
 #include "core/text.h"
 #include "pipeline/film.h"
 #include "pipeline/json_report.h"
+#include "pipeline/orbit.h"
 #include "pipeline/picture_sink.h"
 #include "pipeline/scene_loader.h"
 #include "render/back_end.h"
@@ -26,6 +28,7 @@ struct Options {
   double seconds = 0;
   pipeline::FilmOptions film;
   RendererFlags renderer;
+  pipeline::OrbitOptions walk;
 };
 
 Result<void> run(const Options& given) {
@@ -52,11 +55,15 @@ Result<void> run(const Options& given) {
       given.orbit ? pipeline::CameraPath{} : pipeline::load_path(given.path_file);
   if (!path) return forward(path);
   if (given.orbit) {
-    constexpr double kOrbitSeconds = 6;
-    Result<Eigen::AlignedBox3d> box = pipeline::subject_box(**take);
-    if (!box) return forward(box);
-    film.subject = *box;
-    *path = pipeline::orbit_path((*take)->rig(), *box, given.seconds > 0 ? given.seconds : kOrbitSeconds);
+    const Result<pipeline::Subject> subject = pipeline::find_subject(**take);
+    if (!subject) return forward(subject);
+    film.subject = subject->box;
+    pipeline::OrbitOptions walk = given.walk;
+    if (given.seconds > 0) walk.seconds = given.seconds;
+    walk.aspect = static_cast<double>(film.width) / film.height;
+    pipeline::Orbit orbit = pipeline::orbit_around((*take)->rig(), *subject, walk);
+    std::printf("%s\n", pipeline::describe(orbit).c_str());
+    *path = std::move(orbit.path);
   }
   const Result<render::OpenBackEnd> drawing = render::open_back_end(film.renderer.back_end);
   if (!drawing) return forward(drawing);
@@ -72,7 +79,7 @@ Result<void> run(const Options& given) {
         std::vector<Image> pictures;
         for (const Image& rgba : picture.renders)
           pictures.push_back(pipeline::over(rgba, film.renderer.background));
-        return (*sink)->write(pipeline::side_by_side(pictures));
+        return (*sink)->write(pipeline::side_by_side(pictures, film.methods));
       });
   if (!report) return forward(report);
   if (Result<void> ok = (*sink)->finish(); !ok) return ok;
@@ -94,7 +101,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   CLI::App* verb =
       add_verb(app, chosen, "render", "A camera path through a processed take → H.264 video or PNGs",
-               {"floatstage render take --orbit -o orbit.mp4",
+               {"floatstage render take --orbit --turns 2 --height 0.5 -o orbit.mp4",
                 "floatstage render take --path path.json --method linear,floating --size 1280x720 "
                 "-o compare.mp4"});
   add_take(*verb, options->take);
@@ -110,6 +117,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
   add_seconds(*verb, options->seconds, "Length of the film (default: the take's, or the path's)");
   verb->add_flag("--keep-spill", options->keep_spill, "Leave the cloth's colour cast on the photographs")
       ->group(kGroupPicture);
+  add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));
   add_renderer_flags(*verb, options->renderer);
   add_json(*verb, options->json_file);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });

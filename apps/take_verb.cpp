@@ -5,9 +5,12 @@
 
 #include "apps/flags.h"
 #include "apps/progress_bar.h"
+#include "apps/take_verbs.h"
 #include "apps/verbs.h"
+#include "capture/derivation.h"
 #include "capture/take.h"
 #include "core/text.h"
+#include "pipeline/derive/list_takes.h"
 #include "pipeline/json_report.h"
 #include "pipeline/recorded_take.h"
 
@@ -27,35 +30,15 @@ int lost_rows(const std::vector<FrameRow>& rows) {
   return lost;
 }
 
-double seconds_of(const std::vector<FrameRow>& rows) {
-  if (rows.size() < 2) return 0;
-  const Nanoseconds span = rows.back().info.exposure_start - rows.front().info.exposure_start;
-  return static_cast<double>(span.count) / 1e9;
-}
-
-// What was derived and how much of it: mattes by camera, meshes by frame.
-json derived_of(const capture::TakeReader& take) {
-  const TakeLayout& layout = take.layout();
-  int mattes = 0, meshes = 0;
-  std::error_code error;
-  for (int f = 0; f < take.frame_count(); ++f) {
-    meshes += fs::exists(layout.mesh(f), error) ? 1 : 0;
-    for (const RigCamera& camera : take.rig().cameras)
-      mattes += fs::exists(layout.matte(camera.serial, f), error) ? 1 : 0;
-  }
-  return {{"mattes", mattes}, {"meshes", meshes}};
-}
-
 Result<void> info(const Options& given) {
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(given.take);
   if (!opened) return forward(opened);
   const capture::TakeReader& take = **opened;
   const TakeManifest& m = take.manifest();
-  double seconds = 0;
+  const pipeline::TakeFacts facts = pipeline::facts_of(take);
   json cameras = json::array();
   for (std::size_t c = 0; c < m.cameras.size(); ++c) {
     const std::vector<FrameRow>& rows = take.rows(static_cast<int>(c));
-    seconds = std::max(seconds, seconds_of(rows));
     cameras.push_back({{"serial", m.cameras[c].serial},
                        {"codec", m.cameras[c].codec},
                        {"format", name_of(m.cameras[c].format)},
@@ -63,18 +46,20 @@ Result<void> info(const Options& given) {
                        {"rows", rows.size()},
                        {"lost", lost_rows(rows)}});
   }
-  const json derived = derived_of(take);
-  const std::uint64_t bytes = capture::recorded_bytes(given.take);
   std::printf("%s: %d frames of %zu cameras at %g Hz, %.1f s, %.1f MB; %s, %s\n", given.take.c_str(),
-              take.frame_count(), m.cameras.size(), m.frame_rate, seconds, static_cast<double>(bytes) / 1e6,
-              m.complete ? "complete" : "cut off", m.files.empty() ? "not sealed" : "sealed");
+              take.frame_count(), m.cameras.size(), m.frame_rate, facts.seconds,
+              static_cast<double>(facts.bytes) / 1e6, m.complete ? "complete" : "cut off",
+              m.files.empty() ? "not sealed" : "sealed");
   std::printf("recorded %s by %s%s%s\n", m.created.c_str(), m.writer.c_str(), m.label.empty() ? "" : ": ",
               m.label.c_str());
   for (const json& c : cameras)
     std::printf("  %-16s %dx%d %s %s, %d rows, %d lost\n", c["serial"].get<std::string>().c_str(),
                 c["size"][0].get<int>(), c["size"][1].get<int>(), c["format"].get<std::string>().c_str(),
                 c["codec"].get<std::string>().c_str(), c["rows"].get<int>(), c["lost"].get<int>());
-  std::printf("derived: %d mattes, %d meshes\n", derived["mattes"].get<int>(), derived["meshes"].get<int>());
+  const Result<std::optional<capture::Derivation>> from = capture::load_derivation(given.take);
+  if (!from) return forward(from);
+  if (*from) std::printf("made from %s by %s\n", (*from)->from.c_str(), (*from)->how.c_str());
+  std::printf("derived: %d mattes, %d meshes\n", facts.mattes, facts.meshes);
   if (given.json.empty()) return {};
   return pipeline::save_json({{"take", given.take.string()},
                               {"label", m.label},
@@ -82,12 +67,12 @@ Result<void> info(const Options& given) {
                               {"writer", m.writer},
                               {"frame_rate", m.frame_rate},
                               {"frames", take.frame_count()},
-                              {"seconds", seconds},
-                              {"bytes", bytes},
+                              {"seconds", facts.seconds},
+                              {"bytes", facts.bytes},
                               {"complete", m.complete},
                               {"sealed", !m.files.empty()},
                               {"cameras", std::move(cameras)},
-                              {"derived", derived},
+                              {"derived", {{"mattes", facts.mattes}, {"meshes", facts.meshes}}},
                               {"warnings", take.warnings()}},
                              given.json);
 }
@@ -141,7 +126,7 @@ void add_one(CLI::App& take, Chosen& chosen, const char* name, const char* help,
 }  // namespace
 
 void add_take_verb(CLI::App& app, Chosen& chosen) {
-  CLI::App* take = add_verb(app, chosen, "take", "What a take holds, and whether it is as it was recorded",
+  CLI::App* take = add_verb(app, chosen, "take", "What takes hold, whether they are whole; new takes of them",
                             {"floatstage take info T", "floatstage take verify T --json V.json"});
   take->require_subcommand(1);
   add_one(*take, chosen, "info", "What was recorded and what was derived from it", &info,
@@ -152,6 +137,9 @@ void add_take_verb(CLI::App& app, Chosen& chosen) {
   add_one(*take, chosen, "seal",
           "Notes the SHA-256 of every recorded file; recordings and imports do it alone", &seal,
           {"floatstage take seal T", "floatstage take seal T --json S.json"});
+  add_take_derivations(*take, chosen);
+  add_take_set_world(*take, chosen);
+  add_take_list(*take, chosen);
 }
 
 }  // namespace floatstage::apps

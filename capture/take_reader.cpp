@@ -2,6 +2,7 @@
 #include <mutex>
 #include <set>
 
+#include "capture/derivation.h"
 #include "capture/manifest_file.h"
 #include "capture/sha256.h"
 #include "capture/take.h"
@@ -56,6 +57,7 @@ class FolderReader final : public TakeReader {
   std::vector<CameraPlayback> cameras_;
   std::vector<std::string> warnings_;
   int frame_count_ = 0;
+  bool is_derived_ = false;  // its media may hold more pictures than it has rows
   std::mutex reported_mutex_;
   std::set<std::pair<int, int>> reported_;  // damaged frames that were logged
 };
@@ -83,9 +85,8 @@ Result<void> FolderReader::read_rig() {
                       " of take.json; both must list the same cameras in one order"));
   if (sha256(*bytes) != manifest_.rig_sha256)
     return bad(
-        "not the file that was recorded (its SHA-256 differs from take.json's); put it back, or import the "
-        "pictures with the new "
-        "calibration as a new take");
+        "not the file that was recorded (its SHA-256 differs from take.json's); put it back, and give the "
+        "take another calibration with `floatstage take set-rig`");
   return {};
 }
 
@@ -108,7 +109,7 @@ void FolderReader::stop_at_the_cut(const TakeManifest::Camera& camera, CameraPla
                                  [](const FrameRow& row) { return row.media_index.has_value(); });
   const std::int64_t used = last == playback.rows.rend() ? 0 : *last->media_index + 1;
   // A recorder that is killed has often written one picture more than rows.
-  if (used < there && (manifest_.complete || there - used > 1))
+  if (used < there && !is_derived_ && (manifest_.complete || there - used > 1))
     warn(text(media, " has ", there - used, " pictures more than ",
               layout_.frames_csv(camera.serial).string(),
               "; the side file is the truth, they are not played"));
@@ -185,6 +186,9 @@ Result<void> FolderReader::open() {
   Result<TakeManifest> manifest = load_manifest(layout_);
   if (!manifest) return forward(manifest);
   manifest_ = std::move(*manifest);
+  const Result<std::optional<Derivation>> derivation = load_derivation(layout_.folder());
+  if (!derivation) return forward(derivation);
+  is_derived_ = derivation->has_value();
   if (Result<void> ok = read_rig(); !ok) return ok;
   for (const TakeManifest::Camera& camera : manifest_.cameras)
     if (Result<void> ok = read_camera(camera); !ok) return ok;

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "core/serial.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -27,6 +28,10 @@ bool is_usable_serial(std::string_view s) {
 int camera_index(const Rig& rig, std::string_view serial) {
   for (std::size_t i = 0; i < rig.cameras.size(); ++i)
     if (rig.cameras[i].serial == serial) return static_cast<int>(i);
+  // A take or a session from when serials kept their picture's extension (core/serial.h).
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
+    if (without_media_extension(rig.cameras[i].serial) == without_media_extension(serial))
+      return static_cast<int>(i);
   return -1;
 }
 

@@ -143,45 +143,4 @@ Result<void> save_path(const CameraPath& path, const std::filesystem::path& file
   return write_file(file, to_json(path));
 }
 
-CameraPath orbit_path(const Rig& rig, const Eigen::AlignedBox3d& subject, double seconds) {
-  const Vector3d up = mean_up(rig), target = subject.isEmpty() ? focus_point(rig) : subject.center();
-  const Vector3d east = up.unitOrthogonal(), north = up.cross(east);
-  std::vector<double> azimuths;
-  double radius = 0, height = 0, tan_half_fov = 0;
-  for (const RigCamera& c : rig.cameras) {
-    const Vector3d d = c.cam_from_world.center() - target;
-    azimuths.push_back(std::atan2(d.dot(north), d.dot(east)));
-    radius += (d - up * d.dot(up)).norm();
-    height += d.dot(up);
-    tan_half_fov += c.model.height / (2 * c.model.fy);
-  }
-  const double n = static_cast<double>(rig.cameras.size());
-  radius /= n, height /= n, tan_half_fov /= n;
-
-  // The widest stretch without a camera decides: more than a third of a turn is the back of the stage.
-  std::sort(azimuths.begin(), azimuths.end());
-  double widest = 0, begin = 0;
-  for (std::size_t i = 0; i < azimuths.size(); ++i) {
-    const bool last = i + 1 == azimuths.size();
-    const double next = last ? azimuths.front() + 2 * kPi : azimuths[i + 1];
-    if (next - azimuths[i] > widest) widest = next - azimuths[i], begin = next;
-  }
-  const bool full_turn = widest < 2 * kPi / 3;
-  const double arc = 2 * kPi - widest;
-  constexpr int kSteps = 72;
-  CameraPath path;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double s = static_cast<double>(i) / kSteps;
-    const double azimuth = begin + (full_turn ? 2 * kPi * s : arc * (1 - std::cos(2 * kPi * s)) / 2);
-    PathKey key;
-    key.time = s * seconds;
-    key.eye = target + (east * std::cos(azimuth) + north * std::sin(azimuth)) * radius + up * height;
-    key.target = target;
-    key.up = up;
-    key.fov_y = 2 * std::atan(tan_half_fov) * 180 / kPi;
-    path.keys.push_back(key);
-  }
-  return path;
-}
-
 }  // namespace floatstage::pipeline

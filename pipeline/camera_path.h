@@ -37,8 +37,4 @@ std::string to_json(const CameraPath& path);
 Result<CameraPath> load_path(const std::filesystem::path& file);
 Result<void> save_path(const CameraPath& path, const std::filesystem::path& file);
 
-/// A walk around `subject` where the rig's cameras stand, `seconds` long: a full turn when they surround it,
-/// else from one end of their arc to the other and back (no camera has seen the rest).
-CameraPath orbit_path(const Rig& rig, const Eigen::AlignedBox3d& subject, double seconds);
-
 }  // namespace floatstage::pipeline

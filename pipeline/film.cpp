@@ -7,8 +7,10 @@
 
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/label.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
+#include "pipeline/subject.h"
 #include "render/drawn_from.h"
 
 namespace floatstage::pipeline {
@@ -142,7 +144,7 @@ Image over(const Image& rgba, const std::array<float, 3>& background) {
   return rgb;
 }
 
-Image side_by_side(const std::vector<Image>& pictures) {
+Image side_by_side(const std::vector<Image>& pictures, const std::vector<std::string>& names) {
   int width = 0;
   for (const Image& p : pictures) width += p.width;
   Image sheet(width, pictures.front().height, 3);
@@ -150,6 +152,8 @@ Image side_by_side(const std::vector<Image>& pictures) {
   for (const Image& p : pictures) {
     for (int y = 0; y < p.height; ++y)
       std::memcpy(sheet.at(left, y), p.at(0, y), static_cast<std::size_t>(p.width) * 3);
+    if (pictures.size() > 1)
+      label(sheet, left, 0, p.height, names[static_cast<std::size_t>(&p - pictures.data())]);
     left += p.width;
   }
   return sheet;
@@ -166,8 +170,14 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     if (!r) return forward(r);
     renderers.push_back(std::move(*r));
   }
-  const Result<Eigen::AlignedBox3d> box = options.subject ? *options.subject : subject_box(take);
-  if (!box) return forward(box);
+  Eigen::AlignedBox3d box;
+  if (options.subject) {
+    box = *options.subject;
+  } else {
+    const Result<Subject> subject = find_subject(take);
+    if (!subject) return forward(subject);
+    box = subject->box;
+  }
   const Result<Rig> rig = options.balance ? rig_in_balance(take) : rig_with_colors(take);
   if (!rig) return forward(rig);
 
@@ -177,7 +187,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   for (std::size_t p = 0; p < frames.size(); ++p) {
     const double film_time = static_cast<double>(p) / options.frame_rate;
     views.push_back(view_of(sample(path, film_time / film_seconds * path.duration()), options.width,
-                            options.height, *box));
+                            options.height, box));
   }
   SceneStream scenes(take, options, frames, views);
   render::Scene drawn;

@@ -21,8 +21,8 @@ struct FilmOptions {
   std::vector<int> frames;  ///< frames of the take to play, in order; begun again when the film is longer
   std::vector<std::string> methods;  ///< renderers, each draws every picture
   bool suppress_spill = true;
-  bool balance = false;                        ///< cameras' colours are brought to one another
-  std::optional<Eigen::AlignedBox3d> subject = {};  ///< subject_box() of the take, where it is known
+  bool balance = false;                             ///< cameras' colours are brought to one another
+  std::optional<Eigen::AlignedBox3d> subject = {};  ///< find_subject() of the take, where it is known
   render::RendererOptions renderer;
   Progress* progress = nullptr;  ///< null: unwatched
 };
@@ -50,7 +50,8 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
 /// RGBA over a background colour (0…1).
 Image over(const Image& rgba, const std::array<float, 3>& background);
 
-/// RGB pictures of one height, left to right.
-Image side_by_side(const std::vector<Image>& pictures);
+/// RGB pictures of one height, left to right, each with its name in the upper left corner where there are
+/// several.
+Image side_by_side(const std::vector<Image>& pictures, const std::vector<std::string>& names);
 
 }  // namespace floatstage::pipeline

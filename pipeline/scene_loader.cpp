@@ -200,28 +200,4 @@ Result<Rig> rig_with_colors(const capture::TakeReader& take) {
   return rig;
 }
 
-Result<Eigen::AlignedBox3d> subject_box(const capture::TakeReader& take) {
-  std::vector<Result<Eigen::AlignedBox3d>> boxes(static_cast<std::size_t>(take.frame_count()),
-                                                 Eigen::AlignedBox3d());
-  parallel_for(boxes.size(), 0, [&](std::size_t frame) {
-    const std::filesystem::path file = take.layout().mesh(static_cast<int>(frame));
-    if (!is_there(file)) return;
-    Result<Mesh> mesh = load_ply(file);
-    if (!mesh)
-      boxes[frame] = forward(mesh);
-    else if (!mesh->empty())
-      boxes[frame] = bounding_box(*mesh).cast<double>();
-  });
-  Eigen::AlignedBox3d box;
-  for (const Result<Eigen::AlignedBox3d>& of : boxes) {
-    if (!of) return forward(of);
-    if (!of->isEmpty()) box.extend(*of);
-  }
-  if (box.isEmpty())
-    return fail(ErrorCode::NotFound,
-                text(take.layout().folder().string(), " has no mesh with a subject; run `floatstage process ",
-                     take.layout().folder().string(), "` and look at its mattes"));
-  return box;
-}
-
 }  // namespace floatstage::pipeline

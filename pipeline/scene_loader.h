@@ -74,7 +74,4 @@ class SceneLoader {
 /// of other cameras.
 Result<Rig> rig_with_colors(const capture::TakeReader& take);
 
-/// The box around the performer over all processed frames (every mesh that exists), metres.
-Result<Eigen::AlignedBox3d> subject_box(const capture::TakeReader& take);
-
 }  // namespace floatstage::pipeline

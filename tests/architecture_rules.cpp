@@ -81,6 +81,7 @@ const std::map<std::string, int>& ranks() {
   static const std::map<std::string, int> table = {{"pipeline/metrics", 0},
                                                    {"pipeline", 1},
                                                    {"pipeline/import", 2},
+                                                   {"pipeline/derive", 2},
                                                    {"pipeline/matte", 3},
                                                    {"pipeline/process", 4},
                                                    {"pipeline/calibrate", 4},

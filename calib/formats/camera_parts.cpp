@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include "core/serial.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -59,7 +60,7 @@ Eigen::Matrix3d k_with_origin(const CameraModel& model, PixelOrigin origin) {
 }
 
 std::string serial_from_name(std::string_view name) {
-  std::string serial(name);
+  std::string serial(without_media_extension(name));
   for (char& c : serial)
     if (!(std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '_' || c == '-')) c = '_';
   if (!serial.empty() && serial.front() == '.') serial.front() = '_';

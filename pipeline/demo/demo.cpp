@@ -6,14 +6,16 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/log.h"
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/evaluate/evaluate.h"
 #include "pipeline/film.h"
 #include "pipeline/json_report.h"
+#include "pipeline/orbit.h"
 #include "pipeline/picture_sink.h"
 #include "pipeline/process/process.h"
-#include "pipeline/scene_loader.h"
+#include "pipeline/subject.h"
 #include "render/back_end.h"
 
 namespace floatstage::pipeline {
@@ -36,7 +38,11 @@ Result<void> clear_earlier_demo(const fs::path& out) {
       return fail(ErrorCode::AlreadyExists,
                   text(out.string(), " holds ", name.string(), ", which no demo made; choose another --out"));
   }
-  for (const char* product : kProducts) fs::remove_all(out / product, error);
+  std::string replaced;
+  for (const char* product : kProducts)
+    if (fs::remove_all(out / product, error) > 0 && !error)
+      replaced += text(replaced.empty() ? "" : ", ", product);
+  if (!replaced.empty()) log::info(text(out.string(), " held an earlier demo; made again: ", replaced));
   if (error) return fail(ErrorCode::Io, text("cannot clear ", out.string(), ": ", error.message()));
   return {};
 }
@@ -58,11 +64,14 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
   if (!take) return forward(take);
   const Result<render::OpenBackEnd> drawing = render::open_back_end(render::BackEnd::Auto);
   if (!drawing) return forward(drawing);
-  Result<Eigen::AlignedBox3d> box = subject_box(**take);
-  if (!box) return forward(box);
+  const Result<Subject> subject = find_subject(**take);
+  if (!subject) return forward(subject);
 
-  FilmOptions film{
-      .frame_rate = options.film_rate, .frames = {}, .methods = kMethods, .subject = *box, .renderer = {}};
+  FilmOptions film{.frame_rate = options.film_rate,
+                   .frames = {},
+                   .methods = kMethods,
+                   .subject = subject->box,
+                   .renderer = {}};
   for (int f = 0; f < (*take)->frame_count(); ++f) film.frames.push_back(f);
   film.renderer.back_end = drawing->back_end;
   film.renderer.background = {0.16f, 0.17f, 0.19f};
@@ -73,12 +82,12 @@ Result<void> make_films(const DemoOptions& options, const SyntheticStudio& studi
   Result<std::unique_ptr<PictureSink>> compare =
       open_picture_sink(options.out / "compare.mp4", 2 * film.width, film.height, film.frame_rate);
   if (!compare) return forward(compare);
-  const CameraPath path = orbit_path((*take)->rig(), *box, 1);
+  const CameraPath path = orbit_around((*take)->rig(), *subject, {.seconds = 1}).path;
   Result<FilmReport> done = render_film(**take, path, film, [&](FilmPicture picture) -> Result<void> {
     const Image linear = over(picture.renders[0], film.renderer.background),
                 floating = over(picture.renders[1], film.renderer.background);
     if (Result<void> ok = (*freeview)->write(floating); !ok) return ok;
-    if (Result<void> ok = (*compare)->write(side_by_side({linear, floating})); !ok) return ok;
+    if (Result<void> ok = (*compare)->write(side_by_side({linear, floating}, kMethods)); !ok) return ok;
     if (picture.index % options.score_every != options.score_every / 2) return {};
     for (std::size_t m = 0; m < kMethods.size(); ++m)
       report.scores[kMethods[m]].push_back(against_truth(studio, picture, picture.renders[m]));

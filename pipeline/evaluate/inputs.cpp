@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <string_view>
 
 #include "core/text.h"
@@ -15,8 +14,6 @@ constexpr std::string_view kEvery = "every:";
 
 Result<int> find_camera(const Rig& rig, const std::string& name, const char* what_for) {
   if (const int i = camera_index(rig, name); i >= 0) return i;
-  for (std::size_t i = 0; i < rig.cameras.size(); ++i)
-    if (std::filesystem::path(rig.cameras[i].serial).stem() == name) return static_cast<int>(i);
   std::string known;
   for (const RigCamera& c : rig.cameras) known += (known.empty() ? "" : ", ") + c.serial;
   return fail(ErrorCode::NotFound,

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "pipeline/label.h"
+
 namespace floatstage::pipeline {
 namespace {
 
@@ -46,13 +48,14 @@ Image sheet_row(const HeldOutView& view, const std::vector<std::string>& methods
   const int width = box.x1 - box.x0, columns = static_cast<int>(methods.size()) + 2;
   Image sheet(columns * (width + kGap) - kGap, box.y1 - box.y0, 3, 40);
   int left = 0;
-  auto add = [&](const Image& picture) {
+  auto add = [&](const Image& picture, const std::string& name) {
     paste(picture, box, sheet, left);
+    label(sheet, left, 0, sheet.height, name);
     left += width + kGap;
   };
-  add(view.truth);
-  for (const std::string& m : methods) add(view.rendered.at(m));
-  add(difference(view.truth, view.rendered.at(methods.back()), view.mask));
+  add(view.truth, "truth");
+  for (const std::string& m : methods) add(view.rendered.at(m), m);
+  add(difference(view.truth, view.rendered.at(methods.back()), view.mask), "difference");
   return sheet;
 }
 

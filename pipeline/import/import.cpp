@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "core/claim.h"
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/text.h"
@@ -12,6 +11,7 @@
 #include "pipeline/light_field.h"
 #include "pipeline/progress.h"
 #include "pipeline/recorded_take.h"
+#include "pipeline/unfinished_take.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -50,7 +50,10 @@ Result<calib::ForeignRig> chosen_cameras(const calib::ForeignRig& all,
                   text("the calibration has no camera '", serial, "'; it has ", listed(known)));
     }
   for (std::size_t i = 0; i < all.rig.cameras.size(); ++i) {
-    if (std::find(serials.begin(), serials.end(), all.rig.cameras[i].serial) == serials.end()) continue;
+    const auto is_meant = [&](const std::string& serial) {
+      return camera_index(all.rig, serial) == static_cast<int>(i);
+    };
+    if (std::none_of(serials.begin(), serials.end(), is_meant)) continue;
     some.rig.cameras.push_back(all.rig.cameras[i]);
     some.image_names.push_back(all.image_names[i]);
   }
@@ -211,53 +214,6 @@ Result<int> copy_pictures(PictureStream& stream, std::size_t camera, double rate
   }
 }
 
-// The folder that becomes the take: removed unless it was renamed.
-class UnfinishedTake {
- public:
-  explicit UnfinishedTake(fs::path out) : out_(std::move(out)), folder_(temporary_name(out_)) {}
-  UnfinishedTake(const UnfinishedTake&) = delete;
-  UnfinishedTake& operator=(const UnfinishedTake&) = delete;
-  ~UnfinishedTake() {
-    if (!claim_ || published_) return;
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-    if (out_claim_->made) fs::remove(out_, ignored);
-  }
-
-  const fs::path& folder() const { return folder_; }
-
-  /// Claims `out`, which stands empty until the take replaces it, and what is written until then.
-  Result<void> prepare() {
-    Result<NewFolder> out = claim_new_folder(out_);
-    if (!out) return forward(out);
-    out_claim_ = std::move(*out);
-    Result<Claim> folder = claim_temporary_folder(out_, IfThere::Replace);
-    if (!folder && out_claim_->made) {
-      std::error_code ignored;
-      fs::remove(out_, ignored);
-    }
-    if (!folder) return forward(folder);
-    claim_ = std::move(*folder);
-    return {};
-  }
-
-  Result<void> publish() {
-    std::error_code error;
-    fs::rename(folder_, out_, error);  // over an empty folder, never over a full one
-    if (error)
-      return fail(ErrorCode::Io,
-                  text("cannot name the finished take ", out_.string(), ": ", error.message()));
-    published_ = true;
-    return {};
-  }
-
- private:
-  fs::path out_, folder_;
-  std::optional<NewFolder> out_claim_;
-  std::optional<Claim> claim_;
-  bool published_ = false;
-};
-
 Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
                             const std::optional<MatteFiles>& mattes, double rate, const fs::path& folder,
                             ImportReport& report) {
@@ -314,13 +270,8 @@ Result<void> make_plane(const fs::path& folder, std::optional<double> distance, 
 
 Result<ImportReport> import_take(const ImportOptions& given) {
   ImportOptions options = given;
-  fs::path out = options.out.lexically_normal();
-  if (!out.has_filename()) out = out.parent_path();  // "T/"
-  if (out.empty() || out == "." || out == "..")
-    return fail(ErrorCode::InvalidArgument,
-                text("'", options.out.string(), "' is no name for a new take; say --out <folder>"));
-  UnfinishedTake take(out);
-  if (Result<void> ok = take.prepare(); !ok) return forward(ok);
+  Result<UnfinishedTake> take = UnfinishedTake::begin(options.out);
+  if (!take) return forward(take);
   Result<Plan> plan = make_plan(options);
   if (!plan) return forward(plan);
   if (options.label.empty()) options.label = plan->format;
@@ -338,17 +289,23 @@ Result<ImportReport> import_take(const ImportOptions& given) {
     for (const std::string& serial : mattes->without())
       report.notes.push_back(text("camera '", serial, "' has no matte in ", options.mattes.string(),
                                   ": it does not carve, and is compared with only"));
-  const Result<Rig> rig = sized_rig(plan->foreign.rig, *streams, options.other_size, report.notes);
-  if (!rig) return forward(rig);
+  const Result<Rig> sized = sized_rig(plan->foreign.rig, *streams, options.other_size, report.notes);
+  if (!sized) return forward(sized);
+  const Result<WorldChange> change = world_change(*sized, options.world);
+  if (!change) return forward(change);
+  const Result<Rig> rig = in_world(*sized, *change);
+  report.world = text(options.world.empty() ? "the world is taken as the calibration has it: "
+                                            : "the world is as --up, --scale and --floor say: ",
+                      describe_world(*rig));
   report.mattes = mattes.has_value();
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
   const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);
   if (!rate) return forward(rate);
-  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes, *rate, take.folder(), report); !ok)
+  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes, *rate, take->folder(), report); !ok)
     return forward(ok);
   if (plan->format == kLightField)
-    if (Result<void> ok = make_plane(take.folder(), options.plane, report); !ok) return forward(ok);
-  if (Result<void> ok = take.publish(); !ok) return forward(ok);
+    if (Result<void> ok = make_plane(take->folder(), options.plane, report); !ok) return forward(ok);
+  if (Result<void> ok = take->publish(); !ok) return forward(ok);
   return report;
 }
 

@@ -10,6 +10,7 @@
 #include "core/result.h"
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
+#include "pipeline/world.h"
 
 namespace floatstage::pipeline {
 
@@ -33,6 +34,7 @@ struct ImportOptions {
   std::optional<double> frame_rate;  ///< frames a second; absent: the videos' own, 25 for folders of images
   capture::TakeCodec codec = capture::TakeCodec::Ffv1;
   std::optional<double> plane;  ///< of a light field: metres before the cameras; absent: where pictures agree
+  WorldOptions world;           ///< what the calibration does not say of its world
   std::string label;            ///< empty: the name of the calibration's format
   int threads = 0;              ///< 0: one per core
   Progress* progress = nullptr;  ///< null: unwatched
@@ -44,6 +46,7 @@ struct ImportReport {
   int gaps = 0;                      ///< frames missing because a camera has fewer than the others
   bool mattes = false;
   std::vector<std::string> notes;  ///< sentences about what was left out or assumed
+  std::string world;               ///< a sentence about where the cameras stand, and what was assumed of it
 };
 
 /// Makes a take of others' pictures and calibration. Cameras without pictures and pictures without a camera

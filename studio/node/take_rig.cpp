@@ -18,8 +18,9 @@ Result<Rig> rig_of_take(const std::filesystem::path& file, const std::vector<Lan
     known = std::move(*loaded);
   } else {
     log::warning(
-        "no rig is given: the take is recorded with made-up camera positions; calibrate before processing "
-        "it");
+        "no rig is given: the take is recorded with made-up camera positions; before processing it, "
+        "calibrate "
+        "and say `floatstage take set-rig TAKE rig.json -o NEW`");
   }
   SyntheticRigOptions ring;
   ring.cameras = static_cast<int>(lanes.size());

@@ -10,7 +10,7 @@
 #include <benchmark/benchmark.h>
 
 #include "core/text.h"
-#include "pipeline/camera_path.h"
+#include "pipeline/orbit.h"
 #include "pipeline/synthesize.h"
 #include "render/back_end.h"
 #include "studio/live/live_run.h"
@@ -55,7 +55,7 @@ void live(benchmark::State& state) {
   options.seconds = 10;
   for (auto _ : state) {
     auto player = std::move(*TakePlayer::open(recorded.take, {.loop = true}));
-    const pipeline::CameraPath path = pipeline::orbit_path(player->rig(), {}, 20);
+    const pipeline::CameraPath path = pipeline::orbit_around(player->rig(), {}, {.seconds = 20}).path;
     const Result<LiveReport> report = run_live(
         *player, {}, options,
         [&](double s) {
@@ -96,7 +96,7 @@ void instant(benchmark::State& state) {
   render::RendererOptions options;
   options.back_end = render::BackEnd::Cpu;
   options.threads = 1;
-  const pipeline::CameraPath path = pipeline::orbit_path(rig, {}, 20);
+  const pipeline::CameraPath path = pipeline::orbit_around(rig, {}, {.seconds = 20}).path;
   std::vector<TimedSet> sets;
   for (int i = 0; i < kInstants; ++i) sets.push_back(set_of(player->take(), i));
   double stages[4] = {}, triangles = 0, points = 0;

@@ -49,7 +49,7 @@ TEST(Colmap, TakesTheWholeRestOfTheLineAsTheImagesName) {
   const Result<ForeignRig> rig = parse(kCameras, kImages);
   ASSERT_TRUE(rig.has_value());
   EXPECT_EQ(rig->image_names[1], "right/first shot.png");
-  EXPECT_EQ(rig->rig.cameras[1].serial, "right_first_shot.png");
+  EXPECT_EQ(rig->rig.cameras[1].serial, "right_first_shot");
 }
 
 TEST(Colmap, KnowsEveryLensItCanHold) {

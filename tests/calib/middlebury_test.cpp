@@ -36,7 +36,7 @@ TEST(Middlebury, NamesCamerasAfterTheirImagesAndLeavesSizesUnstated) {
   const Result<ForeignRig> rig = parse(kTwoCameras);
   ASSERT_TRUE(rig.has_value());
   EXPECT_THAT(rig->image_names, testing::ElementsAre("a.png", "b.png"));
-  EXPECT_EQ(rig->rig.cameras[1].serial, "b.png");
+  EXPECT_EQ(rig->rig.cameras[1].serial, "b");
   EXPECT_EQ(rig->rig.cameras[1].model.width, 0);
   EXPECT_EQ(rig->rig.cameras[1].model.height, 0);
 }

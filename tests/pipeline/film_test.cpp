@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pipeline/orbit.h"
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
 #include "render/drawn_from.h"
@@ -18,7 +19,7 @@ class AFilm : public testing::Test {
     ProcessOptions options{.take = path_, .matte = "chroma", .hull = recon::HullOptions{}};
     ASSERT_THAT(process_take(options), IsOk());
     take_ = std::move(*capture::TakeReader::open(path_));
-    box_ = *subject_box(*take_);
+    subject_ = *find_subject(*take_);
     film_.width = 160;
     film_.height = 120;
     film_.frame_rate = 4;
@@ -31,7 +32,7 @@ class AFilm : public testing::Test {
   void blend(int count) { film_.renderer.cameras = count; }
   std::vector<FilmPicture> shoot() {
     std::vector<FilmPicture> pictures;
-    const CameraPath path = orbit_path(take_->rig(), box_, 2);
+    const CameraPath path = orbit_around(take_->rig(), subject_, {.seconds = 2}).path;
     EXPECT_THAT(render_film(*take_, path, film_,
                             [&](FilmPicture picture) -> Result<void> {
                               pictures.push_back(std::move(picture));
@@ -52,7 +53,7 @@ class AFilm : public testing::Test {
   TempFolder folder_;
   std::filesystem::path path_;
   std::unique_ptr<capture::TakeReader> take_;
-  Eigen::AlignedBox3d box_;
+  Subject subject_;
   FilmOptions film_;
 };
 
@@ -94,6 +95,22 @@ TEST_F(AFilm, TellsWhenASilhouetteIsNewerThanTheMeshEvenWhereItIsNotDrawn) {
   std::filesystem::copy_file(other, matte, std::filesystem::copy_options::overwrite_existing);
   const auto first = [](const Mesh&) { return std::vector<bool>{true, false, false, false, false, false}; };
   EXPECT_THAT(SceneLoader(*take_, true).load(0, first), FailsWith(ErrorCode::NotFound, "cam01"));
+}
+
+TEST(SideBySide, NamesWhatItShowsWhereThereAreSeveral) {
+  const Image grey(320, 240, 3, 128);
+  EXPECT_EQ(side_by_side({grey}, {"linear"}).pixels, grey.pixels) << "one needs no name";
+  const Image both = side_by_side({grey, grey}, {"linear", "floating"});
+  ASSERT_EQ(both.width, 640);
+  const auto brightest = [&](int from, int to) {
+    int most = 0;
+    for (int y = 0; y < 16; ++y)
+      for (int x = from; x < to; ++x) most = std::max<int>(most, both.at(x, y)[0]);
+    return most;
+  };
+  EXPECT_GT(brightest(0, 60), 200) << "the left one's name";
+  EXPECT_GT(brightest(320, 380), 200) << "the right one's";
+  for (int y = 30; y < 240; ++y) ASSERT_EQ(both.at(100, y)[1], 128) << "below it the picture is as it was";
 }
 
 }  // namespace

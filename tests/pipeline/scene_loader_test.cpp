@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/png.h"
 #include "pipeline/process/process.h"
+#include "pipeline/subject.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::pipeline {
@@ -58,17 +59,17 @@ TEST_F(ProcessedTake, TakesTheClothsCastOffThePhotographsOnRequest) {
 }
 
 TEST_F(ProcessedTake, HasItsSubjectInABoxAroundThePerformer) {
-  const Result<Eigen::AlignedBox3d> box = subject_box(*open());
-  ASSERT_THAT(box, IsOk());
-  EXPECT_GT(box->sizes().z(), 1.0) << "a person stands";
-  EXPECT_LT(box->sizes().maxCoeff(), 3.0);
-  EXPECT_LT(box->center().head<2>().norm(), 0.6) << "in the middle of the stage";
+  const Result<Subject> subject = find_subject(*open());
+  ASSERT_THAT(subject, IsOk());
+  EXPECT_GT(subject->box.sizes().z(), 1.0) << "a person stands";
+  EXPECT_LT(subject->box.sizes().maxCoeff(), 3.0);
+  EXPECT_LT(subject->box.center().head<2>().norm(), 0.6) << "in the middle of the stage";
 }
 
 TEST_F(ProcessedTake, SaysWhichStageIsMissing) {
   fs::remove_all(TakeLayout(path_).meshes());
   EXPECT_THAT(load(), FailsWith(ErrorCode::NotFound, "floatstage process"));
-  EXPECT_THAT(subject_box(*open()), FailsWith(ErrorCode::NotFound, "floatstage process"));
+  EXPECT_THAT(find_subject(*open()), FailsWith(ErrorCode::NotFound, "floatstage process"));
 }
 
 TEST_F(ProcessedTake, ShowsNoPictureThatIsOlderThanItsSilhouettes) {

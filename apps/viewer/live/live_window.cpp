@@ -15,6 +15,7 @@
 #include "core/log.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/orbit.h"
 #include "studio/live/live_pace.h"
 #include "studio/messages/clock.h"
 
@@ -83,7 +84,8 @@ class LiveWindow {
  private:
   // Between two cameras: at a camera every method shows its photograph.
   static pipeline::PathKey home_of(const Rig& rig) {
-    return pipeline::sample(pipeline::orbit_path(rig, {}, 1), 0.5 / static_cast<double>(rig.cameras.size()));
+    return pipeline::sample(pipeline::orbit_around(rig, {}, {.seconds = 1}).path,
+                            0.5 / static_cast<double>(rig.cameras.size()));
   }
 
   void advance_path(double seconds) {

@@ -6,12 +6,13 @@
 #include <imgui.h>
 
 #include "apps/viewer/mattes/matte_panels.h"
+#include "apps/viewer/window/layout.h"
 #include "core/text.h"
 
 namespace floatstage::apps {
 namespace {
 
-constexpr float kPanelWidth = 270, kTimeLineHeight = 92;
+constexpr float kPanelWidth = 270, kTimeLineHeight = 92;  // before ui_scale()
 
 }  // namespace
 
@@ -96,25 +97,26 @@ EditorRequests MatteEditor::frame(const std::vector<InputEvent>& input) {
   constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                       ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
+  const float left = kPanelWidth * ui_scale(), strip = kTimeLineHeight * ui_scale();
   ImGui::SetNextWindowPos({0, 0});
-  ImGui::SetNextWindowSize({kPanelWidth, whole.y - kTimeLineHeight});
+  ImGui::SetNextWindowSize({left, whole.y - strip});
   ImGui::Begin("mattes", nullptr, kFixed & ~ImGuiWindowFlags_NoScrollbar);
   const MattePanelRequests panel = draw_matte_controls(*model_);
   ImGui::End();
-  ImGui::SetNextWindowPos({0, whole.y - kTimeLineHeight});
-  ImGui::SetNextWindowSize({whole.x, kTimeLineHeight});
+  ImGui::SetNextWindowPos({0, whole.y - strip});
+  ImGui::SetNextWindowSize({whole.x, strip});
   ImGui::Begin("matte time", nullptr, kFixed);
   draw_matte_time_line(*model_);
   ImGui::End();
-  ImGui::SetNextWindowPos({kPanelWidth, 0});
-  ImGui::SetNextWindowSize({whole.x - kPanelWidth, whole.y - kTimeLineHeight});
+  ImGui::SetNextWindowPos({left, 0});
+  ImGui::SetNextWindowSize({whole.x - left, whole.y - strip});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
   ImGui::Begin("photograph", nullptr, kFixed);
   draw_canvas();
   ImGui::End();
   ImGui::PopStyleVar();
   EditorRequests asked = panel.editor;
-  asked.add(draw_question(model_->state(), (kPanelWidth + whole.x) / 2, (whole.y - kTimeLineHeight) / 2));
+  asked.add(draw_question(model_->state(), (left + whole.x) / 2, (whole.y - strip) / 2));
   model_->apply(asked);
   if (!panel.camera.empty()) change_camera(panel.camera);
   if (all.next_camera) change_camera(serial_after());

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 
 #include <imgui.h>
 
@@ -14,6 +15,13 @@ namespace {
 
 ImTextureID texture_id(unsigned texture) {
   return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture));
+}
+
+// The method that blends where one floats: the same photographs without their flow.
+int blended(const PlayerState& state, int method) {
+  if (method < 0 || state.methods[static_cast<std::size_t>(method)] != "floating") return method;
+  const auto linear = std::find(state.methods.begin(), state.methods.end(), "linear");
+  return linear == state.methods.end() ? method : static_cast<int>(linear - state.methods.begin());
 }
 
 bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
@@ -30,7 +38,10 @@ bool same(const render::RendererOptions& a, const render::RendererOptions& b) {
 
 Result<void> Canvas::show(const std::shared_ptr<const SceneFrame>& scene) {
   if (!scene || scene == scene_) return {};
+  const auto begin = std::chrono::steady_clock::now();
   if (Result<void> ok = drawn_.set(rig_, *scene); !ok) return ok;
+  times_.load_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   scene_ = scene;
   ++shown_;
   drawable_ = true;
@@ -60,6 +71,7 @@ Canvas::Made Canvas::wanted(const PlayerState& state, const pipeline::PathKey& k
   if (moving) {
     made.renderer.flow.shrink = std::max(2, made.renderer.flow.shrink);
     made.renderer.soft_radius *= pace_.scale();
+    if (pace_.without_flow()) made.left = blended(state, made.left), made.right = blended(state, made.right);
   }
   return made;
 }
@@ -72,14 +84,16 @@ bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key
   return pace_.moving(now);
 }
 
-Result<void> Canvas::render_side(Side& side, int method, const PlayerState& state, const View& view) {
+// Milliseconds that it took.
+Result<double> Canvas::render_side(Side& side, int method, const PlayerState& state, const View& view) {
+  const auto begin = std::chrono::steady_clock::now();
   Result<render::RenderedView> rendered =
       renderers_.render(state.methods[static_cast<std::size_t>(method)], drawn_, view, made_->renderer);
   if (!rendered) return forward(rendered);
   side.view = *rendered;
   if (rendered->picture != nullptr) side.copy.show(*rendered->picture);
   side.texture = rendered->picture != nullptr ? side.copy.id() : rendered->texture;
-  return {};
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
 Result<void> Canvas::render(const PlayerState& state, const Made& wanted, bool moving, double now) {
@@ -88,16 +102,23 @@ Result<void> Canvas::render(const PlayerState& state, const Made& wanted, bool m
   made_ = wanted;
   const View view = pipeline::view_of(wanted.key, wanted.width, wanted.height, subject_);
   view_ = view;
-  if (Result<void> ok = render_side(left_, state.left, state, view); !ok) return ok;
-  if (state.split)
-    if (Result<void> ok = render_side(right_, state.right, state, view); !ok) return ok;
+  const Result<double> left = render_side(left_, wanted.left, state, view);
+  if (!left) return forward(left);
+  const Result<double> right =
+      state.split ? render_side(right_, wanted.right, state, view) : Result<double>(0.0);
+  if (!right) return forward(right);
+  times_.left_ms = *left, times_.right_ms = *right;
+  times_.width = wanted.width, times_.height = wanted.height;
   last_render_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   render_milliseconds_ = 1e3 * last_render_seconds_;
   (moving ? times_.moving : times_.at_rest).add(render_milliseconds_);
   if (moving) {
     if (made_moving_) times_.moving_seconds += now - last_moving_, ++times_.moving_steps;
     times_.coarsest = std::min(times_.coarsest, pace_.scale());
+    times_.without_flow = times_.without_flow || pace_.without_flow();
     pace_.drew(last_render_seconds_);
+  } else {
+    pace_.stood(last_render_seconds_);
   }
   made_moving_ = moving;
   last_moving_ = now;
@@ -132,6 +153,24 @@ void Canvas::list_pictures(const PlayerState& state, float x0, float y0, float x
                 state.methods[static_cast<std::size_t>(state.right)].c_str());
 }
 
+/// Where the time goes, in the upper right corner.
+void Canvas::list_times(const PlayerState& state, float x1, float y0) const {
+  const auto method = [&](int i) { return state.methods[static_cast<std::size_t>(i)].c_str(); };
+  char lines[256];
+  const int n = std::snprintf(lines, sizeof lines, "%-10s %6.1f ms\n", method(made_->left), times_.left_ms);
+  int end = n;
+  if (state.split)
+    end += std::snprintf(lines + end, sizeof lines - static_cast<std::size_t>(end), "%-10s %6.1f ms\n",
+                         method(made_->right), times_.right_ms);
+  std::snprintf(lines + end, sizeof lines - static_cast<std::size_t>(end),
+                "%-10s %6.1f ms\n%-10s %6.1f ms\n%d x %d%s", "window", times_.window_ms, "scene",
+                times_.load_ms, times_.width, times_.height, made_moving_ ? ", moving" : "");
+  const ImVec2 size = ImGui::CalcTextSize(lines);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled({x1 - size.x - 24, y0 + 8}, {x1 - 8, y0 + size.y + 20}, IM_COL32(0, 0, 0, 160), 4);
+  list->AddText({x1 - size.x - 16, y0 + 14}, IM_COL32_WHITE, lines);
+}
+
 Result<void> Canvas::draw(PlayerState& state, std::span<const InputEvent> input) {
   last_render_seconds_ = 0;
   const ImVec2 size = ImGui::GetContentRegionAvail(), origin = ImGui::GetCursorScreenPos();
@@ -154,6 +193,7 @@ Result<void> Canvas::draw(PlayerState& state, std::span<const InputEvent> input)
   if (stale(made)) rendered = render(state, made, moving, now);
 
   list_pictures(state, origin.x, origin.y, origin.x + size.x, origin.y + size.y);
+  if (state.show_times && made_) list_times(state, origin.x + size.x, origin.y);
   if (state.show_cameras) {
     const double depth = subject_.isEmpty() ? 0.3 : subject_.diagonal().norm() * 0.15;
     ImDrawList* list = ImGui::GetWindowDrawList();

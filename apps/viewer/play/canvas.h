@@ -19,9 +19,13 @@ namespace floatstage::apps {
 /// How long a canvas took for its pictures.
 struct CanvasTimes {
   PictureTimes at_rest, moving;
-  double moving_seconds = 0;  ///< from moving picture to moving picture, the window's part included
-  int moving_steps = 0;       ///< so many times
-  double coarsest = 1;        ///< scale of a moving picture
+  double moving_seconds = 0;          ///< from moving picture to moving picture, the window's part included
+  int moving_steps = 0;               ///< so many times
+  double coarsest = 1;                ///< scale of a moving picture
+  bool without_flow = false;          ///< some moving pictures were blended where floating was asked for
+  double left_ms = 0, right_ms = 0;   ///< of the last picture, each side
+  int width = 0, height = 0;          ///< px drawn of the last picture
+  double window_ms = 0, load_ms = 0;  ///< the rest of a frame; the last scene until it was drawable
 };
 
 /// The picture in the middle of the player: draws the scene with one method or two side by side, and takes
@@ -39,7 +43,10 @@ class Canvas {
   /// Draws into the present ImGui window's whole content, and moves state.camera by `input`.
   Result<void> draw(PlayerState& state, std::span<const InputEvent> input);
   /// The window's last frame took so long without the picture, if one was drawn.
-  void window_took(double seconds) { pace_.window_took(seconds - last_render_seconds_); }
+  void window_took(double seconds) {
+    times_.window_ms = 1e3 * (seconds - last_render_seconds_);
+    pace_.window_took(seconds - last_render_seconds_);
+  }
 
   double render_milliseconds() const { return render_milliseconds_; }
   const CanvasTimes& times() const { return times_; }
@@ -67,8 +74,9 @@ class Canvas {
               bool moving) const;
   bool judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now);
   Result<void> render(const PlayerState& state, const Made& wanted, bool moving, double now);
-  Result<void> render_side(Side& side, int method, const PlayerState& state, const View& view);
+  Result<double> render_side(Side& side, int method, const PlayerState& state, const View& view);
   void fly(std::span<const InputEvent> input, PlayerState& state) const;
+  void list_times(const PlayerState& state, float x1, float y0) const;
   void list_pictures(const PlayerState& state, float x0, float y0, float x1, float y1) const;
 
   const Rig rig_;

@@ -3,6 +3,7 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "apps/viewer/window/layout.h"
 #include "apps/viewer/window/transport.h"
 #include "core/text.h"
 
@@ -18,7 +19,8 @@ void choose(const char* label, const std::vector<std::string>& names, int& chose
 
 void draw_methods(PlayerState& state) {
   choose(state.split ? "left" : "method", state.methods, state.left);
-  ImGui::Checkbox("split screen (X)", &state.split);
+  bool split = state.split;
+  if (ImGui::Checkbox("split screen (X)", &split)) state.toggle_split();
   if (state.split) {
     choose("right", state.methods, state.right);
     ImGui::SliderFloat("split at", &state.split_at, 0.02f, 0.98f, "%.2f");
@@ -39,10 +41,11 @@ void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
   if (ImGui::Button("clear")) state.path.clear(), state.follow_path = false;
   const std::vector<pipeline::PathKey> keys =
       state.path.path().keys;  // a copy: buttons below change the path
-  if (ImGui::BeginChild("keys", ImVec2(0, 110), true)) {
+  if (ImGui::BeginChild("keys", ImVec2(0, 110 * ui_scale()), true)) {
     for (std::size_t i = 0; i < keys.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
-      if (ImGui::Selectable(text("key ", i, " at ", keys[i].time, " s").c_str(), false, 0, ImVec2(170, 0)))
+      if (ImGui::Selectable(text("key ", i, " at ", keys[i].time, " s").c_str(), false, 0,
+                            ImVec2(170 * ui_scale(), 0)))
         state.camera.set(keys[i]), state.follow_path = false;
       ImGui::SameLine();
       if (ImGui::SmallButton("x")) state.path.remove(i);
@@ -73,7 +76,7 @@ void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
 
 PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int film_pictures) {
   PanelRequests requests;
-  ImGui::PushItemWidth(150);
+  ImGui::PushItemWidth(150 * ui_scale());
   if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) draw_methods(state);
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) {
     ImGui::Checkbox("show the cameras (C)", &state.show_cameras);
@@ -83,7 +86,7 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
   if (ImGui::CollapsingHeader("Camera path", ImGuiTreeNodeFlags_DefaultOpen))
     draw_path(state, requests, film_pictures);
   ImGui::Separator();
-  ImGui::Text("%.0f ms a picture", render_milliseconds);
+  ImGui::Text("%.0f ms a picture (F3: more)", render_milliseconds);
   ImGui::PopItemWidth();
   return requests;
 }
@@ -107,7 +110,7 @@ void draw_time_line(PlayerState& state) {
   ImGui::Checkbox("loop", &time.loop);
   ImGui::SameLine();
   float speed = static_cast<float>(time.speed);
-  ImGui::SetNextItemWidth(110);
+  ImGui::SetNextItemWidth(110 * ui_scale());
   if (ImGui::SliderFloat("##speed", &speed, 0.1f, 2, "speed %.1f")) time.speed = speed;
   ImGui::SameLine();
   int frame = time.frame();

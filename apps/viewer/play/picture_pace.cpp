@@ -11,10 +11,20 @@ constexpr double kLeast = 0.2;         // of it are the drawing's, however slow 
 
 }  // namespace
 
+double PicturePace::budget() const { return std::max(kLeast * kPicture, kPicture - window_); }
+
+void PicturePace::stood(double seconds) {
+  const double wanted = 16 * std::sqrt(budget() / std::max(seconds, 1e-6));
+  if (wanted >= 16 * kCoarsest) without_flow_ = false;
+  if (!drew_moving_)
+    sixteenths_ = std::clamp(static_cast<int>(std::floor(wanted)), static_cast<int>(16 * kCoarsest), 16);
+}
+
 void PicturePace::drew(double seconds) {
-  const double budget = std::max(kLeast * kPicture, kPicture - window_);
+  drew_moving_ = true;
+  if (sixteenths_ == static_cast<int>(16 * kCoarsest) && seconds > kPicture) without_flow_ = true;
   // Its time goes with its area, or rises more slowly.
-  const double wanted = 16 * scale() * std::sqrt(budget / std::max(seconds, 1e-6));
+  const double wanted = 16 * scale() * std::sqrt(budget() / std::max(seconds, 1e-6));
   if (wanted < sixteenths_) sixteenths_ = static_cast<int>(std::floor(wanted));
   // Up by little steps, and not for what the next picture would take back.
   if (wanted > sixteenths_ + 1.5) ++sixteenths_;
@@ -33,11 +43,12 @@ void PictureTimes::add(double milliseconds) {
   worst_ = std::max(worst_, milliseconds);
 }
 
-double PictureTimes::median() const {
+double PictureTimes::percentile(double share) const {
   long below = 0;
   for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
     below += bins_[bin];
-    if (below > 0 && 2 * below >= count_) return static_cast<double>(bin) + 0.5;
+    if (below > 0 && static_cast<double>(below) >= share * static_cast<double>(count_))
+      return static_cast<double>(bin) + 0.5;
   }
   return 0;
 }

@@ -13,10 +13,15 @@ class PicturePace {
  public:
   /// Something has moved.
   void moved(double now) { last_move_ = now, ever_moved_ = true; }
+  /// A full picture was drawn, at rest, in so many seconds: where nothing has moved yet, what the first
+  /// moving picture goes by.
+  void stood(double seconds);
   bool moving(double now) const { return ever_moved_ && now - last_move_ < kRest; }
   /// Pixels drawn per pixel shown, along a line: kCoarsest … 1.
   double scale() const { return static_cast<double>(sixteenths_) / 16; }
-  /// A picture was drawn with scale() in so many seconds.
+  /// Even the coarsest picture takes too long with flow: it is left out while something moves.
+  bool without_flow() const { return without_flow_; }
+  /// A picture was drawn with scale() in so many seconds, without flow where without_flow() said so.
   void drew(double seconds);
   /// The window's frame took so long without the picture.
   void window_took(double seconds);
@@ -27,7 +32,10 @@ class PicturePace {
  private:
   double last_move_ = 0;
   bool ever_moved_ = false;
+  double budget() const;
+
   int sixteenths_ = 16;
+  bool drew_moving_ = false, without_flow_ = false;
   double window_ = 0;
 };
 
@@ -36,8 +44,8 @@ class PictureTimes {
  public:
   void add(double milliseconds);
   long count() const { return count_; }
-  /// Half of the pictures took less, to a millisecond; 0 without pictures.
-  double median() const;
+  /// This share of the pictures (0…1) took less, to a millisecond; 0 without pictures.
+  double percentile(double share) const;
   double worst() const { return worst_; }
 
  private:

@@ -56,13 +56,20 @@ class PlayWindow {
     bool said = false;
     while (!window_->should_close() && !(options_.stop && options_.stop())) {
       const bool busy = editing_ ? editor_->busy() : player_->busy();
-      window_->begin_frame(busy || !options_.screenshot.empty() ? 0 : kIdle);
+      const bool waits = !busy && options_.screenshot.empty();
+      const Clock::time_point polled = Clock::now();
+      window_->begin_frame(waits ? kIdle : 0);
       const Clock::time_point begun = Clock::now();
-      frame();
+      // While the window waits an input wakes it; what came while it drew has waited since the last look.
+      const Clock::time_point came = waits && woke(begun - polled) ? begun : std::exchange(looked_, begun);
+      looked_ = begun;
+      const bool has_input = frame();
       settled = (editing_ ? editor_->stands() : player_->stands()) ? settled + 1 : 0;
       const bool last = !options_.screenshot.empty() && settled >= kSettleFrames;
       Image picture;
       window_->end_frame(last || screenshot_ ? &picture : nullptr);
+      if (has_input && !editing_)
+        after_input_.add(1e3 * std::chrono::duration<double>(Clock::now() - came).count());
       if (!editing_) player_->frame_took(std::chrono::duration<double>(Clock::now() - begun).count());
       if (last) return save_png(picture, options_.screenshot);
       if (std::exchange(screenshot_, false)) keep(picture);
@@ -74,8 +81,11 @@ class PlayWindow {
 
   PlayReport report() const {
     return {.pictures = player_ ? player_->times() : CanvasTimes(),
+            .after_input = after_input_,
             .frame = editing_ ? editor_->frame_number() : player_->frame_number(),
             .events = events_,
+            .keys = keys_,
+            .presses = presses_,
             .renderer = options_.renderer.back_end == render::BackEnd::Gl ? "gl" : "cpu"};
   }
 
@@ -106,9 +116,17 @@ class PlayWindow {
     return {};
   }
 
-  void frame() {
+  // Whether it slept: an event that was there already is handed out at once.
+  static bool woke(Clock::duration waited) { return waited > std::chrono::milliseconds(1); }
+
+  /// Whether hands did something.
+  bool frame() {
     const std::vector<InputEvent> input = window_->take_input();
     events_ += static_cast<long>(input.size());
+    for (const InputEvent& e : input) {
+      keys_ += e.kind == InputEvent::Kind::Key && !e.repeated ? 1 : 0;
+      presses_ += e.kind == InputEvent::Kind::Press ? 1 : 0;
+    }
     if (!editing_) {
       const auto pressed = [&](int key) {
         return std::any_of(input.begin(), input.end(), [&](const InputEvent& e) {
@@ -118,12 +136,13 @@ class PlayWindow {
       screenshot_ = pressed(kKeyF12);
       player_->frame(input);
       if (pressed('M')) to_editor();
-      return;
+      return !input.empty();
     }
     const EditorRequests requests = editor_->frame(input);
     screenshot_ = requests.screenshot;
     if (requests.quit) window_->close();
     if (requests.player) to_player();
+    return !input.empty();
   }
 
   void to_editor() {
@@ -152,7 +171,9 @@ class PlayWindow {
 
   PlayOptions options_;
   bool editing_, screenshot_ = false;
-  long events_ = 0;
+  long events_ = 0, keys_ = 0, presses_ = 0;
+  PictureTimes after_input_;
+  Clock::time_point looked_ = Clock::now();  // for events
   std::unique_ptr<capture::TakeReader> take_;
   std::unique_ptr<Window> window_;  // outlives what draws in it
   std::unique_ptr<Player> player_;

@@ -35,9 +35,12 @@ struct PlayOptions {
 /// What a window showed and how quickly, for reports.
 struct PlayReport {
   CanvasTimes pictures;
-  int frame = 0;         ///< that it showed last
-  long events = 0;       ///< of hands
-  std::string renderer;  ///< what drew
+  /// From an input, at the latest that it can have come, to the window that shows the first picture with it.
+  PictureTimes after_input;
+  int frame = 0;               ///< that it showed last
+  long events = 0;             ///< of hands
+  long keys = 0, presses = 0;  ///< of them: keys, those that repeat left out; buttons
+  std::string renderer;        ///< what drew
 };
 
 /// The window: the interactive player on a processed take, and the matte editor. Returns when it is closed.

@@ -12,6 +12,7 @@
 #include "apps/viewer/window/layout.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/orbit.h"
 #include "render/camera_grid.h"
 
 namespace floatstage::apps {
@@ -131,13 +132,14 @@ class WindowPlayer : public Player {
 };
 
 Result<PlayerState> initial_state(const PlayOptions& options, const capture::TakeReader& take,
-                                  const Eigen::AlignedBox3d& subject) {
+                                  const pipeline::Subject& subject) {
   if (options.frame < 0 || options.frame >= take.frame_count())
     return fail(ErrorCode::InvalidArgument,
                 text("frame ", options.frame, " is not in the take, which has ", take.frame_count()));
   // Home lies between two cameras: at a camera every method shows its photograph.
-  const pipeline::PathKey home = pipeline::sample(pipeline::orbit_path(take.rig(), subject, 1),
-                                                  0.5 / static_cast<double>(take.rig().cameras.size()));
+  const pipeline::PathKey home =
+      pipeline::sample(pipeline::orbit_around(take.rig(), subject, {.seconds = 1}).path,
+                       0.5 / static_cast<double>(take.rig().cameras.size()));
   PlayerState state{TimeLine(take.frame_count(), take.manifest().frame_rate), ViewerCamera(home)};
   const bool grid = render::camera_grid(take.rig().cameras).has_value();
   for (const render::RendererInfo& r : render::renderers())
@@ -169,7 +171,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
 }  // namespace
 
 Result<void> Player::check(const PlayOptions& options, const capture::TakeReader& take) {
-  Result<Eigen::AlignedBox3d> subject = pipeline::subject_box(take);
+  const Result<pipeline::Subject> subject = pipeline::find_subject(take);
   if (!subject) return forward(subject);
   if (const Result<Rig> rig = pipeline::rig_with_colors(take); !rig) return forward(rig);
   const Result<PlayerState> state = initial_state(options, take, *subject);
@@ -177,13 +179,13 @@ Result<void> Player::check(const PlayOptions& options, const capture::TakeReader
 }
 
 Result<std::unique_ptr<Player>> Player::open(const PlayOptions& options, capture::TakeReader& take) {
-  Result<Eigen::AlignedBox3d> subject = pipeline::subject_box(take);
+  const Result<pipeline::Subject> subject = pipeline::find_subject(take);
   if (!subject) return forward(subject);
   const Result<Rig> rig = options.balance ? pipeline::rig_in_balance(take) : pipeline::rig_with_colors(take);
   if (!rig) return forward(rig);
   Result<PlayerState> state = initial_state(options, take, *subject);
   if (!state) return forward(state);
-  return std::unique_ptr<Player>(new WindowPlayer(options, take, *rig, *subject, std::move(*state)));
+  return std::unique_ptr<Player>(new WindowPlayer(options, take, *rig, subject->box, std::move(*state)));
 }
 
 }  // namespace floatstage::apps

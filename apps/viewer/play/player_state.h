@@ -19,12 +19,17 @@ struct PlayerState {
   std::vector<std::string> methods = {};  ///< every renderer's name
   int left = 0, right = 0;                ///< methods shown; `right` only when split
   bool split = false;
+  /// Splits, or no longer: a first split compares linear with floating, and the method from before comes
+  /// back.
+  void toggle_split();
+  int alone = 0;          ///< the method from before the split
   float split_at = 0.5f;  ///< where the picture changes from left to right, 0…1
   render::RendererOptions renderer = {};
   float render_scale = 1;  ///< pixels rendered per pixel shown, 0.25…1
   bool quick = false;      ///< coarser while something moves (PicturePace)
 
   bool show_cameras = false;
+  bool show_times = false;   ///< of the stages, in a corner
   bool follow_path = false;  ///< the camera rides the path instead of the mouse
   double path_time = 0;      ///< seconds
 

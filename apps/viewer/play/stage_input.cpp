@@ -58,6 +58,19 @@ void StageInput::take(std::span<const InputEvent> input, bool free, PlayerState&
   }
 }
 
+void PlayerState::toggle_split() {
+  split = !split;
+  if (!split) {
+    left = alone;
+    return;
+  }
+  alone = left;
+  const auto place = [&](const char* name) { return std::find(methods.begin(), methods.end(), name); };
+  if (left != right || place("linear") == methods.end() || place("floating") == methods.end()) return;
+  left = static_cast<int>(place("linear") - methods.begin());
+  right = static_cast<int>(place("floating") - methods.begin());
+}
+
 void take_shortcuts(std::span<const InputEvent> input, const pipeline::PathKey& home, PlayerState& state) {
   for (const InputEvent& e : input) {
     if (e.kind != InputEvent::Kind::Key || e.control) continue;
@@ -69,7 +82,8 @@ void take_shortcuts(std::span<const InputEvent> input, const pipeline::PathKey& 
     if (e.key == ' ') state.time.playing = !state.time.playing;
     if (e.key == 'K') state.path.append(state.camera.key());
     if (e.key == 'C') state.show_cameras = !state.show_cameras;
-    if (e.key == 'X') state.split = !state.split;
+    if (e.key == 'X') state.toggle_split();
+    if (e.key == kKeyF3) state.show_times = !state.show_times;
     if (e.key == 'H') state.camera.set(home);
   }
 }

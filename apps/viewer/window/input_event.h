@@ -17,6 +17,6 @@ struct InputEvent {
 
 // GLFW's numbers; window.cpp checks that.
 constexpr int kKeyEscape = 256, kKeyEnter = 257, kKeyTab = 258, kKeyDelete = 261, kKeyRight = 262,
-              kKeyLeft = 263, kKeyHome = 268, kKeyEnd = 269, kKeyF12 = 301;
+              kKeyLeft = 263, kKeyHome = 268, kKeyEnd = 269, kKeyF3 = 292, kKeyF12 = 301;
 
 }  // namespace floatstage::apps

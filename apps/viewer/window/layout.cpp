@@ -4,13 +4,16 @@
 
 namespace floatstage::apps {
 
+float ui_scale() { return ImGui::GetFontSize() / kFontPixels; }
+
 void lay_out_window(float strip_height, const std::array<float, 3>& background, const WindowParts& parts) {
-  constexpr float kPanelWidth = 270;
+  const float panel_width = 270 * ui_scale();
+  strip_height *= ui_scale();
   constexpr ImGuiWindowFlags kFixed =
       ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBringToFrontOnFocus;
   const ImVec2 whole = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0, 0});
-  ImGui::SetNextWindowSize({kPanelWidth, whole.y - strip_height});
+  ImGui::SetNextWindowSize({panel_width, whole.y - strip_height});
   ImGui::Begin("controls", nullptr, kFixed & ~ImGuiWindowFlags_NoScrollbar);
   parts.controls();
   ImGui::End();
@@ -19,8 +22,8 @@ void lay_out_window(float strip_height, const std::array<float, 3>& background, 
   ImGui::Begin("strip", nullptr, kFixed);
   parts.strip();
   ImGui::End();
-  ImGui::SetNextWindowPos({kPanelWidth, 0});
-  ImGui::SetNextWindowSize({whole.x - kPanelWidth, whole.y - strip_height});
+  ImGui::SetNextWindowPos({panel_width, 0});
+  ImGui::SetNextWindowSize({whole.x - panel_width, whole.y - strip_height});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
   ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(background[0], background[1], background[2], 1));
   ImGui::Begin("stage", nullptr, kFixed);

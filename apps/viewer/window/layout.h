@@ -13,7 +13,14 @@ struct WindowParts {
   std::function<void()> stage;     ///< the rest, without borders, on the background
 };
 
-/// One frame of the window, of ImGui's present size. `strip_height` is in px; `background` RGB, 0 to 1.
+/// Height of the letters on a display of ordinary pixels.
+inline constexpr float kFontPixels = 13;
+
+/// How much larger than that they are here; widths and heights of widgets go with it. Inside a frame.
+float ui_scale();
+
+/// One frame of the window, of ImGui's present size. `strip_height` is in px before ui_scale(); `background`
+/// RGB, 0 to 1.
 void lay_out_window(float strip_height, const std::array<float, 3>& background, const WindowParts& parts);
 
 }  // namespace floatstage::apps

@@ -1,5 +1,7 @@
 #include "apps/viewer/window/window.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 
+#include "apps/viewer/window/layout.h"
 #include "core/text.h"
 
 namespace floatstage::apps {
@@ -23,7 +26,8 @@ std::string glfw_error() {
 
 static_assert(GLFW_KEY_ESCAPE == kKeyEscape && GLFW_KEY_ENTER == kKeyEnter && GLFW_KEY_TAB == kKeyTab &&
               GLFW_KEY_DELETE == kKeyDelete && GLFW_KEY_RIGHT == kKeyRight && GLFW_KEY_LEFT == kKeyLeft &&
-              GLFW_KEY_HOME == kKeyHome && GLFW_KEY_END == kKeyEnd && GLFW_KEY_F12 == kKeyF12);
+              GLFW_KEY_HOME == kKeyHome && GLFW_KEY_END == kKeyEnd && GLFW_KEY_F3 == kKeyF3 &&
+              GLFW_KEY_F12 == kKeyF12);
 static_assert(GLFW_MOUSE_BUTTON_LEFT == 0 && GLFW_MOUSE_BUTTON_RIGHT == 1 && GLFW_MOUSE_BUTTON_MIDDLE == 2);
 
 Window::Input& input_of(GLFWwindow* window) {
@@ -41,6 +45,17 @@ InputEvent event_of(GLFWwindow* window, InputEvent::Kind kind, int mods) {
 }
 
 }  // namespace
+
+// The display says how many of its pixels a drawn one is: letters keep their size in the hand.
+void Window::scale_fonts(GLFWwindow* window) {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window, &x, &y);
+  const float scale = std::clamp(std::max(x, y), 1.F, 4.F);
+  ImFontConfig font;
+  font.SizePixels = std::round(kFontPixels * scale);
+  ImGui::GetIO().Fonts->AddFontDefault(&font);
+  ImGui::GetStyle().ScaleAllSizes(scale);
+}
 
 // Before ImGui listens: it calls on what was there before.
 void Window::listen() {
@@ -75,8 +90,7 @@ void Window::listen() {
 
 std::vector<InputEvent> Window::take_input() { return std::exchange(input_.events, {}); }
 
-Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width,
-                                                             int height) {
+Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
   if (!glfwInit())
     return fail(ErrorCode::Unsupported, text("no window can be opened (", glfw_error(),
                                              "); run on a desktop, or `floatstage render` for a video"));
@@ -96,6 +110,7 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // the layout is ours; leave no file in the user's folder
   ImGui::StyleColorsDark();
+  scale_fonts(window->window_);
   window->listen();
   ImGui_ImplGlfw_InitForOpenGL(window->window_, true);
   ImGui_ImplOpenGL3_Init("#version 450");

@@ -45,6 +45,7 @@ class Window {
   Window() = default;
   Image grab(int width, int height) const;
   void listen();
+  static void scale_fonts(GLFWwindow* window);
 
   GLFWwindow* window_ = nullptr;
   Input input_;

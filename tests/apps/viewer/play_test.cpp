@@ -156,8 +156,12 @@ sleep 1
 for x in $(seq 500 4 700); do echo mousemove $x 300; done > moves
 xdotool mousemove --sync 500 300 mousedown 1
 xdotool - < moves
-xdotool mouseup 1 key Right key Left key Right key Left key Right
-sleep 1
+xdotool mouseup 1
+for i in $(seq 100); do echo mousemove $((500 + i % 2 * 40)) 300 mousedown 1 mousemove $((540 - i % 2 * 40)) 310 mouseup 1; done > drags
+xdotool - < drags
+for i in $(seq 101); do echo key Right; done > keys
+xdotool - < keys
+sleep 2
 kill -INT $player
 wait $player
 )")
@@ -173,7 +177,10 @@ wait $player
   const Result<std::string> bytes = read_file(json);
   ASSERT_THAT(bytes, IsOk()) << output;
   const nlohmann::json report = nlohmann::json::parse(*bytes);
-  EXPECT_EQ(report.at("frame"), 1) << "five arrows between two frames: " << report.dump();
+  EXPECT_EQ(report.at("frame"), 1) << "a hundred and one arrows between two frames: " << report.dump();
+  EXPECT_EQ(report.at("keys"), 101) << report.dump();
+  EXPECT_EQ(report.at("presses"), 101) << "a slow drag and a hundred quick ones: " << report.dump();
+  EXPECT_GT(report.at("after_input").at("pictures"), 0) << report.dump();
   EXPECT_GT(report.at("moving").at("pictures"), 0) << report.dump();
   EXPECT_GE(report.at("at_rest").at("pictures"), 2) << "before the drag and after it: " << report.dump();
   EXPECT_GE(report.at("events"), 7) << report.dump();

@@ -101,6 +101,24 @@ TEST(Shortcuts, CountEveryKeyOfASlowPicture) {
   EXPECT_EQ(s.time.frame(), 2) << "but steps on";
 }
 
+TEST(Shortcuts, SplitBetweenLinearAndFloatingAndComeBack) {
+  PlayerState s = state();
+  s.methods = {"nearest", "linear", "floating"};
+  s.left = s.right = 2;
+  const pipeline::PathKey home = s.camera.key();
+  take_shortcuts({{key('X')}}, home, s);
+  EXPECT_TRUE(s.split);
+  EXPECT_EQ(s.methods[static_cast<std::size_t>(s.left)], "linear");
+  EXPECT_EQ(s.methods[static_cast<std::size_t>(s.right)], "floating");
+  take_shortcuts({{key('X'), key(kKeyF3)}}, home, s);
+  EXPECT_FALSE(s.split);
+  EXPECT_EQ(s.left, 2) << "the method from before";
+  EXPECT_TRUE(s.show_times);
+  s.right = 0;
+  take_shortcuts({{key('X')}}, home, s);
+  EXPECT_EQ(s.left, 2) << "who chose two methods keeps them";
+}
+
 TEST(Shortcuts, BringTheCameraHome) {
   PlayerState s = state();
   const pipeline::PathKey home = s.camera.key();

@@ -8,6 +8,7 @@
 #include "core/mesh_io.h"
 #include "pipeline/evaluate/temporal.h"
 #include "pipeline/light_field.h"
+#include "pipeline/orbit.h"
 #include "pipeline/process/process.h"
 #include "tests/core/rigs.h"
 #include "tests/support/camera_grids.h"
@@ -45,8 +46,8 @@ class Evaluate : public testing::Test {
     return list;
   }
   Result<std::map<std::string, TemporalScores>> steadiness(int count) {
-    const Eigen::AlignedBox3d box = bounding_box(*load_ply(take_->layout().mesh(0))).cast<double>();
-    return evaluate_path(*take_, options_, {orbit_path(take_->rig(), box, 1), count});
+    const Subject subject = *find_subject(*take_);
+    return evaluate_path(*take_, options_, {orbit_around(take_->rig(), subject, {.seconds = 1}).path, count});
   }
   static TempFolder* folder_;
   std::unique_ptr<capture::TakeReader> take_;

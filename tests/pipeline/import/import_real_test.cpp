@@ -21,7 +21,7 @@ TEST(ImportReal, TempleRingTakesTheNineteenViewsThatHaveAnImage) {
   const Result<ImportReport> report = import_take(options);
   ASSERT_THAT(report, IsOk());
   ASSERT_EQ(report->serials.size(), 19u);
-  EXPECT_EQ(report->serials.front(), "templeR0013.png");
+  EXPECT_EQ(report->serials.front(), "templeR0013");
   EXPECT_EQ(report->frames, 1);
   EXPECT_THAT(report->notes, testing::ElementsAre(testing::HasSubstr("28 of 47")));
   const auto take = capture::TakeReader::open(options.out);

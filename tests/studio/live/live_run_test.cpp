@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include "pipeline/camera_path.h"
 #include "pipeline/film.h"
+#include "pipeline/orbit.h"
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
 #include "studio/live/take_player.h"
@@ -42,7 +42,8 @@ class ALiveRun : public testing::Test {
   };
 
   static View view(const Rig& rig) {
-    return pipeline::view_of(pipeline::sample(pipeline::orbit_path(rig, {}, 1), 0.29), kWidth, kHeight, {});
+    return pipeline::view_of(pipeline::sample(pipeline::orbit_around(rig, {}, {.seconds = 1}).path, 0.29),
+                             kWidth, kHeight, {});
   }
 
   /// Slowly enough that any machine keeps up.

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "apps/verbs.h"
+
+namespace floatstage::apps {
+
+// Sub-verbs of `take` that have files of their own.
+
+/// set-rig, trim, join: new takes of old ones.
+void add_take_derivations(CLI::App& take, Chosen& chosen);
+/// set-world: the same cameras in another world.
+void add_take_set_world(CLI::App& take, Chosen& chosen);
+/// list: the takes of a folder.
+void add_take_list(CLI::App& take, Chosen& chosen);
+
+}  // namespace floatstage::apps
