@@ -4,14 +4,13 @@
 #include <cmath>
 #include <optional>
 
-#include "core/claim.h"
-#include "core/file.h"
 #include "core/parallel.h"
 #include "core/text.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/light_field.h"
 #include "pipeline/progress.h"
 #include "pipeline/recorded_take.h"
+#include "pipeline/unfinished_folder.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -211,53 +210,6 @@ Result<int> copy_pictures(PictureStream& stream, std::size_t camera, double rate
   }
 }
 
-// The folder that becomes the take: removed unless it was renamed.
-class UnfinishedTake {
- public:
-  explicit UnfinishedTake(fs::path out) : out_(std::move(out)), folder_(temporary_name(out_)) {}
-  UnfinishedTake(const UnfinishedTake&) = delete;
-  UnfinishedTake& operator=(const UnfinishedTake&) = delete;
-  ~UnfinishedTake() {
-    if (!claim_ || published_) return;
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-    if (out_claim_->made) fs::remove(out_, ignored);
-  }
-
-  const fs::path& folder() const { return folder_; }
-
-  /// Claims `out`, which stands empty until the take replaces it, and what is written until then.
-  Result<void> prepare() {
-    Result<NewFolder> out = claim_new_folder(out_);
-    if (!out) return forward(out);
-    out_claim_ = std::move(*out);
-    Result<Claim> folder = claim_temporary_folder(out_, IfThere::Replace);
-    if (!folder && out_claim_->made) {
-      std::error_code ignored;
-      fs::remove(out_, ignored);
-    }
-    if (!folder) return forward(folder);
-    claim_ = std::move(*folder);
-    return {};
-  }
-
-  Result<void> publish() {
-    std::error_code error;
-    fs::rename(folder_, out_, error);  // over an empty folder, never over a full one
-    if (error)
-      return fail(ErrorCode::Io,
-                  text("cannot name the finished take ", out_.string(), ": ", error.message()));
-    published_ = true;
-    return {};
-  }
-
- private:
-  fs::path out_, folder_;
-  std::optional<NewFolder> out_claim_;
-  std::optional<Claim> claim_;
-  bool published_ = false;
-};
-
 Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
                             const std::optional<MatteFiles>& mattes, double rate, const fs::path& folder,
                             ImportReport& report) {
@@ -314,12 +266,7 @@ Result<void> make_plane(const fs::path& folder, std::optional<double> distance, 
 
 Result<ImportReport> import_take(const ImportOptions& given) {
   ImportOptions options = given;
-  fs::path out = options.out.lexically_normal();
-  if (!out.has_filename()) out = out.parent_path();  // "T/"
-  if (out.empty() || out == "." || out == "..")
-    return fail(ErrorCode::InvalidArgument,
-                text("'", options.out.string(), "' is no name for a new take; say --out <folder>"));
-  UnfinishedTake take(out);
+  UnfinishedFolder take(options.out);
   if (Result<void> ok = take.prepare(); !ok) return forward(ok);
   Result<Plan> plan = make_plan(options);
   if (!plan) return forward(plan);
