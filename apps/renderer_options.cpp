@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "apps/flags.h"
+#include "apps/text_options.h"
 #include "core/text.h"
 #include "render/camera_grid.h"
 
@@ -104,14 +105,9 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
     if (!range) return forward(range);
     std::tie(options.nearest, options.farthest) = *range;
   }
-  const bool hex = flags.background.size() == 6 &&
-                   flags.background.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
-  if (!hex)
-    return fail(ErrorCode::InvalidArgument,
-                text("--background '", flags.background, "' is not a colour; write it as rrggbb"));
-  for (std::size_t i = 0; i < 3; ++i)
-    options.background[i] =
-        static_cast<float>(std::stoi(flags.background.substr(2 * i, 2), nullptr, 16)) / 255.f;
+  const Result<std::array<float, 3>> background = parse_color(flags.background);
+  if (!background) return forward(background);
+  options.background = *background;
   if (Result<void> ok = check(options); !ok) return forward(ok);
   return options;
 }

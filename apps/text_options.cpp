@@ -60,4 +60,14 @@ Result<std::vector<int>> parse_frames(std::string_view s, int count) {
   return frames;
 }
 
+Result<std::array<float, 3>> parse_color(std::string_view given) {
+  if (given.size() != 6 || given.find_first_not_of("0123456789abcdefABCDEF") != given.npos)
+    return fail(ErrorCode::InvalidArgument,
+                text("--background '", given, "' is not a colour; write it as rrggbb"));
+  std::array<float, 3> color{};
+  for (std::size_t i = 0; i < color.size(); ++i)
+    color[i] = static_cast<float>(std::stoi(std::string(given.substr(2 * i, 2)), nullptr, 16)) / 255.F;
+  return color;
+}
+
 }  // namespace floatstage::apps

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,5 +19,8 @@ std::vector<std::string> split_list(std::string_view text);
 /// "5", "2:10" or "2:10:4" (end exclusive; either may be left out) → frame numbers inside [0, count); "" →
 /// all.
 Result<std::vector<int>> parse_frames(std::string_view text, int count);
+
+/// "rrggbb" → 0 … 1 a channel; for --background.
+Result<std::array<float, 3>> parse_color(std::string_view text);
 
 }  // namespace floatstage::apps

@@ -37,6 +37,7 @@ void add_keys(CLI::App& app, Chosen& chosen);
 void add_process(CLI::App& app, Chosen& chosen);
 void add_render(CLI::App& app, Chosen& chosen);
 void add_evaluate(CLI::App& app, Chosen& chosen);
+void add_export(CLI::App& app, Chosen& chosen);
 void add_flow(CLI::App& app, Chosen& chosen);
 void add_live(CLI::App& app, Chosen& chosen);
 void add_live_recon(CLI::App& live, Chosen& chosen);

@@ -24,6 +24,14 @@ struct FileName {
 };
 
 constexpr FileName kRigJson{"rig.json", [](std::string_view n) { return n == "rig.json"; }};
+constexpr FileName kTransforms{"transforms*.json", [](std::string_view n) {
+                                 return n.starts_with("transforms") && n.ends_with(".json");
+                               }};
+constexpr FileName kSfmData{
+    "sfm_data*.json", [](std::string_view n) { return n.starts_with("sfm_data") && n.ends_with(".json"); }};
+constexpr FileName kPanoptic{"calibration_*.json", [](std::string_view n) {
+                               return n.starts_with("calibration_") && n.ends_with(".json");
+                             }};
 constexpr FileName kParTxt{"*_par.txt", [](std::string_view n) { return n.ends_with("_par.txt"); }};
 constexpr FileName kQcaTxt{"*.qca.txt", [](std::string_view n) { return n.ends_with(".qca.txt"); }};
 constexpr FileName kCamchain{"*camchain*.yaml", [](std::string_view n) {
@@ -66,11 +74,23 @@ bool has_file(const fs::path& path) {
   return is_file(path) ? kName.fits(path.filename().string()) : !fitting(path, kName, ignored).empty();
 }
 
-// COLMAP keeps text models in <project>/sparse/0 or wherever the user wrote them.
+// COLMAP keeps models in <project>/sparse/0 or wherever the user wrote them.
 fs::path colmap_model(const fs::path& folder) {
   for (const fs::path& below : {folder, folder / "sparse" / "0", folder / "sparse"})
-    if (is_file(below / "images.txt")) return below;
+    if (is_file(below / "images.bin") || is_file(below / "images.txt")) return below;
   return folder;
+}
+
+bool is_colmap(const fs::path& folder) {
+  const fs::path model = colmap_model(folder);
+  return is_file(model / "images.bin") || is_file(model / "images.txt");
+}
+
+// Any JSON file whose name is not another format's.
+bool is_own(const fs::path& path) {
+  const std::string name = path.filename().string();
+  const bool others = kTransforms.fits(name) || kSfmData.fits(name) || kPanoptic.fits(name);
+  return has_file<kRigJson>(path) || (path.extension() == ".json" && !others);
 }
 
 Result<ForeignRig> with_pictures(Result<ForeignRig> foreign, fs::path pictures) {
@@ -116,14 +136,13 @@ Result<void> nameless(const Rig& rig, const std::vector<std::string>&, const fs:
 }
 
 constexpr std::array kFormats = {
-    RigFormat{
-        .name = "rig",
-        .title = "Floatstage's own rig.json",
-        .files = "a rig.json, or a folder that holds one",
-        .written = "",
-        .recognises = [](const fs::path& p) { return has_file<kRigJson>(p) || p.extension() == ".json"; },
-        .read = read_file_of<kRigJson, read_own>,
-        .write = nullptr},
+    RigFormat{.name = "rig",
+              .title = "Floatstage's own rig.json",
+              .files = "a rig.json, or a folder that holds one",
+              .written = "",
+              .recognises = is_own,
+              .read = read_file_of<kRigJson, read_own>,
+              .write = nullptr},
     RigFormat{.name = "middlebury",
               .title = "Middlebury multi-view stereo",
               .files = "a folder with one *_par.txt and the images, or that file",
@@ -133,11 +152,11 @@ constexpr std::array kFormats = {
               .read = read_file_of<kParTxt, read_middlebury>,
               .write = write_middlebury},
     RigFormat{.name = "colmap",
-              .title = "COLMAP text model",
-              .files = "a folder with cameras.txt and images.txt, or a project's",
-              .written = "a folder with cameras.txt, images.txt, points3D.txt",
+              .title = "COLMAP model, binary or text",
+              .files = "a folder with cameras and images as .bin or .txt, or a project's",
+              .written = "a folder with cameras, images, points3D as .bin and .txt",
               .holds = {.skew = false},
-              .recognises = [](const fs::path& p) { return is_file(colmap_model(p) / "images.txt"); },
+              .recognises = is_colmap,
               .read = read_colmap_of,
               .write = write_colmap},
     RigFormat{.name = "opencv",
@@ -164,6 +183,27 @@ constexpr std::array kFormats = {
               .recognises = has_file<kQcaTxt>,
               .read = read_file_of<kQcaTxt, read_qualisys>,
               .write = nameless<write_qualisys>},
+    RigFormat{.name = "transforms",
+              .title = "transforms.json of nerfstudio, instant-ngp and NeRF",
+              .files = "a transforms*.json, or a folder with one",
+              .written = "",
+              .recognises = has_file<kTransforms>,
+              .read = read_file_of<kTransforms, read_transforms>,
+              .write = nullptr},
+    RigFormat{.name = "openmvg",
+              .title = "OpenMVG scene",
+              .files = "an sfm_data*.json, or a folder with one",
+              .written = "",
+              .recognises = has_file<kSfmData>,
+              .read = read_file_of<kSfmData, read_openmvg>,
+              .write = nullptr},
+    RigFormat{.name = "panoptic",
+              .title = "CMU Panoptic Studio calibration",
+              .files = "a calibration_*.json, or a folder with one",
+              .written = "",
+              .recognises = has_file<kPanoptic>,
+              .read = read_file_of<kPanoptic, read_panoptic>,
+              .write = nullptr},
     RigFormat{.name = "dome",
               .title = "Plain text of the green dome",
               .files = "a folder with calibration.txt and images/, or that file",

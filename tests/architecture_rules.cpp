@@ -82,6 +82,7 @@ const std::map<std::string, int>& ranks() {
                                                    {"pipeline", 1},
                                                    {"pipeline/import", 2},
                                                    {"pipeline/derive", 2},
+                                                   {"pipeline/export", 2},
                                                    {"pipeline/matte", 3},
                                                    {"pipeline/process", 4},
                                                    {"pipeline/calibrate", 4},
@@ -99,7 +100,8 @@ const std::map<std::string, int>& ranks() {
                                                    {"apps/viewer/live", 3},
                                                    {"apps/viewer/calibration", 3},
                                                    {"apps", 4},
-                                                   {"apps/calibrate", 5}};
+                                                   {"apps/calibrate", 5},
+                                                   {"apps/export", 5}};
   return table;
 }
 

@@ -14,8 +14,15 @@ namespace floatstage::calib {
 /// Middlebury multi-view `*_par.txt`: count, then name, K (3×3), R (3×3), t a line; pixel centres at
 /// integers.
 Result<ForeignRig> read_middlebury(const std::filesystem::path& par_txt);
-/// COLMAP text model: a folder with cameras.txt and images.txt; corner convention like ours.
+/// COLMAP's model: a folder with cameras.bin and images.bin, or cameras.txt and images.txt; the binary files
+/// where there are both, as COLMAP does. Corner convention like ours.
 Result<ForeignRig> read_colmap(const std::filesystem::path& folder);
+/// transforms.json of nerfstudio and instant-ngp; the origin of pixels is the corner.
+Result<ForeignRig> read_transforms(const std::filesystem::path& file);
+/// OpenMVG's sfm_data.json; pixel centres at integers.
+Result<ForeignRig> read_openmvg(const std::filesystem::path& file);
+/// calibration_*.json of the CMU Panoptic Studio; centimetres, pixel centres at integers.
+Result<ForeignRig> read_panoptic(const std::filesystem::path& file);
 /// OpenCV/EasyMocap: a folder with intri.yml and extri.yml; pixel centres at integers.
 Result<ForeignRig> read_easymocap(const std::filesystem::path& folder);
 /// Qualisys `.qca.txt` (XML, millimetres, units of 1/64 px).

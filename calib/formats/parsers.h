@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "calib/rig_formats.h"
@@ -14,6 +16,13 @@ Result<ForeignRig> parse_middlebury(std::string_view text, std::string_view name
 Result<ForeignRig> parse_dome(std::string_view text, double metres_per_unit, std::string_view name);
 Result<ForeignRig> parse_colmap(std::string_view cameras, std::string_view images,
                                 std::string_view cameras_name, std::string_view images_name);
+Result<ForeignRig> parse_colmap_binary(std::string_view cameras, std::string_view images,
+                                       std::string_view cameras_name, std::string_view images_name);
+/// How large a picture is that a file names without saying so: width and height.
+using PictureSize = std::function<Result<std::pair<int, int>>(const std::string& picture)>;
+Result<ForeignRig> parse_transforms(std::string_view json, const PictureSize& size_of, std::string_view name);
+Result<ForeignRig> parse_openmvg(std::string_view json, std::string_view name);
+Result<ForeignRig> parse_panoptic(std::string_view json, std::string_view name);
 Result<ForeignRig> parse_easymocap(std::string_view intri, std::string_view extri,
                                    std::string_view intri_name, std::string_view extri_name);
 Result<ForeignRig> parse_kalibr(std::string_view yaml, std::string_view name);

@@ -10,7 +10,7 @@
 #include "core/file_presence.h"
 #include "core/rig_io.h"
 #include "core/text.h"
-#include "pipeline/unfinished_take.h"
+#include "pipeline/unfinished_folder.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -160,7 +160,7 @@ Result<DerivedReport> derive_take(const capture::TakeReader& from, const Derived
     return fail(ErrorCode::InvalidArgument,
                 text("frames ", other.first, ":", end, " are not in ", from.layout().folder().string(),
                      ", which has ", from.frame_count()));
-  Result<UnfinishedTake> take = UnfinishedTake::begin(out);
+  Result<UnfinishedFolder> take = UnfinishedFolder::begin(out);
   if (!take) return forward(take);
   Result<DerivedReport> report = Deriving(from, other, take->folder()).run();
   if (!report) return report;

@@ -9,7 +9,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "pipeline/recorded_take.h"
-#include "pipeline/unfinished_take.h"
+#include "pipeline/unfinished_folder.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -137,7 +137,7 @@ Result<JoinReport> join_takes(const std::vector<fs::path>& folders, const fs::pa
   options.label = first.label;
   options.created = first.created;
   options.is_claimed = true;
-  Result<UnfinishedTake> take = UnfinishedTake::begin(out);
+  Result<UnfinishedFolder> take = UnfinishedFolder::begin(out);
   if (!take) return forward(take);
   Result<std::unique_ptr<capture::TakeWriter>> writer =
       capture::TakeWriter::create(take->folder(), takes.front()->rig(), options);

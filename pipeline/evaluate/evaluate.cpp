@@ -5,7 +5,7 @@
 #include "core/text.h"
 #include "pipeline/balance.h"
 #include "pipeline/evaluate/held_out_scene.h"
-#include "pipeline/evaluate/undistort.h"
+#include "pipeline/undistort.h"
 #include "pipeline/film.h"
 #include "pipeline/progress.h"
 #include "recon/mesh/mesh_mask.h"

@@ -12,7 +12,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "core/text.h"
-#include "pipeline/evaluate/bicubic.h"
+#include "pipeline/bicubic.h"
 #include "pipeline/evaluate/held_out_scene.h"
 
 namespace floatstage::pipeline {

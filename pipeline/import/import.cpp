@@ -6,12 +6,13 @@
 
 #include "core/file.h"
 #include "core/parallel.h"
+#include "core/png.h"
 #include "core/text.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/light_field.h"
 #include "pipeline/progress.h"
 #include "pipeline/recorded_take.h"
-#include "pipeline/unfinished_take.h"
+#include "pipeline/unfinished_folder.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -26,6 +27,7 @@ struct Plan {
   calib::ForeignRig foreign;
   std::vector<CameraMedia> media;
   std::string format;
+  fs::path pictures;
   std::vector<std::string> notes;
 };
 
@@ -81,6 +83,7 @@ Result<Plan> make_plan(const ImportOptions& options) {
 
   Plan plan;
   plan.format = (*format)->name;
+  plan.pictures = folder;
   std::vector<std::string> without;
   if (mattes_alone)
     plan.notes.push_back(text("there are no pictures in ", calibration->pictures.string(),
@@ -111,6 +114,18 @@ Result<Plan> make_plan(const ImportOptions& options) {
         text(search->unused.size(),
              " of the pictures have no calibration and are left out: ", listed(search->unused)));
   return plan;
+}
+
+// Whether every camera's pictures have their subject cut out in an alpha channel, by their first ones.
+bool carry_mattes(const Plan& plan) {
+  return std::all_of(plan.media.begin(), plan.media.end(), [](const CameraMedia& media) {
+    if (media.stills.empty() || media.stills.front().extension() != ".png") return false;
+    const Result<Image> picture = load_png(media.stills.front());
+    if (!picture || picture->channels != 4) return false;
+    for (std::size_t p = 3; p < picture->pixels.size(); p += 4)
+      if (picture->pixels[p] < 255) return true;
+    return false;
+  });
 }
 
 Result<std::vector<PictureStream>> open_streams(const Plan& plan, const FrameRange& range, int threads) {
@@ -270,11 +285,15 @@ Result<void> make_plane(const fs::path& folder, std::optional<double> distance, 
 
 Result<ImportReport> import_take(const ImportOptions& given) {
   ImportOptions options = given;
-  Result<UnfinishedTake> take = UnfinishedTake::begin(options.out);
+  Result<UnfinishedFolder> take = UnfinishedFolder::begin(options.out);
   if (!take) return forward(take);
   Result<Plan> plan = make_plan(options);
   if (!plan) return forward(plan);
   if (options.label.empty()) options.label = plan->format;
+  if (options.mattes.empty() && carry_mattes(*plan)) {
+    options.mattes = plan->pictures;
+    plan->notes.push_back("the alpha channel of the pictures is taken for their mattes");
+  }
   std::optional<MatteFiles> mattes;
   if (!options.mattes.empty()) {
     Result<MatteFiles> found = MatteFiles::find(options.mattes, plan->foreign, options.frames);

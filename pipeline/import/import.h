@@ -25,9 +25,10 @@ struct ImportOptions {
   calib::RigFile calibration;  ///< which format, and where
   std::filesystem::path
       pictures;  ///< folder of images, of folders of images, or of videos; empty: beside the calibration
-  std::filesystem::path mattes;  ///< the same for mattes that exist already; empty: none. They are also the
-                                 ///< pictures where `pictures` is empty and none are beside the calibration
-  std::filesystem::path out;     ///< the new take's folder
+  std::filesystem::path mattes;      ///< the same for mattes that exist already; empty: the alpha channels of
+                                     ///< pictures that all have one, else none. They are also the pictures
+                                     ///< where `pictures` is empty and none are beside the calibration
+  std::filesystem::path out;         ///< the new take's folder
   std::vector<std::string> cameras;  ///< serials to take; empty: all
   OtherSize other_size = OtherSize::Refuse;
   FrameRange frames;                 ///< of every video and folder, before they become frame 0, 1, …

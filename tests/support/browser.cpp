@@ -60,7 +60,8 @@ Browser::Browser(int width, int height) {
   const nlohmann::json options = {
       {"args",
        {"--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
-        "--no-first-run", "--disable-background-networking", text("--window-size=", width, ",", height)}}};
+        "--no-first-run", "--disable-background-networking", "--enable-unsafe-swiftshader",
+        text("--window-size=", width, ",", height)}}};
   const nlohmann::json session =
       command("POST", "/session", {{"capabilities", {{"alwaysMatch", {{"goog:chromeOptions", options}}}}}});
   session_ = "/session/" + session["sessionId"].get<std::string>();

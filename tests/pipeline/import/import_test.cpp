@@ -219,6 +219,25 @@ TEST_F(Import, MattesBesideTheImagesSpareTheKeying) {
   EXPECT_FALSE(fs::exists(take->layout().made_mattes())) << "they are somebody's: used, never touched";
 }
 
+TEST_F(Import, TheAlphaOfPicturesThatHaveOneIsTheirMatte) {
+  middlebury_stills(2);
+  for (int i = 0; i < 2; ++i) {
+    const Image rgb = test_picture(i, 0);
+    Image rgba(rgb.width, rgb.height, 4, 255);
+    for (std::size_t p = 0; p < rgb.pixels.size(); ++p) rgba.pixels[p / 3 * 4 + p % 3] = rgb.pixels[p];
+    rgba.at(3, 4)[3] = 17;
+    ASSERT_THAT(save_png(rgba, folder_ / "in" / (i == 0 ? "a.png" : "b.png")), IsOk());
+  }
+  const auto take = imported();
+  ASSERT_TRUE(take);
+  EXPECT_THAT(report_->notes, Contains(HasSubstr("alpha channel")));
+  expect_picture(*take, 1, 0, test_picture(1, 0));
+  const Result<Image> read = load_png(take->layout().matte("b.png", 0));
+  ASSERT_THAT(read, IsOk());
+  EXPECT_EQ(read->at(3, 4)[0], 17);
+  EXPECT_EQ(read->at(4, 4)[0], 255);
+}
+
 TEST_F(Import, MattesAloneMakeATakeAndStandForItsPictures) {
   opencv_folders({1, 1});
   fs::remove_all(folder_ / "in" / "images");

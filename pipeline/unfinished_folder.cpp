@@ -1,4 +1,4 @@
-#include "pipeline/unfinished_take.h"
+#include "pipeline/unfinished_folder.h"
 
 #include <utility>
 
@@ -9,29 +9,29 @@ namespace floatstage::pipeline {
 
 namespace fs = std::filesystem;
 
-UnfinishedTake::UnfinishedTake(fs::path out) : out_(std::move(out)), folder_(temporary_name(out_)) {}
+UnfinishedFolder::UnfinishedFolder(fs::path out) : out_(std::move(out)), folder_(temporary_name(out_)) {}
 
-UnfinishedTake::UnfinishedTake(UnfinishedTake&& other) noexcept
+UnfinishedFolder::UnfinishedFolder(UnfinishedFolder&& other) noexcept
     : out_(std::move(other.out_)),
       folder_(std::move(other.folder_)),
       out_claim_(std::exchange(other.out_claim_, std::nullopt)),
       claim_(std::exchange(other.claim_, std::nullopt)),
       published_(other.published_) {}
 
-UnfinishedTake::~UnfinishedTake() {
+UnfinishedFolder::~UnfinishedFolder() {
   if (!claim_ || published_) return;
   std::error_code ignored;
   fs::remove_all(folder_, ignored);
   if (out_claim_->made) fs::remove(out_, ignored);
 }
 
-Result<UnfinishedTake> UnfinishedTake::begin(const fs::path& given) {
+Result<UnfinishedFolder> UnfinishedFolder::begin(const fs::path& given) {
   fs::path out = given.lexically_normal();
   if (!out.has_filename()) out = out.parent_path();  // "T/"
   if (out.empty() || out == "." || out == "..")
     return fail(ErrorCode::InvalidArgument,
-                text("'", given.string(), "' is no name for a new take; say --out <folder>"));
-  UnfinishedTake take(std::move(out));
+                text("'", given.string(), "' is no name for a new folder; say --out <folder>"));
+  UnfinishedFolder take(std::move(out));
   Result<NewFolder> claimed = claim_new_folder(take.out_);
   if (!claimed) return forward(claimed);
   take.out_claim_ = std::move(*claimed);
@@ -45,11 +45,11 @@ Result<UnfinishedTake> UnfinishedTake::begin(const fs::path& given) {
   return take;
 }
 
-Result<void> UnfinishedTake::publish() {
+Result<void> UnfinishedFolder::publish() {
   std::error_code error;
   fs::rename(folder_, out_, error);  // over an empty folder, never over a full one
   if (error)
-    return fail(ErrorCode::Io, text("cannot name the finished take ", out_.string(), ": ", error.message()));
+    return fail(ErrorCode::Io, text("cannot name the finished folder ", out_.string(), ": ", error.message()));
   published_ = true;
   return {};
 }

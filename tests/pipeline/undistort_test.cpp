@@ -1,4 +1,4 @@
-#include "pipeline/evaluate/undistort.h"
+#include "pipeline/undistort.h"
 
 #include <cmath>
 

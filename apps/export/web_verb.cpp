@@ -1,0 +1,67 @@
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/export/export_verbs.h"
+#include "apps/flags.h"
+#include "apps/progress_bar.h"
+#include "apps/text_options.h"
+#include "pipeline/export/export_web.h"
+#include "pipeline/json_report.h"
+
+namespace floatstage::apps {
+namespace {
+
+struct Options {
+  pipeline::ExportWebOptions web;
+  std::string frames, background = "000000";
+  std::filesystem::path path, json;
+};
+
+Result<void> run(const Options& given) {
+  pipeline::ExportWebOptions options = given.web;
+  Result<std::vector<int>> frames = frames_of_take(options.take, given.frames);
+  if (!frames) return forward(frames);
+  options.frames = std::move(*frames);
+  const Result<std::array<float, 3>> background = parse_color(given.background);
+  if (!background) return forward(background);
+  options.background = *background;
+  if (!given.path.empty()) {
+    Result<pipeline::CameraPath> path = pipeline::load_path(given.path);
+    if (!path) return forward(path);
+    options.path = std::move(*path);
+  }
+  ProgressBar bar;
+  options.progress = &bar;
+  const Result<pipeline::ExportWebReport> report = pipeline::export_web(options);
+  if (!report) return forward(report);
+  std::printf("%s: %d frames, %.1f MB; open %s in a browser\n", options.out.c_str(), report->frames,
+              static_cast<double>(report->bytes) / 1e6, (options.out / "index.html").c_str());
+  if (given.json.empty()) return {};
+  return pipeline::save_json(
+      {{"out", options.out.string()}, {"frames", report->frames}, {"bytes", report->bytes}}, given.json);
+}
+
+}  // namespace
+
+void add_export_web(CLI::App& parent, Chosen& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb =
+      add_verb(parent, chosen, "web", "A page that plays the take in any browser, from a disk or any server",
+               {"floatstage export web take -o page",
+                "floatstage export web take --frames 0:100:2 --path path.json -o page"});
+  add_take(*verb, options->web.take);
+  add_out(*verb, options->web.out, "A new folder; open its index.html")->required();
+  add_frames(*verb, options->frames, "all");
+  verb->add_option("--path", options->path, "A camera path written by `floatstage play`, for a button")
+      ->type_name("FILE");
+  add_blend(*verb, options->web.blend);
+  add_background(*verb, options->background);
+  verb->add_option("--quality", options->web.quality, "Of the photographs, as JPEG has it: 1 to 100")
+      ->capture_default_str()
+      ->type_name("N");
+  add_json(*verb, options->json);
+  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+}
+
+}  // namespace floatstage::apps

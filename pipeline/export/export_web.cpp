@@ -1,0 +1,146 @@
+#include "pipeline/export/export_web.h"
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/text.h"
+#include "pipeline/export/instant.h"
+#include "pipeline/export/web_frame.h"
+#include "pipeline/export/web_page.h"
+#include "pipeline/undistort.h"
+#include "pipeline/unfinished_folder.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr double kPathRate = 50;     // keys a second that a path is sampled at
+constexpr double kFieldOfView = 40;  // degrees, where nothing is said
+
+json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+json cameras_of(const Rig& rig) {
+  json cameras = json::array();
+  for (const RigCamera& camera : rig.cameras) {
+    const CameraModel m = straight(camera.model);
+    const Eigen::Matrix4d matrix = camera.cam_from_world.matrix();  // by columns, as WebGL wants it
+    cameras.push_back({{"serial", camera.serial},
+                       {"fx", m.fx},
+                       {"fy", m.fy},
+                       {"cx", m.cx},
+                       {"cy", m.cy},
+                       {"matrix", std::vector<double>(matrix.data(), matrix.data() + matrix.size())},
+                       {"center", numbers(camera.cam_from_world.center())}});
+  }
+  return cameras;
+}
+
+// Where the page begins: before the first camera, as high as the cameras stand, the subject whole.
+json start_of(const Rig& rig, const Eigen::AlignedBox3d& subject) {
+  const Eigen::Vector3d target = subject.center(),
+                        first = rig.cameras.front().cam_from_world.center() - target;
+  double elevation = 0;
+  for (const RigCamera& camera : rig.cameras) {
+    const Eigen::Vector3d d = camera.cam_from_world.center() - target;
+    elevation += std::atan2(d.z(), d.head<2>().norm()) / static_cast<double>(rig.cameras.size());
+  }
+  const double half = 0.5 * kFieldOfView * std::numbers::pi / 180;
+  return {{"target", numbers(target)},
+          {"azimuth", std::atan2(first.y(), first.x())},
+          {"elevation", elevation},
+          {"distance", 0.5 * subject.diagonal().norm() / std::sin(half)},
+          {"fov_y", kFieldOfView}};
+}
+
+json path_of(const std::optional<CameraPath>& path) {
+  json keys = json::array();
+  if (!path) return keys;
+  for (int i = 0; i <= static_cast<int>(path->duration() * kPathRate); ++i) {
+    const PathKey key = sample(*path, i / kPathRate);
+    keys.push_back({{"eye", numbers(key.eye)},
+                    {"target", numbers(key.target)},
+                    {"up", numbers(key.up)},
+                    {"fov_y", key.fov_y}});
+  }
+  return keys;
+}
+
+std::string take_script(const capture::TakeReader& take, const ExportWebOptions& options,
+                        const Eigen::AlignedBox3d& subject) {
+  const TakeManifest& manifest = take.manifest();
+  const json about = {{"title", manifest.label.empty() ? "Floatstage" : manifest.label},
+                      {"frame_rate", manifest.frame_rate > 0 ? manifest.frame_rate : 25},
+                      {"frames", options.frames},
+                      {"blend", options.blend},
+                      {"background", options.background},
+                      {"cameras", cameras_of(take.rig())},
+                      {"start", start_of(take.rig(), subject)},
+                      {"path", path_of(options.path)},
+                      {"path_rate", kPathRate}};
+  return "const floatstageTake = " + about.dump() + ";\n";
+}
+
+Result<void> check(const ExportWebOptions& options) {
+  if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "there is no frame to export");
+  if (options.quality < 1 || options.quality > 100)
+    return fail(ErrorCode::InvalidArgument, "--quality is from 1 to 100");
+  if (options.blend < 1 || options.blend > 3)
+    return fail(ErrorCode::InvalidArgument, "the page blends 1 to 3 photographs; say so with --blend");
+  return {};
+}
+
+std::uintmax_t bytes_below(const fs::path& folder) {
+  std::uintmax_t bytes = 0;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, ignored))
+    if (entry.is_regular_file(ignored)) bytes += entry.file_size(ignored);
+  return bytes;
+}
+
+}  // namespace
+
+Result<ExportWebReport> export_web(const ExportWebOptions& options) {
+  if (Result<void> ok = check(options); !ok) return forward(ok);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  if (!take) return forward(take);
+  Result<UnfinishedFolder> out = UnfinishedFolder::begin(options.out);
+  if (!out) return forward(out);
+  if (Result<void> ok = make_folder(out->folder() / "frames"); !ok) return forward(ok);
+  SceneLoader loader(**take, true);
+  Eigen::AlignedBox3d subject;
+  ExportWebReport report;
+  {
+    ProgressPart progress(options.progress, "frames", options.frames.size());
+    for (const int frame : options.frames) {
+      if (is_cancelled(options.progress)) return cancelled_unwritten();
+      const Result<Instant> instant = load_instant(**take, loader, frame);
+      if (!instant) return forward(instant);
+      for (const Eigen::Vector3f& p : instant->mesh.positions) subject.extend(p.cast<double>());
+      char name[24] = "";
+      std::snprintf(name, sizeof name, "%06d.js", frame);
+      const std::string script = web_frame(*instant, (*take)->rig(), frame, options.quality);
+      if (Result<void> ok = write_file(out->folder() / "frames" / name, script); !ok) return forward(ok);
+      ++report.frames;
+      progress.advance();
+    }
+  }
+  if (subject.isEmpty())
+    return fail(ErrorCode::NotFound, text(options.take.string(),
+                                          " shows no subject in these frames; look at "
+                                          "its mattes, or name others with --frames"));
+  if (Result<void> ok = write_file(out->folder() / "take.js", take_script(**take, options, subject)); !ok)
+    return forward(ok);
+  for (const WebPageFile& file : web_page_files())
+    if (Result<void> ok = write_file(out->folder() / file.name, file.content); !ok) return forward(ok);
+  report.bytes = bytes_below(out->folder());
+  if (Result<void> ok = out->publish(); !ok) return forward(ok);
+  return report;
+}
+
+}  // namespace floatstage::pipeline

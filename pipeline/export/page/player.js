@@ -1,0 +1,167 @@
+// The page: a camera that walks around the subject by mouse, touch and keys, and a time line.
+"use strict";
+
+(() => {
+  const take = floatstageTake, $ = (id) => document.getElementById(id);
+  const canvas = $("stage"), kMostPixels = 2.2e6, kAhead = 3;
+  const orbit = { ...take.start };  // target, azimuth, elevation (radians), distance, fov_y
+  const state = { frame: 0, playing: false, onPath: false, began: 0, shown: -1, wanted: true };
+  let renderer, frames;
+
+  function say(words) { $("message").textContent = words; $("message").hidden = words === ""; }
+  function failed(error) { console.error(error); say(error.message); stop(); }
+
+  function orbitKey() {
+    const { target, azimuth, elevation, distance, fov_y } = orbit;
+    const c = Math.cos(elevation), eye = vec.add(target, vec.mul([c * Math.cos(azimuth), c * Math.sin(azimuth), Math.sin(elevation)], distance));
+    // A tall window shows as much from side to side as a wide one does from top to bottom.
+    const aspect = canvas.width / canvas.height;
+    const fov = aspect >= 0.75 ? fov_y : 2 * Math.atan(Math.tan(fov_y * Math.PI / 360) * 0.75 / aspect) * 180 / Math.PI;
+    return { eye, target, up: [0, 0, 1], fov_y: fov };
+  }
+
+  function pathKey(seconds) {
+    const at = Math.min(take.path.length - 1, Math.max(0, Math.round(seconds * take.path_rate)));
+    return take.path[at];
+  }
+
+  function fit() {
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    let width = canvas.clientWidth * ratio, height = canvas.clientHeight * ratio;
+    const over = Math.sqrt(Math.max(1, width * height / kMostPixels));
+    width = Math.max(1, Math.round(width / over));
+    height = Math.max(1, Math.round(height / over));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+  }
+
+  async function bring(frame) {
+    const instant = await frames.get(frame);
+    if (state.shown !== frame) renderer.show(instant);
+    state.shown = frame;
+    say("");
+  }
+
+  function draw(key) { renderer.draw(key, take.blend, take.background); }
+
+  function stop() {
+    state.playing = state.onPath = false;
+    for (const id of ["play", "path"]) $(id).setAttribute("aria-pressed", "false");
+    $("play").textContent = "Play";
+  }
+
+  function start(onPath) {
+    state.playing = true;
+    state.onPath = onPath;
+    const first = onPath ? 0 : state.frame / take.frame_rate;
+    state.began = performance.now() - 1000 * first;
+    $(onPath ? "path" : "play").setAttribute("aria-pressed", "true");
+    $("play").textContent = "Pause";
+  }
+
+  function setFrame(frame) {
+    state.frame = frame;
+    $("time").value = frame;
+    $("clock").textContent = `${(frame / (take.frame_rate || 1)).toFixed(1)} s`;
+    state.wanted = true;
+  }
+
+  let busy = false;
+  async function tick() {
+    requestAnimationFrame(tick);
+    if (busy) return;
+    busy = true;
+    try {
+      const seconds = (performance.now() - state.began) / 1000;
+      if (state.playing) {
+        const frame = Math.floor(seconds * take.frame_rate) % take.frames.length;
+        if (frame !== state.frame) setFrame(frame);
+        if (state.onPath) {
+          state.wanted = true;
+          if (seconds * take.path_rate >= take.path.length) stop();
+        }
+        for (let i = 1; i <= kAhead; ++i) frames.get((state.frame + i) % take.frames.length).catch(() => {});
+      }
+      if (state.wanted) {
+        state.wanted = false;
+        const key = () => state.onPath ? pathKey(seconds) : orbitKey();
+        await bring(state.frame);
+        fit();
+        draw(key());
+      }
+    } catch (error) { failed(error); }
+    busy = false;
+  }
+
+  function turn(dx, dy) {
+    orbit.azimuth -= dx;
+    orbit.elevation = Math.max(-1.5, Math.min(1.5, orbit.elevation + dy));
+    if (state.onPath) stop();
+    state.wanted = true;
+  }
+  function zoom(factor) {
+    orbit.distance = Math.max(take.start.distance * 0.15, Math.min(take.start.distance * 6, orbit.distance * factor));
+    if (state.onPath) stop();
+    state.wanted = true;
+  }
+
+  // One finger or the mouse turns, two pinch.
+  const fingers = new Map();
+  const spread = () => { const [a, b] = [...fingers.values()]; return Math.hypot(a.x - b.x, a.y - b.y); };
+  canvas.addEventListener("pointerdown", (e) => {
+    canvas.setPointerCapture(e.pointerId);
+    fingers.set(e.pointerId, { x: e.clientX, y: e.clientY });
+  });
+  canvas.addEventListener("pointermove", (e) => {
+    const from = fingers.get(e.pointerId);
+    if (!from) return;
+    const before = fingers.size === 2 ? spread() : 0, dx = e.clientX - from.x, dy = e.clientY - from.y;
+    from.x = e.clientX;
+    from.y = e.clientY;
+    const scale = Math.PI / Math.min(canvas.clientWidth, canvas.clientHeight);
+    if (fingers.size === 1) turn(dx * scale, dy * scale);
+    if (fingers.size === 2 && before > 0) zoom(before / Math.max(1, spread()));
+  });
+  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (e) => fingers.delete(e.pointerId));
+  canvas.addEventListener("wheel", (e) => { e.preventDefault(); zoom(Math.exp(0.001 * e.deltaY)); }, { passive: false });
+  canvas.addEventListener("keydown", (e) => {
+    const step = 0.06, keys = { ArrowLeft: () => turn(-step, 0), ArrowRight: () => turn(step, 0), ArrowUp: () => turn(0, step),
+      ArrowDown: () => turn(0, -step), "+": () => zoom(0.9), "-": () => zoom(1 / 0.9), " ": () => $("play").click() };
+    if (keys[e.key]) { e.preventDefault(); keys[e.key](); }
+  });
+  canvas.addEventListener("webglcontextlost", () => failed(new Error("The graphics processor was taken away; load the page again.")));
+  $("play").addEventListener("click", () => state.playing ? stop() : start(false));
+  $("path").addEventListener("click", () => state.onPath ? stop() : (stop(), start(true)));
+  $("time").addEventListener("input", () => { stop(); setFrame(Number($("time").value)); });
+  window.addEventListener("resize", () => { state.wanted = true; });
+
+  // For tests and for pages around this one: a picture of the canvas, as a PNG's data URL.
+  window.floatstage = {
+    take,
+    get shown() { return state.shown; },
+    get azimuth() { return orbit.azimuth; },
+    async picture(frame, key, width, height) {
+      while (busy) await new Promise((done) => setTimeout(done, 5));
+      busy = true;
+      try {
+        stop();
+        setFrame(frame);
+        await bring(frame);
+        Object.assign(canvas, { width, height });
+        draw(key);
+        return canvas.toDataURL("image/png");
+      } finally { busy = false; }
+    },
+  };
+
+  try {
+    if (take.title) document.title = take.title;
+    take.cameras.forEach((c) => { c.center = [...c.center]; });
+    renderer = new Renderer(canvas, take.cameras);
+    frames = new Frames(take);
+    $("time").max = take.frames.length - 1;
+    for (const id of ["play", "time", "clock"]) $(id).hidden = take.frames.length < 2;
+    $("path").hidden = take.path.length === 0;
+    setFrame(0);
+    tick();
+  } catch (error) { failed(error); }
+})();
