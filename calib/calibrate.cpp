@@ -99,16 +99,19 @@ std::vector<Measured> enlarge_by_scatter(const Scene& scene, const Observations&
   by_blocks.covariance = without_offsets(moved, count);
   const WorkingVolume volume = hull_of_targets(by_noise);
   const ProjectionUncertainty noise(by_noise, volume.points), seen(by_blocks, volume.points);
-  Eigen::VectorXd factors = Eigen::VectorXd::Ones(covariance.rows());
+  double sum = 0;
+  int cameras = 0;
   for (std::size_t c = 0; c < count; ++c) {
     const Measured a = projection_sigma(by_noise, noise, static_cast<int>(c), volume),
                    b = projection_sigma(by_blocks, seen, static_cast<int>(c), volume);
     if (!a || !b || !(*a > 0) || !std::isfinite(*b)) continue;
-    scatter[c] = {std::max(1.0, *b / *a), blocks};
-    factors.segment<solver::kCameraParameters>(solver::kCameraParameters * static_cast<Eigen::Index>(c))
-        .setConstant(*scatter[c]);
+    sum += std::pow(*b / *a, 2);
+    ++cameras;
   }
-  covariance = factors.asDiagonal() * covariance * factors.asDiagonal();
+  if (cameras == 0) return scatter;
+  const double factor = std::max(1.0, std::sqrt(sum / cameras));
+  scatter.assign(count, Measured(factor, blocks));
+  covariance *= factor * factor;
   return scatter;
 }
 

@@ -1,7 +1,9 @@
-// Method:  delete-a-block jackknife, each deletion one Newton step from the full solution
-// Paper:   M. Quenouille, "Notes on bias in estimation", 1956; blocks: H. Künsch, "The jackknife and the
-//          bootstrap for general stationary observations", 1989, section 2
-// Differs: a step of the reduced normal equations instead of a new solution
+// Method:  cluster-robust covariance with bias-reduced linearisation (CR2): each block's gradient, enlarged
+// by
+//          the root of what the solution took up of it
+// Paper:   R. Bell, D. McCaffrey, "Bias reduction in standard errors for linear regression with multi-stage
+//          samples", 2002
+// Differs: on the reduced normal equations of the cameras, boards and markers eliminated
 // ADR:     0224
 
 #include "calib/solver/jackknife.h"
@@ -10,6 +12,7 @@
 #include <set>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "calib/solver/covariance.h"
 
@@ -69,17 +72,25 @@ MatrixXd jackknife_covariance(const Scene& scene, const BundleOptions& options, 
     }
   }
   const MatrixXd all = camera_information(scene, parts)(free, free);
+  const Eigen::LLT<MatrixXd> root(all);
   MatrixXd steps(width, blocks);
   for (int b = 0; b < blocks; ++b) {
     const Block& block = each[static_cast<std::size_t>(b)];
-    // Leaving out the block leaves its gradient, turned round, unbalanced.
-    steps.col(b) = (all - block.information).ldlt().solve(block.gradient);
+    // In units of the solution's own sigmas: the block's share of all that is known, 0 to 1 in each
+    // direction.
+    const MatrixXd half = root.matrixL().solve(block.information);
+    const MatrixXd share = root.matrixL().solve(half.transpose());
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (share + share.transpose()));
+    // A block pulls the solution to itself by its share; what is left of its errors is enlarged again.
+    constexpr double kLeast = 1e-3;  // a direction that one block alone knows shows no error at all
+    const VectorXd enlarge = (1 - eigen.eigenvalues().array()).max(kLeast).sqrt().inverse();
+    const VectorXd pull = eigen.eigenvectors() * enlarge.asDiagonal() * eigen.eigenvectors().transpose() *
+                          root.matrixL().solve(block.gradient);
+    steps.col(b) = root.matrixU().solve(pull);
   }
-  const VectorXd mean = steps.rowwise().mean();
-  const MatrixXd off = steps.colwise() - mean;
   const Index size = kCameraParameters * static_cast<Index>(scene.cameras.size());
   MatrixXd result = MatrixXd::Zero(size, size);
-  result(free, free) = (blocks - 1.0) / blocks * off * off.transpose();
+  result(free, free) = steps * steps.transpose();
   return result;
 }
 

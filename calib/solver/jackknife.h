@@ -7,11 +7,11 @@
 
 namespace floatstage::calib::solver {
 
-/// The covariance of the cameras' parameters as the capture itself shows it: how far the solution moves when
-/// blocks of successive frames are left out, one after the other. Rows as camera_covariance(). Errors that a
+/// The covariance of the cameras' parameters as the capture itself shows it: how far blocks of
+/// successive frames pull the solution each to its side. Rows as camera_covariance(). Errors that a
 /// whole board has in common (its shape, its motion) show here and not there. `blocks` comes back as how many
-/// were left out; below kFewestBlocks the result is empty: so few say nothing.
-inline constexpr int kFewestBlocks = 6;
+/// there were; below kFewestBlocks the result is empty: so few say nothing.
+inline constexpr int kFewestBlocks = 3;
 Eigen::MatrixXd jackknife_covariance(const Scene& scene, const BundleOptions& options, int& blocks);
 
 }  // namespace floatstage::calib::solver

@@ -74,8 +74,9 @@ Observations only_camera(const Observations& all, int camera) {
   return out;
 }
 
-HalvesRatio halves_ratio(const Observations& all, int splits, int blocks, std::uint64_t seed) {
-  const Result<Calibration> whole = calibrate(all, {.holdout_every = 0});
+HalvesRatio halves_ratio(const Observations& all, int splits, int blocks, std::uint64_t seed,
+                         bool time_offsets) {
+  const Result<Calibration> whole = calibrate(all, {.time_offsets = time_offsets, .holdout_every = 0});
   HalvesRatio out;
   if (!whole) return out;
   const WorkingVolume volume = hull_of_targets(*whole);
@@ -96,7 +97,8 @@ HalvesRatio halves_ratio(const Observations& all, int splits, int blocks, std::u
     Half halves[2];
     bool good = true;
     for (int h = 0; h < 2; ++h) {
-      Result<Calibration> solved = calibrate(only_frames(all, of[h]), {.holdout_every = 0});
+      Result<Calibration> solved =
+          calibrate(only_frames(all, of[h]), {.time_offsets = time_offsets, .holdout_every = 0});
       good = good && solved && solved->rig.cameras.size() == all.cameras.size();
       if (!good) break;
       halves[h].solved = *std::move(solved);
@@ -105,7 +107,10 @@ HalvesRatio halves_ratio(const Observations& all, int splits, int blocks, std::u
     }
     if (!good) continue;
     ++out.splits;
-    align(halves[0], halves[1], volume.points);
+    if (whole->reference >= 0)
+      align(halves[0], halves[1], volume.points);
+    else  // the world is given
+      halves[0].from_whole = halves[1].from_whole = Rigid3{};
     std::vector<Eigen::Vector3d> in[2];
     for (int h = 0; h < 2; ++h)
       for (const Eigen::Vector3d& x : volume.points) in[h].push_back(halves[h].from_whole * x);

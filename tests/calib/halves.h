@@ -16,7 +16,8 @@ struct HalvesRatio {
   double apart_px = 0;   ///< RMS of a coordinate's difference
   double stated_px = 0;  ///< what the sigmas say of it
 };
-HalvesRatio halves_ratio(const Observations& all, int splits, int blocks, std::uint64_t seed);
+HalvesRatio halves_ratio(const Observations& all, int splits, int blocks, std::uint64_t seed,
+                         bool time_offsets = false);
 
 /// The views of some frames only.
 Observations only_frames(const Observations& all, const std::vector<int>& frames);
