@@ -1,6 +1,7 @@
 // sfm_data.json of OpenMVG (its cereal archive): views, intrinsics and extrinsics by number. A pose is a
 // rotation and a centre; pixels count from the first one's centre, where its undistortion reads whole
 // numbers.
+#include <cstdint>
 #include <map>
 
 #include "calib/formats/camera_parts.h"
@@ -44,12 +45,18 @@ Result<Lens> lens_of(JsonFields& data, const std::string& type) {
                                            "pinhole_radial_k3, pinhole_brown_t2, fisheye"));
 }
 
+// A number of the archive, which are unsigned and of 32 bits; what is none of them is that of nothing.
+std::uint32_t id_of(double number) {
+  constexpr std::uint32_t kNothing = 0xffffffffU;
+  return number >= 0 && number <= kNothing ? static_cast<std::uint32_t>(number) : kNothing;
+}
+
 // OpenMVG writes a type's name once, where its number is first used.
 class TypeNames {
  public:
   std::string of(JsonFields& value) {
     constexpr std::uint32_t kFirst = 0x80000000U;
-    const auto id = static_cast<std::uint32_t>(static_cast<std::int64_t>(value.number("polymorphic_id", 0)));
+    const std::uint32_t id = id_of(value.number("polymorphic_id", 0));
     if (value.has("polymorphic_name")) return names_[id & ~kFirst] = value.string("polymorphic_name");
     const auto found = names_.find(id & ~kFirst);
     return found == names_.end() ? std::string() : found->second;
@@ -70,15 +77,15 @@ const Json* data_of(JsonFields& entry, JsonProblem& problem, const std::string& 
   return problem.first ? nullptr : value;
 }
 
-Result<std::map<int, CameraModel>> intrinsics_of(JsonFields& file, const std::string& name,
-                                                 JsonProblem& problem) {
-  std::map<int, CameraModel> models;
+Result<std::map<std::uint32_t, CameraModel>> intrinsics_of(JsonFields& file, const std::string& name,
+                                                           JsonProblem& problem) {
+  std::map<std::uint32_t, CameraModel> models;
   TypeNames types;
   const Json* const list = file.list("intrinsics");
   for (std::size_t i = 0; list && !problem.first && i < list->size(); ++i) {
     const std::string where = text(name, ": intrinsic ", i);
     JsonFields entry((*list)[i], where, problem);
-    const int key = entry.integer("key");
+    const std::uint32_t key = id_of(entry.number("key"));
     const Json* const value = entry.child("value");
     if (problem.first) break;
     JsonFields typed(*value, where, problem);
@@ -111,13 +118,14 @@ Result<std::map<int, CameraModel>> intrinsics_of(JsonFields& file, const std::st
   return models;
 }
 
-Result<std::map<int, Rigid3>> poses_of(JsonFields& file, const std::string& name, JsonProblem& problem) {
-  std::map<int, Rigid3> poses;
+Result<std::map<std::uint32_t, Rigid3>> poses_of(JsonFields& file, const std::string& name,
+                                                 JsonProblem& problem) {
+  std::map<std::uint32_t, Rigid3> poses;
   const Json* const list = file.list("extrinsics");
   for (std::size_t i = 0; list && !problem.first && i < list->size(); ++i) {
     const std::string where = text(name, ": extrinsic ", i);
     JsonFields entry((*list)[i], where, problem);
-    const int key = entry.integer("key");
+    const std::uint32_t key = id_of(entry.number("key"));
     const Json* const value = entry.child("value");
     if (problem.first) break;
     JsonFields pose(*value, where, problem);
@@ -142,9 +150,9 @@ Result<ForeignRig> parse_openmvg(std::string_view content, std::string_view name
   if (!root) return forward(root);
   JsonProblem problem;
   JsonFields file(*root, name, problem);
-  const Result<std::map<int, CameraModel>> models = intrinsics_of(file, name, problem);
+  const Result<std::map<std::uint32_t, CameraModel>> models = intrinsics_of(file, name, problem);
   if (!models) return forward(models);
-  const Result<std::map<int, Rigid3>> poses = poses_of(file, name, problem);
+  const Result<std::map<std::uint32_t, Rigid3>> poses = poses_of(file, name, problem);
   if (!poses) return forward(poses);
   ForeignRig foreign;
   const Json* const views = file.list("views");
@@ -157,9 +165,9 @@ Result<ForeignRig> parse_openmvg(std::string_view content, std::string_view name
     const std::string picture = data.string("filename");
     const double intrinsic = data.number("id_intrinsic"), pose = data.number("id_pose");
     if (problem.first) break;
-    const auto at = poses->find(static_cast<int>(std::min(pose, 2147483647.0)));
+    const auto at = poses->find(id_of(pose));
     if (at == poses->end()) continue;  // a view that OpenMVG could not place
-    const auto model = models->find(static_cast<int>(std::min(intrinsic, 2147483647.0)));
+    const auto model = models->find(id_of(intrinsic));
     if (model == models->end())
       return fail(ErrorCode::BadData, text(where, ": names intrinsic ", intrinsic, ", which is not there"));
     const std::string stem = std::filesystem::path(picture).filename().replace_extension().string();

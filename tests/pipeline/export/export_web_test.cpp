@@ -3,8 +3,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <regex>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +14,7 @@
 #include "pipeline/export/web_page.h"
 #include "pipeline/film.h"
 #include "pipeline/scene_loader.h"
+#include "tests/pipeline/export/folder_server.h"
 #include "tests/pipeline/export/processed_take.h"
 #include "tests/support/browser.h"
 
@@ -26,7 +25,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::Each;
 using testing::Ge;
-using testing::HasSubstr;
 using testing::Not;
 
 // Where the virtual camera stands, as the page has it and as our films have it.
@@ -138,19 +136,15 @@ class AnExportedPage : public testing::Test {
       browser.screenshot(fs::path(folder) / (name + ".png"));
   }
   static void keep(const Image& image, const std::string& name) {
-    if (const char* folder = std::getenv("FLOATSTAGE_PAGE_PICTURES"); folder && !image.empty())
-      EXPECT_THAT(save_png(image, fs::path(folder) / (name + ".png")), IsOk());
+    const char* const folder = std::getenv("FLOATSTAGE_PAGE_PICTURES");
+    if (folder == nullptr || image.empty()) return;
+    EXPECT_THAT(save_png(image, fs::path(folder) / (name + ".png")), IsOk());
   }
-  // What the page asked for, as the browser tells it.
-  static std::vector<std::string> requests(Browser& browser) {
-    return browser.value("performance.getEntriesByType('resource').map(e => e.name)");
-  }
-
   TempFolder folder_;
   fs::path take_;
 };
 
-TEST_F(AnExportedPage, ShowsWhatLinearShowsAndAsksForNothingElsewhere) {
+TEST_F(AnExportedPage, ShowsWhatLinearShows) {
   make({.cameras = 8, .frames = 2, .width = 320, .height = 240, .lens_k1 = -0.05});
   auto take = capture::TakeReader::open(take_);
   ASSERT_THAT(take, IsOk());
@@ -174,8 +168,6 @@ TEST_F(AnExportedPage, ShowsWhatLinearShowsAndAsksForNothingElsewhere) {
       EXPECT_GT(alike.covered, 0.02);
       ++n;
     }
-  for (const std::string& request : requests(browser))
-    EXPECT_THAT(request, testing::StartsWith("file://" + (folder_ / "page/").string()));
 }
 
 TEST_F(AnExportedPage, PlaysTurnsAndFitsATelephone) {
@@ -213,6 +205,19 @@ TEST_F(AnExportedPage, PlaysTurnsAndFitsATelephone) {
   EXPECT_TRUE(
       browser.becomes_true("document.getElementById('path').getAttribute('aria-pressed') === 'false'"))
       << "the path ends by itself";
+}
+
+TEST_F(AnExportedPage, PlaysFromAServerAndAsksForNothingElsewhere) {
+  make({.frames = 1});
+  const FolderServer server(folder_ / "page");
+  Browser browser(390, 844);
+  browser.open(server.url() + "index.html");
+  ASSERT_TRUE(browser.becomes_true("window.floatstage && floatstage.shown === 0", 60));
+  // The browser keeps no such list for files of a disk.
+  const std::vector<std::string> asked =
+      browser.value("performance.getEntriesByType('resource').map(e => e.name)");
+  EXPECT_THAT(asked, testing::SizeIs(Ge(8u)));
+  EXPECT_THAT(asked, Each(testing::AnyOf(testing::StartsWith(server.url()), testing::StartsWith("data:"))));
 }
 
 TEST_F(AnExportedPage, SaysWhichFileIsMissing) {
