@@ -13,7 +13,7 @@
 #include "pipeline/export/web_frame.h"
 #include "pipeline/export/web_page.h"
 #include "pipeline/film.h"
-#include "pipeline/scene_loader.h"
+#include "pipeline/subject.h"
 #include "tests/pipeline/export/folder_server.h"
 #include "tests/pipeline/export/processed_take.h"
 #include "tests/support/browser.h"
@@ -148,7 +148,7 @@ TEST_F(AnExportedPage, ShowsWhatLinearShows) {
   make({.cameras = 8, .frames = 2, .width = 320, .height = 240, .lens_k1 = -0.05});
   auto take = capture::TakeReader::open(take_);
   ASSERT_THAT(take, IsOk());
-  const Eigen::Vector3d target = subject_box(**take).value().center();
+  const Eigen::Vector3d target = find_subject(**take).value().box.center();
   Browser browser(1280, 800);
   browser.open(url());
   ASSERT_TRUE(browser.becomes_true("window.floatstage && floatstage.shown === 0", 60));
