@@ -26,7 +26,7 @@ namespace {
 using Curve = ceres::Grid1D<double>;
 using Interpolator = ceres::CubicInterpolator<Curve>;
 
-constexpr int kFewestFrames = 8;
+constexpr int kFewestFrames = 12;
 constexpr int kMargin = 3;          // frames around one, so that two of offset can be interpolated
 constexpr double kMost = 2;         // frames of offset
 constexpr int kStretches = 8;       // of time, for the jackknife
