@@ -21,50 +21,42 @@ Rig ring() {
   return synthetic_rig({.shape = RigShape::Ring, .cameras = kCameras, .width = 480, .height = 360});
 }
 
-/// The performer's silhouettes in cameras that run freely, one of which is `hundredths` of a frame ahead.
-std::vector<std::vector<Silhouette>> performed(const Rig& rig, int hundredths, bool moves = true) {
-  const Result<SyntheticStudio> studio =
-      SyntheticStudio::create(rig, {.seed = 5, .frame_rate = kParts * kRate, .samples = 9});
-  std::vector<std::vector<Silhouette>> frames(kFrames, std::vector<Silhouette>(rig.cameras.size()));
-  parallel_for(frames.size(), 0, [&](std::size_t k) {
-    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-      const int at = kParts * (2 + (moves ? static_cast<int>(k) : 0)) + (c == kLate ? hundredths : 0);
-      frames[k][c] = recon::outline_of(studio->shoot(static_cast<int>(c), at).matte, rig.cameras[c].model,
-                                       {.tolerance = 0});
-    }
-  });
-  return frames;
+using Frames = std::vector<std::vector<Silhouette>>;
+
+/// The performer's silhouettes in cameras that run freely, one of which is 37 hundredths of a frame ahead.
+const Frames& performed() {
+  static const Frames rendered = [] {
+    const Rig rig = ring();
+    const Result<SyntheticStudio> studio =
+        SyntheticStudio::create(rig, {.seed = 5, .frame_rate = kParts * kRate, .samples = 9});
+    Frames frames(kFrames, std::vector<Silhouette>(rig.cameras.size()));
+    parallel_for(frames.size(), 0, [&](std::size_t k) {
+      for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+        const int at = kParts * static_cast<int>(k) + (c == kLate ? 37 : 0);
+        frames[k][c] = recon::outline_of(studio->shoot(static_cast<int>(c), at).matte, rig.cameras[c].model,
+                                         {.tolerance = 0});
+      }
+    });
+    return frames;
+  }();
+  return rendered;
 }
 
 TEST(SilhouetteTimes, FindThirtySevenHundredthsOfAFrame) {
-  const Rig rig = ring();
-  const Result<TimeOffsets> found = measure_time_offsets(rig, performed(rig, 37));
+  const Result<TimeOffsets> found = measure_time_offsets(ring(), performed());
   ASSERT_THAT(found, IsOk());
   EXPECT_EQ(found->reference, 0);
   for (int c = 0; c < kCameras; ++c) {
     const TimeOffset& one = found->cameras[static_cast<std::size_t>(c)];
     ASSERT_TRUE(one.measured) << c << ": " << one.not_measured;
-    EXPECT_NEAR(one.frames, c == kLate ? 0.37 : 0, 0.05) << c;
+    EXPECT_NEAR(one.frames, c == kLate ? 0.37 : 0, 0.05) << c << ", sigma " << one.sigma_frames;
     EXPECT_LT(one.sigma_frames, 0.1) << c;
   }
 }
 
-TEST(SilhouetteTimes, AreNotMovedByARigThatIsOff) {
-  Rig rig = ring();
-  const std::vector<std::vector<Silhouette>> frames = performed(rig, -120);
-  rig.cameras[1].cam_from_world.rotation =
-      Eigen::Quaterniond(Eigen::AngleAxisd(0.005, Eigen::Vector3d::UnitX())) *
-      rig.cameras[1].cam_from_world.rotation;
-  const Result<TimeOffsets> found = measure_time_offsets(rig, frames);
-  ASSERT_THAT(found, IsOk());
-  for (int c = 0; c < kCameras; ++c) {
-    EXPECT_NEAR(found->cameras[static_cast<std::size_t>(c)].frames, c == kLate ? -1.2 : 0, 0.08) << c;
-  }
-}
-
 TEST(SilhouetteTimes, AreNotMeasuredWhenNothingMoves) {
-  const Rig rig = ring();
-  const Result<TimeOffsets> found = measure_time_offsets(rig, performed(rig, 0, false));
+  const Frames still(kFrames, performed()[0]);
+  const Result<TimeOffsets> found = measure_time_offsets(ring(), still);
   ASSERT_THAT(found, IsOk());
   EXPECT_EQ(found->reference, -1);
   for (const TimeOffset& one : found->cameras) {
