@@ -54,6 +54,7 @@ MatrixXd jackknife_covariance(const Scene& scene, const BundleOptions& options, 
   }
   const std::vector<Index> free = free_rows(scene, options);
   const auto width = static_cast<Index>(free.size());
+  if (width == 0) return {};  // everything was given
   std::vector<Index> place(static_cast<std::size_t>(kCameraParameters) * scene.cameras.size(), -1);
   for (Index i = 0; i < width; ++i) place[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] = i;
   std::vector<Block> each(static_cast<std::size_t>(blocks),
@@ -73,6 +74,7 @@ MatrixXd jackknife_covariance(const Scene& scene, const BundleOptions& options, 
   }
   const MatrixXd all = camera_information(scene, parts)(free, free);
   const Eigen::LLT<MatrixXd> root(all);
+  if (root.info() != Eigen::Success) return {};  // some direction is not known at all
   MatrixXd steps(width, blocks);
   for (int b = 0; b < blocks; ++b) {
     const Block& block = each[static_cast<std::size_t>(b)];

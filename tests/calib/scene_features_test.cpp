@@ -58,6 +58,7 @@ Observations observe(const Rig& truth) {
                          .width = c.model.width,
                          .height = c.model.height,
                          .lens = static_cast<LensKind>(c.model.lens.index()),
+                         .terms = {},
                          .intrinsics = Prior::Fixed,
                          .pose = Prior::Unknown,
                          .model = c.model,
