@@ -170,8 +170,8 @@ Result<ForeignRig> parse_openmvg(std::string_view content, std::string_view name
     const auto model = models->find(id_of(intrinsic));
     if (model == models->end())
       return fail(ErrorCode::BadData, text(where, ": names intrinsic ", intrinsic, ", which is not there"));
-    const std::string stem = std::filesystem::path(picture).filename().replace_extension().string();
-    foreign.rig.cameras.push_back({serial_from_name(stem), model->second, at->second, {}});
+    const std::string file_name = std::filesystem::path(picture).filename().string();
+    foreign.rig.cameras.push_back({serial_from_name(file_name), model->second, at->second, {}});
     foreign.image_names.push_back(picture);
   }
   if (problem.first) return fail(ErrorCode::BadData, *problem.first);

@@ -151,8 +151,8 @@ Result<ForeignRig> parse_transforms(std::string_view content, const PictureSize&
     if (!model) return fail(model.error().code, text(where, ": ", model.error().message));
     const Result<Rigid3> pose = pose_of(matrix);
     if (!pose) return fail(pose.error().code, text(where, ": ", pose.error().message));
-    std::string stem = std::filesystem::path(picture).filename().replace_extension().string();
-    foreign.rig.cameras.push_back({serial_from_name(stem), *model, *pose, {}});
+    const std::string file_name = std::filesystem::path(picture).filename().string();
+    foreign.rig.cameras.push_back({serial_from_name(file_name), *model, *pose, {}});
     foreign.image_names.push_back(picture);
   }
   if (problem.first) return fail(ErrorCode::BadData, *problem.first);

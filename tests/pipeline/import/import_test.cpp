@@ -232,7 +232,7 @@ TEST_F(Import, TheAlphaOfPicturesThatHaveOneIsTheirMatte) {
   ASSERT_TRUE(take);
   EXPECT_THAT(report_->notes, Contains(HasSubstr("alpha channel")));
   expect_picture(*take, 1, 0, test_picture(1, 0));
-  const Result<Image> read = load_png(take->layout().matte("b.png", 0));
+  const Result<Image> read = load_png(take->layout().matte("b", 0));
   ASSERT_THAT(read, IsOk());
   EXPECT_EQ(read->at(3, 4)[0], 17);
   EXPECT_EQ(read->at(4, 4)[0], 255);
