@@ -4,7 +4,7 @@
 
 #include <benchmark/benchmark.h>
 #include <opencv2/features2d.hpp>
-#include <opencv2/flann/kdtree_single_index.h>
+#include <opencv2/flann/flann_base.hpp>
 
 #include "core/parallel.h"
 #include "core/random.h"
@@ -175,9 +175,9 @@ void neighbours_flann(benchmark::State& state) {
   const cvflann::SearchParams search(32, static_cast<float>(state.range(0)) / 10, true);
   for (auto _ : state)
     for (std::size_t i = 0; i < s.third.size(); ++i) {
-      cvflann::KNNUniqueResultSet<float> result(3);
+      cvflann::KNNSimpleResultSet<float> result(3);
+      result.init(found.data(), &distances[3 * i]);
       index.findNeighbors(result, &s.places[i * d], search);
-      result.copy(found.data(), &distances[3 * i], 3);
     }
   count_recall(state, distances);
 }
