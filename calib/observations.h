@@ -105,7 +105,7 @@ struct CalibrationCamera {
   std::string serial;
   int width = 0, height = 0;  ///< px
   LensKind lens = LensKind::BrownConrady;
-  LensTerms terms;
+  LensTerms terms = {};
   Prior intrinsics = Prior::Unknown, pose = Prior::Unknown;
   CameraModel model;      ///< where intrinsics is not Unknown; size and lens as above
   Rigid3 cam_from_world;  ///< where pose is not Unknown
