@@ -100,7 +100,9 @@ Agreement agreement_with(const BoardFace& face, const Read& read) {
   return out;
 }
 
-// How large a marker is beside a square, from where markers' centres lie: the median.
+// How large a marker is beside a square, from where markers' centres lie: the median, to the nearest
+// twentieth. Light bleeds over edges, so no more can be told; only how far corners are kept apart depends on
+// it.
 double marker_share(const BoardFace& face, const Read& read) {
   std::vector<double> sides;
   for (const std::vector<SeenMarker>& seen : read.pictures) {
@@ -123,7 +125,7 @@ double marker_share(const BoardFace& face, const Read& read) {
     }
   }
   if (sides.empty()) return kUsualMarker;
-  return std::clamp(std::round(100 * median(std::move(sides))) / 100, 0.3, 0.95);
+  return std::clamp(std::round(20 * median(std::move(sides))) / 20, 0.3, 0.95);
 }
 
 std::optional<IdentifiedBoard> marker_board(const Read& read, double square) {
@@ -146,7 +148,7 @@ std::optional<IdentifiedBoard> marker_board(const Read& read, double square) {
   const std::string name = smallest_like(read.dictionary, read.highest)->name;
   if (auto* charuco = std::get_if<CharucoBoard>(&*best)) {
     const double share = marker_share(board_faces(*best).front(), read);
-    charuco->marker = share * square;
+    charuco->marker = std::round(1e5 * share * square) / 1e5;
     charuco->square = square;
     charuco->dictionary = name;
   } else if (auto* tags = std::get_if<AprilTagGrid>(&*best)) {

@@ -13,7 +13,8 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr std::size_t kMostPictures = 24;  // of a set
+constexpr std::size_t kMostPictures = 24;  // of a set of stills
+constexpr std::size_t kOfVideo = 10;       // of a video: a board comes into view some time
 constexpr int kVideoStep = 12;             // pictures of a video from one sample to the next
 
 // Some pictures of a camera, spread over what it has.
@@ -32,7 +33,7 @@ Result<void> sample(const SurveyedMedia& media, std::size_t count, std::vector<I
   }
   Result<PictureStream> stream = PictureStream::open({media.video, {}}, {0, std::nullopt, kVideoStep});
   if (!stream) return forward(stream);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < kOfVideo; ++i) {
     Result<std::optional<Image>> picture = stream->next();
     if (!picture) return forward(picture);
     if (!*picture) break;
@@ -45,7 +46,7 @@ Result<std::vector<Image>> sample_set(const MediaSet& set) {
   std::vector<Image> out;
   const std::size_t each = std::max<std::size_t>(1, kMostPictures / set.media.size());
   for (const SurveyedMedia& m : set.media) {
-    if (out.size() >= kMostPictures) break;
+    if (out.size() >= kMostPictures && m.video.empty()) break;
     if (Result<void> ok = sample(m, each, out); !ok) return forward(ok);
   }
   return out;

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kWidth = 400, kHeight = 300;
+constexpr int kWidth = 280, kHeight = 210;
 constexpr double kRadius = 2;              // metres, of the rig
 constexpr int kPebbles = 24, kAcross = 2;  // rays a pixel: across squared
 
@@ -44,7 +44,7 @@ class Heap {
     if (nearest > 1e8) return 15;
     const Eigen::Vector3f x = (from + nearest * way).cast<float>();
     float sum = 0, weight = 0;
-    for (const float cells : {10.f, 23.f, 51.f, 97.f}) {  // a metre
+    for (const float cells : {7.f, 16.f, 36.f, 68.f}) {  // a metre
       sum += synthetic::value_noise(cells * x, seed_ + static_cast<std::uint32_t>(cells)) * 0.8f;
       weight += 0.8f;
     }

@@ -17,7 +17,7 @@ struct PebbleScene {
 
 enum class PebbleRig {
   Ring,  ///< 20 cameras on a circle, 15° above the middle
-  Dome   ///< three rows of 10, 8 and 6 cameras, up to 50°
+  Dome   ///< three rows of 10, 8 and 6 cameras over the front half, 5° to 45° above the middle
 };
 
 /// Every number that is left to chance follows from the seed: pebbles, pattern, how far cameras stand from
