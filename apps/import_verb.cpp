@@ -24,7 +24,8 @@ struct Options {
 
 nlohmann::json to_json(const pipeline::ImportReport& report, const std::filesystem::path& take) {
   return {{"take", take.string()},     {"frames", report.frames}, {"gaps", report.gaps},
-          {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes}, {"world", report.world}};
+          {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes},
+          {"world", report.world}};
 }
 
 Result<void> run(const Options& given) {

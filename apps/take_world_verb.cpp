@@ -147,7 +147,9 @@ void add_take_set_world(CLI::App& take, Chosen& chosen) {
   verb->add_option("--board", options->board,
                    "A board that lies on the floor, its printed line or sheet: says up, floor and scale")
       ->type_name("FILE");
-  verb->add_option("--frame", options->frame, "The frame in which it lies there")->capture_default_str();
+  verb->add_option("--frame", options->frame, "The frame in which it lies there")
+      ->capture_default_str()
+      ->type_name("N");
   verb->add_option("--board-height", options->board_height, "Metres of its printed face above the floor")
       ->capture_default_str()
       ->type_name("M");
