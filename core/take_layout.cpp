@@ -70,8 +70,7 @@ TakeManifest::File read_file_entry(const nlohmann::json& value, const std::strin
     problem.note(where, "'bytes' is not the size of a file");
   else
     file.bytes = static_cast<std::uint64_t>(bytes);
-  if (!sha256_in_hex(file.sha256))
-    problem.note(where, "'sha256' is not 64 lower-case hexadecimal digits");
+  if (!sha256_in_hex(file.sha256)) problem.note(where, "'sha256' is not 64 lower-case hexadecimal digits");
   return file;
 }
 
@@ -130,14 +129,10 @@ std::string to_json(const TakeManifest& m) {
                        {"format", name_of(c.format)},
                        {"width", c.width},
                        {"height", c.height}});
-  Json whole = {{"floatstage_take", m.version},
-                {"label", m.label},
-                {"created", m.created},
-                {"writer", m.writer},
-                {"frame_rate", m.frame_rate},
-                {"rig_sha256", m.rig_sha256},
-                {"complete", m.complete},
-                {"cameras", std::move(cameras)}};
+  Json whole = {{"floatstage_take", m.version}, {"label", m.label},
+                {"created", m.created},         {"writer", m.writer},
+                {"frame_rate", m.frame_rate},   {"rig_sha256", m.rig_sha256},
+                {"complete", m.complete},       {"cameras", std::move(cameras)}};
   for (const TakeManifest::File& file : m.files)
     whole["files"].push_back({{"name", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
   return print_json(whole);

@@ -49,7 +49,8 @@ Result<void> UnfinishedFolder::publish() {
   std::error_code error;
   fs::rename(folder_, out_, error);  // over an empty folder, never over a full one
   if (error)
-    return fail(ErrorCode::Io, text("cannot name the finished folder ", out_.string(), ": ", error.message()));
+    return fail(ErrorCode::Io,
+                text("cannot name the finished folder ", out_.string(), ": ", error.message()));
   published_ = true;
   return {};
 }

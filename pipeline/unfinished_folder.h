@@ -8,12 +8,12 @@
 
 namespace floatstage::pipeline {
 
-/// A folder that is being made: claimed, under a temporary name beside the one that it will have, removed again
-/// unless it was published.
+/// A folder that is being made: claimed, under a temporary name beside the one that it will have, removed
+/// again unless it was published.
 class UnfinishedFolder {
  public:
-  /// Claims `out`, which must not be there or be an empty folder and stands empty until the folder replaces it.
-  /// InvalidArgument for what is no name; AlreadyExists; Io.
+  /// Claims `out`, which must not be there or be an empty folder and stands empty until the folder replaces
+  /// it. InvalidArgument for what is no name; AlreadyExists; Io.
   static Result<UnfinishedFolder> begin(const std::filesystem::path& out);
   UnfinishedFolder(UnfinishedFolder&& other) noexcept;
   UnfinishedFolder(const UnfinishedFolder&) = delete;

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "calib/formats/camera_parts.h"
-#include "calib/formats/text_lines.h"
 #include "calib/formats/format_files.h"
+#include "calib/formats/text_lines.h"
 #include "core/file.h"
 #include "core/text.h"
 

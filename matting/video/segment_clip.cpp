@@ -13,11 +13,11 @@
 
 #include "core/text.h"
 #include "matting/color_model.h"
+#include "matting/frame_cut.h"
 #include "matting/keyers/backdrop_memory.h"
 #include "matting/keyers/plate.h"
 #include "matting/picture_scale.h"
 #include "matting/video/flow_carry.h"
-#include "matting/frame_cut.h"
 
 namespace floatstage::matting {
 namespace {

@@ -19,9 +19,9 @@ struct FoundBoard {
   std::string how;  ///< where the description is from
 };
 
-/// Looks at some pictures of every set (24 stills, ten of each video). A board that is described (`given`, or the survey's
-/// file) is looked for; else it is told from the pictures. Absent when no set shows a board. Errors name the
-/// file that cannot be read.
+/// Looks at some pictures of every set (24 stills, ten of each video). A board that is described (`given`, or
+/// the survey's file) is looked for; else it is told from the pictures. Absent when no set shows a board.
+/// Errors name the file that cannot be read.
 Result<std::optional<FoundBoard>> find_board(const FolderSurvey& survey,
                                              const std::optional<calib::TargetDesign>& given, int threads,
                                              Progress* watch);

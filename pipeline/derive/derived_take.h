@@ -27,8 +27,8 @@ struct DerivedReport {
 /// Makes `out`, a take with the media of `from`: the same files under a second name (hard links), or copies
 /// where the file system cannot, so that nothing is decoded and either may be removed. Mattes, plates and
 /// colours come along; hulls do not, unless rig and instants are the same. A seal stays whole. AlreadyExists
-/// and Io as of UnfinishedFolder; InvalidArgument for instants that are not there or another rig than `from`'s
-/// cameras. Nothing is left behind when it fails.
+/// and Io as of UnfinishedFolder; InvalidArgument for instants that are not there or another rig than
+/// `from`'s cameras. Nothing is left behind when it fails.
 Result<DerivedReport> derive_take(const capture::TakeReader& from, const DerivedTake& other,
                                   const std::filesystem::path& out);
 

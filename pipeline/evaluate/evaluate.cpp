@@ -5,9 +5,9 @@
 #include "core/text.h"
 #include "pipeline/balance.h"
 #include "pipeline/evaluate/held_out_scene.h"
-#include "pipeline/undistort.h"
 #include "pipeline/film.h"
 #include "pipeline/progress.h"
+#include "pipeline/undistort.h"
 #include "recon/mesh/mesh_mask.h"
 
 namespace floatstage::pipeline {

@@ -12,8 +12,9 @@
 
 namespace floatstage::pipeline {
 
-/// A keyer's mattes as `live` makes them (LiveKey: the keyer's own, but for a step of opacity in a few pixels of
-/// the edge), for any number of threads at a time: one LiveKey, with its memory, for each that asks (ADR 0204).
+/// A keyer's mattes as `live` makes them (LiveKey: the keyer's own, but for a step of opacity in a few pixels
+/// of the edge), for any number of threads at a time: one LiveKey, with its memory, for each that asks (ADR
+/// 0204).
 class QuickKeyer {
  public:
   explicit QuickKeyer(std::unique_ptr<const matting::Keyer> keyer) : keyer_(std::move(keyer)) {}

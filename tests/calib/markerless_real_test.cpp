@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "calib/markerless.h"
 #include "calib/formats/format_files.h"
+#include "calib/markerless.h"
 #include "core/png.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"

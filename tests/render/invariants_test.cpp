@@ -13,15 +13,16 @@ class Renderers : public Rendering, public testing::WithParamInterface<Kind> {
   void SetUp() override { open(std::get<0>(GetParam())); }
   static const char* method() { return std::get<1>(GetParam()); }
 };
-INSTANTIATE_TEST_SUITE_P(
-    All, Renderers,
-    testing::Combine(testing::Values(render::BackEnd::Cpu, render::BackEnd::Gl),
-                     testing::Values("nearest", "linear", "band-limited", "filtered", "floating")),
-    [](const auto& param) {
-      std::string name = text(std::get<1>(param.param), "_", name_of(std::get<0>(param.param)));
-      std::replace(name.begin(), name.end(), '-', '_');
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(All, Renderers,
+                         testing::Combine(testing::Values(render::BackEnd::Cpu, render::BackEnd::Gl),
+                                          testing::Values("nearest", "linear", "band-limited", "filtered",
+                                                          "floating")),
+                         [](const auto& param) {
+                           std::string name =
+                               text(std::get<1>(param.param), "_", name_of(std::get<0>(param.param)));
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST_P(Renderers, ACameraAtTheViewReturnsItsPhotograph) {
   const Stage stage = photographed(arc(5, 20), ball(0.25F, 48), ball(0.27F, 24));

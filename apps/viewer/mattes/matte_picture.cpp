@@ -60,7 +60,7 @@ Image components_picture(const MatteViewInput& in) {
       for (int i = 0; i < 3; ++i) sum[i] += share * color[static_cast<std::size_t>(i)];
     }
     return Rgb{static_cast<int>(sum[0] * brightness), static_cast<int>(sum[1] * brightness),
-                        static_cast<int>(sum[2] * brightness)};
+               static_cast<int>(sum[2] * brightness)};
   });
 }
 

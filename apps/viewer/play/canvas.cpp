@@ -80,7 +80,7 @@ Canvas::Made Canvas::wanted(const PlayerState& state, const pipeline::PathKey& k
 /// and a GPU draws all in full.
 bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now) {
   if (!state.quick || state.renderer.back_end == render::BackEnd::Gl) return false;
-  if (made_ && (!same(made_->key, key) || (state.time.playing && made_->scene != shown_))) pace_.moved(now);
+  if (made_ && (!same(made_->key, key) || made_->scene != shown_)) pace_.moved(now);
   return pace_.moving(now);
 }
 

@@ -64,8 +64,7 @@ TEST(ImportReal, QualisysVideosOfAnotherSizeAreRefusedAndTheOthersTaken) {
   FLOATSTAGE_NEEDS_DATA(real_data("pose2sim-balancing"));
   TempFolder folder;
   ImportOptions options;
-  options.calibration = {"qualisys",
-                         real_data("pose2sim-balancing/calibration/Calib.qca.txt")};
+  options.calibration = {"qualisys", real_data("pose2sim-balancing/calibration/Calib.qca.txt")};
   options.pictures = real_data("pose2sim-balancing/videos");
   options.frames = {.first = 4, .end = 6};
   options.out = folder / "Q";
