@@ -1,6 +1,7 @@
 // Method:  epipolar tangents as functions of time, shifted against one another until they meet
 // Paper:   the tangents: J. Porrill, S. Pollard, "Curve matching and stereo calibration", 1991; compare
-//          S. Sinha, M. Pollefeys, "Synchronization and calibration of camera networks from silhouettes", 2004
+//          S. Sinha, M. Pollefeys, "Synchronization and calibration of camera networks
+//          from silhouettes", 2004
 // Differs: poses are known, and offsets are fractions of a frame: cubic interpolation between pictures, least
 //          squares over all pairs, with a constant for each tangent, so that a rig that is off a little moves
 //          nothing; uncertainty by leaving stretches of time out (Efron 1982)

@@ -1,8 +1,7 @@
 // Method:  the turn that makes silhouettes coherent with the others' visual hull
 // Paper:   C. Hernández, F. Schmitt, R. Cipolla, "Silhouette coherence for camera calibration under circular
 //          motion", 2007
-// Differs: distances in the picture in the place of a share of coherent pixels, so that least squares find
-// it;
+// Differs: distances in the picture instead of a share of coherent pixels, so that least squares find it;
 //          one camera against a hull without it, which its own turn does not change; uncertainty by a jackknife
 //          over stretches of outline (Efron 1982), since neighbouring points err together
 // ADR:     0233

@@ -33,7 +33,8 @@ class Interrupted : public testing::Test {
     for (const char* name : {"a.png", "b.png"}) {
       Image picture(64, 48, 1);
       for (int y = 0; y < 48; ++y)
-        for (int x = 0; x < 64; ++x) *picture.at(x, y) = static_cast<std::uint8_t>((x * 37 + y * 101) % 251);
+        for (int x = 0; x < 64; ++x)
+          *picture.at(x, y) = static_cast<std::uint8_t>((x * 37 + y * 101 + name[0]) % 251);
       ASSERT_THAT(save_png(picture, folder_ / name), IsOk());
     }
     folder_.write("s.toml",

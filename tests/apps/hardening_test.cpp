@@ -20,7 +20,7 @@ std::string readelf(const std::string& what) {
 
 TEST(Hardening, TheProgramsRelocationsAreSealedBeforeMain) {
   EXPECT_THAT(readelf("--dynamic"),
-              AllOf(ContainsRegex("FLAGS .*BIND_NOW"), ContainsRegex("FLAGS_1.*NOW.*PIE")));
+              AllOf(ContainsRegex("\\(FLAGS\\) .*BIND_NOW"), ContainsRegex("\\(FLAGS_1\\) .*NOW.*PIE")));
   EXPECT_THAT(readelf("--segments"), AllOf(HasSubstr("GNU_RELRO"), ContainsRegex("GNU_STACK .* RW  "),
                                            Not(ContainsRegex("GNU_STACK .* RWE"))));
 }

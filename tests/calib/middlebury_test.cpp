@@ -69,7 +69,7 @@ TEST(Middlebury, RefusesMirrorsAndScaledRotations) {
 
 TEST(Middlebury, RefusesTwoCamerasOfOneName) {
   expect_error(parse(replaced(kTwoCameras, "b.png", "a.png")), ErrorCode::BadData,
-               {"x_par.txt", "two cameras", "a.png"});
+               {"x_par.txt", "two cameras", "'a'"});
 }
 
 TEST(Middlebury, ComesBackFromTheWriterUnchanged) {

@@ -203,6 +203,9 @@ std::string points_model(const Rig& rig, const std::filesystem::path& folder) {
     if (line.empty() || line[0] == '#') continue;
     out += line + '\n' + sights[camera++] + '\n';
   }
+  // Where there are both, COLMAP reads the binary files.
+  for (const char* file : {"cameras.bin", "images.bin", "points3D.bin"})
+    std::filesystem::remove(folder / file);
   EXPECT_THAT(write_file(folder / "images.txt", out), IsOk());
   EXPECT_THAT(write_file(folder / "points3D.txt", points), IsOk());
   return (folder / "log.txt").string();

@@ -76,8 +76,8 @@ Canvas::Made Canvas::wanted(const PlayerState& state, const pipeline::PathKey& k
   return made;
 }
 
-/// Whether the camera or time moves, by itself or by a key. Another option is drawn in full at once, and a GPU
-/// draws all in full.
+/// Whether the camera or time moves, by itself or by a key. Another option is drawn in full at once, and a
+/// GPU draws all in full.
 bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now) {
   if (!state.quick || state.renderer.back_end == render::BackEnd::Gl) return false;
   if (made_ && (!same(made_->key, key) || made_->scene != shown_)) pace_.moved(now);
