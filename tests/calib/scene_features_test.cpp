@@ -95,7 +95,7 @@ TEST(SceneFeatures, PlaceARigWhoseScaleIsOneKnownDistance) {
     EXPECT_NEAR(*q.rms_px, 0.3, 0.1) << q.serial << ": of six numbers a point, three go into its place";
     EXPECT_FALSE(q.moved_mm) << "where it was found is not where it was";
     if (q.serial == "cam0")
-      EXPECT_THAT(q.position_sigma_mm.because(), HasSubstr("relative to this camera"));
+      EXPECT_THAT(q.position_sigma_mm.because(), testing::HasSubstr("relative to this camera"));
     else
       EXPECT_LT(q.position_sigma_mm, 10) << q.serial;
   }
