@@ -22,9 +22,9 @@ Result<std::vector<std::string>> pose_doubts(const capture::TakeReader& take, co
   std::vector<InstantMattes> instants;
   for (const int frame : asked) {
     Result<std::vector<Matte>> mattes = load_mattes(take, frame);
-    if (!mattes) return forward(mattes);
-    instants.push_back(*std::move(mattes));
+    if (mattes) instants.push_back(*std::move(mattes));  // else the frame itself has failed, and says why
   }
+  if (instants.empty()) return doubts;
   const Result<SilhouetteCheck> check =
       check_silhouettes(take.rig(), instants, {.threads = threads, .progress = progress});
   if (!check && check.error().code == ErrorCode::NotFound) return doubts;  // no subject on stage

@@ -44,7 +44,7 @@ Rig in_world(Rig rig, const Eigen::Quaterniond& new_from_old) {
 const Eigen::Quaterniond kOnItsSide(Eigen::AngleAxisd(1.1, Vector3d(0.6, -0.8, 0)));
 
 double degrees_between(const Vector3d& a, const Vector3d& b) {
-  return std::acos(std::clamp(a.dot(b), -1.0, 1.0)) * 180 / kPi;
+  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / kPi;
 }
 
 Mesh box_mesh(const Vector3d& low, const Vector3d& high) {

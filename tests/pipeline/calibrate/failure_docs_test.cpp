@@ -57,7 +57,7 @@ TEST(FailureDocs, HaveARowForEveryBarThatIsChecked) {
   for (const char* file : {"pipeline/calibrate/verdict.cpp", "apps/calibrate/session_verb.cpp"}) {
     const std::string code = source(file);
     static const std::regex name(
-        R"re((?:check\(|\{)"([a-z0-9]+(?:_[a-z0-9]+)*_(?:px|percent|mm|degrees|ratio|ms))")re");
+        R"re((?:check\(|\{|what = )"([a-z0-9]+(?:_[a-z0-9]+)*_(?:px|percent|mm|degrees|ratio|ms))")re");
     for (std::sregex_iterator it(code.begin(), code.end(), name), end; it != end; ++it)
       checked.insert((*it)[1]);
   }
