@@ -2,8 +2,8 @@
 // Paper:   C. Hernández, F. Schmitt, R. Cipolla, "Silhouette coherence for camera calibration under circular
 //          motion", 2007
 // Differs: distances in the picture instead of a share of coherent pixels, so that least squares find it;
-//          one camera against a hull without it, which its own turn does not change; uncertainty by a jackknife
-//          over stretches of outline (Efron 1982), since neighbouring points err together
+//          one camera against a hull without it, which its own turn does not change; uncertainty by a
+//          jackknife over stretches of outline (Efron 1982), since neighbouring points err together
 // ADR:     0233
 
 #include "calib/silhouettes/silhouette_turn.h"
