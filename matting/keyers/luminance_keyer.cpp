@@ -7,6 +7,7 @@
 
 #include "core/text.h"
 #include "matting/keyers/backing_field.h"
+#include "matting/keyers/cloth_measure.h"
 #include "matting/keyers/keyers.h"
 #include "matting/keyers/rim_check.h"
 
@@ -15,7 +16,8 @@ namespace {
 
 // A black stage leaves dark crevices in the subject and specks on the cloth.
 constexpr CleanupOptions kDefaultCleanup{.close_radius = 2, .smallest_island = 0.02, .smallest_hole = 0.003};
-constexpr double kBrighter = 2;  // times the backing, in the mean
+constexpr double kBrighter = 2;        // times the backing, in the mean
+constexpr double kOtherBacking = 0.1;  // of the rim or of the subject: there is cloth, as walls.cpp has it
 constexpr FieldOptions kBlackStage{.darker_too = true};
 
 Image grey_of(const Image& rgb) {
@@ -39,11 +41,37 @@ bool is_black(const BackingField& stage, const Image& grey, const Image& alpha) 
   return count == 0 || stage.grey() * kBrighter <= sum / static_cast<double>(count);
 }
 
+// What of a picture has the colour of the cloth beyond doubt, as shares of the subject and of the rim.
+struct ClothShares {
+  double subject = 0, rim = 0;
+};
+
+ClothShares cloth_shares(const ClothMeasure& cloth, const Image& rgb, const Image& alpha) {
+  const int rim = rim_width(rgb.width, rgb.height);
+  long subject = 0, subject_cloth = 0, seen = 0, seen_cloth = 0;
+  for (int y = 0; y < rgb.height; ++y)
+    for (int x = 0; x < rgb.width; ++x) {
+      const std::uint8_t* p = rgb.at(x, y);
+      const bool is = cloth.value(p[0], p[1], p[2]) <= cloth.doubtful;
+      const bool at_rim = y < rim || y >= rgb.height - rim || x < rim || x >= rgb.width - rim;
+      seen += at_rim, seen_cloth += at_rim && is;
+      const bool inside = *alpha.at(x, y) >= 128;
+      subject += inside, subject_cloth += inside && is;
+    }
+  const auto share = [](long part, long of) {
+    return of ? static_cast<double>(part) / static_cast<double>(of) : 0.0;
+  };
+  return {share(subject_cloth, subject), share(seen_cloth, seen)};
+}
+
 class LuminanceKeyer : public Keyer {
  public:
+  /// `stage`: absent, every frame's own. `cloth`: green or blue cloth at the pictures' borders, if any.
   LuminanceKeyer(std::optional<int> threshold, std::optional<BackingField> stage,
-                 const CleanupOptions& cleanup)
-      : threshold_(threshold), stage_(std::move(stage)), cleanup_(cleanup) {}
+                 const std::optional<Rgb>& cloth, const CleanupOptions& cleanup)
+      : threshold_(threshold), stage_(std::move(stage)), cleanup_(cleanup) {
+    if (cloth) cloth_.emplace(*cloth);
+  }
 
   Result<Matte> key(const Frame& frame) const override {
     if (frame.empty()) return Matte{frame.info, 0, 0, 0, nullptr};
@@ -69,6 +97,7 @@ class LuminanceKeyer : public Keyer {
                        std::lround(stage->grey()),
                        " bright in the mean, more than half of what stands out from it; "
                        "try the methods 'chroma' or 'consistent', or a plate"));
+    if (Result<void> ok = check_cloth(*rgb, alpha, frame.info); !ok) return forward(ok);
     if (stage && !threshold_) stage->solve_edges(*rgb, alpha);
     return make_matte(frame.info, alpha);
   }
@@ -80,8 +109,25 @@ class LuminanceKeyer : public Keyer {
   CleanupOptions cleanup() const override { return cleanup_; }
 
  private:
+  // Before cloth, brightness tells no subject: it takes the cloth for one, or, where the cloth is a part of
+  // what is around, the subject for cloth.
+  Result<void> check_cloth(const Image& rgb, const Image& alpha, const FrameInfo& info) const {
+    if (!cloth_) return {};
+    const ClothShares share = cloth_shares(*cloth_, rgb, alpha);
+    const bool mixed = std::min(share.rim, 1 - share.rim) > kOtherBacking;
+    if (!mixed && share.subject <= kOtherBacking) return {};
+    return fail(ErrorCode::Unsupported,
+                text("camera ", info.camera, " shows no black stage: ",
+                     mixed ? text("green or blue cloth covers ", std::lround(100 * share.rim),
+                                  " % of its picture's rim")
+                           : text(std::lround(100 * share.subject),
+                                  " % of what stands out has the colour of the cloth at its picture's rim"),
+                     "; try the method 'chroma', or a plate"));
+  }
+
   std::optional<int> threshold_;
-  std::optional<BackingField> stage_;  // absent: every frame's own
+  std::optional<BackingField> stage_;
+  std::optional<ClothMeasure> cloth_;
   CleanupOptions cleanup_;
 };
 
@@ -95,9 +141,13 @@ Result<std::unique_ptr<Keyer>> make_luminance_keyer(const KeyerRequest& request)
     threshold = *given;
   }
   std::optional<BackingField> stage;
-  if (!request.samples.empty()) stage = learn_field(request.samples, {}, kBlackStage);
+  std::optional<Rgb> cloth;
+  if (!request.samples.empty()) {
+    stage = learn_field(request.samples, {}, kBlackStage);
+    if (!threshold) cloth = sample_backing(request.samples);
+  }
   return std::unique_ptr<Keyer>(
-      new LuminanceKeyer(threshold, std::move(stage), request.cleanup.value_or(kDefaultCleanup)));
+      new LuminanceKeyer(threshold, std::move(stage), cloth, request.cleanup.value_or(kDefaultCleanup)));
 }
 
 }  // namespace floatstage::matting

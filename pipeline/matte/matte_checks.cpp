@@ -5,6 +5,7 @@
 
 #include "core/parallel.h"
 #include "core/png.h"
+#include "pipeline/matte/contradiction.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -30,8 +31,7 @@ double flicker_of(const capture::TakeReader& take, const std::string& serial, co
 
 }  // namespace
 
-Result<void> check_mattes(const capture::TakeReader& take, const MatteTakeOptions& options,
-                          MatteReport& report) {
+Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& options, MatteReport& report) {
   parallel_for(report.cameras.size(), options.threads, [&](std::size_t i) {
     report.cameras[i].flicker = flicker_of(take, report.cameras[i].serial, options.progress);
   });
@@ -45,6 +45,9 @@ Result<void> check_mattes(const capture::TakeReader& take, const MatteTakeOption
       hull_agreement(take, frames, options.threads, options.progress);
   if (!worst) return forward(worst);
   report.worst = std::move(*worst);
+  Result<std::optional<MatteDoubt>> contradiction = contradiction_in(take, report.worst);
+  if (!contradiction) return forward(contradiction);
+  if (*contradiction) report.doubts.insert(report.doubts.begin(), std::move(**contradiction));
   for (CameraMattes& camera : report.cameras) {
     double sum = 0;
     int seen = 0;

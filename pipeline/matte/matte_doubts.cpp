@@ -6,14 +6,10 @@
 #include <map>
 #include <set>
 
-#include "core/file.h"
 #include "core/file_presence.h"
-#include "core/png.h"
 #include "core/text.h"
-#include "pipeline/matte/doubt_picture.h"
-#include "pipeline/matte/hull_agreement.h"
+#include "pipeline/matte/doubt_sheet.h"
 #include "pipeline/matte/matte_job.h"
-#include "pipeline/scene_loader.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -22,9 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr double kMostUnseen = 0.8;  // of the subject, where its plate knows nothing
 constexpr double kMostBorder = 0.5;  // of the border: a majority, as rim_check.h has it
-constexpr std::size_t kMostTiles = 12;
-constexpr int kTile = 480;  // px
-constexpr int kFewestOthers = 3;
 
 constexpr const char* kClick =
     "; click on it in the editor of `play`, give mattes with --guide, or choose another --matte with --redo";
@@ -77,27 +70,6 @@ int worst_of(const Reason& reason) {
     if (cameras > most || (cameras == most && odd[frame] > odd[worst])) worst = frame;
   }
   return worst;
-}
-
-Result<void> draw(capture::TakeReader& take, const Reason& reason, int frame, const fs::path& file) {
-  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
-  if (!mattes) return forward(mattes);
-  const auto there = std::count_if(mattes->begin(), mattes->end(), [](const Matte& m) { return !m.empty(); });
-  std::vector<Image> tiles;
-  for (const MatteJob* job : reason.jobs) {
-    const auto camera = static_cast<std::size_t>(job->camera);
-    const Result<Frame> photograph = take.frame(job->camera, frame);
-    if (tiles.size() >= kMostTiles || !photograph || photograph->empty() || (*mattes)[camera].empty())
-      continue;
-    const Result<Image> rgb = to_rgb(*photograph);
-    if (!rgb) continue;
-    const std::optional<Matte> others =
-        there > kFewestOthers ? silhouette_of_others(take.rig(), *mattes, camera) : std::nullopt;
-    tiles.push_back(doubt_tile(*rgb, (*mattes)[camera], others, kTile));
-  }
-  if (tiles.empty()) return {};
-  if (Result<void> ok = make_folder(file.parent_path()); !ok) return ok;
-  return save_png(contact_sheet(tiles), file);
 }
 
 }  // namespace
@@ -164,8 +136,10 @@ Result<std::vector<MatteDoubt>> doubts_of(capture::TakeReader& take, const Matte
     };
     fs::path file = file_named("");
     for (int i = 2; !drawn.insert(file).second; ++i) file = file_named(text("-", i));
+    std::vector<int> cameras;
+    for (const MatteJob* job : reason.jobs) cameras.push_back(job->camera);
     if (reason.now || !is_there(file))
-      if (Result<void> ok = draw(take, reason, doubt.worst, file); !ok) return forward(ok);
+      if (Result<void> ok = save_doubt_sheet(take, cameras, doubt.worst, file); !ok) return forward(ok);
     if (is_there(file)) doubt.picture = file;
     doubts.push_back(std::move(doubt));
   }

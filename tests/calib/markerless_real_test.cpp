@@ -1,11 +1,10 @@
-#include <algorithm>
+#include <cstdio>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "calib/formats/format_files.h"
 #include "calib/markerless.h"
-#include "core/png.h"
+#include "tests/calib/temple_scene.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
@@ -13,53 +12,17 @@
 namespace floatstage::calib {
 namespace {
 
-struct Temple {
-  Rig truth;
-  std::vector<MarkerlessPicture> pictures;
-};
-
-Temple temple(const std::filesystem::path& folder, const char* par) {
-  Temple set;
-  Result<ForeignRig> foreign = read_middlebury(folder / par);
-  EXPECT_THAT(foreign, IsOk());
-  for (std::size_t i = 0; i < foreign->rig.cameras.size(); ++i) {
-    RigCamera camera = foreign->rig.cameras[i];
-    const std::filesystem::path file = folder / foreign->image_names[i];
-    if (!std::filesystem::exists(file)) continue;
-    camera.model.width = 640, camera.model.height = 480;
-    camera.serial = file.stem().string();
-    Result<Image> pixels = load_png(file);
-    EXPECT_THAT(pixels, IsOk());
-    set.pictures.push_back({camera.serial, file, camera.model, *std::move(pixels)});
-    set.truth.cameras.push_back(std::move(camera));
-  }
-  return set;
-}
-
-// The largest distance of a camera's centre from the truth after the best similarity, as a share of the rig's
-// radius.
+// The largest distance of a camera's centre from the truth, as a share of the rig's radius.
 double worst_center(const Rig& rig, const Rig& truth) {
-  const Eigen::Index n = static_cast<Eigen::Index>(rig.cameras.size());
-  Eigen::Matrix3Xd a(3, n), b(3, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    a.col(i) = rig.cameras[static_cast<std::size_t>(i)].cam_from_world.center();
-    b.col(i) = truth.cameras[static_cast<std::size_t>(i)].cam_from_world.center();
-  }
-  const Eigen::Matrix4d similarity = Eigen::umeyama(a, b);
-  const Eigen::Matrix3Xd off =
-      (similarity.topLeftCorner<3, 3>() * a).colwise() + Eigen::Vector3d(similarity.topRightCorner<3, 1>());
-  const double radius = (b.colwise() - focus_point(truth)).colwise().norm().mean();
-  const Eigen::VectorXd errors = (off - b).colwise().norm();
-  std::printf("camera centres: rms %.3f %%, worst %.3f %% of the radius of %.3f m\n",
-              100 * std::sqrt(errors.squaredNorm() / static_cast<double>(n)) / radius,
-              100 * errors.maxCoeff() / radius, radius);
-  return errors.maxCoeff() / radius;
+  const CenterErrors off = center_errors(rig, truth);
+  std::printf("camera centres: rms %.3f %%, worst %.3f %% of the radius\n", off.rms, off.worst);
+  return off.worst / 100;
 }
 
 TEST(MarkerlessTemple, RingIsPlacedToThreeThousandthsOfItsRadius) {
   const auto folder = real_data("middlebury-temple-ring");
   FLOATSTAGE_NEEDS_DATA(folder);
-  const Temple set = temple(folder, "templeR_par.txt");
+  const TempleScene set = temple_scene(folder, "templeR_par.txt");
   ASSERT_EQ(set.pictures.size(), 19u);
   const TempFolder work;
   const Result<MarkerlessResult> result = calibrate_markerless(set.pictures, work / "colmap");
@@ -77,7 +40,7 @@ TEST(MarkerlessTemple, RingIsPlacedToThreeThousandthsOfItsRadius) {
 TEST(MarkerlessTemple, KnownPosesStayAndAMovedCameraIsNamed) {
   const auto folder = real_data("middlebury-temple-ring");
   FLOATSTAGE_NEEDS_DATA(folder);
-  Temple set = temple(folder, "templeR_par.txt");
+  TempleScene set = temple_scene(folder, "templeR_par.txt");
   set.pictures.resize(9);
   const Result<MarkerlessResult> result = triangulate_markerless(set.pictures, set.truth);
   ASSERT_THAT(result, IsOk());
@@ -96,7 +59,7 @@ TEST(MarkerlessTemple, KnownPosesStayAndAMovedCameraIsNamed) {
 TEST(MarkerlessTemple, SparseRingIsRefusedWithAReasonOrAsGood) {
   const auto folder = real_data("middlebury-temple-sparse-ring");
   FLOATSTAGE_NEEDS_DATA(folder);
-  const Temple set = temple(folder, "templeSR_par.txt");
+  const TempleScene set = temple_scene(folder, "templeSR_par.txt");
   ASSERT_EQ(set.pictures.size(), 16u);
   const TempFolder work;
   const Result<MarkerlessResult> result = calibrate_markerless(set.pictures, work / "colmap");

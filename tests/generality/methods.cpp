@@ -39,7 +39,7 @@ void by_matte(const std::string& method, const StageSet& set, const fs::path& ta
   pipeline::MatteTakeOptions options;
   options.take = take;
   options.how = method;
-  options.check = false;
+  options.hull_frames = 1;
   for (const std::size_t i : cameras) options.cameras.push_back(set.rig.cameras[i].serial);
   const Result<pipeline::MatteReport> report = pipeline::matte_take(options);
   if (!report) {

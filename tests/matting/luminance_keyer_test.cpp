@@ -1,3 +1,6 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "matting/keyers/keyer.h"
@@ -56,6 +59,34 @@ TEST(LuminanceKeyer, TakesLitClothAtTheBorderForBackgroundButNotADarkCoat) {
   EXPECT_EQ(*alpha.at(20, 80), 0);
   EXPECT_EQ(*alpha.at(50, 30), 255);
   EXPECT_EQ(*alpha.at(50, 80), 255);
+}
+
+TEST(LuminanceKeyer, RefusesBlackWallsAboveALitGreenFloor) {
+  Image image(200, 200, 3, 4);
+  for (int y = 120; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      std::uint8_t* p = image.at(x, y);
+      p[0] = 40, p[1] = static_cast<std::uint8_t>(150 + 20 * std::sin(x * 0.09)), p[2] = 60;
+    }
+  for (int y = 40; y < 170; ++y) std::fill_n(image.at(80, y), 3 * 40, std::uint8_t{140});  // a person
+  const auto keyer = make_keyer("luminance", {image});
+  ASSERT_TRUE(keyer);
+  FrameInfo info;
+  info.camera = 2;
+  const auto matte = (*keyer)->key(make_frame(info, image));
+  ASSERT_FALSE(matte);
+  EXPECT_THAT(matte.error().message,
+              testing::HasSubstr("camera 2 shows no black stage: green or blue cloth"));
+  EXPECT_THAT(matte.error().message, testing::HasSubstr("'chroma'"));
+}
+
+TEST(LuminanceKeyer, LeavesAGreenCoatOnABlackStageAlone) {
+  Image image(200, 200, 3, 4);
+  for (int y = 40; y < 170; ++y)
+    for (int x = 80; x < 120; ++x) image.at(x, y)[0] = 40, image.at(x, y)[1] = 150, image.at(x, y)[2] = 60;
+  const auto matte = (*make_keyer("luminance", {image}))->key(make_frame({}, image));
+  ASSERT_TRUE(matte) << matte.error().message;
+  EXPECT_NEAR(coverage(*matte), 40 * 130 / 40000.0, 0.01);
 }
 
 }  // namespace

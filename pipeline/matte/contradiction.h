@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "capture/take.h"
+#include "core/result.h"
+#include "pipeline/matte/hull_agreement.h"
+#include "pipeline/matte/matte_take.h"
+
+namespace floatstage::pipeline {
+
+/// Whether mattes that were checked contradict one another: in at least half of a frame's cameras most of the
+/// subject lies outside the hull of the others. Which of them are wrong is not told by that: one that shows
+/// nobody denies all others; `process` weighs them one by one. Named are the cameras that are denied, in the
+/// frame where most are, with their picture in mattes/doubts. Nothing where no frame does. Errors: those of
+/// writing the picture.
+Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
+                                                   const std::vector<SilhouetteAgreement>& checked);
+
+}  // namespace floatstage::pipeline

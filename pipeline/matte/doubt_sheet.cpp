@@ -1,0 +1,43 @@
+#include "pipeline/matte/doubt_sheet.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "core/file.h"
+#include "core/png.h"
+#include "pipeline/matte/doubt_picture.h"
+#include "pipeline/matte/hull_agreement.h"
+#include "pipeline/scene_loader.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+constexpr std::size_t kMostTiles = 12;
+constexpr int kTile = 480;  // px
+constexpr int kFewestOthers = 3;
+
+}  // namespace
+
+Result<void> save_doubt_sheet(capture::TakeReader& take, const std::vector<int>& cameras, int frame,
+                              const std::filesystem::path& file) {
+  Result<std::vector<Matte>> mattes = load_mattes(take, frame);
+  if (!mattes) return forward(mattes);
+  const auto there = std::count_if(mattes->begin(), mattes->end(), [](const Matte& m) { return !m.empty(); });
+  std::vector<Image> tiles;
+  for (const int camera : cameras) {
+    const auto i = static_cast<std::size_t>(camera);
+    if (tiles.size() >= kMostTiles || (*mattes)[i].empty()) continue;
+    const Result<Frame> photograph = take.frame(camera, frame);
+    if (!photograph || photograph->empty()) continue;
+    const Result<Image> rgb = to_rgb(*photograph);
+    if (!rgb) continue;
+    const std::optional<Matte> others =
+        there > kFewestOthers ? silhouette_of_others(take.rig(), *mattes, i) : std::nullopt;
+    tiles.push_back(doubt_tile(*rgb, (*mattes)[i], others, kTile));
+  }
+  if (tiles.empty()) return {};
+  if (Result<void> ok = make_folder(file.parent_path()); !ok) return ok;
+  return save_png(contact_sheet(tiles), file);
+}
+
+}  // namespace floatstage::pipeline
