@@ -146,14 +146,18 @@ class Search {
     if (suspects.empty()) return true;
     std::optional<State> best;
     std::size_t guilty = 0;
+    const std::optional<double> iou = instants_.iou_of(state.rig);
     for (const std::size_t c : suspects) {
       State trial = state;
       trial.named[c] = true;
       turn(trial.rig, c, state.turns[c].vector);
       settle(trial);
+      // A turned camera cuts the hull: turned back, it lets all silhouettes be explained better.
+      if (instants_.iou_of(trial.rig) <= iou) continue;
       trial.turns = turns_of(trial.rig);
       if (!best || unrest(trial) < unrest(*best)) best = std::move(trial), guilty = c;
     }
+    if (!best) return false;
     if (state.turns[guilty].degrees < kStandsOut * usual_turn(*best) ||
         unrest(*best) > kExplained * unrest(state))
       return false;
