@@ -8,6 +8,7 @@
 
 #include "recon/exact/exact_pairs.h"
 #include "recon/exact/exact_rays.h"
+#include "recon/exact/line_relations.h"
 
 namespace floatstage::recon {
 
@@ -119,18 +120,15 @@ class FaceSweep {
     double w;
     std::int32_t ray, hit;
   };
-  /// What relate() reads of a line.
-  struct LineColumn {
-    double wa, wb, left, right, low, high;
-  };
   /// The buckets of s that a line reaches, and the view it belongs to, as an index into views_.
   struct Reach {
     int first, last, view;
   };
   struct ViewLines {
     int view;
-    int begin, end;  ///< in lines_: those that reach into the window
-    int state;       ///< inside (1) or not at s = 0 above all lines that are kept
+    int begin, end;       ///< in lines_: those that reach into the window
+    int state;            ///< inside (1) or not at s = 0 above all lines that are kept
+    int first_block = 0;  ///< in blocks_
   };
   /// A window that was split: the windows of its parts hold some of its lines each.
   struct Split {
@@ -169,7 +167,7 @@ class FaceSweep {
   void start_cutting();
   End entry_of(const Line& line) const;
   void cut_line(int f, bool strict);
-  void relate(int f, double entry, const ViewLines& other);
+  void fill_blocks();
   void meet(int f, int g, const End& entry, int& state);
   void fill_buckets();
   int bucket_of(double s) const;
@@ -217,8 +215,8 @@ class FaceSweep {
   std::vector<ViewLines> views_;
   std::vector<Vertex> vertices_;    ///< of the view whose lines are being made, sorted by ray
   std::vector<int> vertex_of_ray_;  ///< one more than the index in vertices_; 0: none
-  std::vector<LineColumn> columns_;
-  std::vector<std::uint8_t> relation_;  ///< of the line that is being cut to each line
+  std::vector<LineBlock> blocks_;   ///< the lines again, each view's from a block of its own on
+  RelateBlock relate_ = relate_kernel().relate;
   bool is_wide_ = false;
   int bucket_count_ = 0;
   std::vector<Reach> reach_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "recon/exact/exact_face.h"
@@ -16,12 +17,6 @@ constexpr int kMostBuckets = 4096;
 
 double w_at(double wa, double wb, double s) { return wa + (wb - wa) * s; }
 
-enum Relation : std::uint8_t {
-  kBelow = 1,  ///< where the line that is cut is entered, it passes below this one
-  kCrosses = 2,
-  kFallsBelow = 4,
-};
-
 }  // namespace
 
 void FaceSweep::start_cutting() {
@@ -30,12 +25,7 @@ void FaceSweep::start_cutting() {
   for (std::size_t k = 0; k < order_.size(); ++k) order_[k] = static_cast<int>(k);
   is_wide_ = in_->cull && count > kWide;
   if (is_wide_) fill_buckets();
-  columns_.resize(lines_.size());
-  relation_.resize(lines_.size());
-  for (int f = 0; f < count; ++f) {
-    const Line& line = lines_[f];
-    columns_[f] = {line.wa, line.wb, line.left.s, line.right.s, line.low, line.high};
-  }
+  if (in_->cull && !in_->grid) fill_blocks();
 }
 
 /// The states of the other views are true in the window only: there the line is followed from where it
@@ -47,39 +37,54 @@ FaceSweep::End FaceSweep::entry_of(const Line& line) const {
   return {s >= line.left.s ? std::min(s, line.right.s) : line.left.s, level, kClipped, -1};
 }
 
-/// How line f lies to every line of a view, without a branch: what cut_by_view() finds one by one.
-void FaceSweep::relate(int f, double entry, const ViewLines& other) {
-  const Line& line = lines_[f];
-  const double wa = line.wa, wb = line.wb, right = line.right.s, low = line.low, high = line.high;
-  for (int g = other.begin; g < other.end; ++g) {
-    const double from = std::max(entry, columns_[g].left), to = std::min(right, columns_[g].right);
-    const double at_a = wa - columns_[g].wa, change = wb - columns_[g].wb - at_a;
-    const bool below_first = at_a + change * from < 0, below_last = at_a + change * to < 0;
-    const bool spans =
-        static_cast<int>(columns_[g].left <= entry) & static_cast<int>(entry < columns_[g].right);
-    const bool overlap = from<to, under = columns_[g].low> high, over = columns_[g].high < low;
-    const int mixed = static_cast<int>(overlap) & static_cast<int>(!under) & static_cast<int>(!over);
-    const int below =
-        static_cast<int>(spans) & (static_cast<int>(under) | (mixed & static_cast<int>(below_first)));
-    const int crosses = mixed & (static_cast<int>(below_first) ^ static_cast<int>(below_last));
-    relation_[g] =
-        static_cast<std::uint8_t>(below | crosses * kCrosses | static_cast<int>(below_last) * kFallsBelow);
+/// The lines once more, as relate_kernel() reads them.
+void FaceSweep::fill_blocks() {
+  std::size_t needed = 0;
+  for (ViewLines& group : views_) {
+    group.first_block = static_cast<int>(needed);
+    needed += static_cast<std::size_t>(group.end - group.begin + LineBlock::kLines - 1) / LineBlock::kLines;
+  }
+  if (blocks_.size() < needed) blocks_.resize(needed);
+  const Line* const lines = lines_.data();
+  for (const ViewLines& group : views_) {
+    LineBlock* block = blocks_.data() + group.first_block;
+    for (int first = group.begin; first < group.end; first += LineBlock::kLines, ++block) {
+      const int count = std::min(group.end - first, LineBlock::kLines);
+      unsigned upper = 0, left_above = 0, right_above = 0;
+      for (int k = 0; k < count; ++k) {
+        const Line& line = lines[first + k];
+        block->wa[k] = line.wa;
+        block->wb[k] = line.wb;
+        block->left[k] = line.left.s;
+        block->right[k] = line.right.s;
+        block->low[k] = line.low;
+        block->high[k] = line.high;
+        upper |= static_cast<unsigned>(line.upper) << k;
+        left_above |= static_cast<unsigned>(line.left_above) << k;
+        right_above |= static_cast<unsigned>(line.right_above) << k;
+      }
+      block->used = static_cast<std::uint8_t>((1U << count) - 1);
+      block->upper = static_cast<std::uint8_t>(upper);
+      block->left_above = static_cast<std::uint8_t>(left_above);
+      block->right_above = static_cast<std::uint8_t>(right_above);
+    }
   }
 }
 
+/// What cut_by_view() finds line by line.
 bool FaceSweep::tally_view(int f, const End& entry, const ViewLines& other, bool strict, int& inside) {
-  relate(f, entry.s, other);
+  const Line& line = lines_[f];
+  const CutLine cut{line.wa, line.wb, entry.s, line.right.s, line.low, line.high};
   const std::size_t before_count = crossings_.size();
   int state = other.state;
-  for (int g = other.begin; g < other.end; ++g) {
-    const Line& cutter = lines_[g];
-    const int relation = relation_[g], sign = cutter.upper ? 1 : -1;
-    if (relation & kBelow) state += sign;
-    if (static_cast<int>(cutter.left_above) | static_cast<int>(cutter.right_above)) {
-      const bool starts_later = entry.s < cutter.left.s, spans = !starts_later && entry.s < cutter.right.s;
-      if (!starts_later) state += (cutter.right_above && !spans ? sign : 0) - (cutter.left_above ? sign : 0);
+  const LineBlock* block = blocks_.data() + other.first_block;
+  for (int first = other.begin; first < other.end; first += LineBlock::kLines, ++block) {
+    const BlockRelation relation = relate_(*block, cut);
+    state += relation.change;
+    for (unsigned bits = relation.crosses; bits != 0; bits &= bits - 1) {
+      const int k = std::countr_zero(bits);
+      add_crossing(f, first + k, entry, (relation.falls_below >> k & 1) != 0);
     }
-    if (relation & kCrosses) add_crossing(f, g, entry, (relation & kFallsBelow) != 0);
   }
   if (strict && state <= 0 && crossings_.size() == before_count) return false;
   if (state > 0) inside += in_->votes.weight[other.view];
