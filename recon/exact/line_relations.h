@@ -6,14 +6,15 @@
 // Private to the stage.
 namespace floatstage::recon {
 
-/// Eight lines of one view in the plane of a face, in columns. Lanes beyond `used` hold anything.
+/// Eight lines of one view in the plane of a face, in columns. Columns of lines that are not there hold
+/// anything.
 struct alignas(64) LineBlock {
   static constexpr int kLines = 8;
   double wa[kLines], wb[kLines];       ///< w where the line meets s = 0 and s = 1
   double left[kLines], right[kLines];  ///< its stretch of s
   double low[kLines], high[kLines];    ///< and of w
-  /// Bit k is about line k: it is there; the inside of its view is below it; that end is a vertex above the
-  /// window.
+  /// Bit k is about line k, and 0 where it is not there: it is there; the inside of its view is below it;
+  /// that end is a vertex above the window.
   std::uint8_t used, upper, left_above, right_above;
 };
 

@@ -29,6 +29,7 @@ void FlowSweep::reset(int width, int height, int sweeps) {
   // The last half-sweep is 2 sweeps - 1 rows behind the equations and looks one row further back.
   const int rows = power_of_two(2 * sweeps + 3);
   for (Ring* ring : {&right_, &down_, &i11_, &i12_, &i22_, &b1_, &b2_}) ring->reset(width, rows);
+  relaxations_.resize(static_cast<std::size_t>(rows));
   none_.resize(width, 1);
 }
 
@@ -82,16 +83,22 @@ void FlowSweep::differentiate_row(const Task& task, int y) {
 
 void FlowSweep::equate_row(const Task& task, int y) {
   const SplitSpan span = task.span(y);
+  Relaxation& relaxation = relaxations_[static_cast<std::size_t>(y) & (relaxations_.size() - 1)];
+  relaxation.span = span;
   if (span.empty()) return;
+  relaxation = {span,          equations(y),      right_[y],         down_[y],
+                down_above(y), three(*task.u, y), three(*task.v, y), task.u->row(y),
+                task.v->row(y)};
   task.kernels->equations(span, *task.energy, three(dx_, y), three(dy_, y), three(difference_, y), weight_[y],
-                          task.u->row(y), task.v->row(y), right_[y], down_[y], down_above(y), equations(y));
+                          relaxation.u_out, relaxation.v_out, relaxation.right, relaxation.down,
+                          relaxation.down_above, relaxation.equations);
 }
 
-void FlowSweep::relax_row(const Task& task, int y, int parity) {
-  const SplitSpan span = task.span(y);
-  if (span.empty()) return;
-  task.kernels->relax(span, parity, task.energy->omega, equations(y), right_[y], down_[y], down_above(y),
-                      three(*task.u, y), three(*task.v, y), task.u->row(y), task.v->row(y));
+void FlowSweep::relax_row(const Task& task, int y, int parity) const {
+  const Relaxation& r = relaxations_.data()[static_cast<std::size_t>(y) & (relaxations_.size() - 1)];
+  if (r.span.empty()) return;
+  task.kernels->relax(r.span, parity, task.energy->omega, r.equations, r.right, r.down, r.down_above, r.u,
+                      r.v, r.u_out, r.v_out);
 }
 
 }  // namespace floatstage::render

@@ -44,10 +44,19 @@ class FlowSweep {
     SplitPlane *u, *v;
     SplitSpan span(int y) const { return first->spans[static_cast<std::size_t>(y)]; }
   };
+  /// What relaxing a row reads and writes: looked up once for all its half-sweeps, of which each has little
+  /// more to do than a look-up takes.
+  struct Relaxation {
+    SplitSpan span;
+    EquationRow equations;
+    ConstSplitRow right, down, down_above;
+    ThreeRows u, v;
+    SplitRow u_out, v_out;
+  };
   void warp_row(const Task& task, int y);
   void differentiate_row(const Task& task, int y);
   void equate_row(const Task& task, int y);
-  void relax_row(const Task& task, int y, int parity);
+  void relax_row(const Task& task, int y, int parity) const;
   EquationRow equations(int y) { return {i11_[y], i12_[y], i22_[y], b1_[y], b2_[y]}; }
   ConstSplitRow down_above(int y) { return y > 0 ? ConstSplitRow(down_[y - 1]) : none_.row(0); }
   ThreeRows three(Ring& ring, int y) const;
@@ -55,7 +64,8 @@ class FlowSweep {
 
   int width_ = 0, height_ = 0, sweeps_ = 0;
   Ring mean_, difference_, weight_, dx_, dy_, diffusivity_, right_, down_, i11_, i12_, i22_, b1_, b2_;
-  SplitPlane none_;  // one row of zeros
+  SplitPlane none_;                      // one row of zeros
+  std::vector<Relaxation> relaxations_;  // of row y in y % size, as long as its equations
 };
 
 }  // namespace floatstage::render

@@ -5,6 +5,7 @@
 #include "core/random.h"
 #include "recon/exact/exact_integer.h"
 #include "recon/exact/exact_polygon.h"
+#include "recon/exact/line_relations.h"
 #include "tests/recon/cone_views.h"
 
 namespace floatstage::recon {
@@ -166,6 +167,61 @@ TEST(ExactViews, OfAVolumeBoundABodyThatContainsTheBox) {
   EXPECT_TRUE(bounds.contains(box));
   EXPECT_GT(engine.polygons().volume, box.volume());
   EXPECT_LT(engine.polygons().volume, 1.1 * box.volume());
+}
+
+// One line at a time, in words: what a block says in vectors.
+BlockRelation related_plainly(const LineBlock& block, const CutLine& cut) {
+  BlockRelation out{0, 0, 0};
+  for (int k = 0; k < LineBlock::kLines; ++k) {
+    const auto bit = [&](std::uint8_t bits) { return (bits >> k & 1) != 0; };
+    const double from = std::max(cut.entry, block.left[k]), to = std::min(cut.right, block.right[k]);
+    const double at_a = cut.wa - block.wa[k], change = cut.wb - block.wb[k] - at_a;
+    const bool below_first = at_a + change * from < 0, below_last = at_a + change * to < 0;
+    if (below_last) out.falls_below |= static_cast<std::uint8_t>(1 << k);
+    if (!bit(block.used)) continue;
+    const bool begun = !(cut.entry < block.left[k]), spans = begun && cut.entry < block.right[k];
+    const bool under = block.low[k] > cut.high, mixed = from < to && !under && !(block.high[k] < cut.low);
+    const int sign = bit(block.upper) ? 1 : -1;
+    if (spans && (under || (mixed && below_first))) out.change += sign;
+    if (begun && !spans && bit(block.right_above)) out.change += sign;
+    if (begun && bit(block.left_above)) out.change -= sign;
+    if (mixed && below_first != below_last) out.crosses |= static_cast<std::uint8_t>(1 << k);
+  }
+  return out;
+}
+
+TEST(LineRelations, AreTheSameOnEveryInstructionSetAsOneByOne) {
+  Random random(5);
+  const std::vector<RelateKernel> kernels = all_relate_kernels();
+  ASSERT_FALSE(kernels.empty());
+  int crossings = 0;
+  for (int round = 0; round < 2000; ++round) {
+    // Steps of an eighth: ends that coincide, lines through one point and lines that are one are common.
+    const auto step = [&] { return static_cast<double>(random.next() % 17) / 8; };
+    LineBlock block{};
+    for (int k = 0; k < LineBlock::kLines; ++k) {
+      block.wa[k] = step();
+      block.wb[k] = step();
+      block.left[k] = step() / 2;
+      block.right[k] = block.left[k] + step() / 2;
+      block.low[k] = std::min(block.wa[k], block.wb[k]);
+      block.high[k] = std::max(block.wa[k], block.wb[k]);
+    }
+    block.used = static_cast<std::uint8_t>(random.next());
+    for (std::uint8_t* bits : {&block.upper, &block.left_above, &block.right_above})
+      *bits = static_cast<std::uint8_t>(random.next()) & block.used;
+    const double entry = step() / 2, wa = step(), wb = step();
+    const CutLine cut{wa, wb, entry, entry + step() / 2, std::min(wa, wb), std::max(wa, wb)};
+    const BlockRelation plain = related_plainly(block, cut);
+    crossings += plain.crosses != 0;
+    for (const RelateKernel& kernel : kernels) {
+      const BlockRelation fast = kernel.relate(block, cut);
+      ASSERT_EQ(fast.change, plain.change) << kernel.name << ", round " << round;
+      ASSERT_EQ(fast.crosses, plain.crosses) << kernel.name << ", round " << round;
+      ASSERT_EQ(fast.falls_below, plain.falls_below) << kernel.name << ", round " << round;
+    }
+  }
+  EXPECT_GT(crossings, 200);
 }
 
 }  // namespace
