@@ -8,6 +8,7 @@
 #include "apps/did_you_mean.h"
 #include "apps/exit_codes.h"
 #include "apps/flags.h"
+#include "apps/verb_tree.h"
 #include "apps/version.h"
 #include "core/file_presence.h"
 #include "core/text.h"
@@ -67,19 +68,10 @@ class HelpPage final : public CLI::Formatter {
   }
 };
 
-std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
 std::vector<std::string> names_of(const std::vector<const CLI::App*>& verbs) {
   std::vector<std::string> names;
   for (const CLI::App* verb : verbs) names.push_back(verb->get_name());
   return names;
-}
-
-// "floatstage live view"
-std::string path_of(const CLI::App& app) {
-  return app.get_parent() ? path_of(*app.get_parent()) + " " + app.get_name() : app.get_name();
 }
 
 bool takes_words(const CLI::App& app) {
@@ -94,7 +86,7 @@ std::string unknown_verb(const CLI::App& app, const std::vector<std::string>& wo
       if (at == &app) continue;  // the program's own options are flags
       return "";
     }
-    const std::vector<const CLI::App*> verbs = verbs_of(*at);
+    const std::vector<const CLI::App*> verbs = verbs_below(*at);
     if (verbs.empty()) return "";
     const std::vector<std::string> names = names_of(verbs);
     if (const auto found = std::find(names.begin(), names.end(), word); found != names.end()) {
@@ -142,7 +134,7 @@ std::string unknown_option(const CLI::App& verb, const std::string& typed) {
     return std::find(known.begin(), known.end(), name) != known.end();
   };
   std::string meant;
-  for (const CLI::App* sub : verbs_of(verb))
+  for (const CLI::App* sub : verbs_below(verb))
     if (word == "--" + sub->get_name()) meant = text("; it is a verb: `", path_of(*sub), "`");
   for (const auto& [from, to] : kSynonyms)
     if (meant.empty() && word == from && has(to)) meant = text("; did you mean '", to, "'?");
@@ -166,9 +158,10 @@ Ending explained(const CLI::App& app, const CLI::ParseError& e) {
                      dynamic_cast<const CLI::ConversionError*>(&e) != nullptr;
   if (value) return {exit_code(ErrorCode::InvalidArgument), "", text(path_of(verb), ": ", e.what())};
   const std::string see = text("; see `", path_of(verb), " --help`");
-  if (verb.get_parent() == nullptr || (!takes_words(verb) && !verbs_of(verb).empty() && left_over.empty())) {
+  if (verb.get_parent() == nullptr ||
+      (!takes_words(verb) && !verbs_below(verb).empty() && left_over.empty())) {
     std::string all;
-    for (const std::string& name : names_of(verbs_of(verb))) all += " " + name;
+    for (const std::string& name : names_of(verbs_below(verb))) all += " " + name;
     return {kExitUsage, "", text(path_of(verb), ": say what is to be done:", all, see)};
   }
   if (dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr && !left_over.empty())

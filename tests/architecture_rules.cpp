@@ -101,7 +101,8 @@ const std::map<std::string, int>& ranks() {
                                                    {"apps/viewer/calibration", 3},
                                                    {"apps", 4},
                                                    {"apps/calibrate", 5},
-                                                   {"apps/export", 5}};
+                                                   {"apps/export", 5},
+                                                   {"apps/manual", 5}};
   return table;
 }
 

@@ -37,7 +37,7 @@ struct Project {
 
   Project() {
     std::vector<std::string> tops(stages().begin(), stages().end());
-    for (const char* top : {"core", "pipeline", "studio", "apps", "tests", "docs", "config"})
+    for (const char* top : {"core", "pipeline", "studio", "apps", "tests", "docs", "config", "packaging"})
       tops.push_back(top);
     for (const auto& entry : std::filesystem::directory_iterator(kRoot))
       if (entry.is_directory()) folders.push_back(entry.path().filename().string());
