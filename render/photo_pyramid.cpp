@@ -11,8 +11,7 @@ namespace {
 
 constexpr float kWidestSharp = 2;  // px
 
-SceneTile halved(const SceneTile& tile) {
-  SceneTile half;
+void halve(const SceneTile& tile, SceneTile& half) {
   half.resize((tile.width + 1) / 2, (tile.height + 1) / 2);
   for (int y = 0; y < half.height; ++y)
     for (int x = 0; x < half.width; ++x) {
@@ -29,23 +28,33 @@ SceneTile halved(const SceneTile& tile) {
       to[3] = static_cast<std::uint8_t>((alpha + 2) / 4);
     }
   half.repeat_border();
-  return half;
 }
 
 }  // namespace
 
-const PhotoPyramid& PhotoPyramid::of(const Scene::Impl& scene) {
+const PhotoPyramid& PhotoPyramid::of(const Scene::Impl& scene, std::span<const int> cameras) {
   if (!scene.pyramid) scene.pyramid = std::make_shared<PhotoPyramid>();
-  auto* made = static_cast<PhotoPyramid*>(scene.pyramid.get());
-  if (made->version == scene.version) return *made;
-  made->levels.assign(kLevels, std::vector<SceneTile>(scene.cameras.size()));
-  parallel_for(scene.cameras.size(), 0, [&](std::size_t camera) {
+  auto* kept = static_cast<PhotoPyramid*>(scene.pyramid.get());
+  if (kept->version != scene.version) {
+    kept->levels.resize(kLevels);
+    for (std::vector<SceneTile>& level : kept->levels)
+      level.resize(std::max(level.size(), scene.cameras.size()));
+    kept->made.assign(scene.cameras.size(), false);
+    kept->version = scene.version;
+  }
+  std::vector<std::size_t> missing;
+  for (int camera : cameras) {
+    const auto i = static_cast<std::size_t>(camera);
+    if (kept->made[i]) continue;
+    kept->made[i] = true;
+    missing.push_back(i);
+  }
+  parallel_for(missing.size(), 0, [&](std::size_t i) {
+    const std::size_t camera = missing[i];
     for (std::size_t level = 0; level < kLevels; ++level)
-      made->levels[level][camera] =
-          halved(level == 0 ? scene.tiles[camera] : made->levels[level - 1][camera]);
+      halve(level == 0 ? scene.tiles[camera] : kept->levels[level - 1][camera], kept->levels[level][camera]);
   });
-  made->version = scene.version;
-  return *made;
+  return *kept;
 }
 
 FilterLine::FilterLine(float du, float dv) {

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "render/footprint.h"
 #include "render/scene_impl.h"
 
 namespace floatstage::render {
@@ -11,13 +13,15 @@ namespace floatstage::render {
 /// A scene's photographs at a half, a quarter … of their size (Eq. 10.4): means of two by two pixels, colours
 /// by their opacity. Odd sizes are rounded up, the last row and column repeated.
 struct PhotoPyramid {
-  static constexpr std::size_t kLevels = 5;  ///< level 1 … 5; level 0 are the photographs themselves
+  static constexpr std::size_t kLevels = kLastLevel;  ///< level 0 are the photographs themselves
 
-  /// A scene's, made when first asked for and kept until the scene changes.
-  static const PhotoPyramid& of(const Scene::Impl& scene);
+  /// A scene's, of these cameras (indices into scene.cameras) at least: made when first asked for and kept
+  /// until the scene changes.
+  static const PhotoPyramid& of(const Scene::Impl& scene, std::span<const int> cameras);
 
   std::uint64_t version = 0;
-  std::vector<std::vector<SceneTile>> levels;  ///< [level - 1][camera]
+  std::vector<std::vector<SceneTile>> levels;  ///< [level - 1][camera], of the cameras that are `made`
+  std::vector<bool> made;
 };
 
 /// The level at which a filter `width` px wide is no wider than kWidestFilter (Eq. 10.4), and at most

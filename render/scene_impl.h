@@ -52,11 +52,10 @@ struct Scene::Impl {
 
   mutable CameraRanking ranking;  ///< memory of choose(), as is `pictured`
   mutable std::vector<bool> pictured;
-  mutable std::shared_ptr<void> on_gpu;          ///< gl::SceneTextures of a version
-  mutable std::shared_ptr<void> on_cpu;          ///< cpu::SceneMaps of a version
-  mutable std::shared_ptr<void> pyramid;         ///< PhotoPyramid of a version …
-  mutable std::shared_ptr<void> pyramid_on_gpu;  ///< … and its textures
-  mutable std::shared_ptr<void> band_limited;    ///< the scene with filtered photographs, of a version
+  mutable std::shared_ptr<void> on_gpu;        ///< gl::SceneTextures of a version
+  mutable std::shared_ptr<void> on_cpu;        ///< cpu::SceneMaps of a version
+  mutable std::shared_ptr<void> pyramid;       ///< PhotoPyramid of a version
+  mutable std::shared_ptr<void> band_limited;  ///< the scene with filtered photographs, of a version
 
   void begin(const Rig& rig, const Mesh& mesh);
   void add(const RigCamera& camera, int index);  ///< its tile's size and place come after

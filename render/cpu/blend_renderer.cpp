@@ -51,7 +51,7 @@ class BlendRenderer : public ViewRenderer {
       if (!mark_weighty(weight, kFaint, count, wanted)) continue;
       float* color = memory.floats(4 * count);
       project_points(projection_.camera(slot), projection_.rays(), points, u, v, inside);
-      read_colors(projection_.camera(slot), projection_.sharp(), u, v, wanted, row.count, color);
+      projection_.read(slot, row, u, v, wanted, color, memory);
       mean.add(shares[slot] = {weight, color});
     }
     picture_.write(projection_, y, mean.finish(ghosting, std::span(shares).first(listed)), 4);

@@ -26,7 +26,7 @@ class FilteredRenderer : public ViewRenderer {
     if (options.output == RenderOutput::Flow)
       return fail(ErrorCode::InvalidArgument,
                   "only the floating renderer has a flow to show; choose another output");
-    projection_.run(scene, view, options, {.margin = 0});
+    projection_.run(scene, view, options, {.margin = 0, .levels = true});
     picture_.begin(view, options.background);
     error_ =
         static_cast<float>(options.uncertainty * static_cast<double>(scene.impl().box.diagonal().norm()));
@@ -34,7 +34,6 @@ class FilteredRenderer : public ViewRenderer {
       if (is_shared_intermediate(options.output)) {
         draw_intermediate(projection_, scene, view, options.output, picture_);
       } else {
-        set_levels(scene.impl());
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);
         });
@@ -55,22 +54,6 @@ class FilteredRenderer : public ViewRenderer {
   struct Lines {
     float *u, *v, *du, *dv;  ///< middle, and from end to end
   };
-
-  void set_levels(const Scene::Impl& s) {
-    const PhotoPyramid& pyramid = PhotoPyramid::of(s);
-    for (std::size_t slot = 0; slot < projection_.choice().listed.size(); ++slot) {
-      const auto camera = static_cast<std::size_t>(projection_.choice().listed[slot]);
-      for (std::size_t level = 0; level < PhotoPyramid::kLevels; ++level) {
-        const SceneTile& tile = pyramid.levels[level][camera];
-        PhotoCamera& c = levels_[slot][level] = projection_.camera(slot);
-        c.tile_x = c.tile_y = 0;
-        c.tile_width = static_cast<float>(tile.width);
-        c.tile_height = static_cast<float>(tile.height);
-        c.tile = tile.at(0, 0);
-        c.tile_stride = tile.stride();
-      }
-    }
-  }
 
   // The ends of the line: the proxy moved along the viewing ray.
   void find_lines(std::size_t slot, const PixelList& points, const float* ray_length, Lines& lines,
@@ -102,42 +85,42 @@ class FilteredRenderer : public ViewRenderer {
   }
 
   // Filters a photograph at the pixels that want it.
-  void filter_row(std::size_t slot, const Lines& lines, const std::int32_t* wanted, int count, float* colors,
-                  RowMemory& memory) const {
-    const auto n = static_cast<std::size_t>(count);
+  void filter_row(std::size_t slot, const Covered::Row& row, const Lines& lines, const std::int32_t* wanted,
+                  float* colors, RowMemory& memory) const {
+    const auto n = static_cast<std::size_t>(row.count);
+    const PhotoLevels& photo = projection_.photo(slot);
+    const float* footprint = projection_.footprint(slot);
     float *u = memory.floats(n), *v = memory.floats(n), *read = memory.floats(4 * n),
           *sum = memory.floats(4 * n);
-    float* total = memory.floats(n);
+    float *total = memory.floats(n), *area = memory.floats(n);
     float *step_u = memory.floats(n), *step_v = memory.floats(n);
-    std::int32_t *now = memory.ints(n), *taps = memory.ints(n), *kind = memory.ints(n);
+    std::int32_t *now = memory.ints(n), *taps = memory.ints(n), *sharp = memory.ints(n);
     std::fill_n(sum, 4 * n, 0.F);
     std::fill_n(total, n, 0.F);
-    std::array<int, 2 * (PhotoPyramid::kLevels + 1)> most{};  // taps of a kind: two a level, soft and sharp
+    std::array<int, 2> most{};  // taps, of soft lines and of sharp ones
     for (std::size_t i = 0; i < n; ++i) {
       if (wanted[i] == 0) continue;
       const FilterLine line(lines.du[i], lines.dv[i]);
       taps[i] = line.taps;
       step_u[i] = line.step_u;
       step_v[i] = line.step_v;
-      kind[i] = 2 * line.level + (line.sharp ? 1 : 0);
-      int& longest = most[static_cast<std::size_t>(kind[i])];
+      sharp[i] = line.sharp ? 1 : 0;
+      // A level alone is what a footprint of its pixels' size reads.
+      area[i] = line.level > 0 ? area_of_level(line.level) : 0;
+      if (footprint != nullptr) area[i] = std::max(area[i], footprint[row.list + i]);
+      int& longest = most[static_cast<std::size_t>(sharp[i])];
       longest = std::max(longest, line.taps);
     }
-    for (std::size_t k = 0; k < most.size(); ++k) {
-      const std::size_t level = k / 2;
-      const PhotoCamera& camera = level == 0 ? projection_.camera(slot) : levels_[slot][level - 1];
-      const float shrink = std::ldexp(1.F, -static_cast<int>(level));
-      const float off_x = level > 0 ? projection_.camera(slot).tile_x : 0,
-                  off_y = level > 0 ? projection_.camera(slot).tile_y : 0;
-      for (int tap = 0; tap < most[k]; ++tap) {
+    for (std::int32_t kind = 0; kind < 2; ++kind)
+      for (int tap = 0; tap < most[static_cast<std::size_t>(kind)]; ++tap) {
         for (std::size_t i = 0; i < n; ++i) {
-          now[i] = wanted[i] != 0 && kind[i] == static_cast<std::int32_t>(k) && tap < taps[i];
+          now[i] = wanted[i] != 0 && sharp[i] == kind && tap < taps[i];
           if (now[i] == 0) continue;
           const float place = FilterLine::place(tap, taps[i]);
-          u[i] = shrink * (lines.u[i] + place * step_u[i] - off_x);
-          v[i] = shrink * (lines.v[i] + place * step_v[i] - off_y);
+          u[i] = lines.u[i] + place * step_u[i];
+          v[i] = lines.v[i] + place * step_v[i];
         }
-        read_colors(camera, k % 2 == 1 && projection_.sharp(), u, v, now, count, read);
+        photo.read(kind == 1 && projection_.sharp(), u, v, area, now, row.count, read, memory);
         for (std::size_t i = 0; i < n; ++i) {
           if (now[i] == 0) continue;
           const float w = FilterLine::weight(tap, taps[i]), a = w * read[4 * i + 3] / 255;
@@ -146,12 +129,11 @@ class FilteredRenderer : public ViewRenderer {
           total[i] += w;
         }
       }
-    }
     // Where most of the line lies beside the subject, its middle speaks alone.
     bool any = false;
     for (std::size_t i = 0; i < n; ++i)
       any |= now[i] = wanted[i] != 0 && sum[4 * i + 3] < kLeastShare * total[i];
-    if (any) read_colors(projection_.camera(slot), projection_.sharp(), lines.u, lines.v, now, count, colors);
+    if (any) projection_.read(slot, row, lines.u, lines.v, now, colors, memory);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t c = 0; wanted[i] != 0 && now[i] == 0 && c < 3; ++c)
         colors[4 * i + c] = std::clamp(sum[4 * i + c] / sum[4 * i + 3], 0.F, 255.F);
@@ -183,7 +165,7 @@ class FilteredRenderer : public ViewRenderer {
       memory.take_back(mark);
       Lines lines{memory.floats(count), memory.floats(count), memory.floats(count), memory.floats(count)};
       find_lines(slot, points, length, lines, memory);
-      filter_row(slot, lines, wanted, row.count, colors[slot], memory);
+      filter_row(slot, row, lines, wanted, colors[slot], memory);
       mean.add(shares[slot] = {weight, colors[slot]});
     }
     picture_.write(projection_, y, mean.finish(ghosting, std::span(shares).first(listed)), 4);
@@ -203,7 +185,6 @@ class FilteredRenderer : public ViewRenderer {
   }
 
   float error_ = 0;  // m, along the viewing ray
-  std::array<std::array<PhotoCamera, PhotoPyramid::kLevels>, kMostListed> levels_{};
   Projection projection_;
   Picture picture_;
   std::vector<float> history_;

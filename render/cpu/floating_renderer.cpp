@@ -29,7 +29,8 @@ class FloatingRenderer : public ViewRenderer {
         draw_intermediate(projection_, scene, view, options.output, picture_);
       } else {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
-        centers_ = centers_in_view(projection_.rays(), &projection_.camera(0), count());
+        for (std::size_t i = 0; i < count(); ++i)
+          centers_[i] = center_in_view(projection_.rays(), projection_.camera(i));
         projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
       }
     }
@@ -165,8 +166,7 @@ void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptio
   project_points(projection_.camera(image), projection_.rays(),
                  {warped.from_x, warped.from_y, warped.inverse_z, 0, row.count}, u, v, inside);
   for (std::size_t k = 0; k < pixels; ++k) warped.direct[k] &= inside[k];
-  read_colors(projection_.camera(image), projection_.sharp(), u, v, warped.direct, row.count,
-              lists.rgba[image]);
+  projection_.read(image, row, u, v, warped.direct, lists.rgba[image], memory);
   borrow_colors(source, warped, lists.rgba[image]);
   for (std::size_t k = 0; k < pixels; ++k) {
     const bool counts = lists.pull[image][k] >= kFaint || lists.visible[image][k] >= kFaint;

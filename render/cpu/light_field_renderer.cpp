@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "render/cpu/footprint_kernels.h"
+#include "render/cpu/photo_levels.h"
 #include "render/cpu/picture.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/row_mean.h"
@@ -23,11 +25,7 @@ class LightFieldRenderer : public ViewRenderer {
     plane_ = LightFieldPlane(*grid, view.view_from_world.center());
     projection_.run(scene, view, options, {.margin = 0});
     picture_.begin(view, options.background);
-    cameras_.clear();
-    for (int camera : plane_.cameras) {
-      const auto i = static_cast<std::size_t>(camera);
-      cameras_.push_back(photo_camera(scene.impl().blocks[i], scene.impl().tiles[i]));
-    }
+    take_photographs(scene.impl(), view);
     if (!projection_.window().empty()) {
       if (options.output == RenderOutput::Depth)
         draw_intermediate(projection_, scene, view, options.output, picture_);
@@ -47,6 +45,18 @@ class LightFieldRenderer : public ViewRenderer {
     std::int32_t* first;  ///< place in the grid of the cell's camera at the top left
     float *right, *down;  ///< 0 … 1
   };
+
+  void take_photographs(const Scene::Impl& s, const View& view) {
+    photos_.resize(plane_.cameras.size());
+    minified_ = false;
+    for (int camera : plane_.cameras)
+      minified_ |= deepest_level(s.cameras[static_cast<std::size_t>(camera)], view, s.box) > 0;
+    const PhotoPyramid* pyramid = minified_ ? &PhotoPyramid::of(s, plane_.cameras) : nullptr;
+    for (std::size_t place = 0; place < photos_.size(); ++place) {
+      const auto i = static_cast<std::size_t>(plane_.cameras[place]);
+      photos_[place].set(photo_camera(s.blocks[i], s.tiles[i]), pyramid, i);
+    }
+  }
 
   Cells find_cells(int y, RowMemory& memory) const {
     const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
@@ -83,14 +93,19 @@ class LightFieldRenderer : public ViewRenderer {
     const PixelList points{projection_.covered().x.data() + row.list, nullptr,
                            projection_.covered().inverse_z.data() + row.list, static_cast<float>(y) + 0.5F,
                            row.count};
-    for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
+    float *nx = memory.floats(count), *ny = memory.floats(count), *nz = memory.floats(count);
+    float* area = minified_ ? memory.floats(count) : nullptr;
+    if (minified_) projection_.write_normals(y, nx, ny, nz);
+    for (std::size_t camera = 0; camera < photos_.size(); ++camera) {
       for (std::size_t k = 0; k < 4; ++k) {
         const int place = static_cast<int>(camera) - plane_.offset(k);
         bool any = false;
         for (std::size_t i = 0; i < count; ++i) any |= wanted[i] = cells.first[i] == place ? 1 : 0;
         if (!any) continue;
-        project_points(cameras_[camera], projection_.rays(), points, u, v, inside);
-        read_colors(cameras_[camera], projection_.sharp(), u, v, wanted, row.count, colors[k]);
+        const PhotoLevels& photo = photos_[camera];
+        project_points(photo.photograph(), projection_.rays(), points, u, v, inside);
+        if (minified_) footprints(photo.photograph(), projection_.rays(), points, {nx, ny, nz}, area);
+        photo.read(projection_.sharp(), u, v, area, wanted, row.count, colors[k], memory);
         for (std::size_t i = 0; i < count; ++i)
           if (wanted[i] != 0)
             weights[k][i] = LightFieldPlane::weight(k, cells.right[i], cells.down[i]) *
@@ -103,7 +118,8 @@ class LightFieldRenderer : public ViewRenderer {
   }
 
   LightFieldPlane plane_;
-  std::vector<PhotoCamera> cameras_;  // row after row
+  std::vector<PhotoLevels> photos_;  // row after row
+  bool minified_ = false;
   Projection projection_;
   Picture picture_;
 };

@@ -106,12 +106,11 @@ namespace floatstage::render::cpu {
 
 HWY_EXPORT(PositionWeights);
 
-CentersInView centers_in_view(const ViewRays& rays, const PhotoCamera* cameras, std::size_t count) {
-  CentersInView out{};
+std::array<float, 3> center_in_view(const ViewRays& rays, const PhotoCamera& camera) {
+  std::array<float, 3> out{};
   const std::array<float, 9>& m = rays.world_from_view;
-  for (std::size_t j = 0; j < count; ++j)
-    for (std::size_t c = 0; c < 3; ++c)
-      for (std::size_t r = 0; r < 3; ++r) out[j][c] += m[3 * r + c] * (cameras[j].center[r] - rays.eye[r]);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t r = 0; r < 3; ++r) out[c] += m[3 * r + c] * (camera.center[r] - rays.eye[r]);
   return out;
 }
 

@@ -22,7 +22,7 @@ struct PositionRow {
 
 /// Of each camera's centre the coordinates of the view.
 using CentersInView = std::array<std::array<float, 3>, kMostListed>;
-CentersInView centers_in_view(const ViewRays& rays, const PhotoCamera* cameras, std::size_t count);
+std::array<float, 3> center_in_view(const ViewRays& rays, const PhotoCamera& camera);
 
 /// Where the proxy is wrong by some depth along the viewing ray, every camera's image of the surface is
 /// displaced by its parallax u_j. Weights nearest to the angular ones under which these displacements cancel:

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "core/check.h"
+#include "render/cpu/footprint_kernels.h"
 #include "render/cpu/weight_kernels.h"
 #include "render/depth_windows.h"
 
@@ -84,18 +85,31 @@ void Projection::run(const Scene& scene, const View& view, const RendererOptions
   grow(inverse_z_, pixels);
   grow(triangle_, pixels);
   raster_.run(s, raster_camera(view, window_), choice_.listed, threads_, inverse_z_.data(), triangle_.data());
-  for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
-    const auto i = static_cast<std::size_t>(choice_.listed[slot]);
-    cameras_[slot] = photo_camera(s.blocks[i], s.tiles[i]);
-    cameras_[slot].depth = SceneMaps::of(s).maps[i].inverse_z.data();
-    cameras_[slot].depth_width = s.depth_windows[i].width;
-    cameras_[slot].depth_height = s.depth_windows[i].height;
-  }
+  take_photographs(s, view, wanted.levels);
   covered_.find(window_.width, window_.height, inverse_z_.data());
   reserve();
   plan_bands();
   for_rows([&](int y, RowMemory& memory) { see_row(y, wanted.images, memory); });
   for_rows([&](int y, RowMemory& memory) { weigh_row(y, wanted, memory); });
+}
+
+void Projection::take_photographs(const Scene::Impl& s, const View& view, bool levels) {
+  ShortList<int, kMostListed> with_levels;
+  for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
+    const int camera = choice_.listed[slot];
+    minified_[slot] = deepest_level(s.cameras[static_cast<std::size_t>(camera)], view, s.box) > 0;
+    if (levels || minified_[slot]) with_levels.push_back(camera);
+  }
+  const PhotoPyramid* pyramid =
+      with_levels.size() > 0 ? &PhotoPyramid::of(s, {with_levels.begin(), with_levels.end()}) : nullptr;
+  for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
+    const auto i = static_cast<std::size_t>(choice_.listed[slot]);
+    PhotoCamera camera = photo_camera(s.blocks[i], s.tiles[i]);
+    camera.depth = SceneMaps::of(s).maps[i].inverse_z.data();
+    camera.depth_width = s.depth_windows[i].width;
+    camera.depth_height = s.depth_windows[i].height;
+    photos_[slot].set(camera, levels || minified_[slot] ? pyramid : nullptr, i);
+  }
 }
 
 void Projection::reserve() {
@@ -107,6 +121,7 @@ void Projection::reserve() {
     grow(row_distances_[slot], pixels);
     row_has_hidden_[slot].assign(rows, 0);
     for (auto* list : {&angular_[slot], &weight_[slot], &soft_[slot]}) grow(*list, covered_.padded);
+    if (minified_[slot]) grow(footprint_[slot], covered_.padded);
     if (slot >= choice_.chosen) continue;
     grow(soft_planes_[slot], pixels);
     grow(images_[slot], pixels);
@@ -172,11 +187,13 @@ void Projection::see_row(int y, bool images, RowMemory& memory) {
   const PixelList points{covered_.x.data() + row.list, nullptr, covered_.inverse_z.data() + row.list,
                          static_cast<float>(y) + 0.5F, row.count};
   for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
-    see_points(cameras_[slot], rays_, points, {nx, ny, nz}, tolerance_, u, v, seen,
+    see_points(camera(slot), rays_, points, {nx, ny, nz}, tolerance_, u, v, seen,
                angular_[slot].data() + row.list);
+    if (minified_[slot])
+      footprints(camera(slot), rays_, points, {nx, ny, nz}, footprint_[slot].data() + row.list);
     for (std::size_t i = 0; i < count; ++i) bits[i] |= seen[i] << slot;
     if (!images || slot >= choice_.chosen) continue;
-    read_colors(cameras_[slot], sharp_, u, v, seen, row.count, rgba);
+    read(slot, row, u, v, seen, rgba, memory);
     for (std::size_t s = row.first_span; s < row.last_span; ++s) {
       const Covered::Span& span = covered_.spans[s];
       std::uint32_t* to = images_[slot].data() + line(y);
@@ -272,8 +289,8 @@ void Projection::fill_row(int y, const std::int32_t* best, RowMemory& memory) {
       any |= wanted[i];
     }
     if (any == 0) continue;
-    project_points(cameras_[slot], rays_, points, u, v, inside);
-    read_colors(cameras_[slot], sharp_, u, v, wanted, row.count, rgba);
+    project_points(camera(slot), rays_, points, u, v, inside);
+    read(slot, row, u, v, wanted, rgba, memory);
   }
   std::uint8_t* own = own_.data() + line(y);
   std::fill_n(own, window_.width, std::uint8_t{0});

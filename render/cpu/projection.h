@@ -8,6 +8,7 @@
 #include "render/camera_choice.h"
 #include "render/cpu/covered.h"
 #include "render/cpu/photo_kernels.h"
+#include "render/cpu/photo_levels.h"
 #include "render/cpu/scene_maps.h"
 #include "render/projected_images.h"
 #include "render/renderer.h"
@@ -42,6 +43,7 @@ class Projection {
     int margin = 0;           ///< px around the view
     bool one_camera = false;  ///< all weight to the best visible camera of each pixel
     bool images = false;
+    bool levels = false;  ///< photographs' pyramids, whatever the footprints are
   };
   void run(const Scene& scene, const View& view, const RendererOptions& options, const Wanted& wanted);
 
@@ -49,7 +51,19 @@ class Projection {
   const CameraChoice& choice() const { return choice_; }
   const Covered& covered() const { return covered_; }
   const ViewRays& rays() const { return rays_; }
-  const PhotoCamera& camera(std::size_t slot) const { return cameras_[slot]; }
+  const PhotoCamera& camera(std::size_t slot) const { return photos_[slot].photograph(); }
+  const PhotoLevels& photo(std::size_t slot) const { return photos_[slot]; }
+  /// List: the footprints of the view's pixels in a photograph; null where none needs its pyramid.
+  const float* footprint(std::size_t slot) const {
+    return minified_[slot] ? footprint_[slot].data() : nullptr;
+  }
+  /// Colours of a photograph for a row's pixels, as large as they cover it; as PhotoLevels::read().
+  void read(std::size_t slot, const Covered::Row& row, const float* u, const float* v,
+            const std::int32_t* wanted, float* rgba, RowMemory& memory) const {
+    const float* area = footprint(slot);
+    photos_[slot].read(sharp_, u, v, area != nullptr ? area + row.list : nullptr, wanted, row.count, rgba,
+                       memory);
+  }
   float tolerance() const { return tolerance_; }
   bool sharp() const { return sharp_; }
 
@@ -84,6 +98,7 @@ class Projection {
   struct Band {
     int first, last;
   };
+  void take_photographs(const Scene::Impl& scene, const View& view, bool levels);
   void reserve();
   void plan_bands();
   void see_row(int y, bool images, RowMemory& memory);
@@ -98,7 +113,8 @@ class Projection {
   CameraChoice choice_;
   Covered covered_;
   ViewRays rays_{};
-  std::array<PhotoCamera, kMostListed> cameras_{};
+  std::array<PhotoLevels, kMostListed> photos_{};
+  std::array<bool, kMostListed> minified_{};
   const Mesh* mesh_ = nullptr;
   float tolerance_ = 0, radius_ = 0;
   bool sharp_ = true;
@@ -110,7 +126,7 @@ class Projection {
   std::vector<std::uint8_t> hidden_, own_, visible_;
   std::array<std::vector<std::int16_t>, kMostListed> row_distances_;
   std::array<std::vector<std::uint8_t>, kMostListed> row_has_hidden_;
-  std::array<std::vector<float>, kMostListed> angular_, weight_, soft_, soft_planes_;
+  std::array<std::vector<float>, kMostListed> angular_, weight_, soft_, soft_planes_, footprint_;
   std::array<std::vector<std::uint32_t>, kMostListed> images_;
   std::vector<Band> bands_;
   std::vector<RowMemory> memory_;

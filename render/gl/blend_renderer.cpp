@@ -52,8 +52,8 @@ Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera) {
   if (!projection) return forward(projection);
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
-  Result<gl::Program> blend =
-      gl::make_program("fullscreen.vert", "blend.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});
+  Result<gl::Program> blend = gl::make_program(
+      "fullscreen.vert", "blend.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
   if (!blend) return forward(blend);
   return std::unique_ptr<ViewRenderer>(std::make_unique<BlendRenderer>(
       one_camera, std::move(*projection), std::move(*inspection), std::move(*blend)));

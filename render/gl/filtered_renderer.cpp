@@ -5,7 +5,6 @@
 
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
-#include "render/photo_pyramid.h"
 
 namespace floatstage::render {
 namespace {
@@ -68,7 +67,7 @@ class FilteredRenderer : public ViewRenderer {
                   "only the floating renderer has a flow to show; choose another output");
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
-    projection_.run(**textures, view, options, 0, false);
+    projection_.run(**textures, view, options, 0, false, true);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
       if (inspection_.shows(options.output))
@@ -88,46 +87,14 @@ class FilteredRenderer : public ViewRenderer {
   void reset_history() override { history_.forget(); }
 
  private:
-  // A scene's pyramid on the GPU: kept beside it.
-  struct Levels {
-    std::uint64_t version = 0;
-    std::array<gl::Texture, PhotoPyramid::kLevels> textures;
-  };
-
-  static const Levels& levels_of(const Scene::Impl& s) {
-    if (!s.pyramid_on_gpu) s.pyramid_on_gpu = std::make_shared<Levels>();
-    auto* made = static_cast<Levels*>(s.pyramid_on_gpu.get());
-    if (made->version == s.version) return *made;
-    const PhotoPyramid& pyramid = PhotoPyramid::of(s);
-    for (std::size_t level = 0; level < PhotoPyramid::kLevels; ++level) {
-      int width = 1, height = 1;
-      for (const SceneTile& tile : pyramid.levels[level])
-        width = std::max(width, tile.width), height = std::max(height, tile.height);
-      gl::Texture& texture = made->textures[level];
-      texture.resize(GL_RGBA8, GL_LINEAR, width, height, static_cast<int>(pyramid.levels[level].size()));
-      for (std::size_t i = 0; i < pyramid.levels[level].size(); ++i) {
-        const SceneTile& tile = pyramid.levels[level][i];
-        glPixelStorei(GL_UNPACK_ROW_LENGTH, tile.stride());
-        glTextureSubImage3D(texture.id(), 0, 0, 0, static_cast<GLint>(i), tile.width, tile.height, 1, GL_RGBA,
-                            GL_UNSIGNED_BYTE, tile.at(0, 0));
-      }
-    }
-    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
-    made->version = s.version;
-    return *made;
-  }
-
   void draw(const Scene::Impl& s, const RendererOptions& options, const Window& w) {
-    const Levels& levels = levels_of(s);
     glProgramUniform2i(blend_.id(), 0, w.x, w.y);
     glProgramUniform1f(
         blend_.id(), 1,
         static_cast<float>(options.uncertainty * static_cast<double>(s.box.diagonal().norm())));
-    const auto& t = levels.textures;
     projection_.draw_at(target_.framebuffer(), blend_,
-                        {projection_.surface(), projection_.weights(0), projection_.weights(1), t[0].id(),
-                         t[1].id(), t[2].id(), t[3].id(), t[4].id()},
-                        w.x, w.y, w.width, w.height);
+                        {projection_.surface(), projection_.weights(0), projection_.weights(1)}, w.x, w.y,
+                        w.width, w.height);
   }
 
   Projection projection_;
@@ -144,8 +111,8 @@ Result<std::unique_ptr<ViewRenderer>> make_filtered_renderer() {
   if (!projection) return forward(projection);
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
-  Result<gl::Program> blend =
-      gl::make_program("fullscreen.vert", "filtered.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});
+  Result<gl::Program> blend = gl::make_program(
+      "fullscreen.vert", "filtered.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
   if (!blend) return forward(blend);
   Result<History> history = History::create();
   if (!history) return forward(history);

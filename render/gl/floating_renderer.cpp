@@ -154,10 +154,11 @@ Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
   Result<gl::Program> project =
-      gl::make_program("fullscreen.vert", "project.frag", {"view.glsl", "camera.glsl"});
+      gl::make_program("fullscreen.vert", "project.frag", {"view.glsl", "camera.glsl", "footprint.glsl"});
   if (!project) return forward(project);
-  Result<gl::Program> composite = gl::make_program(
-      "fullscreen.vert", "float.frag", {"view.glsl", "camera.glsl", "positions.glsl", "false_color.glsl"});
+  Result<gl::Program> composite =
+      gl::make_program("fullscreen.vert", "float.frag",
+                       {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl"});
   if (!composite) return forward(composite);
   return std::unique_ptr<ViewRenderer>(std::make_unique<FloatingRenderer>(
       std::move(*projection), std::move(*inspection), std::move(*project), std::move(*composite)));

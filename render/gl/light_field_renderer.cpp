@@ -1,5 +1,8 @@
 #include "render/gl/light_field_renderer.h"
 
+#include <algorithm>
+
+#include "render/footprint.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
 #include "render/light_field.h"
@@ -27,6 +30,7 @@ class LightFieldRenderer : public ViewRenderer {
         inspection_.draw(projection_, **textures, view, target_);
       } else {
         set_plane(plane);
+        set_levels(**textures, plane, view);
         glProgramUniform2i(blend_.id(), 0, w.x, w.y);
         projection_.draw_at(target_.framebuffer(), blend_, {projection_.surface()}, w.x, w.y, w.width,
                             w.height);
@@ -52,6 +56,15 @@ class LightFieldRenderer : public ViewRenderer {
     glProgramUniform3f(blend_.id(), 5, plane.height, plane.eye_x, plane.eye_y);
   }
 
+  void set_levels(const SceneTextures& textures, const LightFieldPlane& plane, const View& view) {
+    const Scene::Impl& s = *textures.scene;
+    int deepest = 0;
+    for (int camera : plane.cameras)
+      deepest = std::max(deepest, deepest_level(s.cameras[static_cast<std::size_t>(camera)], view, s.box));
+    if (deepest > 0) textures.ensure_levels(plane.cameras);
+    glProgramUniform1i(blend_.id(), 6, deepest);
+  }
+
   Projection projection_;
   Inspection inspection_;
   gl::Program blend_;
@@ -67,8 +80,9 @@ Result<std::unique_ptr<ViewRenderer>> make_light_field_renderer() {
   if (!projection) return forward(projection);
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
-  Result<gl::Program> blend = gl::make_program("fullscreen.vert", "light_field.frag",
-                                               {"view.glsl", "camera.glsl", "false_color.glsl"});
+  Result<gl::Program> blend =
+      gl::make_program("fullscreen.vert", "light_field.frag",
+                       {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
   if (!blend) return forward(blend);
   return std::unique_ptr<ViewRenderer>(std::make_unique<LightFieldRenderer>(
       std::move(*projection), std::move(*inspection), std::move(*blend)));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/footprint.h"
+
 namespace floatstage::render {
 namespace {
 
@@ -112,7 +114,7 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
                   one_camera ? 1 : 0, static_cast<int>(options.output)};
   for (std::size_t i = 0; i < choice_.listed.size(); ++i) {
     block.camera_list[i / 4][i % 4] = choice_.listed[i];
-    block.camera_fade[i] = {choice_.fade[i], choice_.stand_in_fade[i], 0, 0};
+    block.camera_fade[i] = {choice_.fade[i], choice_.stand_in_fade[i], static_cast<float>(deepest_[i]), 0};
   }
   gl::upload(uniforms_, uniform_capacity_, &block, sizeof block);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, uniforms_.id());
@@ -120,8 +122,19 @@ void Projection::write_uniforms(const SceneTextures& scene, const View& view, co
   glBindTextureUnit(0, scene.photographs.id());
 }
 
+void Projection::find_deepest(const SceneTextures& scene, const View& view, bool levels) {
+  ShortList<int, kMostListed> with_levels;
+  for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
+    const int camera = choice_.listed[slot];
+    deepest_[slot] =
+        deepest_level(scene.scene->cameras[static_cast<std::size_t>(camera)], view, scene.scene->box);
+    if (levels || deepest_[slot] > 0) with_levels.push_back(camera);
+  }
+  scene.ensure_levels({with_levels.begin(), with_levels.end()});
+}
+
 void Projection::run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
-                     bool one_camera) {
+                     bool one_camera, bool levels) {
   choice_ = scene.scene->choose(view, options.cameras);
   window_ = window_of(view, scene.scene->mesh.positions, margin);
   if (window_.empty()) return;
@@ -130,6 +143,7 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glDisable(GL_SCISSOR_TEST);
   scene.depth_maps.ensure(choice_.listed, depth_map_.id(), scene.mesh.id(), scene.indices);
   reserve();
+  find_deepest(scene, view, levels);
   write_uniforms(scene, view, options, one_camera);
 
   const float nothing[4] = {0, 0, 0, kNothing}, one = 1;

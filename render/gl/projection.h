@@ -27,10 +27,11 @@ class Projection {
  public:
   static Result<Projection> create();
 
-  /// Runs the passes. `one_camera` gives all weight to the best visible camera of each pixel. After it the
-  /// uniforms, the camera buffer and the photographs stay bound for passes that go on from here.
+  /// Runs the passes. `one_camera` gives all weight to the best visible camera of each pixel, `levels` fills
+  /// the levels of all listed photographs, whatever the footprints are. After it the uniforms, the camera
+  /// buffer and the photographs stay bound for passes that go on from here.
   void run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
-           bool one_camera);
+           bool one_camera, bool levels = false);
 
   const Window& window() const { return window_; }
   const CameraChoice& choice() const { return choice_; }
@@ -48,6 +49,7 @@ class Projection {
  private:
   Projection() = default;
   void reserve();
+  void find_deepest(const SceneTextures& scene, const View& view, bool levels);
   void write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options,
                       bool one_camera);
 
@@ -60,6 +62,7 @@ class Projection {
   gl::Framebuffer surface_target_, visibility_target_, rows_target_, weights_target_;
   Window window_;
   CameraChoice choice_;
+  std::array<int, kMostListed> deepest_{};  // of the listed: the last level that any pixel reads
 };
 
 /// The picture a renderer hands out: RGBA8 of the view's size, cleared to the background with alpha 0.

@@ -3,9 +3,12 @@
 #include <algorithm>
 
 #include "core/text.h"
+#include "render/photo_pyramid.h"
 
 namespace floatstage::render {
 namespace {
+
+constexpr int kBetweenLevels = 2 * kLastLevel;  // px: what rounding adds to the levels' heights
 
 Result<void> check_fit(int width, int height, std::size_t pictures) {
   GLint largest = 0, most_layers = 0;
@@ -15,6 +18,19 @@ Result<void> check_fit(int width, int height, std::size_t pictures) {
   return fail(ErrorCode::Unsupported,
               text(pictures, " pictures of up to ", width, "x", height, " do not fit this GPU's textures (",
                    largest, " px, ", most_layers, " layers); draw with --renderer cpu"));
+}
+
+// Where shaders/camera.glsl reads a level: beside the photograph, one below the other.
+void upload_level(const gl::Texture& to, int level, std::size_t layer, const SceneTile& photograph,
+                  const SceneTile& tile) {
+  const int x = level == 0 ? 0 : photograph.width;
+  const int y = level == 0 ? 0
+                           : photograph.height -
+                                 (photograph.height + (1 << (level - 1)) - 1) / (1 << (level - 1)) + level;
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, tile.stride());
+  glTextureSubImage3D(to.id(), 0, x, y, static_cast<GLint>(layer), tile.width, tile.height, 1, GL_RGBA,
+                      GL_UNSIGNED_BYTE, tile.at(0, 0));
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
 }
 
 }  // namespace
@@ -35,22 +51,31 @@ Result<void> SceneTextures::upload(const Scene::Impl& from) {
     width = std::max(width, from.tiles[i].width);
     height = std::max(height, from.tiles[i].height);
   }
-  if (Result<void> ok = check_fit(width, height, count); !ok) return ok;
+  if (Result<void> ok = check_fit(width + (width + 1) / 2, height + kBetweenLevels, count); !ok) return ok;
   // Tiles change their size with every step of the subject: storage only grows.
-  photographs.reserve(GL_RGBA8, GL_LINEAR, width, height, static_cast<int>(count));
-  for (std::size_t i = 0; i < count; ++i) {
-    const SceneTile& tile = from.tiles[i];
-    glPixelStorei(GL_UNPACK_ROW_LENGTH, tile.stride());
-    glTextureSubImage3D(photographs.id(), 0, 0, 0, static_cast<GLint>(i), tile.width, tile.height, 1, GL_RGBA,
-                        GL_UNSIGNED_BYTE, tile.at(0, 0));
-  }
-  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  photographs.reserve(GL_RGBA8, GL_LINEAR, width + (width + 1) / 2, height + kBetweenLevels,
+                      static_cast<int>(count));
+  has_levels_.assign(count, false);
+  for (std::size_t i = 0; i < count; ++i) upload_level(photographs, 0, i, from.tiles[i], from.tiles[i]);
   upload_mesh(from.mesh);
   depth_maps.plan(from.blocks, from.depth_windows);
   gl::upload(camera_buffer, camera_capacity_, from.blocks.data(), from.blocks.size() * sizeof(CameraBlock));
   scene = &from;
   version_ = from.version;
   return {};
+}
+
+void SceneTextures::ensure_levels(std::span<const int> cameras) const {
+  if (cameras.empty()) return;
+  const PhotoPyramid& pyramid = PhotoPyramid::of(*scene, cameras);
+  for (int camera : cameras) {
+    const auto i = static_cast<std::size_t>(camera);
+    if (has_levels_[i]) continue;
+    has_levels_[i] = true;
+    for (int level = 1; level <= kLastLevel; ++level)
+      upload_level(photographs, level, i, scene->tiles[i],
+                   pyramid.levels[static_cast<std::size_t>(level - 1)][i]);
+  }
 }
 
 void SceneTextures::upload_mesh(const Mesh& source) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "render/gl/depth_maps.h"
 #include "render/gl/gl_objects.h"
@@ -18,9 +20,13 @@ class SceneTextures {
 
   const Scene::Impl* scene = nullptr;
   GLsizei indices = 0;
-  gl::Texture photographs;  ///< RGBA8 array, alpha is the matte; layer i belongs to scene->cameras[i]
+  gl::Texture photographs;  ///< RGBA8 array, alpha is the matte; layer i belongs to scene->cameras[i]; its
+                            ///< pyramid is to the right of it after ensure_levels()
   gl::Buffer camera_buffer;
   gl::VertexArray mesh;
+  /// Fills the levels of these photographs (indices into scene->cameras) from their PhotoPyramid.
+  void ensure_levels(std::span<const int> cameras) const;
+
   mutable DepthMaps depth_maps;  ///< a cache: rendered by the first view that needs a camera
 
  private:
@@ -28,6 +34,7 @@ class SceneTextures {
   void upload_mesh(const Mesh& source);
 
   std::uint64_t version_ = 0;
+  mutable std::vector<bool> has_levels_;  // of scene->cameras
   gl::Buffer vertex_buffer_, index_buffer_;
   std::size_t camera_capacity_ = 0, vertex_capacity_ = 0, index_capacity_ = 0;
 };

@@ -74,6 +74,21 @@ TEST_F(BackEnds, DrawTheSamePictures) {
     }
 }
 
+TEST_F(BackEnds, DrawTheSameSmallPictures) {
+  const Stage stage = troubled();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  RendererOptions options;
+  options.flow.backend = "none";
+  for (const char* method : {"nearest", "linear", "filtered", "floating"})
+    for (const int width : {96, 48, 12}) {  // footprints of 1.7, 3.3 and 13 pixels
+      const View view = view_at(8, 25, small_camera(width, 3 * width / 4));
+      const Difference d = difference(drawn(render::BackEnd::Cpu, scene, view, method, options),
+                                      drawn(render::BackEnd::Gl, scene, view, method, options));
+      EXPECT_GT(d.psnr, 45) << method << ", " << width << " px wide";
+    }
+}
+
 TEST_F(BackEnds, DrawAsWellWithTheFlowOnTheGpu) {
   const Stage stage = troubled();
   render::Scene scene;

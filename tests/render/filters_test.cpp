@@ -93,7 +93,8 @@ TEST(PhotoPyramid, HalvesColoursByTheirOpacity) {
   const Stage stage = photographed(arc(2, 20), ball(0.25F), ball(0.25F));
   render::Scene scene;
   ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
-  const PhotoPyramid& pyramid = PhotoPyramid::of(scene.impl());
+  const int both[] = {0, 1};
+  const PhotoPyramid& pyramid = PhotoPyramid::of(scene.impl(), both);
   EXPECT_EQ(pyramid.levels[0][0].width, 80);
   EXPECT_EQ(pyramid.levels[4][1].width, 5);
   EXPECT_EQ(pyramid.levels[4][1].height, 4);

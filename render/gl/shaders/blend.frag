@@ -7,24 +7,25 @@ layout(location = 0) out vec4 color;
 
 const float kFaint = 1e-4;  // below half an 8-bit step even against the strongest contrast
 
-vec3 projected(int slot, vec3 world) {
+vec3 projected(int slot, vec3 world, vec2 at, vec4 here) {
   int index = listed(slot);
   vec2 pixel;
   photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel);
-  return photo_color(index, pixel);
+  return photo_color(index, pixel, footprint_if_deep(slot, at, here));
 }
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
-  float z = texelFetch(surface, at, 0).w;
-  if (z >= kNothing) discard;
-  vec3 world = world_at(vec2(at) + 0.5, z), sum = vec3(0.0);
+  vec4 here = texelFetch(surface, at, 0);
+  if (here.w >= kNothing) discard;
+  vec2 middle = vec2(at) + 0.5;
+  vec3 world = world_at(middle, here.w), sum = vec3(0.0);
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   float total = 0.0;
   for (int slot = 0; slot < view.counts.x; ++slot) {
     float w = slot < 4 ? w0[slot] : w1[slot - 4];
     if (w < kFaint) continue;
-    sum += w * projected(slot, world);
+    sum += w * projected(slot, world, middle, here);
     total += w;
   }
   vec3 mean = sum / max(total, 1e-6);
@@ -33,7 +34,7 @@ void main() {
     float apart = 0.0;
     for (int slot = 0; slot < view.counts.x; ++slot) {
       float w = slot < 4 ? w0[slot] : w1[slot - 4];
-      if (w >= kFaint) apart += w / total * distance(projected(slot, world), mean);
+      if (w >= kFaint) apart += w / total * distance(projected(slot, world, middle, here), mean);
     }
     color.rgb = heat(3.0 * apart);
   }

@@ -41,26 +41,47 @@ bool photo_pixel(int index, vec3 p, out vec2 pixel) {
   return all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, size));
 }
 
-// Colour and opacity (the matte) of a photograph at a pixel, bilinear.
-vec4 photo(int index, vec2 pixel) {
-  vec4 tile = cameras[index].tile;
-  pixel = clamp(pixel - tile.xy, vec2(0.5), tile.zw - 0.5);
-  return textureLod(photographs, vec3(pixel / vec2(textureSize(photographs, 0).xy), cameras[index].image.z), 0.0);
+const int kLastLevel = 5;  // of the photographs' pyramid
+
+// Levels lie beside their photograph, one below the other: with mipmaps llvmpipe would read one level for four
+// neighbouring pixels. gl/scene_textures.cpp puts them there.
+vec2 level_size(int index, int level) {
+  float shrink = float(1 << level);
+  return floor((cameras[index].tile.zw + shrink - 1.0) / shrink);
 }
 
+vec2 level_place(int index, int level) {
+  if (level == 0) return vec2(0.0);
+  vec2 size = cameras[index].tile.zw;
+  return vec2(size.x, floor(size.y * (1.0 - 1.0 / float(1 << (level - 1)))) + float(level));
+}
+
+// Where a pixel of the photograph lies in a level.
+vec2 in_level(int index, vec2 pixel, int level) {
+  vec2 at = (pixel - cameras[index].tile.xy) / float(1 << level);
+  return clamp(at, vec2(0.5), level_size(index, level) - 0.5);
+}
+
+// Colour and opacity (the matte) of a photograph at a pixel, bilinear, from a level of its pyramid.
+vec4 photo_at(int index, vec2 pixel, int level) {
+  vec2 at = level_place(index, level) + in_level(index, pixel, level);
+  return textureLod(photographs, vec3(at / vec2(textureSize(photographs, 0).xy), cameras[index].image.z), 0.0);
+}
+
+vec4 photo(int index, vec2 pixel) { return photo_at(index, pixel, 0); }
+
 // The colour alone, by a Catmull-Rom spline in nine bilinear reads: what is blended keeps its sharpness.
-vec3 photo_color(int index, vec2 pixel) {
-  if (view.background.w > 0.5) return photo(index, pixel).rgb;
-  vec4 tile = cameras[index].tile;
-  pixel = clamp(pixel - tile.xy, vec2(0.5), tile.zw - 0.5);
+vec3 photo_color_at(int index, vec2 pixel, int level) {
+  if (view.background.w > 0.5) return photo_at(index, pixel, level).rgb;
+  pixel = in_level(index, pixel, level);
   vec2 texel = 1.0 / vec2(textureSize(photographs, 0).xy);
-  vec2 low = floor(pixel - 0.5) + 0.5, f = pixel - low;
+  vec2 low = floor(pixel - 0.5) + 0.5, f = pixel - low, place = level_place(index, level);
   vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f)), w1 = 1.0 + f * f * (1.5 * f - 2.5);
   vec2 w2 = f * (0.5 + f * (2.0 - 1.5 * f)), w3 = f * f * (0.5 * f - 0.5);
   vec2 w12 = w1 + w2;
-  vec2 border = tile.zw - 0.5;
-  vec2 x0 = max(low - 1.0, vec2(0.5)) * texel, x12 = min(low + w2 / w12, border) * texel;
-  vec2 x3 = min(low + 2.0, border) * texel;
+  vec2 border = level_size(index, level) - 0.5;
+  vec2 x0 = (place + max(low - 1.0, vec2(0.5))) * texel, x12 = (place + min(low + w2 / w12, border)) * texel;
+  vec2 x3 = (place + min(low + 2.0, border)) * texel;
   float layer = cameras[index].image.z;
   vec3 sum = (textureLod(photographs, vec3(x0.x, x0.y, layer), 0.0).rgb * w0.x +
               textureLod(photographs, vec3(x12.x, x0.y, layer), 0.0).rgb * w12.x +

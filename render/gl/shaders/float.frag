@@ -31,8 +31,8 @@ vec2 combined_warp(int i, vec2 p) {
 }
 
 // I_i at p: straight from the photograph where I_i has its own colour on a connected surface (one resampling instead
-// of two), else from the intermediate image. False: nothing there.
-bool image_at(int i, vec2 p, out vec3 rgb) {
+// of two), as large as the pixel sees it, else from the intermediate image. False: nothing there.
+bool image_at(int i, vec2 p, float area, out vec3 rgb) {
   ivec2 low = ivec2(floor(p - 0.5)), last = ivec2(view.window.zw) - 1;
   vec2 f = p - 0.5 - vec2(low);
   vec4 sum = vec4(0.0);
@@ -54,7 +54,7 @@ bool image_at(int i, vec2 p, out vec3 rgb) {
     vec2 pixel;
     vec3 world = world_at(p, 1.0 / inverse_z);
     if (photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel)) {
-      rgb = photo_color(index, pixel);
+      rgb = photo_color(index, pixel, area);
       return true;
     }
   }
@@ -64,7 +64,8 @@ bool image_at(int i, vec2 p, out vec3 rgb) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
-  if (texelFetch(surface, at, 0).w >= kNothing) discard;
+  vec4 here = texelFetch(surface, at, 0);
+  if (here.w >= kNothing) discard;
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   vec4 a0 = texelFetch(angular0, at, 0), a1 = texelFetch(angular1, at, 0);
   int n = view.counts.y;
@@ -83,7 +84,7 @@ void main() {
   }
 
   place = pull;
-  if (positions == 0) cancel_parallax(vec2(at) + 0.5, texelFetch(surface, at, 0), place);
+  if (positions == 0) cancel_parallax(vec2(at) + 0.5, here, place);
 
   vec2 x = vec2(at) + 0.5, strongest_warp = vec2(0.0);
   vec3 sum = vec3(0.0), colors[kMaxListed];
@@ -97,9 +98,10 @@ void main() {
       warp = combined_warp(i, p);
       p = x - warp;
     }
-    if (!image_at(i, p, colors[i])) {
+    float area = footprint_if_deep(i, x, here);
+    if (!image_at(i, p, area, colors[i])) {
       p = x;
-      image_at(i, p, colors[i]);
+      image_at(i, p, area, colors[i]);
     }
     // What matters is whether camera i sees the point whose colour arrives here, not the point that is here.
     vec2 there = p / vec2(textureSize(soft0, 0));

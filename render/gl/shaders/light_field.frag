@@ -5,6 +5,7 @@ layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 1) uniform ivec2 grid;  // columns, rows
 layout(location = 2) uniform vec3 plane[3];  // normal, right, down
 layout(location = 5) uniform vec3 eye;  // before the plane, and on it: right, down
+layout(location = 6) uniform int last_level;  // of the photographs' pyramids that this view reads
 layout(std430, binding = 1) readonly buffer Grid { float places[]; };  // of columns, of rows; cameras row after row
 layout(location = 0) out vec4 color;
 
@@ -19,10 +20,10 @@ int between(int first, int count, float at, out float share) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
-  float z = texelFetch(surface, at, 0).w;
-  if (z >= kNothing) discard;
+  vec4 here = texelFetch(surface, at, 0);
+  if (here.w >= kNothing) discard;
   vec2 pixel = vec2(at) + 0.5, share;
-  vec3 world = world_at(pixel, z), way = mat3(view.world_from_view) * view_ray(pixel);
+  vec3 world = world_at(pixel, here.w), way = mat3(view.world_from_view) * view_ray(pixel);
   float along = dot(plane[0], way), steps = eye.x / (abs(along) > kParallel ? along : kParallel);
   int column = between(0, grid.x, eye.y - steps * dot(plane[1], way), share.x);
   int row = between(grid.x, grid.y, eye.z - steps * dot(plane[2], way), share.y);
@@ -37,7 +38,8 @@ void main() {
     int index = int(places[grid.x + grid.y + (row + corner.y) * grid.x + column + corner.x]);
     vec2 p;
     if (!photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, p)) weights[k] *= kBeside;
-    colors[k] = photo_color(index, p);
+    float area = last_level > 0 ? footprint(index, pixel, here.xyz, here.w) : 0.0;
+    colors[k] = photo_color(index, p, area);
     sum += weights[k] * colors[k];
     total += weights[k];
   }

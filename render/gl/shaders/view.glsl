@@ -9,7 +9,7 @@ layout(std140, binding = 0) uniform ViewBlock {
   vec4 background;    // rgb, 1 to read photographs bilinearly
   ivec4 counts;       // listed cameras, chosen cameras (the first of the list), 1 for one camera a pixel, output
   ivec4 camera_list[2];
-  vec4 camera_fade[8];  // x: as one of the chosen; y: as a stand-in
+  vec4 camera_fade[8];  // x: as one of the chosen; y: as a stand-in; z: the last level that is read
 } view;
 
 const int kMaxListed = 8;
