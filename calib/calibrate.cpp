@@ -8,9 +8,9 @@
 
 #include "calib/solver/covariance.h"
 #include "calib/solver/failures.h"
+#include "calib/solver/frame_scatter.h"
 #include "calib/solver/gauge.h"
 #include "calib/solver/holdout.h"
-#include "calib/solver/jackknife.h"
 #include "calib/solver/quality.h"
 #include "calib/solver/stages.h"
 #include "calib/solver/start.h"
@@ -59,11 +59,16 @@ void compare_to_start(const Scene& scene, const Observations& o, Calibration& ou
 }
 
 // The public covariance lacks the rows of the time offsets.
-Eigen::MatrixXd without_offsets(const Eigen::MatrixXd& m, std::size_t cameras) {
+std::vector<Eigen::Index> rows_without_offsets(std::size_t cameras) {
   std::vector<Eigen::Index> rows;
   for (std::size_t c = 0; c < cameras; ++c)
     for (int k = 0; k < kCovarianceRows; ++k)
       rows.push_back(solver::kCameraParameters * static_cast<Eigen::Index>(c) + k);
+  return rows;
+}
+
+Eigen::MatrixXd without_offsets(const Eigen::MatrixXd& m, std::size_t cameras) {
+  const std::vector<Eigen::Index> rows = rows_without_offsets(cameras);
   return m(rows, rows);
 }
 
@@ -80,39 +85,31 @@ void take_cameras(const Scene& scene, const Observations& observations, Calibrat
   out.errors = solver::point_errors(scene, observations);
 }
 
-// How much more than its points' noise says each camera moves when frames are left out, by where it sees the
-// targets' volume; the covariance grows by that. The blocks of one capture do not say in which direction,
-// only how much: one number a camera.
+Eigen::MatrixXd with_offsets(const Eigen::MatrixXd& m, std::size_t cameras) {
+  const Eigen::Index size = solver::kCameraParameters * static_cast<Eigen::Index>(cameras);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(size, size);
+  const std::vector<Eigen::Index> rows = rows_without_offsets(cameras);
+  out(rows, rows) = m;
+  return out;
+}
+
+// How much more than its points' noise says the solution moves when frames are left out, by where the cameras
+// see the targets' volume; the covariance grows by that. The blocks of one capture do not say in which
+// direction, only how much: one number for all cameras.
 std::vector<Measured> enlarge_by_scatter(const Scene& scene, const Observations& observations,
                                          const solver::BundleOptions& used, Eigen::MatrixXd& covariance) {
   const std::size_t count = scene.cameras.size();
-  int blocks = 0;
-  const Eigen::MatrixXd moved = solver::jackknife_covariance(scene, used, blocks);
-  std::vector<Measured> scatter(
-      count, Measured::not_measured(text("fewer than ", solver::kFewestBlocks, " frames show what moves")));
-  if (moved.size() == 0) return scatter;
-  Calibration by_noise, by_blocks;
+  Calibration by_noise;
   take_cameras(scene, observations, by_noise);
-  by_blocks.reference = by_noise.reference;
-  by_blocks.rig = by_noise.rig;
   by_noise.covariance = without_offsets(covariance, count);
-  by_blocks.covariance = without_offsets(moved, count);
-  const WorkingVolume volume = hull_of_targets(by_noise);
-  const ProjectionUncertainty noise(by_noise, volume.points), seen(by_blocks, volume.points);
-  double sum = 0;
-  int cameras = 0;
-  for (std::size_t c = 0; c < count; ++c) {
-    const Measured a = projection_sigma(by_noise, noise, static_cast<int>(c), volume),
-                   b = projection_sigma(by_blocks, seen, static_cast<int>(c), volume);
-    if (!a || !b || !(*a > 0) || !std::isfinite(*b)) continue;
-    sum += std::pow(*b / *a, 2);
-    ++cameras;
-  }
-  if (cameras == 0) return scatter;
-  const double factor = std::max(1.0, std::sqrt(sum / cameras));
-  scatter.assign(count, Measured(factor, blocks));
+  const Eigen::MatrixXd metric = projection_metric(by_noise, hull_of_targets(by_noise));
+  const solver::FrameScatter seen = solver::frame_scatter(scene, used, with_offsets(metric, count));
+  if (seen.blocks == 0)
+    return std::vector<Measured>(
+        count, Measured::not_measured(text("fewer than ", solver::kFewestBlocks, " frames show what moves")));
+  const double factor = std::max(1.0, seen.sigma_factor());
   covariance *= factor * factor;
-  return scatter;
+  return std::vector<Measured>(count, Measured(factor, seen.blocks));
 }
 
 }  // namespace

@@ -29,4 +29,9 @@ WorkingVolume hull_of_targets(const Calibration& calibration);
 Measured projection_sigma(const Calibration& calibration, const ProjectionUncertainty& uncertainty,
                           int camera, const WorkingVolume& volume);
 
+/// What a small step d of all cameras' parameters (as Calibration::covariance's rows) counts over the volume:
+/// dᵀ metric d is the sum over cameras of its mean square in pixels, each in units of that camera's own
+/// projection_sigma(). Common motions count nothing.
+Eigen::MatrixXd projection_metric(const Calibration& calibration, const WorkingVolume& volume);
+
 }  // namespace floatstage::calib
