@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "calib/child_program.h"
+#include "calib/formats/colmap_cameras.h"
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/text.h"
@@ -23,21 +24,12 @@ std::string number(double v) {
   return out.str();
 }
 
-// COLMAP's name and parameters for a camera; its pixel convention is ours.
+// COLMAP's name and parameters for a camera.
 std::pair<std::string, std::string> colmap_camera(const CameraModel& m) {
-  std::string p = text(number(m.fx), ",", number(m.fy), ",", number(m.cx), ",", number(m.cy));
-  auto add = [&](std::initializer_list<double> more) {
-    for (const double v : more) p += "," + number(v);
-  };
-  if (const auto* b = std::get_if<BrownConrady>(&m.lens)) {
-    add({b->k1, b->k2, b->p1, b->p2, b->k3, 0, 0, 0});
-    return {"FULL_OPENCV", p};
-  }
-  if (const auto* k = std::get_if<KannalaBrandt>(&m.lens)) {
-    add({k->k1, k->k2, k->k3, k->k4});
-    return {"OPENCV_FISHEYE", p};
-  }
-  return {"PINHOLE", p};
+  const ColmapCamera camera = camera_to_colmap(m);
+  std::string parameters;
+  for (const double v : camera.parameters) parameters += (parameters.empty() ? "" : ",") + number(v);
+  return {std::string(camera.model->name), parameters};
 }
 
 // The same of a lens that COLMAP is to find: from a start, or from what the file's EXIF says, else from a

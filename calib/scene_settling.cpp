@@ -138,7 +138,9 @@ Result<void> settle(const std::vector<MarkerlessPicture>& pictures, std::span<co
     if (options.cancelled && options.cancelled())
       return fail(ErrorCode::Cancelled, "placing the cameras was interrupted");
     add_points(keypoints, round == 0 ? kRoughly : kClosely, options.threads, result);
-    if (Result<void> ok = check_ties(pictures, result, options, advice); !ok) return ok;
+    // With a lens that is only begun to be known, points that belong together seem not to.
+    if (!unknown || round >= 2)
+      if (Result<void> ok = check_ties(pictures, result, options, advice); !ok) return ok;
     // From the second time on, matches depend on where the poses began by next to nothing.
     Result<Calibration> solved = calibrate(observations_of(pictures, result, Lenses::AsGiven),
                                            {.holdout_every = 0, .threads = options.threads});
@@ -150,7 +152,7 @@ Result<void> settle(const std::vector<MarkerlessPicture>& pictures, std::span<co
     if (round >= 2 && change < kSettled) break;
   }
   add_points(keypoints, kClosely, options.threads, result);
-  return {};
+  return check_ties(pictures, result, options, advice);
 }
 
 Result<std::vector<SuspectLens>> suspect_lenses(const std::vector<MarkerlessPicture>& pictures,

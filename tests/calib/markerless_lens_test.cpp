@@ -35,12 +35,15 @@ TEST_P(MarkerlessLens, OfASharedUnknownLensFocalLengthAndPlacesAreFound) {
   FLOATSTAGE_LONG_FORM(seed > 1);
   const TempFolder folder;
   const PebbleScene scene = pebble_scene(shape, static_cast<std::uint64_t>(seed), folder.path());
-  const Result<MarkerlessResult> found = calibrate_markerless(scene.pictures, folder / "colmap");
+  const Result<MarkerlessResult> found =
+      calibrate_markerless(scene.pictures, folder / "colmap", {.least_track = 3});
   ASSERT_THAT(found, IsOk());
   const CenterErrors off = center_errors(found->rig, scene.truth);
   const double focal = focal_percent(found->rig, scene.truth);
-  std::printf("focal length %.3f %%, centres mean %.3f %%, worst %.3f %% of the radius, %zu points\n", focal,
-              off.mean, off.worst, found->features.size());
+  std::printf(
+      "focal length %.3f %%, centres mean %.3f %%, worst %.3f %% of the radius, %zu points, each in %.2f "
+      "pictures\n",
+      focal, off.mean, off.worst, found->features.size(), found->mean_track);
   EXPECT_LE(std::abs(focal), 0.5);
   EXPECT_LE(off.mean, 0.3);
   EXPECT_LE(off.worst, 0.8);
