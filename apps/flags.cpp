@@ -176,8 +176,10 @@ CLI::Option* add_matte_keyer(CLI::App& verb, std::string& keyer) {
 
 CLI::Option* add_guide(CLI::App& verb, std::filesystem::path& folder) {
   return verb
-      .add_option("--guide", folder, "Others' mattes to start from: a folder with <serial>/<frame>.png")
-      ->type_name("FOLDER");
+      .add_option("--guide", folder,
+                  "Others' mattes to start from: a folder with <serial>/<frame>.png; of a clip (matte) a PNG "
+                  "of its first frame or a folder of PNGs")
+      ->type_name("PATH");
 }
 
 CLI::Option* add_list(CLI::App& verb, const std::string& name, std::vector<std::string>& list,

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/flags.h"
+#include "apps/matte_clip.h"
 #include "apps/matte_doubts.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
@@ -25,6 +26,7 @@ struct Options {
   std::string how, frames;
   std::filesystem::path json_file;
   pipeline::ExportOptions layers;
+  ClipFlags clip;
 };
 
 json to_json(const std::optional<pipeline::ConsistentView>& view) {
@@ -63,6 +65,9 @@ json to_json(const pipeline::MatteReport& report) {
 }
 
 Result<void> run(const Options& given) {
+  Result<bool> clip = is_clip(given.matte.take, given.clip);
+  if (!clip) return forward(clip);
+  if (*clip) return matte_clip(given.matte.take, given.matte.guide, given.clip, given.json_file);
   pipeline::MatteTakeOptions options = given.matte;
   if (!given.how.empty()) options.how = given.how;
   if (!given.frames.empty()) {
@@ -114,14 +119,19 @@ Result<void> run(const Options& given) {
 
 void add_matte(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      add_verb(app, chosen, "matte",
-               "Mattes of all cameras of a take, refined and checked against one another; resumable",
-               {"floatstage matte take --matte luminance:30 --frames 12 --json mattes.json",
-                "floatstage matte take --cameras cam01,cam04 --export cut-out --export-format exr"});
-  add_take(*verb, options->matte.take, "The take's folder; its mattes/edits.json is replayed");
+  CLI::App* verb = add_verb(
+      app, chosen, "matte",
+      "Mattes of all cameras of a take, refined and checked against one another; resumable. Of a video or a "
+      "folder of pictures: mattes of all frames from masks of a few",
+      {"floatstage matte take --matte luminance:30 --frames 12 --json mattes.json",
+       "floatstage matte take --cameras cam01,cam04 --export cut-out --export-format exr",
+       "floatstage matte clip.mp4 --guide first.png -o mattes",
+       "floatstage matte clip.mp4 --label woman=woman.png --label man=masks -o mattes"});
+  add_take(*verb, options->matte.take,
+           "The take's folder; its mattes/edits.json is replayed. Or a video, or a folder of pictures");
   add_matte_how(*verb, options->how, kUsualMattes);
   add_guide(*verb, options->matte.guide);
+  add_clip_flags(*verb, options->clip);
   add_frames(*verb, options->frames, "all");
   add_cameras(*verb, options->matte.cameras);
   add_redo(*verb, options->matte.redo);

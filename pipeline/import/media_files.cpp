@@ -50,6 +50,8 @@ std::vector<fs::path> pictures_in(const fs::path& folder) {
   return *entries;
 }
 
+}  // namespace
+
 CameraMedia media_of(const fs::path& entry) {
   std::error_code error;
   if (fs::is_directory(entry, error)) return {{}, pictures_in(entry)};
@@ -57,6 +59,8 @@ CameraMedia media_of(const fs::path& entry) {
   if (kind_of(entry) == Kind::Picture) return {{}, {entry}};
   return {};
 }
+
+namespace {
 
 // "cam1" fits cam1/, cam1.png and cam1.mp4; "cam1.png" also fits cam1.mp4 (another kind of the same camera's
 // file).

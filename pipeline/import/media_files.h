@@ -17,6 +17,9 @@ struct CameraMedia {
   bool empty() const { return video.empty() && stills.empty(); }
 };
 
+/// A video, a folder of pictures in natural order, or one picture; empty for anything else.
+CameraMedia media_of(const std::filesystem::path& entry);
+
 struct MediaSearch {
   std::vector<CameraMedia> cameras;  ///< one for each camera of the rig
   std::vector<std::string>

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "pipeline/progress.h"
+
+namespace floatstage::pipeline {
+
+/// Who is to be cut out, as masks of some frames.
+struct ClipGuide {
+  std::string label;  ///< a folder's name; not "all", "doubts" or "labels.json"
+  std::filesystem::path
+      masks;  ///< a PNG: of the frame of its name, else of the first; a folder of PNGs, each
+              ///< of the frame of its name or number. Alpha where there is, else brightness
+};
+
+struct MatteClipOptions {
+  std::filesystem::path media;  ///< a video, or a folder of pictures
+  std::vector<ClipGuide> guides;
+  std::filesystem::path out;  ///< a new folder: <label>/<frame>.png, all/<frame>.png, labels.json
+  Progress* progress = nullptr;
+};
+
+struct ClipLabel {
+  std::string name;
+  int keyframes = 0;      ///< frames that somebody gave
+  double subject = 0;     ///< mean share of the picture
+  double jump = 0;        ///< largest change of area from a frame to the next, as a share of the larger
+  int jumps_at = -1;      ///< the second frame of those two
+  int first_absent = -1;  ///< first frame in which nothing of it is left; -1: it is always there
+  double border = 0;      ///< largest share of the picture's border that is covered
+};
+
+struct MatteClipReport {
+  int frames = 0, width = 0, height = 0;
+  std::vector<ClipLabel> labels;
+  std::vector<std::string> doubts;  ///< a sentence each, with the frame, for mattes that cannot be trusted
+  double seconds = 0;
+};
+
+/// Mattes of a clip from masks of a few of its frames; no take and no rig are needed (matting/labels). Every
+/// frame has a matte for each label, frames without masks too; `all` is their sum. Whole or not at all.
+/// doubts/<label>.png shows the worst frame of a label in doubt. Errors: AlreadyExists for `out`; NotFound
+/// for media or masks; InvalidArgument for labels and masks that fit no frame; those of follow_labels();
+/// Cancelled; Io.
+Result<MatteClipReport> matte_clip(const MatteClipOptions& options);
+
+}  // namespace floatstage::pipeline
