@@ -124,8 +124,6 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       "Mattes of all cameras of a take, refined and checked against one another; resumable. Of a video or a "
       "folder of pictures: mattes of all frames from masks of a few",
       {"floatstage matte take --matte luminance:30 --frames 12 --json mattes.json",
-       "floatstage matte take --cameras cam01,cam04 --export cut-out --export-format exr",
-       "floatstage matte clip.mp4 --guide first.png -o mattes",
        "floatstage matte clip.mp4 --label woman=woman.png --label man=masks -o mattes"});
   add_take(*verb, options->matte.take,
            "The take's folder; its mattes/edits.json is replayed. Or a video, or a folder of pictures");

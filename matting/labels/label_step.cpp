@@ -1,5 +1,4 @@
-// Method:  labels of a frame from its neighbours': colours in local windows, distance to the carried edges
-// and
+// Method:  labels of a frame from its neighbours': colours in local windows, distance to carried edges and
 //          contrast in one energy
 // Paper:   X. Bai, J. Wang, D. Simons, G. Sapiro, "Video SnapCut: Robust Video Object Cutout Using Localized
 //          Classifiers", SIGGRAPH 2009, sections 3 and 4
