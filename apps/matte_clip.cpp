@@ -53,7 +53,7 @@ void add_clip_flags(CLI::App& verb, ClipFlags& clip) {
   add_out(verb, clip.out, "Of a clip: a new folder for <label>/<frame>.png");
 }
 
-Result<bool> is_clip(const fs::path& media, const ClipFlags& flags) {
+Result<bool> is_clip(const fs::path& media, const fs::path& guide, const ClipFlags& flags) {
   std::error_code error;
   const bool take = fs::exists(TakeLayout(media).manifest(), error),
              asked = !flags.out.empty() || !flags.labels.empty();
@@ -62,7 +62,8 @@ Result<bool> is_clip(const fs::path& media, const ClipFlags& flags) {
                 text(media.string(),
                      " is a take, whose mattes lie in it; --label and --out are for a video or a "
                      "folder of pictures"));
-  const bool clip = !take && (asked || fs::is_regular_file(media, error));
+  const bool clip =
+      !take && (asked || fs::is_regular_file(media, error) || fs::is_regular_file(guide, error));
   if (clip && flags.out.empty())
     return fail(ErrorCode::InvalidArgument,
                 text("say where the mattes of ", media.string(), " go: --out FOLDER"));

@@ -20,7 +20,8 @@ void add_clip_flags(CLI::App& verb, ClipFlags& clip);
 
 /// Whether `media` is a video or a folder of pictures that is to be matted as a clip, and no take.
 /// InvalidArgument for a take with a clip's flags, and for a clip without --out.
-Result<bool> is_clip(const std::filesystem::path& media, const ClipFlags& flags);
+Result<bool> is_clip(const std::filesystem::path& media, const std::filesystem::path& guide,
+                     const ClipFlags& flags);
 
 /// `matte` of a clip: `guide` (empty, or the masks of the label "subject") and the labels. BadData, after
 /// everything is written, when mattes cannot be trusted; else as pipeline::matte_clip().

@@ -65,7 +65,7 @@ json to_json(const pipeline::MatteReport& report) {
 }
 
 Result<void> run(const Options& given) {
-  Result<bool> clip = is_clip(given.matte.take, given.clip);
+  Result<bool> clip = is_clip(given.matte.take, given.matte.guide, given.clip);
   if (!clip) return forward(clip);
   if (*clip) return matte_clip(given.matte.take, given.matte.guide, given.clip, given.json_file);
   pipeline::MatteTakeOptions options = given.matte;

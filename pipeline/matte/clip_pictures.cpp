@@ -56,10 +56,10 @@ Result<Image> ClipPictures::picture(int frame) const {
 int ClipPictures::frame_of(const std::string& stem) const {
   for (std::size_t f = 0; named_ && f < stills_.stills.size(); ++f)
     if (stills_.stills[f].stem() == stem) return static_cast<int>(f);
-  const std::size_t digits = stem.find_last_not_of("0123456789") + 1;
-  int number = -1;
-  const auto [end, error] = std::from_chars(stem.data() + digits, stem.data() + stem.size(), number);
-  return error == std::errc() && number < frames() ? number : -1;
+  int number = -1;  // of a name that is nothing but a number: "person2" is no frame
+  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+  const bool whole = error == std::errc() && end == stem.data() + stem.size();
+  return whole && number >= 0 && number < frames() ? number : -1;
 }
 
 }  // namespace floatstage::pipeline

@@ -21,8 +21,8 @@ class ClipPictures {
   int frames() const { return static_cast<int>(stills_.stills.size()); }
   /// RGB. Errors name the file.
   Result<Image> picture(int frame) const;
-  /// The frame whose file has this name without its ending; else the one whose number the name ends with; -1
-  /// where there is none.
+  /// The frame whose file has this name without its ending; else the one whose number the name is; -1 where
+  /// there is none.
   int frame_of(const std::string& stem) const;
 
  private:

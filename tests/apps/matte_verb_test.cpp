@@ -42,6 +42,35 @@ class MatteVerb : public testing::Test {
   std::string output_;
 };
 
+TEST_F(MatteVerb, FollowsLabelsThroughAFolderOfPicturesThatIsNoTake) {
+  const fs::path frames = folder_ / "frames";
+  fs::create_directories(frames);
+  Image mask(96, 64, 1);
+  for (int f = 0; f < 3; ++f) {  // a red box that goes right over a wall of many greys
+    Image picture(96, 64, 3);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 96; ++x) {
+        const bool in = x >= 20 + 2 * f && x < 50 + 2 * f && y >= 20 && y < 44;
+        const auto grey = static_cast<std::uint8_t>(90 + (x * 37 + y * 91) % 80);
+        std::uint8_t* rgb = picture.at(x, y);
+        rgb[0] = in ? 200 : grey;
+        rgb[1] = rgb[2] = in ? static_cast<std::uint8_t>(grey / 4) : grey;
+        if (f == 0 && in) *mask.at(x, y) = 255;
+      }
+    ASSERT_THAT(save_png(picture, frames / text("00", f, ".png")), IsOk());
+  }
+  ASSERT_THAT(save_png(mask, folder_ / "box2.png"),
+              IsOk());  // of the first frame, whatever its name ends with
+  const std::string clip =
+      text("matte '", frames.string(), "' --label box='", (folder_ / "box2.png").string(), "'");
+  EXPECT_NE(run(clip), 0);
+  EXPECT_THAT(output_, HasSubstr("--out"));
+  ASSERT_EQ(run(clip + " -o '" + (folder_ / "out").string() + "'"), 0) << output_;
+  EXPECT_EQ(*picture(folder_ / "out/box/000002.png").at(40, 32), 255);
+  EXPECT_EQ(*picture(folder_ / "out/box/000002.png").at(10, 32), 0);
+  EXPECT_EQ(run(clip + " -o '" + (folder_ / "out").string() + "'"), 5) << "never written over";
+}
+
 TEST_F(MatteVerb, StartsFromOthersMattes) {
   // Others say that the subject is a box at the left; it is nowhere near the dancer, so where a matte has it,
   // it came from them.
