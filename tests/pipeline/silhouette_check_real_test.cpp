@@ -84,7 +84,7 @@ TEST(SilhouetteCheckReal, NamesADomeCameraThatTurnedSinceTheReference) {
   for (const SilhouetteCameraCheck& camera : untouched->cameras)
     options.reference.push_back(camera.before.vector);
   const double iou = test::mean_hull_iou(set.rig, instants);
-  const int seeds = test::seeds(3);
+  const int seeds = wants_long_tests() ? 100 : 3;
   for (int seed = 0; seed < seeds; ++seed) {
     SCOPED_TRACE(seed);
     const test::TurnedCamera turned = test::turn_one(set.rig, 0.3, static_cast<std::uint64_t>(seed));

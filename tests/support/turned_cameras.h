@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -14,9 +13,6 @@
 #include "recon/visual_hull.h"
 
 namespace floatstage::test {
-
-/// Runs of a test with other seeds: `few`, or a hundred with FLOATSTAGE_LONG.
-inline int seeds(int few) { return std::getenv("FLOATSTAGE_LONG") != nullptr ? 100 : few; }
 
 struct TurnedCamera {
   Rig rig;
