@@ -1,7 +1,7 @@
 // Method:  labels of a clip from key frames: carried forward, backward, and joined between them
 // Paper:   X. Bai, J. Wang, D. Simons, G. Sapiro, "Video SnapCut: Robust Video Object Cutout Using Localized
 //          Classifiers", SIGGRAPH 2009
-// Differs: both neighbouring key frames speak, each by how near it is
+// Differs: both neighbouring key frames speak, each by how near it is and how well its labels reach the other
 // ADR:     0274
 
 #include "matting/labels/label_clip.h"
@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "matting/closed_form.h"
 #include "matting/labels/label_carry.h"
+#include "matting/labels/label_join.h"
 #include "matting/labels/label_step.h"
 
 namespace floatstage::matting {
@@ -86,8 +87,8 @@ class Follower {
     if (!rgb) return forward(rgb);
     const int reach = static_cast<int>(options_.band * std::min(width_, height_) / 2) + 1;
     CarriedLabels carried = carry_labels(from.picture, from.labels, count_, reach, *rgb);
-    const std::vector<LabelHint> hints = {{std::move(carried.labels), carried.doubtful, 0.5},
-                                          {std::move(carried.dense), std::move(carried.doubtful), 0.5}};
+    const std::vector<LabelHint> hints = {{std::move(carried.labels), carried.doubtful, {}},
+                                          {std::move(carried.dense), std::move(carried.doubtful), {}}};
     Image labels = label_frame(*rgb, hints, {from.picture, from.labels}, count_, options_);
     return Known{std::move(*rgb), std::move(labels)};
   }
@@ -106,38 +107,50 @@ class Follower {
 
   // The frames between two key frames, and the second of them, which `key` is afterwards.
   Result<void> between(Known& key, int first, int last) const {
-    std::vector<Image> onward;
+    Known back;
+    std::vector<Image> onward, backward;  // the frames between, in order
     for (int f = first + 1; f <= last; ++f) {
       Result<Known> next = step(key, f);
       if (!next) return forward(next);
       key = std::move(*next);
       if (f < last) onward.push_back(key.labels);
     }
+    const std::vector<double> lost_onward = lost(key.labels, last);
     if (Result<void> ok = apply(last, key); !ok) return ok;
     if (Result<void> ok = done_(last, key.picture, key.labels); !ok) return ok;
-    Known back = key;
-    for (int f = last - 1; f > first; --f) {
+    back = key;
+    for (int f = last - 1; f >= first; --f) {
       Result<Known> next = step(back, f);
       if (!next) return forward(next);
       back = std::move(*next);
-      const double share = static_cast<double>(f - first) / (last - first);
-      const Image labels = joined(back, onward[static_cast<std::size_t>(f - first - 1)], share);
-      if (Result<void> ok = done_(f, back.picture, labels); !ok) return ok;
+      if (f > first) backward.insert(backward.begin(), back.labels);
+    }
+    const std::vector<double> lost_backward = lost(back.labels, first);
+    for (int f = first + 1; f < last; ++f) {
+      Result<Image> rgb = picture(f);
+      if (!rgb) return forward(rgb);
+      const double way = static_cast<double>(f - first) / (last - first);
+      const auto i = static_cast<std::size_t>(f - first - 1);
+      const Image labels = join_labels(*rgb, {onward[i], lost_onward, way},
+                                       {backward[i], lost_backward, 1 - way}, count_, options_);
+      if (Result<void> ok = done_(f, *rgb, labels); !ok) return ok;
     }
     return {};
   }
 
-  Image joined(const Known& back, const Image& onward, double share) const {
-    Image differs(back.labels.width, back.labels.height, 1), agreed = onward;
-    for (std::size_t p = 0; p < differs.pixels.size(); ++p)
-      if (onward.pixels[p] != back.labels.pixels[p]) {
-        differs.pixels[p] = 255;
-        agreed.pixels[p] = 255;
+  // What of each label was lost on the way to a key frame, 1 where nobody says: 1 - IoU with its mask.
+  std::vector<double> lost(const Image& carried, int frame) const {
+    std::vector<double> out(static_cast<std::size_t>(count_), 1);
+    for (const auto& [label, mask] : keys_.at(frame)) {
+      long both = 0, either = 0;
+      for (std::size_t p = 0; p < mask.pixels.size(); ++p) {
+        const bool is = mask.pixels[p] > 127, said = carried.pixels[p] == label;
+        both += is && said, either += is || said;
       }
-    LabelClipOptions options = options_;
-    options.uncovered = 0;  // both directions have spoken: nothing is new
-    return label_frame(back.picture, {{onward, differs, 1 - share}, {back.labels, differs, share}},
-                       {back.picture, agreed}, count_, options);
+      out[static_cast<std::size_t>(label)] =
+          either ? 1 - static_cast<double>(both) / static_cast<double>(either) : 0;
+    }
+    return out;
   }
 
   const LabelClip& clip_;

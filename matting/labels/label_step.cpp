@@ -103,12 +103,13 @@ class Step {
   void add_distances() {
     for (std::size_t i = 0; i < hints_.size(); ++i) {
       const LabelHint& hint = hints_[i];
-      const auto share = static_cast<float>(hint.share);
+      const float equal = 1.0f / static_cast<float>(hints_.size());
       for (int l = 0; l < evidence_.count; ++l) {
         const std::vector<float> away = distance_to(picture_.width, picture_.height,
                                                     [&](int x, int y) { return *hint.labels.at(x, y) == l; });
         for (std::size_t p = 0; p < pixels_; ++p) {
           if (!evidence_.asked[p]) continue;
+          const float share = hint.share.empty() ? equal : hint.share[p];
           const float d = away[p] > 0 ? away[p] - 0.5f : -edges_[i][p],
                       most = hint.doubtful.pixels[p] ? kDoubtfulSteps : kSteps,
                       steps = std::clamp(2 * d / static_cast<float>(options_.slack), -most, most);

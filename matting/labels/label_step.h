@@ -10,8 +10,8 @@ namespace floatstage::matting {
 
 /// What a neighbouring frame says of this one, and how much it is to be heard beside others.
 struct LabelHint {
-  Image labels, doubtful;  ///< as carry_labels() gives them
-  double share = 1;
+  Image labels, doubtful;    ///< as carry_labels() gives them
+  std::vector<float> share;  ///< of each pixel, all hints together 1; empty: all hints the same
 };
 
 /// A picture of about this place whose labels are known, to learn colours from; labels from `count` on are
