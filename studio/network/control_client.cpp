@@ -15,7 +15,7 @@ ControlReply ask(const std::string& address, const std::optional<StudioKeys>& ke
   if (!sealed) return forward(sealed);
   zmq::context_t context;
   zmq::socket_t socket(context, zmq::socket_type::dealer);
-  prepare(socket, static_cast<std::int64_t>(kLargestMessage));
+  prepare(socket, static_cast<std::int64_t>(kLargestMessage), Heartbeats::Given);
   become_client(socket, keys);
   if (Result<void> connected = connect_to(socket, address, keys); !connected) return forward(connected);
   socket.send(zmq::buffer(*sealed), zmq::send_flags::dontwait);

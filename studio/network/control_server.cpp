@@ -86,7 +86,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& ad
                                                            const std::optional<StudioKeys>& keys,
                                                            StudioControl& control) {
   auto impl = std::make_unique<Impl>(keys, control);
-  prepare(impl->socket, kLongestRequest);
+  prepare(impl->socket, kLongestRequest, Heartbeats::Taken);
   impl->socket.set(zmq::sockopt::rcvhwm, kWaitingRequests);
   impl->socket.set(zmq::sockopt::sndhwm, kWaitingRequests);
   become_server(impl->socket, keys);

@@ -81,12 +81,14 @@ void DoorKeeper::answer_all() {
   }
 }
 
-void prepare(zmq::socket_t& socket, std::int64_t longest) {
+void prepare(zmq::socket_t& socket, std::int64_t longest, Heartbeats heartbeats) {
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::maxmsgsize, longest);
-  socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
-  socket.set(zmq::sockopt::heartbeat_timeout, kDeadMs);
-  socket.set(zmq::sockopt::heartbeat_ttl, kDeadMs);
+  if (heartbeats == Heartbeats::Given) {
+    socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
+    socket.set(zmq::sockopt::heartbeat_timeout, kDeadMs);
+    socket.set(zmq::sockopt::heartbeat_ttl, kDeadMs);
+  }
   socket.set(zmq::sockopt::handshake_ivl, kDeadMs);
   socket.set(zmq::sockopt::connect_timeout, kDeadMs);
   socket.set(zmq::sockopt::reconnect_ivl, 100);

@@ -61,9 +61,14 @@ class DoorKeeper {
   zmq::socket_t asked_;
 };
 
+/// Who asks whether the other is still there. A socket whose received messages may wait must not: where they
+/// fill its queue and the peer goes, the next heartbeat ends the whole program (libzmq 4.3.4, "!_io_error").
+/// Its peers do then, and their heartbeats' time to live tells it when they are dead.
+enum class Heartbeats { Given, Taken };
+
 /// Options of every socket: nothing lingers, dead peers are noticed within two seconds and looked for again,
 /// and no message is longer than `longest`.
-void prepare(zmq::socket_t& socket, std::int64_t longest);
+void prepare(zmq::socket_t& socket, std::int64_t longest, Heartbeats heartbeats);
 /// One end with the studio's keys, or without.
 void become_server(zmq::socket_t& socket, const std::optional<StudioKeys>& keys);
 void become_client(zmq::socket_t& socket, const std::optional<StudioKeys>& keys);

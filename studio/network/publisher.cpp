@@ -149,7 +149,8 @@ Publisher::Publisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Result<std::unique_ptr<Publisher>> Publisher::bind(const PublisherOptions& options) {
   auto impl = std::make_unique<Impl>(options);
-  prepare(impl->socket, kLongestFromSubscriber);
+  prepare(impl->socket, kLongestFromSubscriber, Heartbeats::Given);
+  impl->socket.set(zmq::sockopt::rcvhwm, 0);  // subscriptions never wait in ZeroMQ: see Heartbeats
   impl->socket.set(zmq::sockopt::sndhwm, options.per_peer);
   become_server(impl->socket, options.keys);
   impl->monitor.watch(impl->socket, "publisher");

@@ -173,7 +173,7 @@ Subscriber::Subscriber(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Result<std::unique_ptr<Subscriber>> Subscriber::connect(const SubscriberOptions& options) {
   if (options.addresses.empty()) return fail(ErrorCode::InvalidArgument, "no address to listen to is given");
   auto impl = std::make_unique<Impl>(options);
-  prepare(impl->socket, static_cast<std::int64_t>(kLargestMessage));
+  prepare(impl->socket, static_cast<std::int64_t>(kLargestMessage), Heartbeats::Taken);
   impl->socket.set(zmq::sockopt::rcvhwm, 64);
   become_client(impl->socket, options.keys);
   for (MessageKind kind : options.kinds) impl->socket.set(zmq::sockopt::subscribe, topic_of(kind));
