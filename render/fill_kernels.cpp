@@ -5,12 +5,14 @@
 
 #include <algorithm>
 
-// SSSE3 and AVX-512's Ice Lake additions bring these loops nothing over their neighbours.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "core/instruction_sets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/fill_kernels.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: includes this file again
 #include <hwy/highway.h>
+
+#include "core/kernel_tables.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::render::HWY_NAMESPACE {
@@ -69,7 +71,7 @@ void push(const float* HWY_RESTRICT top, float upper, const float* HWY_RESTRICT 
   }
 }
 
-void table(FillKernels* out) { *out = {take, pull, pull_weights, expand, push}; }
+void table(FillKernels* out) { *out = {hwy::TargetName(HWY_TARGET), take, pull, pull_weights, expand, push}; }
 
 }  // namespace
 }  // namespace floatstage::render::HWY_NAMESPACE
@@ -80,14 +82,18 @@ namespace floatstage::render {
 
 HWY_EXPORT(table);
 
+namespace {
+
+void fill_table(FillKernels* out) { HWY_DYNAMIC_DISPATCH(table)(out); }
+
+}  // namespace
+
 const FillKernels& fill_kernels() {
-  static const FillKernels best = [] {
-    FillKernels kernels{};
-    HWY_DYNAMIC_DISPATCH(table)(&kernels);
-    return kernels;
-  }();
+  static const FillKernels best = native_kernels(fill_table);
   return best;
 }
+
+std::vector<FillKernels> all_fill_kernels() { return kernels_of_all_sets(fill_table); }
 
 }  // namespace floatstage::render
 #endif

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 // Private to the stage.
 namespace floatstage::render {
@@ -9,6 +10,7 @@ namespace floatstage::render {
 /// The rows of PictureFill, compiled for whatever instruction sets the processor may have; the same bits on
 /// all.
 struct FillKernels {
+  const char* name;  ///< of the instruction set
   /// Of `count` pixels: one channel of `step` interleaved ones where known, else 0.
   void (*take)(const float* values, std::size_t step, const std::uint8_t* known, std::size_t count,
                float* value);
@@ -25,5 +27,6 @@ struct FillKernels {
 };
 
 const FillKernels& fill_kernels();
+std::vector<FillKernels> all_fill_kernels();  ///< all that this machine has, for tests
 
 }  // namespace floatstage::render

@@ -3,12 +3,14 @@
 
 #include "matting/keyers/cloth_kernels.h"
 
-// SSSE3 and AVX-512's Ice Lake additions bring these loops nothing over their neighbours.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "core/instruction_sets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "matting/keyers/cloth_kernels.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: includes this file again
 #include <hwy/highway.h>
+
+#include "core/kernel_tables.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::matting::HWY_NAMESPACE {
@@ -104,27 +106,18 @@ namespace floatstage::matting {
 
 HWY_EXPORT(table);
 
+namespace {
+
+void fill_table(ClothKernels* out) { HWY_DYNAMIC_DISPATCH(table)(out); }
+
+}  // namespace
+
 const ClothKernels& cloth_kernels() {
-  static const ClothKernels best = [] {
-    ClothKernels kernels{};
-    HWY_DYNAMIC_DISPATCH(table)(&kernels);
-    return kernels;
-  }();
+  static const ClothKernels best = native_kernels(fill_table);
   return best;
 }
 
-std::vector<ClothKernels> all_cloth_kernels() {
-  std::vector<ClothKernels> all;
-  cloth_kernels();  // chosen before the choice is played with
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(target);
-    HWY_DYNAMIC_DISPATCH(table)(&all.emplace_back());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return all;
-}
+std::vector<ClothKernels> all_cloth_kernels() { return kernels_of_all_sets(fill_table); }
 
 }  // namespace floatstage::matting
 #endif

@@ -5,12 +5,14 @@
 
 #include <bit>
 
-// SSSE3 and AVX-512's Ice Lake additions bring this nothing over their neighbours.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include "core/instruction_sets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "recon/exact/line_relations.cpp"
 #include <hwy/foreach_target.h>  // NOLINT: includes this file again
 #include <hwy/highway.h>
+
+#include "core/kernel_tables.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::recon::HWY_NAMESPACE {
@@ -78,27 +80,18 @@ namespace floatstage::recon {
 
 HWY_EXPORT(table);
 
+namespace {
+
+void fill_table(RelateKernel* out) { HWY_DYNAMIC_DISPATCH(table)(out); }
+
+}  // namespace
+
 const RelateKernel& relate_kernel() {
-  static const RelateKernel best = [] {
-    RelateKernel kernel{};
-    HWY_DYNAMIC_DISPATCH(table)(&kernel);
-    return kernel;
-  }();
+  static const RelateKernel best = native_kernels(fill_table);
   return best;
 }
 
-std::vector<RelateKernel> all_relate_kernels() {
-  std::vector<RelateKernel> all;
-  relate_kernel();  // chosen before the choice is played with
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(target);
-    HWY_DYNAMIC_DISPATCH(table)(&all.emplace_back());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return all;
-}
+std::vector<RelateKernel> all_relate_kernels() { return kernels_of_all_sets(fill_table); }
 
 }  // namespace floatstage::recon
 #endif

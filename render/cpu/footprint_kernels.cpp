@@ -3,7 +3,7 @@
 // The twin of render/gl/shaders/footprint.glsl. docs/adr/0262-footprints.md.
 #include "render/cpu/footprint_kernels.h"
 
-#include "render/cpu/simd.h"
+#include "core/instruction_sets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/cpu/footprint_kernels.cpp"

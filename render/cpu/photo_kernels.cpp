@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/cpu/simd.h"
+#include "core/instruction_sets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/cpu/photo_kernels.cpp"

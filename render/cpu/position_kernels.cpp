@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/cpu/simd.h"
+#include "core/instruction_sets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/cpu/position_kernels.cpp"

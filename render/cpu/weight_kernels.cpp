@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "render/cpu/simd.h"
+#include "core/instruction_sets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/cpu/weight_kernels.cpp"

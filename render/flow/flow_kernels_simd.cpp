@@ -10,6 +10,8 @@
 #include <hwy/foreach_target.h>  // NOLINT: includes this file again
 #include <hwy/highway.h>
 
+#include "core/kernel_tables.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::render::HWY_NAMESPACE {
 namespace {
@@ -304,25 +306,20 @@ namespace floatstage::render {
 
 HWY_EXPORT(table);
 
+namespace {
+
+void fill_table(FlowKernels* out) { HWY_DYNAMIC_DISPATCH(table)(out); }
+
+}  // namespace
+
 const FlowKernels& native_flow_kernels() {
-  static const FlowKernels best = [] {
-    FlowKernels kernels;
-    HWY_DYNAMIC_DISPATCH(table)(&kernels);
-    return kernels;
-  }();
+  static const FlowKernels best = native_kernels(fill_table);
   return best;
 }
 
 std::vector<FlowKernels> all_flow_kernels() {
-  std::vector<FlowKernels> all = {scalar_flow_kernels()};
-  native_flow_kernels();  // chosen before the choice is played with
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(target);
-    HWY_DYNAMIC_DISPATCH(table)(&all.emplace_back());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  std::vector<FlowKernels> all = kernels_of_all_sets(fill_table);
+  all.insert(all.begin(), scalar_flow_kernels());
   return all;
 }
 
