@@ -16,9 +16,10 @@ class CheckFailure : public std::logic_error {
 
 }  // namespace floatstage
 
-/// States what our own code guarantees. `context` is any string expression and is evaluated only on failure.
-#define FLOATSTAGE_CHECK(condition, context)                                                   \
-  do {                                                                                         \
-    if (!(condition)) [[unlikely]]                                                             \
-      ::floatstage::throw_check_failure(#condition, __FILE__, __LINE__, std::string(context)); \
+/// States what our own code guarantees. A failure names the file without its folders: the program's bytes do
+/// not depend on where it was built. `context` is any string expression and is evaluated only on failure.
+#define FLOATSTAGE_CHECK(condition, context)                                                        \
+  do {                                                                                              \
+    if (!(condition)) [[unlikely]]                                                                  \
+      ::floatstage::throw_check_failure(#condition, __FILE_NAME__, __LINE__, std::string(context)); \
   } while (false)

@@ -5,7 +5,8 @@
 
 #include "tests/support/run_command.h"
 
-// What ADR 0253 promises of the program as it was linked and of the unit that runs it.
+// What ADR 0253 promises of the program as it was linked and of the unit that runs it, and that another
+// folder makes the same bytes.
 namespace floatstage {
 namespace {
 
@@ -28,6 +29,16 @@ TEST(Hardening, TheProgramsRelocationsAreSealedBeforeMain) {
 TEST(Hardening, TheProgramGuardsItsStackAndItsCopies) {
   EXPECT_THAT(readelf("--dyn-syms"), AllOf(HasSubstr("__stack_chk_fail"), ContainsRegex("__[a-z]+_chk@"),
                                            HasSubstr("__glibcxx_assert_fail")));
+}
+
+TEST(Hardening, TheProgramTellsNothingOfTheFolderThatItWasBuiltIn) {
+  EXPECT_THAT(
+      run_command(
+          "strings " FLOATSTAGE_PROGRAM
+          " | grep -E "
+          "'/(core|capture|calib|matting|detail|recon|render|pipeline|studio|apps)/[a-z_/]*\\.(h|cpp)$'")
+          .output,
+      testing::IsEmpty());
 }
 
 TEST(Hardening, TheUnitOfACameraNodeMayDoLittle) {
