@@ -15,10 +15,21 @@ struct Distorted {
   Matrix2d jacobian;  // of point by the normalised input
 };
 
+/// Numerator and denominator of the radial factor at q = r², and their derivatives by q.
+struct RadialTerms {
+  double above, d_above, below, d_below;
+};
+
+RadialTerms radial_terms(const BrownConrady& l, double q) {
+  return {1 + q * (l.k1 + q * (l.k2 + q * l.k3)), l.k1 + q * (2 * l.k2 + 3 * q * l.k3),
+          1 + q * (l.k4 + q * (l.k5 + q * l.k6)), l.k4 + q * (2 * l.k5 + 3 * q * l.k6)};
+}
+
 Distorted distort_with_jacobian(const BrownConrady& l, const Vector2d& p) {
   const double x = p.x(), y = p.y(), r2 = x * x + y * y;
-  const double radial = 1 + r2 * (l.k1 + r2 * (l.k2 + r2 * l.k3));
-  const double d_radial = l.k1 + r2 * (2 * l.k2 + 3 * r2 * l.k3);  // by r²
+  const RadialTerms t = radial_terms(l, r2);
+  const double radial = t.above / t.below;
+  const double d_radial = (t.d_above - radial * t.d_below) / t.below;  // by r²
   Distorted d;
   d.point = {x * radial + 2 * l.p1 * x * y + l.p2 * (r2 + 2 * x * x),
              y * radial + l.p1 * (r2 + 2 * y * y) + 2 * l.p2 * x * y};
@@ -29,13 +40,14 @@ Distorted distort_with_jacobian(const BrownConrady& l, const Vector2d& p) {
   return d;
 }
 
-// The radial curve r·(1 + k1 r² + …) must still be rising at r, and at every smaller radius.
+// The radial curve r·(1 + k1 r² + …)/(1 + k4 r² + …) must still be rising at r, and at every smaller radius,
+// and must not have run through a pole.
 bool monotonic_until(const BrownConrady& l, double r2) {
-  auto slope = [&](double q) { return 1 + q * (3 * l.k1 + q * (5 * l.k2 + q * 7 * l.k3)); };
-  constexpr int kSteps =
-      8;  // the cubic in r² has at most three roots; eight samples find a dip wide enough to matter
-  for (int i = 1; i <= kSteps; ++i)
-    if (slope(r2 * i / kSteps) <= 0) return false;
+  // Without a denominator the slope is a cubic in r² with at most three roots, with one of sixth degree: the
+  // samples find a dip wide enough to matter.
+  const int steps = l.rational() ? 16 : 8;
+  for (int i = 1; i <= steps; ++i)
+    if (!radial_rises(l, r2 * i / steps)) return false;
   return true;
 }
 
@@ -84,6 +96,17 @@ Rigid3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const 
   result.rotation = Eigen::Quaterniond(camera_from_world).normalized();
   result.translation = result.rotation * -eye;
   return result;
+}
+
+double radial_factor(const BrownConrady& l, double r2) {
+  const RadialTerms t = radial_terms(l, r2);
+  return t.above / t.below;
+}
+
+bool radial_rises(const BrownConrady& l, double r2) {
+  const RadialTerms t = radial_terms(l, r2);
+  // The sign of d(r above/below)/dr · below².
+  return t.below > 0 && (t.above + 2 * r2 * t.d_above) * t.below > 2 * r2 * t.above * t.d_below;
 }
 
 std::optional<Vector2d> distort(const Lens& lens, const Vector2d& n) {
@@ -168,7 +191,7 @@ Result<void> check(const CameraModel& m) {
       [](const auto& l) {
         using L = std::decay_t<decltype(l)>;
         if constexpr (std::is_same_v<L, BrownConrady>)
-          return std::isfinite(l.k1 + l.k2 + l.p1 + l.p2 + l.k3);
+          return std::isfinite(l.k1 + l.k2 + l.p1 + l.p2 + l.k3 + l.k4 + l.k5 + l.k6);
         else if constexpr (std::is_same_v<L, KannalaBrandt>)
           return std::isfinite(l.k1 + l.k2 + l.k3 + l.k4);
         else

@@ -10,10 +10,12 @@
 
 namespace floatstage {
 
-/// Radial-tangential lens, OpenCV's model and order: x' = x(1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 xy + p2 (r² +
-/// 2x²).
+/// Radial-tangential lens, OpenCV's model and order: x' = x (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴
+/// + k6 r⁶) + 2 p1 xy + p2 (r² + 2x²). With k4 = k5 = k6 = 0 it is Brown's polynomial; with them the rational
+/// model (Claus and Fitzgibbon 2005 is its ancestor) of wide lenses that are not yet fisheyes.
 struct BrownConrady {
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0, k5 = 0, k6 = 0;
+  bool rational() const { return k4 != 0 || k5 != 0 || k6 != 0; }
   bool operator==(const BrownConrady&) const = default;
 };
 
@@ -60,6 +62,13 @@ Rigid3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const 
 /// Applies the lens to a normalised image point (x/z, y/z). Brown-Conrady folds over far outside its image:
 /// points beyond the radius where the model stops being monotonic come back as absent.
 std::optional<Eigen::Vector2d> distort(const Lens& lens, const Eigen::Vector2d& normalized);
+
+/// The radial factor (1 + k1 r² + …) / (1 + k4 r² + …) at r2 = r².
+double radial_factor(const BrownConrady& lens, double r2);
+
+/// Whether the radial curve r · radial_factor still rises at r2 = r² (and its denominator is positive): where
+/// it does not, the lens folds over.
+bool radial_rises(const BrownConrady& lens, double r2);
 
 /// Inverse of distort(), by Newton iteration to 1e-12; absent where it does not converge.
 std::optional<Eigen::Vector2d> undistort(const Lens& lens, const Eigen::Vector2d& distorted);

@@ -12,14 +12,27 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 2;  // what is read at most
-constexpr int kWithoutCurve =
-    1;  // what is written where no camera has a colour curve: older programs read it
+// The lowest format that holds a rig is written, so that older programs read what they can.
+constexpr int kPlain = 1, kWithColorCurve = 2, kWithRationalLens = 3;
+constexpr int kVersion = kWithRationalLens;  // what is read at most
+
+int format_of(const Rig& rig) {
+  int format = kPlain;
+  for (const RigCamera& c : rig.cameras) {
+    const auto* brown = std::get_if<BrownConrady>(&c.model.lens);
+    if (brown != nullptr && brown->rational()) return kWithRationalLens;
+    if (c.color.has_curve()) format = kWithColorCurve;
+  }
+  return format;
+}
 
 Json lens_to_json(const Lens& lens) {
-  if (const auto* b = std::get_if<BrownConrady>(&lens))
-    return {
+  if (const auto* b = std::get_if<BrownConrady>(&lens)) {
+    Json json = {
         {"type", "brown-conrady"}, {"k1", b->k1}, {"k2", b->k2}, {"p1", b->p1}, {"p2", b->p2}, {"k3", b->k3}};
+    if (b->rational()) json.update({{"k4", b->k4}, {"k5", b->k5}, {"k6", b->k6}});
+    return json;
+  }
   if (const auto* f = std::get_if<KannalaBrandt>(&lens))
     return {{"type", "kannala-brandt"}, {"k1", f->k1}, {"k2", f->k2}, {"k3", f->k3}, {"k4", f->k4}};
   return {{"type", "none"}};
@@ -33,7 +46,10 @@ Lens read_lens(JsonFields fields, JsonProblem& problem) {
                         .k2 = fields.number("k2"),
                         .p1 = fields.number("p1"),
                         .p2 = fields.number("p2"),
-                        .k3 = fields.number("k3")};
+                        .k3 = fields.number("k3"),
+                        .k4 = fields.number("k4", 0.0),
+                        .k5 = fields.number("k5", 0.0),
+                        .k6 = fields.number("k6", 0.0)};
   else if (type == "kannala-brandt")
     lens = KannalaBrandt{.k1 = fields.number("k1"),
                          .k2 = fields.number("k2"),
@@ -137,9 +153,7 @@ Result<Rig> parse_rig(std::string_view bytes, std::string_view name) {
 std::string to_json(const Rig& rig) {
   Json cameras = Json::array();
   for (const RigCamera& c : rig.cameras) cameras.push_back(camera_to_json(c));
-  const bool curves = std::any_of(rig.cameras.begin(), rig.cameras.end(),
-                                  [](const RigCamera& c) { return c.color.has_curve(); });
-  return print_json({{"floatstage_rig", curves ? kVersion : kWithoutCurve}, {"cameras", std::move(cameras)}});
+  return print_json({{"floatstage_rig", format_of(rig)}, {"cameras", std::move(cameras)}});
 }
 
 Result<Rig> load_rig(const std::filesystem::path& file) {

@@ -40,10 +40,10 @@ Eigen::AlignedBox2d picture_bounds(const CameraModel& m) {
 double largest_radius2(const Lens& lens) {
   const auto* brown = std::get_if<BrownConrady>(&lens);
   if (brown == nullptr) return kUnlimited;
-  // r(1 + k1 r² + k2 r⁴ + k3 r⁶) must rise: scan its slope, fine steps where pictures lie.
+  // The radial curve must rise: scan it, fine steps where pictures lie.
   constexpr double kStep = 1.0 / 256, kEnd = kWidestTangent * kWidestTangent;
   for (double q = kStep; q < kEnd; q += kStep)
-    if (1 + q * (3 * brown->k1 + q * (5 * brown->k2 + q * 7 * brown->k3)) <= 0) return q - kStep;
+    if (!radial_rises(*brown, q)) return q - kStep;
   return kUnlimited;
 }
 
@@ -75,10 +75,12 @@ CameraBlock camera_block(const RigCamera& camera, int layer) {
   auto f = [](double v) { return static_cast<float>(v); };
   block.intrinsics = {f(m.fx), f(m.fy), f(m.cx), f(m.cy)};
   float k3 = 0;
+  block.lens_below = {};
   std::visit(Overloaded{[](std::monostate) {},
                         [&](const BrownConrady& l) {
                           block.lens = {f(l.k1), f(l.k2), f(l.p1), f(l.p2)};
                           k3 = f(l.k3);
+                          block.lens_below = {f(l.k4), f(l.k5), f(l.k6), 0};
                         },
                         [&](const KannalaBrandt& l) {
                           block.lens = {f(l.k1), f(l.k2), f(l.k3), f(l.k4)};

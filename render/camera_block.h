@@ -14,12 +14,13 @@ struct CameraBlock {
   std::array<float, 4> center;           ///< world
   std::array<float, 4> intrinsics;       ///< fx, fy, cx, cy
   std::array<float, 4> lens;             ///< Brown-Conrady k1 k2 p1 p2, or fisheye k1 k2 k3 k4
-  std::array<float, 4> lens_more;  ///< Brown-Conrady k3, skew, largest r² the lens is good for, lens type
-  std::array<float, 4> image;      ///< width, height, layer, 0
-  std::array<float, 4> depth;      ///< depth map pixel = xy * (x/z, y/z) + zw
-  std::array<float, 4> tile;       ///< the part of the picture in its layer: x, y, width, height
+  std::array<float, 4> lens_more;   ///< Brown-Conrady k3, skew, largest r² the lens is good for, lens type
+  std::array<float, 4> lens_below;  ///< Brown-Conrady k4 k5 k6: the radial factor's denominator; 0
+  std::array<float, 4> image;       ///< width, height, layer, 0
+  std::array<float, 4> depth;       ///< depth map pixel = xy * (x/z, y/z) + zw
+  std::array<float, 4> tile;        ///< the part of the picture in its layer: x, y, width, height
 };
-static_assert(sizeof(CameraBlock) == 176);
+static_assert(sizeof(CameraBlock) == 192);
 
 /// The square of the largest normalised radius up to which the lens is monotonic: farther points fold back
 /// into the picture and must not be looked up.

@@ -21,6 +21,14 @@ Interval operator*(double a, Interval b) {
   return a >= 0 ? Interval{a * b.lo, a * b.hi} : Interval{a * b.hi, a * b.lo};
 }
 
+// Denominators of lenses are positive within their largest radius; what interval arithmetic adds below zero
+// is not: then the quotient may be anything.
+Interval quotient(Interval a, Interval below) {
+  constexpr double kAnything = 1e30;
+  if (below.lo <= 0) return {-kAnything, kAnything};
+  return a * Interval{1 / below.hi, 1 / below.lo};
+}
+
 Interval squared(Interval a) {
   if (a.lo > 0) return {a.lo * a.lo, a.hi * a.hi};
   if (a.hi < 0) return {a.hi * a.hi, a.lo * a.lo};
@@ -32,11 +40,10 @@ double angle_per_radius(double r) { return r < 1e-9 ? 1.0 : std::atan(r) / r; }
 
 // The r² at which the radial curve stops rising; beyond it the lens model folds over.
 double largest_monotonic_r2(const BrownConrady& l) {
-  auto slope = [&](double q) { return 1 + q * (3 * l.k1 + q * (5 * l.k2 + q * 7 * l.k3)); };
   constexpr double kFar = 36.0;  // 80° off the axis: more than this model is ever used for
   constexpr int kSteps = 720;
   for (int i = 1; i <= kSteps; ++i)
-    if (slope(kFar * i / kSteps) <= 0) return kFar * (i - 1) / kSteps;
+    if (!radial_rises(l, kFar * i / kSteps)) return kFar * (i - 1) / kSteps;
   return kFar;
 }
 
@@ -87,7 +94,7 @@ Eigen::Vector2d OctreeView::project_normalized(double x, double y) const {
   double xd = x, yd = y;
   if (const auto* l = std::get_if<BrownConrady>(&model_.lens)) {
     const double r2 = x * x + y * y;
-    const double radial = 1 + r2 * (l->k1 + r2 * (l->k2 + r2 * l->k3));
+    const double radial = radial_factor(*l, r2);
     xd = x * radial + 2 * l->p1 * x * y + l->p2 * (r2 + 2 * x * x);
     yd = y * radial + l->p1 * (r2 + 2 * y * y) + 2 * l->p2 * x * y;
   } else if (const auto* f = std::get_if<KannalaBrandt>(&model_.lens)) {
@@ -138,7 +145,8 @@ std::optional<OctreeView::PixelRange> OctreeView::pixel_range(double x0, double 
   r2.hi = std::min(r2.hi, largest_r2_);
   Interval xd = x, yd = y;
   if (const auto* l = std::get_if<BrownConrady>(&model_.lens)) {
-    const Interval radial = 1 + r2 * (l->k1 + r2 * (l->k2 + l->k3 * r2));
+    Interval radial = 1 + r2 * (l->k1 + r2 * (l->k2 + l->k3 * r2));
+    if (l->rational()) radial = quotient(radial, 1 + r2 * (l->k4 + r2 * (l->k5 + l->k6 * r2)));
     xd = x * radial + 2 * l->p1 * (x * y) + l->p2 * (r2 + 2 * squared(x));
     yd = y * radial + l->p1 * (r2 + 2 * squared(y)) + 2 * l->p2 * (x * y);
   } else if (const auto* f = std::get_if<KannalaBrandt>(&model_.lens)) {

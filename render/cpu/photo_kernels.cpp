@@ -70,7 +70,13 @@ HWY_INLINE MF through_lens(const PhotoCamera& c, VF& x, VF& y) {
   const auto& k = c.k;
   if (c.lens == 0) return hn::Eq(r2, r2);
   if (c.lens == 1) {
-    const VF radial = hn::MulAdd(r2, hn::MulAdd(r2, hn::MulAdd(r2, all(k[4]), all(k[1])), all(k[0])), all(1));
+    VF radial = hn::MulAdd(r2, hn::MulAdd(r2, hn::MulAdd(r2, all(k[4]), all(k[1])), all(k[0])), all(1));
+    if (c.rational) {
+      const auto& b = c.below;
+      const VF below =
+          hn::MulAdd(r2, hn::MulAdd(r2, hn::MulAdd(r2, all(b[2]), all(b[1])), all(b[0])), all(1));
+      radial = hn::Div(radial, below);
+    }
     const VF xy = hn::Mul(x, y), xx = hn::Mul(x, x), yy = hn::Mul(y, y);
     const VF nx =
         hn::MulAdd(x, radial, hn::MulAdd(all(2 * k[2]), xy, hn::Mul(all(k[3]), hn::MulAdd(all(2), xx, r2))));
@@ -291,6 +297,8 @@ PhotoCamera photo_camera(const CameraBlock& b, const SceneTile& tile) {
   c.skew = b.lens_more[1];
   c.lens = static_cast<int>(b.lens_more[3]);
   c.k = {b.lens[0], b.lens[1], b.lens[2], b.lens[3], b.lens_more[0]};
+  c.below = {b.lens_below[0], b.lens_below[1], b.lens_below[2]};
+  c.rational = c.below != std::array<float, 3>{};
   c.largest_r2 = b.lens_more[2];
   c.width = b.image[0];
   c.height = b.image[1];

@@ -25,6 +25,8 @@ struct PhotoCamera {
   float fx, fy, cx, cy, skew;
   int lens;  ///< 0 pinhole, 1 Brown-Conrady, 2 fisheye
   std::array<float, 5> k;
+  std::array<float, 3> below;  ///< k4 k5 k6 of Brown-Conrady
+  bool rational;               ///< whether one of them is not zero
   float largest_r2, width, height;
   float tile_x, tile_y, tile_width, tile_height;
   const std::uint8_t* tile;  ///< its first pixel, RGBA; an apron lies around it

@@ -24,10 +24,12 @@ TEST_P(EveryLens, UnprojectsWhatItProjects) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Lenses, EveryLens,
-                         testing::Values(Lens{}, Lens{BrownConrady{-0.1, 0.03, 1e-3, -2e-3, 0.001}},
-                                         Lens{BrownConrady{0.1, -0.03, 0, 0, 0}},
-                                         Lens{KannalaBrandt{0.02, -0.005, 0.001, 0}}));
+INSTANTIATE_TEST_SUITE_P(
+    Lenses, EveryLens,
+    testing::Values(Lens{}, Lens{BrownConrady{-0.1, 0.03, 1e-3, -2e-3, 0.001}},
+                    Lens{BrownConrady{0.1, -0.03, 0, 0, 0}},
+                    Lens{BrownConrady{.k1 = 0.4, .k2 = 0.1, .p1 = 1e-3, .k4 = 0.6, .k5 = 0.2, .k6 = 0.02}},
+                    Lens{KannalaBrandt{0.02, -0.005, 0.001, 0}}));
 
 TEST(Project, SeesNothingBehindTheCamera) {
   EXPECT_FALSE(project(model_with({}), {0, 0, -1}));
@@ -36,6 +38,23 @@ TEST(Project, SeesNothingBehindTheCamera) {
 
 TEST(Project, DoesNotFoldBackPointsBeyondTheLensModelsReach) {
   EXPECT_FALSE(project(model_with(BrownConrady{-0.3, 0, 0, 0, 0}), {3, 0, 1}));
+}
+
+TEST(Project, DoesNotLookThroughThePoleOfARationalLens) {
+  const CameraModel model = model_with(BrownConrady{.k4 = -0.25});  // the denominator is zero at r = 2
+  EXPECT_TRUE(project(model, {0.5, 0, 1}));
+  EXPECT_FALSE(project(model, {2.5, 0, 1}));
+}
+
+TEST(Distort, OfARationalLensIsOpenCvsFormula) {
+  const BrownConrady lens{0.4, 0.1, 1e-3, -2e-3, 0.05, 0.6, 0.2, 0.02};
+  const double x = 0.5, y = -0.3, r2 = x * x + y * y;
+  const double radial = (1 + 0.4 * r2 + 0.1 * r2 * r2 + 0.05 * r2 * r2 * r2) /
+                        (1 + 0.6 * r2 + 0.2 * r2 * r2 + 0.02 * r2 * r2 * r2);
+  const auto d = distort(Lens(lens), {x, y});
+  ASSERT_TRUE(d);
+  EXPECT_NEAR(d->x(), x * radial + 2e-3 * x * y - 2e-3 * (r2 + 2 * x * x), 1e-15);
+  EXPECT_NEAR(d->y(), y * radial + 1e-3 * (r2 + 2 * y * y) - 4e-3 * x * y, 1e-15);
 }
 
 TEST(LookAt, PutsTheTargetInFrontAndUpUpwards) {

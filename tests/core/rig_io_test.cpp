@@ -25,7 +25,7 @@ std::string edited(std::string json, std::string_view from, std::string_view to)
 std::vector<double> numbers_of(const RigCamera& c) {
   std::vector<double> n = {c.model.fx, c.model.fy, c.model.cx, c.model.cy, c.model.skew};
   if (const auto* b = std::get_if<BrownConrady>(&c.model.lens))
-    n.insert(n.end(), {b->k1, b->k2, b->p1, b->p2, b->k3});
+    n.insert(n.end(), {b->k1, b->k2, b->p1, b->p2, b->k3, b->k4, b->k5, b->k6});
   if (const auto* k = std::get_if<KannalaBrandt>(&c.model.lens))
     n.insert(n.end(), {k->k1, k->k2, k->k3, k->k4});
   for (int i = 0; i < 4; ++i) n.push_back(c.cam_from_world.rotation.coeffs()[i]);
@@ -76,6 +76,17 @@ TEST(RigJson, MayLeaveOutSkewLensAndColour) {
   EXPECT_EQ(rig->cameras[0].cam_from_world.rotation.w(), 1) << "w comes first in the file";
 }
 
+TEST(RigJson, SaysAFormatOfItsOwnForRationalLensesOnly) {
+  Rig rig = ring(1);
+  rig.cameras[0].model.lens = BrownConrady{.k1 = 0.1};
+  EXPECT_NE(to_json(rig).find("\"floatstage_rig\": 1"), std::string::npos);
+  rig.cameras[0].model.lens = BrownConrady{.k1 = 0.1, .k4 = 0.2, .k6 = 1.0 / 3};
+  EXPECT_NE(to_json(rig).find("\"floatstage_rig\": 3"), std::string::npos);
+  const Result<Rig> back = parse_rig(to_json(rig), "rig.json");
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(numbers_of(back->cameras[0]), numbers_of(rig.cameras[0]));
+}
+
 struct Damage {
   const char* from;
   const char* to;
@@ -121,8 +132,8 @@ TEST(RigJson, NeedsARotationOfUnitLength) {
 }
 
 TEST(RigJson, OfALaterFormatIsUnsupportedRatherThanDamaged) {
-  EXPECT_THAT(parse_rig(R"({"floatstage_rig": 3, "cameras": []})", "rig.json"),
-              FailsWith(ErrorCode::Unsupported, "rig format 3"));
+  EXPECT_THAT(parse_rig(R"({"floatstage_rig": 4, "cameras": []})", "rig.json"),
+              FailsWith(ErrorCode::Unsupported, "rig format 4"));
 }
 
 TEST(RigJson, WithoutCamerasIsRefused) {

@@ -5,6 +5,7 @@ struct Camera {
   vec4 intrinsics;  // fx, fy, cx, cy
   vec4 lens;        // Brown-Conrady k1 k2 p1 p2, or fisheye k1 k2 k3 k4
   vec4 lens_more;   // Brown-Conrady k3, skew, largest r² the lens is good for, lens type
+  vec4 lens_below;  // Brown-Conrady k4 k5 k6: the radial factor's denominator; unused
   vec4 image;       // width, height, layer, unused
   vec4 depth;       // depth map pixel = xy * (x/z, y/z) + zw
   vec4 tile;        // the part of the picture in its layer: x, y, width, height
@@ -28,6 +29,8 @@ bool photo_pixel(int index, vec3 p, out vec2 pixel) {
     if (r2 > more.z) return false;
     if (more.w == kBrownConrady) {
       float radial = 1.0 + r2 * (l.x + r2 * (l.y + r2 * more.x));
+      vec4 b = cameras[index].lens_below;
+      radial /= 1.0 + r2 * (b.x + r2 * (b.y + r2 * b.z));
       n = n * radial + vec2(2.0 * l.z * n.x * n.y + l.w * (r2 + 2.0 * n.x * n.x),
                             l.z * (r2 + 2.0 * n.y * n.y) + 2.0 * l.w * n.x * n.y);
     } else if (r2 > 1e-12) {
