@@ -83,6 +83,7 @@ const std::map<std::string, int>& ranks() {
                                                    {"pipeline/import", 2},
                                                    {"pipeline/derive", 2},
                                                    {"pipeline/export", 2},
+                                                   {"pipeline/silhouettes", 2},
                                                    {"pipeline/matte", 3},
                                                    {"pipeline/process", 4},
                                                    {"pipeline/calibrate", 4},

@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "tests/architecture_rules.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 
 namespace floatstage::architecture {
 namespace {
@@ -17,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::filesystem::path kRoot = FLOATSTAGE_SOURCE_DIR;
+const std::filesystem::path kRoot = source_folder();
 
 std::string read(const std::filesystem::path& file) {
   const Result<std::string> bytes = read_file(file);

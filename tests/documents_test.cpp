@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "tests/document_links.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 
 namespace floatstage::architecture {
 namespace {
@@ -18,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 namespace fs = std::filesystem;
-const fs::path kRoot = FLOATSTAGE_SOURCE_DIR;
+const fs::path kRoot = source_folder();
 
 // Those beside the README, and all below docs/.
 std::vector<Document> documents_of_the_project() {

@@ -14,7 +14,7 @@
 #include "core/text.h"
 #include "pipeline/json_report.h"
 #include "pipeline/scene_loader.h"
-#include "pipeline/silhouette_check.h"
+#include "pipeline/silhouettes/silhouette_check.h"
 
 namespace floatstage::apps {
 namespace {

@@ -55,6 +55,7 @@ Result<Listing> list(const fs::path& folder) {
   Listing out;
   std::error_code error;
   std::size_t files = 0;
+  std::map<fs::path, int, Natural> mattes;  // pictures that are mattes by their own names, in each folder
   fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, error), end;
   for (; !error && it != end; it.increment(error)) {
     const fs::path& p = it->path();
@@ -62,6 +63,7 @@ Result<Listing> list(const fs::path& folder) {
     if (p.filename().string().starts_with('.') || is_matte(p) || (inner && it.depth() + 1 >= kDeepest)) {
       if (inner) it.disable_recursion_pending();
       if (inner && is_matte(p)) out.left_out.push_back(text(p.string(), " holds mattes, by its name"));
+      if (!inner && is_matte(p) && is_picture(p)) ++mattes[p.parent_path()];
       continue;
     }
     if (inner) continue;
@@ -78,6 +80,9 @@ Result<Listing> list(const fs::path& folder) {
   if (error)
     return fail(error == std::errc::no_such_file_or_directory ? ErrorCode::NotFound : ErrorCode::Io,
                 text(folder.string(), ": cannot be listed: ", error.message()));
+  for (const auto& [where, count] : mattes)
+    out.left_out.push_back(text(count, count == 1 ? " picture in " : " pictures in ", where.string(),
+                                count == 1 ? " is a matte, by its name" : " are mattes, by their names"));
   for (ByFolder* lists : {&out.pictures, &out.videos})
     for (auto& [where, paths] : *lists) std::sort(paths.begin(), paths.end(), Natural());
   std::sort(out.others.begin(), out.others.end(), Natural());
@@ -172,9 +177,12 @@ Result<FolderSurvey> survey_folder(const fs::path& folder) {
   FolderSurvey out;
   out.sets = sets_of(*listing);
   out.left_out = std::move(listing->left_out);
-  if (out.sets.empty())
+  if (out.sets.empty()) {
+    std::string but;
+    for (const std::string& sentence : out.left_out) but += "; " + sentence;
     return fail(ErrorCode::NotFound, text(folder.string(), ": holds neither pictures nor videos, ", kDeepest,
-                                          " levels deep; name the folder where they lie"));
+                                          " levels deep", but, "; name the folder where they lie"));
+  }
   find_calibration(folder, *listing, out);
   for (const fs::path& p : listing->others) {
     const std::string name = lower(p.filename().string());

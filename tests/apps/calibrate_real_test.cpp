@@ -13,6 +13,7 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
 
@@ -26,7 +27,7 @@ Result<void> run(const std::string& session, const TempFolder& folder) {
   Chosen chosen;
   add_calibrate_session(app, chosen);
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  std::vector<std::string> arguments = {text(FLOATSTAGE_SOURCE_DIR, "/config/calibration/", session),
+  std::vector<std::string> arguments = {text(source_folder().string(), "/config/calibration/", session),
                                         "--out",
                                         in("rig.json"),
                                         "--report",

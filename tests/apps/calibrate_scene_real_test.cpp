@@ -7,14 +7,14 @@
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::apps {
 namespace {
 
-const std::filesystem::path kSessions =
-    std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "config" / "calibration";
+const std::filesystem::path kSessions = source_folder() / "config" / "calibration";
 
 Result<void> run(const std::string& arguments) {
   CLI::App app;

@@ -13,6 +13,7 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 
 // docs/command-line.md states the rules; here every verb is held to them.
 namespace floatstage::apps {
@@ -195,7 +196,7 @@ TEST(EveryVerb, SaysWhichOptionWasMeant) {
 }
 
 TEST(EveryVerb, StandsInTheReadme) {
-  const Result<std::string> readme = read_file(std::string(FLOATSTAGE_SOURCE_DIR) + "/README.md");
+  const Result<std::string> readme = read_file(source_folder() / "README.md");
   ASSERT_THAT(readme, IsOk());
   const Tree whole;
   for (const auto& [name, verb] : verbs_of(whole)) {

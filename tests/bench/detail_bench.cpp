@@ -17,6 +17,7 @@
 #include "detail/synthesis/neighbourhoods.h"
 #include "detail/synthesis/synthesis.h"
 #include "tests/detail/pictures.h"
+#include "tests/support/places.h"
 
 namespace floatstage::detail {
 namespace {
@@ -53,7 +54,7 @@ void nearest_opencv(benchmark::State& state) {
 }
 
 void graph_of_all(benchmark::State& state) {
-  const std::filesystem::path folder = std::filesystem::path(FLOATSTAGE_DATA_DIR) / "detail";
+  const std::filesystem::path folder = data_folder() / "detail";
   if (!std::filesystem::exists(folder)) return state.SkipWithError("the data is not on this machine");
   std::size_t photos = 0;
   for (auto _ : state) {

@@ -18,6 +18,7 @@
 #include "tests/recon/cone_views.h"
 #include "tests/recon/real_sets.h"
 #include "tests/support/analytic_shapes.h"
+#include "tests/support/places.h"
 
 namespace floatstage::recon {
 namespace {
@@ -91,7 +92,7 @@ void measure(benchmark::State& state, const MatteSet& set, double tolerance, int
 }
 
 void GreenDome(benchmark::State& state) {
-  const std::filesystem::path folder = std::filesystem::path(FLOATSTAGE_DATA_DIR) / "green-dome";
+  const std::filesystem::path folder = data_folder() / "green-dome";
   if (!std::filesystem::exists(folder)) return state.SkipWithError("the green dome is not on this machine");
   recon::MatteSet set = load_green_dome(folder);
   if (state.range(0) == 8) set = recon::subset(set, {0, 2, 5, 7, 10, 12, 15, 17});

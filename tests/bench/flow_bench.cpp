@@ -15,6 +15,7 @@
 #include "render/flow/flo_file.h"
 #include "render/flow/flow_kernels.h"
 #include "render/flow/flow_score.h"
+#include "tests/support/places.h"
 
 namespace floatstage::render {
 namespace {
@@ -32,7 +33,7 @@ const Pair* load(const std::string& name) {
   static std::map<std::string, Pair> loaded;
   const auto found = loaded.find(name);
   if (found != loaded.end()) return &found->second;
-  const std::filesystem::path folder = std::filesystem::path(FLOATSTAGE_DATA_DIR) / "flow" / name;
+  const std::filesystem::path folder = data_folder() / "flow" / name;
   const Result<Image> a = load_png(folder / "frame10.png"), b = load_png(folder / "frame11.png");
   Result<FlowField> truth = load_flo(folder / "flow10.flo");
   if (!a || !b || !truth) return nullptr;

@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "core/random.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage {
@@ -49,9 +50,7 @@ TEST_P(EveryChannelCount, CutOffAnywhereIsRefusedByName) {
 
 INSTANTIATE_TEST_SUITE_P(Channels, EveryChannelCount, testing::Values(1, 3, 4));
 
-std::filesystem::path seed(const char* name) {
-  return std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "tests/fuzz/corpus/png" / name;
-}
+std::filesystem::path seed(const char* name) { return source_folder() / "tests/fuzz/corpus/png" / name; }
 
 TEST(Png, ExpandsOneBitToBlackAndWhite) {
   const Result<Image> image = load_png(seed("bit.png"));

@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 #include "tests/support/real_data.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
@@ -74,13 +75,14 @@ class DebianPackage : public testing::TestWithParam<const char*> {
       if (file.path().extension() == ".deb") deb_ = file.path();
     root_ = folder_ / "root";
     const Ended made =
-        run_command(text("unshare --mount ", FLOATSTAGE_SOURCE_DIR, "/tests/farm/bare_root.sh ", GetParam(),
-                         " ", quoted(root_), " ", quoted(deb_)));
+        run_command(text("unshare --mount ", source_folder().string(), "/tests/farm/bare_root.sh ",
+                         GetParam(), " ", quoted(root_), " ", quoted(deb_)));
     ASSERT_EQ(made.code, 0) << made.output;
   }
 
   Ended in_root(const std::string& command) const {
-    return run_command(text(FLOATSTAGE_SOURCE_DIR, "/tests/farm/in_root.sh ", quoted(root_), " ", command));
+    return run_command(
+        text(source_folder().string(), "/tests/farm/in_root.sh ", quoted(root_), " ", command));
   }
   Ended as_floatstage(const std::string& command) const {
     return in_root(

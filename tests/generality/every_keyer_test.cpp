@@ -6,6 +6,7 @@
 #include "core/file.h"
 #include "tests/generality/score_table.h"
 #include "tests/support/long_tests.h"
+#include "tests/support/places.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temp_folder.h"
 
@@ -23,7 +24,7 @@ constexpr double kLongSlack = 0.05;  // other sizes, other seeds
 class EveryKeyer : public testing::TestWithParam<SetName> {
  protected:
   static ScoreTable docs() {
-    const auto page = read_file(std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "docs/generality.md");
+    const auto page = read_file(source_folder() / "docs/generality.md");
     EXPECT_TRUE(page);
     return page ? read_table(*page) : ScoreTable();
   }

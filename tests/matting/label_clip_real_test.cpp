@@ -11,6 +11,7 @@
 #include "tests/matting/traced_masks.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 #include "tests/support/real_data.h"
 
 // Two people in a street before a hand-held camera, cars behind them; the masks of the first frame are given.
@@ -37,9 +38,8 @@ class TwoPersons : public testing::Test {
   }
   static Image given(int person) { return *load_png(folder() / text("mask_000_person", person, ".png")); }
   static Image traced(int f, int person) {
-    return traced_mask(
-        fs::path(FLOATSTAGE_SOURCE_DIR) / "tests/matting/traced" / text("00", f, "-person", person, ".txt"),
-        kWidth, kHeight);
+    return traced_mask(source_folder() / "tests/matting/traced" / text("00", f, "-person", person, ".txt"),
+                       kWidth, kHeight);
   }
   // IoU with what was traced, of both people in the frames that were traced and are no key frames.
   static std::map<int, std::array<double, 2>> score(int frames, const std::map<int, LabelMasks>& keys) {

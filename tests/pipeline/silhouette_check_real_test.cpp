@@ -5,7 +5,7 @@
 #include "pipeline/import/import.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/scene_loader.h"
-#include "pipeline/silhouette_check.h"
+#include "pipeline/silhouettes/silhouette_check.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 #include "tests/support/real_data.h"

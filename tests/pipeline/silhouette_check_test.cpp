@@ -1,13 +1,15 @@
-#include "pipeline/silhouette_check.h"
+#include "pipeline/silhouettes/silhouette_check.h"
 
 #include <cstdio>
 #include <map>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/parallel.h"
 #include "core/synthetic/synthetic_studio.h"
+#include "pipeline/silhouettes/camera_groups.h"
 #include "tests/support/broken_mattes.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
@@ -27,7 +29,8 @@ struct Stage {
   Rig rig;
   std::vector<InstantMattes> instants = std::vector<InstantMattes>(kShot);
 
-  Stage(int width, int height) : rig(synthetic_rig({.width = width, .height = height})) {
+  Stage(int width, int height, int cameras = 8)
+      : rig(synthetic_rig({.cameras = cameras, .width = width, .height = height})) {
     const Result<SyntheticStudio> studio = SyntheticStudio::create(rig, {.seed = 3, .frame_rate = 30});
     parallel_for(instants.size(), 0, [&](std::size_t i) {
       for (std::size_t c = 0; c < rig.cameras.size(); ++c)
@@ -111,6 +114,35 @@ TEST_P(SilhouetteCheckSeeds, NameTheTurnedCameraAndNobodyOnTheUntouchedRig) {
   FLOATSTAGE_LONG_FORM(true);
   for (int seed = 10 * GetParam(); seed < 10 * GetParam() + 10; ++seed)
     expect_named_and_corrected(small_stage(), seed);
+}
+
+// Two of twelve are left out of a hull together, so that one of them may be the guilty one's neighbour in it.
+TEST(SilhouetteCheck, FindsTheCameraThatTurnedAmongMany) {
+  static const Stage many(336, 252, 12);
+  ASSERT_EQ(CameraGroups(many.rig).count(), 6u);
+  for (int seed = 0; seed < (wants_long_tests() ? 20 : 2); ++seed) expect_named_and_corrected(many, seed);
+}
+
+TEST(CameraGroups, LeaveOutFewCamerasOneByOne) {
+  const CameraGroups groups(stage().rig);
+  EXPECT_EQ(groups.count(), 8u);
+  std::set<std::size_t> all;
+  for (std::size_t c = 0; c < 8; ++c) all.insert(groups.of(c));
+  EXPECT_EQ(all.size(), 8u);
+}
+
+TEST(CameraGroups, OfManyCamerasHoldAFifthAtMostThatStandApart) {
+  Rig rig = synthetic_rig({.cameras = 20, .width = 64, .height = 48});
+  std::swap(rig.cameras[1], rig.cameras[10]);  // their order in the file does not matter
+  const CameraGroups groups(rig);
+  EXPECT_EQ(groups.count(), 5u);
+  for (std::size_t a = 0; a < 20; ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (groups.of(a) == groups.of(b)) {
+        const double apart =
+            (rig.cameras[a].cam_from_world.center() - rig.cameras[b].cam_from_world.center()).norm();
+        EXPECT_GT(apart, 1.5) << a << " and " << b;
+      }
 }
 
 TEST(SilhouetteCheck, TellsAWrongMatteFromAWrongPose) {

@@ -8,6 +8,7 @@
 
 #include "core/png.h"
 #include "tests/render/walls.h"
+#include "tests/support/places.h"
 
 namespace floatstage::render {
 namespace {
@@ -37,7 +38,7 @@ const Golden kGoldens[] = {
 };
 
 std::filesystem::path golden_file(const Golden& golden) {
-  return std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "tests/golden" / text("render_", golden.name, ".png");
+  return source_folder() / "tests/golden" / text("render_", golden.name, ".png");
 }
 
 void write_failure(const Golden& golden, const Image& expected, const Image& actual) {

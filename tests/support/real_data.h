@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/places.h"
+
 namespace floatstage {
 
 /// A set of the recorded data beside the checkout (tests labelled `real`).
-inline std::filesystem::path real_data(const std::string& set) {
-  return std::filesystem::path(FLOATSTAGE_DATA_DIR) / set;
-}
+inline std::filesystem::path real_data(const std::string& set) { return data_folder() / set; }
 
 inline bool on_ci() {
   const char* ci = std::getenv("CI");

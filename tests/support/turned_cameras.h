@@ -9,7 +9,7 @@
 #include "calib/silhouettes/silhouette_turn.h"
 #include "core/random.h"
 #include "core/rig.h"
-#include "pipeline/silhouette_check.h"
+#include "pipeline/silhouettes/silhouette_check.h"
 #include "recon/visual_hull.h"
 
 namespace floatstage::test {

@@ -10,12 +10,13 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 
 namespace floatstage::pipeline {
 namespace {
 
 std::string source(const char* path) {
-  const Result<std::string> bytes = read_file(std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / path);
+  const Result<std::string> bytes = read_file(source_folder() / path);
   EXPECT_THAT(bytes, IsOk());
   return bytes ? *bytes : "";
 }

@@ -9,6 +9,7 @@
 #include "pipeline/calibrate/session_observations.h"
 #include "tests/calib/halves.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 #include "tests/support/real_data.h"
 
 namespace floatstage::pipeline {
@@ -18,8 +19,7 @@ using calib::HalvesRatio;
 using calib::Observations;
 
 Result<Observations> observations_of(const char* name) {
-  const Result<Session> session =
-      load_session(std::filesystem::path(FLOATSTAGE_SOURCE_DIR) / "config/calibration" / name);
+  const Result<Session> session = load_session(source_folder() / "config/calibration" / name);
   if (!session) return forward(session);
   Result<SessionObservations> seen = collect(*session, "", 0);
   if (!seen) return forward(seen);
@@ -44,8 +44,8 @@ struct Together {
 };
 
 TEST(HalvesOfRealCaptures, OfAStereoPairsPhotographsAreApartAsStated) {
-  const Result<Observations> all = calib::load_observations(std::filesystem::path(FLOATSTAGE_SOURCE_DIR) /
-                                                            "tests/pipeline/calibrate/stereo-corners.json");
+  const Result<Observations> all =
+      calib::load_observations(source_folder() / "tests/pipeline/calibrate/stereo-corners.json");
   ASSERT_THAT(all, IsOk());
   Together t;
   t.add("stereo", calib::halves_ratio(*all, 12, 13, 1));

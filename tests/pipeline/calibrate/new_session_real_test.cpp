@@ -25,18 +25,18 @@ struct GivenSet {
 void PrintTo(const GivenSet& set, std::ostream* out) { *out << set.name; }
 
 class NewSessionOfASet : public testing::TestWithParam<GivenSet> {};
-INSTANTIATE_TEST_SUITE_P(Sets, NewSessionOfASet,
-                         testing::Values(GivenSet{"middlebury-temple-sparse-ring", 16, true},
-                                         GivenSet{"pose2sim-balancing", 4, true},
-                                         GivenSet{"middlebury-temple-ring", 19, false},
-                                         GivenSet{"middlebury-dino-sparse-ring", 16, false},
-                                         GivenSet{"caliscope-4cam", 4, false},
-                                         GivenSet{"green-dome", 20, false}),
-                         [](const auto& given) {
-                           std::string name = given.param.name;
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Sets, NewSessionOfASet,
+    testing::Values(GivenSet{"middlebury-temple-sparse-ring", 16, true},
+                    GivenSet{"pose2sim-balancing", 4, true}, GivenSet{"middlebury-temple-ring", 19, false},
+                    GivenSet{"middlebury-dino-sparse-ring", 16, false}, GivenSet{"caliscope-4cam", 4, false},
+                    GivenSet{"green-dome", 20, false}, GivenSet{"green-dome-wd", 20, false},
+                    GivenSet{"dynamic-basketball", 31, false}, GivenSet{"lightfield-shop", 81, false}),
+    [](const auto& given) {
+      std::string name = given.param.name;
+      std::erase(name, '-');
+      return name;
+    });
 
 TEST_P(NewSessionOfASet, RunsUnedited) {
   const GivenSet set = GetParam();
@@ -60,6 +60,14 @@ TEST_P(NewSessionOfASet, RunsUnedited) {
   EXPECT_EQ(solved->rig.cameras.size(), set.cameras);
   for (const calib::CameraQuality& c : solved->cameras)
     std::printf("%s: %d points, %s px\n", c.serial.c_str(), c.points, to_words(c.rms_px, 2).c_str());
+}
+
+TEST(NewSessionOfMattesAlone, IsRefusedAndSaysWhatWasLeftOut) {
+  FLOATSTAGE_NEEDS_DATA(real_data("vacancy-bunny"));
+  const TempFolder folder;
+  EXPECT_THAT(draft_session(real_data("vacancy-bunny"), folder.path(), {}),
+              FailsWith(ErrorCode::NotFound, "6 pictures in " + real_data("vacancy-bunny").string() +
+                                                 "/data are mattes, by their names"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "studio/node/capture_config.h"
 #include "tests/support/matchers.h"
+#include "tests/support/places.h"
 
 namespace floatstage::studio {
 namespace {
@@ -96,7 +97,7 @@ TEST(CaptureConfig, SurvivesEveryTruncation) {
 }
 
 TEST(CaptureConfig, OfTheProjectIsUnderstood) {
-  const Result<CaptureConfig> config = load_capture_config(FLOATSTAGE_SOURCE_DIR "/config/fake-gige-8.toml");
+  const Result<CaptureConfig> config = load_capture_config(source_folder() / "config/fake-gige-8.toml");
   ASSERT_THAT(config, IsOk());
   EXPECT_EQ(config->cameras.size(), 8u);
 }

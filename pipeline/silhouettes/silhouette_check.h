@@ -5,15 +5,12 @@
 #include <vector>
 
 #include "calib/silhouettes/silhouette_turn.h"
-#include "core/matte.h"
 #include "core/result.h"
 #include "core/rig.h"
 #include "pipeline/progress.h"
+#include "pipeline/silhouettes/left_out_hulls.h"
 
 namespace floatstage::pipeline {
-
-/// One instant of a take: mattes[i] belongs to rig.cameras[i]; an empty one says nothing.
-using InstantMattes = std::vector<Matte>;
 
 struct SilhouetteCheckOptions {
   double alarm_degrees = 0.1;  ///< smaller turns are nobody's, as in drift's watch

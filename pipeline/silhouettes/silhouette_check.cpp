@@ -4,7 +4,7 @@
 // Differs: the cameras are asked one by one, and one that explains the disagreement of all is named
 // ADR:     0233
 
-#include "pipeline/silhouette_check.h"
+#include "pipeline/silhouettes/silhouette_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +13,9 @@
 #include <span>
 #include <sstream>
 
-#include "core/parallel.h"
 #include "core/statistics.h"
 #include "core/text.h"
-#include "pipeline/take_outlines.h"
-#include "recon/mesh/mesh_mask.h"
-#include "recon/outline.h"
+#include "pipeline/silhouettes/left_out_hulls.h"
 #include "recon/visual_hull.h"
 
 namespace floatstage::pipeline {
@@ -28,93 +25,11 @@ using calib::SilhouetteTurn;
 using calib::SilhouetteWitness;
 
 constexpr std::size_t kFewestCameras = 4;  // without one of them, three still bound a body
-constexpr int kScale = 2;                  // of the pictures that hulls are drawn in
-constexpr double kTolerance = 0.25;        // px: outlines of hulls that are measured to a tenth of that
 constexpr double kSigmas = 5;              // a turn that is none is that far off once in a million
 constexpr double kStandsOut = 3;           // times what cameras usually disagree by
 constexpr double kExplained = 0.5;         // of what all cameras want to turn may be left
 constexpr std::size_t kSuspects = 2;       // the guilty camera, and the one that looks from the far side
 constexpr int kSettling = 2;               // rounds over the named cameras
-
-CameraModel enlarged(CameraModel model) {
-  model.width *= kScale, model.height *= kScale;
-  model.fx *= kScale, model.fy *= kScale, model.cx *= kScale, model.cy *= kScale, model.skew *= kScale;
-  return model;
-}
-
-recon::HullOptions hull_options(bool quality) {
-  recon::HullOptions options;
-  options.contour_tolerance = kTolerance;
-  options.keep_crumbs = true;
-  options.threads = 1;
-  options.quality = quality;
-  return options;
-}
-
-/// All that is asked of the instants, for any rig of these cameras.
-class Instants {
- public:
-  Instants(const Rig& rig, const std::vector<InstantMattes>& instants, const SilhouetteCheckOptions& options)
-      : instants_(instants), options_(options), own_(instants.size()) {
-    for (auto& outlines : own_) outlines.resize(rig.cameras.size());
-    parallel_for(instants.size() * rig.cameras.size(), options.threads, [&](std::size_t i) {
-      const std::size_t instant = i / rig.cameras.size(), c = i % rig.cameras.size();
-      const Matte& matte = instants[instant][c];
-      if (!matte.empty() && coverage(matte) > 0)
-        own_[instant][c] = recon::outline_of(without_strands(matte), rig.cameras[c].model, {.tolerance = 0});
-    });
-  }
-
-  SilhouetteTurn turn_of(const Rig& rig, std::size_t camera) const {
-    std::vector<SilhouetteWitness> witnesses(instants_.size());
-    for (std::size_t i = 0; i < instants_.size(); ++i) witnesses[i] = witness(rig, camera, i);
-    return calib::measure_silhouette_turn(rig.cameras[camera].model, witnesses);
-  }
-
-  std::vector<SilhouetteTurn> turns_of(const Rig& rig) const {
-    std::vector<SilhouetteTurn> turns(rig.cameras.size());
-    ProgressPart progress(options_.progress, "silhouettes", turns.size());
-    parallel_for(turns.size(), options_.threads, [&](std::size_t c) {
-      if (!is_cancelled(options_.progress)) turns[c] = turn_of(rig, c);
-      progress.advance();
-    });
-    return turns;
-  }
-
-  std::optional<double> iou_of(const Rig& rig) const {
-    std::vector<double> all(instants_.size() * rig.cameras.size(), NAN);
-    parallel_for(instants_.size(), options_.threads, [&](std::size_t i) {
-      const auto hull = recon::visual_hull(rig, instants_[i], hull_options(true));
-      if (hull)
-        std::copy(hull->silhouette_iou.begin(), hull->silhouette_iou.end(),
-                  all.begin() + static_cast<std::ptrdiff_t>(i * rig.cameras.size()));
-    });
-    double sum = 0;
-    int count = 0;
-    for (const double one : all)
-      if (!std::isnan(one)) sum += one, ++count;
-    if (count == 0) return std::nullopt;
-    return sum / count;
-  }
-
- private:
-  SilhouetteWitness witness(const Rig& rig, std::size_t camera, std::size_t instant) const {
-    SilhouetteWitness out{own_[instant][camera], {}, kScale};
-    if (out.own.empty()) return out;
-    InstantMattes others = instants_[instant];
-    others[camera] = Matte{};
-    const auto hull = recon::visual_hull(rig, others, hull_options(false));
-    if (!hull || hull->mesh.triangles.empty()) return out;
-    RigCamera large = rig.cameras[camera];
-    large.model = enlarged(large.model);
-    out.others = recon::mesh_mask(large, hull->mesh);
-    return out;
-  }
-
-  const std::vector<InstantMattes>& instants_;
-  const SilhouetteCheckOptions& options_;
-  std::vector<std::vector<Silhouette>> own_;
-};
 
 void turn(Rig& rig, std::size_t camera, const Eigen::Vector3d& vector) {
   Rigid3& pose = rig.cameras[camera].cam_from_world;
@@ -130,11 +45,11 @@ struct State {
 
 class Search {
  public:
-  Search(const Instants& instants, const SilhouetteCheckOptions& options)
-      : instants_(instants), options_(options) {}
+  Search(const LeftOutHulls& hulls, const SilhouetteCheckOptions& options)
+      : hulls_(hulls), options_(options) {}
 
   std::vector<SilhouetteTurn> turns_of(const Rig& rig) const {
-    std::vector<SilhouetteTurn> turns = instants_.turns_of(rig);
+    std::vector<SilhouetteTurn> turns = hulls_.turns_of(rig);
     for (std::size_t c = 0; c < turns.size(); ++c) subtract_reference(turns[c], c);
     return turns;
   }
@@ -146,14 +61,14 @@ class Search {
     if (suspects.empty()) return true;
     std::optional<State> best;
     std::size_t guilty = 0;
-    const std::optional<double> iou = instants_.iou_of(state.rig);
+    const std::optional<double> iou = hulls_.iou_of(state.rig);
     for (const std::size_t c : suspects) {
       State trial = state;
       trial.named[c] = true;
       turn(trial.rig, c, state.turns[c].vector);
       settle(trial);
       // A turned camera cuts the hull: turned back, it lets all silhouettes be explained better.
-      if (instants_.iou_of(trial.rig) <= iou) continue;
+      if (hulls_.iou_of(trial.rig) <= iou) continue;
       trial.turns = turns_of(trial.rig);
       if (!best || unrest(trial) < unrest(*best)) best = std::move(trial), guilty = c;
     }
@@ -208,13 +123,13 @@ class Search {
     for (int round = 0; round < kSettling; ++round)
       for (std::size_t c = 0; c < state.named.size(); ++c) {
         if (!state.named[c]) continue;
-        SilhouetteTurn t = instants_.turn_of(state.rig, c);
+        SilhouetteTurn t = hulls_.turn_of(state.rig, c);
         subtract_reference(t, c);
         if (t.known) turn(state.rig, c, t.vector);
       }
   }
 
-  const Instants& instants_;
+  const LeftOutHulls& hulls_;
   const SilhouetteCheckOptions& options_;
 };
 
@@ -228,7 +143,7 @@ struct Found {
 
 Found find(const Rig& rig, const std::vector<InstantMattes>& instants,
            const SilhouetteCheckOptions& options) {
-  const Instants asked(rig, instants, options);
+  const LeftOutHulls asked(rig, instants, options.threads, options.progress);
   const Search search(asked, options);
   const State given{rig, search.turns_of(rig), std::vector<bool>(rig.cameras.size(), false)};
   Found found{given, given.turns, false, 0};
@@ -250,7 +165,7 @@ Found find(const Rig& rig, const std::vector<InstantMattes>& instants,
 // By camera, in how many instants the audit accuses its matte; those mattes are taken out.
 std::vector<int> take_out_wrong(const Rig& rig, std::vector<InstantMattes>& instants) {
   std::vector<int> wrong(rig.cameras.size(), 0);
-  recon::HullOptions options = hull_options(false);
+  recon::HullOptions options = silhouette_hull_options(false);
   options.voting = recon::HullVoting::Auto;
   for (InstantMattes& mattes : instants) {
     const auto hull = recon::visual_hull(rig, mattes, options);
@@ -313,7 +228,7 @@ Result<SilhouetteCheck> check_silhouettes(const Rig& rig, const std::vector<Inst
     out.cameras.push_back(std::move(one));
   }
   if (std::any_of(out.cameras.begin(), out.cameras.end(), [](const auto& c) { return c.named; })) {
-    const Instants asked(rig, good, options);
+    const LeftOutHulls asked(rig, good, options.threads, options.progress);
     out.iou_before = asked.iou_of(rig), out.iou_after = asked.iou_of(out.corrected);
   }
   return out;
