@@ -25,7 +25,9 @@ json to_json(const pipeline::MatteClipReport& report) {
                       {"jump", l.jump},
                       {"jumps_at", l.jumps_at < 0 ? json() : json(l.jumps_at)},
                       {"first_absent", l.first_absent < 0 ? json() : json(l.first_absent)},
-                      {"border", l.border}};
+                      {"border", l.border},
+                      {"lost", l.lost ? json(l.lost->share) : json()},
+                      {"lost_at", l.lost ? json(l.lost->end) : json()}};
   return {{"frames", report.frames}, {"width", report.width},   {"height", report.height},
           {"labels", labels},        {"doubts", report.doubts}, {"seconds", report.seconds}};
 }

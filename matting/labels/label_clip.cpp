@@ -40,21 +40,22 @@ class Follower {
            const LabelClipOptions& options)
       : clip_(clip), keys_(keys), count_(labels + 1), done_(done), options_(options) {}
 
-  Result<void> run() {
+  Result<std::vector<LabelReturn>> run() {
     Result<Image> first = picture(keys_.begin()->first);
     if (!first) return forward(first);
     width_ = first->width;
     height_ = first->height;
     Known key{std::move(*first), Image(width_, height_, 1)};
-    if (Result<void> ok = apply(keys_.begin()->first, key); !ok) return ok;
-    if (Result<void> ok = done_(keys_.begin()->first, key.picture, key.labels); !ok) return ok;
-    if (Result<void> ok = outward(key, keys_.begin()->first, -1); !ok) return ok;
+    if (Result<void> ok = apply(keys_.begin()->first, key); !ok) return forward(ok);
+    if (Result<void> ok = done_(keys_.begin()->first, key.picture, key.labels); !ok) return forward(ok);
+    if (Result<void> ok = outward(key, keys_.begin()->first, -1); !ok) return forward(ok);
     int at = keys_.begin()->first;
     for (auto next = std::next(keys_.begin()); next != keys_.end(); ++next) {
-      if (Result<void> ok = between(key, at, next->first); !ok) return ok;
+      if (Result<void> ok = between(key, at, next->first); !ok) return forward(ok);
       at = next->first;
     }
-    return outward(key, at, 1);
+    if (Result<void> ok = outward(key, at, 1); !ok) return forward(ok);
+    return std::move(returns_);
   }
 
  private:
@@ -93,16 +94,39 @@ class Follower {
     return Known{std::move(*rgb), std::move(labels)};
   }
 
-  // From a key frame to the clip's end.
-  Result<void> outward(const Known& key, int frame, int direction) const {
+  // From a key frame to the clip's end, and back.
+  Result<void> outward(const Known& key, int first, int direction) {
+    const int end = direction < 0 ? 0 : clip_.frames - 1;
+    if (first == end) return {};
     Known known = key;
-    for (frame += direction; frame >= 0 && frame < clip_.frames; frame += direction) {
-      Result<Known> next = step(known, frame);
+    for (int frame = first; frame != end;) {
+      Result<Known> next = step(known, frame += direction);
       if (!next) return forward(next);
       known = std::move(*next);
       if (Result<void> ok = done_(frame, known.picture, known.labels); !ok) return ok;
     }
+    for (int frame = end; frame != first;) {
+      Result<Known> next = step(known, frame -= direction);
+      if (!next) return forward(next);
+      known = std::move(*next);
+    }
+    LabelReturn there_and_back{first, end, std::vector<double>(static_cast<std::size_t>(count_), 0)};
+    for (int l = 1; l < count_; ++l)
+      there_and_back.lost[static_cast<std::size_t>(l)] =
+          1 - iou(l, known.labels, [&](std::size_t p) { return key.labels.pixels[p] == l; });
+    returns_.push_back(std::move(there_and_back));
     return {};
+  }
+
+  // Of a label, with what `is` says of each pixel; 1 where neither has any.
+  template <class Is>
+  static double iou(int label, const Image& labels, const Is& is) {
+    long both = 0, either = 0;
+    for (std::size_t p = 0; p < labels.pixels.size(); ++p) {
+      const bool said = labels.pixels[p] == label, really = is(p);
+      both += said && really, either += said || really;
+    }
+    return either ? static_cast<double>(both) / static_cast<double>(either) : 1;
   }
 
   // The frames between two key frames, and the second of them, which `key` is afterwards.
@@ -141,15 +165,9 @@ class Follower {
   // What of each label was lost on the way to a key frame, 1 where nobody says: 1 - IoU with its mask.
   std::vector<double> lost(const Image& carried, int frame) const {
     std::vector<double> out(static_cast<std::size_t>(count_), 1);
-    for (const auto& [label, mask] : keys_.at(frame)) {
-      long both = 0, either = 0;
-      for (std::size_t p = 0; p < mask.pixels.size(); ++p) {
-        const bool is = mask.pixels[p] > 127, said = carried.pixels[p] == label;
-        both += is && said, either += is || said;
-      }
+    for (const auto& [label, mask] : keys_.at(frame))
       out[static_cast<std::size_t>(label)] =
-          either ? 1 - static_cast<double>(both) / static_cast<double>(either) : 0;
-    }
+          1 - iou(label, carried, [&](std::size_t p) { return mask.pixels[p] > 127; });
     return out;
   }
 
@@ -159,6 +177,7 @@ class Follower {
   const LabelDone& done_;
   const LabelClipOptions& options_;
   int width_ = 0, height_ = 0;
+  std::vector<LabelReturn> returns_;
 };
 
 }  // namespace
@@ -170,9 +189,10 @@ Result<void> LabelClipOptions::check() const {
   return {};
 }
 
-Result<void> follow_labels(const LabelClip& clip, const std::map<int, LabelMasks>& keys, int labels,
-                           const LabelDone& done, const LabelClipOptions& options) {
-  if (Result<void> ok = options.check(); !ok) return ok;
+Result<std::vector<LabelReturn>> follow_labels(const LabelClip& clip, const std::map<int, LabelMasks>& keys,
+                                               int labels, const LabelDone& done,
+                                               const LabelClipOptions& options) {
+  if (Result<void> ok = options.check(); !ok) return forward(ok);
   if (labels < 1 || labels > kMostLabels)
     return fail(ErrorCode::InvalidArgument, text(labels, " labels; there are 1 to ", kMostLabels));
   bool any = false;

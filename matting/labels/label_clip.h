@@ -36,14 +36,26 @@ struct LabelClipOptions {
 /// once, in an order of their own. An error ends the work and is passed on.
 using LabelDone = std::function<Result<void>(int frame, const Image& picture, const Image& labels)>;
 
+/// How labels hold where one key frame speaks alone, towards an end of the clip: they are followed there and
+/// back, and what then differs in the key frame was lost on the way, about half of it on the way there
+/// (Kalal, Mikolajczyk, Matas, "Forward-backward error", 2010).
+struct LabelReturn {
+  int key = 0, end = 0;      ///< frames; end may lie before key
+  std::vector<double> lost;  ///< by label, 0 is the background's: 1 - IoU in the key frame; of labels that
+                             ///< are not in it 0
+};
+
 /// The labels 1 … `labels` of all frames from those of the key frames. They are carried along dense flow
 /// from the nearest key frames before and after, and each frame is the cut of one energy
 /// (docs/matting.md): colours of every label in local windows, distance to the carried
 /// edges, contrast. A key frame has its masks as they are. Memory: one byte a pixel and frame between two key
-/// frames. Deterministic; one thread. Errors: InvalidArgument for options, a clip without key frames, frames
-/// or labels that are not there, sizes that differ; those of the callbacks.
-Result<void> follow_labels(const LabelClip& clip, const std::map<int, LabelMasks>& keys, int labels,
-                           const LabelDone& done, const LabelClipOptions& options = {});
+/// frames. Each way towards an end of the clip is gone
+/// back, too: what comes back is returned, one for each end that has no key frame. Deterministic; one thread.
+/// Errors: InvalidArgument for options, a clip without key frames, frames or labels that are not there, sizes
+/// that differ; those of the callbacks.
+Result<std::vector<LabelReturn>> follow_labels(const LabelClip& clip, const std::map<int, LabelMasks>& keys,
+                                               int labels, const LabelDone& done,
+                                               const LabelClipOptions& options = {});
 
 /// A matte for each label from the labels of a picture: the edges by closed form, what overlaps shared so
 /// that all together are never more than opaque. Errors: those of refine_matte().

@@ -22,8 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kJump = 0.25;    // of the larger area: what no subject changes by from a frame to the next
-constexpr double kBorder = 0.5;   // of the picture's border, as for takes: backdrops cover that much
+constexpr double kJump = 0.25;   // of the larger area: what no subject changes by from a frame to the next
+constexpr double kBorder = 0.5;  // of the picture's border, as for takes: backdrops cover that much
+// Of a label after the way to the clip's end and back: half of it was lost on the way there, and mattes are
+// wanted with an IoU of 0.93.
+constexpr double kLost = 2 * (1 - 0.93);
 constexpr int kDoubtWidth = 960;  // px
 
 std::string file_name(int frame) {
@@ -126,7 +129,12 @@ class Writer {
     return {};
   }
 
-  void measure() {
+  void measure(const std::vector<matting::LabelReturn>& returns) {
+    for (const matting::LabelReturn& r : returns)
+      for (std::size_t l = 0; l < report_.labels.size(); ++l) {
+        std::optional<ClipLabel::Lost>& lost = report_.labels[l].lost;
+        if (!lost || r.lost[l + 1] > lost->share) lost = {r.key, r.end, r.lost[l + 1]};
+      }
     for (std::size_t l = 0; l < shapes_.size(); ++l) {
       ClipLabel& label = report_.labels[l];
       const std::vector<MatteShape>& shapes = shapes_[l];
@@ -161,6 +169,10 @@ class Writer {
                              [](const MatteShape& a, const MatteShape& b) { return a.border < b.border; }) -
             shapes.begin());
         why = text("it covers ", std::lround(100 * label.border), " % of the border of frame ", worst);
+      } else if (label.lost && label.lost->share > kLost) {
+        worst = label.lost->end;
+        why = text("followed from frame ", label.lost->key, " to frame ", worst, " and back, it has lost ",
+                   std::lround(100 * label.lost->share), " %");
       }
       if (worst < 0) continue;
       report_.doubts.push_back(
@@ -203,15 +215,19 @@ Result<void> make(const MatteClipOptions& options, const fs::path& folder, Matte
   if (Result<void> ok = writer.begin(); !ok) return ok;
   {
     ProgressPart part(options.progress, "mattes", static_cast<std::size_t>(clip->frames()));
-    const matting::LabelClip frames{clip->frames(), [&](int f) { return clip->picture(f); }};
+    const matting::LabelClip frames{clip->frames(), [&](int f) -> Result<Image> {
+                                      if (is_cancelled(options.progress)) return cancelled_unwritten();
+                                      return clip->picture(f);
+                                    }};
     const auto done = [&](int f, const Image& picture, const Image& found) {
       Result<void> ok = writer.write(f, picture, found);
       part.advance();
       return ok;
     };
-    if (Result<void> ok = matting::follow_labels(frames, keys, labels, done); !ok) return ok;
+    const auto returns = matting::follow_labels(frames, keys, labels, done);
+    if (!returns) return forward(returns);
+    writer.measure(*returns);
   }
-  writer.measure();
   if (Result<void> ok = writer.doubt(*clip); !ok) return ok;
   std::error_code error;
   fs::remove_all(scratch, error);

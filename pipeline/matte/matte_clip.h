@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,13 @@ struct ClipLabel {
   int jumps_at = -1;      ///< the second frame of those two
   int first_absent = -1;  ///< first frame in which nothing of it is left; -1: it is always there
   double border = 0;      ///< largest share of the picture's border that is covered
+  /// The most that was lost on the way from a key frame to an end of the clip and back (LabelReturn), and
+  /// that way; absent where both ends have key frames.
+  struct Lost {
+    int key = 0, end = 0;
+    double share = 0;
+  };
+  std::optional<Lost> lost = {};
 };
 
 struct MatteClipReport {

@@ -11,7 +11,11 @@
 namespace floatstage::matting {
 namespace {
 
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::Gt;
 using testing::HasSubstr;
+using testing::Lt;
 
 Image mask_of(const Image& alpha) {
   Image out = alpha;
@@ -36,7 +40,9 @@ class LabelledClip : public testing::Test {
       out[static_cast<std::size_t>(f)] = found;
       return {};
     };
-    if (Result<void> ok = follow_labels(frames(), keys, labels, done); !ok) return forward(ok);
+    const Result<std::vector<LabelReturn>> returns = follow_labels(frames(), keys, labels, done);
+    if (!returns) return forward(returns);
+    returns_ = *returns;
     return out;
   }
   std::vector<Image> masks(std::vector<Image> labels) const {
@@ -46,6 +52,7 @@ class LabelledClip : public testing::Test {
   }
 
   MatteClip clip_;
+  mutable std::vector<LabelReturn> returns_;
 };
 
 TEST_F(LabelledClip, FollowsADancerThroughAClutteredPlaceFromTheFirstFrame) {
@@ -65,6 +72,17 @@ TEST_F(LabelledClip, HasKeyFramesMasksAsTheyAreAndEveryFrameBeforeBetweenAndBehi
   EXPECT_EQ(found[7], b);
   for (std::size_t f = 0; f < found.size(); ++f)
     EXPECT_GE(pipeline::matte_iou(found[f], clip_.truth[f]), 0.85) << "frame " << f;
+}
+
+TEST_F(LabelledClip, GoesBackFromEachEndToTheKeyFrameAndSaysWhatWasLost) {
+  ASSERT_THAT(follow({{3, {{1, mask_of(clip_.truth[3])}}}}), IsOk());
+  ASSERT_EQ(returns_.size(), 2U);
+  EXPECT_EQ(returns_[0].key, 3);
+  EXPECT_EQ(returns_[0].end, 0);
+  EXPECT_EQ(returns_[1].end, 9);
+  for (const LabelReturn& r : returns_) EXPECT_THAT(r.lost, ElementsAre(0, AllOf(Gt(0), Lt(0.14))));
+  ASSERT_THAT(follow({{0, {{1, mask_of(clip_.truth[0])}}}, {9, {{1, mask_of(clip_.truth[9])}}}}), IsOk());
+  EXPECT_TRUE(returns_.empty()) << "key frames say themselves how labels arrive";
 }
 
 TEST_F(LabelledClip, LeavesLabelsThatAKeyFrameDoesNotNameAsTheyWere) {
