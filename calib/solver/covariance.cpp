@@ -167,27 +167,29 @@ void add_lens_knowledge(const Scene& scene, MatrixXd& information) {
 
 }  // namespace
 
-std::vector<ObjectPart> object_parts(const Scene& scene, const BundleOptions& options) {
-  std::vector<ObjectPart> parts;
-  for (const auto& [object, views] : by_object(scene))
-    parts.push_back(part_of(scene, object.first, object.second, views, options.loss));
-  return parts;
+std::vector<std::pair<bool, int>> seen_objects(const Scene& scene) {
+  std::vector<std::pair<bool, int>> objects;
+  for (const auto& [object, views] : by_object(scene)) objects.push_back(object);
+  return objects;
 }
 
-MatrixXd camera_information(const Scene& scene, const std::vector<ObjectPart>& parts) {
+MatrixXd camera_information(const Scene& scene, const BundleOptions& options, const PartVisit& also) {
   const Index size = kCameraParameters * static_cast<Index>(scene.cameras.size());
   MatrixXd information = MatrixXd::Zero(size, size);
   add_distances(scene, information);
-  for (const ObjectPart& p : parts)  // a camera may be among an object's several times
-    for (std::size_t i = 0; i < p.rows.size(); ++i)
-      for (std::size_t k = 0; k < p.rows.size(); ++k)
+  for (const auto& [object, views] : by_object(scene)) {
+    const ObjectPart p = part_of(scene, object.first, object.second, views, options.loss);
+    for (std::size_t k = 0; k < p.rows.size(); ++k)  // a camera may be among an object's several times
+      for (std::size_t i = 0; i < p.rows.size(); ++i)
         information(p.rows[i], p.rows[k]) += p.information(static_cast<Index>(i), static_cast<Index>(k));
+    if (also) also(p);
+  }
   add_lens_knowledge(scene, information);
   return information;
 }
 
 MatrixXd camera_covariance(const Scene& scene, const BundleOptions& options) {
-  const MatrixXd information = camera_information(scene, object_parts(scene, options));
+  const MatrixXd information = camera_information(scene, options);
   const Index size = information.rows();
   const std::vector<Index> free = free_rows(scene, options);
   MatrixXd result = MatrixXd::Zero(size, size);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,10 +24,16 @@ struct ObjectPart {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
 };
-std::vector<ObjectPart> object_parts(const Scene& scene, const BundleOptions& options);
+/// Shown one after the other: a point that eighty cameras see takes 13 MB.
+using PartVisit = std::function<void(const ObjectPart&)>;
+
+/// Boards (true) and markers, by their index in the scene, that some kept view shows: those that have a part.
+std::vector<std::pair<bool, int>> seen_objects(const Scene& scene);
 
 /// All parts together, with known distances and the weak priors.
-Eigen::MatrixXd camera_information(const Scene& scene, const std::vector<ObjectPart>& parts);
+/// `also` sees each part.
+Eigen::MatrixXd camera_information(const Scene& scene, const BundleOptions& options,
+                                   const PartVisit& also = {});
 
 /// The rows of what is solved for.
 std::vector<Eigen::Index> free_rows(const Scene& scene, const BundleOptions& options);

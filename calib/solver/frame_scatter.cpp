@@ -49,38 +49,47 @@ struct Block {
   }
 };
 
-// At most sixty, by frame.
-std::vector<Block> blocks_of(const Scene& scene, const std::vector<ObjectPart>& parts,
-                             const std::vector<Index>& free) {
-  std::set<int> frames;
-  for (const ObjectPart& p : parts)
-    if (const auto frame = frame_of(scene, p.is_board, p.object)) frames.insert(*frame);
-  constexpr std::size_t kMostBlocks = 60;
-  const std::size_t count = std::min(kMostBlocks, frames.size());
-  std::map<int, std::size_t> block_of;
-  for (const int frame : frames) {
-    const std::size_t position = block_of.size();
-    block_of[frame] = position * count / frames.size();
+/// Parts gathered in blocks of consecutive frames, at most sixty.
+class Blocks {
+ public:
+  Blocks(const Scene& scene, const std::vector<Index>& free)
+      : scene_(scene), place_(static_cast<std::size_t>(kCameraParameters) * scene.cameras.size(), -1) {
+    std::set<int> frames;
+    for (const auto& [is_board, object] : seen_objects(scene))
+      if (const auto frame = frame_of(scene, is_board, object)) frames.insert(*frame);
+    constexpr std::size_t kMostBlocks = 60;
+    const std::size_t count = std::min(kMostBlocks, frames.size());
+    for (const int frame : frames) {
+      const std::size_t position = block_of_.size();
+      block_of_[frame] = position * count / frames.size();
+    }
+    const auto width = static_cast<Index>(free.size());
+    for (Index i = 0; i < width; ++i) place_[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] = i;
+    blocks_.assign(count, {MatrixXd::Zero(width, width), VectorXd::Zero(width)});
   }
-  const auto width = static_cast<Index>(free.size());
-  std::vector<Index> place(static_cast<std::size_t>(kCameraParameters) * scene.cameras.size(), -1);
-  for (Index i = 0; i < width; ++i) place[static_cast<std::size_t>(free[static_cast<std::size_t>(i)])] = i;
-  std::vector<Block> blocks(count, {MatrixXd::Zero(width, width), VectorXd::Zero(width)});
-  for (const ObjectPart& p : parts) {
-    const auto frame = frame_of(scene, p.is_board, p.object);
-    if (!frame) continue;
-    Block& b = blocks[block_of.at(*frame)];
+
+  void add(const ObjectPart& p) {
+    const auto frame = frame_of(scene_, p.is_board, p.object);
+    if (!frame) return;
+    Block& b = blocks_[block_of_.at(*frame)];
     for (std::size_t i = 0; i < p.rows.size(); ++i) {
-      const Index r = place[static_cast<std::size_t>(p.rows[i])];
+      const Index r = place_[static_cast<std::size_t>(p.rows[i])];
       if (r < 0) continue;
       b.pull[r] += p.gradient[static_cast<Index>(i)];
       for (std::size_t k = 0; k < p.rows.size(); ++k)
-        if (const Index c = place[static_cast<std::size_t>(p.rows[k])]; c >= 0)
+        if (const Index c = place_[static_cast<std::size_t>(p.rows[k])]; c >= 0)
           b.share(r, c) += p.information(static_cast<Index>(i), static_cast<Index>(k));
     }
   }
-  return blocks;
-}
+
+  std::vector<Block> take() { return std::move(blocks_); }
+
+ private:
+  const Scene& scene_;
+  std::vector<Index> place_;  // of a camera's parameter among those that are free
+  std::map<int, std::size_t> block_of_;
+  std::vector<Block> blocks_;
+};
 
 // What a lens counts in all cameras that have it stands in the rows of the one that owns it.
 MatrixXd of_owners(const Scene& scene, MatrixXd metric) {
@@ -156,9 +165,11 @@ double FrameScatter::sigma_factor() const {
 FrameScatter frame_scatter(const Scene& scene, const BundleOptions& options, const MatrixXd& metric) {
   const std::vector<Index> free = free_rows(scene, options);
   if (free.empty()) return {};  // everything was given
-  const std::vector<ObjectPart> parts = object_parts(scene, options);
-  std::vector<Block> blocks = blocks_of(scene, parts, free);
-  const Eigen::LLT<MatrixXd> root(camera_information(scene, parts)(free, free));
+  Blocks gathered(scene, free);
+  const MatrixXd information =
+      camera_information(scene, options, [&](const ObjectPart& part) { gathered.add(part); });
+  std::vector<Block> blocks = gathered.take();
+  const Eigen::LLT<MatrixXd> root(information(free, free));
   if (root.info() != Eigen::Success) return {};  // some direction is not known at all
   const auto whiten = [&](const MatrixXd& m) -> MatrixXd {
     const MatrixXd half = root.matrixL().solve(m);
