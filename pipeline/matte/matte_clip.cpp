@@ -24,9 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr double kJump = 0.25;   // of the larger area: what no subject changes by from a frame to the next
 constexpr double kBorder = 0.5;  // of the picture's border, as for takes: backdrops cover that much
-// Of a label after the way to the clip's end and back: half of it was lost on the way there, and mattes are
-// wanted with an IoU of 0.93.
-constexpr double kLost = 2 * (1 - 0.93);
+constexpr double kLost = 0.5;  // of a label, after the way to the clip's end and back: most is another thing
 constexpr int kDoubtWidth = 960;  // px
 
 std::string file_name(int frame) {
