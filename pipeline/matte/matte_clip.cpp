@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kJump = 0.25;   // of the larger area: what no subject changes by from a frame to the next
-constexpr double kBorder = 0.5;  // of the picture's border, as for takes: backdrops cover that much
-constexpr double kLost = 0.5;  // of a label, after the way to the clip's end and back: most is another thing
+constexpr double kJump = 0.25;    // of the larger area: what no subject changes by from a frame to the next
+constexpr double kBorder = 0.5;   // of the picture's border, as for takes: backdrops cover that much
+constexpr double kLost = 0.25;    // of a label, after the way to the clip's end and back
 constexpr int kDoubtWidth = 960;  // px
 
 std::string file_name(int frame) {
