@@ -35,8 +35,8 @@ struct MarkerlessOptions {
   int threads = 0;                 ///< 0: one a core
   std::function<bool()> cancelled = nullptr;  ///< asked while COLMAP works
   /// Bars below which the result is refused: its reprojection error would look fine all the same.
-  double least_track = 4;  ///< pictures that show a point, on average
-  int least_points = 60;   ///< points that a picture shows
+  double least_track = 3.5;  ///< pictures that show a point, on average (ADR 0252)
+  int least_points = 60;     ///< points that a picture shows
   /// A given focal length that the points contradict by more than this share (and five sigmas) is refused.
   double largest_focal_error = 0.02;
 };

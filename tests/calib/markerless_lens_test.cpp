@@ -32,11 +32,10 @@ INSTANTIATE_TEST_SUITE_P(Seeds, MarkerlessLens,
 
 TEST_P(MarkerlessLens, OfASharedUnknownLensFocalLengthAndPlacesAreFound) {
   const auto [shape, seed] = GetParam();
-  FLOATSTAGE_LONG_FORM(seed > 1);
+  FLOATSTAGE_LONG_FORM(seed != 2);  // of the five rings the one whose points fewest pictures show
   const TempFolder folder;
   const PebbleScene scene = pebble_scene(shape, static_cast<std::uint64_t>(seed), folder.path());
-  const Result<MarkerlessResult> found =
-      calibrate_markerless(scene.pictures, folder / "colmap", {.least_track = 3});
+  const Result<MarkerlessResult> found = calibrate_markerless(scene.pictures, folder / "colmap");
   ASSERT_THAT(found, IsOk());
   const CenterErrors off = center_errors(found->rig, scene.truth);
   const double focal = focal_percent(found->rig, scene.truth);
