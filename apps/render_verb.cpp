@@ -19,6 +19,8 @@
 namespace floatstage::apps {
 namespace {
 
+constexpr const char* kNoBackground = "none";
+
 struct Options {
   std::filesystem::path take, path_file, out, json_file;
   std::vector<std::string> methods = {"floating"};
@@ -40,7 +42,13 @@ Result<void> run(const Options& given) {
   film.methods = given.methods;
   film.seconds = given.seconds;
   film.suppress_spill = !given.keep_spill;
-  Result<render::RendererOptions> renderer = renderer_options(given.renderer);
+  const bool transparent = given.renderer.background == kNoBackground;
+  if (transparent && film.methods.size() > 1)
+    return fail(ErrorCode::InvalidArgument,
+                "--background none shows one method: names stand on pictures that stand side by side");
+  RendererFlags flags = given.renderer;
+  if (transparent) flags.background = "000000";
+  Result<render::RendererOptions> renderer = renderer_options(flags);
   if (!renderer) return forward(renderer);
   film.renderer = *renderer;
   film.balance = given.renderer.balance;
@@ -70,12 +78,13 @@ Result<void> run(const Options& given) {
   film.renderer.back_end = drawing->back_end;
   const int columns = static_cast<int>(film.methods.size());
   Result<std::unique_ptr<pipeline::PictureSink>> sink =
-      pipeline::open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate);
+      pipeline::open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate, transparent);
   if (!sink) return forward(sink);
   ProgressBar bar;
   film.progress = &bar;
   Result<pipeline::FilmReport> report =
       pipeline::render_film(**take, *path, film, [&](pipeline::FilmPicture picture) {
+        if (transparent) return (*sink)->write(picture.renders.front());
         std::vector<Image> pictures;
         for (const Image& rgba : picture.renders)
           pictures.push_back(pipeline::over(rgba, film.renderer.background));
@@ -119,6 +128,9 @@ void add_render(CLI::App& app, Chosen& chosen) {
       ->group(kGroupPicture);
   add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));
   add_renderer_flags(*verb, options->renderer);
+  verb->get_option("--background")
+      ->description(
+          "Colour behind the performer; none: opacity instead, in PNGs and in a .mov (ProRes 4444)");
   add_json(*verb, options->json_file);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <optional>
+#include <utility>
 
+#include "capture/alpha_video.h"
 #include "capture/libav.h"
 #include "capture/media_file.h"
 #include "core/claim.h"
@@ -16,14 +19,48 @@ namespace fs = std::filesystem;
 // x264's bytes depend on its number of threads, so that is no matter of the machine.
 constexpr int kEncoderThreads = 4;
 
-class Mp4Writer final : public VideoWriter {
+/// What a file holds its pictures as.
+struct Kind {
+  const char *name, *muxer, *encoder, *missing;
+  int channels;
+  AVPixelFormat given, stored;
+  int multiple;  ///< px: sizes that it can hold
+  std::array<std::pair<const char*, const char*>, 2> coding, writing;
+};
+constexpr Kind kMp4 = {"H.264",
+                       "mp4",
+                       "libx264",
+                       "this libavcodec has no libx264 encoder; install libavcodec-extra or record PNGs",
+                       3,
+                       AV_PIX_FMT_RGB24,
+                       AV_PIX_FMT_YUV420P,
+                       2,
+                       {{{"preset", "veryfast"}, {"crf", "18"}}},
+                       {{{"movflags", "+faststart"}, {nullptr, nullptr}}}};
+constexpr Kind kProRes = {"ProRes 4444",
+                          "mov",
+                          "prores_ks",
+                          "this libavcodec has no ProRes encoder; install libavcodec-extra or write PNGs",
+                          4,
+                          AV_PIX_FMT_RGBA,
+                          AV_PIX_FMT_YUVA444P10LE,
+                          1,
+                          {{{"profile", "4444"}, {"alpha_bits", "16"}}},
+                          {{{nullptr, nullptr}, {nullptr, nullptr}}}};
+
+void set_all(const std::array<std::pair<const char*, const char*>, 2>& from, libav::Options& options) {
+  for (const auto& [key, value] : from)
+    if (key != nullptr) options.set(key, value);
+}
+
+class FileWriter final : public VideoWriter {
  public:
-  Mp4Writer(const fs::path& file, int width, int height)
-      : file_(file), temporary_(temporary_name(file)), width_(width), height_(height) {}
-  ~Mp4Writer() override;
+  FileWriter(const Kind& kind, const fs::path& file, int width, int height)
+      : kind_(kind), file_(file), temporary_(temporary_name(file)), width_(width), height_(height) {}
+  ~FileWriter() override;
 
   Result<void> open(double frame_rate);
-  Result<void> write(const Image& rgb) override;
+  Result<void> write(const Image& given) override;
   Result<void> finish() override;
 
  private:
@@ -36,6 +73,7 @@ class Mp4Writer final : public VideoWriter {
     return fail(ErrorCode::Io, text("cannot write ", file_.string(), ": ", libav::reason(error)));
   }
 
+  const Kind& kind_;
   const fs::path file_, temporary_;
   const int width_, height_;
   std::optional<Claim> claim_;
@@ -46,28 +84,26 @@ class Mp4Writer final : public VideoWriter {
   libav::Owned<AVPacket> packet_ = libav::new_packet();
   libav::Format muxer_;
   AVStream* stream_ = nullptr;
-  Image padded_;  // only for odd sizes
+  Image padded_;  // only for sizes that the kind cannot hold
   std::int64_t pictures_ = 0;
 };
 
-Mp4Writer::~Mp4Writer() {
+FileWriter::~FileWriter() {
   muxer_.reset();
   if (!claim_ || state_ == State::Finished) return;
   std::error_code ignored;
   fs::remove(temporary_, ignored);
 }
 
-Result<void> Mp4Writer::open_encoder(AVRational rate) {
-  const AVCodec* x264 = avcodec_find_encoder_by_name("libx264");
-  if (!x264)
-    return fail(ErrorCode::Unsupported,
-                "this libavcodec has no libx264 encoder; install libavcodec-extra or record PNGs");
-  const int width = width_ + width_ % 2, height = height_ + height_ % 2;
-  encoder_.reset(avcodec_alloc_context3(x264));
+Result<void> FileWriter::open_encoder(AVRational rate) {
+  const AVCodec* encoder = avcodec_find_encoder_by_name(kind_.encoder);
+  if (!encoder) return fail(ErrorCode::Unsupported, kind_.missing);
+  const int width = width_ + width_ % kind_.multiple, height = height_ + height_ % kind_.multiple;
+  encoder_.reset(avcodec_alloc_context3(encoder));
   FLOATSTAGE_CHECK(encoder_ != nullptr, "out of memory");
   encoder_->width = width;
   encoder_->height = height;
-  encoder_->pix_fmt = AV_PIX_FMT_YUV420P;
+  encoder_->pix_fmt = kind_.stored;
   encoder_->time_base = av_inv_q(rate);
   encoder_->framerate = rate;
   encoder_->color_range = AVCOL_RANGE_MPEG;
@@ -77,33 +113,37 @@ Result<void> Mp4Writer::open_encoder(AVRational rate) {
   encoder_->thread_count = kEncoderThreads;
   encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
   libav::Options options;
-  options.set("preset", "veryfast").set("crf", "18");
-  if (const int error = avcodec_open2(encoder_.get(), x264, options.get()); error < 0)
+  set_all(kind_.coding, options);
+  if (const int error = avcodec_open2(encoder_.get(), encoder, options.get()); error < 0)
     return fail(ErrorCode::Unsupported,
-                text("H.264 cannot hold ", width_, "x", height_, " pictures: ", libav::reason(error)));
+                text(kind_.name, " cannot hold ", width_, "x", height_, " pictures: ", libav::reason(error)));
 
   constexpr int kExact = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BILINEAR;
-  scaler_.reset(sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, AV_PIX_FMT_YUV420P, kExact,
-                               nullptr, nullptr, nullptr));
+  scaler_.reset(sws_getContext(width, height, kind_.given, width, height, kind_.stored, kExact, nullptr,
+                               nullptr, nullptr));
   FLOATSTAGE_CHECK(scaler_ != nullptr, "libswscale converts RGB");
   libav::set_bt709(scaler_.get(), true, false);
-  picture_->format = AV_PIX_FMT_YUV420P;
+  picture_->format = kind_.stored;
   picture_->width = width;
   picture_->height = height;
+  picture_->color_range = encoder_->color_range;  // ProRes writes what the picture says
+  picture_->colorspace = encoder_->colorspace;
+  picture_->color_primaries = encoder_->color_primaries;
+  picture_->color_trc = encoder_->color_trc;
   FLOATSTAGE_CHECK(av_frame_get_buffer(picture_.get(), 0) >= 0, "out of memory");
-  if (width != width_ || height != height_) padded_ = Image(width, height, 3);
+  if (width != width_ || height != height_) padded_ = Image(width, height, kind_.channels);
   return {};
 }
 
-Result<void> Mp4Writer::open(double frame_rate) {
+Result<void> FileWriter::open(double frame_rate) {
   if (Result<void> ok = open_encoder(av_d2q(frame_rate, 100'000)); !ok) return ok;
   Result<Claim> claim = claim_temporary_file(file_, IfThere::Replace);
   if (!claim) return forward(claim);
   claim_ = std::move(*claim);
   AVFormatContext* made = nullptr;
   const std::string url = libav::file_url(temporary_);
-  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, "mp4", url.c_str()) >= 0,
-                   "libavformat without MP4");
+  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, kind_.muxer, url.c_str()) >= 0,
+                   "libavformat without MP4 and MOV");
   muxer_.reset(made);
   muxer_->flags |= AVFMT_FLAG_BITEXACT;
   stream_ = avformat_new_stream(muxer_.get(), nullptr);
@@ -116,14 +156,14 @@ Result<void> Mp4Writer::open(double frame_rate) {
     return fail(ErrorCode::Io, text("cannot write ", file_.string(), ": ", libav::reason(error)));
   state_ = State::Open;
   libav::Options options;
-  options.set("movflags", "+faststart");
+  set_all(kind_.writing, options);
   if (const int error = avformat_write_header(muxer_.get(), options.get()); error < 0)
     return io_failure(error);
   return {};
 }
 
 // Writes every packet that the encoder has ready.
-Result<void> Mp4Writer::drain() {
+Result<void> FileWriter::drain() {
   for (;;) {
     int error = avcodec_receive_packet(encoder_.get(), packet_.get());
     if (error == AVERROR(EAGAIN) || error == AVERROR_EOF) return {};
@@ -136,24 +176,26 @@ Result<void> Mp4Writer::drain() {
   }
 }
 
-Result<void> Mp4Writer::write(const Image& rgb) {
+Result<void> FileWriter::write(const Image& given) {
   if (state_ != State::Open)
     return fail(ErrorCode::InvalidArgument,
                 text(file_.string(), ": the video is finished or could not be written"));
-  if (rgb.width != width_ || rgb.height != height_ || rgb.channels != 3)
-    return fail(ErrorCode::InvalidArgument,
-                text(file_.string(), ": a picture of ", rgb.width, "x", rgb.height, " with ", rgb.channels,
-                     " channels in a video of ", width_, "x", height_, " RGB"));
-  const Image& source = padded_.empty() ? rgb : padded_;
+  if (given.width != width_ || given.height != height_ || given.channels != kind_.channels)
+    return fail(
+        ErrorCode::InvalidArgument,
+        text(file_.string(), ": a picture of ", given.width, "x", given.height, " with ", given.channels,
+             " channels in a video of ", width_, "x", height_, kind_.channels == 4 ? " RGBA" : " RGB"));
+  const Image& source = padded_.empty() ? given : padded_;
   if (!padded_.empty())
     for (int y = 0; y < padded_.height; ++y) {
-      std::memcpy(padded_.at(0, y), rgb.at(0, std::min(y, height_ - 1)),
-                  static_cast<std::size_t>(width_) * 3);
-      if (padded_.width != width_) std::copy_n(padded_.at(width_ - 1, y), 3, padded_.at(width_, y));
+      std::memcpy(padded_.at(0, y), given.at(0, std::min(y, height_ - 1)),
+                  static_cast<std::size_t>(width_) * static_cast<std::size_t>(given.channels));
+      if (padded_.width != width_)
+        std::copy_n(padded_.at(width_ - 1, y), given.channels, padded_.at(width_, y));
     }
   FLOATSTAGE_CHECK(av_frame_make_writable(picture_.get()) >= 0, "out of memory");
   const std::uint8_t* planes[4] = {source.pixels.data(), nullptr, nullptr, nullptr};
-  const int strides[4] = {3 * source.width, 0, 0, 0};
+  const int strides[4] = {source.channels * source.width, 0, 0, 0};
   sws_scale(scaler_.get(), planes, strides, 0, source.height, picture_->data, picture_->linesize);
   picture_->pts = pictures_;
   if (const int error = avcodec_send_frame(encoder_.get(), picture_.get()); error < 0)
@@ -162,7 +204,7 @@ Result<void> Mp4Writer::write(const Image& rgb) {
   return drain();
 }
 
-Result<void> Mp4Writer::close_file() {
+Result<void> FileWriter::close_file() {
   int error = avcodec_send_frame(encoder_.get(), nullptr);
   if (error < 0) return io_failure(error);
   if (Result<void> ok = drain(); !ok) return ok;
@@ -174,7 +216,7 @@ Result<void> Mp4Writer::close_file() {
   return {};
 }
 
-Result<void> Mp4Writer::finish() {
+Result<void> FileWriter::finish() {
   if (state_ != State::Open)
     return fail(ErrorCode::InvalidArgument,
                 text(file_.string(), ": the video is finished or could not be written"));
@@ -191,17 +233,27 @@ Result<void> Mp4Writer::finish() {
   return {};
 }
 
-}  // namespace
-
-Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::filesystem::path& file, int width,
-                                                         int height, double frame_rate) {
+Result<std::unique_ptr<VideoWriter>> create(const Kind& kind, const fs::path& file, int width, int height,
+                                            double frame_rate) {
   libav::be_quiet();
   if (width < 1 || height < 1 || width > 16384 || height > 16384 || !(frame_rate > 0 && frame_rate <= 1000))
     return fail(ErrorCode::InvalidArgument, text(file.string(), ": a video of ", width, "x", height, " at ",
                                                  frame_rate, " pictures per second"));
-  auto writer = std::make_unique<Mp4Writer>(file, width, height);
+  auto writer = std::make_unique<FileWriter>(kind, file, width, height);
   if (Result<void> ok = writer->open(frame_rate); !ok) return forward(ok);
   return {std::move(writer)};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const std::filesystem::path& file, int width,
+                                                         int height, double frame_rate) {
+  return capture::create(kMp4, file, width, height, frame_rate);
+}
+
+Result<std::unique_ptr<VideoWriter>> create_alpha_video(const std::filesystem::path& file, int width,
+                                                        int height, double frame_rate) {
+  return capture::create(kProRes, file, width, height, frame_rate);
 }
 
 }  // namespace floatstage::capture

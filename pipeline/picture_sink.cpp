@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "capture/alpha_video.h"
 #include "capture/media_file.h"
 #include "core/claim.h"
 #include "core/file.h"
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 class VideoSink : public PictureSink {
  public:
   explicit VideoSink(std::unique_ptr<capture::VideoWriter> writer) : writer_(std::move(writer)) {}
-  Result<void> write(const Image& rgb) override { return writer_->write(rgb); }
+  Result<void> write(const Image& picture) override { return writer_->write(picture); }
   Result<void> finish() override { return writer_->finish(); }
 
  private:
@@ -32,10 +33,10 @@ class FolderSink : public PictureSink {
     std::error_code ignored;
     if (!finished_) fs::remove_all(temporary_, ignored);
   }
-  Result<void> write(const Image& rgb) override {
+  Result<void> write(const Image& picture) override {
     char name[16];
     std::snprintf(name, sizeof name, "%06d.png", count_++);
-    return save_png(rgb, temporary_ / name);
+    return save_png(picture, temporary_ / name);
   }
   Result<void> finish() override {
     if (Result<void> ok = rename_new(temporary_, out_); !ok) return ok;
@@ -59,12 +60,18 @@ Result<void> refuse_existing(const fs::path& out) {
 }  // namespace
 
 Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int width, int height,
-                                                       double frame_rate) {
+                                                       double frame_rate, bool with_opacity) {
   if (Result<void> ok = refuse_existing(out); !ok) return forward(ok);
   const fs::path extension = out.extension();
   if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
+    if (with_opacity && extension != ".mov")
+      return fail(ErrorCode::InvalidArgument,
+                  text(out.string(),
+                       ": H.264 holds no opacity; name a .mov video (ProRes 4444), or a folder for "
+                       "PNGs"));
     Result<std::unique_ptr<capture::VideoWriter>> writer =
-        capture::VideoWriter::create(out, width, height, frame_rate);
+        with_opacity ? capture::create_alpha_video(out, width, height, frame_rate)
+                     : capture::VideoWriter::create(out, width, height, frame_rate);
     if (!writer) return forward(writer);
     // Once more, now that nobody else can write it.
     if (Result<void> ok = refuse_existing(out); !ok) return forward(ok);

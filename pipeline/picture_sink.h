@@ -13,13 +13,16 @@ namespace floatstage::pipeline {
 class PictureSink {
  public:
   virtual ~PictureSink() = default;
-  virtual Result<void> write(const Image& rgb) = 0;
+  virtual Result<void> write(const Image& picture) = 0;
   virtual Result<void> finish() = 0;
 };
 
 /// "*.mp4", "*.mkv", "*.mov": H.264; a name without extension: a new folder of 000000.png, 000001.png, …
-/// AlreadyExists when something is there already.
+/// They hold RGB pictures, or `with_opacity` RGBA ones with straight alpha: then PNGs do, and a "*.mov" in
+/// ProRes 4444. AlreadyExists when something is there already; InvalidArgument for a file that holds no such
+/// pictures.
 Result<std::unique_ptr<PictureSink>> open_picture_sink(const std::filesystem::path& out, int width,
-                                                       int height, double frame_rate);
+                                                       int height, double frame_rate,
+                                                       bool with_opacity = false);
 
 }  // namespace floatstage::pipeline

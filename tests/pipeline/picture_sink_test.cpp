@@ -6,6 +6,7 @@
 #include "capture/media_file.h"
 #include "core/png.h"
 #include "tests/support/matchers.h"
+#include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::pipeline {
@@ -49,6 +50,48 @@ TEST(PictureSink, WritesAVideoThatOthersRead) {
     ++pictures;
   }
   EXPECT_EQ(pictures, 5);
+}
+
+// Opacity from left to right, one colour: straight alpha keeps it where nothing is opaque.
+Image fading(int width, int height) {
+  Image picture(width, height, 4);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::uint8_t pixel[4] = {200, 120, 40, static_cast<std::uint8_t>(255 * x / (width - 1))};
+      std::copy_n(pixel, 4, picture.at(x, y));
+    }
+  return picture;
+}
+
+TEST(PictureSink, KeepsOpacityInPngsAndInProRes) {
+  TempFolder folder;
+  const Image picture = fading(33, 17);
+  for (const char* name : {"film", "film.mov"}) {
+    auto sink = open_picture_sink(folder.path() / name, picture.width, picture.height, 25, true);
+    ASSERT_THAT(sink, IsOk());
+    for (int i = 0; i < 3; ++i) ASSERT_THAT((*sink)->write(picture), IsOk());
+    ASSERT_THAT((*sink)->finish(), IsOk());
+  }
+  EXPECT_EQ(*load_png(folder.path() / "film" / "000001.png"), picture);
+
+  // As another program reads it: three pictures of 16-bit RGBA.
+  const std::string film = (folder.path() / "film.mov").string();
+  const Ended probed =
+      run_command("ffprobe -v error -show_entries stream=codec_name,profile,pix_fmt '" + film + "'");
+  EXPECT_THAT(probed.output, testing::AllOf(testing::HasSubstr("prores"), testing::HasSubstr("4444"),
+                                            testing::HasSubstr("yuva444p")));
+  const Ended read = run_command("ffmpeg -v error -i '" + film + "' -f rawvideo -pix_fmt rgba -");
+  ASSERT_EQ(read.code, 0);
+  ASSERT_EQ(read.output.size(), 3 * picture.pixels.size());
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+    EXPECT_NEAR(static_cast<std::uint8_t>(read.output[i]), picture.pixels[i], i % 4 == 3 ? 1 : 3) << i;
+}
+
+TEST(PictureSink, HoldsNoOpacityInH264) {
+  TempFolder folder;
+  EXPECT_THAT(open_picture_sink(folder.path() / "film.mp4", 32, 16, 25, true),
+              FailsWith(ErrorCode::InvalidArgument, ".mov"));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(PictureSink, RefusesToOverwriteAndSaysSo) {
