@@ -67,6 +67,9 @@ class TakeRecorder final : public Recorder {
  private:
   enum class Place { Left, Queued, Held };  // left out, to be written now, or to be seen at the end
   Place place(Lane& lane, const FrameInfo& info, std::int64_t& row);
+  Timestamp instant_of(const FrameInfo& info) const {
+    return info.exposure_start + offsets_[static_cast<std::size_t>(info.camera)];
+  }
   Frame lost(int camera, std::int64_t row) const;
   void hold(Lane& lane, Shot shot);
   void release_held();
@@ -79,6 +82,7 @@ class TakeRecorder final : public Recorder {
   const std::unique_ptr<TakeWriter> writer_;
   const std::filesystem::path folder_;
   const double frame_rate_;
+  const std::vector<Nanoseconds> offsets_;  // from a camera's stamps to its instants
   std::vector<std::unique_ptr<Lane>> lanes_;
   mutable std::mutex mutex_;              // over what follows
   std::optional<EpochGrid> grid_;         // from the first frame on
@@ -99,6 +103,7 @@ TakeRecorder::TakeRecorder(std::unique_ptr<TakeWriter> writer, std::filesystem::
     : writer_(std::move(writer)),
       folder_(std::move(folder)),
       frame_rate_(options.take.frame_rate),
+      offsets_(offsets_of(options.times, rig)),
       meter_(serials_of(rig), options.take.frame_rate, options.limits) {
   if (options.origin) grid_.emplace(frame_rate_, *options.origin);
   for (std::size_t i = 0; i < rig.cameras.size(); ++i)
@@ -125,7 +130,9 @@ void TakeRecorder::write(Lane& lane, const Shot& shot) {
   }
   if (frame.empty()) return;
   std::lock_guard lock(mutex_);
-  meter_.recorded(frame.info.camera, frame.info.sequence, frame.info, shot.counted);
+  FrameInfo judged = frame.info;
+  judged.exposure_start = instant_of(frame.info);
+  meter_.recorded(frame.info.camera, frame.info.sequence, judged, shot.counted);
   meter_.failed(frame.info.camera, shot.failed);
 }
 
@@ -143,7 +150,7 @@ Frame TakeRecorder::lost(int camera, std::int64_t row) const {
   Frame gap;
   gap.info.camera = camera;
   gap.info.sequence = static_cast<std::uint64_t>(row);
-  gap.info.exposure_start = grid_->instant(row);
+  gap.info.exposure_start = grid_->instant(row) - offsets_[static_cast<std::size_t>(camera)];
   gap.info.status = FrameStatus::Lost;
   return gap;
 }
@@ -152,8 +159,9 @@ TakeRecorder::Place TakeRecorder::place(Lane& lane, const FrameInfo& info, std::
   std::optional<std::int64_t> expected;
   if (lane.seen) expected = lane.seen->row + static_cast<std::int64_t>(info.sequence - lane.seen->sequence);
   std::lock_guard lock(mutex_);
-  if (!grid_) grid_.emplace(frame_rate_, info.exposure_start);
-  row = grid_->row_of(info.exposure_start, expected);
+  const Timestamp instant = instant_of(info);
+  if (!grid_) grid_.emplace(frame_rate_, instant);
+  row = grid_->row_of(instant, expected);
   lane.seen = Lane::Seen{row, info.sequence};
   if (row < 0 || (last_row_ && row > *last_row_)) return Place::Left;
   if (lane.last_row && row <= *lane.last_row) {
@@ -301,6 +309,9 @@ Result<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& f
     return fail(ErrorCode::InvalidArgument, "recorder: the cameras' common frame rate is missing; give it");
   Result<std::unique_ptr<TakeWriter>> writer = TakeWriter::create(folder, rig, options.take);
   if (!writer) return forward(writer);
+  if (!options.times.cameras.empty())
+    if (Result<void> kept = save_time_offsets(options.times, times_file(TakeLayout(folder))); !kept)
+      return forward(kept);
   return {std::make_unique<TakeRecorder>(std::move(*writer), folder, rig, options)};
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "capture/take.h"
+#include "capture/time_offsets.h"
 #include "core/bounded_queue.h"
 #include "core/frame.h"
 #include "core/result.h"
@@ -30,6 +31,9 @@ struct RecorderOptions {
   std::size_t queue_frames =
       64;  ///< of a camera, between its thread and the disk; a full queue blocks (Block)
   RecordingLimits limits;
+  /// How far stamps are from instants: pictures find their rows, and are judged, by instants. Stamps are
+  /// recorded as they are, and what is known of them lies in the take beside them (times.json).
+  TimeOffsetFile times = {};
   /// The disk is made to keep what was written so often (DiskSync): a power cut takes no more. 0: when the
   /// system likes, which is half a minute.
   double sync_seconds = 0;

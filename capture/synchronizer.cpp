@@ -34,6 +34,9 @@ Result<Synchronizer> Synchronizer::make(int cameras, const SyncOptions& options)
                      " ms does not fit ", options.frame_rate,
                      " frames a second; it must be below half a period, ", half_ms, " ms"));
   }
+  if (!options.offsets.empty() && options.offsets.size() != static_cast<std::size_t>(cameras))
+    return fail(ErrorCode::InvalidArgument,
+                text("synchroniser: ", options.offsets.size(), " time offsets for ", cameras, " cameras"));
   return Synchronizer(cameras, options);
 }
 
@@ -42,13 +45,20 @@ Synchronizer::Synchronizer(int cameras, const SyncOptions& options)
   lanes_.resize(static_cast<std::size_t>(cameras));
 }
 
+std::int64_t Synchronizer::instant_of(const Frame& frame) const {
+  const std::int64_t stamp = frame.info.exposure_start.ns;
+  return options_.offsets.empty()
+             ? stamp
+             : stamp + options_.offsets[static_cast<std::size_t>(frame.info.camera)].count;
+}
+
 void Synchronizer::push(Frame frame) {
   const int camera = frame.info.camera;
   FLOATSTAGE_CHECK(camera >= 0 && camera < static_cast<int>(lanes_.size()),
                    "a frame of no camera of the rig");
   if (frame.empty() || frame.info.status == FrameStatus::Lost) return;
   Lane& lane = lanes_[static_cast<std::size_t>(camera)];
-  const bool gone = begun_ && static_cast<double>(frame.info.exposure_start.ns - base_) < gone_;
+  const bool gone = begun_ && static_cast<double>(instant_of(frame) - base_) < gone_;
   const bool back =
       !lane.waiting.empty() && frame.info.exposure_start < lane.waiting.back().info.exposure_start;
   if (gone || back) {
@@ -67,7 +77,7 @@ bool Synchronizer::begin(Timestamp now, Wait wait) {
     if (lane.waiting.empty()) {
       all = false;
     } else {
-      const Timestamp time = lane.waiting.front().info.exposure_start;
+      const Timestamp time{instant_of(lane.waiting.front())};
       earliest = earliest ? std::min(*earliest, time) : time;
     }
   }
@@ -93,7 +103,7 @@ void Synchronizer::skip_empty_instants() {
   bool any = false;
   for (const Lane& lane : lanes_) {
     if (lane.waiting.empty()) continue;
-    const double time = static_cast<double>(lane.waiting.front().info.exposure_start.ns - base_);
+    const double time = static_cast<double>(instant_of(lane.waiting.front()) - base_);
     earliest = any ? std::min(earliest, time) : time;
     any = true;
   }
@@ -105,7 +115,7 @@ void Synchronizer::skip_empty_instants() {
 
 FrameSet Synchronizer::take_set() {
   const double end = expected_ + half_period();
-  const auto time_of = [&](const Frame& f) { return static_cast<double>(f.info.exposure_start.ns - base_); };
+  const auto time_of = [&](const Frame& f) { return static_cast<double>(instant_of(f) - base_); };
   FrameSet set;
   set.frames.resize(lanes_.size());
   std::vector<double> times;

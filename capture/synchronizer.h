@@ -16,6 +16,9 @@ struct SyncOptions {
   double frame_rate = 0;                    ///< nominal, of all cameras; > 0
   Nanoseconds tolerance = milliseconds(4);  ///< a frame further from its set's middle is not of that instant
   Nanoseconds longest_wait = milliseconds(100);  ///< for a late camera, after the instant; then it is missing
+  /// By camera, what its stamps lack to the instants at which it exposes (capture/time_offsets.h). Empty:
+  /// none. Frames keep their stamps; sets are formed, timed and judged by instants.
+  std::vector<Nanoseconds> offsets = {};
 };
 
 /// One camera in the sets so far.
@@ -47,7 +50,7 @@ struct SyncStats {
 class Synchronizer {
  public:
   /// Errors: InvalidArgument for no camera, a rate that is not positive, or a tolerance of half a period or
-  /// more.
+  /// more, or offsets of another number of cameras.
   static Result<Synchronizer> make(int cameras, const SyncOptions& options);
 
   /// Takes a frame; frame.info.camera is its index. Lost frames belong to no set.
@@ -74,6 +77,7 @@ class Synchronizer {
   void skip_empty_instants();
   FrameSet take_set();
   void follow(double middle);
+  std::int64_t instant_of(const Frame& frame) const;  // ns
   double half_period() const { return 0.5 * period_; }
 
   struct Lane {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/file_presence.h"
 #include "core/json_fields.h"
 #include "core/text.h"
 
@@ -75,6 +76,11 @@ Result<TimeOffsetFile> load_time_offsets(const std::filesystem::path& file) {
   return parse_time_offsets(*bytes, file.string());
 }
 
+Result<TimeOffsetFile> load_time_offsets(const TakeLayout& take) {
+  const std::filesystem::path file = times_file(take);
+  return is_there(file) ? load_time_offsets(file) : TimeOffsetFile{};
+}
+
 Result<void> save_time_offsets(const TimeOffsetFile& times, const std::filesystem::path& file) {
   return write_file(file, to_json(times));
 }
@@ -85,6 +91,12 @@ std::vector<Nanoseconds> offsets_of(const TimeOffsetFile& times, const std::vect
     for (const CameraTimeOffset& c : times.cameras)
       if (c.serial == serials[i] && c.offset) out[i] = *c.offset;
   return out;
+}
+
+std::vector<Nanoseconds> offsets_of(const TimeOffsetFile& times, const Rig& rig) {
+  std::vector<std::string> serials;
+  for (const RigCamera& camera : rig.cameras) serials.push_back(camera.serial);
+  return offsets_of(times, serials);
 }
 
 }  // namespace floatstage::capture

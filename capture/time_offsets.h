@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "core/rig.h"
 #include "core/take_layout.h"
 #include "core/time.h"
 
@@ -34,9 +35,12 @@ std::filesystem::path times_file(const TakeLayout& take);
 std::string to_json(const TimeOffsetFile& times);
 Result<TimeOffsetFile> parse_time_offsets(std::string_view json, std::string_view name_for_errors);
 Result<TimeOffsetFile> load_time_offsets(const std::filesystem::path& file);
+/// A take's own; without cameras where it has none.
+Result<TimeOffsetFile> load_time_offsets(const TakeLayout& take);
 Result<void> save_time_offsets(const TimeOffsetFile& times, const std::filesystem::path& file);
 
 /// One a camera, in the order of `serials`; 0 for a camera that was not measured or is not there.
 std::vector<Nanoseconds> offsets_of(const TimeOffsetFile& times, const std::vector<std::string>& serials);
+std::vector<Nanoseconds> offsets_of(const TimeOffsetFile& times, const Rig& rig);
 
 }  // namespace floatstage::capture

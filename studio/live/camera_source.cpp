@@ -44,6 +44,10 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(CaptureConfig config,
   return source;
 }
 
+std::vector<Nanoseconds> CameraSource::time_offsets() const {
+  return capture::offsets_of(node_->config().recorder.times, rig_);
+}
+
 void CameraSource::arrived(const Frame& frame) {
   const Timestamp produced = now();
   std::shared_ptr<const Tap> tap;

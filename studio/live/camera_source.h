@@ -23,6 +23,7 @@ class CameraSource final : public LiveSource {
 
   const Rig& rig() const override { return rig_; }
   double frame_rate() const override { return node_->config().frame_rate; }
+  std::vector<Nanoseconds> time_offsets() const override;
   std::vector<std::vector<Image>> samples() const override { return samples_; }
   std::string description() const override;
   void begin(Tap tap) override;

@@ -31,6 +31,7 @@ Result<std::unique_ptr<LiveChain>> LiveChain::make(LiveSource& source, const Liv
   sync.frame_rate = source.frame_rate();
   sync.tolerance = std::min(options.tolerance, Nanoseconds{std::llround(4e8 / source.frame_rate())});
   sync.longest_wait = options.longest_wait;
+  sync.offsets = source.time_offsets();
   Result<std::unique_ptr<SetBuilder>> sets =
       SetBuilder::make(static_cast<int>(source.rig().cameras.size()), sync);
   if (!sets) return forward(sets);

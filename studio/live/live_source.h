@@ -20,6 +20,8 @@ class LiveSource {
   virtual ~LiveSource() = default;
   virtual const Rig& rig() const = 0;
   virtual double frame_rate() const = 0;
+  /// How far stamps are from instants, one a camera, or empty: capture::SyncOptions::offsets.
+  virtual std::vector<Nanoseconds> time_offsets() const { return {}; }
   /// Pictures of each camera from which its keyer learns: its clean plate, or some photographs.
   virtual std::vector<std::vector<Image>> samples() const = 0;
   /// One sentence for the report: what is measured and what is not.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <future>
 
+#include "capture/time_offsets.h"
 #include "core/file_presence.h"
 #include "core/log.h"
 #include "core/parallel.h"
@@ -39,6 +40,10 @@ Result<std::unique_ptr<TakePlayer>> TakePlayer::open(const std::filesystem::path
     return fail(ErrorCode::InvalidArgument, text(folder.string(), " has no frames to play"));
   player->rate_ = options.rate > 0 ? options.rate : recorded;
   player->speed_ = recorded > 0 ? player->rate_ / recorded : 1;
+  const Result<capture::TimeOffsetFile> offsets = capture::load_time_offsets(reader.layout());
+  if (!offsets) return forward(offsets);
+  for (const Nanoseconds offset : capture::offsets_of(*offsets, reader.rig()))
+    player->offsets_.push_back({std::llround(static_cast<double>(offset.count) / player->speed_)});
   for (int k = 0; k < reader.frame_count(); ++k) {
     std::optional<Timestamp> first;
     for (std::size_t c = 0; c < reader.rig().cameras.size(); ++c) {

@@ -22,10 +22,11 @@ struct TakePlayerOptions {
 };
 
 /// A take, played as if its cameras were delivering it now: at its own pace, each frame at the time of its
-/// exposure, exposure times moved to the present. What was lost when it was recorded is not delivered.
+/// exposure, exposure times moved to the present; where its times.json knows the instants better than its
+/// stamps do, they are told by time_offsets(). What was lost when it was recorded is not delivered.
 class TakePlayer final : public LiveSource {
  public:
-  /// Errors: those of TakeReader::open(); InvalidArgument for a take of no rate when none is given, and of no
+  /// Errors: those of TakeReader::open() and load_time_offsets(); InvalidArgument for a take of no rate when none is given, and of no
   /// frames.
   static Result<std::unique_ptr<TakePlayer>> open(const std::filesystem::path& folder,
                                                   const TakePlayerOptions& options);
@@ -33,6 +34,7 @@ class TakePlayer final : public LiveSource {
 
   const Rig& rig() const override { return take_->rig(); }
   double frame_rate() const override { return rate_; }
+  std::vector<Nanoseconds> time_offsets() const override { return offsets_; }
   std::vector<std::vector<Image>> samples() const override { return samples_; }
   std::string description() const override;
   void begin(Tap tap) override;
@@ -54,6 +56,7 @@ class TakePlayer final : public LiveSource {
   const std::unique_ptr<capture::TakeReader> take_;
   const TakePlayerOptions options_;
   double rate_ = 0, speed_ = 1;
+  std::vector<Nanoseconds> offsets_;           // per camera, at the player's speed
   std::vector<Timestamp> times_;               // of the rows: the earliest exposure
   std::vector<std::vector<Image>> samples_;    // per camera
   std::vector<std::vector<Frame>> preloaded_;  // per row and camera; empty when decoded while playing

@@ -1,12 +1,15 @@
 #include "studio/node/capture_config.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <set>
 
 #include <toml++/toml.h>
 
+#include "capture/time_offsets.h"
 #include "core/file.h"
+#include "core/log.h"
 #include "core/rig.h"
 #include "core/text.h"
 
@@ -87,6 +90,7 @@ class Section {
 void read_studio(Section section, CaptureConfig& config, const fs::path& base) {
   config.frame_rate = section.number("frame_rate", 0, 0.1, 10'000);
   if (const std::string rig = section.text_of("rig", ""); !rig.empty()) config.rig = base / rig;
+  if (const std::string times = section.text_of("times", ""); !times.empty()) config.times = base / times;
   config.name = section.text_of("name", config.name);
   section.finish();
   if (!section.at("frame_rate")) section.note(nullptr, "frame_rate is missing");
@@ -217,6 +221,20 @@ Result<CaptureConfig> load_capture_config(const fs::path& file) {
   const Result<std::string> bytes = read_file(file);
   if (!bytes) return forward(bytes);
   return parse_capture_config(*bytes, file.string(), file.parent_path());
+}
+
+Result<capture::TimeOffsetFile> load_times(const CaptureConfig& config) {
+  if (config.times.empty()) return capture::TimeOffsetFile{};
+  Result<capture::TimeOffsetFile> times = capture::load_time_offsets(config.times);
+  if (!times) return times;
+  for (const CaptureConfig::Camera& camera : config.cameras) {
+    const bool known = std::any_of(times->cameras.begin(), times->cameras.end(),
+                                   [&](const auto& c) { return c.serial == camera.serial && c.offset; });
+    if (!known)
+      log::warning(text(config.times.string(), " has no time offset of camera '", camera.serial,
+                        "': its stamps are taken as they are"));
+  }
+  return times;
 }
 
 }  // namespace floatstage::studio

@@ -16,7 +16,7 @@ namespace floatstage::studio {
 /// people:
 ///
 ///   [studio]     frame_rate = 30, rig = "rig.json" (optional: without it a take is recorded uncalibrated),
-///                name = "stage left"
+///                times = "takes/rig/times.json" (optional), name = "stage left"
 ///   [recording]  folder = "takes", label = "rehearsal", codec = "ffv1" | "raw" | "h264", queue_frames = 64,
 ///                preroll_seconds = 2, keep_free_mb = 256, sync_seconds = 1, disagreement = "warn" | "refuse"
 ///   [limits]     skips = 0, duplicates = 0, spread_ms = 1.0, rate_deviation = 0.01
@@ -47,8 +47,9 @@ struct CaptureConfig {
   std::string name = "studio";
   double frame_rate = 0;  ///< of every camera, frames a second
   std::filesystem::path rig;
+  std::filesystem::path times;  ///< how far cameras' stamps are from their instants; empty: not known
   std::filesystem::path folder = "takes";
-  capture::RecorderOptions recorder;
+  capture::RecorderOptions recorder;  ///< its times: what load_times() found, once a node is open
   /// How much earlier than asked a take begins. Costs (preroll_seconds + 0.5) * frame_rate * 1.1 + 2 pictures
   /// of memory a camera: 8 cameras of 640x480 grey at 30 a second, 2 s: 208 MB.
   double preroll_seconds = 0;
@@ -64,5 +65,9 @@ struct CaptureConfig {
 Result<CaptureConfig> parse_capture_config(std::string_view toml, std::string_view name_for_errors,
                                            const std::filesystem::path& base);
 Result<CaptureConfig> load_capture_config(const std::filesystem::path& file);
+
+/// What CaptureConfig::times holds; no cameras when it names no file. Cameras of the studio that it says
+/// nothing of are told. Errors: those of capture::load_time_offsets().
+Result<capture::TimeOffsetFile> load_times(const CaptureConfig& config);
 
 }  // namespace floatstage::studio

@@ -61,6 +61,9 @@ std::size_t frames_kept(const CaptureConfig& config) {
 }  // namespace
 
 Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config) {
+  Result<capture::TimeOffsetFile> times = load_times(config);
+  if (!times) return forward(times);
+  config.recorder.times = *std::move(times);
   std::unique_ptr<CaptureNode> node(new CaptureNode(std::move(config)));
   const CaptureConfig& c = node->config_;
   const Nanoseconds kept{std::llround(seconds_kept(c) * 1e9)};
@@ -81,7 +84,8 @@ Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config) {
                (here.info().ptp ? first : here).serial(), "' does not; set ptp=on for all cameras or none"));
   }
   Result<std::unique_ptr<SyncWatch>> watch =
-      SyncWatch::make(serials, c.frame_rate, {c.recorder.limits.spread_ms, c.recorder.limits.skips});
+      SyncWatch::make(serials, c.frame_rate, {c.recorder.limits.spread_ms, c.recorder.limits.skips},
+                      capture::offsets_of(c.recorder.times, serials));
   if (!watch) return forward(watch);
   node->watch_ = std::move(*watch);
   return node;

@@ -44,6 +44,7 @@ Result<std::unique_ptr<PublishingNode>> publish(CaptureNode& node) {
   options.key = wanted.key;
   options.plates = wanted.plates;
   options.quality.shrink = wanted.shrink;
+  options.offsets = capture::offsets_of(config.recorder.times, *rig);
   Result<std::unique_ptr<PublishingNode>> telling =
       PublishingNode::open(*rig, config.frame_rate, options, node);
   if (!telling) return telling;

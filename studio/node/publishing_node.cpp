@@ -32,6 +32,7 @@ Result<std::unique_ptr<PublishingNode>> PublishingNode::open(const Rig& rig, dou
   if (Result<void> ok = node->load_plates(); !ok) return forward(ok);
   capture::SyncOptions sync;
   sync.frame_rate = frame_rate;
+  sync.offsets = options.offsets;
   sync.tolerance = std::min(options.tolerance, Nanoseconds{std::llround(4e8 / frame_rate)});
   sync.longest_wait = std::max(options.longest_wait, Nanoseconds{std::llround(5e8 / frame_rate)});
   Result<std::unique_ptr<SetBuilder>> sets = SetBuilder::make(static_cast<int>(rig.cameras.size()), sync);

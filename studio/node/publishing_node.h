@@ -28,6 +28,7 @@ struct PublishingOptions {
   NodeQuality quality;
   Nanoseconds tolerance = milliseconds(4);      ///< of the exposures of one instant
   Nanoseconds longest_wait = milliseconds(30);  ///< for a camera that is late; half a period at least
+  std::vector<Nanoseconds> offsets = {};        ///< capture::SyncOptions::offsets
   int threads = 0;                              ///< that look at pictures; 0: one per core
 };
 

@@ -12,8 +12,10 @@ constexpr Nanoseconds kFirstWindow = milliseconds(500);
 }  // namespace
 
 Result<std::unique_ptr<SyncWatch>> SyncWatch::make(std::vector<std::string> serials, double frame_rate,
-                                                   const capture::SyncLimits& limits) {
+                                                   const capture::SyncLimits& limits,
+                                                   std::vector<Nanoseconds> offsets) {
   capture::SyncOptions options;
+  options.offsets = std::move(offsets);
   options.frame_rate = frame_rate;
   options.tolerance.count = std::min(options.tolerance.count, static_cast<std::int64_t>(0.4e9 / frame_rate));
   Result<capture::Synchronizer> synchronizer =

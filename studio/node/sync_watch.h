@@ -14,9 +14,10 @@ namespace floatstage::studio {
 /// asked before a take begins. Looks at the frames' facts and keeps no picture. Safe from any thread.
 class SyncWatch {
  public:
-  /// Errors: those of Synchronizer::make().
+  /// `offsets`: SyncOptions::offsets. Errors: those of Synchronizer::make().
   static Result<std::unique_ptr<SyncWatch>> make(std::vector<std::string> serials, double frame_rate,
-                                                 const capture::SyncLimits& limits);
+                                                 const capture::SyncLimits& limits,
+                                                 std::vector<Nanoseconds> offsets = {});
 
   void push(const FrameInfo& info);
   /// Settles what is due, and begins a new window where the last one is full.

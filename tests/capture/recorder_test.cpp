@@ -100,6 +100,30 @@ TEST_F(ARecorder, PutsCamerasThatCountDifferentlyIntoTheSameRows) {
   EXPECT_EQ(set->frames[0].info.exposure_start.ns + 300'000, set->frames[1].info.exposure_start.ns);
 }
 
+// A camera that stamps arrivals, most of a period after its exposures.
+TEST_F(ARecorder, FindsRowsByInstantsWhereStampsAreKnownToBeOff) {
+  constexpr std::int64_t kLag = 30'000'000;
+  RecorderOptions options = options_at();
+  options.times = {"targets",
+                   {{"cam0", Nanoseconds{0}, Nanoseconds{0}, ""},
+                    {"cam1", Nanoseconds{-kLag}, Nanoseconds{100'000}, ""}}};
+  const auto recorder = started(2, options);
+  for (std::uint64_t i = 0; i < 8; ++i)
+    for (int camera = 0; camera < 2; ++camera)
+      ASSERT_THAT(recorder->push(shot(camera, i, static_cast<std::int64_t>(i) * kPeriod + camera * kLag)),
+                  IsOk());
+  const Result<RecordingQuality> quality = recorder->finish();
+  ASSERT_THAT(quality, IsOk());
+  EXPECT_TRUE(quality->pass());
+  EXPECT_EQ(rows(1), "oooooooo");
+  EXPECT_NEAR(quality->spread_max_ms, 0, 1e-9);
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(take_);
+  EXPECT_EQ((*take)->rows(1)[3].info.exposure_start, (Timestamp{3 * kPeriod + kLag}));  // stamps stay
+  const Result<TimeOffsetFile> kept = load_time_offsets((*take)->layout());
+  ASSERT_THAT(kept, IsOk());
+  EXPECT_EQ(*kept, options.times);
+}
+
 TEST_F(ARecorder, LeavesOutWhatWasSeenBeforeTheFirstRow) {
   const auto recorder = started(2);
   ASSERT_THAT(recorder->push(shot(0, 50, 10 * kPeriod)), IsOk());

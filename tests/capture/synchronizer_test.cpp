@@ -1,6 +1,7 @@
 #include "capture/synchronizer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -225,6 +226,30 @@ TEST(Synchronizer, MeasuresTheSpreadOfItsSets) {
   EXPECT_NEAR(stats.spread_max_ms, 3, 1e-9);
   EXPECT_THAT(sync_complaints(stats, {"a", "b"}, {.spread_ms = 1}), Contains(HasSubstr("up to 3 ms apart")));
   EXPECT_THAT(sync_complaints(stats, {"a", "b"}, {.spread_ms = 3.1}), IsEmpty());
+}
+
+// Stamps say that three cameras are apart by up to half a period, and by their offsets they are not.
+TEST(Synchronizer, GroupsByInstantsWhereStampsAreKnownToBeOff) {
+  const SyncOptions options{.frame_rate = 30,
+                            .offsets = {Nanoseconds{0}, Nanoseconds{-16 * kMs}, Nanoseconds{14 * kMs}}};
+  Synchronizer sync = synchronizer(3, options);
+  for (int i = 0; i < 40; ++i)
+    for (int camera = 0; camera < 3; ++camera) {
+      const std::int64_t instant = std::llround(i * 1e9 / 30) + 5'000 * kMs;
+      sync.push(frame_at(camera, instant - options.offsets[static_cast<std::size_t>(camera)].count));
+    }
+  const std::vector<FrameSet> sets = drained(sync);
+  ASSERT_EQ(sets.size(), 40u);
+  for (const FrameSet& set : sets) {
+    EXPECT_EQ(members(set), "abc");
+    EXPECT_EQ(set.frames[1].info.exposure_start, (Timestamp{set.time.ns + 16 * kMs}));  // stamps stay
+  }
+  EXPECT_LT(sync.stats().spread_max_ms, 0.001);
+}
+
+TEST(Synchronizer, RefusesOffsetsOfOtherCameras) {
+  EXPECT_THAT(Synchronizer::make(3, {.frame_rate = 30, .offsets = {Nanoseconds{0}}}),
+              FailsWith(ErrorCode::InvalidArgument, "1 time offsets for 3 cameras"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "capture/frame_source.h"
 #include "capture/synchronizer.h"
+#include "capture/time_offsets.h"
 #include "core/text.h"
 
 namespace floatstage::apps {
@@ -29,6 +30,8 @@ Result<std::unique_ptr<LiveRun>> LiveRun::start(const studio::CaptureConfig& con
                                                 const LiveOptions& options,
                                                 const std::function<void(calib::Observations&)>& known) {
   std::unique_ptr<LiveRun> run(new LiveRun(config, options));
+  const Result<capture::TimeOffsetFile> times = studio::load_times(config);
+  if (!times) return forward(times);
   std::vector<calib::CalibrationCamera> cameras;
   for (const studio::CaptureConfig::Camera& from : config.cameras) {
     Result<std::unique_ptr<capture::FrameSource>> source = capture::open_source(from.source);
@@ -46,6 +49,7 @@ Result<std::unique_ptr<LiveRun>> LiveRun::start(const studio::CaptureConfig& con
     cameras.push_back(std::move(camera));
     run->status_.serials.push_back(from.serial);
     run->status_.sizes.emplace_back(info->layout.width, info->layout.height);
+    run->offsets_.push_back(capture::offsets_of(*times, std::vector{from.serial}).front());
     run->lanes_.push_back(std::move(lane));
   }
   run->live_ = std::make_unique<calib::LiveCalibration>(options.target, std::move(cameras));
@@ -118,6 +122,7 @@ void LiveRun::look() {
   sync.frame_rate = config_.frame_rate;
   sync.tolerance = Nanoseconds{
       std::min<std::int64_t>(sync.tolerance.count, static_cast<std::int64_t>(0.4e9 / config_.frame_rate))};
+  sync.offsets = offsets_;
   // Recordings are read in step, so that none is late because the machine is busy; a gap in one still ends.
   if (std::all_of(lanes_.begin(), lanes_.end(), [](const auto& lane) { return lane->recorded; }))
     sync.longest_wait = milliseconds(2000);

@@ -77,6 +77,7 @@ class LiveRun {
 
   struct Lane;
   const studio::CaptureConfig config_;
+  std::vector<Nanoseconds> offsets_;  // capture::SyncOptions::offsets
   const LiveOptions options_;
   std::vector<std::unique_ptr<Lane>> lanes_;
   std::unique_ptr<calib::LiveCalibration>

@@ -11,6 +11,7 @@ constexpr const char* kWhole = R"(
 [studio]
 frame_rate = 30
 rig = "rig.json"
+times = "board/times.json"
 [recording]
 folder = "takes"
 label = "rehearsal"
@@ -38,6 +39,7 @@ TEST(CaptureConfig, SaysEverythingThatAStudioIs) {
   ASSERT_THAT(config, IsOk());
   EXPECT_EQ(config->frame_rate, 30);
   EXPECT_EQ(config->rig, "/studio/rig.json");
+  EXPECT_EQ(config->times, "/studio/board/times.json");
   EXPECT_EQ(config->folder, "/studio/takes");
   EXPECT_EQ(config->recorder.take.label, "rehearsal");
   EXPECT_EQ(config->recorder.take.codec, capture::TakeCodec::Raw);
