@@ -6,7 +6,6 @@
 #include "core/statistics.h"
 #include "core/text.h"
 #include "pipeline/scene_loader.h"
-#include "pipeline/take_outlines.h"
 #include "recon/outline.h"
 
 namespace floatstage::pipeline {
@@ -38,8 +37,7 @@ Result<std::vector<std::vector<Silhouette>>> outlines_of(const capture::TakeRead
     std::vector<Silhouette> all(cameras.size());
     parallel_for(all.size(), threads, [&](std::size_t c) {
       const Matte& matte = (*mattes)[c];
-      if (!matte.empty())
-        all[c] = recon::outline_of(without_strands(matte), cameras[c].model, {.tolerance = 0});
+      if (!matte.empty()) all[c] = recon::outline_of(matte, cameras[c].model, {.tolerance = 0});
     });
     outlines.push_back(std::move(all));
     part.advance();

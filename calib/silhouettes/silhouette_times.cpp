@@ -34,6 +34,7 @@ constexpr int kStretches = 8;       // of time, for the jackknife
 constexpr double kFirstLoss = 2;    // px
 constexpr double kLeastLoss = 0.1;  // px: outlines are no better than that
 constexpr double kUseless = 0.25;   // frames: a sigma that helps nobody
+constexpr double kTurned = 5;       // times what tangents usually lie apart: a pose that is off
 constexpr int kFewestInstants = 5;  // of a tangent, of which one constant is estimated
 
 /// One tangent of a pair of cameras over time.
@@ -194,7 +195,7 @@ std::vector<Track> all_tracks(const Rig& rig, std::span<const std::vector<Convex
   return tracks;
 }
 
-// Says of every camera whether there is motion to measure it by; the first that has any is the reference.
+// Says of every camera whether there is motion to measure it by.
 TimeOffsets measurable(std::size_t cameras, const std::vector<Track>& tracks) {
   TimeOffsets out;
   out.cameras.resize(cameras);
@@ -208,7 +209,6 @@ TimeOffsets measurable(std::size_t cameras, const std::vector<Track>& tracks) {
   for (std::size_t c = 0; c < cameras; ++c) {
     TimeOffset& one = out.cameras[c];
     one.measured = motions[c].any();
-    if (one.measured && out.reference < 0) out.reference = static_cast<int>(c);
     if (!seen[c]) {
       one.not_measured =
           "its silhouettes and another's are not seen together, uncut, in enough frames in a row";
@@ -217,6 +217,44 @@ TimeOffsets measurable(std::size_t cameras, const std::vector<Track>& tracks) {
     }
   }
   return out;
+}
+
+// How far each camera's tangents lie from all others', whatever the time.
+std::vector<double> distances(std::size_t cameras, const std::vector<Track>& tracks) {
+  std::vector<std::vector<double>> apart(cameras);
+  for (const Track& track : tracks)
+    for (const int c : {track.a, track.b})
+      apart[static_cast<std::size_t>(c)].push_back(std::abs(track.constant));
+  std::vector<double> out;
+  for (std::vector<double>& one : apart) out.push_back(one.empty() ? 0 : median(std::move(one)));
+  return out;
+}
+
+/// The camera whose pose is off, if there is one: a turned camera lies apart in all its pairs, the others in
+/// one each.
+std::optional<std::size_t> turned_camera(const TimeOffsets& found) {
+  std::vector<double> apart;
+  std::size_t worst = 0;
+  for (std::size_t c = 0; c < found.cameras.size(); ++c) {
+    if (!found.cameras[c].measured) continue;
+    apart.push_back(found.cameras[c].apart_px);
+    if (!found.cameras[worst].measured || apart.back() > found.cameras[worst].apart_px) worst = c;
+  }
+  if (apart.size() < 4) return std::nullopt;  // of three, any could be the one
+  const double largest = found.cameras[worst].apart_px;
+  if (largest > 2 * kLeastLoss && largest > kTurned * median(std::move(apart))) return worst;
+  return std::nullopt;
+}
+
+// A camera of which nothing is known says nothing, and must not be moved by what others see.
+void keep_measurable(TimeOffsets& out, std::vector<Track>& tracks) {
+  out.reference = -1;
+  for (std::size_t c = 0; c < out.cameras.size() && out.reference < 0; ++c)
+    if (out.cameras[c].measured) out.reference = static_cast<int>(c);
+  std::erase_if(tracks, [&](const Track& t) {
+    return !out.cameras[static_cast<std::size_t>(t.a)].measured ||
+           !out.cameras[static_cast<std::size_t>(t.b)].measured;
+  });
 }
 
 void add_uncertainty(Solver& solver, TimeOffsets& out) {
@@ -249,17 +287,23 @@ Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::ve
       convex[k].push_back(convex_outline(rig.cameras[c].model, frames[k][c]));
   std::vector<Track> tracks = all_tracks(rig, convex);
   TimeOffsets out = measurable(rig.cameras.size(), tracks);
-  if (out.reference < 0) return out;
-  // A camera in which nothing moves says nothing, and must not be moved by what others see.
-  std::erase_if(tracks, [&](const Track& t) {
-    return !out.cameras[static_cast<std::size_t>(t.a)].measured ||
-           !out.cameras[static_cast<std::size_t>(t.b)].measured;
-  });
-  if (tracks.empty()) return TimeOffsets{-1, std::move(out.cameras)};
   Solver solver(tracks, rig.cameras.size(), static_cast<int>(frames.size()));
-  const std::vector<double> offsets = solver.solve(out.reference, -1);
-  for (std::size_t c = 0; c < offsets.size(); ++c)
-    if (out.cameras[c].measured) out.cameras[c].frames = offsets[c];
+  for (;;) {
+    keep_measurable(out, tracks);
+    if (tracks.empty()) return TimeOffsets{-1, std::move(out.cameras)};
+    const std::vector<double> offsets = solver.solve(out.reference, -1);
+    const std::vector<double> apart = distances(rig.cameras.size(), tracks);
+    for (std::size_t c = 0; c < offsets.size(); ++c)
+      if (out.cameras[c].measured) out.cameras[c].frames = offsets[c], out.cameras[c].apart_px = apart[c];
+    const std::optional<std::size_t> turned = turned_camera(out);
+    if (!turned) break;
+    TimeOffset& one = out.cameras[*turned];
+    one.measured = false;
+    one.frames = 0;
+    one.not_measured =
+        text("its silhouettes lie ", std::round(10 * one.apart_px) / 10,
+             " px from the others' at all times alike: its pose is off (`calibrate silhouettes`)");
+  }
   add_uncertainty(solver, out);
   return out;
 }

@@ -18,6 +18,9 @@ struct TimeOffset {
   double frames = 0;         ///< 0 of the reference
   double sigma_frames = 0;   ///< one standard deviation; 0 of the reference
   std::string not_measured;  ///< why, a clause: "nothing moves in its silhouettes"
+  /// Median of how far its tangents lie from the others' at every instant alike, px: what no time explains,
+  /// but a pose that is off, or hair that one camera sees and another does not. 0 when nothing was compared.
+  double apart_px = 0;
 };
 
 struct TimeOffsets {
@@ -28,9 +31,12 @@ struct TimeOffsets {
 /// Offsets between cameras that run freely at one rate, from how silhouettes move. The outermost epipolar
 /// tangents of a pair of cameras lie in one plane at any one instant; of a pair that is
 /// apart in time, each follows the other by that time. `frames[k][i]`: camera i's k-th picture of a take,
-/// none left out; an outline without points says nothing. The rig may be off by a constant: only motion
-/// counts. Offsets of up to two frames. InvalidArgument when there are fewer than two cameras or eight
-/// frames.
+/// none left out; an outline without points says nothing. Outlines as they are, hair and fingers with them:
+/// what an opening takes away differs from camera to camera by more. Take a second of motion or more, two
+/// thirds of one leave errors of a tenth of a frame (and say so in sigma). Only motion counts; a camera whose
+/// tangents lie farther from the others' at all times than theirs do from one another has a pose that is off,
+/// which pretends offsets: it is not measured, and says why. Offsets of up to two frames. InvalidArgument
+/// when there are fewer than two cameras or eight frames.
 Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames);
 
 }  // namespace floatstage::calib

@@ -26,8 +26,8 @@ struct TakePlayerOptions {
 /// stamps do, they are told by time_offsets(). What was lost when it was recorded is not delivered.
 class TakePlayer final : public LiveSource {
  public:
-  /// Errors: those of TakeReader::open() and load_time_offsets(); InvalidArgument for a take of no rate when none is given, and of no
-  /// frames.
+  /// Errors: those of TakeReader::open() and load_time_offsets(); InvalidArgument for a take of no rate when
+  /// none is given, and of no frames.
   static Result<std::unique_ptr<TakePlayer>> open(const std::filesystem::path& folder,
                                                   const TakePlayerOptions& options);
   ~TakePlayer() override { stop(); }

@@ -104,9 +104,9 @@ TEST_F(ARecorder, PutsCamerasThatCountDifferentlyIntoTheSameRows) {
 TEST_F(ARecorder, FindsRowsByInstantsWhereStampsAreKnownToBeOff) {
   constexpr std::int64_t kLag = 30'000'000;
   RecorderOptions options = options_at();
-  options.times = {"targets",
-                   {{"cam0", Nanoseconds{0}, Nanoseconds{0}, ""},
-                    {"cam1", Nanoseconds{-kLag}, Nanoseconds{100'000}, ""}}};
+  options.times = {
+      "targets",
+      {{"cam0", Nanoseconds{0}, Nanoseconds{0}, ""}, {"cam1", Nanoseconds{-kLag}, Nanoseconds{100'000}, ""}}};
   const auto recorder = started(2, options);
   for (std::uint64_t i = 0; i < 8; ++i)
     for (int camera = 0; camera < 2; ++camera)

@@ -1,11 +1,17 @@
 #include "calib/silhouettes/silhouette_times.h"
 
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/parallel.h"
 #include "core/synthetic/synthetic_studio.h"
 #include "recon/outline.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 
 namespace floatstage::calib {
@@ -13,8 +19,9 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int kCameras = 5, kFrames = 20, kLate = 2;
-constexpr int kParts = 100;  // of a frame, that the studio can be asked for
+constexpr int kCameras = 5, kFrames = 30;  // a second
+constexpr int kParts = 100;                // of a frame, that the studio can be asked for
+constexpr int kLate[kCameras] = {0, 37, -21, 0, 50};
 constexpr double kRate = 30;
 
 Rig ring() {
@@ -23,39 +30,89 @@ Rig ring() {
 
 using Frames = std::vector<std::vector<Silhouette>>;
 
-/// The performer's silhouettes in cameras that run freely, one of which is 37 hundredths of a frame ahead.
-const Frames& performed() {
-  static const Frames rendered = [] {
-    const Rig rig = ring();
-    const Result<SyntheticStudio> studio =
-        SyntheticStudio::create(rig, {.seed = 5, .frame_rate = kParts * kRate, .samples = 9});
-    Frames frames(kFrames, std::vector<Silhouette>(rig.cameras.size()));
-    parallel_for(frames.size(), 0, [&](std::size_t k) {
-      for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-        const int at = kParts * static_cast<int>(k) + (c == kLate ? 37 : 0);
-        frames[k][c] = recon::outline_of(studio->shoot(static_cast<int>(c), at).matte, rig.cameras[c].model,
-                                         {.tolerance = 0});
-      }
-    });
-    return frames;
-  }();
-  return rendered;
+/// The performer's silhouettes in cameras that run freely, each late by its parts of a frame.
+Frames performed(int frames) {
+  const Rig rig = ring();
+  const Result<SyntheticStudio> studio =
+      SyntheticStudio::create(rig, {.seed = 5, .frame_rate = kParts * kRate, .samples = 9});
+  Frames out(static_cast<std::size_t>(frames), std::vector<Silhouette>(rig.cameras.size()));
+  parallel_for(out.size(), 0, [&](std::size_t k) {
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+      const int at = kParts * (static_cast<int>(k) + 1) + kLate[c];
+      out[k][c] = recon::outline_of(studio->shoot(static_cast<int>(c), at).matte, rig.cameras[c].model,
+                                    {.tolerance = 0});
+    }
+  });
+  return out;
+}
+
+const Frames& a_second() {
+  static const Frames frames = performed(kFrames);
+  return frames;
+}
+
+/// Errors by their stated sigmas: about 1 where sigmas are honest.
+struct Honesty {
+  double squares = 0;
+  int count = 0;
+  double usual() const { return std::sqrt(squares / count); }
+};
+
+void expect_right(const TimeOffsets& found, Honesty& honesty) {
+  ASSERT_EQ(found.reference, 0);
+  for (int c = 1; c < kCameras; ++c) {
+    const TimeOffset& one = found.cameras[static_cast<std::size_t>(c)];
+    ASSERT_TRUE(one.measured) << c << ": " << one.not_measured;
+    const double error = one.frames - 0.01 * kLate[c];
+    EXPECT_LT(std::abs(error), 0.05) << c << ", sigma " << one.sigma_frames;
+    EXPECT_LT(one.sigma_frames, 0.1) << c;
+    honesty.squares += error * error / (one.sigma_frames * one.sigma_frames);
+    ++honesty.count;
+  }
 }
 
 TEST(SilhouetteTimes, FindThirtySevenHundredthsOfAFrame) {
-  const Result<TimeOffsets> found = measure_time_offsets(ring(), performed());
+  const Result<TimeOffsets> found = measure_time_offsets(ring(), a_second());
   ASSERT_THAT(found, IsOk());
-  EXPECT_EQ(found->reference, 0);
-  for (int c = 0; c < kCameras; ++c) {
-    const TimeOffset& one = found->cameras[static_cast<std::size_t>(c)];
-    ASSERT_TRUE(one.measured) << c << ": " << one.not_measured;
-    EXPECT_NEAR(one.frames, c == kLate ? 0.37 : 0, 0.05) << c << ", sigma " << one.sigma_frames;
-    EXPECT_LT(one.sigma_frames, 0.1) << c;
+  Honesty honesty;
+  expect_right(*found, honesty);
+  EXPECT_LT(honesty.usual(), 2.5);
+}
+
+// Every second of the dance, begun every third of one.
+TEST(SilhouetteTimes, FindThemInEveryWindowWithAnHonestSigma) {
+  FLOATSTAGE_LONG_FORM(true);
+  const Frames all = performed(100);
+  Honesty honesty;
+  for (std::size_t begin = 0; begin + kFrames <= all.size(); begin += 10) {
+    SCOPED_TRACE(begin);
+    const auto found = measure_time_offsets(ring(), std::span(all).subspan(begin, kFrames));
+    ASSERT_THAT(found, IsOk());
+    expect_right(*found, honesty);
+  }
+  EXPECT_GT(honesty.usual(), 0.7);
+  EXPECT_LT(honesty.usual(), 1.4);
+}
+
+// A turn is no time: it is said, and the others are measured without that camera.
+TEST(SilhouetteTimes, SayThatACameraHasTurned) {
+  for (const std::size_t turned : {0u, 2u}) {
+    Rig rig = ring();
+    Rigid3& pose = rig.cameras[turned].cam_from_world;
+    const Eigen::Vector3d axis = Eigen::Vector3d(0.3, 1, 0.2).normalized();
+    pose = Rigid3{Eigen::Quaterniond(Eigen::AngleAxisd(0.3 * std::numbers::pi / 180, axis)),
+                  Eigen::Vector3d::Zero()} *
+           pose;
+    const Result<TimeOffsets> found = measure_time_offsets(rig, a_second());
+    ASSERT_THAT(found, IsOk());
+    for (std::size_t c = 0; c < kCameras; ++c) EXPECT_EQ(found->cameras[c].measured, c != turned) << c;
+    EXPECT_THAT(found->cameras[turned].not_measured, HasSubstr("its pose is off"));
+    EXPECT_EQ(found->reference, turned == 0 ? 1 : 0);
   }
 }
 
 TEST(SilhouetteTimes, AreNotMeasuredWhenNothingMoves) {
-  const Frames still(kFrames, performed()[0]);
+  const Frames still(kFrames, a_second()[0]);
   const Result<TimeOffsets> found = measure_time_offsets(ring(), still);
   ASSERT_THAT(found, IsOk());
   EXPECT_EQ(found->reference, -1);
