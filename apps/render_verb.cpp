@@ -8,11 +8,11 @@
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
+#include "capture/sha256.h"
 #include "core/text.h"
-#include "pipeline/film.h"
+#include "pipeline/film_file.h"
 #include "pipeline/json_report.h"
 #include "pipeline/orbit.h"
-#include "pipeline/picture_sink.h"
 #include "pipeline/scene_loader.h"
 #include "render/back_end.h"
 
@@ -24,7 +24,7 @@ constexpr const char* kNoBackground = "none";
 struct Options {
   std::filesystem::path take, path_file, out, json_file;
   std::vector<std::string> methods = {"floating"};
-  std::string frames;
+  std::string frames, pictures;
   Size size;
   bool orbit = false, keep_spill = false;
   double seconds = 0;
@@ -33,16 +33,41 @@ struct Options {
   pipeline::OrbitOptions walk;
 };
 
-Result<void> run(const Options& given) {
-  if (given.orbit == !given.path_file.empty())
-    return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
+// The pictures of the film that --pictures names.
+Result<std::vector<int>> parts_asked_for(const Options& given, const capture::TakeReader& take,
+                                         const pipeline::CameraPath& path,
+                                         const pipeline::FilmOptions& film) {
+  if (given.pictures.empty()) return std::vector<int>();
+  const Result<std::vector<int>> whole = pipeline::film_frames(take, path, film);
+  if (!whole) return forward(whole);
+  return parse_frames(given.pictures, static_cast<int>(whole->size()));
+}
+
+void say(const Options& given, const pipeline::FilmOptions& film, const pipeline::FilmFileReport& report) {
+  const std::string kept = report.kept > 0 ? text(", ", report.kept, " of them made before") : "";
+  const double drawing = report.film.render_seconds;
+  std::printf("%s: %d pictures of %dx%d%s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
+              report.kept + report.film.pictures, film.width, film.height, kept.c_str(), report.film.seconds,
+              drawing > 0 ? report.film.pictures / drawing : 0.0);
+  if (!given.pictures.empty())
+    std::printf(
+        "%d of %d parts of the film are there; the same command without --pictures makes the rest and "
+        "joins them\n",
+        report.done, report.parts);
+}
+
+// Opacity in the place of a background.
+bool is_transparent(const Options& given) { return given.renderer.background == kNoBackground; }
+
+// What is said of the film and does not need the take.
+Result<pipeline::FilmOptions> film_options(const Options& given) {
   pipeline::FilmOptions film = given.film;
   film.width = given.size.width;
   film.height = given.size.height;
   film.methods = given.methods;
   film.seconds = given.seconds;
   film.suppress_spill = !given.keep_spill;
-  const bool transparent = given.renderer.background == kNoBackground;
+  const bool transparent = is_transparent(given);
   if (transparent && film.methods.size() > 1)
     return fail(ErrorCode::InvalidArgument,
                 "--background none shows one method: names stand on pictures that stand side by side");
@@ -52,54 +77,64 @@ Result<void> run(const Options& given) {
   if (!renderer) return forward(renderer);
   film.renderer = *renderer;
   film.balance = given.renderer.balance;
+  return film;
+}
 
+// Where the camera goes; an orbit's subject is the film's.
+Result<pipeline::CameraPath> path_of(const Options& given, const capture::TakeReader& take,
+                                     pipeline::FilmOptions& film) {
+  if (!given.orbit) return pipeline::load_path(given.path_file);
+  const Result<pipeline::Subject> subject = pipeline::find_subject(take);
+  if (!subject) return forward(subject);
+  film.subject = subject->box;
+  pipeline::OrbitOptions walk = given.walk;
+  if (given.seconds > 0) walk.seconds = given.seconds;
+  walk.aspect = static_cast<double>(film.width) / film.height;
+  pipeline::Orbit orbit = pipeline::orbit_around(take.rig(), *subject, walk);
+  std::printf("%s\n", pipeline::describe(orbit).c_str());
+  return std::move(orbit.path);
+}
+
+Result<void> run(const Options& given) {
+  if (given.orbit == !given.path_file.empty())
+    return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
+  Result<pipeline::FilmOptions> film = film_options(given);
+  if (!film) return forward(film);
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
-  suit_cameras(given.renderer, (*take)->rig(), film.renderer);
+  suit_cameras(given.renderer, (*take)->rig(), film->renderer);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
-  film.frames = std::move(*frames);
-  Result<pipeline::CameraPath> path =
-      given.orbit ? pipeline::CameraPath{} : pipeline::load_path(given.path_file);
+  film->frames = std::move(*frames);
+  const Result<pipeline::CameraPath> path = path_of(given, **take, *film);
   if (!path) return forward(path);
-  if (given.orbit) {
-    const Result<pipeline::Subject> subject = pipeline::find_subject(**take);
-    if (!subject) return forward(subject);
-    film.subject = subject->box;
-    pipeline::OrbitOptions walk = given.walk;
-    if (given.seconds > 0) walk.seconds = given.seconds;
-    walk.aspect = static_cast<double>(film.width) / film.height;
-    pipeline::Orbit orbit = pipeline::orbit_around((*take)->rig(), *subject, walk);
-    std::printf("%s\n", pipeline::describe(orbit).c_str());
-    *path = std::move(orbit.path);
-  }
-  const Result<render::OpenBackEnd> drawing = render::open_back_end(film.renderer.back_end);
+  const Result<render::OpenBackEnd> drawing = render::open_back_end(film->renderer.back_end);
   if (!drawing) return forward(drawing);
-  film.renderer.back_end = drawing->back_end;
-  const int columns = static_cast<int>(film.methods.size());
-  Result<std::unique_ptr<pipeline::PictureSink>> sink =
-      pipeline::open_picture_sink(given.out, film.width * columns, film.height, film.frame_rate, transparent);
-  if (!sink) return forward(sink);
+  film->renderer.back_end = drawing->back_end;
+  Result<std::vector<int>> pictures = parts_asked_for(given, **take, *path, *film);
+  if (!pictures) return forward(pictures);
   ProgressBar bar;
-  film.progress = &bar;
-  Result<pipeline::FilmReport> report =
-      pipeline::render_film(**take, *path, film, [&](pipeline::FilmPicture picture) {
-        if (transparent) return (*sink)->write(picture.renders.front());
-        std::vector<Image> pictures;
-        for (const Image& rgba : picture.renders)
-          pictures.push_back(pipeline::over(rgba, film.renderer.background));
-        return (*sink)->write(pipeline::side_by_side(pictures, film.methods));
-      });
+  film->progress = &bar;
+  const Result<capture::FileHash> program =
+      capture::sha256_of_file("/proc/self/exe", [](std::uint64_t) { return true; });
+  if (!program) return forward(program);
+  const std::string drawn_by = drawing->back_end == render::BackEnd::Gl ? drawing->description : "cpu";
+  const pipeline::FilmFileOptions file = {.out = given.out,
+                                          .drawn_by = drawn_by + " " + program->sha256,
+                                          .with_opacity = is_transparent(given),
+                                          .pictures = std::move(*pictures)};
+  const Result<pipeline::FilmFileReport> report = pipeline::render_film_file(**take, *path, *film, file);
   if (!report) return forward(report);
-  if (Result<void> ok = (*sink)->finish(); !ok) return ok;
-  std::printf("%s: %d pictures of %dx%d in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
-              report->pictures, film.width, film.height, report->seconds,
-              report->pictures / report->render_seconds);
+  say(given, *film, *report);
   if (given.json_file.empty()) return {};
   return pipeline::save_json({{"out", given.out.string()},
                               {"pictures", report->pictures},
-                              {"seconds", report->seconds},
-                              {"render_seconds", report->render_seconds},
+                              {"drawn", report->film.pictures},
+                              {"kept", report->kept},
+                              {"parts", report->parts},
+                              {"parts_done", report->done},
+                              {"seconds", report->film.seconds},
+                              {"render_seconds", report->film.render_seconds},
                               {"renderer", drawing->description}},
                              given.json_file);
 }
@@ -124,6 +159,9 @@ void add_render(CLI::App& app, Chosen& chosen) {
   add_frames(*verb, options->frames, "all");
   add_fps(*verb, options->film.frame_rate, "Pictures a second of the film");
   add_seconds(*verb, options->seconds, "Length of the film (default: the take's, or the path's)");
+  verb->add_option("--pictures", options->pictures,
+                   "Only the parts of the film with these pictures, A:B; the call without it joins all parts")
+      ->type_name("A:B");
   verb->add_flag("--keep-spill", options->keep_spill, "Leave the cloth's colour cast on the photographs")
       ->group(kGroupPicture);
   add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));

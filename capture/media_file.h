@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -39,5 +40,13 @@ class VideoWriter {
   /// Replaces `file`. InvalidArgument when no picture was written: such a file would not play.
   virtual Result<void> finish() = 0;
 };
+
+/// Puts films that a VideoWriter wrote, of one size and `frame_rate`, one behind the other into a new MP4
+/// (of ProRes, MOV) without coding a picture again: every film begins with a picture that needs no other, so
+/// what is decoded is what is decoded of the parts, and the same parts give the same bytes. BadData names a
+/// part that is no such film or is coded otherwise than the first, or says that there are not so many
+/// `pictures`; AlreadyExists when `file` is there or is being written; Io. Temporary name until it is whole.
+Result<void> join_videos(const std::vector<std::filesystem::path>& parts, double frame_rate,
+                         std::int64_t pictures, const std::filesystem::path& file);
 
 }  // namespace floatstage::capture

@@ -130,6 +130,21 @@ class SceneStream {
 
 }  // namespace
 
+Result<std::vector<int>> film_frames(const capture::TakeReader& take, const CameraPath& path,
+                                     const FilmOptions& options) {
+  if (Result<void> ok = check(take, options); !ok) return forward(ok);
+  std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
+  for (const int picture : options.pictures)
+    if (picture < 0 || static_cast<std::size_t>(picture) >= frames.size())
+      return fail(ErrorCode::InvalidArgument,
+                  text("picture ", picture, " is not in the film, which has ", frames.size()));
+  return frames;
+}
+
+Result<Rig> film_rig(capture::TakeReader& take, const FilmOptions& options) {
+  return options.balance ? rig_in_balance(take) : rig_with_colors(take);
+}
+
 Image over(const Image& rgba, const std::array<float, 3>& background) {
   Image rgb(rgba.width, rgba.height, 3);
   const std::size_t pixels = rgba.pixels.size() / 4;
@@ -161,7 +176,8 @@ Image side_by_side(const std::vector<Image>& pictures, const std::vector<std::st
 
 Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path, const FilmOptions& options,
                                const std::function<Result<void>(FilmPicture)>& visit) {
-  if (Result<void> ok = check(take, options); !ok) return forward(ok);
+  const Result<std::vector<int>> whole = film_frames(take, path, options);
+  if (!whole) return forward(whole);
   const Clock::time_point begin = Clock::now();
   std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
   for (const std::string& method : options.methods) {
@@ -178,16 +194,19 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     if (!subject) return forward(subject);
     box = subject->box;
   }
-  const Result<Rig> rig = options.balance ? rig_in_balance(take) : rig_with_colors(take);
+  const Result<Rig> rig = options.rig ? Result<Rig>(*options.rig) : film_rig(take, options);
   if (!rig) return forward(rig);
 
-  const std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
-  const double film_seconds = static_cast<double>(frames.size()) / options.frame_rate;
+  const double film_seconds = static_cast<double>(whole->size()) / options.frame_rate;
+  std::vector<int> drawn_pictures = options.pictures, frames;
+  for (std::size_t p = 0; options.pictures.empty() && p < whole->size(); ++p)
+    drawn_pictures.push_back(static_cast<int>(p));
   std::vector<View> views;
-  for (std::size_t p = 0; p < frames.size(); ++p) {
-    const double film_time = static_cast<double>(p) / options.frame_rate;
+  for (const int picture : drawn_pictures) {
+    const double film_time = picture / options.frame_rate;
     views.push_back(view_of(sample(path, film_time / film_seconds * path.duration()), options.width,
                             options.height, box));
+    frames.push_back((*whole)[static_cast<std::size_t>(picture)]);
   }
   SceneStream scenes(take, options, frames, views);
   render::Scene drawn;
@@ -202,7 +221,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
       if (!scene) return forward(scene);
       if (Result<void> ok = set_scene(*rig, *scene, drawn); !ok) return in_frame(ok.error());
     }
-    FilmPicture picture{static_cast<int>(p), frames[p], views[p], {}};
+    FilmPicture picture{drawn_pictures[p], frames[p], views[p], {}};
     for (const std::unique_ptr<render::ViewRenderer>& renderer : renderers) {
       Result<render::RenderedView> rendered = renderer->render(drawn, picture.view, options.renderer);
       if (!rendered) return in_frame(rendered.error());

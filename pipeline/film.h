@@ -8,6 +8,7 @@
 
 #include "capture/take.h"
 #include "core/result.h"
+#include "core/rig.h"
 #include "pipeline/camera_path.h"
 #include "pipeline/progress.h"
 #include "render/renderer.h"
@@ -23,6 +24,9 @@ struct FilmOptions {
   bool suppress_spill = true;
   bool balance = false;                             ///< cameras' colours are brought to one another
   std::optional<Eigen::AlignedBox3d> subject = {};  ///< find_subject() of the take, where it is known
+  std::optional<Rig> rig = {};                      ///< film_rig() of the take, where it is known
+  /// Which pictures of the film are drawn, indices in rising order; empty: all.
+  std::vector<int> pictures = {};
   render::RendererOptions renderer;
   Progress* progress = nullptr;  ///< null: unwatched
 };
@@ -41,9 +45,17 @@ struct FilmReport {
   double render_seconds = 0;  ///< of it in the renderers
 };
 
+/// Which frame of the take each picture of the whole film shows. InvalidArgument for options that make no
+/// film.
+Result<std::vector<int>> film_frames(const capture::TakeReader& take, const CameraPath& path,
+                                     const FilmOptions& options);
+
+/// The take's rig with the colours that a film of these options is drawn with. Errors: a photograph's.
+Result<Rig> film_rig(capture::TakeReader& take, const FilmOptions& options);
+
 /// Walks the virtual camera along `path` while the take plays and hands each picture to `visit`, in order, on
 /// the calling thread. The renderer's back-end must be open (open_back_end()). Stops at the first error of
-/// `visit`.
+/// `visit`. Without motion blur a picture does not depend on which others are drawn.
 Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path, const FilmOptions& options,
                                const std::function<Result<void>(FilmPicture)>& visit);
 

@@ -51,35 +51,39 @@ class FolderSink : public PictureSink {
   bool finished_ = false;
 };
 
-Result<void> refuse_existing(const fs::path& out) {
-  if (!is_there(out)) return {};
-  return fail(ErrorCode::AlreadyExists,
-              text(out.string(), " exists already; choose another --out or remove it"));
+bool is_video(const fs::path& out) {
+  const fs::path extension = out.extension();
+  return extension == ".mp4" || extension == ".mkv" || extension == ".mov";
 }
 
 }  // namespace
 
+Result<void> check_film_name(const fs::path& out, bool with_opacity) {
+  if (is_there(out))
+    return fail(ErrorCode::AlreadyExists,
+                text(out.string(), " exists already; choose another --out or remove it"));
+  if (out.has_extension() && !is_video(out))
+    return fail(ErrorCode::InvalidArgument,
+                text(out.string(), ": name a .mp4, .mkv or .mov video, or a folder for PNGs"));
+  if (with_opacity && is_video(out) && out.extension() != ".mov")
+    return fail(ErrorCode::InvalidArgument,
+                text(out.string(),
+                     ": H.264 holds no opacity; name a .mov video (ProRes 4444), or a folder for PNGs"));
+  return {};
+}
+
 Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int width, int height,
                                                        double frame_rate, bool with_opacity) {
-  if (Result<void> ok = refuse_existing(out); !ok) return forward(ok);
-  const fs::path extension = out.extension();
-  if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
-    if (with_opacity && extension != ".mov")
-      return fail(ErrorCode::InvalidArgument,
-                  text(out.string(),
-                       ": H.264 holds no opacity; name a .mov video (ProRes 4444), or a folder for "
-                       "PNGs"));
+  if (Result<void> ok = check_film_name(out, with_opacity); !ok) return forward(ok);
+  if (is_video(out)) {
     Result<std::unique_ptr<capture::VideoWriter>> writer =
         with_opacity ? capture::create_alpha_video(out, width, height, frame_rate)
                      : capture::VideoWriter::create(out, width, height, frame_rate);
     if (!writer) return forward(writer);
     // Once more, now that nobody else can write it.
-    if (Result<void> ok = refuse_existing(out); !ok) return forward(ok);
+    if (Result<void> ok = check_film_name(out, with_opacity); !ok) return forward(ok);
     return std::unique_ptr<PictureSink>(std::make_unique<VideoSink>(std::move(*writer)));
   }
-  if (!extension.empty())
-    return fail(ErrorCode::InvalidArgument,
-                text(out.string(), ": name a .mp4, .mkv or .mov video, or a folder for PNGs"));
   Result<Claim> claim = claim_temporary_folder(out);
   if (!claim) return forward(claim);
   return std::unique_ptr<PictureSink>(std::make_unique<FolderSink>(out, std::move(*claim)));

@@ -17,6 +17,10 @@ class PictureSink {
   virtual Result<void> finish() = 0;
 };
 
+/// Whether a film can be put there: AlreadyExists, or InvalidArgument for a name that says no kind of film,
+/// or one that holds no opacity (`with_opacity`).
+Result<void> check_film_name(const std::filesystem::path& out, bool with_opacity);
+
 /// "*.mp4", "*.mkv", "*.mov": H.264; a name without extension: a new folder of 000000.png, 000001.png, …
 /// They hold RGB pictures, or `with_opacity` RGBA ones with straight alpha: then PNGs do, and a "*.mov" in
 /// ProRes 4444. AlreadyExists when something is there already; InvalidArgument for a file that holds no such

@@ -1,0 +1,141 @@
+#include "pipeline/film_file.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/text.h"
+#include "pipeline/film_inputs.h"
+#include "pipeline/subject.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+// A part that is to be drawn.
+struct Todo {
+  std::size_t part = 0;
+  std::string inputs;
+};
+
+bool holds_any(const FilmParts::Part& part, const std::vector<int>& pictures) {
+  return pictures.empty() || std::any_of(pictures.begin(), pictures.end(), [&](int picture) {
+           return picture >= part.first && picture < part.first + part.count;
+         });
+}
+
+Result<FilmOptions> completed(capture::TakeReader& take, FilmOptions options) {
+  if (!options.subject) {
+    const Result<Subject> subject = find_subject(take);
+    if (!subject) return forward(subject);
+    options.subject = subject->box;
+  }
+  if (!options.rig) {
+    Result<Rig> rig = film_rig(take, options);
+    if (!rig) return forward(rig);
+    options.rig = std::move(*rig);
+  }
+  return options;
+}
+
+// Hands pictures to the part that they belong to.
+class PartWriter {
+ public:
+  PartWriter(FilmParts& parts, const std::vector<Todo>& todo) : parts_(parts), todo_(todo) {}
+
+  Result<void> write(int picture, const Image& drawn) {
+    const FilmParts::Part& part = parts_.parts()[todo_[at_].part];
+    if (picture == part.first) {
+      Result<std::unique_ptr<PictureSink>> sink = parts_.begin(todo_[at_].part, todo_[at_].inputs);
+      if (!sink) return forward(sink);
+      sink_ = std::move(*sink);
+    }
+    if (Result<void> ok = sink_->write(drawn); !ok) return ok;
+    if (picture + 1 < part.first + part.count) return {};
+    if (Result<void> ok = sink_->finish(); !ok) return ok;
+    sink_.reset();
+    ++at_;
+    return {};
+  }
+
+ private:
+  FilmParts& parts_;
+  const std::vector<Todo>& todo_;
+  std::size_t at_ = 0;
+  std::unique_ptr<PictureSink> sink_;
+};
+
+// What of the film is to be drawn, in order; counts what is there.
+Result<std::vector<Todo>> find_todo(const capture::TakeReader& take, const FilmParts& parts,
+                                    const std::vector<int>& frames, const std::vector<int>& pictures,
+                                    FilmFileReport& report) {
+  std::vector<Todo> todo;
+  for (std::size_t i = 0; i < parts.parts().size(); ++i) {
+    const FilmParts::Part& part = parts.parts()[i];
+    const auto first = frames.begin() + part.first;
+    Result<std::string> inputs = hash_of_scenes(take, {first, first + part.count});
+    if (!inputs) return forward(inputs);
+    if (parts.is_done(i, *inputs)) {
+      ++report.done;
+      if (holds_any(part, pictures)) report.kept += part.count;
+    } else if (holds_any(part, pictures)) {
+      todo.push_back({i, std::move(*inputs)});
+    }
+  }
+  return todo;
+}
+
+FilmShape shape_of(const FilmOptions& options, int pictures, const FilmFileOptions& file) {
+  return {.width = options.width * static_cast<int>(options.methods.size()),
+          .height = options.height,
+          .frame_rate = options.frame_rate,
+          .pictures = pictures,
+          .in_one = options.renderer.motion_blur > 0,
+          .with_opacity = file.with_opacity,
+          .part_pictures = file.part_pictures};
+}
+
+}  // namespace
+
+Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraPath& path,
+                                        const FilmOptions& wanted, const FilmFileOptions& file) {
+  if (file.with_opacity && wanted.methods.size() > 1)
+    return fail(ErrorCode::InvalidArgument, "opacity is of one method");
+  Result<FilmOptions> options = completed(take, wanted);
+  if (!options) return forward(options);
+  options->pictures = file.pictures;
+  const Result<std::vector<int>> frames = film_frames(take, path, *options);
+  if (!frames) return forward(frames);
+  const Result<std::string> made_from =
+      hash_of_film(take, path, *options,
+                   text(file.drawn_by, file.with_opacity ? " with opacity" : "", " in ", file.part_pictures));
+  if (!made_from) return forward(made_from);
+  const FilmShape shape = shape_of(*options, static_cast<int>(frames->size()), file);
+  Result<std::unique_ptr<FilmParts>> parts = FilmParts::open(
+      file.out, shape, *made_from, file.pictures.empty() ? FilmParts::Use::Alone : FilmParts::Use::Shared);
+  if (!parts) return forward(parts);
+  FilmFileReport report{.film = {}, .pictures = shape.pictures};
+  report.parts = static_cast<int>((*parts)->parts().size());
+  const Result<std::vector<Todo>> todo = find_todo(take, **parts, *frames, file.pictures, report);
+  if (!todo) return forward(todo);
+
+  options->pictures.clear();
+  for (const Todo& one : *todo)
+    for (int i = 0; i < (*parts)->parts()[one.part].count; ++i)
+      options->pictures.push_back((*parts)->parts()[one.part].first + i);
+  if (!todo->empty()) {
+    PartWriter writer(**parts, *todo);
+    Result<FilmReport> drawn = render_film(take, path, *options, [&](FilmPicture picture) {
+      if (file.with_opacity) return writer.write(picture.index, picture.renders.front());
+      std::vector<Image> pictures;
+      for (const Image& rgba : picture.renders) pictures.push_back(over(rgba, options->renderer.background));
+      return writer.write(picture.index, side_by_side(pictures, options->methods));
+    });
+    if (!drawn) return forward(drawn);
+    report.film = *drawn;
+    report.done += static_cast<int>(todo->size());
+  }
+  if (file.pictures.empty())
+    if (Result<void> ok = (*parts)->join(); !ok) return forward(ok);
+  return report;
+}
+
+}  // namespace floatstage::pipeline

@@ -1,0 +1,200 @@
+#include "pipeline/film_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "capture/media_file.h"
+#include "core/file.h"
+#include "core/png.h"
+#include "pipeline/orbit.h"
+#include "pipeline/process/process.h"
+#include "pipeline/subject.h"
+#include "tests/support/small_take.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Ends the job once so many pictures were drawn.
+class Impatient final : public Progress {
+ public:
+  explicit Impatient(int pictures) : left_(pictures) {}
+  void begin(const std::string&, std::size_t) override {}
+  void advance(std::size_t) override { --left_; }
+  void end() override {}
+  bool cancelled() const override { return left_ <= 0; }
+
+ private:
+  int left_;
+};
+
+class AFilmFile : public testing::Test {
+ protected:
+  static constexpr int kPart = 5, kPictures = 13;  // parts of 5 and 8
+
+  void SetUp() override {
+    path_ = small_take(folder_, 3);
+    ASSERT_THAT(process_take({.take = path_, .matte = "chroma", .hull = recon::HullOptions{}}), IsOk());
+    film_.width = 48;
+    film_.height = 36;
+    film_.frame_rate = 25;
+    film_.seconds = kPictures / 25.0;
+    film_.frames = {0, 1, 2};
+    film_.methods = {"nearest"};
+    film_.renderer.back_end = render::BackEnd::Cpu;
+  }
+  Result<FilmFileReport> render(const fs::path& out, std::vector<int> pictures = {}) {
+    auto take = std::move(*capture::TakeReader::open(path_));
+    const CameraPath path = orbit_around(take->rig(), *find_subject(*take), {.seconds = 5}).path;
+    return render_film_file(*take, path, film_,
+                            {.out = out,
+                             .drawn_by = "cpu",
+                             .with_opacity = with_opacity_,
+                             .pictures = std::move(pictures),
+                             .part_pictures = kPart});
+  }
+  // What a run leaves that is stopped after so many pictures.
+  void stop_after(int pictures, const fs::path& out) {
+    Impatient user(pictures);
+    film_.progress = &user;
+    EXPECT_THAT(render(out), FailsWith(ErrorCode::Cancelled, "goes on from there"));
+    film_.progress = nullptr;
+  }
+  fs::path out(const std::string& name) const { return folder_ / name; }
+
+  TempFolder folder_;
+  fs::path path_;
+  FilmOptions film_;
+  bool with_opacity_ = false;
+};
+
+TEST_F(AFilmFile, StoppedAndGoneOnWithHasTheBytesOfOneThatWasNot) {
+  const Result<FilmFileReport> whole = render(out("whole.mp4"));
+  ASSERT_THAT(whole, IsOk());
+  EXPECT_EQ(whole->parts, 2);
+  EXPECT_EQ(whole->film.pictures, kPictures);
+  stop_after(7, out("film.mp4"));
+  EXPECT_FALSE(fs::exists(out("film.mp4")));
+  const Result<FilmFileReport> rest = render(out("film.mp4"));
+  ASSERT_THAT(rest, IsOk());
+  EXPECT_EQ(rest->kept, kPart);
+  EXPECT_EQ(rest->film.pictures, kPictures - kPart);
+  EXPECT_EQ(*read_file(out("film.mp4")), *read_file(out("whole.mp4")));
+  EXPECT_FALSE(fs::exists(out("film.mp4.parts")));
+}
+
+TEST_F(AFilmFile, HasEveryPictureOfAnUnbrokenOneAtItsTime) {
+  stop_after(6, out("film.mp4"));
+  ASSERT_THAT(render(out("film.mp4")), IsOk());
+  ASSERT_THAT(render(out("pngs")), IsOk());
+  auto reader = capture::MediaReader::open(out("film.mp4"));
+  ASSERT_THAT(reader, IsOk());
+  EXPECT_DOUBLE_EQ((*reader)->frame_rate(), 25);
+  std::vector<Image> before;
+  for (int i = 0; i < kPictures; ++i) {
+    char name[16];
+    std::snprintf(name, sizeof name, "%06d.png", i);
+    const Result<Image> shown = (*reader)->next(), drawn = load_png(out("pngs") / name);
+    ASSERT_THAT(shown, IsOk()) << i;
+    EXPECT_THAT(*shown, ImageNear(*drawn, 30.0)) << i << ": the picture itself, coded";
+    if (i >= 3) {
+      EXPECT_GT(psnr(*shown, *drawn), psnr(*shown, before[static_cast<std::size_t>(i - 3)]))
+          << i << ": not another one";
+    }
+    before.push_back(*drawn);
+  }
+  EXPECT_THAT((*reader)->next(), FailsWith(ErrorCode::EndOfStream, ""));
+}
+
+TEST_F(AFilmFile, OfPngsGoesOnToo) {
+  ASSERT_THAT(render(out("whole")), IsOk());
+  stop_after(7, out("film"));
+  ASSERT_THAT(render(out("film")), IsOk());
+  int pictures = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(out("whole"))) {
+    EXPECT_EQ(*read_file(entry.path()), *read_file(out("film") / entry.path().filename()));
+    ++pictures;
+  }
+  EXPECT_EQ(pictures, kPictures);
+  EXPECT_FALSE(fs::exists(out("film.parts")));
+}
+
+TEST_F(AFilmFile, IsMadeByRunsWithPicturesOfTheirOwn) {
+  ASSERT_THAT(render(out("whole.mp4")), IsOk());
+  const Result<FilmFileReport> later = render(out("film.mp4"), {12});
+  ASSERT_THAT(later, IsOk());
+  EXPECT_EQ(later->film.pictures, kPictures - kPart) << "parts are made whole";
+  EXPECT_EQ(later->done, 1);
+  EXPECT_FALSE(fs::exists(out("film.mp4"))) << "who makes a part joins nothing";
+  ASSERT_THAT(render(out("film.mp4"), {0, 1}), IsOk());
+  const Result<FilmFileReport> joined = render(out("film.mp4"));
+  ASSERT_THAT(joined, IsOk());
+  EXPECT_EQ(joined->kept, kPictures);
+  EXPECT_EQ(joined->film.pictures, 0);
+  EXPECT_EQ(*read_file(out("film.mp4")), *read_file(out("whole.mp4")));
+  EXPECT_THAT(render(out("other.mp4"), {13}), FailsWith(ErrorCode::InvalidArgument, "picture 13"));
+}
+
+TEST_F(AFilmFile, WithOpacityGoesOnToo) {
+  with_opacity_ = true;
+  ASSERT_THAT(render(out("whole.mov")), IsOk());
+  stop_after(7, out("film.mov"));
+  const Result<FilmFileReport> rest = render(out("film.mov"));
+  ASSERT_THAT(rest, IsOk());
+  EXPECT_EQ(rest->kept, kPart);
+  EXPECT_EQ(*read_file(out("film.mov")), *read_file(out("whole.mov")));
+  EXPECT_THAT(render(out("film.mp4")), FailsWith(ErrorCode::InvalidArgument, "holds no opacity"));
+}
+
+TEST_F(AFilmFile, KeepsNoPartThatOtherOptionsMade) {
+  stop_after(7, out("film.mp4"));
+  film_.renderer.background = {1, 0, 0};
+  EXPECT_THAT(render(out("film.mp4"), {0}), FailsWith(ErrorCode::AlreadyExists, "parts of another film"));
+  const Result<FilmFileReport> again = render(out("film.mp4"));
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->kept, 0);
+}
+
+TEST_F(AFilmFile, DrawsAPartAgainWhoseMeshOrMatteHasChanged) {
+  stop_after(7, out("film.mp4"));
+  const TakeLayout layout(path_);
+  ASSERT_TRUE(fs::remove(layout.matte("cam00", 1)));
+  const Result<FilmFileReport> again = render(out("film.mp4"));
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->kept, 0);
+}
+
+TEST_F(AFilmFile, DrawsAPartAgainThatIsDamaged) {
+  stop_after(7, out("film.mp4"));
+  ASSERT_THAT(write_file(out("film.mp4.parts") / "000000.mp4", "cut"), IsOk());
+  const Result<FilmFileReport> again = render(out("film.mp4"));
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->kept, 0);
+}
+
+TEST_F(AFilmFile, OfPngsDrawsAPartAgainOneOfWhosePicturesIsDamaged) {
+  stop_after(7, out("film"));
+  ASSERT_THAT(write_file(out("film.parts") / "pictures" / "000004.png", "cut"), IsOk());
+  const Result<FilmFileReport> again = render(out("film"));
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(again->kept, 0);
+}
+
+TEST_F(AFilmFile, LeavesNothingWhenItIsStoppedBeforeTheFirstPart) {
+  stop_after(3, out("film.mp4"));
+  stop_after(3, out("film"));
+  EXPECT_THAT(folder_.names(), testing::UnorderedElementsAre("take"));
+}
+
+TEST_F(AFilmFile, WithMotionBlurIsOnePart) {
+  film_.methods = {"filtered"};
+  film_.seconds = 11 / 25.0;
+  film_.renderer.motion_blur = 0.5;
+  const Result<FilmFileReport> whole = render(out("film.mp4"));
+  ASSERT_THAT(whole, IsOk());
+  EXPECT_EQ(whole->parts, 1);
+}
+
+}  // namespace
+}  // namespace floatstage::pipeline
