@@ -167,6 +167,10 @@ Result<FittedRig> fit_to_format(const Rig& rig, const LensLimits& holds, std::st
   for (RigCamera& camera : out.rig.cameras) {
     const CameraModel was = camera.model;
     const Rigid3 stood = camera.cam_from_world;
+    if (const auto* b = std::get_if<BrownConrady>(&was.lens); b && b->rational())
+      return fail(ErrorCode::Unsupported,
+                  text("camera '", camera.serial, "' has a rational lens (k4 to k6), which ", format,
+                       " is not given; undistort the pictures first"));
     if (fits(was, holds)) {
       out.residual_px.push_back(Measured::not_measured("the format holds this camera as it is"));
       continue;

@@ -105,6 +105,15 @@ TEST(ExportedRig, OfADefaultSessionGoesToKalibr) {
   for (const Measured& r : fitted->residual_px) EXPECT_FALSE(r) << "held bit by bit";
 }
 
+// Its denominator would be left out without a word.
+TEST(ExportedRig, WithARationalLensIsRefusedByEveryFormat) {
+  Rig rig = ring_rig(4);
+  std::get<BrownConrady>(rig.cameras[2].model.lens).k4 = 0.01;
+  for (const RigFormat& f : rig_formats())
+    EXPECT_THAT(fit_to_format(rig, f.holds, f.name, 100), FailsWith(ErrorCode::Unsupported, "rational lens"))
+        << f.name;
+}
+
 TEST(ExportedRig, WithAThirdTermGoesToKalibrWithAStatedResidual) {
   const Rig rig = ring_rig(4);
   const Result<FittedRig> fitted = fit_to_format(rig, format("kalibr").holds, "kalibr", 0.1);

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/rig_io.h"
+#include "pipeline/calibrate/session_observations.h"
+#include "tests/core/rigs.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
@@ -206,6 +209,16 @@ TEST(CalibrationSession, CutOffAnywhereNeverCrashes) {
 
 TEST(CalibrationSession, ThatIsNotThereIsNamed) {
   EXPECT_THAT(load_session("/no/such/session.toml"), FailsWith(ErrorCode::NotFound, "session.toml"));
+}
+
+// Its denominator would be lost on the way to the solver, without a word.
+TEST(KnownRig, WithARationalLensIsRefused) {
+  const TempFolder folder;
+  Rig rig = ring(3);
+  rig.cameras[1].model.lens = BrownConrady{.k1 = 0.1, .k5 = 0.02};
+  ASSERT_THAT(save_rig(rig, folder / "rig.json"), IsOk());
+  EXPECT_THAT(load_known({.format = "rig", .file = folder / "rig.json"}),
+              FailsWith(ErrorCode::Unsupported, "camera 'cam1' has a rational lens"));
 }
 
 }  // namespace
