@@ -235,7 +235,8 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
                                    .least_points = s.markerless->least_points,
                                    .largest_focal_error = s.markerless->largest_focal_error};
   std::optional<calib::MarkerlessResult> found;
-  bool kept = false;  // the known poses hold
+  bool kept = false;     // the known poses hold
+  std::string not_held;  // why they do not
   if (poses != calib::Prior::Unknown && !carried) {
     options.least_track = 2;  // places are known: ties need not hold them
     Result<calib::MarkerlessResult> result = calib::triangulate_markerless(scene->pictures, *known, options);
@@ -246,12 +247,17 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
     } else if (poses == calib::Prior::Fixed || result.error().code != ErrorCode::BadData) {
       return forward(result);
     } else {
+      not_held = result.error().message;
       out.remarks.push_back(
-          text("the known poses do not hold: ", result.error().message, "; all cameras were placed anew"));
+          text("the known poses do not hold: ", not_held, "; all cameras were placed anew"));
     }
   }
   if (!found) {
     Result<calib::MarkerlessResult> result = calib::calibrate_markerless(scene->pictures, workspace, options);
+    if (!result && !not_held.empty())
+      return fail(result.error().code,
+                  text("the known poses do not hold: ", not_held,
+                       "; nor can the cameras be placed anew: ", result.error().message));
     if (!result) return forward(result);
     found = *std::move(result);
   }

@@ -19,7 +19,8 @@ namespace {
 struct GivenSet {
   const char* name;
   std::size_t cameras;
-  bool quick;  ///< in the short form, too
+  bool quick;                     ///< in the short form, too
+  const char* refusal = nullptr;  ///< what its run says where its pictures show too little
 };
 
 void PrintTo(const GivenSet& set, std::ostream* out) { *out << set.name; }
@@ -29,9 +30,10 @@ INSTANTIATE_TEST_SUITE_P(
     Sets, NewSessionOfASet,
     testing::Values(GivenSet{"middlebury-temple-sparse-ring", 16, true},
                     GivenSet{"pose2sim-balancing", 4, true}, GivenSet{"middlebury-temple-ring", 19, false},
-                    GivenSet{"middlebury-dino-sparse-ring", 16, false}, GivenSet{"caliscope-4cam", 4, false},
-                    GivenSet{"green-dome", 20, false}, GivenSet{"green-dome-wd", 20, false},
-                    GivenSet{"dynamic-basketball", 31, false}, GivenSet{"lightfield-shop", 81, false}),
+                    GivenSet{"middlebury-dino-sparse-ring", 16, false,
+                             "the known poses do not hold: camera 'dinoSR0005' shows only"},
+                    GivenSet{"caliscope-4cam", 4, false}, GivenSet{"green-dome", 20, false},
+                    GivenSet{"green-dome-wd", 20, false}, GivenSet{"dynamic-basketball", 31, false}),
     [](const auto& given) {
       std::string name = given.param.name;
       std::erase(name, '-');
@@ -52,6 +54,11 @@ TEST_P(NewSessionOfASet, RunsUnedited) {
   EXPECT_EQ(session->cameras.size(), set.cameras);
   Result<SessionObservations> seen = collect(*session, "", 0);
   ASSERT_THAT(seen, IsOk());
+  if (set.refusal != nullptr) {  // bare plaster
+    EXPECT_THAT(add_scene(*session, folder / "colmap", 0, nullptr, *seen),
+                FailsWith(ErrorCode::BadData, set.refusal));
+    return;
+  }
   if (session->markerless) {
     ASSERT_THAT(add_scene(*session, folder / "colmap", 0, nullptr, *seen), IsOk());
   }
