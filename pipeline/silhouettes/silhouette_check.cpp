@@ -22,7 +22,6 @@ namespace floatstage::pipeline {
 namespace {
 
 using calib::SilhouetteTurn;
-using calib::SilhouetteWitness;
 
 constexpr std::size_t kFewestCameras = 4;  // without one of them, three still bound a body
 constexpr double kSigmas = 5;              // a turn that is none is that far off once in a million
