@@ -17,7 +17,7 @@ namespace {
 
 struct Options {
   pipeline::ImportOptions import;
-  std::string other_size = "refuse", frames;
+  std::string other_size = "refuse", contour_origin = "corner", frames;
   double frame_rate = 0, plane = 0;  // 0: not given
   std::filesystem::path json;
 };
@@ -33,6 +33,8 @@ Result<void> run(const Options& given) {
   options.other_size = given.other_size == "scaled"    ? pipeline::OtherSize::Scaled
                        : given.other_size == "cropped" ? pipeline::OtherSize::Cropped
                                                        : pipeline::OtherSize::Refuse;
+  options.contour_options.origin =
+      given.contour_origin == "centre" ? pipeline::ContourOrigin::Centre : pipeline::ContourOrigin::Corner;
   if (given.frame_rate > 0) options.frame_rate = given.frame_rate;
   if (given.plane != 0) options.plane = given.plane;
   if (!given.frames.empty()) {
@@ -76,6 +78,17 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
                   "Folder with mattes (PNG) named like the pictures: the take needs no keying. Enough "
                   "without pictures")
       ->type_name("FOLDER");
+  app->add_option("--contours", import.contours,
+                  "Polygons of other programs in the place of mattes: COCO's JSON file, or a folder of "
+                  "labelme's named like the pictures (SERIAL/NAME.json)")
+      ->type_name("PATH");
+  app->add_option("--contour-origin", options->contour_origin,
+                  "Where (0, 0) is for that program: the picture's corner (labelme, CVAT), or the first "
+                  "pixel's centre (OpenCV, scikit-image)")
+      ->capture_default_str()
+      ->check(one_of({"corner", "centre"}));
+  add_list(*app, "--contour-labels", import.contour_options.labels,
+           "Labels whose contours are the subject (default: all)");
   add_cameras(*app, import.cameras);
   add_frames(*app, options->frames, "all");
   app->add_option("--other-size", options->other_size,

@@ -1,7 +1,10 @@
 #include "pipeline/take_times.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "capture/synchronizer.h"
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "core/text.h"
@@ -45,6 +48,43 @@ Result<std::vector<std::vector<Silhouette>>> outlines_of(const capture::TakeRead
   return outlines;
 }
 
+std::string rounded(double value, int decimals) {
+  const double scale = std::pow(10, decimals);
+  return text(std::round(scale * value) / scale);
+}
+
+// Instants by a rate's period: one that is apart by whole periods is of a neighbouring set.
+void add_warnings(const Rig& rig, const std::vector<std::optional<double>>& instants, double rate,
+                  TakeTimes& out) {
+  const auto camera = [&](std::size_t c) { return text("camera '", rig.cameras[c].serial, "': "); };
+  std::vector<double> known;
+  for (const std::optional<double>& instant : instants)
+    if (instant) known.push_back(*instant);
+  if (known.empty()) return;
+  const double first = known.front();
+  for (double& instant : known) instant = first + std::remainder(instant - first, 1.0);
+  const double middle = median(std::move(known));
+  // As the live chain, whatever the rate.
+  const double tolerance =
+      std::min(static_cast<double>(capture::SyncOptions{}.tolerance.count) * 1e-6, 400 / rate);
+  for (std::size_t c = 0; c < instants.size(); ++c) {
+    if (!instants[c]) continue;
+    const double sigma = out.offsets.cameras[c].sigma_frames,
+                 apart_ms = 1e3 / rate * std::remainder(*instants[c] - middle, 1.0);
+    if (sigma > kSureFrames)
+      out.warnings.push_back(text(camera(c), "known to ", rounded(sigma, 3), " frames only, not to ",
+                                  kSureFrames,
+                                  "; take in more frames, or some in which more moves (--frames)"));
+    if (std::abs(apart_ms) > tolerance)
+      out.warnings.push_back(text(
+          camera(c), "its pictures are taken ", rounded(apart_ms, 1),
+          " ms from the middle of the others', which is more than the ", tolerance,
+          " ms that pictures of one instant may differ by: `live` and camera nodes leave it out. Trigger the "
+          "cameras together, or start this one anew until it is nearer; `process` uses it, and draws what "
+          "moves by that much beside where it was"));
+  }
+}
+
 }  // namespace
 
 Result<TakeTimes> measure_take_times(const capture::TakeReader& take, const std::vector<int>& frames,
@@ -59,7 +99,11 @@ Result<TakeTimes> measure_take_times(const capture::TakeReader& take, const std:
   if (!outlines) return forward(outlines);
   Result<calib::TimeOffsets> offsets = calib::measure_time_offsets(take.rig(), *outlines);
   if (!offsets) return forward(offsets);
-  TakeTimes out{*std::move(offsets), {"silhouettes", {}}};
+  TakeTimes out{*std::move(offsets), {"silhouettes", {}}, {}};
+  std::vector<std::optional<double>> instants;  // frames
+  for (const calib::TimeOffset& one : out.offsets.cameras)
+    instants.push_back(one.measured ? std::optional(one.frames) : std::nullopt);
+  add_warnings(take.rig(), instants, take.manifest().frame_rate, out);
   const double period = 1e9 / take.manifest().frame_rate;
   for (std::size_t c = 0; c < out.offsets.cameras.size(); ++c) {
     calib::TimeOffset& one = out.offsets.cameras[c];

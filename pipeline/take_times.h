@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "calib/silhouettes/silhouette_times.h"
@@ -13,7 +14,14 @@ namespace floatstage::pipeline {
 struct TakeTimes {
   calib::TimeOffsets offsets;    ///< in frames, what is left beside the take's stamps
   capture::TimeOffsetFile file;  ///< the same in nanoseconds, for the synchroniser
+  /// Sentences: cameras that are measured too poorly to be used, and those that the synchroniser leaves out
+  /// of live sets once it knows their instants, with what to do.
+  std::vector<std::string> warnings;
 };
+
+/// The sigma above which an offset is no longer good for its purpose, in frames: the share of a frame that
+/// offsets are to be known to.
+inline constexpr double kSureFrames = 0.05;
 
 /// When the cameras of a take really took their pictures, from how silhouettes move
 /// (calib::measure_time_offsets()): `frames`, in a row, of a take that has mattes. What the cameras' stamps

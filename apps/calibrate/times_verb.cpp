@@ -7,6 +7,7 @@
 #include "apps/flags.h"
 #include "apps/progress_bar.h"
 #include "capture/take.h"
+#include "core/log.h"
 #include "pipeline/json_report.h"
 #include "pipeline/take_times.h"
 
@@ -39,7 +40,8 @@ json to_json(const Rig& rig, const pipeline::TakeTimes& times, double rate) {
       {"from", "silhouettes"},
       {"frame_rate", rate},
       {"reference", reference < 0 ? json() : json(rig.cameras[static_cast<std::size_t>(reference)].serial)},
-      {"cameras", cameras}};
+      {"cameras", cameras},
+      {"warnings", times.warnings}};
 }
 
 Result<void> run(const Options& given) {
@@ -65,6 +67,7 @@ Result<void> run(const Options& given) {
                   1e3 * one.frames / rate);
     }
   }
+  for (const std::string& warning : times->warnings) log::warning(warning);
   if (times->offsets.reference >= 0) {
     const std::filesystem::path file = given.out.empty() ? capture::times_file((*take)->layout()) : given.out;
     if (Result<void> ok = capture::save_time_offsets(times->file, file); !ok) return ok;

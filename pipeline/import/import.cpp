@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/import/contour_files.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/light_field.h"
 #include "pipeline/progress.h"
@@ -230,7 +231,7 @@ Result<int> copy_pictures(PictureStream& stream, std::size_t camera, double rate
 }
 
 Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
-                            const std::optional<MatteFiles>& mattes, double rate, const fs::path& folder,
+                            const GivenMattes* mattes, double rate, const fs::path& folder,
                             ImportReport& report) {
   capture::TakeWriterOptions take_options;
   take_options.codec = options.codec;
@@ -281,33 +282,48 @@ Result<void> make_plane(const fs::path& folder, std::optional<double> distance, 
   return {};
 }
 
+// What is known of the subject: mattes, contours, the pictures' own opacity, or nothing.
+Result<std::unique_ptr<GivenMattes>> given_mattes(const ImportOptions& options, Plan& plan) {
+  if (!options.contours.empty()) {
+    Result<ContourFiles> found = ContourFiles::find(options.contours, plan.foreign, plan.media,
+                                                    options.frames, options.contour_options);
+    if (!found) return forward(found);
+    return std::unique_ptr<GivenMattes>(new ContourFiles(*std::move(found)));
+  }
+  fs::path folder = options.mattes;
+  if (folder.empty() && carry_mattes(plan)) {
+    folder = plan.pictures;
+    plan.notes.push_back("the alpha channel of the pictures is taken for their mattes");
+  }
+  if (folder.empty()) return std::unique_ptr<GivenMattes>();
+  Result<MatteFiles> found = MatteFiles::find(folder, plan.foreign, options.frames);
+  if (!found) return forward(found);
+  return std::unique_ptr<GivenMattes>(new MatteFiles(*std::move(found)));
+}
+
 }  // namespace
 
 Result<ImportReport> import_take(const ImportOptions& given) {
   ImportOptions options = given;
+  if (!options.mattes.empty() && !options.contours.empty())
+    return fail(ErrorCode::InvalidArgument, "--mattes and --contours say the same of the subject; give one");
   Result<UnfinishedFolder> take = UnfinishedFolder::begin(options.out);
   if (!take) return forward(take);
   Result<Plan> plan = make_plan(options);
   if (!plan) return forward(plan);
   if (options.label.empty()) options.label = plan->format;
-  if (options.mattes.empty() && carry_mattes(*plan)) {
-    options.mattes = plan->pictures;
-    plan->notes.push_back("the alpha channel of the pictures is taken for their mattes");
-  }
-  std::optional<MatteFiles> mattes;
-  if (!options.mattes.empty()) {
-    Result<MatteFiles> found = MatteFiles::find(options.mattes, plan->foreign, options.frames);
-    if (!found) return forward(found);
-    mattes = std::move(*found);
-  }
+  const Result<std::unique_ptr<GivenMattes>> mattes = given_mattes(options, *plan);
+  if (!mattes) return forward(mattes);
   Result<std::vector<PictureStream>> streams = open_streams(*plan, options.frames, options.threads);
   if (!streams) return forward(streams);
   ImportReport report;
   report.notes = plan->notes;
-  if (mattes)
-    for (const std::string& serial : mattes->without())
-      report.notes.push_back(text("camera '", serial, "' has no matte in ", options.mattes.string(),
-                                  ": it does not carve, and is compared with only"));
+  if (*mattes) {
+    for (const std::string& serial : (*mattes)->without())
+      report.notes.push_back(
+          text("camera '", serial, "' has no matte: it does not carve, and is compared with only"));
+    for (const std::string& note : (*mattes)->notes()) report.notes.push_back(note);
+  }
   const Result<Rig> sized = sized_rig(plan->foreign.rig, *streams, options.other_size, report.notes);
   if (!sized) return forward(sized);
   const Result<WorldChange> change = world_change(*sized, options.world);
@@ -316,11 +332,12 @@ Result<ImportReport> import_take(const ImportOptions& given) {
   report.world = text(options.world.empty() ? "the world is taken as the calibration has it: "
                                             : "the world is as --up, --scale and --floor say: ",
                       describe_world(*rig));
-  report.mattes = mattes.has_value();
+  report.mattes = *mattes != nullptr;
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
   const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);
   if (!rate) return forward(rate);
-  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes, *rate, take->folder(), report); !ok)
+  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes->get(), *rate, take->folder(), report);
+      !ok)
     return forward(ok);
   if (plan->format == kLightField)
     if (Result<void> ok = make_plane(take->folder(), options.plane, report); !ok) return forward(ok);

@@ -8,6 +8,7 @@
 #include "calib/rig_formats.h"
 #include "capture/take.h"
 #include "core/result.h"
+#include "pipeline/import/contours.h"
 #include "pipeline/import/picture_stream.h"
 #include "pipeline/progress.h"
 #include "pipeline/world.h"
@@ -25,9 +26,11 @@ struct ImportOptions {
   calib::RigFile calibration;  ///< which format, and where
   std::filesystem::path
       pictures;  ///< folder of images, of folders of images, or of videos; empty: beside the calibration
-  std::filesystem::path mattes;      ///< the same for mattes that exist already; empty: the alpha channels of
-                                     ///< pictures that all have one, else none. They are also the pictures
-                                     ///< where `pictures` is empty and none are beside the calibration
+  std::filesystem::path mattes;    ///< the same for mattes that exist already; empty: the alpha channels of
+                                   ///< pictures that all have one, else none. They are also the pictures
+                                   ///< where `pictures` is empty and none are beside the calibration
+  std::filesystem::path contours;  ///< others' contours instead (ContourFiles); empty: none
+  ContourOptions contour_options;
   std::filesystem::path out;         ///< the new take's folder
   std::vector<std::string> cameras;  ///< serials to take; empty: all
   OtherSize other_size = OtherSize::Refuse;
@@ -55,6 +58,7 @@ struct ImportReport {
 /// sizes; a calibration that states another size is BadData unless `other_size` says what happened, and then
 /// a note. A light field gets its plane, as give_plane() does. Nothing is left behind when it fails: the take
 /// is made under a temporary name beside `out`, which must not exist (or be an empty folder), and renamed.
+/// InvalidArgument for mattes and contours both.
 Result<ImportReport> import_take(const ImportOptions& options);
 
 }  // namespace floatstage::pipeline

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/png.h"
-#include "core/take_layout.h"
 #include "core/text.h"
 
 namespace floatstage::pipeline {
@@ -40,16 +39,19 @@ Result<MatteFiles> MatteFiles::find(const std::filesystem::path& folder, const c
   return files;
 }
 
+Result<void> make_matte_folder(const TakeLayout& take, const std::string& serial) {
+  std::error_code error;
+  std::filesystem::create_directories(take.matte(serial, 0).parent_path(), error);
+  if (!error) return {};
+  return fail(ErrorCode::Io, text("cannot make a folder in ", take.mattes().string(), ": ", error.message()));
+}
+
 Result<void> MatteFiles::save(std::size_t camera, const RigCamera& rig_camera, int count,
                               const std::filesystem::path& take) const {
   const TakeLayout layout(take);
   const std::vector<std::filesystem::path>& stills = cameras_[camera].stills;
   if (stills.empty()) return {};
-  std::error_code error;
-  std::filesystem::create_directories(layout.matte(rig_camera.serial, 0).parent_path(), error);
-  if (error)
-    return fail(ErrorCode::Io,
-                text("cannot make a folder in ", layout.mattes().string(), ": ", error.message()));
+  if (Result<void> ok = make_matte_folder(layout, rig_camera.serial); !ok) return ok;
   const std::size_t first = stills.size() == 1 ? 0 : static_cast<std::size_t>(range_.first);
   for (int frame = 0; frame < count; ++frame) {
     const std::size_t at = first + static_cast<std::size_t>(frame * range_.step);

@@ -5,6 +5,8 @@
 
 #include <gmock/gmock.h>
 
+#include "capture/time_offsets.h"
+#include "core/file.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::studio {
@@ -71,6 +73,21 @@ TEST_F(ATakePlayer, MovesTheExposuresToThePresentAtTheChosenRate) {
   ASSERT_THAT(frames, SizeIs(18));
   EXPECT_NEAR(static_cast<double>((frames[17].info.exposure_start - frames[0].info.exposure_start).count),
               2e7, 1e3);
+}
+
+TEST_F(ATakePlayer, TellsHowFarStampsAreFromInstantsAtItsOwnPace) {
+  const std::filesystem::path file = capture::times_file(TakeLayout(take_));
+  const std::string serial = open({.rate = 100})->rig().cameras[2].serial;
+  ASSERT_THAT(capture::save_time_offsets(
+                  {"silhouettes", {{serial, Nanoseconds{-8'000'000}, Nanoseconds{100}, ""}}}, file),
+              IsOk());
+  const auto player = open({.rate = 2 * open({})->frame_rate()});
+  ASSERT_THAT(player->time_offsets(), SizeIs(6));
+  EXPECT_EQ(player->time_offsets()[0], Nanoseconds{0});
+  EXPECT_EQ(player->time_offsets()[2], Nanoseconds{-4'000'000});
+  ASSERT_THAT(write_file(file, "{"), IsOk());
+  EXPECT_THAT(TakePlayer::open(take_, {}), FailsWith(ErrorCode::BadData, "times.json"));
+  std::filesystem::remove(file);
 }
 
 TEST_F(ATakePlayer, BeginsAnewWithGrowingNumbersAndTimes) {
