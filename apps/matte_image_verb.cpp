@@ -10,6 +10,7 @@
 #include "apps/verbs.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "detail/photo_file.h"
 #include "matting/foreground.h"
 #include "pipeline/json_report.h"
 #include "pipeline/matte/matte_image.h"
@@ -83,10 +84,10 @@ double share_of(const Image& matte) {
 }
 
 Result<void> run(const Options& given) {
-  Result<Image> picture = load_png(given.image);
+  Result<Image> picture = detail::load_photo(given.image);
   if (!picture) return forward(picture);
   pipeline::MatteImageOptions options{
-      .how = given.how, .picture = rgb_of(*picture), .trimap = {}, .scribbled = {}};
+      .how = given.how, .picture = std::move(*picture), .trimap = {}, .scribbled = {}};
   if (!given.trimap.empty()) {
     Result<Image> trimap = load_png(given.trimap);
     if (!trimap) return forward(trimap);
@@ -123,15 +124,16 @@ void add_matte_image(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(
       app, chosen, "matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth",
-      {"floatstage matte-image portrait.png --trimap trimap.png -o matte.png",
+      {"floatstage matte-image portrait.jpg --trimap trimap.png -o matte.png",
        "floatstage matte-image portrait.png --matte spectral --subject 120,80 --background 10,10 -o "
        "matte.png"});
-  verb->add_option("image", options->image, "A PNG")->required();
+  verb->add_option("image", options->image, "A photograph: PNG, JPEG or TIFF")->required();
   add_out(*verb, options->out, "Write the matte (PNG, one channel)")->required();
-  verb->add_option("--matte", options->how, "How the matte is made: auto, chroma, closed-form or spectral")
+  verb->add_option("--matte", options->how,
+                   "How the matte is made: auto, chroma, closed-form, pyramid or spectral")
       ->capture_default_str()
       ->type_name("HOW")
-      ->check(one_of({"auto", "chroma", "closed-form", "spectral"}).description(""));
+      ->check(one_of({"auto", "chroma", "closed-form", "pyramid", "spectral"}).description(""));
   verb->add_option("--scribbles", options->scribbles,
                    "The same picture with subject painted white and background black (PNG)")
       ->type_name("FILE");

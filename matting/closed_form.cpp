@@ -13,12 +13,16 @@
 
 #include "core/text.h"
 #include "matting/band_solver.h"
+#include "matting/half_trimap.h"
 #include "matting/picture_scale.h"
 
 namespace floatstage::matting {
 namespace {
 
 constexpr int kReach = 2;  // px: rows of L reach this far
+// Scribbles are black and white strokes; a picture that was coded anew differs nearly everywhere by a little.
+constexpr int kBlack = 5, kWhite = 250;
+constexpr double kMostChanged = 0.9;
 
 struct Box {
   int x0, y0, x1, y1;  // ends excluded
@@ -49,23 +53,6 @@ Result<void> check_inputs(const Image& picture, const Image& trimap, const Image
                        " channels, but the picture is ", picture.width, "x", picture.height));
   }
   return {};
-}
-
-// Half size, where a pixel is only known when everything in it is.
-Image half_trimap(const Image& trimap, int width, int height) {
-  Image out(width, height, 1, 128);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const int x0 = x * trimap.width / width, x1 = std::max(x0 + 1, (x + 1) * trimap.width / width);
-      const int y0 = y * trimap.height / height, y1 = std::max(y0 + 1, (y + 1) * trimap.height / height);
-      const std::uint8_t first = *trimap.at(x0, y0);
-      bool all = known(first);
-      for (int v = y0; v < y1; ++v)
-        for (int u = x0; u < x1; ++u) all = all && *trimap.at(u, v) == first;
-      if (all) *out.at(x, y) = first;
-    }
-  }
-  return out;
 }
 
 Result<Image> coarse_to_fine(const Image& picture, const Image& trimap, const ClosedFormOptions& options,
@@ -196,10 +183,20 @@ Result<Image> trimap_from_scribbles(const Image& picture, const Image& scribbled
                      " with ", picture.channels));
   Image out(picture.width, picture.height, 1, 128);
   const std::size_t channels = static_cast<std::size_t>(picture.channels);
+  long changed = 0;
   for (std::size_t i = 0; i < out.pixels.size(); ++i) {
     const std::uint8_t *a = picture.pixels.data() + i * channels, *b = scribbled.pixels.data() + i * channels;
-    if (!std::equal(a, a + channels, b)) out.pixels[i] = b[0] >= 128 ? 255 : 0;
+    if (std::equal(a, a + channels, b)) continue;
+    out.pixels[i] = b[0] >= 128 ? 255 : 0;
+    changed += std::any_of(b, b + channels, [](int v) { return v > kBlack && v < kWhite; });
   }
+  if (changed > kMostChanged * static_cast<double>(out.pixels.size()))
+    return fail(
+        ErrorCode::InvalidArgument,
+        text("the scribbled picture differs from the picture in ",
+             std::lround(100.0 * static_cast<double>(changed) / static_cast<double>(out.pixels.size())),
+             " % of its pixels, so that it is not the same picture painted on; save the picture "
+             "without loss (PNG) and paint on that"));
   return out;
 }
 

@@ -46,7 +46,7 @@ Image trimap_around(const Image& matte, const TrimapOptions& options = {});
 
 /// Known pixels of a scribbled picture: where it differs from `picture`, as its first channel says (Levin's
 /// files: white subject, black background). 128 elsewhere. InvalidArgument when the sizes or channel counts
-/// differ.
+/// differ, or nine pixels of ten become other colours: then it is another picture, or one coded anew.
 Result<Image> trimap_from_scribbles(const Image& picture, const Image& scribbled);
 
 struct RefineOptions {

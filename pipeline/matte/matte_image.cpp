@@ -6,6 +6,7 @@
 #include "matting/closed_form.h"
 #include "matting/keyers/keyer.h"
 #include "matting/method_selection.h"
+#include "matting/pyramid_matte.h"
 #include "matting/spectral_matte.h"
 
 namespace floatstage::pipeline {
@@ -47,6 +48,17 @@ matting::MatteConstraint opinion_of(const Image& trimap) {
   return said;
 }
 
+// What nobody marked would be missing from the whole matte.
+Result<void> check_both_sides(const Image& trimap) {
+  long subject = 0, background = 0;
+  for (const std::uint8_t v : trimap.pixels) subject += v == 255, background += v == 0;
+  const long known = subject + background, pixels = static_cast<long>(trimap.pixels.size());
+  if (known == 0 || known == pixels || (subject > 0 && background > 0)) return {};
+  return fail(ErrorCode::InvalidArgument, subject > 0
+                                              ? "only subject is marked; mark some of the background, too"
+                                              : "only background is marked; mark some of the subject, too");
+}
+
 bool all_of_one(const Image& trimap) {
   return !trimap.empty() && (trimap.pixels[0] == 0 || trimap.pixels[0] == 255) &&
          std::all_of(trimap.pixels.begin(), trimap.pixels.end(),
@@ -57,19 +69,24 @@ bool all_of_one(const Image& trimap) {
 
 Result<Image> matte_image(const MatteImageOptions& options) {
   if (options.how != "auto" && options.how != "chroma" && options.how != "closed-form" &&
-      options.how != "spectral")
-    return fail(ErrorCode::InvalidArgument, text("no method is called '", options.how,
-                                                 "'; there are auto, chroma, closed-form, spectral"));
+      options.how != "pyramid" && options.how != "spectral")
+    return fail(ErrorCode::InvalidArgument,
+                text("no method is called '", options.how,
+                     "'; there are auto, chroma, closed-form, pyramid, spectral"));
   if (options.how == "chroma") return by_chroma(options.picture);
   Result<Image> trimap = trimap_of(options);
   if (!trimap) return trimap;
   const bool clicks_alone = !options.clicks.empty() && options.trimap.empty() && options.scribbled.empty();
   if (options.how == "spectral" || (options.how == "auto" && clicks_alone))
     return all_of_one(*trimap) ? trimap : matting::spectral_matte(options.picture, opinion_of(*trimap));
-  if (!trimap->empty()) return matting::closed_form_matte(options.picture, *trimap);
-  if (options.how == "closed-form")
+  if (!trimap->empty()) {
+    if (Result<void> ok = check_both_sides(*trimap); !ok) return forward(ok);
+    return options.how == "closed-form" ? matting::closed_form_matte(options.picture, *trimap)
+                                        : matting::pyramid_matte(options.picture, *trimap);
+  }
+  if (options.how == "closed-form" || options.how == "pyramid")
     return fail(ErrorCode::InvalidArgument,
-                "closed-form matting of one picture needs --trimap, --scribbles or clicks");
+                text(options.how, " matting of one picture needs --trimap, --scribbles or clicks"));
   Result<Image> key = by_chroma(options.picture);
   if (!key)
     return fail(key.error().code,

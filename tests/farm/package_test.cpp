@@ -138,6 +138,7 @@ TEST_P(DebianPackage, InstallsRunsAndGoesAndLeavesNothingButTakes) {
   ASSERT_EQ(installed.code, 0) << installed.output;
   EXPECT_THAT(names(), testing::IsSupersetOf({"/usr/bin/floatstage", "/usr/share/man/man1/floatstage.1.gz",
                                               "/usr/share/bash-completion/completions/floatstage",
+                                              "/usr/lib/python3/dist-packages/floatstage.py",
                                               "/usr/lib/sysctl.d/60-floatstage.conf",
                                               "/usr/lib/udev/rules.d/60-floatstage.rules",
                                               "/usr/share/doc/floatstage/copyright"}));

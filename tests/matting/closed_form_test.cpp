@@ -190,5 +190,16 @@ TEST(RefineMatte, RefusesAnotherShape) {
               FailsWith(ErrorCode::InvalidArgument, "shape"));
 }
 
+// A JPEG's own pixels are not those of the PNG that somebody painted on: all of it would count as strokes.
+TEST(ClosedForm, TellsScribblesFromAPictureThatWasCodedAnew) {
+  const Image picture = photograph(Scene{});
+  Image scribbled = picture;
+  for (int x = 60; x < 100; ++x) std::fill_n(scribbled.at(x, 60), 3, 255);
+  EXPECT_THAT(trimap_from_scribbles(picture, scribbled), IsOk());
+  for (std::uint8_t& v : scribbled.pixels) v = static_cast<std::uint8_t>(std::clamp(v + 1, 6, 249));
+  EXPECT_THAT(trimap_from_scribbles(picture, scribbled),
+              FailsWith(ErrorCode::InvalidArgument, "without loss"));
+}
+
 }  // namespace
 }  // namespace floatstage::matting

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "matting/closed_form.h"
+#include "matting/pyramid_matte.h"
 #include "pipeline/metrics/matte_metrics.h"
 #include "tests/matting/pictures.h"
 #include "tests/matting/small_scenes.h"
@@ -81,6 +83,44 @@ TEST(MatteImage, SaysWhatItNeeds) {
   options = options_for("auto");
   options.picture = Image(40, 30, 3, 77);
   EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::NotFound, "--scribbles"));
+}
+
+// A disc in the middle is known, and the corners.
+Image wide_trimap() {
+  Image trimap(160, 120, 1, 128);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const double d = std::hypot(x - 80.0, y - 60.0);
+      if (d < 20 || d > 60) *trimap.at(x, y) = d < 20 ? 255 : 0;
+    }
+  return trimap;
+}
+
+TEST(MatteImage, SolvesATrimapFromCoarseToFineUnlessAskedForThePublishedMethod) {
+  MatteImageOptions options = options_for("auto");
+  options.trimap = wide_trimap();
+  const Result<Image> held = matting::pyramid_matte(options.picture, options.trimap),
+                      alone = matting::closed_form_matte(options.picture, options.trimap);
+  ASSERT_THAT(held, IsOk());
+  ASSERT_THAT(alone, IsOk());
+  EXPECT_NE(held->pixels, alone->pixels);
+  EXPECT_THAT(matte_image(options), IsOkAnd(*held));
+  options.how = "pyramid";
+  EXPECT_THAT(matte_image(options), IsOkAnd(*held));
+  options.how = "closed-form";
+  EXPECT_THAT(matte_image(options), IsOkAnd(*alone));
+}
+
+TEST(MatteImage, RefusesATrimapThatMarksOneSideOnly) {
+  for (const std::string how : {"auto", "pyramid", "closed-form"}) {
+    MatteImageOptions options = options_for(how);
+    options.trimap = wide_trimap();
+    for (std::uint8_t& v : options.trimap.pixels) v = v == 255 ? 128 : v;
+    EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::InvalidArgument, "mark some of the subject"));
+    options.trimap = wide_trimap();
+    for (std::uint8_t& v : options.trimap.pixels) v = v == 0 ? 128 : v;
+    EXPECT_THAT(matte_image(options), FailsWith(ErrorCode::InvalidArgument, "mark some of the background"));
+  }
 }
 
 TEST(MatteImage, LeavesATrimapThatIsAllSubjectOrAllBackgroundAlone) {
