@@ -21,6 +21,7 @@ int run(const std::vector<std::string>& words) {
   apps::watch_for_interrupts();
   const Result<void> result = chosen.run();
   if (result) return apps::kExitOk;
+  std::fflush(stdout);  // into one file or pipe, too, the sentence stands last
   std::fprintf(stderr, "floatstage: %s\n", result.error().message.c_str());
   return apps::exit_code(result.error().code);
 }

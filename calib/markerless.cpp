@@ -9,6 +9,7 @@
 #include "calib/scene_matching.h"
 #include "calib/scene_settling.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -40,7 +41,7 @@ Result<std::vector<SceneKeypoints>> keypoints_of(const std::vector<MarkerlessPic
                                                  const MarkerlessOptions& options) {
   std::vector<SceneKeypoints> out(pictures.size());
   parallel_for(pictures.size(), options.threads, [&](std::size_t i) {
-    if (!is_cancelled(options)) out[i] = find_keypoints(pictures[i].pixels);
+    if (!is_cancelled(options)) out[i] = find_keypoints(pictures[i].pixels, options.contrast);
   });
   if (is_cancelled(options)) return fail(ErrorCode::Cancelled, "looking for keypoints was interrupted");
   return out;
@@ -129,6 +130,16 @@ std::string blame_of_lenses(const std::vector<MarkerlessPicture>& pictures, cons
 }
 
 }  // namespace
+
+double contrast_for(std::span<const Image> pictures, int threads) {
+  constexpr double kEnough = 700, kBare = kUsualContrast / 4;
+  if (pictures.empty()) return kUsualContrast;
+  std::vector<double> counts(pictures.size());
+  parallel_for(pictures.size(), threads, [&](std::size_t i) {
+    counts[i] = static_cast<double>(find_keypoints(pictures[i], kUsualContrast).keypoints.size());
+  });
+  return median(std::move(counts)) < kEnough ? kBare : kUsualContrast;
+}
 
 Result<MarkerlessResult> calibrate_markerless(const std::vector<MarkerlessPicture>& pictures,
                                               const fs::path& workspace, const MarkerlessOptions& options) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,11 +30,17 @@ struct MarkerlessPicture {
   std::optional<int> same_lens_as = {};
 };
 
+/// MarkerlessOptions::contrast where nothing asks for less.
+inline constexpr double kUsualContrast = 0.012;
+
 struct MarkerlessOptions {
   std::string program = "colmap";  ///< COLMAP 3.8's command line program
   double timeout = 3600;           ///< seconds, for each of its steps: only what hangs takes that long
   int threads = 0;                 ///< 0: one a core
   std::function<bool()> cancelled = nullptr;  ///< asked while COLMAP works
+  /// Of the faintest keypoints that count, of 1, as Lowe counts it: less finds more on bare surfaces, and
+  /// also noise (contrast_for()).
+  double contrast = kUsualContrast;
   /// Bars below which the result is refused: its reprojection error would look fine all the same.
   double least_track = 3.5;  ///< pictures that show a point, on average (ADR 0252)
   int least_points = 60;     ///< points that a picture shows
@@ -56,6 +63,10 @@ struct MarkerlessResult {
   double mean_track = 0;               ///< pictures a point
   double rms_px = 0;                   ///< reprojection error of the points: says little
 };
+
+/// What contrast lets these pictures of a scene show enough: the usual one, or a quarter of it where the
+/// median picture has fewer than 700 keypoints (plaster, plain cloth).
+double contrast_for(std::span<const Image> pictures, int threads);
 
 /// Poses of cameras that saw one scene, without a target. COLMAP (a subprocess that needs no display) places
 /// them; its estimates are drawn by chance and differ from run to run, so they are only a start: keypoints

@@ -38,6 +38,16 @@ void add_features(Observations& o, std::span<const SceneFeature> features,
     if (f.seen.size() >= 2) chosen.push_back(&f);
   std::stable_sort(chosen.begin(), chosen.end(),
                    [](const auto* a, const auto* b) { return a->seen.size() > b->seen.size(); });
+  // Eighty cameras see a point sixty times: more of these make a rig no surer, and the solution slow.
+  constexpr std::size_t kSights = 60'000, kEach = 200;
+  const std::size_t share = std::max(kEach, kSights / std::max<std::size_t>(camera_of_picture.size(), 1));
+  std::vector<std::size_t> sights(camera_of_picture.size());
+  std::erase_if(chosen, [&](const SceneFeature* f) {
+    const bool wanted = std::any_of(f->seen.begin(), f->seen.end(),
+                                    [&](const auto& s) { return sights[at(s.first)] < share; });
+    for (const auto& [picture, pixel] : f->seen) sights[at(picture)] += wanted;
+    return !wanted;
+  });
   if (chosen.size() > most) chosen.resize(most);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     Target target;

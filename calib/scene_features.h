@@ -11,8 +11,9 @@
 namespace floatstage::calib {
 
 /// Adds points of the scene to what the solver is given: each is a static marker of its own. picture i is of
-/// camera camera_of_picture[i]; one picture a camera. Of more than `most` those are taken that most cameras
-/// see. `sigma`: px, what features are good for.
+/// camera camera_of_picture[i]; one picture a camera. Those that most cameras see come first, `most` at most;
+/// a point all of whose cameras have their share of 60,000 sights already (200 at least) is left out.
+/// `sigma`: px, what features are good for.
 void add_features(Observations& observations, std::span<const SceneFeature> features,
                   std::span<const int> camera_of_picture, std::size_t most = 4000, double sigma = 0.5);
 

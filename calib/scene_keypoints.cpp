@@ -11,10 +11,10 @@
 namespace floatstage::calib {
 namespace {
 
-// Weaker keypoints than usual, more of them, and finer in scale: pictures of a stage are mostly backdrop. On
-// the temple ring this takes camera centres from 0.22 % of the radius at worst to 0.16 %.
+// More scales than usual, and weaker keypoints (MarkerlessOptions::contrast): pictures of a stage are mostly
+// backdrop. On the temple ring both take camera centres from 0.22 % of the radius at worst to 0.16 %.
 constexpr int kLayers = 5;
-constexpr double kContrast = 0.012, kEdge = 20, kSigma = 1.6;
+constexpr double kEdge = 20, kSigma = 1.6;
 // From OpenCV's pixel centres to corners, and back what its enlargement of the picture to twice its size
 // shifts: pixel x becomes 2x + 0.5 there, and is divided by two.
 constexpr double kCorner = 0.5 - 0.25;
@@ -31,8 +31,8 @@ SceneKeypoints::Descriptor roots(const float* d) {
 
 }  // namespace
 
-SceneKeypoints find_keypoints(const Image& picture, int most) {
-  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(most, kLayers, kContrast, kEdge, kSigma);
+SceneKeypoints find_keypoints(const Image& picture, double contrast, int most) {
+  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(most, kLayers, contrast, kEdge, kSigma);
   std::vector<cv::KeyPoint> found;
   cv::Mat descriptors;
   sift->detectAndCompute(grey_of(picture), cv::noArray(), found, descriptors);

@@ -24,7 +24,8 @@ struct SceneKeypoints {
   std::vector<Descriptor> descriptors;  ///< one a keypoint
 };
 
-/// `picture`: 1 or 3 channels. The strongest `most` keypoints.
-SceneKeypoints find_keypoints(const Image& picture, int most = 8192);
+/// `picture`: 1 or 3 channels. The strongest `most` keypoints of at least that contrast (of 1, as Lowe counts
+/// it).
+SceneKeypoints find_keypoints(const Image& picture, double contrast, int most = 8192);
 
 }  // namespace floatstage::calib

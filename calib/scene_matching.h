@@ -20,11 +20,13 @@ struct SceneMatches {
 };
 
 /// Every pair of pictures: keypoints that are each other's most alike, by a margin. Nothing is left to
-/// chance: all are compared.
+/// chance: all are compared. Of more than 32 pictures, each with the 16 that share most of their largest
+/// keypoints, and with those whose 16 it is among.
 std::vector<SceneMatches> match_pictures(std::span<const SceneKeypoints> pictures, int threads);
 
 /// The same among keypoints that can show one point given where cameras are: within `tolerance` px of each
-/// other's epipolar line. Camera i of the rig took picture i.
+/// other's epipolar line. Camera i of the rig took picture i. Of more than 32 pictures, each with those of
+/// the 16 cameras nearest by that look its way, and with those that it is near to.
 std::vector<SceneMatches> match_along_lines(std::span<const SceneKeypoints> pictures, const Rig& rig,
                                             double tolerance, int threads);
 

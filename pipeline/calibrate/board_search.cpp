@@ -23,11 +23,9 @@ Result<void> sample(const SurveyedMedia& media, std::size_t count, std::vector<I
     const std::size_t n = std::min(count, media.stills.size());
     for (std::size_t i = 0; i < n; ++i) {
       const std::filesystem::path& file = media.stills[i * media.stills.size() / n];
-      Result<PictureStream> stream = PictureStream::open({{}, {file}}, {});
-      if (!stream) return forward(stream);
-      Result<std::optional<Image>> picture = stream->next();
+      Result<Image> picture = load_still(file);
       if (!picture) return forward(picture);
-      if (*picture) out.push_back(**std::move(picture));
+      out.push_back(*std::move(picture));
     }
     return {};
   }

@@ -1,9 +1,12 @@
 #include <cmath>
 
 #include "calib/exif_lens.h"
+#include "calib/markerless.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "pipeline/calibrate/clip.h"
 #include "pipeline/calibrate/session_draft.h"
+#include "pipeline/import/picture_stream.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -24,12 +27,35 @@ std::optional<fs::path> picture_of(const std::string& serial, const std::string&
   return std::nullopt;
 }
 
+using Pictures = std::vector<std::pair<std::string, fs::path>>;
+
+// Bare surfaces are looked at more closely than the program would by itself.
+Result<double> contrast_of(const SessionDraft& d, const Pictures& pictures) {
+  constexpr std::size_t kSample = 8;
+  std::vector<Image> some;
+  const std::size_t n = std::min(kSample, pictures.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    Result<Image> picture = load_still(pictures[i * pictures.size() / n].second);
+    if (!picture) return forward(picture);
+    some.push_back(*std::move(picture));
+  }
+  return calib::contrast_for(some, d.options.threads);
+}
+
+void write_contrast(SessionDraft& d, double contrast) {
+  if (contrast == calib::kUsualContrast) return;
+  d.tables += text("contrast = ", contrast, "\n");
+  d.found(
+      text("the pictures show little texture, so fainter points are looked for, too (contrast = ", contrast,
+           ", ", calib::kUsualContrast, " elsewhere); the sigmas in the report say what that is worth"));
+}
+
 }  // namespace
 
-bool draft_known_scene(SessionDraft& d) {
+Result<bool> draft_known_scene(SessionDraft& d) {
   if (!d.survey.calibration) return false;
   const Rig& rig = d.survey.rig.rig;
-  std::vector<std::pair<std::string, fs::path>> pictures;
+  Pictures pictures;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i)
     if (const auto p = picture_of(rig.cameras[i].serial, d.survey.rig.image_names[i], d.survey))
       pictures.emplace_back(rig.cameras[i].serial, *p);
@@ -39,14 +65,17 @@ bool draft_known_scene(SessionDraft& d) {
   d.assume(
       "the calibration is nearly right: its lenses are kept, its poses are where the solver starts, and the "
       "report says which camera has moved");
+  const Result<double> contrast = contrast_of(d, pictures);
+  if (!contrast) return forward(contrast);
   d.tables += "\n[markerless]\n";
+  write_contrast(d, *contrast);
   d.known("fixed", "start");
   for (const auto& [serial, file] : pictures) d.camera(serial, "scene", d.path(file));
   return true;
 }
 
 Result<void> draft_unknown_scene(SessionDraft& d) {
-  std::vector<std::pair<std::string, fs::path>> pictures;
+  Pictures pictures;
   const MediaSet* chosen = nullptr;
   std::size_t most = 0;
   for (const MediaSet& set : d.survey.sets) {
@@ -67,6 +96,14 @@ Result<void> draft_unknown_scene(SessionDraft& d) {
     for (const SurveyedMedia& m : chosen->media)
       pictures.emplace_back(usable_serial(m.name), m.stills.front());
   const bool one_folder = chosen->kind == MediaSet::Kind::Pictures;
+  const Result<double> contrast = contrast_of(d, pictures);
+  if (!contrast) return forward(contrast);
+  if (Result<void> ok = check_one_scene(pictures, *contrast); !ok) return ok;
+  if (one_folder) {
+    const Result<std::optional<std::string>> clip = thin_out_clip(pictures, *contrast);
+    if (!clip) return forward(clip);
+    if (*clip) d.found(**clip);
+  }
   std::string camera;
   if (const Result<std::string> bytes = read_file(pictures.front().second))
     if (const calib::ExifLens lens = calib::exif_lens(*bytes); lens.focal_per_width) {
@@ -97,6 +134,7 @@ Result<void> draft_unknown_scene(SessionDraft& d) {
   d.tables +=
       text("\n[markerless]\nlens = \"", one_folder ? "shared" : "separate", "\"\nbetween = [",
            d.quoted(pictures[0].first), ", ", d.quoted(pictures[1].first), "]\ndistance = ", metres, "\n");
+  write_contrast(d, *contrast);
   for (const auto& [serial, file] : pictures) d.camera(serial, "scene", d.path(file));
   return {};
 }

@@ -35,8 +35,11 @@ Result<NewSession> draft_session(const fs::path& folder, const fs::path& written
   if (!board) return forward(board);
   if (*board) {
     if (Result<void> ok = draft_board(d, **board); !ok) return forward(ok);
-  } else if (!draft_known_scene(d)) {
-    if (Result<void> ok = draft_unknown_scene(d); !ok) return forward(ok);
+  } else {
+    const Result<bool> known = draft_known_scene(d);
+    if (!known) return forward(known);
+    if (!*known)
+      if (Result<void> ok = draft_unknown_scene(d); !ok) return forward(ok);
   }
   d.out.toml = text("# Written by `floatstage calibrate new`.\n# Found:\n", commented(d.out.found),
                     "# Assumed:\n", d.out.assumed.empty() ? "#   nothing\n" : commented(d.out.assumed), "\n",

@@ -24,11 +24,9 @@ struct Scene {
 };
 
 Result<Image> load_picture(const std::filesystem::path& file, const std::string& serial) {
-  Result<PictureStream> stream = PictureStream::open({{}, {file}}, {});
-  if (!stream) return fail(stream.error().code, text("camera '", serial, "': ", stream.error().message));
-  Result<std::optional<Image>> picture = stream->next();
+  Result<Image> picture = load_still(file);
   if (!picture) return fail(picture.error().code, text("camera '", serial, "': ", picture.error().message));
-  return **std::move(picture);
+  return picture;
 }
 
 // What is known of a camera's lens by what its photograph's file says, or the session: a start; nothing
@@ -231,6 +229,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
   calib::MarkerlessOptions options{.timeout = s.markerless->timeout,
                                    .threads = threads,
                                    .cancelled = [watch] { return is_cancelled(watch); },
+                                   .contrast = s.markerless->contrast,
                                    .least_track = s.markerless->least_track,
                                    .least_points = s.markerless->least_points,
                                    .largest_focal_error = s.markerless->largest_focal_error};

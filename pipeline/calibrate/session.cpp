@@ -230,6 +230,7 @@ SessionMarkerless read_markerless(Table t) {
   t.number("timeout", m.timeout, 1, kLarge);
   t.number("least_track", m.least_track, 2, 1000);
   t.whole("least_points", m.least_points, 10, kMostFrames);
+  t.number("contrast", m.contrast, 1e-4, 1);
   t.one_of("lens",
            {{"known", UnknownLenses::Refused},
             {"shared", UnknownLenses::Shared},

@@ -8,6 +8,7 @@
 
 #include "calib/board.h"
 #include "calib/calibrate.h"
+#include "calib/markerless.h"
 #include "calib/rig_formats.h"
 #include "core/result.h"
 
@@ -81,11 +82,12 @@ enum class UnknownLenses {
 /// Cameras placed by what they see of the scene, without a target.
 struct SessionMarkerless {
   std::string a, b;  ///< two cameras whose distance is known; empty: a target or a known rig gives the scale
-  double distance = 0;       ///< metres between their centres
-  double sigma = 1e-3;       ///< metres
-  double timeout = 3600;     ///< seconds, for each of COLMAP's steps
-  double least_track = 3.5;  ///< pictures that show a point, on average
-  int least_points = 60;     ///< points that a picture shows
+  double distance = 0;                      ///< metres between their centres
+  double sigma = 1e-3;                      ///< metres
+  double timeout = 3600;                    ///< seconds, for each of COLMAP's steps
+  double least_track = 3.5;                 ///< pictures that show a point, on average
+  int least_points = 60;                    ///< points that a picture shows
+  double contrast = calib::kUsualContrast;  ///< of the faintest keypoints
   UnknownLenses lens = UnknownLenses::Refused;
   double focal_px = 0;                ///< nearly, of unknown lenses; 0: what EXIF says, or nothing
   double largest_focal_error = 0.02;  ///< share by which points may contradict a known focal length

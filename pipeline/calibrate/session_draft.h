@@ -38,7 +38,7 @@ std::string usable_serial(std::string name);
 Result<void> draft_board(SessionDraft& draft, const FoundBoard& board);
 
 /// Known cameras and a picture of each: are they still where they are said to be? False when there are none.
-bool draft_known_scene(SessionDraft& draft);
+Result<bool> draft_known_scene(SessionDraft& draft);
 
 /// Pictures of a scene and nothing else: every picture is a camera.
 Result<void> draft_unknown_scene(SessionDraft& draft);

@@ -122,4 +122,12 @@ Result<std::optional<Image>> PictureStream::decode() {
   return std::optional<Image>(std::move(*picture));
 }
 
+Result<Image> load_still(const std::filesystem::path& file) {
+  Result<PictureStream> stream = PictureStream::open({{}, {file}}, {});
+  if (!stream) return forward(stream);
+  Result<std::optional<Image>> picture = stream->next();
+  if (!picture) return forward(picture);
+  return **std::move(picture);
+}
+
 }  // namespace floatstage::pipeline

@@ -50,4 +50,7 @@ class PictureStream {
   double frame_rate_ = 0;
 };
 
+/// One picture of its own, 3 channels. Errors name the file.
+Result<Image> load_still(const std::filesystem::path& file);
+
 }  // namespace floatstage::pipeline

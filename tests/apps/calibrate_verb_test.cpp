@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "tests/calib/failing_captures.h"
 #include "tests/support/matchers.h"
+#include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::apps {
@@ -230,6 +231,17 @@ TEST_P(NamedByTheReport, AsPageAndAsJson) {
   EXPECT_THAT(names, Contains(name_of(GetParam())));
   EXPECT_THAT(content("report/calibration.html"), HasSubstr(text("<b>", name_of(GetParam()), "</b>")));
   EXPECT_EQ(content("rig.json"), kBefore);
+}
+
+TEST_F(CalibrateVerb, EndsWithItsSentenceWhereBothStreamsGoOneWay) {
+  folder_.write("seen.json", calib::to_json(calib::failing_capture(calib::CalibrationFailure::LateCamera)));
+  const std::string session = folder_.write("session.toml", "observations = \"seen.json\"\n").string();
+  const std::string output = run_command(text(FLOATSTAGE_PROGRAM " calibrate ", session)).output;
+  const std::size_t table = output.rfind("FAIL"), sentence = output.find("floatstage: " + session);
+  ASSERT_NE(table, std::string::npos) << output;
+  ASSERT_NE(sentence, std::string::npos) << output;
+  EXPECT_GT(sentence, table);
+  EXPECT_EQ(std::count(output.begin() + static_cast<std::ptrdiff_t>(sentence), output.end(), '\n'), 1);
 }
 
 }  // namespace
