@@ -23,21 +23,15 @@ json described(const render::FlowOptions& options) {
 
 json described(const render::RendererOptions& options) {
   const auto& [cameras, soft_radius, flow, positions, band_limit, nearest, farthest, uncertainty, motion_blur,
-               sharp, threads, back_end, background, output] = options;
+               sharp, soft_outlines, threads, back_end, background, output] = options;
   static_cast<void>(threads);  // pictures do not depend on it
-  return {cameras,
-          soft_radius,
-          described(flow),
-          static_cast<int>(positions),
-          band_limit,
-          nearest,
-          farthest,
-          uncertainty,
-          motion_blur,
-          sharp,
-          static_cast<int>(back_end),
-          background,
-          static_cast<int>(output)};
+  return {cameras,         soft_radius,
+          described(flow), static_cast<int>(positions),
+          band_limit,      nearest,
+          farthest,        uncertainty,
+          motion_blur,     sharp,
+          soft_outlines,   static_cast<int>(back_end),
+          background,      static_cast<int>(output)};
 }
 
 json described(const FilmOptions& options) {

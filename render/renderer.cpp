@@ -51,7 +51,7 @@ constexpr Entry kRenderers[] = {
 
 const std::vector<std::string>& render_output_names() {
   static const std::vector<std::string> names = {"color", "weights",  "visibility", "soft-visibility",
-                                                 "flow",  "ghosting", "depth"};
+                                                 "flow",  "ghosting", "depth",      "opacity"};
   return names;
 }
 

@@ -25,6 +25,7 @@ enum class RenderOutput {
   Flow,            ///< the combined warp of the strongest camera, hue = direction (floating only)
   Ghosting,        ///< per-pixel disagreement of the projections that are about to be blended
   Depth,
+  Opacity,  ///< the view's alpha as grey
 };
 const std::vector<std::string>& render_output_names();  ///< "color", "weights", … in the enum's order
 
@@ -50,15 +51,23 @@ struct RendererOptions {
                            ///< view rests the picture tends to the one without
   bool sharp = true;  ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
                       ///< and much faster without a GPU
-  int threads = 0;    ///< CPU threads; 0: one per core. The picture does not depend on it
+  bool soft_outlines = true;  ///< the view is as opaque at its outline as its pixels are covered and mattes
+                              ///< say; false: opaque where the proxy covers a pixel's centre
+  int threads = 0;                   ///< CPU threads; 0: one per core. The picture does not depend on it
   BackEnd back_end = BackEnd::Auto;  ///< what callers ask make_renderer() for
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;
 };
 Result<void> check(const RendererOptions& options);
 
-/// A rendered picture, which belongs to the renderer and is valid until its next render(): RGBA8, alpha = the
-/// proxy's coverage, straight.
+/// Whether a picture with these options has a soft outline: the view, or its opacity.
+inline bool has_soft_outline(const RendererOptions& o) {
+  return o.output == RenderOutput::Opacity || (o.output == RenderOutput::Color && o.soft_outlines);
+}
+
+/// A rendered picture, which belongs to the renderer and is valid until its next render(): RGBA8, straight
+/// alpha. The view's alpha is its opacity (RendererOptions::soft_outlines), that of intermediates 255 where
+/// the proxy covers a pixel's centre.
 struct RenderedView {
   unsigned texture = 0;            ///< GL back-end: a GL_TEXTURE_2D; 0 otherwise
   const Image* picture = nullptr;  ///< CPU back-end: rows top first; null otherwise

@@ -76,15 +76,16 @@ struct Methods {
   render::Scene scene;
 };
 
-// Where the scores are taken, and what with.
-void score_method(const std::string& name, const Image& rgba, const EvaluateOptions& options,
-                  HeldOutView& view) {
-  if (view.mask.empty()) {
-    const int border = options.border >= 0   ? options.border
-                       : view.whole_pictures ? view.truth.width / kBorderShare
-                                             : 0;
-    view.mask = erode_mask(both(view.silhouette, rgba, border), kErode);
-  }
+// Where the scores are taken. An intermediate is opaque wherever the proxy is: the view itself is not, and
+// the mask must not shrink with its opacity.
+Image scored_mask(const Image& opaque, const EvaluateOptions& options, const HeldOutView& view) {
+  const int border = options.border >= 0   ? options.border
+                     : view.whole_pictures ? view.truth.width / kBorderShare
+                                           : 0;
+  return erode_mask(both(view.silhouette, opaque, border), kErode);
+}
+
+void score_method(const std::string& name, const Image& rgba, HeldOutView& view) {
   const Image rgb = over(rgba, {0, 0, 0});
   const Image black = cut_out(view.truth, view.silhouette, 0);
   Scores& s = view.scores[name] = score(rgb, black, view.mask, view.silhouette);
@@ -99,15 +100,16 @@ Result<void> draw_methods(const View& from, Methods& methods, const EvaluateOpti
                           HeldOutView& view) {
   for (std::size_t m = 0; m < methods.names.size(); ++m) {
     methods.renderers[m]->reset_history();  // what another camera saw has no part in this view
-    Result<render::RenderedView> rendered =
-        methods.renderers[m]->render(methods.scene, from, options.renderer);
-    if (!rendered) return forward(rendered);
-    score_method(methods.names[m], render::download(*rendered), options, view);
     render::RendererOptions apart = options.renderer;
     apart.output = render::RenderOutput::Ghosting;
-    rendered = methods.renderers[m]->render(methods.scene, from, apart);
+    Result<render::RenderedView> rendered = methods.renderers[m]->render(methods.scene, from, apart);
     if (!rendered) return forward(rendered);
-    view.scores[methods.names[m]].ghosting = mean_heat(render::download(*rendered), view.mask);
+    const Image heat = render::download(*rendered);
+    if (view.mask.empty()) view.mask = scored_mask(heat, options, view);
+    rendered = methods.renderers[m]->render(methods.scene, from, options.renderer);
+    if (!rendered) return forward(rendered);
+    score_method(methods.names[m], render::download(*rendered), view);
+    view.scores[methods.names[m]].ghosting = mean_heat(heat, view.mask);
   }
   return {};
 }

@@ -21,7 +21,8 @@ class BlendRenderer : public ViewRenderer {
     if (options.output == RenderOutput::Flow)
       return fail(ErrorCode::InvalidArgument,
                   "only the floating renderer has a flow to show; choose another output");
-    projection_.run(scene, view, options, {.margin = 0, .one_camera = one_camera_});
+    projection_.run(scene, view, options,
+                    {.margin = 0, .one_camera = one_camera_, .mattes = has_soft_outline(options)});
     picture_.begin(view, options.background);
     if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output))
@@ -30,6 +31,7 @@ class BlendRenderer : public ViewRenderer {
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);
         });
+      picture_.soften(projection_, options);
     }
     return rendered_view(scene, view, projection_, picture_);
   }

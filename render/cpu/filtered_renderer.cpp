@@ -26,7 +26,7 @@ class FilteredRenderer : public ViewRenderer {
     if (options.output == RenderOutput::Flow)
       return fail(ErrorCode::InvalidArgument,
                   "only the floating renderer has a flow to show; choose another output");
-    projection_.run(scene, view, options, {.margin = 0, .levels = true});
+    projection_.run(scene, view, options, {.margin = 0, .levels = true, .mattes = has_soft_outline(options)});
     picture_.begin(view, options.background);
     error_ =
         static_cast<float>(options.uncertainty * static_cast<double>(scene.impl().box.diagonal().norm()));
@@ -38,6 +38,7 @@ class FilteredRenderer : public ViewRenderer {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);
         });
       }
+      picture_.soften(projection_, options);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, picture_);
     if (options.output == RenderOutput::Color && options.motion_blur > 0)

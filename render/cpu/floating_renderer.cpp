@@ -21,7 +21,8 @@ class FloatingRenderer : public ViewRenderer {
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     const bool intermediate = is_shared_intermediate(options.output);
-    projection_.run(scene, view, options, {.margin = kMargin, .images = !intermediate});
+    projection_.run(scene, view, options,
+                    {.margin = kMargin, .images = !intermediate, .mattes = has_soft_outline(options)});
     picture_.begin(view, options.background);
     parallax_ = options.positions == Positions::Parallax;
     if (!projection_.window().empty()) {
@@ -33,6 +34,7 @@ class FloatingRenderer : public ViewRenderer {
           centers_[i] = center_in_view(projection_.rays(), projection_.camera(i));
         projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
       }
+      picture_.soften(projection_, options);
     }
     return rendered_view(scene, view, projection_, picture_);
   }

@@ -23,16 +23,17 @@ class LightFieldRenderer : public ViewRenderer {
     Result<CameraGrid> grid = camera_grid(scene.impl().cameras);
     if (!grid) return forward(grid);
     plane_ = LightFieldPlane(*grid, view.view_from_world.center());
-    projection_.run(scene, view, options, {.margin = 0});
+    projection_.run(scene, view, options, {.margin = 0, .mattes = has_soft_outline(options)});
     picture_.begin(view, options.background);
     take_photographs(scene.impl(), view);
     if (!projection_.window().empty()) {
-      if (options.output == RenderOutput::Depth)
+      if (options.output == RenderOutput::Depth || options.output == RenderOutput::Opacity)
         draw_intermediate(projection_, scene, view, options.output, picture_);
       else
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);
         });
+      picture_.soften(projection_, options);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, picture_);
     drawn.cameras = strongest(scene.impl(), plane_, view);

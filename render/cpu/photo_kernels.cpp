@@ -25,7 +25,7 @@ using MF = hn::Mask<F>;
 constexpr float kSmallestAngle =
     2e-5F;                         // rad; a camera nearer than this to the viewing ray has all the weight
 constexpr float kGrazing = 0.02F;  // cosine below which a camera sees nothing of a surface
-constexpr float kOpaque = 0.5F * 255;
+constexpr float kOpaque = 0.5F;
 
 struct V3 {
   VF x, y, z;
@@ -108,7 +108,8 @@ HWY_INLINE MF photo_pixel(const PhotoCamera& c, const V3& p, VF& u, VF& v) {
 /// In [low, high], also what is no number.
 HWY_INLINE VF held(VF v, float low, float high) { return hn::Min(hn::Max(v, all(low)), all(high)); }
 
-HWY_INLINE MF opaque(const PhotoCamera& c, VF u, VF v) {
+/// The matte at a pixel, bilinear, 0 … 1.
+HWY_INLINE VF matte_at(const PhotoCamera& c, VF u, VF v) {
   const F d;
   const I di;
   const VF x = hn::Sub(held(hn::Sub(u, all(c.tile_x)), 0.5F, c.tile_width - 0.5F), all(0.5F));
@@ -124,7 +125,7 @@ HWY_INLINE MF opaque(const PhotoCamera& c, VF u, VF v) {
   };
   const VF a = alpha(0), b = alpha(1), e = alpha(c.tile_stride), f = alpha(c.tile_stride + 1);
   const VF top = hn::MulAdd(fx, hn::Sub(b, a), a), bottom = hn::MulAdd(fx, hn::Sub(f, e), e);
-  return hn::Ge(hn::MulAdd(fy, hn::Sub(bottom, top), top), all(kOpaque));
+  return hn::Mul(hn::MulAdd(fy, hn::Sub(bottom, top), top), all(1.F / 255));
 }
 
 /// At least half of the four depth map texels around p are explained by the surface's own plane.
@@ -185,7 +186,7 @@ void ProjectPoints(const PhotoCamera& camera, const ViewRays& rays, const PixelL
 
 void SeePoints(const PhotoCamera& camera, const ViewRays& rays, const PixelList& points,
                const Normals& normals, float tolerance, float* u, float* v, std::int32_t* seen,
-               float* angular) {
+               float* angular, const MatteSums& mattes) {
   const F d;
   const I di;
   const V3 eye = {all(rays.eye[0]), all(rays.eye[1]), all(rays.eye[2])};
@@ -206,11 +207,19 @@ void SeePoints(const PhotoCamera& camera, const ViewRays& rays, const PixelList&
       return hn::MulAdd(all(m[0]), nw.x, hn::MulAdd(all(m[1]), nw.y, hn::Mul(all(m[2]), nw.z)));
     };
     const V3 n = {turned(0), turned(1), turned(2)};
-    const MF usable = hn::And(hn::And(in, opaque(camera, pu, pv)), not_hidden(camera, p, n, tolerance));
+    const VF matte = matte_at(camera, pu, pv);
+    const MF looks = hn::And(in, not_hidden(camera, p, n, tolerance));
+    const MF usable = hn::And(looks, hn::Ge(matte, all(kOpaque)));
     hn::StoreU(pu, d, u + i);
     hn::StoreU(pv, d, v + i);
     hn::StoreU(hn::IfThenElseZero(hn::RebindMask(di, usable), hn::Set(di, 1)), di, seen + i);
     hn::StoreU(hn::IfThenElse(in, weight, hn::Neg(weight)), d, angular + i);
+    if (mattes.sum == nullptr) continue;
+    const VF counts = hn::IfThenElseZero(looks, hn::Mul(weight, all(mattes.reach)));
+    hn::StoreU(hn::MulAdd(counts, matte, hn::LoadU(d, mattes.sum + i)), d, mattes.sum + i);
+    hn::StoreU(hn::Add(counts, hn::LoadU(d, mattes.weight + i)), d, mattes.weight + i);
+    const VF most = hn::LoadU(d, mattes.most + i);
+    hn::StoreU(hn::IfThenElse(looks, hn::Max(most, matte), most), d, mattes.most + i);
   }
 }
 
@@ -319,8 +328,8 @@ void project_points(const PhotoCamera& camera, const ViewRays& rays, const Pixel
 
 void see_points(const PhotoCamera& camera, const ViewRays& rays, const PixelList& points,
                 const Normals& normals, float tolerance, float* u, float* v, std::int32_t* seen,
-                float* angular) {
-  HWY_DYNAMIC_DISPATCH(SeePoints)(camera, rays, points, normals, tolerance, u, v, seen, angular);
+                float* angular, const MatteSums& mattes) {
+  HWY_DYNAMIC_DISPATCH(SeePoints)(camera, rays, points, normals, tolerance, u, v, seen, angular, mattes);
 }
 
 void read_colors(const PhotoCamera& camera, bool sharp, const float* u, const float* v,

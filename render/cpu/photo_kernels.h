@@ -52,11 +52,19 @@ struct Normals {
 void project_points(const PhotoCamera& camera, const ViewRays& rays, const PixelList& points, float* u,
                     float* v, std::int32_t* inside);
 
+/// What the mattes of the cameras that look at a point say there, summed camera by camera over a list: those
+/// whose picture and depth map show it, weighted by angle and `reach`. Null: nobody asks.
+struct MatteSums {
+  float reach = 1;
+  float *sum = nullptr, *weight = nullptr;  ///< of weight x opacity, and of weights
+  float* most = nullptr;                    ///< the largest opacity; stays as it is where no camera looks
+};
+
 /// The same, and whether the photograph may be used there (picture, matte, depth map), and the angular
 /// weight: 1/angle, negative where the picture does not reach.
 void see_points(const PhotoCamera& camera, const ViewRays& rays, const PixelList& points,
                 const Normals& normals, float tolerance, float* u, float* v, std::int32_t* seen,
-                float* angular);
+                float* angular, const MatteSums& mattes);
 
 /// Colours of a photograph, r g b a per pixel, 0…255, at the pixels whose `wanted` is not 0: Catmull-Rom
 /// spline, or bilinear where not `sharp`. Others are left alone.

@@ -65,9 +65,14 @@ void Picture::write(const Projection& projection, int y, const float* rgb, int f
   }
 }
 
+void Picture::soften(Projection& projection, const RendererOptions& options) {
+  if (has_soft_outline(options)) outline_.run(projection, options.output == RenderOutput::Opacity, image_);
+}
+
 bool is_shared_intermediate(RenderOutput output) {
   return output == RenderOutput::Weights || output == RenderOutput::Visibility ||
-         output == RenderOutput::SoftVisibility || output == RenderOutput::Depth;
+         output == RenderOutput::SoftVisibility || output == RenderOutput::Depth ||
+         output == RenderOutput::Opacity;
 }
 
 void draw_intermediate(Projection& projection, const Scene& scene, const View& view, RenderOutput output,
@@ -85,6 +90,7 @@ void draw_intermediate(Projection& projection, const Scene& scene, const View& v
     std::fill_n(rgb, 3 * count, 0.F);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t at = row.list + i;
+      if (output == RenderOutput::Opacity) break;  // Picture::soften() draws it
       if (output == RenderOutput::Depth) {
         const float z = 1 / projection.covered().inverse_z[at];
         const float bright = 1 - std::clamp((z - middle + radius) / (2 * radius), 0.F, 1.F);

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "render/cpu/outline.h"
 #include "render/cpu/projection.h"
 
 namespace floatstage::render::cpu {
@@ -17,8 +18,12 @@ class Picture {
   /// What lies outside the view is left out.
   void write(const Projection& projection, int y, const float* rgb, int floats);
 
+  /// Once all rows are written: gives the view its opacity, or shows it, where the options want either.
+  void soften(Projection& projection, const RendererOptions& options);
+
  private:
   Image image_;
+  Outline outline_;
 };
 
 /// The intermediates that all renderers share: weights, visibility, soft visibility, depth.

@@ -88,8 +88,10 @@ void Projection::run(const Scene& scene, const View& view, const RendererOptions
   take_photographs(s, view, wanted.levels);
   covered_.find(window_.width, window_.height, inverse_z_.data());
   reserve();
+  if (wanted.mattes)
+    for (auto* list : {&matte_, &most_opaque_}) grow(*list, covered_.padded);
   plan_bands();
-  for_rows([&](int y, RowMemory& memory) { see_row(y, wanted.images, memory); });
+  for_rows([&](int y, RowMemory& memory) { see_row(y, wanted, memory); });
   for_rows([&](int y, RowMemory& memory) { weigh_row(y, wanted, memory); });
 }
 
@@ -176,7 +178,7 @@ void Projection::write_normals(int y, float* nx, float* ny, float* nz) const {
   }
 }
 
-void Projection::see_row(int y, bool images, RowMemory& memory) {
+void Projection::see_row(int y, const Wanted& wanted, RowMemory& memory) {
   const Covered::Row& row = covered_.rows[static_cast<std::size_t>(y)];
   const auto count = static_cast<std::size_t>(row.count);
   float *nx = memory.floats(count), *ny = memory.floats(count), *nz = memory.floats(count);
@@ -186,13 +188,19 @@ void Projection::see_row(int y, bool images, RowMemory& memory) {
   std::fill_n(bits, count, 0);
   const PixelList points{covered_.x.data() + row.list, nullptr, covered_.inverse_z.data() + row.list,
                          static_cast<float>(y) + 0.5F, row.count};
+  MatteSums mattes;
+  if (wanted.mattes) {
+    mattes = {1, matte_.data() + row.list, memory.floats(count), most_opaque_.data() + row.list};
+    for (float* list : {mattes.sum, mattes.weight, mattes.most}) std::fill_n(list, count, 0.F);
+  }
   for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
+    mattes.reach = choice_.fade[slot] + kStandIn * choice_.stand_in_fade[slot];
     see_points(camera(slot), rays_, points, {nx, ny, nz}, tolerance_, u, v, seen,
-               angular_[slot].data() + row.list);
+               angular_[slot].data() + row.list, mattes);
     if (minified_[slot])
       footprints(camera(slot), rays_, points, {nx, ny, nz}, footprint_[slot].data() + row.list);
     for (std::size_t i = 0; i < count; ++i) bits[i] |= seen[i] << slot;
-    if (!images || slot >= choice_.chosen) continue;
+    if (!wanted.images || slot >= choice_.chosen) continue;
     read(slot, row, u, v, seen, rgba, memory);
     for (std::size_t s = row.first_span; s < row.last_span; ++s) {
       const Covered::Span& span = covered_.spans[s];
@@ -202,6 +210,11 @@ void Projection::see_row(int y, bool images, RowMemory& memory) {
         if (seen[i] != 0) to[x] = packed(rgba + 4 * i);
       }
     }
+  }
+  for (std::size_t i = 0; wanted.mattes && i < count; ++i) {
+    const bool watched = mattes.weight[i] > 0;
+    mattes.sum[i] = watched ? mattes.sum[i] / mattes.weight[i] : 1;
+    if (!watched) mattes.most[i] = 1;
   }
   std::uint8_t* hidden = hidden_.data() + line(y);
   std::fill_n(hidden, window_.width, std::uint8_t{0});

@@ -44,6 +44,7 @@ class Projection {
     bool one_camera = false;  ///< all weight to the best visible camera of each pixel
     bool images = false;
     bool levels = false;  ///< photographs' pyramids, whatever the footprints are
+    bool mattes = false;  ///< what they say at the surface
   };
   void run(const Scene& scene, const View& view, const RendererOptions& options, const Wanted& wanted);
 
@@ -65,6 +66,8 @@ class Projection {
                        memory);
   }
   float tolerance() const { return tolerance_; }
+  float radius() const { return radius_; }  ///< px: of soft visibility
+  int threads() const { return threads_; }
   bool sharp() const { return sharp_; }
 
   const float* inverse_z() const { return inverse_z_.data(); }  ///< plane, 0 off the proxy
@@ -75,6 +78,10 @@ class Projection {
   const float* angular(std::size_t slot) const { return angular_[slot].data(); }   ///< list
   const float* weight(std::size_t slot) const { return weight_[slot].data(); }     ///< list
   const float* soft(std::size_t slot) const { return soft_[slot].data(); }         ///< list
+  /// Lists, where they are wanted: the mean and the largest of what the mattes say, 1 where no camera looks.
+  const float* matte() const { return matte_.data(); }
+  const float* most_opaque() const { return most_opaque_.data(); }
+  const ScreenMesh& on_screen() const { return raster_.seen(); }  ///< the proxy as the window shows it
 
   /// Calls body(y, memory) for every row with covered pixels, rows of a band in order on one thread.
   template <class Body>
@@ -101,7 +108,7 @@ class Projection {
   void take_photographs(const Scene::Impl& scene, const View& view, bool levels);
   void reserve();
   void plan_bands();
-  void see_row(int y, bool images, RowMemory& memory);
+  void see_row(int y, const Wanted& wanted, RowMemory& memory);
   void weigh_row(int y, const Wanted& wanted, RowMemory& memory);
   void soften_row(int y, RowMemory& memory);
   void fill_row(int y, const std::int32_t* best, RowMemory& memory);
@@ -127,6 +134,7 @@ class Projection {
   std::array<std::vector<std::int16_t>, kMostListed> row_distances_;
   std::array<std::vector<std::uint8_t>, kMostListed> row_has_hidden_;
   std::array<std::vector<float>, kMostListed> angular_, weight_, soft_, soft_planes_, footprint_;
+  std::vector<float> matte_, most_opaque_;
   std::array<std::vector<std::uint32_t>, kMostListed> images_;
   std::vector<Band> bands_;
   std::vector<RowMemory> memory_;

@@ -81,21 +81,33 @@ void ScreenMesh::draw(int first, int last, float* inverse_z, std::uint32_t* tria
              end = static_cast<std::size_t>(last) * static_cast<std::size_t>(camera_.width);
   std::fill(inverse_z + begin, inverse_z + end, 0.F);
   const RasterRows to{camera_.width, first, last, inverse_z, triangle};
+  walk([&](const ScreenVertex* vertices, const std::uint32_t* corners, std::uint32_t count,
+           std::uint32_t index, bool cull) { draw_triangles(vertices, corners, count, index, cull, to); });
+}
+
+void ScreenMesh::cover(const CoverRows& to) const {
+  walk([&](const ScreenVertex* vertices, const std::uint32_t* corners, std::uint32_t count, std::uint32_t,
+           bool cull) { cover_triangles(vertices, corners, count, cull, to); });
+}
+
+template <class Draw>
+void ScreenMesh::walk(const Draw& draw) const {
   const std::uint32_t* corner = mesh_->triangles.data();
   const auto count = static_cast<std::uint32_t>(mesh_->triangle_count());
   if (std::find(to_clip_.begin(), to_clip_.end(), 1) == to_clip_.end())
-    return draw_triangles(vertices_.data(), corner, count, 0, closed_, to);
+    return draw(vertices_.data(), corner, count, 0, closed_);
   auto beyond = [&](std::uint32_t i) { return vertices_[i].inverse_z == 0; };
   for (std::uint32_t t = 0; t < count; ++t, corner += 3) {
     if (beyond(corner[0]) || beyond(corner[1]) || beyond(corner[2]))
-      draw_clipped(corner, t, to);
+      walk_clipped(corner, t, draw);
     else
-      draw_triangles(vertices_.data(), corner, 1, t, false, to);
+      draw(vertices_.data(), corner, 1, t, false);
   }
 }
 
 // Clips against the planes and a frame far outside of the picture, as a fan of what is left.
-void ScreenMesh::draw_clipped(const std::uint32_t* corners, std::uint32_t index, const RasterRows& to) const {
+template <class Draw>
+void ScreenMesh::walk_clipped(const std::uint32_t* corners, std::uint32_t index, const Draw& draw) const {
   std::array<Corner, 12> now, next;
   std::size_t count = 3;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -145,7 +157,7 @@ void ScreenMesh::draw_clipped(const std::uint32_t* corners, std::uint32_t index,
   constexpr std::uint32_t kOne[] = {0, 1, 2};
   for (std::size_t i = 1; i + 1 < count; ++i) {
     const ScreenVertex three[] = {hub, vertex(now[i]), vertex(now[i + 1])};
-    draw_triangles(three, kOne, 1, index, false, to);
+    draw(three, kOne, 1, index, false);
   }
 }
 

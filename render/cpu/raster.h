@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/mesh.h"
+#include "render/cpu/cover_kernels.h"
 #include "render/cpu/raster_kernels.h"
 
 // A scanline rasteriser for closed meshes of many small triangles: vertices on a grid of 1/256 px, coverage
@@ -34,11 +35,18 @@ class ScreenMesh {
   /// null) the index of the triangle. Both are width x height of the camera, and cleared to 0 by the call.
   void draw(int first, int last, float* inverse_z, std::uint32_t* triangle) const;
 
+  /// Marks which samples of wanted pixels are covered (see cover_triangles()); nothing is cleared.
+  void cover(const CoverRows& to) const;
+
  private:
   struct Corner {  // homogeneous: x/z, y/z are pixels
     double x = 0, y = 0, z = 0;
   };
-  void draw_clipped(const std::uint32_t* corners, std::uint32_t index, const RasterRows& to) const;
+  // Calls draw(vertices, corners, count, first_index, cull) for what is there.
+  template <class Draw>
+  void walk(const Draw& draw) const;
+  template <class Draw>
+  void walk_clipped(const std::uint32_t* corners, std::uint32_t index, const Draw& draw) const;
 
   const Mesh* mesh_ = nullptr;
   RasterCamera camera_;

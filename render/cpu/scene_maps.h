@@ -32,6 +32,9 @@ class ProxyRaster {
   void run(const Scene::Impl& scene, const RasterCamera& view, std::span<const int> wanted, int threads,
            float* inverse_z, std::uint32_t* triangle);
 
+  /// The mesh as the view of the last run() sees it, as long as its scene stays.
+  const ScreenMesh& seen() const { return targets_[0].mesh; }
+
  private:
   struct Target {
     ScreenMesh mesh;

@@ -18,8 +18,7 @@ namespace floatstage::render::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr float kStandIn = 1e-3F;  // a camera beyond the chosen ones counts where those see nothing
-constexpr float kBlind = 1e-6F;    // a camera that does not see the pixel counts where none does
+constexpr float kBlind = 1e-6F;  // a camera that does not see the pixel counts where none does
 
 // Plain loops over bytes and shorts, which compilers turn into vectors.
 

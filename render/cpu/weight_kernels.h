@@ -9,6 +9,7 @@
 // Formulas: render/gl/shaders/soft_rows.frag and weights.frag.
 namespace floatstage::render::cpu {
 
+inline constexpr float kStandIn = 1e-3F;  ///< a camera beyond the chosen ones counts where those see nothing
 inline constexpr std::int16_t kNoneNear = 1 << 14;  ///< a squared distance beyond every radius
 
 /// The distance filter's first pass: per pixel of a row the squared distance along it to the next pixel whose

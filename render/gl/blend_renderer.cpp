@@ -33,6 +33,7 @@ class BlendRenderer : public ViewRenderer {
                             {projection_.surface(), projection_.weights(0), projection_.weights(1)}, w.x, w.y,
                             w.width, w.height);
       }
+      projection_.soften(**textures, options, target_);
     }
     return rendered_view(scene, view, projection_, target_);
   }

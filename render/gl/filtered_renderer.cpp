@@ -74,6 +74,7 @@ class FilteredRenderer : public ViewRenderer {
         inspection_.draw(projection_, **textures, view, target_);
       else
         draw(scene.impl(), options, w);
+      projection_.soften(**textures, options, target_);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, target_);
     if (options.output == RenderOutput::Color && options.motion_blur > 0)

@@ -56,6 +56,7 @@ class FloatingRenderer : public ViewRenderer {
              projection_.angular(0), projection_.angular(1), projection_.soft(0), projection_.soft(1)},
             w.x, w.y, w.width, w.height);
       }
+      projection_.soften(**textures, options, target_);
     }
     return rendered_view(scene, view, projection_, target_);
   }

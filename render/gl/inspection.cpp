@@ -13,7 +13,8 @@ Result<Inspection> Inspection::create() {
 
 bool Inspection::shows(RenderOutput output) const {
   return output == RenderOutput::Weights || output == RenderOutput::Visibility ||
-         output == RenderOutput::SoftVisibility || output == RenderOutput::Depth;
+         output == RenderOutput::SoftVisibility || output == RenderOutput::Depth ||
+         output == RenderOutput::Opacity;
 }
 
 void Inspection::draw(const Projection& projection, const SceneTextures& scene, const View& view,

@@ -26,7 +26,7 @@ class LightFieldRenderer : public ViewRenderer {
     projection_.run(**textures, view, options, 0, false);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
-      if (options.output == RenderOutput::Depth) {
+      if (inspection_.shows(options.output)) {
         inspection_.draw(projection_, **textures, view, target_);
       } else {
         set_plane(plane);
@@ -35,6 +35,7 @@ class LightFieldRenderer : public ViewRenderer {
         projection_.draw_at(target_.framebuffer(), blend_, {projection_.surface()}, w.x, w.y, w.width,
                             w.height);
       }
+      projection_.soften(**textures, options, target_);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, target_);
     drawn.cameras = strongest(scene.impl(), plane, view);

@@ -64,6 +64,9 @@ Result<Projection> Projection::create() {
     if (!program) return forward(program);
     *w.program = std::move(*program);
   }
+  Result<Outline> outline = Outline::create();
+  if (!outline) return forward(outline);
+  p.outline_ = std::move(*outline);
   p.no_vertices_ = gl::VertexArray::create();
   for (gl::Framebuffer* target :
        {&p.surface_target_, &p.visibility_target_, &p.rows_target_, &p.weights_target_})
@@ -91,7 +94,9 @@ void Projection::reserve() {
     if (soft_[n].reserve(GL_RGBA16F, GL_LINEAR, w, h))
       glNamedFramebufferTexture(weights_target_.id(), GL_COLOR_ATTACHMENT2 + place, soft_[n].id(), 0);
   }
-  set_draw_buffers(visibility_target_, 3);
+  if (mattes_.reserve(GL_RG8, GL_NEAREST, w, h))
+    glNamedFramebufferTexture(visibility_target_.id(), GL_COLOR_ATTACHMENT3, mattes_.id(), 0);
+  set_draw_buffers(visibility_target_, 4);
   set_draw_buffers(weights_target_, 4);
 }
 
@@ -181,11 +186,22 @@ void Projection::draw_at(GLuint framebuffer, const gl::Program& program,
 }
 
 void ViewTarget::begin(int width, int height, const std::array<float, 3>& background) {
-  if (!framebuffer_) framebuffer_ = gl::Framebuffer::create();
-  if (color_.resize(GL_RGBA8, GL_LINEAR, width, height))
-    glNamedFramebufferTexture(framebuffer_.id(), GL_COLOR_ATTACHMENT0, color_.id(), 0);
+  clear(0, width, height, background);
+}
+
+GLuint ViewTarget::begin_again(const std::array<float, 3>& background) {
+  clear(1, colors_[0].width(), colors_[0].height(), background);
+  return colors_[0].id();
+}
+
+void ViewTarget::clear(std::size_t which, int width, int height, const std::array<float, 3>& background) {
+  last_ = which;
+  gl::Framebuffer& framebuffer = framebuffers_[which];
+  if (!framebuffer) framebuffer = gl::Framebuffer::create();
+  if (colors_[which].resize(GL_RGBA8, GL_LINEAR, width, height))
+    glNamedFramebufferTexture(framebuffer.id(), GL_COLOR_ATTACHMENT0, colors_[which].id(), 0);
   const float clear[4] = {background[0], background[1], background[2], 0};
-  glClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 0, clear);
+  glClearNamedFramebufferfv(framebuffer.id(), GL_COLOR, 0, clear);
 }
 
 }  // namespace floatstage::render

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "render/camera_choice.h"
 #include "render/gl/gl_objects.h"
+#include "render/gl/outline.h"
 #include "render/gl/scene_textures.h"
 #include "render/renderer.h"
 #include "render/view_window.h"
@@ -40,11 +42,17 @@ class Projection {
   GLuint weights(int i) const { return weights_[i].id(); }  ///< RGBA16F, i = 0, 1: slots 0-3, 4-7
   GLuint soft(int i) const { return soft_[i].id(); }
   GLuint angular(int i) const { return angular_[i].id(); }
+  GLuint mattes() const { return mattes_.id(); }  ///< RG8: mean and largest of what they say at the surface
 
   /// Draws one triangle over the window-sized viewport of `framebuffer` with these textures at units 1, 2, …
   void draw(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures) const;
   void draw_at(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures, int x,
                int y, int width, int height) const;
+
+  /// Once the view is drawn into `target`: gives it its opacity where the options want that.
+  void soften(const SceneTextures& scene, const RendererOptions& options, ViewTarget& target) {
+    outline_->soften(*this, scene, options, target);
+  }
 
  private:
   Projection() = default;
@@ -57,7 +65,8 @@ class Projection {
   gl::Buffer uniforms_;
   std::size_t uniform_capacity_ = 0;
   gl::VertexArray no_vertices_;
-  gl::Texture surface_, z_buffer_, visibility_, row_distances_;
+  std::optional<Outline> outline_;  // made by create()
+  gl::Texture surface_, z_buffer_, visibility_, row_distances_, mattes_;
   std::array<gl::Texture, 2> angular_, weights_, soft_;
   gl::Framebuffer surface_target_, visibility_target_, rows_target_, weights_target_;
   Window window_;
@@ -69,12 +78,17 @@ class Projection {
 class ViewTarget {
  public:
   void begin(int width, int height, const std::array<float, 3>& background);
-  GLuint framebuffer() const { return framebuffer_.id(); }
-  GLuint texture() const { return color_.id(); }
+  /// Begins a second picture from the first: the texture of that, to be read while drawing.
+  GLuint begin_again(const std::array<float, 3>& background);
+  GLuint framebuffer() const { return framebuffers_[last_].id(); }
+  GLuint texture() const { return colors_[last_].id(); }
 
  private:
-  gl::Texture color_;
-  gl::Framebuffer framebuffer_;
+  void clear(std::size_t which, int width, int height, const std::array<float, 3>& background);
+
+  std::array<gl::Texture, 2> colors_;
+  std::array<gl::Framebuffer, 2> framebuffers_;
+  std::size_t last_ = 0;
 };
 
 /// Declares `count` colour attachments.

@@ -141,6 +141,29 @@ void compare(benchmark::State& state, const FlowOptions& gl_flow, const FlowOpti
   state.SetLabel(on.context->description());
 }
 
+/// What soft outlines cost: pictures with and without them in turns, a new scene every time.
+void outlines(benchmark::State& state, const std::string& method) {
+  Stage& on = stage();
+  const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
+  auto renderer = std::move(*make_renderer(method, render::BackEnd::Cpu));
+  std::map<bool, double> best;
+  for (auto _ : state)
+    for (int round = 0; round < 8; ++round)
+      for (const bool soft : {false, true}) {
+        RendererOptions options;
+        options.soft_outlines = soft;
+        if (!on.scene.set(on.rig, on.frame)) return state.SkipWithError("the scene cannot be set");
+        const double begun = cpu_ms();
+        if (!renderer->render(on.scene, orbit_view(width, height, round), options))
+          return state.SkipWithError("no picture");
+        const double took = cpu_ms() - begun;
+        if (round > 0) best[soft] = best[soft] == 0 ? took : std::min(best[soft], took);
+      }
+  state.counters["hard_ms"] = best[false];
+  state.counters["soft_ms"] = best[true];
+  state.counters["ratio"] = best[true] / best[false];
+}
+
 /// Wall time of the draw on one thread and on two.
 void two_threads(benchmark::State& state) {
   Stage& on = stage();
@@ -205,6 +228,8 @@ BENCHMARK_CAPTURE(compare, draw, kNoFlow, kNoFlow, false)->Apply(sizes)->Iterati
 BENCHMARK_CAPTURE(compare, draw_same_scene, kNoFlow, kNoFlow, true)->Apply(sizes)->Iterations(2);
 BENCHMARK_CAPTURE(compare, picture, kDis, kNative, false)->Apply(sizes)->Iterations(1);
 BENCHMARK_CAPTURE(compare, picture_same_flow, kNative, kNative, false)->Apply(sizes)->Iterations(1);
+BENCHMARK_CAPTURE(outlines, linear, std::string("linear"))->Apply(sizes)->Iterations(1);
+BENCHMARK_CAPTURE(outlines, floating, std::string("floating"))->Apply(sizes)->Iterations(1);
 BENCHMARK(two_threads)->Apply(sizes)->Iterations(1);
 BENCHMARK_CAPTURE(draw, nearest_cpu, std::string("nearest"), kCpu)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, linear_cpu, std::string("linear"), kCpu)->Apply(sizes);

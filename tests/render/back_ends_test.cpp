@@ -13,8 +13,10 @@ class BackEnds : public testing::Test {
     ASSERT_THAT(made, IsOk());
     context_ = std::move(*made);
   }
+  // Colours and which pixels the proxy covers; outline_test.cpp compares opacities.
   static Image drawn(render::BackEnd back_end, const render::Scene& scene, const View& view,
-                     const char* method, const RendererOptions& options) {
+                     const char* method, RendererOptions options) {
+    options.soft_outlines = false;
     const auto renderer = std::move(*make_renderer(method, back_end));
     const Result<RenderedView> picture = renderer->render(scene, view, options);
     EXPECT_THAT(picture, IsOk());

@@ -26,12 +26,12 @@ struct Golden {
 };
 
 const Golden kGoldens[] = {
-    {"nearest", "nearest", RenderOutput::Color, 0.4837, {115.5, 123.5, 124.5}},
-    {"linear", "linear", RenderOutput::Color, 0.4837, {114.9, 123.7, 124.8}},
-    {"band_limited", "band-limited", RenderOutput::Color, 0.4837, {116.9, 125.4, 127.0}},
-    {"filtered", "filtered", RenderOutput::Color, 0.4837, {115.7, 124.3, 125.6}},
+    {"nearest", "nearest", RenderOutput::Color, 0.4762, {118.7, 126.9, 127.9}},
+    {"linear", "linear", RenderOutput::Color, 0.4762, {118.0, 127.0, 128.1}},
+    {"band_limited", "band-limited", RenderOutput::Color, 0.4762, {119.6, 128.2, 129.8}},
+    {"filtered", "filtered", RenderOutput::Color, 0.4762, {118.5, 127.4, 128.7}},
     {"light_field", "light-field", RenderOutput::Color, 1, {124.1, 131.8, 134.0}},
-    {"floating", "floating", RenderOutput::Color, 0.4837, {115.6, 124.4, 124.8}},
+    {"floating", "floating", RenderOutput::Color, 0.4762, {118.5, 127.0, 128.0}},
     {"floating_weights", "floating", RenderOutput::Weights, 0.4837, {139.5, 165.4, 111.2}},
     {"floating_soft_visibility", "floating", RenderOutput::SoftVisibility, 0.4837, {101.9, 89.1, 95.1}},
     {"linear_ghosting", "linear", RenderOutput::Ghosting, 0.4837, {145.8, 65.4, 25.5}},

@@ -1,5 +1,5 @@
 // False colours of the intermediates. The numbers are RenderOutput's.
-const int kWeights = 1, kVisibility = 2, kSoftVisibility = 3, kFlow = 4, kGhosting = 5, kDepth = 6;
+const int kWeights = 1, kVisibility = 2, kSoftVisibility = 3, kFlow = 4, kGhosting = 5, kDepth = 6, kOpacity = 7;
 
 vec3 hue(float h) { return clamp(abs(fract(h + vec3(0.0, 2.0, 1.0) / 3.0) * 6.0 - 3.0) - 1.0, 0.0, 1.0); }
 

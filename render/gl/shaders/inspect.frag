@@ -17,6 +17,10 @@ void main() {
     color = vec4(vec3(1.0 - clamp((z - depth_range.x) / (depth_range.y - depth_range.x), 0.0, 1.0)), 1.0);
     return;
   }
+  if (view.counts.w == kOpacity) {  // outline.frag draws it
+    color = vec4(1.0);
+    return;
+  }
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   vec4 s0 = texelFetch(soft0, at, 0), s1 = texelFetch(soft1, at, 0);
   uint seen = texelFetch(visibility, at, 0).x;

@@ -4,10 +4,12 @@ layout(binding = 2) uniform sampler2DArray depth_maps;
 layout(location = 0) out uvec4 result;   // x: bit per listed camera, y: the proxy is here
 layout(location = 1) out vec4 angular0;  // 1/angle, signed: negative where the camera's picture does not reach
 layout(location = 2) out vec4 angular1;
+layout(location = 3) out vec2 mattes;    // the mean and the largest of what they say where their cameras look
 
 const float kSmallestAngle = 2e-5;  // rad (its inverse fits a half float); a camera nearer than this to the viewing ray has all the weight
 const float kGrazing = 0.02;        // cosine below which a camera sees nothing of a surface
 const float kOpaque = 0.5;
+const float kStandIn = 1e-3;  // weights.frag has the same
 
 // Fraction of the four depth map texels around p that the surface's own plane explains.
 float seen(int index, vec3 p, vec3 n, float tolerance) {
@@ -34,11 +36,13 @@ float seen(int index, vec3 p, vec3 n, float tolerance) {
 void main() {
   result = uvec4(0u);
   angular0 = angular1 = vec4(0.0);
+  mattes = vec2(1.0);
   vec4 s = texelFetch(surface, ivec2(gl_FragCoord.xy), 0);
   if (s.w >= kNothing) return;
   result.y = 1u;
   vec3 world = world_at(gl_FragCoord.xy, s.w);
   vec3 to_view = normalize(view.view_center.xyz - world);
+  float sum = 0.0, total = 0.0, most = 0.0;
   for (int slot = 0; slot < view.counts.x; ++slot) {
     int index = listed(slot);
     vec3 p = (cameras[index].cam_from_world * vec4(world, 1.0)).xyz;
@@ -48,7 +52,14 @@ void main() {
     vec2 pixel;
     if (photo_pixel(index, p, pixel)) {
       vec3 n = mat3(cameras[index].cam_from_world) * s.xyz;
-      if (photo(index, pixel).a >= kOpaque && seen(index, p, n, view.settings.z) >= 0.5) result.x |= 1u << slot;
+      if (seen(index, p, n, view.settings.z) >= 0.5) {
+        float matte = photo(index, pixel).a;
+        float counts = angular * (view.camera_fade[slot].x + kStandIn * view.camera_fade[slot].y);
+        if (matte >= kOpaque) result.x |= 1u << slot;
+        sum += counts * matte;
+        total += counts;
+        most = max(most, matte);
+      }
     } else {
       angular = -angular;
     }
@@ -57,4 +68,5 @@ void main() {
     else
       angular1[slot - 4] = angular;
   }
+  if (total > 0.0) mattes = vec2(sum / total, most);
 }

@@ -1,0 +1,73 @@
+// The picture with its opacity: how much of a pixel the proxy covers, times what the mattes say near the outline. The
+// twin of render/cpu/outline.cpp.
+layout(binding = 1) uniform sampler2D surface;
+layout(binding = 2) uniform sampler2D samples;  // 1 where the proxy covers one of the pixel's four samples
+layout(binding = 3) uniform sampler2D mattes;   // the mean and the largest of what they say; see visibility.frag
+layout(binding = 4) uniform sampler2D picture;
+layout(location = 0) uniform ivec2 window_in_target;
+layout(location = 0) out vec4 color;
+
+const float kNear = 0.5;  // of soft visibility's radius: how far from the outline mattes count
+const int kOpacity = 7;  // RenderOutput::Opacity
+
+// What no picture shows has no part in it.
+bool shown(ivec2 at) {
+  ivec2 there = at + window_in_target;
+  return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.window.zw))) &&
+         all(greaterThanEqual(there, ivec2(0))) && all(lessThan(there, textureSize(picture, 0)));
+}
+bool outside(ivec2 at) { return texelFetch(surface, at, 0).w >= kNothing; }
+
+// Opacity of a pixel whose centre the proxy covers, but for the coverage.
+float solid(ivec2 at) {
+  vec2 matte = texelFetch(mattes, at, 0).xy;
+  float opacity = 1.0, radius = kNear * view.settings.y;
+  int reach = int(ceil(radius));
+  if (matte.x < 1.0 && radius > 1.0) {
+    float nearest2 = 1e9;
+    for (int dy = -reach; dy <= reach; ++dy) {
+      if (float(dy * dy) >= nearest2) continue;
+      for (int dx = -reach; dx <= reach; ++dx) {
+        float distance2 = float(dx * dx + dy * dy);
+        ivec2 there = at + ivec2(dx, dy);
+        if (distance2 < nearest2 && shown(there) && outside(there)) nearest2 = distance2;
+      }
+    }
+    opacity -= (1.0 - matte.x) * clamp((radius - sqrt(nearest2)) / (radius - 1.0), 0.0, 1.0);
+  }
+  return min(opacity, 2.0 * matte.y);
+}
+
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  bool center = !outside(at);
+  float covered = dot(texelFetch(samples, at, 0), vec4(0.25));
+  if (!center && covered == 0.0) discard;
+  bool rim = false;
+  if (!center || covered < 1.0)
+    for (int k = 0; k < 9; ++k) {
+      ivec2 next = at + ivec2(k % 3, k / 3) - 1;
+      rim = rim || (shown(next) && outside(next) == center);
+    }
+  if (center) {
+    color = vec4(texelFetch(picture, at + window_in_target, 0).rgb, solid(at));
+    if (rim) color.a *= max(covered, 0.25);
+  } else {
+    if (!rim) discard;
+    vec3 sum = vec3(0.0);
+    float weight = 0.0, count = 0.0;
+    for (int k = 0; k < 9; ++k) {
+      ivec2 next = at + ivec2(k % 3, k / 3) - 1;
+      if (!shown(next) || outside(next)) continue;
+      sum += texelFetch(picture, next + window_in_target, 0).rgb;
+      weight += solid(next);
+      count += 1.0;
+    }
+    if (weight == 0.0) discard;
+    color = vec4(sum / count, weight / count * covered);
+  }
+  if (view.counts.w == kOpacity) {
+    if (color.a < 0.5 / 255.0) discard;
+    color = vec4(vec3(color.a), 1.0);
+  }
+}
