@@ -5,7 +5,7 @@
 // Differs: poses are known, and offsets are fractions of a frame: cubic interpolation between pictures, least
 //          squares over all pairs, with a constant for each tangent, so that a rig that is off a little moves
 //          nothing; uncertainty by leaving stretches of time out (Efron 1982)
-// ADR:     0235
+// ADR:     0235, 0257
 
 #include "calib/silhouettes/silhouette_times.h"
 
@@ -17,6 +17,7 @@
 #include <ceres/ceres.h>
 #include <ceres/cubic_interpolation.h>
 
+#include "calib/silhouettes/followed_tips.h"
 #include "calib/silhouettes/tangencies.h"
 #include "core/statistics.h"
 #include "core/text.h"
@@ -28,14 +29,18 @@ using Curve = ceres::Grid1D<double>;
 using Interpolator = ceres::CubicInterpolator<Curve>;
 
 constexpr int kFewestFrames = 12;
-constexpr int kMargin = 3;          // frames around one, so that two of offset can be interpolated
-constexpr double kMost = 2;         // frames of offset
-constexpr int kStretches = 8;       // of time, for the jackknife
-constexpr double kFirstLoss = 2;    // px
-constexpr double kLeastLoss = 0.1;  // px: outlines are no better than that
-constexpr double kUseless = 0.25;   // frames: a sigma that helps nobody
-constexpr double kTurned = 5;       // times what tangents usually lie apart: a pose that is off
-constexpr int kFewestInstants = 5;  // of a tangent, of which one constant is estimated
+constexpr int kMargin = 3;            // frames around one, so that two of offset can be interpolated
+constexpr double kMost = 2;           // frames of offset
+constexpr int kStretches = 8;         // of time, for the jackknife
+constexpr double kFirstLoss = 2;      // px
+constexpr double kLeastLoss = 0.1;    // px: outlines are no better than that
+constexpr double kUseless = 0.25;     // frames: a sigma that helps nobody
+constexpr double kTurned = 5;         // times what tangents usually lie apart: a pose that is off
+constexpr int kFewestInstants = 5;    // of a tangent, of which one constant is estimated
+constexpr int kFewestShared = 8;      // instants at which two cameras' tips are compared
+constexpr double kOneTip = 1;         // px: tips that usually lie nearer to one another are one
+constexpr double kSameTangent = 0.3;  // px
+constexpr double kFewPlanes = 0.02;   // rad a pixel: the baseline runs through the subject
 
 /// One tangent of a pair of cameras over time.
 struct Track {
@@ -195,6 +200,77 @@ std::vector<Track> all_tracks(const Rig& rig, std::span<const std::vector<Convex
   return tracks;
 }
 
+double at_time(const std::vector<double>& curve, double time) {
+  const double floor = std::floor(time);
+  if (floor < 0 || floor + 1 >= static_cast<double>(curve.size())) return NAN;
+  const auto k = static_cast<std::size_t>(floor);
+  return curve[k] + (time - floor) * (curve[k + 1] - curve[k]);
+}
+
+/// Whether two cameras' tips are one place: their planes agree at all instants, by what is known of offsets.
+bool agree(const std::vector<double>& in_a, const std::vector<double>& in_b, double offset_a,
+           double offset_b) {
+  std::vector<double> apart;
+  for (std::size_t k = 0; k < in_a.size(); ++k) {
+    const double d =
+        at_time(in_a, static_cast<double>(k) - offset_a) - at_time(in_b, static_cast<double>(k) - offset_b);
+    if (!std::isnan(d)) apart.push_back(std::abs(d));
+  }
+  return static_cast<int>(apart.size()) >= kFewestShared && median(std::move(apart)) < kOneTip;
+}
+
+/// Whether the pair's outermost tangents are these.
+bool is_known(const Track& track, std::span<const Track> tracks) {
+  return std::any_of(tracks.begin(), tracks.end(), [&](const Track& other) {
+    if (other.a != track.a || other.b != track.b) return false;
+    const auto same = std::count_if(track.usable.begin(), track.usable.end(), [&](int frame) {
+      const auto k = static_cast<std::size_t>(frame);
+      return std::abs(other.in_a[k] - track.in_a[k]) < kSameTangent;
+    });
+    return 2 * same > static_cast<std::ptrdiff_t>(track.usable.size());
+  });
+}
+
+/// Tangents inside of the outlines, of one pair of cameras.
+void add_inner_tracks(const Rig& rig, int a, int b, std::span<const std::vector<Silhouette>> frames,
+                      const TimeOffsets& offsets, std::span<const Track> outer, std::vector<Track>& out) {
+  const auto first = static_cast<std::size_t>(a), second = static_cast<std::size_t>(b);
+  const RigCamera &one = rig.cameras[first], &other = rig.cameras[second];
+  const Eigen::Vector3d focus = focus_point(rig);
+  const Eigen::Vector3d in_one = one.cam_from_world * focus, in_other = other.cam_from_world * focus;
+  const auto pencil = PlanePencil::through(one, other, focus - one.cam_from_world.center());
+  if (!pencil || !(in_one.z() > 0) || !(in_other.z() > 0)) return;
+  const double per_pixel = std::hypot(pencil->angle_per_pixel(one, in_one / in_one.z()),
+                                      pencil->angle_per_pixel(other, in_other / in_other.z()));
+  if (!(per_pixel < kFewPlanes)) return;
+  for (const PencilEnd end : {PencilEnd::Smallest, PencilEnd::Largest}) {
+    const auto in_a = followed_tips(*pencil, one, first, end, frames, per_pixel),
+               in_b = followed_tips(*pencil, other, second, end, frames, per_pixel);
+    for (const std::vector<double>& curve_a : in_a)
+      for (const std::vector<double>& curve_b : in_b) {
+        if (!agree(curve_a, curve_b, offsets.cameras[first].frames, offsets.cameras[second].frames)) continue;
+        Track track{a, b, curve_a, curve_b, {}};
+        for (int k = 0; k < static_cast<int>(frames.size()); ++k)
+          if (known_around(curve_a, k) && known_around(curve_b, k)) track.usable.push_back(k);
+        if (static_cast<int>(track.usable.size()) >= kFewestInstants && !is_known(track, outer))
+          out.push_back(std::move(track));
+      }
+  }
+}
+
+// Of the cameras that are measured.
+std::vector<Track> inner_tracks(const Rig& rig, std::span<const std::vector<Silhouette>> frames,
+                                const TimeOffsets& offsets, std::span<const Track> outer) {
+  std::vector<Track> tracks;
+  const int cameras = static_cast<int>(rig.cameras.size());
+  for (int a = 0; a < cameras; ++a)
+    for (int b = a + 1; b < cameras; ++b)
+      if (offsets.cameras[static_cast<std::size_t>(a)].measured &&
+          offsets.cameras[static_cast<std::size_t>(b)].measured)
+        add_inner_tracks(rig, a, b, frames, offsets, outer, tracks);
+  return tracks;
+}
+
 // Says of every camera whether there is motion to measure it by.
 TimeOffsets measurable(std::size_t cameras, const std::vector<Track>& tracks) {
   TimeOffsets out;
@@ -304,6 +380,11 @@ Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::ve
         text("its silhouettes lie ", std::round(10 * one.apart_px) / 10,
              " px from the others' at all times alike: its pose is off (`calibrate silhouettes`)");
   }
+  // Offsets to about a tenth of a frame tell which of the other tangents are one, and those make them surer.
+  for (Track& track : inner_tracks(rig, frames, out, tracks)) tracks.push_back(std::move(track));
+  const std::vector<double> offsets = solver.solve(out.reference, -1);
+  for (std::size_t c = 0; c < offsets.size(); ++c)
+    if (out.cameras[c].measured) out.cameras[c].frames = offsets[c];
   add_uncertainty(solver, out);
   return out;
 }

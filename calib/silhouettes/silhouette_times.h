@@ -32,11 +32,12 @@ struct TimeOffsets {
 /// tangents of a pair of cameras lie in one plane at any one instant; of a pair that is
 /// apart in time, each follows the other by that time. `frames[k][i]`: camera i's k-th picture of a take,
 /// none left out; an outline without points says nothing. Outlines as they are, hair and fingers with them:
-/// what an opening takes away differs from camera to camera by more. Take a second of motion or more, two
-/// thirds of one leave errors of a tenth of a frame (and say so in sigma). Only motion counts; a camera whose
+/// what an opening takes away differs from camera to camera by more. Then tips inside of the outlines (hands,
+/// knees) that the first offsets tell to be one. Take a second and a half of motion or more (45 frames): one
+/// leaves errors of up to a tenth of a frame (and says so in sigma). Only motion counts; a camera whose
 /// tangents lie farther from the others' at all times than theirs do from one another has a pose that is off,
 /// which pretends offsets: it is not measured, and says why. Offsets of up to two frames. InvalidArgument
-/// when there are fewer than two cameras or eight frames.
+/// when there are fewer than two cameras or twelve frames.
 Result<TimeOffsets> measure_time_offsets(const Rig& rig, std::span<const std::vector<Silhouette>> frames);
 
 }  // namespace floatstage::calib

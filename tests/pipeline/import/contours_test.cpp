@@ -53,12 +53,11 @@ TEST(Contours, OfLabelmeAreItsPolygonsAndGroupsHaveHoles) {
 }
 
 TEST(Contours, OfCocoAreOfManyPictures) {
-  const auto read = parse_coco(
-      coco(
-          R"({"image_id": 8, "category_id": 1, "iscrowd": 0, "segmentation":
+  const auto read = parse_coco(coco(
+                                   R"({"image_id": 8, "category_id": 1, "iscrowd": 0, "segmentation":
                [[1, 2, 6, 0.5, 6, 3], [9, 9, 12, 9, 12, 14.5]]},
               {"image_id": 8, "category_id": 2, "segmentation": [[20, 2, 26, 0.5, 26, 3]]})"),
-      "x.json", {});
+                               "x.json", {});
   ASSERT_THAT(read, IsOk());
   ASSERT_THAT(*read, SizeIs(2));
   EXPECT_THAT((*read)[0].shapes, IsEmpty());
