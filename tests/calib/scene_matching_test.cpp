@@ -159,7 +159,7 @@ TEST(SceneMatching, AlongLinesIsWhatComparingAllWithAllGives) {
       for (SceneKeypoints& picture : pictures) {
         for (std::size_t p = 0; p < picture.keypoints.size();
              p += 2)  // nearly on their lines, some over them
-          picture.keypoints[p].pixel += Eigen::Vector2d(random.normal(), random.normal()) * 3;
+          picture.keypoints[p].pixel += Eigen::Vector2d(random.normal(), random.normal()) * tolerance / 3;
         for (int p = 0; p < 200; ++p) {  // and what only one of them sees, some of it like something else
           picture.keypoints.push_back(
               {{random.uniform(0, lens.width), random.uniform(0, lens.height)}, 2, 0});
