@@ -57,9 +57,9 @@ struct CameraQuality {
   Measured depth_ratio;   ///< farthest over nearest board point
   Measured tilt_degrees;  ///< of two board views or more
   double covered = 0;     ///< share of the picture's 8×6 cells in which a point was seen
-  /// fx fy cx cy (px), then the lens' coefficients (5 places), then the skew (px); 0 for those that were not
+  /// fx fy cx cy (px), then the lens' coefficients (8 places), then the skew (px); 0 for those that were not
   /// solved for.
-  Eigen::Matrix<double, 10, 1> intrinsics_sigma = Eigen::Matrix<double, 10, 1>::Zero();
+  Eigen::Matrix<double, 13, 1> intrinsics_sigma = Eigen::Matrix<double, 13, 1>::Zero();
   /// Relative to the reference camera, whose own are not measured.
   Measured rotation_sigma_degrees, position_sigma_mm;
   Measured time_offset_ms, time_offset_sigma_ms;
@@ -97,9 +97,9 @@ struct TargetPlace {
   Rigid3 world_from_target;
 };
 
-/// Rows of Calibration::covariance a camera: 10 intrinsics, a rotation vector on the left of cam_from_world
+/// Rows of Calibration::covariance a camera: 13 intrinsics, a rotation vector on the left of cam_from_world
 /// (rad), its translation (m).
-inline constexpr int kCovarianceRows = 16;
+inline constexpr int kCovarianceRows = 19;
 
 struct Calibration {
   Rig rig;

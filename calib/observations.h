@@ -86,8 +86,9 @@ enum class LensKind { None, BrownConrady, KannalaBrandt };
 
 /// Which terms of a lens are solved for; those that are not stay 0.
 struct LensTerms {
-  /// k1, k1 k2, …: 0 to 3 of a Brown-Conrady lens, 0 to 4 of a fisheye. Absent: all of a fisheye, and of a
-  /// Brown-Conrady lens two, and the third where the capture shows it (ADR 0225).
+  /// k1, k1 k2, …: 0 to 6 of a Brown-Conrady lens, 0 to 4 of a fisheye. Beyond 3 they are the denominator,
+  /// kept where the capture shows it (ADR 0247). Absent: all of a fisheye, and of a Brown-Conrady lens two,
+  /// and the third where the capture shows it (ADR 0225), or those of the rational lens that it begins with.
   std::optional<int> radial;
   bool tangential = true;  ///< p1 and p2 of a Brown-Conrady lens
   bool skew = false;       ///< of the pixels; for pictures that were scaled or scanned oddly

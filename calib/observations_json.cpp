@@ -148,7 +148,7 @@ CalibrationCamera read_camera(const nlohmann::json& value, const std::string& wh
   c.intrinsics = one_of<Prior>(kPriors, fields, "intrinsics", problem);
   c.pose = one_of<Prior>(kPriors, fields, "pose", problem);
   if (fields.has("found")) c.found = read_transform(fields, "found", problem);
-  if (fields.has("radial")) c.terms.radial = std::clamp(fields.integer("radial"), 0, 4);
+  if (fields.has("radial")) c.terms.radial = std::clamp(fields.integer("radial"), 0, 6);
   if (fields.has("tangential")) c.terms.tangential = fields.boolean("tangential");
   if (fields.has("skew")) c.terms.skew = fields.boolean("skew");
   if (fields.has("same_lens_as")) c.same_lens_as = fields.integer("same_lens_as");

@@ -21,7 +21,7 @@ struct ForeignRig {
 /// What a format can hold of a camera's lens. (A rig that was written for one that holds less is fitted
 /// again, see formats/refit.h.)
 struct LensLimits {
-  int radial = 3;          ///< terms of a Brown-Conrady lens: k1, k1 k2, …
+  int radial = 3;          ///< terms of a Brown-Conrady lens: k1, k1 k2, …; 6 with the denominator k4 k5 k6
   bool tangential = true;  ///< p1 and p2
   bool skew = true;
   bool fisheye = true;  ///< Kannala-Brandt

@@ -23,20 +23,15 @@ constexpr std::array kModels{ColmapCameraModel{0, "SIMPLE_PINHOLE", 1, 0},
                              ColmapCameraModel{9, "RADIAL_FISHEYE", 1, 2},
                              ColmapCameraModel{10, "THIN_PRISM_FISHEYE", 2, 8, false}};
 
-Result<Lens> lens_of(std::string_view model, const std::vector<double>& c) {
+Lens lens_of(std::string_view model, const std::vector<double>& c) {
   if (c.empty()) return Lens{};
-  if (model == "OPENCV_FISHEYE") return Lens(KannalaBrandt{c[0], c[1], c[2], c[3]});
-  if (model == "SIMPLE_RADIAL_FISHEYE") return Lens(KannalaBrandt{.k1 = c[0]});
-  if (model == "RADIAL_FISHEYE") return Lens(KannalaBrandt{.k1 = c[0], .k2 = c[1]});
-  if (model == "SIMPLE_RADIAL") return Lens(BrownConrady{.k1 = c[0]});
-  if (model == "RADIAL") return Lens(BrownConrady{.k1 = c[0], .k2 = c[1]});
-  if (model == "OPENCV") return Lens(BrownConrady{c[0], c[1], c[2], c[3]});
-  if (c[5] != 0 || c[6] != 0 || c[7] != 0)
-    return fail(
-        ErrorCode::Unsupported,
-        "FULL_OPENCV with k4, k5 or k6 other than 0 is a rational lens, which Floatstage does not have; "
-        "calibrate again with OPENCV or FULL_OPENCV without them");
-  return Lens(BrownConrady{c[0], c[1], c[2], c[3], c[4]});
+  if (model == "OPENCV_FISHEYE") return KannalaBrandt{c[0], c[1], c[2], c[3]};
+  if (model == "SIMPLE_RADIAL_FISHEYE") return KannalaBrandt{.k1 = c[0]};
+  if (model == "RADIAL_FISHEYE") return KannalaBrandt{.k1 = c[0], .k2 = c[1]};
+  if (model == "SIMPLE_RADIAL") return BrownConrady{.k1 = c[0]};
+  if (model == "RADIAL") return BrownConrady{.k1 = c[0], .k2 = c[1]};
+  if (model == "OPENCV") return BrownConrady{c[0], c[1], c[2], c[3]};
+  return BrownConrady{c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
 }
 
 template <class Fits>
@@ -72,10 +67,7 @@ Result<CameraModel> camera_from_colmap(const ColmapCameraModel& shape, long widt
   k(0, 2) = p[shape.focals];
   k(1, 2) = p[shape.focals + 1];
   if (Result<void> ok = set_k(model, k, kOrigin); !ok) return forward(ok);
-  const Result<Lens> lens =
-      lens_of(shape.name, {p.begin() + static_cast<std::ptrdiff_t>(shape.focals + 2), p.end()});
-  if (!lens) return forward(lens);
-  model.lens = *lens;
+  model.lens = lens_of(shape.name, {p.begin() + static_cast<std::ptrdiff_t>(shape.focals + 2), p.end()});
   return model;
 }
 
@@ -89,8 +81,8 @@ ColmapCamera camera_to_colmap(const CameraModel& m) {
   }
   if (!brown) return {colmap_model_named("PINHOLE"), std::move(p)};
   p.insert(p.end(), {brown->k1, brown->k2, brown->p1, brown->p2});
-  if (brown->k3 == 0) return {colmap_model_named("OPENCV"), std::move(p)};
-  p.insert(p.end(), {brown->k3, 0, 0, 0});
+  if (brown->k3 == 0 && !brown->rational()) return {colmap_model_named("OPENCV"), std::move(p)};
+  p.insert(p.end(), {brown->k3, brown->k4, brown->k5, brown->k6});
   return {colmap_model_named("FULL_OPENCV"), std::move(p)};
 }
 

@@ -24,16 +24,17 @@ Result<Lens> read_lens(const OpenCvYaml& intri, const std::string& key) {
   std::vector<double> d = *read;
   if (d.size() != 4 && d.size() != 5 && d.size() != 8 && d.size() != 12 && d.size() != 14)
     return intri.bad(key, text("has ", d.size(), " coefficients; OpenCV has 4, 5, 8, 12 or 14"));
-  for (std::size_t i = 5; i < d.size(); ++i)
+  constexpr std::size_t kRational = 8;  // k1 k2 p1 p2 k3 k4 k5 k6; prisms and tilt come behind
+  for (std::size_t i = kRational; i < d.size(); ++i)
     if (d[i] != 0)
       return fail(ErrorCode::Unsupported,
                   intri
                       .bad(key,
-                           "has rational, prism or tilt terms (after k3), which Floatstage does "
-                           "not have; calibrate again with five coefficients")
+                           "has prism or tilt terms (after k6), which Floatstage does not have; calibrate "
+                           "again with eight coefficients (CALIB_RATIONAL_MODEL) or five")
                       .error_value.message);
-  d.resize(5);
-  const BrownConrady lens{d[0], d[1], d[2], d[3], d[4]};
+  d.resize(kRational);
+  const BrownConrady lens{d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7]};
   return lens == BrownConrady{} ? Lens{} : Lens(lens);
 }
 
@@ -147,7 +148,9 @@ Result<void> write_easymocap(const Rig& rig, const std::filesystem::path& folder
     const Eigen::AngleAxisd turn(c.cam_from_world.rotation);
     const Eigen::Vector3d r = turn.angle() * turn.axis(), &t = c.cam_from_world.translation;
     intri += yaml_matrix("K_" + c.serial, 3, 3, by_rows(k_with_origin(c.model, kOrigin)));
-    intri += yaml_matrix("dist_" + c.serial, 1, 5, {d.k1, d.k2, d.p1, d.p2, d.k3});
+    std::vector<double> terms{d.k1, d.k2, d.p1, d.p2, d.k3};
+    if (d.rational()) terms.insert(terms.end(), {d.k4, d.k5, d.k6});
+    intri += yaml_matrix("dist_" + c.serial, 1, static_cast<int>(terms.size()), terms);
     intri += text("H_", c.serial, ": ", c.model.height, "\nW_", c.serial, ": ", c.model.width, '\n');
     extri += yaml_matrix("R_" + c.serial, 3, 1, {r.x(), r.y(), r.z()});
     extri += yaml_matrix("Rot_" + c.serial, 3, 3, by_rows(c.cam_from_world.rotation.toRotationMatrix()));

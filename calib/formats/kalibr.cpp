@@ -228,9 +228,12 @@ Result<void> write_kalibr(const Rig& rig, const std::filesystem::path& camchain_
     const Eigen::Matrix3d k = k_with_origin(c.model, kOrigin);
     const auto* brown = std::get_if<BrownConrady>(&c.model.lens);
     const auto* fisheye = std::get_if<KannalaBrandt>(&c.model.lens);
-    if (c.model.skew != 0 || (brown && brown->k3 != 0))
+    if (c.model.skew != 0 || (brown && (brown->k3 != 0 || brown->rational())))
       return fail(ErrorCode::Unsupported,
-                  text(file, ": camera '", c.serial, "' has ", c.model.skew != 0 ? "skew" : "a k3",
+                  text(file, ": camera '", c.serial, "' has ",
+                       c.model.skew != 0   ? "skew"
+                       : brown->rational() ? "a rational lens"
+                                           : "a k3",
                        ", which a camchain cannot hold; write COLMAP or OpenCV instead"));
     out += text("cam", i, ":\n");
     if (i > 0) {

@@ -19,6 +19,11 @@ Result<void> write_qualisys(const Rig& rig, const std::filesystem::path& qca_txt
                   text(file, ": camera '", c.serial,
                        "' has a fisheye lens, which this format cannot hold; write COLMAP instead"));
     const auto* brown = std::get_if<BrownConrady>(&c.model.lens);
+    if (brown && brown->rational())
+      return fail(
+          ErrorCode::Unsupported,
+          text(file, ": camera '", c.serial,
+               "' has a rational lens, which this format cannot hold; write COLMAP or OpenCV instead"));
     const BrownConrady d = brown ? *brown : BrownConrady{};
     const Eigen::Matrix3d k = kUnitsPerPixel * k_with_origin(c.model, PixelOrigin::FirstPixelCenter);
     // Its axes: y up, z backwards. Half a turn about x from ours.

@@ -5,6 +5,7 @@
 
 #include "calib/formats/refit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <limits>
@@ -43,14 +44,21 @@ std::vector<Sight> sights_of(const CameraModel& m, int columns, int rows) {
   return out;
 }
 
+constexpr int kAllRadial = static_cast<int>(solver::kRadialRows.size());
+
+bool is_rational(const CameraModel& m) {
+  const auto* b = std::get_if<BrownConrady>(&m.lens);
+  return b && b->rational();
+}
+
 bool fits(const CameraModel& m, const LensLimits& holds) {
   if (m.skew != 0 && !holds.skew) return false;
   if (std::holds_alternative<KannalaBrandt>(m.lens)) return holds.fisheye;
   const auto* b = std::get_if<BrownConrady>(&m.lens);
   if (!b) return true;
-  const double radial[] = {b->k1, b->k2, b->k3};
-  for (int i = holds.radial; i < 3; ++i)
-    if (radial[i] != 0) return false;
+  const Intrinsics packed = solver::pack(m);
+  for (std::size_t i = static_cast<std::size_t>(holds.radial); i < solver::kRadialRows.size(); ++i)
+    if (packed[solver::kRadialRows[i]] != 0) return false;
   return holds.tangential || (b->p1 == 0 && b->p2 == 0);
 }
 
@@ -69,12 +77,13 @@ Candidate start(const CameraModel& from, LensKind lens, const LensLimits& holds)
   c.free.head<4>().setConstant(true);
   c.free[kSkewRow] = holds.skew && from.skew != 0;
   if (lens == LensKind::BrownConrady) {
-    constexpr int kRadial[] = {kLensRow, kLensRow + 1, kLensRow + 4};
-    for (int i = 0; i < holds.radial; ++i) c.free[kRadial[i]] = true;
-    c.free.segment<2>(kLensRow + 2).setConstant(holds.tangential);
+    for (int i = 0; i < holds.radial; ++i) c.free[solver::kRadialRows[static_cast<std::size_t>(i)]] = true;
+    c.free.segment<2>(solver::kTangentialRow).setConstant(holds.tangential);
   }
   if (lens == LensKind::KannalaBrandt) c.free.segment<4>(kLensRow).setConstant(true);
-  if (static_cast<LensKind>(from.lens.index()) != lens) {
+  // A numerator without its denominator is no start.
+  const bool loses_denominator = is_rational(from) && holds.radial < kAllRadial;
+  if (static_cast<LensKind>(from.lens.index()) != lens || loses_denominator) {
     c.intrinsics.segment<solver::kLensRows>(kLensRow).setZero();
     // tan θ by powers of θ: an equidistant lens that bends nothing.
     if (lens == LensKind::KannalaBrandt)
@@ -146,6 +155,7 @@ std::string what_it_lacks(const CameraModel& m, const LensLimits& holds) {
   const auto* b = std::get_if<BrownConrady>(&m.lens);
   if (m.skew != 0 && !holds.skew) return "a skew";
   if (std::holds_alternative<KannalaBrandt>(m.lens)) return "a fisheye lens";
+  if (is_rational(m) && holds.radial > 0) return "a rational lens (k4 to k6)";
   if (b && b->k3 != 0 && holds.radial < 3 && holds.radial > 0) return "a third radial term";
   return "this lens";
 }
@@ -154,6 +164,8 @@ std::string remedy(const CameraModel& m, const LensLimits& holds) {
   if (m.skew != 0 && !holds.skew)
     return "write qualisys or middlebury, which hold a skew, or calibrate without it";
   if (std::holds_alternative<KannalaBrandt>(m.lens)) return "write colmap or kalibr, which hold a fisheye";
+  if (is_rational(m) && holds.radial > 0)
+    return text("write colmap or opencv, which hold it, or calibrate with radial = ", holds.radial);
   if (holds.radial == 2) return "calibrate with radial = 2, or write colmap, opencv or qualisys";
   return "write colmap, or undistort the pictures first";
 }
@@ -167,10 +179,6 @@ Result<FittedRig> fit_to_format(const Rig& rig, const LensLimits& holds, std::st
   for (RigCamera& camera : out.rig.cameras) {
     const CameraModel was = camera.model;
     const Rigid3 stood = camera.cam_from_world;
-    if (const auto* b = std::get_if<BrownConrady>(&was.lens); b && b->rational())
-      return fail(ErrorCode::Unsupported,
-                  text("camera '", camera.serial, "' has a rational lens (k4 to k6), which ", format,
-                       " is not given; undistort the pictures first"));
     if (fits(was, holds)) {
       out.residual_px.push_back(Measured::not_measured("the format holds this camera as it is"));
       continue;
@@ -179,8 +187,11 @@ Result<FittedRig> fit_to_format(const Rig& rig, const LensLimits& holds, std::st
     double least = std::numeric_limits<double>::infinity();
     std::vector<LensKind> kinds = {holds.radial > 0 ? LensKind::BrownConrady : LensKind::None};
     if (holds.fisheye) kinds.push_back(LensKind::KannalaBrandt);
+    // A denominator that nothing asks for only makes the lens fold over.
+    LensLimits room = holds;
+    if (!is_rational(was)) room.radial = std::min(room.radial, 3);
     for (const LensKind lens : kinds) {
-      Candidate c = start(was, lens, holds);
+      Candidate c = start(was, lens, room);
       improve(c, sights);
       const CameraModel model = solver::unpack(c.intrinsics, lens, was.width, was.height);
       const double off =

@@ -1,7 +1,7 @@
 // Method:  one joint least-squares solution over cameras, boards, markers and time offsets
 // Paper:   B. Triggs and others, "Bundle adjustment: a modern synthesis", 2000; solved by Ceres with a
 //          Schur complement
-// Differs: board views are compressed to sixteen rows; sums do not depend on the heap or on threads
+// Differs: board views are compressed to twenty rows; sums do not depend on the heap or on threads
 // ADR:     0110, 0112, 0113
 
 #include "calib/solver/bundle.h"
@@ -475,7 +475,7 @@ CameraMask free_parameters(const Scene& scene, int camera, const BundleOptions& 
     if (options.intrinsics == Freedom::All) {
       free.head(4 + coefficients).setConstant(true);
       free[kSkewRow] = true;
-      if (c.plain_lens && coefficients > 0) free.segment<3>(kLensRow + 2).setConstant(false);
+      if (c.plain_lens && coefficients > 0) free.segment<kLensRows - 2>(kLensRow + 2).setConstant(false);
     } else if (coefficients > 0) {
       free[kLensRow] = true;
     }
@@ -511,6 +511,13 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-10;
   solver.logging_type = ceres::SILENT;
+  // A numerator and its denominator are nearly one: without damping that stays, rounding makes the normal
+  // equations indefinite.
+  constexpr double kAlwaysDamped = 1e8;
+  if (std::any_of(scene.cameras.begin(), scene.cameras.end(), [](const SceneCamera& c) {
+        return c.denominator_terms > 0 && !c.held[kDenominatorRow];
+      }))
+    solver.max_trust_region_radius = kAlwaysDamped;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   if (!summary.IsSolutionUsable()) {

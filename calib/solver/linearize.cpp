@@ -1,6 +1,6 @@
 // Method:  a view's residual and its derivatives, a board's
 //          compressed by a QR decomposition
-// Paper:   none: a board's view depends on its pixels through fifteen numbers
+// Paper:   none: a board's view depends on its pixels through nineteen numbers
 // Differs: the view's own jitter in time is eliminated, so that its direction counts less
 // ADR:     0112, 0121
 

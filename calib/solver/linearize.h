@@ -13,7 +13,7 @@ struct Loss {
   double cauchy = 0;  ///< 0: squared
 };
 
-/// Rows of a board view after compression: one more than what it can tell (9 intrinsics, 6 of the pose).
+/// Rows of a board view after compression: one more than what it can tell (13 intrinsics, 6 of the pose).
 inline constexpr int kBoardRows = kIntrinsics + 6 + 1;
 
 /// One view, linear in everything that it depends on. Changes of a pose are a rotation vector (rad)
@@ -30,9 +30,9 @@ struct LinearView {
   double jitter = 0, jitter_sigma = 0;
 };
 
-/// The kept points of a usable view. A board's view depends on its 2n pixel coordinates only through 15
+/// The kept points of a usable view. A board's view depends on its 2n pixel coordinates only through 19
 /// numbers, so its rows are replaced by the triangle of their QR decomposition: same sums of squares, same
-/// normal equations, 16 rows.
+/// normal equations, 20 rows.
 void linearize(const Scene& scene, const SceneView& view, Loss loss, bool with_derivatives, LinearView& out);
 
 /// (distance - known) / sigma of two cameras' centres, and its derivative by a's and then b's pose (6 each,

@@ -11,23 +11,34 @@
 namespace floatstage::calib::solver {
 namespace {
 
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
 constexpr int kAlways = std::numeric_limits<int>::min();  // the frame of what does not move
 
 // Terms of the lens that are not solved for.
 void hold_terms(const CalibrationCamera& c, SceneCamera& s) {
   s.held[kSkewRow] = !c.terms.skew;
   if (c.lens == LensKind::BrownConrady) {
-    constexpr int kRadial[] = {kLensRow, kLensRow + 1, kLensRow + 4};  // k1 k2 p1 p2 k3
-    for (int i = 0; i < 3; ++i) s.held[kRadial[i]] = i >= c.terms.radial.value_or(3);
-    s.held.segment<2>(kLensRow + 2).setConstant(!c.terms.tangential);
-    s.third_if_shown = !c.terms.radial;
+    constexpr int kAbove = 3;  // terms of the numerator
+    const auto* known = s.has_intrinsics ? std::get_if<BrownConrady>(&c.model.lens) : nullptr;
+    const bool begins_rational = known && known->rational();
+    const int radial = c.terms.radial.value_or(begins_rational ? 2 * kAbove : kAbove);
+    for (int i = 0; i < kAbove; ++i) s.held[kRadialRows[at(i)]] = i >= radial;
+    s.held.segment<2>(kTangentialRow).setConstant(!c.terms.tangential);
+    s.held.segment<kAbove>(kDenominatorRow).setConstant(true);
+    s.third_if_shown = !c.terms.radial && !begins_rational;
+    s.denominator_terms = std::max(0, radial - kAbove);
+    // A numerator without its denominator is no lens: all begins from none.
+    if (begins_rational && radial < 2 * kAbove && !s.intrinsics_fixed)
+      s.start.segment<kLensRows>(kLensRow).setZero(), s.intrinsics.segment<kLensRows>(kLensRow).setZero();
   }
   if (c.lens == LensKind::KannalaBrandt)
     for (int i = 0; i < 4; ++i) s.held[kLensRow + i] = i >= c.terms.radial.value_or(4);
   if (s.intrinsics_fixed) return;
-  // Yesterday's lens may have had more terms.
+  // Yesterday's lens may have had more terms. A denominator that is solved for later stays.
   for (int i = 0; i < kIntrinsics; ++i)
-    if (s.held[i]) s.start[i] = s.intrinsics[i] = 0;
+    if (s.held[i] && !(i >= kDenominatorRow && i < kDenominatorRow + s.denominator_terms))
+      s.start[i] = s.intrinsics[i] = 0;
 }
 
 SceneCamera make_camera(const CalibrationCamera& c) {

@@ -25,6 +25,9 @@ struct SceneCamera {
   double noise = 1;   ///< its pixel errors in units of the detector's sigmas
   bool intrinsics_fixed = false, pose_fixed = false;
   bool third_if_shown = false;  ///< k3 was left to the capture: it is held where nothing speaks for it
+  int denominator_terms = 0;    ///< of k4 k5 k6: those that are solved for once all others have settled
+  Intrinsics without_denominator = Intrinsics::Zero();  ///< the lens as it was before they were
+  bool third_was_held = false;                          ///< and whether it had k3
   Eigen::Matrix<bool, kIntrinsics, 1> held = Eigen::Matrix<bool, kIntrinsics, 1>::Constant(false);
   bool has_intrinsics = false, placed = false;
   int lens_of = -1;         ///< the camera whose intrinsics are this one's too; -1: they are its own

@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 
 #include "calib/solver/covariance.h"
+#include "calib/solver/lens_terms.h"
 #include "calib/solver/linearize.h"
 #include "calib/solver/timing.h"
 #include "core/parallel.h"
@@ -21,55 +22,6 @@ namespace floatstage::calib::solver {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-// The curve of a Brown-Conrady lens must still rise at the corners of its picture.
-bool covers_picture(const SceneCamera& c) {
-  if (c.lens != LensKind::BrownConrady) return true;
-  const CameraModel model = unpack(c.intrinsics, c.lens, c.width, c.height);
-  for (const double x : {0.0, 1.0 * c.width})
-    for (const double y : {0.0, 1.0 * c.height})
-      if (!unproject(model, {x, y})) return false;
-  return true;
-}
-
-constexpr int kThirdRow = kLensRow + 4;
-
-void hold_k3(SceneCamera& c) {
-  c.held[kThirdRow] = true;
-  c.intrinsics[kThirdRow] = 0;
-}
-
-// Without k3 where the capture's border says so little that the lens would fold over inside its picture.
-bool drop_k3(Scene& scene) {
-  bool any = false;
-  for (SceneCamera& c : scene.cameras) {
-    if (c.intrinsics_fixed || c.held[kThirdRow] || !c.placed || covers_picture(c)) continue;
-    hold_k3(c);
-    any = true;
-  }
-  return any;
-}
-
-// A third radial term is a guess at the picture's border where the capture does not show it: without it the
-// lens is known better, and formats with two terms hold it. It stays where it is further from 0 than chance
-// takes it (three sigmas).
-bool drop_unshown_k3(Scene& scene, const BundleOptions& bundle) {
-  constexpr double kShown = 3;
-  if (std::none_of(scene.cameras.begin(), scene.cameras.end(),
-                   [](const SceneCamera& c) { return c.third_if_shown && !c.held[kThirdRow]; }))
-    return false;
-  const Eigen::MatrixXd covariance = camera_covariance(scene, bundle);
-  bool any = false;
-  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-    SceneCamera& c = scene.cameras[i];
-    if (c.intrinsics_fixed || !c.third_if_shown || c.held[kThirdRow] || !c.placed) continue;
-    const Eigen::Index row = kCameraParameters * static_cast<Eigen::Index>(i) + kThirdRow;
-    if (std::abs(c.intrinsics[kThirdRow]) >= kShown * std::sqrt(covariance(row, row))) continue;
-    hold_k3(c);
-    any = true;
-  }
-  return any;
-}
 
 // Of each camera's rows the share that the solution left free: without it the camera that boards follow most
 // would seem the best, be trusted more, and draw the boards to itself altogether (Förstner's estimate of
@@ -127,7 +79,7 @@ void settle(Scene& scene, BundleOptions& bundle, const CalibrationOptions& optio
     solve(scene, bundle);
     measure_noise(scene, bundle);
     if (bundle.offsets && round > 0) measure_timing(scene);
-    const bool other_lens = drop_k3(scene);
+    const bool other_lens = drop_folding_terms(scene);
     if (select_inliers(scene, options.outlier_sigmas) == 0 && !other_lens &&
         !(bundle.offsets && round < kTimedRounds / 2))
       break;
@@ -207,12 +159,23 @@ BundleOptions solve_in_stages(Scene& scene, const CalibrationOptions& options) {
   solve(scene, bundle);
   measure_noise(scene, bundle);
   select_inliers(scene, 2 * options.outlier_sigmas);
-  drop_k3(scene);
+  drop_folding_terms(scene);
   solve(scene, bundle);
   measure_noise(scene, bundle);
   select_inliers(scene, options.outlier_sigmas);
-  const BundleOptions settled = solve_again(scene, options);
-  return drop_unshown_k3(scene, settled) ? solve_again(scene, options) : settled;
+  BundleOptions settled = solve_again(scene, options);
+  if (drop_unshown_third(scene, settled)) settled = solve_again(scene, options);
+  // Numerator and denominator are told from one another by little: solved for together from 0 they would run
+  // away.
+  if (!admit_denominators(scene)) return settled;
+  select_inliers(scene, 4 * options.outlier_sigmas);  // without it a border may have looked wrong
+  bundle.iterations = 50;
+  solve(scene, bundle);
+  measure_noise(scene, bundle);
+  select_inliers(scene, options.outlier_sigmas);
+  do settled = solve_again(scene, options);
+  while (drop_unshown_denominators(scene, settled));
+  return settled;
 }
 
 BundleOptions solve_again(Scene& scene, const CalibrationOptions& options) {

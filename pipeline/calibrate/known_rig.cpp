@@ -11,12 +11,6 @@ namespace floatstage::pipeline {
 Result<Rig> load_known(const SessionKnown& known) {
   Result<calib::ForeignRig> read = calib::read_rig({known.format, known.file, known.metres_per_unit});
   if (!read) return forward(read);
-  for (const RigCamera& c : read->rig.cameras)
-    if (const auto* brown = std::get_if<BrownConrady>(&c.model.lens); brown && brown->rational())
-      return fail(ErrorCode::Unsupported,
-                  text(known.file.string(), ": camera '", c.serial,
-                       "' has a rational lens (k4 to k6), which calibration does not keep: it solves for k1 "
-                       "to k3; undistort its pictures first"));
   return std::move(read->rig);
 }
 

@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 
 Json sigma_json(const calib::CameraQuality& q, const CameraModel& model) {
   const char* const names[] = {"fx", "fy", "cx", "cy"};
-  const char* const brown[] = {"k1", "k2", "p1", "p2", "k3"};
+  const char* const brown[] = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
   const char* const fisheye[] = {"k1", "k2", "k3", "k4"};
   Json out;
   const auto sigma = [&](const char* name, int row) {  // what is solved for is never known without a doubt
@@ -22,9 +22,9 @@ Json sigma_json(const calib::CameraQuality& q, const CameraModel& model) {
     put(out, name, Measured::of(s, s > 0 ? q.points : 0, "it was given or held and not solved for"));
   };
   for (int i = 0; i < 4; ++i) sigma(names[i], i);
-  sigma("skew", 9);
-  if (std::holds_alternative<BrownConrady>(model.lens))
-    for (int i = 0; i < 5; ++i) sigma(brown[i], 4 + i);
+  sigma("skew", 12);
+  if (const auto* lens = std::get_if<BrownConrady>(&model.lens))
+    for (int i = 0; i < (lens->rational() ? 8 : 5); ++i) sigma(brown[i], 4 + i);
   if (std::holds_alternative<KannalaBrandt>(model.lens))
     for (int i = 0; i < 4; ++i) sigma(fisheye[i], 4 + i);
   put(out, "rotation_degrees", q.rotation_sigma_degrees);

@@ -131,7 +131,7 @@ constexpr double kLarge = 1e6;
 // Which terms of the lens are solved for.
 void read_terms(Table& t, SessionCamera& c) {
   const int most = c.lens == calib::LensKind::KannalaBrandt  ? 4
-                   : c.lens == calib::LensKind::BrownConrady ? 3
+                   : c.lens == calib::LensKind::BrownConrady ? 6
                                                              : 0;
   if (t.node("radial")) t.whole("radial", c.terms.radial.emplace(most), 0, most);
   t.boolean("tangential", c.terms.tangential);

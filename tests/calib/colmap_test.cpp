@@ -63,14 +63,13 @@ TEST(Colmap, KnowsEveryLensItCanHold) {
   EXPECT_EQ(lens("RADIAL 4 4 3 2 2 0.1 0.2"), Lens(BrownConrady{.k1 = 0.1, .k2 = 0.2}));
   EXPECT_EQ(lens("OPENCV 4 4 3 3 2 2 1 2 3 4"), Lens(BrownConrady{1, 2, 3, 4}));
   EXPECT_EQ(lens("FULL_OPENCV 4 4 3 3 2 2 1 2 3 4 5 0 0 0"), Lens(BrownConrady{1, 2, 3, 4, 5}));
+  EXPECT_EQ(lens("FULL_OPENCV 4 4 3 3 2 2 1 2 3 4 5 6 7 8"), Lens(BrownConrady{1, 2, 3, 4, 5, 6, 7, 8}));
   EXPECT_EQ(lens("OPENCV_FISHEYE 4 4 3 3 2 2 1 2 3 4"), Lens(KannalaBrandt{1, 2, 3, 4}));
 }
 
 TEST(Colmap, NamesTheModelThatItCannotHold) {
   expect_error(parse(one_camera("THIN_PRISM_FISHEYE 4 4 3 3 2 2 1 2 3 4 5 6 7 8"), kOneImage),
                ErrorCode::Unsupported, {"cameras.txt: line 1", "THIN_PRISM_FISHEYE"});
-  expect_error(parse(one_camera("FULL_OPENCV 4 4 3 3 2 2 1 2 3 4 5 0 6 0"), kOneImage),
-               ErrorCode::Unsupported, {"cameras.txt: line 1", "rational"});
 }
 
 TEST(Colmap, SaysWhichLineIsWrong) {

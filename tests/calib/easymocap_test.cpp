@@ -77,10 +77,21 @@ TEST(EasyMocap, NamesTheEntryThatIsMissingOrWrong) {
                {"Rot_right", "mirror"});
 }
 
+TEST(EasyMocap, KnowsTheEightTermsOfARationalLens) {
+  const std::string eight =
+      replaced(replaced(kIntri, "cols: 5", "cols: 8"), "0.05 ]", "0.05, 0.1, 0.2, 0.3 ]");
+  const Result<ForeignRig> rig = parse(eight, kExtri);
+  ASSERT_TRUE(rig.has_value()) << rig.error().message;
+  const auto& lens = std::get<BrownConrady>(rig->rig.cameras[0].model.lens);
+  EXPECT_EQ((std::array{lens.k3, lens.k4, lens.k5, lens.k6}), (std::array{0.05, 0.1, 0.2, 0.3}));
+}
+
 TEST(EasyMocap, RefusesALensWithMoreTermsThanOurs) {
-  const std::string eight = replaced(replaced(kIntri, "cols: 5", "cols: 8"), "0.05 ]", "0.05, 0.1, 0., 0. ]");
-  expect_error(parse(eight, kExtri), ErrorCode::Unsupported, {"intri.yml", "dist_01", "rational"});
-  const std::string zeros = replaced(replaced(kIntri, "cols: 5", "cols: 8"), "0.05 ]", "0.05, 0., 0., 0. ]");
+  const std::string twelve =
+      replaced(replaced(kIntri, "cols: 5", "cols: 12"), "0.05 ]", "0.05, 0., 0., 0., 0.1, 0., 0., 0. ]");
+  expect_error(parse(twelve, kExtri), ErrorCode::Unsupported, {"intri.yml", "dist_01", "prism"});
+  const std::string zeros =
+      replaced(replaced(kIntri, "cols: 5", "cols: 12"), "0.05 ]", "0.05, 0., 0., 0., 0., 0., 0., 0. ]");
   EXPECT_TRUE(parse(zeros, kExtri).has_value());
 }
 

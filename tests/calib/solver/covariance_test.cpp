@@ -43,8 +43,8 @@ TEST(CameraCovariance, IsNothingForWhatIsNotSolvedFor) {
   }
   for (Index k = 0; k < kIntrinsics; ++k) {
     EXPECT_EQ(variance(1, k), 0) << "its intrinsics are fixed";
-    if (k == kSkewRow)
-      EXPECT_EQ(variance(2, k), 0) << "nobody asked for a skew";
+    if (k >= kDenominatorRow)
+      EXPECT_EQ(variance(2, k), 0) << "nobody asked for a denominator or a skew";
     else
       EXPECT_GT(variance(2, k), 0);
   }
@@ -97,8 +97,8 @@ TEST(Redundancy, CountsRowsAndUnknowns) {
   for (const SceneView& v : s.scene.views) rows += 2.0 * static_cast<double>(v.points.size());
   const Redundancy r = redundancy(s.scene, {});
   EXPECT_EQ(r.rows, rows);
-  // Three cameras' intrinsics without the skew, the poses of two, and six numbers a board.
-  EXPECT_EQ(r.unknowns, 3.0 * (kIntrinsics - 1) + 2 * 6 + 6.0 * static_cast<double>(s.scene.boards.size()));
+  // Three cameras' intrinsics without denominator and skew, the poses of two, and six numbers a board.
+  EXPECT_EQ(r.unknowns, 3.0 * (kIntrinsics - 4) + 2 * 6 + 6.0 * static_cast<double>(s.scene.boards.size()));
   EXPECT_DOUBLE_EQ(r.share(), (r.rows - r.unknowns) / r.rows);
   EXPECT_EQ((Redundancy{.rows = 3, .unknowns = 5}.share()), 0) << "too little to solve";
 }

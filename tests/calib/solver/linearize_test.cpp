@@ -14,8 +14,9 @@ namespace {
 
 Intrinsics sample(LensKind lens) {
   Intrinsics in;
-  in << 800, 790, 320, 240, -0.1, 0.03, 0.002, -0.003, 0.01, 1.7;
-  if (lens == LensKind::KannalaBrandt) in.segment<kLensRows>(kLensRow) << -0.02, 0.01, -0.003, 0.0004, 0;
+  in << 800, 790, 320, 240, -0.1, 0.03, 0.002, -0.003, 0.01, 0.2, -0.05, 0.02, 1.7;
+  if (lens == LensKind::KannalaBrandt)
+    in.segment<kLensRows>(kLensRow) << -0.02, 0.01, -0.003, 0.0004, 0, 0, 0, 0;
   if (lens == LensKind::None) in.segment<kLensRows>(kLensRow).setZero();
   return in;
 }
