@@ -85,7 +85,7 @@ TEST(SilhouetteTimes, FindThemInEveryWindowWithAnHonestSigma) {
   FLOATSTAGE_LONG_FORM(true);
   for (const int cameras : {5, 8}) {
     SCOPED_TRACE(cameras);
-    const Frames all = performed(75, cameras, cameras == 5 ? 5 : 11);
+    const Frames all = performed(100, cameras, cameras == 5 ? 5 : 11);
     Honesty honesty;
     for (std::size_t begin = 0; begin + kSure <= all.size(); begin += 5) {
       SCOPED_TRACE(begin);
