@@ -209,11 +209,12 @@ void SeePoints(const PhotoCamera& camera, const ViewRays& rays, const PixelList&
     const V3 n = {turned(0), turned(1), turned(2)};
     const VF matte = matte_at(camera, pu, pv);
     const MF looks = hn::And(in, not_hidden(camera, p, n, tolerance));
-    const MF usable = hn::And(looks, hn::Ge(matte, all(kOpaque)));
+    const MF on_subject = hn::And(in, hn::Ge(matte, all(kOpaque)));
+    const MF usable = hn::And(looks, on_subject);
     hn::StoreU(pu, d, u + i);
     hn::StoreU(pv, d, v + i);
     hn::StoreU(hn::IfThenElseZero(hn::RebindMask(di, usable), hn::Set(di, 1)), di, seen + i);
-    hn::StoreU(hn::IfThenElse(in, weight, hn::Neg(weight)), d, angular + i);
+    hn::StoreU(hn::IfThenElse(on_subject, weight, hn::Neg(weight)), d, angular + i);
     if (mattes.sum == nullptr) continue;
     const VF counts = hn::IfThenElseZero(looks, hn::Mul(weight, all(mattes.reach)));
     hn::StoreU(hn::MulAdd(counts, matte, hn::LoadU(d, mattes.sum + i)), d, mattes.sum + i);

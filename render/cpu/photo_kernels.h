@@ -61,7 +61,7 @@ struct MatteSums {
 };
 
 /// The same, and whether the photograph may be used there (picture, matte, depth map), and the angular
-/// weight: 1/angle, negative where the picture does not reach.
+/// weight: 1/angle, negative where the picture does not reach or shows no subject.
 void see_points(const PhotoCamera& camera, const ViewRays& rays, const PixelList& points,
                 const Normals& normals, float tolerance, float* u, float* v, std::int32_t* seen,
                 float* angular, const MatteSums& mattes);

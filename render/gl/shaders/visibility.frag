@@ -2,7 +2,7 @@
 layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2DArray depth_maps;
 layout(location = 0) out uvec4 result;   // x: bit per listed camera, y: the proxy is here
-layout(location = 1) out vec4 angular0;  // 1/angle, signed: negative where the camera's picture does not reach
+layout(location = 1) out vec4 angular0;  // 1/angle, signed: negative where the camera's picture does not reach or shows no subject
 layout(location = 2) out vec4 angular1;
 layout(location = 3) out vec2 mattes;    // the mean and the largest of what they say where their cameras look
 
@@ -52,14 +52,15 @@ void main() {
     vec2 pixel;
     if (photo_pixel(index, p, pixel)) {
       vec3 n = mat3(cameras[index].cam_from_world) * s.xyz;
+      float matte = photo(index, pixel).a;
       if (seen(index, p, n, view.settings.z) >= 0.5) {
-        float matte = photo(index, pixel).a;
         float counts = angular * (view.camera_fade[slot].x + kStandIn * view.camera_fade[slot].y);
         if (matte >= kOpaque) result.x |= 1u << slot;
         sum += counts * matte;
         total += counts;
         most = max(most, matte);
       }
+      if (matte < kOpaque) angular = -angular;
     } else {
       angular = -angular;
     }
