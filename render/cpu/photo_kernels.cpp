@@ -221,6 +221,8 @@ void SeePoints(const PhotoCamera& camera, const ViewRays& rays, const PixelList&
     hn::StoreU(hn::Add(counts, hn::LoadU(d, mattes.weight + i)), d, mattes.weight + i);
     const VF most = hn::LoadU(d, mattes.most + i);
     hn::StoreU(hn::IfThenElse(looks, hn::Max(most, matte), most), d, mattes.most + i);
+    const VF behind = hn::LoadU(d, mattes.behind + i);
+    hn::StoreU(hn::IfThenElse(in, hn::Max(behind, matte), behind), d, mattes.behind + i);
   }
 }
 

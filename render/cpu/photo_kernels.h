@@ -58,6 +58,7 @@ struct MatteSums {
   float reach = 1;
   float *sum = nullptr, *weight = nullptr;  ///< of weight x opacity, and of weights
   float* most = nullptr;                    ///< the largest opacity; stays as it is where no camera looks
+  float* behind = nullptr;                  ///< the same of all whose picture reaches there, hidden or not
 };
 
 /// The same, and whether the photograph may be used there (picture, matte, depth map), and the angular

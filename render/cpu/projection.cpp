@@ -190,7 +190,9 @@ void Projection::see_row(int y, const Wanted& wanted, RowMemory& memory) {
                          static_cast<float>(y) + 0.5F, row.count};
   MatteSums mattes;
   if (wanted.mattes) {
-    mattes = {1, matte_.data() + row.list, memory.floats(count), most_opaque_.data() + row.list};
+    mattes = {1, matte_.data() + row.list, memory.floats(count), most_opaque_.data() + row.list,
+              memory.floats(count)};
+    std::fill_n(mattes.behind, count, -1.F);
     for (float* list : {mattes.sum, mattes.weight, mattes.most}) std::fill_n(list, count, 0.F);
   }
   for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
@@ -214,7 +216,7 @@ void Projection::see_row(int y, const Wanted& wanted, RowMemory& memory) {
   for (std::size_t i = 0; wanted.mattes && i < count; ++i) {
     const bool watched = mattes.weight[i] > 0;
     mattes.sum[i] = watched ? mattes.sum[i] / mattes.weight[i] : 1;
-    if (!watched) mattes.most[i] = 1;
+    if (!watched) mattes.most[i] = mattes.behind[i] < 0 ? 1 : mattes.behind[i];
   }
   std::uint8_t* hidden = hidden_.data() + line(y);
   std::fill_n(hidden, window_.width, std::uint8_t{0});

@@ -78,7 +78,8 @@ class Projection {
   const float* angular(std::size_t slot) const { return angular_[slot].data(); }   ///< list
   const float* weight(std::size_t slot) const { return weight_[slot].data(); }     ///< list
   const float* soft(std::size_t slot) const { return soft_[slot].data(); }         ///< list
-  /// Lists, where they are wanted: the mean and the largest of what the mattes say, 1 where no camera looks.
+  /// Lists, where they are wanted: the mean and the largest of what mattes say of those cameras that look;
+  /// where none does 1, and the largest of all whose pictures reach there.
   const float* matte() const { return matte_.data(); }
   const float* most_opaque() const { return most_opaque_.data(); }
   const ScreenMesh& on_screen() const { return raster_.seen(); }  ///< the proxy as the window shows it

@@ -77,13 +77,12 @@ struct MatteView {
 /// What the mattes say of a point, by the angles to their cameras.
 MatteView mattes_at(const Stage& stage, const CameraChoice& choice, const View& view,
                     const SlowProxy::Hit& hit) {
-  double sum = 0, total = 0, most = 0;
+  double sum = 0, total = 0, most = 0, behind = -1;
   const Eigen::Vector3d to_view = (view.view_from_world.center() - hit.world).normalized();
   for (std::size_t slot = 0; slot < choice.listed.size(); ++slot) {
     const auto i = static_cast<std::size_t>(choice.listed[slot]);
     const RigCamera& camera = stage.rig.cameras[i];
     const Eigen::Vector3d to_camera = (camera.cam_from_world.center() - hit.world).normalized();
-    if (hit.normal.dot(to_camera) < kGrazing) continue;
     const Eigen::Vector2d pixel = (camera.model.k() * (camera.cam_from_world * hit.world)).hnormalized();
     if (pixel.minCoeff() < 0 || pixel.x() >= camera.model.width || pixel.y() >= camera.model.height) continue;
     const double angle = std::max(std::acos(std::min(to_view.dot(to_camera), 1.0)), 2e-5);
@@ -91,11 +90,14 @@ MatteView mattes_at(const Stage& stage, const CameraChoice& choice, const View& 
                            kStandIn * static_cast<double>(choice.stand_in_fade[slot])) /
                           angle;
     const double matte = matte_at(stage.scene.mattes[i], pixel);
+    behind = std::max(behind, matte);
+    if (hit.normal.dot(to_camera) < kGrazing) continue;
     sum += weight * matte;
     total += weight;
     most = std::max(most, matte);
   }
-  return total > 0 ? MatteView{sum / total, most} : MatteView{};
+  if (total > 0) return {sum / total, most};
+  return {1, behind < 0 ? 1 : behind};
 }
 
 /// The opacity of every pixel, 0 … 1, from the definition (docs/adr/0261-opacity-at-the-outline.md).

@@ -42,7 +42,7 @@ void main() {
   result.y = 1u;
   vec3 world = world_at(gl_FragCoord.xy, s.w);
   vec3 to_view = normalize(view.view_center.xyz - world);
-  float sum = 0.0, total = 0.0, most = 0.0;
+  float sum = 0.0, total = 0.0, most = 0.0, behind = -1.0;
   for (int slot = 0; slot < view.counts.x; ++slot) {
     int index = listed(slot);
     vec3 p = (cameras[index].cam_from_world * vec4(world, 1.0)).xyz;
@@ -53,6 +53,7 @@ void main() {
     if (photo_pixel(index, p, pixel)) {
       vec3 n = mat3(cameras[index].cam_from_world) * s.xyz;
       float matte = photo(index, pixel).a;
+      behind = max(behind, matte);
       if (seen(index, p, n, view.settings.z) >= 0.5) {
         float counts = angular * (view.camera_fade[slot].x + kStandIn * view.camera_fade[slot].y);
         if (matte >= kOpaque) result.x |= 1u << slot;
@@ -69,5 +70,8 @@ void main() {
     else
       angular1[slot - 4] = angular;
   }
-  if (total > 0.0) mattes = vec2(sum / total, most);
+  if (total > 0.0)
+    mattes = vec2(sum / total, most);
+  else if (behind >= 0.0)
+    mattes.y = behind;
 }
