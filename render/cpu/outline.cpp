@@ -32,6 +32,7 @@ void Outline::run(Projection& projection, bool show, Image& picture) {
   reserve(projection);
   for_bands(projection, [&](int first, int last) { find_outside(projection, first, last); });
   for_bands(projection, [&](int first, int last) { find_rim(projection, first, last); });
+  cover_rim(projection);
   projection.for_rows([&](int y, RowMemory&) {
     if (y >= top_ && y < bottom_) weigh_row(projection, y, picture);
   });
@@ -104,7 +105,17 @@ void Outline::find_rim(const Projection& projection, int first, int last) {
                                          ~(all[x] & all[x + 1] & all[x + 2]) & 1);
     std::fill_n(covered_.data() + line, across, std::uint8_t{0});
   }
-  projection.on_screen().cover({width, first, last, rim_.data(), covered_.data()});
+}
+
+// Every band walks over all triangles: one a thread.
+void Outline::cover_rim(const Projection& projection) {
+  const int workers = projection.threads() > 0 ? projection.threads() : static_cast<int>(default_threads());
+  const int rows = bottom_ - top_, bands = std::min(workers, rows);
+  parallel_for(static_cast<std::size_t>(bands), projection.threads(), [&](std::size_t band) {
+    const int i = static_cast<int>(band);
+    projection.on_screen().cover({projection.window().width, top_ + i * rows / bands,
+                                  top_ + (i + 1) * rows / bands, rim_.data(), covered_.data()});
+  });
 }
 
 // What the mattes say, as far as the outline is near.

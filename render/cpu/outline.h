@@ -24,6 +24,7 @@ class Outline {
   std::uint8_t* scratch_of(int first);
   void find_outside(const Projection& projection, int first, int last);
   void find_rim(const Projection& projection, int first, int last);
+  void cover_rim(const Projection& projection);
   void weigh_row(const Projection& projection, int y, Image& picture);
   void blend_rim(const Projection& projection, int y, bool show, Image& picture) const;
 
