@@ -1,5 +1,6 @@
 #include "capture/libav.h"
 
+#include <algorithm>
 #include <cerrno>
 
 #include "core/check.h"
@@ -56,6 +57,12 @@ std::string file_url(const std::filesystem::path& file) { return "file:" + file.
 
 void be_quiet() {
   if (av_log_get_level() != AV_LOG_QUIET) av_log_set_level(AV_LOG_QUIET);
+}
+
+const std::uint8_t* RoomyCopy::of(const std::uint8_t* bytes, std::size_t size) {
+  copy_.resize(size + AV_INPUT_BUFFER_PADDING_SIZE);  // 0 behind, from the first time on
+  std::copy_n(bytes, size, copy_.begin());
+  return copy_.data();
 }
 
 void set_bt709(SwsContext* scaler, bool source_full_range, bool target_full_range) {

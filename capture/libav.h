@@ -11,6 +11,7 @@ extern "C" {
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 
@@ -63,6 +64,16 @@ std::string file_url(const std::filesystem::path& file);
 
 /// libav writes to standard error by itself; our sentences say what matters, so it is told to be quiet.
 void be_quiet();
+
+/// A copy with room behind it, kept until the next: libswscale reads a few bytes beyond the last pixel that
+/// it is given, and what lies there is nobody's.
+class RoomyCopy {
+ public:
+  const std::uint8_t* of(const std::uint8_t* bytes, std::size_t size);
+
+ private:
+  std::vector<std::uint8_t> copy_;
+};
 
 /// The colour matrix and range that a scaler assumes: RGB on one side, BT.709 on the other.
 void set_bt709(SwsContext* scaler, bool source_full_range, bool target_full_range);

@@ -84,6 +84,7 @@ class FileWriter final : public VideoWriter {
   libav::Owned<AVPacket> packet_ = libav::new_packet();
   libav::Format muxer_;
   AVStream* stream_ = nullptr;
+  libav::RoomyCopy roomy_;
   Image padded_;  // only for sizes that the kind cannot hold
   std::int64_t pictures_ = 0;
 };
@@ -194,7 +195,8 @@ Result<void> FileWriter::write(const Image& given) {
         std::copy_n(padded_.at(width_ - 1, y), given.channels, padded_.at(width_, y));
     }
   FLOATSTAGE_CHECK(av_frame_make_writable(picture_.get()) >= 0, "out of memory");
-  const std::uint8_t* planes[4] = {source.pixels.data(), nullptr, nullptr, nullptr};
+  const std::uint8_t* planes[4] = {roomy_.of(source.pixels.data(), source.pixels.size()), nullptr, nullptr,
+                                   nullptr};
   const int strides[4] = {source.channels * source.width, 0, 0, 0};
   sws_scale(scaler_.get(), planes, strides, 0, source.height, picture_->data, picture_->linesize);
   picture_->pts = pictures_;
