@@ -29,6 +29,9 @@ Result<void> check_options(const CalibrationOptions& o) {
         ErrorCode::InvalidArgument,
         "calibration options: outliers begin at 2 sigmas or more, frames are held out every 0 or more, and "
         "threads are 0 or more");
+  if (o.ring != 0 && !(o.ring >= 1e-5 && o.ring <= 0.3))
+    return fail(ErrorCode::InvalidArgument,
+                "calibration options: a ring is held within 0.00001 to 0.3 of its radius, or not at all (0)");
   return {};
 }
 
@@ -142,6 +145,7 @@ Result<Calibration> calibrate(const Observations& observations, const Calibratio
                 "no picture of any camera shows a target; see the reasons that detection gave");
 
   Scene scene = solver::make_scene(observations);
+  scene.ring = options.ring;
   Calibration out;
   out.failures = solver::wrong_layouts(scene);
   if (!out.failures.empty()) return out;  // nothing that follows would mean anything

@@ -20,6 +20,10 @@ struct CalibrationOptions {
                           ///< all in turn; 0: none
   double outlier_sigmas = 4.5;  ///< a point further off than this many of its camera's sigmas is left out
   int threads = 0;              ///< 0: one a core; the result is the same
+  /// One sigma of how far the cameras are from a common circle (a turntable's ring), as a share of its
+  /// radius: a soft prior for places that little else ties. Four cameras at least; sigmas of the result make
+  /// no use of it. 0: nothing is known. 1e-5 … 0.3.
+  double ring = 0;
   /// Bars: what the named failures are measured against.
   double least_depth_ratio =
       1.2;  ///< farthest over nearest board point (95th over 5th percentile) of a camera

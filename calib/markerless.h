@@ -46,6 +46,9 @@ struct MarkerlessOptions {
   int least_points = 60;     ///< points that a picture shows
   /// A given focal length that the points contradict by more than this share (and five sigmas) is refused.
   double largest_focal_error = 0.02;
+  /// The cameras stand on a circle, a turntable's ring, within this share of its radius (one sigma): holds
+  /// places that few points tie. Refused where the points say otherwise. 0: nothing is known.
+  double ring = 0;
 };
 
 /// A point of the scene and where it was seen.
@@ -62,6 +65,8 @@ struct MarkerlessResult {
   std::vector<SceneFeature> features;  ///< in the settled rig's world and unit
   double mean_track = 0;               ///< pictures a point
   double rms_px = 0;                   ///< reprojection error of the points: says little
+  std::optional<double> off_ring;      ///< rms distance of the cameras from their circle, as a share of its
+                                       ///< radius; where a ring was asked for
 };
 
 /// What contrast lets these pictures of a scene show enough: the usual one, or a quarter of it where the

@@ -14,6 +14,7 @@
 #include "calib/calibrate.h"
 #include "calib/scene_features.h"
 #include "calib/scene_matching.h"
+#include "calib/solver/ring.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -26,6 +27,8 @@ constexpr double kRoughly = 6, kClosely = 2;
 // more.
 constexpr double kSettled = 2e-4;
 constexpr int kMostRounds = 4;
+// Sigmas by which points may pull a camera off the ring that it is said to stand on.
+constexpr double kOffRing = 4;
 
 // A camera for the solver; what its lens may do is set afterwards.
 CalibrationCamera solver_camera(const RigCamera& c) {
@@ -129,6 +132,35 @@ void add_points(std::span<const SceneKeypoints> keypoints, double tolerance, int
   result.rms_px = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(sights, 1)));
 }
 
+// Points that pull cameras off a ring say that there is none.
+Result<void> check_ring(const std::vector<MarkerlessPicture>& pictures, const MarkerlessOptions& options,
+                        MarkerlessResult& result) {
+  if (!(options.ring > 0)) return {};
+  std::vector<Eigen::Vector3d> centers;
+  for (const RigCamera& c : result.rig.cameras) centers.push_back(c.cam_from_world.center());
+  const std::optional<solver::Ring> ring = solver::fit_ring(centers);
+  if (!ring)
+    return fail(
+        ErrorCode::BadData,
+        "'ring' says that the cameras stand on a circle, but there are fewer than four, or they stand in "
+        "one line; leave it out");
+  double squares = 0, most = 0;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    const double off = ring->off(centers[i]).norm() / ring->radius;
+    squares += off * off;
+    if (off > most) most = off, worst = i;
+  }
+  result.off_ring = std::sqrt(squares / static_cast<double>(centers.size()));
+  if (most <= kOffRing * options.ring) return {};
+  const auto percent = [](double share) { return std::round(1e4 * share) / 100; };
+  return fail(ErrorCode::BadData,
+              text("the cameras do not stand on a ring as 'ring' says: camera '", pictures[worst].serial,
+                   "' is ", percent(most), " % of the radius off the circle that fits best, all are ",
+                   percent(*result.off_ring), " % off (rms), and one sigma was said to be ",
+                   percent(options.ring), " %; leave 'ring' out, or give a share that is true"));
+}
+
 Result<void> settle(const std::vector<MarkerlessPicture>& pictures, std::span<const SceneKeypoints> keypoints,
                     const MarkerlessOptions& options, const char* advice, MarkerlessResult& result) {
   const bool unknown = std::any_of(pictures.begin(), pictures.end(),
@@ -142,8 +174,9 @@ Result<void> settle(const std::vector<MarkerlessPicture>& pictures, std::span<co
     if (!unknown || round >= 2)
       if (Result<void> ok = check_ties(pictures, result, options, advice); !ok) return ok;
     // From the second time on, matches depend on where the poses began by next to nothing.
-    Result<Calibration> solved = calibrate(observations_of(pictures, result, Lenses::AsGiven),
-                                           {.holdout_every = 0, .threads = options.threads});
+    Result<Calibration> solved =
+        calibrate(observations_of(pictures, result, Lenses::AsGiven),
+                  {.holdout_every = 0, .threads = options.threads, .ring = options.ring});
     if (!solved)
       return fail(solved.error().code,
                   text("the cameras do not agree: ", solved.error().message, "; ", advice));
@@ -151,6 +184,7 @@ Result<void> settle(const std::vector<MarkerlessPicture>& pictures, std::span<co
     result.rig = std::move(solved->rig);
     if (round >= 2 && change < kSettled) break;
   }
+  if (Result<void> ok = check_ring(pictures, options, result); !ok) return ok;
   add_points(keypoints, kClosely, options.threads, result);
   return check_ties(pictures, result, options, advice);
 }

@@ -24,6 +24,11 @@ void add_points(std::span<const SceneKeypoints> keypoints, double tolerance, int
 Result<void> settle(const std::vector<MarkerlessPicture>& pictures, std::span<const SceneKeypoints> keypoints,
                     const MarkerlessOptions& options, const char* advice, MarkerlessResult& result);
 
+/// Whether the settled cameras stand on a ring as options.ring says, and how far off they are, into
+/// result.off_ring; at once where nobody says so. BadData names the camera that is farthest off.
+Result<void> check_ring(const std::vector<MarkerlessPicture>& pictures, const MarkerlessOptions& options,
+                        MarkerlessResult& result);
+
 /// A lens as the scene's points have it beside what was given.
 struct SuspectLens {
   std::size_t picture = 0;      ///< the first of those that have it

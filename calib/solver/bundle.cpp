@@ -12,6 +12,7 @@
 
 #include <ceres/ceres.h>
 
+#include "calib/solver/ring.h"
 #include "core/parallel.h"
 
 namespace floatstage::calib::solver {
@@ -435,6 +436,44 @@ void add_distances(ceres::Problem& problem, Workspace& w, const std::vector<bool
   }
 }
 
+// How far a camera's centre is from a circle that is solved for (centre, axis, radius), in sigmas.
+struct OffRing {
+  double sigma;
+  template <class T>
+  bool operator()(const T* pose, const T* ring, T* residuals) const {
+    const Eigen::Map<const Eigen::Quaternion<T>> turn(pose);
+    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> shift(pose + 4), center(ring), axis(ring + 3);
+    const Eigen::Matrix<T, 3, 1> d =
+        -(turn.normalized().conjugate() * Eigen::Matrix<T, 3, 1>(shift)) - center;
+    const T along = d.dot(axis);
+    residuals[0] = along / T(sigma);
+    residuals[1] = ((d - along * axis).norm() - ring[6]) / T(sigma);
+    return true;
+  }
+};
+
+// `ring`: 7 numbers, which must stay where they are while the problem does.
+void add_ring(ceres::Problem& problem, Workspace& w, const std::vector<bool>& seen, std::vector<double>& ring,
+              ceres::ParameterBlockOrdering& ordering) {
+  if (!(w.scene.ring > 0) || !w.options.cameras_move) return;
+  std::vector<Eigen::Vector3d> centers;
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i]) centers.push_back(w.scene.cameras[i].cam_from_world.center());
+  const std::optional<Ring> start = fit_ring(centers);
+  if (!start) return;
+  ring.assign({start->center.x(), start->center.y(), start->center.z(), start->axis.x(), start->axis.y(),
+               start->axis.z(), start->radius});
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen[i])
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<OffRing, 2, 7, 7>(new OffRing{w.scene.ring * start->radius}),
+          nullptr, w.cameras[i].data(), ring.data());
+  problem.SetManifold(ring.data(),
+                      new ceres::ProductManifold<ceres::EuclideanManifold<3>, ceres::SphereManifold<3>,
+                                                 ceres::EuclideanManifold<1>>);
+  ordering.AddElementToGroup(ring.data(), 3);
+}
+
 // Ceres orders the blocks of a group by their addresses, so blocks of different arrays are in different
 // groups: the sums must not depend on where the heap put an array.
 void order_cameras(const ceres::Problem& problem, Workspace& w, const std::vector<bool>& seen,
@@ -500,6 +539,8 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
   add_boards(problem, w, seen.boards, *ordering);
   add_markers(problem, w, seen.markers, *ordering);
   add_distances(problem, w, seen.cameras);
+  std::vector<double> ring;
+  add_ring(problem, w, seen.cameras, ring, *ordering);
   order_cameras(problem, w, seen.cameras, *ordering);
 
   ceres::Solver::Options solver;
@@ -514,9 +555,8 @@ BundleSummary solve(Scene& scene, const BundleOptions& options) {
   // A numerator and its denominator are nearly one: without damping that stays, rounding makes the normal
   // equations indefinite.
   constexpr double kAlwaysDamped = 1e8;
-  if (std::any_of(scene.cameras.begin(), scene.cameras.end(), [](const SceneCamera& c) {
-        return c.denominator_terms > 0 && !c.held[kDenominatorRow];
-      }))
+  if (std::any_of(scene.cameras.begin(), scene.cameras.end(),
+                  [](const SceneCamera& c) { return c.denominator_terms > 0 && !c.held[kDenominatorRow]; }))
     solver.max_trust_region_radius = kAlwaysDamped;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);

@@ -109,6 +109,7 @@ struct Scene {
   /// Seconds that a picture strays from its camera's instant; each board view's own jitter is eliminated. 0:
   /// none does.
   double jitter_sigma = 0;
+  double ring = 0;  ///< the cameras stand on a circle within this share of its radius; 0: nobody says so
   double spin_doubt = kSpinDoubt,
          velocity_doubt = kVelocityDoubt;  ///< how far motion strays from what neighbours say
 };

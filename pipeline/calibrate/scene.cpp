@@ -204,6 +204,13 @@ void hold_scale(const Rig& known, calib::Observations& o) {
     }
 }
 
+// How well a ring that was asked for is one.
+std::string ring_of(const calib::MarkerlessResult& found) {
+  if (!found.off_ring) return "";
+  return text("; the cameras are ", std::round(1e4 * *found.off_ring) / 100,
+              " % of its radius off their ring (rms)");
+}
+
 }  // namespace
 
 Result<void> add_scene(const Session& s, const std::filesystem::path& workspace, int threads,
@@ -232,7 +239,8 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
                                    .contrast = s.markerless->contrast,
                                    .least_track = s.markerless->least_track,
                                    .least_points = s.markerless->least_points,
-                                   .largest_focal_error = s.markerless->largest_focal_error};
+                                   .largest_focal_error = s.markerless->largest_focal_error,
+                                   .ring = s.markerless->ring};
   std::optional<calib::MarkerlessResult> found;
   bool kept = false;     // the known poses hold
   std::string not_held;  // why they do not
@@ -297,7 +305,7 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
   out.detection.push_back(
       text("the scene: ", found->features.size(), " points, each seen by ",
            std::round(10 * static_cast<double>(sights) / static_cast<double>(found->features.size())) / 10,
-           " cameras on average", kept ? "; the known poses were kept as the start" : ""));
+           " cameras on average", ring_of(*found), kept ? "; the known poses were kept as the start" : ""));
   return {};
 }
 

@@ -240,6 +240,9 @@ SessionMarkerless read_markerless(Table t) {
   double percent = 100 * m.largest_focal_error;
   t.number("largest_focal_error_percent", percent, 0.01, 100);
   m.largest_focal_error = percent / 100;
+  double ring_percent = 0;
+  t.number("ring_percent", ring_percent, 1e-3, 30);
+  m.ring = ring_percent / 100;
   t.refuse_others();
   return m;
 }
@@ -369,8 +372,10 @@ Result<Session> parse_session(std::string_view toml_text, std::string_view name)
     s.floor->height = 1e-3 * height_mm;
     floor->refuse_others();
   }
-  if (std::optional<Table> markerless = t.child("markerless"))
+  if (std::optional<Table> markerless = t.child("markerless")) {
     s.markerless = read_markerless(std::move(*markerless));
+    s.options.ring = s.markerless->ring;
+  }
   if (std::optional<Table> volume = t.child("volume")) s.volume = read_volume(std::move(*volume));
   if (std::optional<Table> options = t.child("options")) read_options(std::move(*options), s);
   if (std::optional<Table> bars = t.child("bars")) read_bars(std::move(*bars), s.bars);

@@ -91,6 +91,7 @@ struct SessionMarkerless {
   UnknownLenses lens = UnknownLenses::Refused;
   double focal_px = 0;                ///< nearly, of unknown lenses; 0: what EXIF says, or nothing
   double largest_focal_error = 0.02;  ///< share by which points may contradict a known focal length
+  double ring = 0;  ///< the cameras stand on a circle within this share of its radius; 0: nobody says so
 };
 
 /// Where the calibration must hold: a box of the world, metres.

@@ -188,6 +188,13 @@ TEST(CalibrationSession, OfASceneNeedsNoTarget) {
     std::string toml = kScene;
     return parse(toml.replace(toml.find(from), from.size(), to));
   };
+  EXPECT_EQ(s->options.ring, 0) << "nobody says that the cameras stand on one";
+  const Result<Session> ring = changed("least_points = 40", "ring_percent = 0.5");
+  ASSERT_THAT(ring, IsOk());
+  EXPECT_DOUBLE_EQ(ring->markerless->ring, 0.005);
+  EXPECT_DOUBLE_EQ(ring->options.ring, 0.005);
+  EXPECT_THAT(changed("least_points = 40", "ring_percent = 90"),
+              FailsWith(ErrorCode::BadData, "ring_percent"));
   EXPECT_THAT(changed("distance = 1.5\n", ""), FailsWith(ErrorCode::BadData, "belong together"));
   EXPECT_THAT(changed("[\"a\", \"b\"]", "[\"a\", \"x\"]"),
               FailsWith(ErrorCode::BadData, "'between' names camera 'x'"));
