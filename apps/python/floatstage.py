@@ -110,13 +110,17 @@ def _distorted(lens, points):
                      y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y], axis=1)
 
 
-def _load_json(path):
+def _bytes_of(path):
     try:
         with open(path, "rb") as file:
-            data = file.read()
-        return json.loads(data), data
+            return file.read()
     except OSError as error:
         raise BadTake(f"{path}: {error.strerror}") from None
+
+
+def _load_json(path):
+    try:
+        return json.loads(_bytes_of(path))
     except ValueError as error:
         raise BadTake(f"{path} is not JSON: {error}") from None
 
@@ -137,7 +141,7 @@ def _camera(c):
 
 def read_rig(path):
     """The cameras of a rig.json, by serial, in its order."""
-    rig, _ = _load_json(path)
+    rig = _load_json(path)
     try:
         if rig["floatstage_rig"] not in (1, 2, 3):
             raise BadTake(f"{path} is of format {rig['floatstage_rig']}; this module knows 1 to 3")
@@ -146,7 +150,7 @@ def read_rig(path):
         raise BadTake(f"{path} is no rig: {error!r}") from None
 
 
-_PIXEL = {  # format: ffmpeg's name, bytes a picture of w x h, shape
+_PIXEL = {  # format: ffmpeg's name, and the shape of a picture of w x h
     "rgb8": ("rgb24", lambda w, h: (h, w, 3)),
     "gray8": ("gray", lambda w, h: (h, w)),
     "bayer-rggb8": ("gray", lambda w, h: (h, w)),
@@ -160,7 +164,7 @@ class Take:
 
     def __init__(self, folder):
         self.folder = os.fspath(folder)
-        manifest, _ = _load_json(self._path("take.json"))
+        manifest = _load_json(self._path("take.json"))
         try:
             if manifest["floatstage_take"] != 1:
                 raise BadTake(f"{self._path('take.json')} is of format {manifest['floatstage_take']}; "
@@ -172,9 +176,8 @@ class Take:
         except (KeyError, TypeError) as error:
             raise BadTake(f"{self._path('take.json')} is no take's manifest: {error!r}") from None
         self.rig = read_rig(self._path("rig.json"))
-        with open(self._path("rig.json"), "rb") as file:
-            if hashlib.sha256(file.read()).hexdigest() != wanted:
-                raise BadTake(f"{self._path('rig.json')} is not the rig of this take; its SHA-256 differs")
+        if hashlib.sha256(_bytes_of(self._path("rig.json"))).hexdigest() != wanted:
+            raise BadTake(f"{self._path('rig.json')} is not the rig of this take; its SHA-256 differs")
         self.cameras = [serial for serial in self.rig if serial in self._media]
         self._rows = {}
 
@@ -267,11 +270,7 @@ class Take:
 
 
 def _read_rows(path):
-    try:
-        with open(path, "rb") as file:
-            data = file.read()
-    except OSError as error:
-        raise BadTake(f"{path}: {error.strerror}") from None
+    data = _bytes_of(path)
     # A last line without its end was being written when the recorder stopped.
     lines = data[: data.rfind(b"\n") + 1].decode("ascii", errors="replace").splitlines()
     header = ["sequence", "device_time_ns", "studio_time_ns", "exposure_ns", "status", "media_index"]
@@ -290,11 +289,7 @@ def _read_rows(path):
 
 def read_png(path):
     """An 8-bit PNG without interlacing: (height, width) of a grey one, else (height, width, channels)."""
-    try:
-        with open(path, "rb") as file:
-            data = file.read()
-    except OSError as error:
-        raise BadTake(f"{path}: {error.strerror}") from None
+    data = _bytes_of(path)
     if data[:8] != b"\x89PNG\r\n\x1a\n":
         raise BadTake(f"{path} is no PNG")
     at, packed, head = 8, b"", None
@@ -356,11 +351,7 @@ _PLY_TYPES = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short":
 
 def read_mesh(path):
     """(vertices (N, 3) float64, faces (M, 3) int32) of a binary little-endian PLY of triangles."""
-    try:
-        with open(path, "rb") as file:
-            data = file.read()
-    except OSError as error:
-        raise BadTake(f"{path}: {error.strerror}") from None
+    data = _bytes_of(path)
     end = re.search(rb"end_header\r?\n", data)
     if not data.startswith(b"ply") or not end or b"binary_little_endian" not in data[:end.start()]:
         raise BadTake(f"{path} is no binary little-endian PLY")

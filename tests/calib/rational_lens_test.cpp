@@ -11,22 +11,13 @@
 #include "calib/solver/projection.h"
 #include "calib/solver/scene.h"
 #include "calib/uncertainty/working_volume.h"
+#include "tests/calib/action_lens.h"
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/matchers.h"
 
 namespace floatstage::calib {
 namespace {
 
-// An action camera, nearly equidistant, 120° from corner to corner: atan(r) as a quotient of polynomials
-// (Padé), and a little more.
-constexpr BrownConrady kAction{.k1 = 0.7778,
-                               .k2 = 0.0677,
-                               .p1 = 2e-4,
-                               .p2 = -3e-4,
-                               .k3 = 0.001,
-                               .k4 = 1.1111,
-                               .k5 = 0.2381,
-                               .k6 = 0.002};
 constexpr BrownConrady kPlain{.k1 = -0.12, .k2 = 0.06, .p1 = 2e-4, .p2 = -3e-4, .k3 = -0.004};
 
 // Near enough to one another that a board fills their pictures to the border.
@@ -111,7 +102,7 @@ double largest_sigma(const Calibration& solved) {
 bool is_rational(const RigCamera& c) { return std::get<BrownConrady>(c.model.lens).rational(); }
 
 TEST(RationalLens, IsFoundWithSixTermsWhereThreeLeaveMore) {
-  const Rig truth = wide_rig(kAction, 760);
+  const Rig truth = wide_rig(kActionLens, 760);
   const Result<Calibration> three = calibrate(seen_by(truth, 3), {.holdout_every = 0}),
                             six = calibrate(seen_by(truth, 6), {.holdout_every = 0});
   ASSERT_THAT(three, IsOk());
@@ -166,7 +157,7 @@ TEST(RationalLens, IsNotMadeByChance) {
 }
 
 TEST(RationalLens, GoesOnFromYesterday) {
-  const Rig truth = wide_rig(kAction, 760);
+  const Rig truth = wide_rig(kActionLens, 760);
   for (const Prior known : {Prior::Start, Prior::Fixed}) {
     Observations seen = seen_by(truth, std::nullopt);
     for (std::size_t c = 0; c < 3; ++c) {

@@ -11,6 +11,7 @@
 #include "calib/formats/format_files.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "tests/calib/action_lens.h"
 #include "tests/calib/foreign_views.h"
 #include "tests/calib/format_support.h"
 #include "tests/calib/synthetic_capture.h"
@@ -23,16 +24,6 @@ namespace {
 using testing::HasSubstr;
 
 constexpr double kSame = 1e-3;  // px
-
-// Nearly equidistant: atan(r) as a quotient of polynomials (Padé), and a little more.
-constexpr BrownConrady kActionLens{.k1 = 0.7778,
-                                   .k2 = 0.0677,
-                                   .p1 = 2e-4,
-                                   .p2 = -3e-4,
-                                   .k3 = 0.001,
-                                   .k4 = 1.1111,
-                                   .k5 = 0.2381,
-                                   .k6 = 0.002};
 
 const RigFormat& format(std::string_view name) {
   for (const RigFormat& f : rig_formats())

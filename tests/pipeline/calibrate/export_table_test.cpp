@@ -15,6 +15,7 @@
 #include "pipeline/calibrate/new_session.h"
 #include "pipeline/calibrate/scene.h"
 #include "pipeline/calibrate/session_observations.h"
+#include "tests/calib/action_lens.h"
 #include "tests/calib/foreign_views.h"
 #include "tests/calib/synthetic_capture.h"
 #include "tests/support/long_tests.h"
@@ -84,8 +85,7 @@ Result<Rig> of_action_cameras() {
   Rig truth = calib::ring_rig(3, 1.4, 1.1);
   for (RigCamera& c : truth.cameras) {
     c.model.fx = c.model.fy = 760;
-    c.model.lens =
-        BrownConrady{.k1 = 0.7778, .k2 = 0.0677, .k3 = 0.001, .k4 = 1.1111, .k5 = 0.2381, .k6 = 0.002};
+    c.model.lens = calib::kActionLens;
   }
   return of_a_waved_board(truth, 6);
 }
