@@ -99,10 +99,9 @@ void PicturePacking::pack(const Frame& frame, AVFrame& picture) const {
   const std::size_t stride = frame.layout.stride;
   const int width = layout_.width, height = layout_.height, half = (width + 1) / 2;
   if (to_yuv_) {
-    libav::RoomyCopy roomy;
     const std::size_t size =
         (static_cast<std::size_t>(height) - 1) * stride + 3 * static_cast<std::size_t>(width);
-    const std::uint8_t* planes[4] = {roomy.of(bytes, size), nullptr, nullptr, nullptr};
+    const std::uint8_t* planes[4] = {roomy_.of(bytes, size), nullptr, nullptr, nullptr};
     const int strides[4] = {static_cast<int>(stride), 0, 0, 0};
     sws_scale(to_yuv_.get(), planes, strides, 0, height, picture.data, picture.linesize);
     return;

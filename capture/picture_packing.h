@@ -31,6 +31,7 @@ class PicturePacking {
   AVPixelFormat pixel_format_ = AV_PIX_FMT_NONE;
   ImageLayout layout_;
   libav::Owned<SwsContext> to_yuv_, to_rgb_;  // lossy RGB only
+  mutable libav::RoomyCopy roomy_;            // memory, kept from picture to picture
 };
 
 }  // namespace floatstage::capture
