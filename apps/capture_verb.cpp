@@ -33,8 +33,10 @@ nlohmann::ordered_json to_json(const studio::PublishingCounters& c) {
           {"tiles", {{"sent", p.tiles}, {"bytes", p.tile_bytes}}},
           {"tiles_by_camera", p.tiles_by_camera},
           {"dropped", p.dropped},
+          {"left_out", p.left_out},
           {"refused", p.refused + c.control.refused},
-          {"malformed", p.malformed + c.control.malformed + c.control.other_version},
+          {"turned_away", p.turned_away},
+          {"malformed", p.malformed + p.other_version + c.control.malformed + c.control.other_version},
           {"requests", c.control.requests}};
 }
 

@@ -15,7 +15,7 @@ constexpr std::size_t kSerialField = kLongestSerial + 1, kSessionAt = 56, kSeque
 // Far enough from the ends that the difference of two stamps is a number too.
 constexpr std::int64_t kLatest = std::int64_t{1} << 61;
 
-bool is_kind(std::uint8_t kind) { return kind >= 1 && kind <= 6; }
+bool is_kind(std::uint8_t kind) { return kind >= 1 && kind <= 7; }
 bool is_of_a_camera(MessageKind kind) { return kind == MessageKind::Outline || kind == MessageKind::Tile; }
 
 bool fits(std::int64_t width, std::int64_t height) {
@@ -54,19 +54,10 @@ const char* name_of(MessageKind kind) {
       return "request";
     case MessageKind::Reply:
       return "reply";
+    case MessageKind::Watch:
+      return "watch";
   }
   return "unknown";
-}
-
-std::string topic_of(MessageKind kind) {
-  std::string topic(kMagic);
-  topic += static_cast<char>(kind);
-  return topic;
-}
-
-std::string topic_of(MessageKind kind, std::string_view serial) {
-  // With its closing zero, so that "cam1" is not the beginning of "cam10".
-  return topic_of(kind).append(serial) + '\0';
 }
 
 Result<std::string> seal(const MessageHeader& header, std::string_view payload) {

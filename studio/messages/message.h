@@ -19,13 +19,14 @@ enum class MessageKind : std::uint8_t {
   Status = 4,   ///< how a node does: JSON
   Request = 5,  ///< to a node: JSON
   Reply = 6,    ///< from a node: JSON
+  Watch = 7,    ///< what its sender wants to be told: to nodes and to reconstruction
 };
 
 const char* name_of(MessageKind kind);
 
 /// Raised with every change that an older program would misread; another version is refused, never guessed
 /// at.
-inline constexpr std::uint16_t kWireVersion = 1;
+inline constexpr std::uint16_t kWireVersion = 2;
 
 /// No message is longer; a receiver refuses the rest of a longer one without storing it.
 inline constexpr std::size_t kLargestMessage = std::size_t{64} << 20;
@@ -42,8 +43,8 @@ inline constexpr std::size_t kLongestSerial = 42;
 ///   0 "FSTG"   4 kind   5 serial, padded with zeros   48 version   50 zero   52 bytes after the header
 ///   56 session   64 sequence   72 epoch   80 instant   88 exposed   96 produced   104 width   108 height
 ///
-/// Kind and serial come before the version because they are the topic that ZeroMQ compares: a subscriber gets
-/// messages of other versions too, and can say so.
+/// All versions begin alike up to the version, so that a message of another one is told from one that is
+/// none.
 struct MessageHeader {
   MessageKind kind = MessageKind::Status;
   std::string serial;         ///< of the camera; empty where a message is of none
@@ -57,10 +58,6 @@ struct MessageHeader {
 };
 
 inline constexpr std::size_t kHeaderBytes = 112;
-
-/// The first bytes of all messages of one kind, or of one kind and camera: what a subscriber asks for.
-std::string topic_of(MessageKind kind);
-std::string topic_of(MessageKind kind, std::string_view serial);
 
 /// Header and payload as one message. InvalidArgument for a serial that cannot travel, a picture that is too
 /// large, or too long a payload.

@@ -61,10 +61,10 @@ void ControlServer::Impl::run() {
     wait_for(items, std::chrono::milliseconds(1000));
     wake.drain();
     door.answer_all();
-    const std::uint64_t refusals = monitor.read_refusals();
-    if (refusals > 0) {
+    monitor.read();
+    {
       std::lock_guard lock(mutex);
-      counts.refused += refusals;
+      counts.refused = monitor.refused();
     }
     zmq::message_t peer, request;
     if (!socket.recv(peer, zmq::recv_flags::dontwait) || !peer.more()) continue;

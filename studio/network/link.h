@@ -2,6 +2,7 @@
 
 // What all ends of the network share. Names ZeroMQ: for the .cpp files of this folder.
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -40,12 +41,15 @@ class SocketMonitor {
   explicit SocketMonitor(zmq::context_t& context) : events_(context, zmq::socket_type::pair) {}
 
   void watch(zmq::socket_t& socket, const std::string& name);
-  /// Reads what has happened; the number of peers that failed the handshake: wrong keys, or no ZeroMQ.
-  std::uint64_t read_refusals();
+  /// Reads what has happened; the number of peers that came in since the last call.
+  std::uint64_t read();
+  /// Of all connections so far those that ended at the door: other keys, another release, no ZeroMQ.
+  std::uint64_t refused() const { return std::min(ended_, came_ - std::min(came_, entered_)); }
   zmq::pollitem_t item() { return {events_.handle(), 0, ZMQ_POLLIN, 0}; }
 
  private:
   zmq::socket_t events_;
+  std::uint64_t came_ = 0, entered_ = 0, ended_ = 0;
 };
 
 /// Who may come in (ZeroMQ's authentication protocol, RFC 27): those who prove the studio's key. Answered on
@@ -63,11 +67,12 @@ class DoorKeeper {
 
 /// Who asks whether the other is still there. A socket whose received messages may wait must not: where they
 /// fill its queue and the peer goes, the next heartbeat ends the whole program (libzmq 4.3.4, "!_io_error").
-/// Its peers do then, and their heartbeats' time to live tells it when they are dead.
+/// Where requests and replies travel the client does then, and its heartbeats' time to live tells the server
+/// when it is dead; publishers and subscribers have the watch that is said again and again (audience.h).
 enum class Heartbeats { Given, Taken };
 
-/// Options of every socket: nothing lingers, dead peers are noticed within two seconds and looked for again,
-/// and no message is longer than `longest`.
+/// Options of every socket: nothing lingers, peers are given up that acknowledge nothing for two seconds, and
+/// looked for again; no message is longer than `longest`.
 void prepare(zmq::socket_t& socket, std::int64_t longest, Heartbeats heartbeats);
 /// One end with the studio's keys, or without.
 void become_server(zmq::socket_t& socket, const std::optional<StudioKeys>& keys);

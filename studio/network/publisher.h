@@ -29,8 +29,11 @@ struct PublisherCounters {
   std::map<std::string, std::uint64_t> tiles_by_camera;  ///< of the tiles, each camera's share
   std::uint64_t dropped = 0;                             ///< by the full queue, oldest first
   std::uint64_t unsendable = 0;                          ///< views that cannot be a message
-  std::uint64_t refused = 0;                             ///< handshakes that failed: wrong keys, or no ZeroMQ
-  std::uint64_t malformed = 0;                           ///< subscriptions that are none
+  std::uint64_t left_out = 0;       ///< messages that a peer missed because it read too slowly, for each peer
+  std::uint64_t refused = 0;        ///< handshakes that failed: wrong keys, another release, or no ZeroMQ
+  std::uint64_t malformed = 0;      ///< messages of peers that are no watch
+  std::uint64_t other_version = 0;  ///< messages of peers that are of another release
+  std::uint64_t turned_away = 0;    ///< watches of more peers than are served
 };
 
 /// One end that tells: a camera node's views, or reconstruction's scenes. What it is given goes through a
@@ -38,8 +41,8 @@ struct PublisherCounters {
 /// ever waits for the network. A subscriber that does not read fills its own buffers, then misses messages,
 /// and harms nobody else.
 ///
-/// A tile goes out only while somebody subscribes to its camera; outlines and scenes cost nothing without
-/// subscribers.
+/// What a subscriber watches it says again and again (Watch, Audience): a bounded set of its own. A tile is
+/// encoded only while somebody watches its camera, and nothing is sent to who did not ask for it.
 class Publisher {
  public:
   /// Errors: those of check_address(), and Io where the port is taken.

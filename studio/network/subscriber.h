@@ -33,7 +33,7 @@ struct SubscriberCounters {
   std::uint64_t other_version = 0;  ///< messages of another release
   std::uint64_t missed = 0;         ///< messages that were sent and did not arrive: jumps in their numbers
   std::uint64_t dropped = 0;        ///< by the full queue, oldest first
-  std::uint64_t refused = 0;        ///< handshakes that failed: wrong keys, or no ZeroMQ there
+  std::uint64_t refused = 0;  ///< handshakes that failed: wrong keys, another release, or no ZeroMQ there
 };
 
 /// What arrives. A CameraView is of an outline (without a tile) or of a tile (with an empty outline).
@@ -41,16 +41,17 @@ using Received =
     std::variant<std::shared_ptr<const CameraView>, std::shared_ptr<const StudioScene>, NodeStatus>;
 
 /// One end that listens, to one or more publishers. A thread of its own reads and decodes into a bounded
-/// queue (policy DropOldest, counted). Publishers that are not there yet, go away and come back are connected
-/// to as soon as they are there; nobody is told twice. What makes no sense is counted, and a warning says so
-/// at most once a second.
+/// queue (policy DropOldest, counted). It tells its publishers what it wants twice a second, and at once when
+/// that changes or one of them comes: those that are not there yet, go away and come back are connected to as
+/// soon as they are there. What makes no sense is counted, and a warning says so at most once a second.
 class Subscriber {
  public:
-  /// Errors: those of check_address().
+  /// Errors: those of check_address(); InvalidArgument for kinds that nobody is told.
   static Result<std::unique_ptr<Subscriber>> connect(const SubscriberOptions& options);
   ~Subscriber();
 
-  /// From now on the tiles of these cameras, and of no others. From any thread.
+  /// From now on the tiles of these cameras, and of no others; of the first kMostWatched where there are
+  /// more. From any thread.
   void want_tiles(std::set<std::string> serials);
 
   /// The next message, or nothing within `timeout`. From any thread.

@@ -5,6 +5,7 @@
 #include "studio/messages/control_message.h"
 #include "studio/messages/scene_message.h"
 #include "studio/messages/view_message.h"
+#include "studio/messages/watch_message.h"
 
 using namespace floatstage;
 
@@ -42,6 +43,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     expect_round_trip(*request, studio::wire::encode_request, studio::wire::decode_request);
   if (const auto status = studio::wire::decode_status(*message))
     expect_round_trip(*status, studio::wire::encode_status, studio::wire::decode_status);
+  if (const auto watch = studio::wire::decode_watch(*message))
+    expect_round_trip(*watch, studio::wire::encode_watch, studio::wire::decode_watch);
   static_cast<void>(studio::wire::decode_reply(*message));
   return 0;
 }

@@ -5,6 +5,7 @@
 #include "studio/messages/control_message.h"
 #include "studio/messages/scene_message.h"
 #include "studio/messages/view_message.h"
+#include "studio/messages/watch_message.h"
 #include "studio/network/link.h"
 #include "studio/network/subscriber.h"
 #include "tests/fuzz/mutations.h"
@@ -31,24 +32,23 @@ struct Mad {
   }
 };
 
-// Version `i` of a message that is damaged behind its topic, so that ZeroMQ hands it on; empty where it makes
-// sense.
+// Version `i` of a message that is damaged; empty where it makes sense.
 std::string malformed(const std::string& seed, int i) {
-  const std::size_t topic = wire::topic_of(MessageKind::Outline).size();
-  const std::string rest = seed.substr(topic);
-  std::string bytes =
-      seed.substr(0, topic) + mutated(rest, static_cast<std::size_t>(i) % mutation_count(rest.size()));
+  std::string bytes = mutated(seed, static_cast<std::size_t>(i) % mutation_count(seed.size()));
   return wire::open(bytes) ? std::string() : bytes;
 }
 
-// Subscriptions that are none, then one that is: when it is served, all before it were read.
-void subscribe_nonsense(const std::string& address, const wire::StudioKeys& keys, MessageKind good) {
-  Mad stranger(zmq::socket_type::xsub, address, keys);
-  for (int i = 0; i < kMalformed; ++i)
-    stranger.socket.send(zmq::buffer("\x07" + mutated("FSTG\x02"
-                                                      "cam1 and so on",
-                                                      static_cast<std::size_t>(i))));
-  stranger.socket.send(zmq::buffer("\x01" + wire::topic_of(good)));
+// Watches that are none, then one that is: when it is served, all before it were read.
+void watch_nonsense(const std::string& address, const wire::StudioKeys& keys, MessageKind good) {
+  Mad stranger(zmq::socket_type::dealer, address, keys);
+  const std::string seed = *wire::encode_watch({{good}, {"cam1"}});
+  for (int i = 0, sent = 0; sent < kMalformed; ++i) {
+    const std::string bytes = malformed(seed, i);
+    if (bytes.empty()) continue;
+    stranger.socket.send(zmq::buffer(bytes));
+    ++sent;
+  }
+  stranger.socket.send(zmq::buffer(seed));
   zmq::message_t served;
   EXPECT_TRUE(stranger.socket.recv(served));
 }
@@ -87,8 +87,8 @@ void ask_nonsense(const std::string& address, const wire::StudioKeys& keys) {
 TEST_F(StudioFaults, TenThousandMalformedMessagesOfEachKindAreCountedAndHarmNothing) {
   const std::filesystem::path take = record(kLeft);
   ask_nonsense(studio_.control_address(kLeft), studio_.keys);
-  subscribe_nonsense(studio_.node_address(kLeft), studio_.keys, MessageKind::Outline);
-  subscribe_nonsense(studio_.recon_address(), studio_.keys, MessageKind::Scene);
+  watch_nonsense(studio_.node_address(kLeft), studio_.keys, MessageKind::Outline);
+  watch_nonsense(studio_.recon_address(), studio_.keys, MessageKind::Scene);
 
   // In the right node's place: outlines for the reconstruction, scenes for the view.
   right_->terminate();
@@ -96,29 +96,35 @@ TEST_F(StudioFaults, TenThousandMalformedMessagesOfEachKindAreCountedAndHarmNoth
   ASSERT_TRUE(studio_.lab->enter(kRight));
   {
     zmq::context_t context;
-    zmq::socket_t socket(context, zmq::socket_type::xpub);
+    zmq::socket_t socket(context, zmq::socket_type::router);
     socket.set(zmq::sockopt::linger, -1);
-    socket.set(zmq::sockopt::xpub_nodrop, true);
+    socket.set(zmq::sockopt::router_mandatory, true);  // each one arrives
     socket.set(zmq::sockopt::curve_server, true);
     socket.set(zmq::sockopt::curve_publickey, studio_.keys.public_key);
     socket.set(zmq::sockopt::curve_secretkey, studio_.keys.secret_key);
     socket.bind(studio_.node_address(kRight));
     ASSERT_TRUE(studio_.lab->enter(kView));
-    bool outlines = false, scenes = false;
-    for (zmq::message_t asked; !outlines || !scenes;) {
-      ASSERT_TRUE(socket.recv(asked));
-      const std::string topic(wire::bytes_of(asked).substr(1));
-      outlines |= topic == wire::topic_of(MessageKind::Outline);
-      scenes |= topic == wire::topic_of(MessageKind::Scene);
+    std::map<MessageKind, std::string> watchers;
+    while (!watchers.contains(MessageKind::Outline) || !watchers.contains(MessageKind::Scene)) {
+      zmq::message_t id, bytes;
+      ASSERT_TRUE(socket.recv(id) && socket.recv(bytes));
+      const Result<wire::Message> message = wire::open(wire::bytes_of(bytes));
+      ASSERT_THAT(message, IsOk());
+      const Result<wire::Watch> watch = wire::decode_watch(*message);
+      ASSERT_THAT(watch, IsOk());
+      for (MessageKind kind : watch->kinds) watchers[kind] = id.to_string();
     }
     StudioScene scene;
     scene.rig_sha256 = std::string(64, 'b');
     scene.mesh.positions.resize(3, Eigen::Vector3f::Zero());
     scene.mesh.triangles = {0, 1, 2};
-    for (const std::string& seed : {*wire::encode_outline(small_view("cam01")), *wire::encode_scene(scene)})
+    for (const auto& [kind, seed] :
+         {std::pair(MessageKind::Outline, *wire::encode_outline(small_view("cam01"))),
+          std::pair(MessageKind::Scene, *wire::encode_scene(scene))})
       for (int i = 0, sent = 0; sent < kMalformed; ++i) {
         const std::string bytes = malformed(seed, i);
         if (bytes.empty()) continue;
+        ASSERT_TRUE(socket.send(zmq::buffer(watchers[kind]), zmq::send_flags::sndmore));
         ASSERT_TRUE(socket.send(zmq::buffer(bytes)));
         ++sent;
       }
@@ -140,7 +146,7 @@ TEST_F(StudioFaults, TenThousandMalformedMessagesOfEachKindAreCountedAndHarmNoth
   EXPECT_EQ(made["from_nodes"]["malformed"].get<int>() + made["from_nodes"]["other_version"].get<int>(),
             kMalformed);
   EXPECT_EQ(made["to_viewers"]["malformed"], kMalformed);
-  EXPECT_EQ(told["published"]["malformed"], 2 * kMalformed) << "subscriptions and requests";
+  EXPECT_EQ(told["published"]["malformed"], 2 * kMalformed) << "watches and requests";
 }
 
 TEST_F(StudioFaults, WhoHasOtherKeysIsRefusedAndCounted) {
@@ -167,16 +173,14 @@ TEST_F(StudioFaults, ASubscriberThatNeverReadsMissesMessagesAndNobodyElseDoes) {
   const std::filesystem::path take = record(kLeft);
   studio_.lab->shrink_send_buffers(kLeft);
   zmq::context_t context;
-  zmq::socket_t stuck(context, zmq::socket_type::sub);
+  zmq::socket_t stuck(context, zmq::socket_type::dealer);
   stuck.set(zmq::sockopt::linger, 0);
   stuck.set(zmq::sockopt::rcvhwm, 1);
   stuck.set(zmq::sockopt::rcvbuf, 4096);
   wire::become_client(stuck, studio_.keys);
-  stuck.set(zmq::sockopt::subscribe, wire::topic_of(MessageKind::Outline));
-  const std::set<std::string> serials = {"cam00", "cam02", "cam04"};
-  for (const std::string& serial : serials)
-    stuck.set(zmq::sockopt::subscribe, wire::topic_of(MessageKind::Tile, serial));
   stuck.connect(studio_.node_address(kLeft));
+  const std::set<std::string> serials = {"cam00", "cam02", "cam04"};
+  stuck.send(zmq::buffer(*wire::encode_watch({{MessageKind::Outline}, serials})));
   zmq::pollitem_t item{stuck.handle(), 0, ZMQ_POLLIN, 0};
   ASSERT_TRUE(eventually(
       [&] {
