@@ -7,6 +7,7 @@ extern "C" {
 #include "capture/media_input.h"
 #include "capture/picture_turn.h"
 #include "core/text.h"
+#include "core/working_on.h"
 
 namespace floatstage::capture {
 namespace {
@@ -176,6 +177,7 @@ std::optional<PictureTurn> LibavReader::turn() const {
 }
 
 Result<Image> LibavReader::next() {
+  const WorkingOn here(name_);
   if (Result<void> ok = decode(); !ok) return forward(ok);
   Result<Image> image = to_rgb_.convert(*picture_);
   if (!image)
@@ -189,6 +191,7 @@ Result<Image> LibavReader::next() {
 }  // namespace
 
 Result<std::unique_ptr<MediaReader>> MediaReader::open(const std::filesystem::path& file) {
+  const WorkingOn here(file);
   Result<std::unique_ptr<libav::Input>> input = libav::Input::open(file);
   if (!input) return forward(input);
   auto reader = std::make_unique<LibavReader>(file.string(), std::move(*input));

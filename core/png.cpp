@@ -10,6 +10,7 @@
 
 #include "core/file.h"
 #include "core/text.h"
+#include "core/working_on.h"
 
 namespace floatstage {
 namespace {
@@ -67,6 +68,7 @@ Result<Image> load_png(const std::filesystem::path& file) {
 }
 
 Result<Image> decode_png(std::span<const std::byte> bytes, std::string_view name) {
+  const WorkingOn here(name);
   png_image header;
   std::memset(&header, 0, sizeof header);
   header.version = PNG_IMAGE_VERSION;

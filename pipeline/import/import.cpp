@@ -4,10 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include <nlohmann/json.hpp>
+
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/confined_job.h"
 #include "pipeline/import/contour_files.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/light_field.h"
@@ -301,22 +304,30 @@ Result<std::unique_ptr<GivenMattes>> given_mattes(const ImportOptions& options, 
   return std::unique_ptr<GivenMattes>(new MatteFiles(*std::move(found)));
 }
 
-}  // namespace
+// What a take of these pictures needs at most: 24 bytes a pixel of the largest picture that is read at all,
+// and of each camera what a decoder keeps of 4K video (16 pictures and what is made of them), or 16 pictures
+// of 4 bytes of a calibration for more.
+void confine_memory_to(const Plan& plan) {
+  constexpr std::uint64_t kOwn = std::uint64_t{6} << 30, kCamera = std::uint64_t{1} << 30, kPicture = 64;
+  std::uint64_t bytes = kOwn;
+  for (const RigCamera& camera : plan.foreign.rig.cameras)
+    bytes += std::max(kCamera, kPicture * static_cast<std::uint64_t>(std::max(camera.model.width, 0)) *
+                                   static_cast<std::uint64_t>(std::max(camera.model.height, 0)));
+  confine_memory(bytes);
+}
 
-Result<ImportReport> import_take(const ImportOptions& given) {
-  ImportOptions options = given;
-  if (!options.mattes.empty() && !options.contours.empty())
-    return fail(ErrorCode::InvalidArgument, "--mattes and --contours say the same of the subject; give one");
-  Result<UnfinishedFolder> take = UnfinishedFolder::begin(options.out);
-  if (!take) return forward(take);
+/// Makes the take in `folder`, of foreign files, and its report.
+Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
   Result<Plan> plan = make_plan(options);
   if (!plan) return forward(plan);
+  confine_memory_to(*plan);
   if (options.label.empty()) options.label = plan->format;
   const Result<std::unique_ptr<GivenMattes>> mattes = given_mattes(options, *plan);
   if (!mattes) return forward(mattes);
   Result<std::vector<PictureStream>> streams = open_streams(*plan, options.frames, options.threads);
   if (!streams) return forward(streams);
   ImportReport report;
+  report.format = plan->format;
   report.notes = plan->notes;
   if (*mattes) {
     for (const std::string& serial : (*mattes)->without())
@@ -336,11 +347,30 @@ Result<ImportReport> import_take(const ImportOptions& given) {
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
   const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);
   if (!rate) return forward(rate);
-  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes->get(), *rate, take->folder(), report);
-      !ok)
+  if (Result<void> ok = write_pictures(options, *rig, *streams, mattes->get(), *rate, folder, report); !ok)
     return forward(ok);
-  if (plan->format == kLightField)
-    if (Result<void> ok = make_plane(take->folder(), options.plane, report); !ok) return forward(ok);
+  return report;
+}
+
+}  // namespace
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImportReport, serials, frames, gaps, mattes, notes, world, format)
+
+Result<ImportReport> import_take(const ImportOptions& options) {
+  if (!options.mattes.empty() && !options.contours.empty())
+    return fail(ErrorCode::InvalidArgument, "--mattes and --contours say the same of the subject; give one");
+  Result<UnfinishedFolder> take = UnfinishedFolder::begin(options.out);
+  if (!take) return forward(take);
+  Result<ImportReport> report = run_confined_job<ImportReport>(
+      {.what = options.calibration.path.string(), .writable = {take->folder()}}, options.progress,
+      [&](Progress* progress) {
+        ImportOptions confined = options;
+        confined.progress = progress;
+        return fill(std::move(confined), take->folder());
+      });
+  if (!report) return forward(report);
+  if (report->format == kLightField)
+    if (Result<void> ok = make_plane(take->folder(), options.plane, *report); !ok) return forward(ok);
   if (Result<void> ok = take->publish(); !ok) return forward(ok);
   return report;
 }

@@ -51,6 +51,7 @@ struct ImportReport {
   bool mattes = false;
   std::vector<std::string> notes;  ///< sentences about what was left out or assumed
   std::string world;               ///< a sentence about where the cameras stand, and what was assumed of it
+  std::string format;              ///< the calibration's
 };
 
 /// Makes a take of others' pictures and calibration. Cameras without pictures and pictures without a camera
@@ -58,7 +59,8 @@ struct ImportReport {
 /// sizes; a calibration that states another size is BadData unless `other_size` says what happened, and then
 /// a note. A light field gets its plane, as give_plane() does. Nothing is left behind when it fails: the take
 /// is made under a temporary name beside `out`, which must not exist (or be an empty folder), and renamed.
-/// InvalidArgument for mattes and contours both.
+/// InvalidArgument for mattes and contours both. All foreign files are read in a confined child
+/// (core/confined.h), whose death is an error of run_confined().
 Result<ImportReport> import_take(const ImportOptions& options);
 
 }  // namespace floatstage::pipeline

@@ -11,6 +11,7 @@
 #include "core/png.h"
 #include "core/text.h"
 #include "matting/labels/label_clip.h"
+#include "pipeline/confined_job.h"
 #include "pipeline/json_report.h"
 #include "pipeline/matte/clip_pictures.h"
 #include "pipeline/matte/doubt_picture.h"
@@ -238,15 +239,44 @@ Result<void> make(const MatteClipOptions& options, const fs::path& folder, Matte
 
 }  // namespace
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClipLabel::Lost, key, end, share)
+
+// From the child that made the mattes to this process.
+void to_json(nlohmann::json& json, const ClipLabel& label) {
+  json = {label.name,     label.keyframes,    label.subject, label.jump,
+          label.jumps_at, label.first_absent, label.border,  nullptr};
+  if (label.lost) json.back() = *label.lost;
+}
+
+void from_json(const nlohmann::json& json, ClipLabel& label) {
+  int at = 0;
+  const auto next = [&](auto& value) { json.at(static_cast<std::size_t>(at++)).get_to(value); };
+  next(label.name), next(label.keyframes), next(label.subject), next(label.jump), next(label.jumps_at);
+  next(label.first_absent), next(label.border);
+  if (const nlohmann::json& lost = json.at(static_cast<std::size_t>(at)); !lost.is_null())
+    label.lost = lost.get<ClipLabel::Lost>();
+}
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MatteClipReport, frames, width, height, labels, doubts)
+
 Result<MatteClipReport> matte_clip(const MatteClipOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   if (Result<void> ok = check(options); !ok) return forward(ok);
   Result<UnfinishedFolder> folder = UnfinishedFolder::begin(options.out);
   if (!folder) return forward(folder);
-  MatteClipReport report;
-  if (Result<void> ok = make(options, folder->folder(), report); !ok) return forward(ok);
+  Result<MatteClipReport> report =
+      run_confined_job<MatteClipReport>({.what = options.media.string(), .writable = {folder->folder()}},
+                                        options.progress, [&](Progress* progress) -> Result<MatteClipReport> {
+                                          MatteClipOptions confined = options;
+                                          confined.progress = progress;
+                                          MatteClipReport made;
+                                          if (Result<void> ok = make(confined, folder->folder(), made); !ok)
+                                            return forward(ok);
+                                          return made;
+                                        });
+  if (!report) return report;
   if (Result<void> ok = folder->publish(); !ok) return forward(ok);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }
 

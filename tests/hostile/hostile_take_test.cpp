@@ -2,18 +2,11 @@
 // on it. Whatever they say, they end: by no signal, with no check of our own failed, soon, and in little
 // memory.
 
-#include <chrono>
-#include <cstdlib>
 #include <functional>
-#include <thread>
 #include <vector>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "core/file.h"
 #include "core/matte_edits.h"
@@ -21,6 +14,7 @@
 #include "core/text.h"
 #include "pipeline/camera_path.h"
 #include "pipeline/process/process.h"
+#include "tests/hostile/hostile_run.h"
 #include "tests/support/matchers.h"
 #include "tests/support/small_take.h"
 #include "tests/support/temp_folder.h"
@@ -29,45 +23,6 @@ namespace floatstage {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-constexpr auto kLongest = std::chrono::seconds(20);
-constexpr long kMostKilobytes = 500 * 1024;
-constexpr int kExitBug = 70;
-
-struct Ended {
-  int status = -1;  // of waitpid; -1: still running after kLongest
-  long kilobytes = 0;
-};
-
-Ended run(const std::vector<std::string>& words) {
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  const pid_t pid = ::fork();
-  if (pid == 0) {
-    const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-    for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
-    ::execv(arguments[0], arguments.data());
-    ::_exit(127);
-  }
-  Ended ended;
-  rusage used = {};
-  for (const auto until = Clock::now() + kLongest;;) {
-    int status = 0;
-    if (::wait4(pid, &status, WNOHANG, &used) == pid) {
-      ended = {status, used.ru_maxrss};
-      break;
-    }
-    if (Clock::now() > until) {
-      ::kill(pid, SIGKILL);
-      ::wait4(pid, &status, 0, &used);
-      break;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return ended;
-}
 
 /// What stands where a file of the take stood.
 struct Trap {
@@ -164,17 +119,6 @@ class HostileTake : public testing::TestWithParam<const char*> {
     folder_ = nullptr;
   }
 
-  static void expect_orderly(const std::string& trap, const std::vector<std::string>& words) {
-    std::vector<std::string> command = {FLOATSTAGE_PROGRAM};
-    command.insert(command.end(), words.begin(), words.end());
-    const Ended ended = run(command);
-    const std::string what = text(GetParam(), " is ", trap, ": ", words[0], ' ', words[1]);
-    ASSERT_NE(ended.status, -1) << what << " ran for more than 20 s";
-    EXPECT_FALSE(WIFSIGNALED(ended.status)) << what << " died of signal " << WTERMSIG(ended.status);
-    EXPECT_NE(WEXITSTATUS(ended.status), kExitBug) << what << " failed a check of our own";
-    EXPECT_LT(ended.kilobytes, kMostKilobytes) << what;
-  }
-
   static TempFolder* folder_;
 };
 
@@ -194,7 +138,9 @@ TEST_P(HostileTake, EndsEveryVerbInOrder) {
       fs::remove(film);
       fs::copy(take, victim, fs::copy_options::recursive);
       trap.set(victim / GetParam(), *was);
-      expect_orderly(trap.name, words);
+      std::vector<std::string> command = {FLOATSTAGE_PROGRAM};
+      command.insert(command.end(), words.begin(), words.end());
+      expect_orderly(command, text(GetParam(), " is ", trap.name, ": ", words[0], ' ', words[1]));
     }
   }
 }
