@@ -49,7 +49,7 @@ std::vector<Nanoseconds> CameraSource::time_offsets() const {
 }
 
 void CameraSource::arrived(const Frame& frame) {
-  const Timestamp produced = now();
+  const Timestamp produced = time_.produced(frame.info.exposure_start, now());
   std::shared_ptr<const Tap> tap;
   {
     const std::lock_guard lock(mutex_);
@@ -94,7 +94,7 @@ Result<void> CameraSource::learn(const std::filesystem::path& plates) {
 
 std::string CameraSource::description() const {
   return text(rig_.cameras.size(), " cameras of '", node_->config().name, "' at ", frame_rate(),
-              " frames a second: latency counts from each frame's arrival in the program");
+              " frames a second: latency counts from each frame's exposure");
 }
 
 void CameraSource::begin(Tap tap) {

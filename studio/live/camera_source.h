@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "studio/live/live_source.h"
+#include "studio/node/camera_time.h"
 #include "studio/node/capture_node.h"
 
 namespace floatstage::studio {
@@ -41,6 +42,7 @@ class CameraSource final : public LiveSource {
   std::unique_ptr<CaptureNode> node_;
   Rig rig_;
   std::vector<std::vector<Image>> samples_;
+  CameraTime time_;
   std::mutex mutex_;
   std::condition_variable arrived_;
   std::vector<Frame> first_;

@@ -13,7 +13,7 @@ namespace floatstage::studio {
 /// Where a live chain's pictures come from: cameras, or a take that is played as if it were some.
 class LiveSource {
  public:
-  /// Takes a frame that was produced just now; info.camera is its place in rig(). Called on the source's
+  /// Takes a frame and when it was produced; info.camera is its place in rig(). Called on the source's
   /// threads, those of one camera one after the other. It must not wait.
   using Tap = std::function<void(const Frame& frame, Timestamp produced)>;
 

@@ -27,7 +27,7 @@ struct CameraView {
       0;               ///< number of the instant since the node's session began: equal for all its cameras
   Timestamp instant;   ///< middle of the set's exposures, on the studio clock
   Timestamp exposed;   ///< this camera's own exposure
-  Timestamp produced;  ///< when the source delivered the picture: latency counts from here
+  Timestamp produced;  ///< when the picture was: latency counts from here (CameraTime::produced)
   int width = 0, height = 0;  ///< px, of the whole photograph
   bool known = false;         ///< false: the camera missed the instant; it does not carve and has no tile
   Silhouette outline;         ///< px of the photograph

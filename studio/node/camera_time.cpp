@@ -23,6 +23,10 @@ Timestamp CameraTime::to_monotonic(Timestamp exposed, Timestamp produced) {
   return exposed + *apart_;
 }
 
+Timestamp CameraTime::produced(Timestamp exposed, Timestamp arrived) {
+  return std::min(arrived, to_monotonic(exposed, arrived));
+}
+
 Nanoseconds CameraTime::to_system(Timestamp system, Timestamp monotonic) const {
   const std::lock_guard lock(mutex_);
   if (!apart_) return system - monotonic;

@@ -16,6 +16,10 @@ class CameraTime {
  public:
   /// An exposure on the monotonic clock; `produced` is when its picture came, on that clock.
   Timestamp to_monotonic(Timestamp exposed, Timestamp produced);
+  /// When a picture was produced, on the monotonic clock, which is where latency begins: at its exposure and
+  /// never after `arrived`. Whoever fetches pictures may have had to wait, for a disk or for the processor,
+  /// and what it then stamps itself would hide that.
+  Timestamp produced(Timestamp exposed, Timestamp arrived);
   /// What to add to times of to_monotonic() for the systems' time. `system` and `monotonic` are now.
   Nanoseconds to_system(Timestamp system, Timestamp monotonic) const;
 

@@ -57,10 +57,10 @@ PublishingNode::~PublishingNode() {
   if (thread_.joinable()) thread_.join();
 }
 
-void PublishingNode::push(const Frame& frame, Timestamp produced) {
+void PublishingNode::push(const Frame& frame, Timestamp arrived) {
   Frame here = frame;
-  here.info.exposure_start = time_.to_monotonic(frame.info.exposure_start, produced);
-  sets_->push(here, produced);
+  here.info.exposure_start = time_.to_monotonic(frame.info.exposure_start, arrived);
+  sets_->push(here, std::min(arrived, here.info.exposure_start));
 }
 
 Result<void> PublishingNode::load_plates() {

@@ -54,9 +54,9 @@ class PublishingNode {
                                                       StudioControl& control);
   ~PublishingNode();
 
-  /// A frame that was produced just now; info.camera is its place in the rig. Called on the cameras' threads,
+  /// A frame that has just arrived; info.camera is its place in the rig. Called on the cameras' threads,
   /// those of one camera one after the other. Does not wait.
-  void push(const Frame& frame, Timestamp produced);
+  void push(const Frame& frame, Timestamp arrived);
 
   const std::string& address() const { return publisher_->address(); }
   std::string control_address() const { return server_ ? server_->address() : ""; }

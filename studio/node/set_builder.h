@@ -12,7 +12,7 @@
 
 namespace floatstage::studio {
 
-/// What all cameras saw at one instant, and when their pictures were delivered.
+/// What all cameras saw at one instant, and when their pictures were produced.
 struct TimedSet {
   Instant instant;
   FrameSet images;

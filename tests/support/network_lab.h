@@ -26,6 +26,7 @@ class RunningProgram {
   /// Its exit code, or -1 when a signal ended it.
   int wait();
   bool running();
+  pid_t pid() const { return pid_; }
   /// What it has written so far.
   std::string output() const;
 

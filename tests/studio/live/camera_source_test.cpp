@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -64,6 +65,24 @@ TEST_F(CamerasOfAStudio, ArriveInTheOrderOfTheRigUntilTheyAreStopped) {
   const int at_the_end = seen[0];
   EXPECT_TRUE((*source)->over());
   EXPECT_EQ(seen[0], at_the_end);
+}
+
+TEST_F(CamerasOfAStudio, TellWhenAPictureWasProducedAndNotWhenSomebodyHadTimeForIt) {
+  CaptureConfig one = config();
+  one.cameras = {
+      {"cam00", "synthetic:camera=0&cameras=6&width=32&height=24&samples=1&rate=50&loop=2&live=on"}};
+  Result<std::unique_ptr<CameraSource>> source = CameraSource::open(std::move(one), {});
+  ASSERT_THAT(source, IsOk());
+  std::atomic<int> seen = 0;
+  (*source)->begin([&](const Frame& frame, Timestamp produced) {
+    EXPECT_EQ(produced, frame.info.exposure_start);
+    // As a writer whose disk is slow: the next pictures wait in the camera meanwhile.
+    if (seen == 0) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ++seen;
+    seen.notify_one();
+  });
+  for (int before = seen; before < 5; before = seen) seen.wait(before);
+  (*source)->stop();
 }
 
 TEST_F(CamerasOfAStudio, BecomeASceneThatIsRecordedMeanwhile) {

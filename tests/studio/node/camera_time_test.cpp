@@ -35,6 +35,17 @@ TEST(CameraTime, TellsExposuresOfTwoNodesAlikeWhateverTheirPicturesTake) {
   EXPECT_EQ(here + quick.to_system(at_ms(kUtc + 10), at_ms(kUptime + 10)), at_ms(kUtc));
 }
 
+TEST(CameraTime, CountsLatencyFromTheExposureHoweverLateSomebodyFetchesThePicture) {
+  CameraTime time;
+  EXPECT_EQ(time.produced(at_ms(1000), at_ms(1030)), at_ms(1000));
+  EXPECT_EQ(time.produced(at_ms(1040), at_ms(1900)), at_ms(1040)) << "fetched late";
+  EXPECT_EQ(time.produced(at_ms(1080), at_ms(1079)), at_ms(1079)) << "nothing is fetched before it is there";
+  CameraTime network;
+  network.produced(at_ms(kTai), at_ms(kUptime + 10));
+  EXPECT_EQ(network.produced(at_ms(kTai + 40), at_ms(kUptime + 900)),
+            at_ms(kUptime + 50) + Nanoseconds{1000});
+}
+
 TEST(CameraTime, FollowsAClockThatDriftsAndForgetsOneThatWasChanged) {
   CameraTime time;
   Timestamp last;
