@@ -85,7 +85,7 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
   for (const pipeline::SilhouetteFault& fault : report.faults)
     std::fprintf(stderr, "floatstage: %s\n", sentence(fault).c_str());
   for (const std::string& doubt : report.pose_doubts) std::fprintf(stderr, "floatstage: %s\n", doubt.c_str());
-  if (report.poor_frames > 0)
+  if (report.poor_frames > 0 && report.doubts.empty())
     std::fprintf(
         stderr,
         "floatstage: %d hulls explain less than 90 %% of half of the silhouettes: some mattes lack what "

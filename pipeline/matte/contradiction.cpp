@@ -1,59 +1,86 @@
 #include "pipeline/matte/contradiction.h"
 
+#include <cmath>
 #include <map>
-#include <set>
+#include <string>
 
 #include "core/file_presence.h"
+#include "core/statistics.h"
 #include "core/text.h"
 #include "pipeline/matte/doubt_sheet.h"
 
 namespace floatstage::pipeline {
 namespace {
 
-constexpr double kMost = 0.5;  // of a matte, and of the cameras: a majority
+constexpr double kMost = 0.5;     // of a matte, and of the cameras: a majority
+constexpr double kDenied = 0.05;  // of a matte, in most cameras: as kDeniedInMost of consistent_verdict.cpp
 
 struct Vote {
   int cameras = 0;
-  std::set<std::string> denied;
+  std::map<std::string, double> denied;
   bool contradicts() const {
     return static_cast<double>(denied.size()) >= kMost * cameras && denied.size() > 1;
   }
+  double typical() const {
+    std::vector<double> shares;
+    for (const auto& [serial, share] : denied) shares.push_back(share);
+    return median(std::move(shares));
+  }
 };
 
-}  // namespace
+/// The frames in which half of the cameras are denied more than `most` of their subject.
+struct Denial {
+  int frames = 0, worst = 0;
+  Vote vote;  // of the worst
+};
 
-Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
-                                                   const std::vector<SilhouetteAgreement>& checked) {
+template <class Share>
+Denial denial_in(const std::vector<SilhouetteAgreement>& checked, double most, const Share& share) {
   std::map<int, Vote> votes;
   for (const SilhouetteAgreement& a : checked) {
     Vote& vote = votes[a.frame];
     ++vote.cameras;
-    if (a.surplus > kMost) vote.denied.insert(a.serial);
+    if (share(a) > most) vote.denied[a.serial] = share(a);
   }
-  MatteDoubt doubt{
-      .why =
-          "the hull of the other cameras denies more than half of the subject, and so in half of the "
-          "cameras: "
-          "these mattes are wrong, or those of cameras that miss the subject; choose another --matte with "
-          "--redo, or let `process` weigh them one by one",
-      .cameras = {},
-      .frames = 0,
-      .worst = 0,
-      .picture = {}};
-  for (const auto& [frame, vote] : votes) {
+  Denial found;
+  for (auto& [frame, vote] : votes) {
     if (!vote.contradicts()) continue;
-    ++doubt.frames;
-    if (vote.denied.size() <= doubt.cameras.size()) continue;
-    doubt.worst = frame;
-    doubt.cameras.assign(vote.denied.begin(), vote.denied.end());
+    ++found.frames;
+    if (vote.denied.size() <= found.vote.denied.size()) continue;
+    found.worst = frame;
+    found.vote = std::move(vote);
   }
-  if (doubt.frames == 0) return std::optional<MatteDoubt>();
+  return found;
+}
+
+}  // namespace
+
+Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
+                                                   const std::vector<SilhouetteAgreement>& checked,
+                                                   bool draw) {
+  Denial found = denial_in(checked, kMost, [](const SilhouetteAgreement& a) { return a.surplus; });
+  std::string why =
+      "the hull of the other cameras denies more than half of the subject, and so in half of the cameras: "
+      "these mattes are wrong, or those of cameras that miss the subject";
+  if (found.frames == 0) {
+    found = denial_in(checked, kDenied, [](const SilhouetteAgreement& a) { return a.denied; });
+    if (found.frames == 0) return std::optional<MatteDoubt>();
+    why = text("the hull of all cameras denies ", std::lround(100 * found.vote.typical()),
+               " % of the subject, and more than a twentieth in half of the cameras: mattes lack what others "
+               "show (does the performer wear the cloth's colour?), or the calibration is off");
+  }
+  MatteDoubt doubt{.why = why + "; choose another --matte with --redo",
+                   .cameras = {},
+                   .frames = found.frames,
+                   .worst = found.worst,
+                   .picture = doubts_folder(take.layout()) / text("denied-", found.worst, ".png")};
   std::vector<int> cameras;
+  for (const auto& [serial, share] : found.vote.denied) doubt.cameras.push_back(serial);
   for (std::size_t i = 0; i < take.rig().cameras.size(); ++i)
-    if (votes[doubt.worst].denied.contains(take.rig().cameras[i].serial))
-      cameras.push_back(static_cast<int>(i));
-  doubt.picture = doubts_folder(take.layout()) / text("denied-", doubt.worst, ".png");
-  if (Result<void> ok = save_doubt_sheet(take, cameras, doubt.worst, doubt.picture); !ok) return forward(ok);
+    if (found.vote.denied.contains(take.rig().cameras[i].serial)) cameras.push_back(static_cast<int>(i));
+  if (draw || !is_there(doubt.picture))
+    if (Result<void> ok = save_doubt_sheet(take, cameras, doubt.worst, doubt.picture); !ok)
+      return forward(ok);
   if (!is_there(doubt.picture)) doubt.picture.clear();
   return std::optional(std::move(doubt));
 }

@@ -14,14 +14,24 @@ namespace {
 
 bool shows_subject(const Matte& matte) { return !matte.empty() && coverage(matte) > 0; }
 
-// Share of `matte` outside `hull`.
-double surplus_of(const Matte& matte, const Matte& hull) {
+constexpr int kOutlineSlack = 2;  // px that outlines of photographs are off by, and then some
+
+// Whether the picture has subject within `reach` pixels, by squares.
+bool has_subject_near(const Matte& m, int x, int y, int reach) {
+  for (int v = std::max(0, y - reach); v <= std::min(m.height - 1, y + reach); ++v)
+    for (int u = std::max(0, x - reach); u <= std::min(m.width - 1, x + reach); ++u)
+      if (m.row(v)[u] >= 128) return true;
+  return false;
+}
+
+// Share of `matte` that lies farther than `slack` pixels outside of `hull`.
+double share_outside(const Matte& matte, const Matte& hull, int slack) {
   std::size_t all = 0, outside = 0;
   for (int y = 0; y < matte.height; ++y)
     for (int x = 0; x < matte.width; ++x) {
       if (matte.row(y)[x] < 128) continue;
       ++all;
-      outside += hull.row(y)[x] < 128;
+      outside += !has_subject_near(hull, x, y, slack);
     }
   return all ? static_cast<double>(outside) / static_cast<double>(all) : 0;
 }
@@ -34,10 +44,11 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const capture::TakeReader&
     if ((*mattes)[i].empty()) continue;
     const std::optional<Matte> silhouette = silhouette_of_others(take.rig(), *mattes, i);
     if (!silhouette) continue;  // nothing to compare with
-    SilhouetteAgreement a{take.rig().cameras[i].serial, frame, 0, 1};
+    SilhouetteAgreement a{take.rig().cameras[i].serial, frame, 0, 1, 1};
     if (shows_subject(*silhouette)) {
       a.iou = iou((*mattes)[i], *silhouette);
-      a.surplus = surplus_of((*mattes)[i], *silhouette);
+      a.surplus = share_outside((*mattes)[i], *silhouette, 0);
+      a.denied = denied_share((*mattes)[i], *silhouette);
     } else {
       a.iou = shows_subject((*mattes)[i]) ? 0 : 1;  // the others agree on nothing at all
     }
@@ -47,6 +58,10 @@ Result<std::vector<SilhouetteAgreement>> agreement_of(const capture::TakeReader&
 }
 
 }  // namespace
+
+double denied_share(const Matte& matte, const Matte& hull) {
+  return share_outside(matte, hull, kOutlineSlack);
+}
 
 std::optional<Matte> silhouette_of_others(const Rig& rig, const std::vector<Matte>& mattes,
                                           std::size_t camera) {

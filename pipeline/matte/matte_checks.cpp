@@ -47,7 +47,10 @@ Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& opt
   report.worst = std::move(*worst);
   Result<std::optional<MatteDoubt>> contradiction = contradiction_in(take, report.worst);
   if (!contradiction) return forward(contradiction);
-  if (*contradiction) report.doubts.insert(report.doubts.begin(), std::move(**contradiction));
+  if (*contradiction) {
+    (*contradiction)->why += ", or let `process` weigh them one by one";
+    report.doubts.insert(report.doubts.begin(), std::move(**contradiction));
+  }
   for (CameraMattes& camera : report.cameras) {
     double sum = 0;
     int seen = 0;

@@ -12,6 +12,8 @@
 #include "core/text.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/made_files.h"
+#include "pipeline/matte/contradiction.h"
+#include "pipeline/process/denied_mattes.h"
 #include "pipeline/process/heal_mattes.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
@@ -119,6 +121,8 @@ Result<json> make_mesh(const Rig& rig, int frame, const std::vector<Matte>& matt
                  {"seconds", hull.seconds},        {"silhouette_iou", std::move(iou)}};
   if (json silhouettes = silhouettes_json(rig, hull.verdicts); !silhouettes.empty())
     report["silhouettes"] = std::move(silhouettes);
+  if (json denied = denied_json(rig, mattes, hull, options); !denied.empty())
+    report["denied"] = std::move(denied);
   return report;
 }
 
@@ -176,6 +180,10 @@ class MeshMaker {
     report.cut_frames = doubts.cut;
     report.poor_frames = doubts.poor;
     report.empty_frames = count_empty(frames);
+    Result<std::optional<MatteDoubt>> denied =
+        contradiction_in(take_, denials_in(record_.reports), report.meshes.made > 0);
+    if (!denied) return forward(denied);
+    if (*denied) report.doubts.push_back(std::move(**denied));
     return {};
   }
 

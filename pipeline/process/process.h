@@ -41,7 +41,7 @@ struct ProcessReport {
   StageReport mattes, meshes;
   std::vector<std::string> remarks = {};  ///< MatteReport::remarks
   int distrusted = 0;                     ///< MatteReport::distrusted
-  std::vector<MatteDoubt> doubts = {};    ///< MatteReport::doubts
+  std::vector<MatteDoubt> doubts = {};    ///< MatteReport::doubts, and of all meshes: contradiction_in()
   std::vector<HealedCamera> healed = {};  ///< mattes that were made again in this run, worst camera first
   // Of all meshes, also of those that were there:
   std::vector<SilhouetteFault> faults = {};   ///< what a matte lacks was overruled by the others

@@ -6,6 +6,9 @@
 #include "core/png.h"
 #include "core/rig_io.h"
 #include "core/take_layout.h"
+#include "pipeline/matte/matte_doubts.h"
+#include "pipeline/process/process.h"
+#include "pipeline/synthesize.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::pipeline {
@@ -43,6 +46,66 @@ TEST(Contradiction, TrueMattesDoNotContradictOneAnother) {
   const Result<MatteReport> report = matte_take(given(take_with_given(folder, 0)));
   ASSERT_THAT(report, IsOk());
   EXPECT_THAT(report->doubts, testing::IsEmpty());
+}
+
+// A frame of six cameras, `many` of which are denied that share of their subject.
+std::vector<SilhouetteAgreement> denied(int many, double share) {
+  std::vector<SilhouetteAgreement> all;
+  for (int c = 0; c < 6; ++c) {
+    const double one = c < many ? share : 0.01;
+    all.push_back({"cam0" + std::to_string(c), 0, 1 - one, one, one});
+  }
+  return all;
+}
+
+TEST(Contradiction, IsATwentiethInHalfOfTheCameras) {
+  TempFolder folder;
+  const auto take = *capture::TakeReader::open(take_with_given(folder, 0));
+  const auto asked = [&](int many, double share) { return *contradiction_in(*take, denied(many, share)); };
+  EXPECT_FALSE(asked(2, 0.4));
+  EXPECT_FALSE(asked(6, 0.04));
+  ASSERT_TRUE(asked(3, 0.07));
+  EXPECT_THAT(asked(3, 0.07)->cameras, testing::ElementsAre("cam00", "cam01", "cam02"));
+  EXPECT_THAT(sentence(*asked(3, 0.07)), testing::HasSubstr("denies 7 % of the subject"));
+}
+
+TEST(DeniedShare, LeavesOutWhatOutlinesAreOffBy) {
+  Image square(100, 100, 1);
+  for (int y = 20; y < 80; ++y) std::fill_n(square.at(20, y), 60, std::uint8_t{255});
+  const auto shifted = [&](int by) {
+    Image moved(100, 100, 1);
+    for (int y = 20; y < 80; ++y) std::fill_n(moved.at(20 + by, y), 60, std::uint8_t{255});
+    return make_matte({}, moved);
+  };
+  const Matte matte = make_matte({}, square);
+  EXPECT_EQ(denied_share(matte, shifted(0)), 0);
+  EXPECT_EQ(denied_share(matte, shifted(2)), 0);
+  EXPECT_NEAR(denied_share(matte, shifted(8)), 0.1, 1e-9);
+  EXPECT_EQ(denied_share(matte, make_matte({}, Image(100, 100, 1))), 1);
+}
+
+// Each camera sees a sleeve before the shirt that another sees before the cloth.
+TEST(Contradiction, IsSaidWhereThePerformerWearsTheClothsColour) {
+  TempFolder folder;
+  SynthesizeOptions options;
+  options.out = folder / "take";
+  options.rig.width = 240, options.rig.height = 180;
+  options.studio.samples = 4;
+  options.studio.stage = SyntheticStage::GreenClothes;
+  options.frames = 1;
+  ASSERT_THAT(synthesize_take(options), IsOk());
+  for (int run = 0; run < 2; ++run) {
+    const Result<MatteReport> mattes = matte_take({.take = options.out, .how = "chroma"});
+    ASSERT_THAT(mattes, IsOk());
+    ASSERT_EQ(mattes->doubts.size(), 1u);
+    EXPECT_THAT(sentence(mattes->doubts[0]), testing::HasSubstr("wear the cloth's colour"));
+    const Result<ProcessReport> all = process_take({.take = options.out});
+    ASSERT_THAT(all, IsOk());
+    EXPECT_EQ(all->meshes.made, run == 0);
+    ASSERT_EQ(all->doubts.size(), 1u) << "also where the mesh was there";
+    EXPECT_THAT(sentence(all->doubts[0]), testing::HasSubstr("wear the cloth's colour"));
+    EXPECT_THAT(load_png(all->doubts[0].picture), IsOk());
+  }
 }
 
 TEST(Contradiction, IsSaidWithAPictureOfTheCamerasThatAreDenied) {
