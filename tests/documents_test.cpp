@@ -48,6 +48,19 @@ TEST(Documents, LinkOnlyToWhatIsThere) {
               IsEmpty());
 }
 
+TEST(Fuzzers, StandInTheirList) {
+  const Result<std::string> list = read_file(kRoot / "tests/fuzz/README.md");
+  ASSERT_TRUE(list);
+  int fuzzers = 0;
+  for (const fs::directory_entry& file : fs::directory_iterator(kRoot / "tests/fuzz")) {
+    const std::string name = file.path().stem().string();
+    if (!name.ends_with("_fuzz") || file.path().extension() != ".cpp") continue;
+    EXPECT_THAT(*list, HasSubstr("`" + name.substr(0, name.size() - 5) + "`"));
+    ++fuzzers;
+  }
+  EXPECT_GT(fuzzers, 40);
+}
+
 TEST(Decisions, HaveANumberEachAndStandInTheirIndex) {
   const Result<std::string> index = read_file(kRoot / "docs/adr/README.md");
   ASSERT_TRUE(index);

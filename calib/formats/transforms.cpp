@@ -4,12 +4,14 @@
 // files are made.
 #include <array>
 #include <cmath>
-#include <fstream>
+
+#include <unistd.h>
 
 #include "calib/formats/camera_parts.h"
 #include "calib/formats/format_files.h"
 #include "calib/formats/parsers.h"
 #include "core/file.h"
+#include "core/file_descriptor.h"
 #include "core/json_fields.h"
 #include "core/text.h"
 
@@ -113,8 +115,8 @@ Result<Rigid3> pose_of(const std::vector<double>& rows) {
 std::optional<std::pair<int, int>> png_size(const std::filesystem::path& file) {
   constexpr std::size_t kHeader = 24;
   std::array<unsigned char, kHeader> bytes{};
-  std::ifstream in(file, std::ios::binary);
-  if (!in.read(reinterpret_cast<char*>(bytes.data()), kHeader) || bytes[0] != 0x89 || bytes[1] != 'P')
+  const Result<FileDescriptor> in = open_to_read(file);  // no pipe, which would wait for ever
+  if (!in || ::read(in->get(), bytes.data(), kHeader) != kHeader || bytes[0] != 0x89 || bytes[1] != 'P')
     return std::nullopt;
   const auto number = [&](std::size_t at) {
     return static_cast<int>((bytes[at] & 127U) << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 |
