@@ -49,8 +49,10 @@ class OpenPage {
       const std::vector<std::string> me = {text("Authorization: Bearer ", kToken)};
       WebSocketClient page(kPort, "/live", me);
       open_ = page.status() == 101;
-      while (!closing_ && page.next().kind != 0)
+      while (!closing_ && open_) {
+        open_ = page.next().kind != 0;
         if (++messages_ % 100 == 0) asked_ += http_request(kPort, "GET", "/api/status", me).status == 200;
+      }
     });
   }
   ~OpenPage() { close(); }
@@ -193,11 +195,12 @@ TEST_F(Soak, LosesNothingSilentlyAndGrowsNowhere) {
     ASSERT_TRUE(node.running() && recon.running() && view.running())
         << node.output() << recon.output() << view.output();
   }
+  EXPECT_TRUE(page.open()) << "to the end";
   page.close();
   const Json shown = end(view, "view"), made = end(recon, "recon"), told = end(node, "node");
   std::printf("%d s; page: %d messages, %d answers\n", seconds, page.messages(), page.answered());
-  EXPECT_TRUE(page.open());
-  EXPECT_GT(page.messages(), seconds);
+  EXPECT_GT(page.messages(), seconds * kCameras);
+  EXPECT_GT(page.answered(), page.messages() / 100 - 2);
   expect_every_instant_accounted_for(told);
   expect_nothing_grows(seconds >= 600);
 

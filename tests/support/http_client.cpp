@@ -130,6 +130,12 @@ bool WebSocketClient::read_exactly(std::size_t bytes, std::string& into) {
   return true;
 }
 
+// A ping's answer; what a client sends is masked, here by zeros.
+void WebSocketClient::answer(const std::string& ping) {
+  std::string pong = {static_cast<char>(0x8a), static_cast<char>(0x80 | ping.size()), 0, 0, 0, 0};
+  send_all(fd_, pong + ping);
+}
+
 // RFC 6455, section 5.2; a server masks nothing.
 WebSocketClient::Message WebSocketClient::next() {
   std::string head, extended, payload;
@@ -146,6 +152,7 @@ WebSocketClient::Message WebSocketClient::next() {
     const int kind = head[0] & 0xf;
     if (kind == 1 || kind == 2) return {kind, payload};
     if (kind == 8) return {};
+    if (kind == 9) answer(payload);
   }
 }
 

@@ -33,7 +33,8 @@ class OpenConnection {
   int fd_;
 };
 
-/// A WebSocket client, to read what a page reads: each message with its kind (1 text, 2 binary).
+/// A WebSocket client, to read what a page reads: each message with its kind (1 text, 2 binary). Pings are
+/// answered while somebody reads.
 class WebSocketClient {
  public:
   WebSocketClient(int port, std::string_view path, const std::vector<std::string>& headers = {});
@@ -51,6 +52,7 @@ class WebSocketClient {
 
  private:
   bool read_exactly(std::size_t bytes, std::string& into);
+  void answer(const std::string& ping);
   int fd_ = -1;
   int status_ = 0;
   std::string rest_;
