@@ -55,6 +55,11 @@ ErrorCode code_of(int error) {
 
 std::string file_url(const std::filesystem::path& file) { return "file:" + file.string(); }
 
+bool is_matroska(const std::filesystem::path& film) { return film.extension() == ".mkv"; }
+const char* muxer_of(const std::filesystem::path& film) {
+  return is_matroska(film) ? "matroska" : film.extension() == ".mov" ? "mov" : "mp4";
+}
+
 void be_quiet() {
   if (av_log_get_level() != AV_LOG_QUIET) av_log_set_level(AV_LOG_QUIET);
 }

@@ -62,6 +62,10 @@ ErrorCode code_of(int error);
 /// "file:<path>": a URL that libav cannot take for a protocol or a numbered pattern.
 std::string file_url(const std::filesystem::path& file);
 
+/// The container of a film, by the ending of its name: Matroska (.mkv), MOV (.mov), else MP4.
+bool is_matroska(const std::filesystem::path& film);
+const char* muxer_of(const std::filesystem::path& film);
+
 /// libav writes to standard error by itself; our sentences say what matters, so it is told to be quiet.
 void be_quiet();
 

@@ -25,10 +25,10 @@ class MediaReader {
   virtual Result<Image> next() = 0;
 };
 
-/// Writes RGB pictures of one size as an H.264 MP4 (yuv420p, BT.709, crf 18, faststart) that browsers play.
-/// 4:2:0 needs even sizes: an odd width or height grows by one, repeating the last column or row. Temporary
-/// name until finish(); a writer destroyed without it leaves nothing. One thread at a time; the bytes do not
-/// depend on the machine's cores.
+/// Writes RGB pictures of one size as H.264 (yuv420p, BT.709, crf 18): Matroska where the name ends in .mkv,
+/// MOV in .mov, else an MP4 (faststart) that browsers play. 4:2:0 needs even sizes: an odd width or height
+/// grows by one, repeating the last column or row. Temporary name until finish(); a writer destroyed without
+/// it leaves nothing. One thread at a time; the bytes do not depend on the machine's cores.
 class VideoWriter {
  public:
   /// InvalidArgument for a size or rate that is not positive; Io names the file.
@@ -41,11 +41,12 @@ class VideoWriter {
   virtual Result<void> finish() = 0;
 };
 
-/// Puts films that a VideoWriter wrote, of one size and `frame_rate`, one behind the other into a new MP4
-/// (of ProRes, MOV) without coding a picture again: every film begins with a picture that needs no other, so
-/// what is decoded is what is decoded of the parts, and the same parts give the same bytes. BadData names a
-/// part that is no such film or is coded otherwise than the first, or says that there are not so many
-/// `pictures`; AlreadyExists when `file` is there or is being written; Io. Temporary name until it is whole.
+/// Puts films that a VideoWriter wrote, of one size and `frame_rate`, one behind the other into a new film,
+/// in the container that its name says, without coding a picture again: every film begins with a picture that
+/// needs no other, so what is decoded is what is decoded of the parts, and the same parts give the same
+/// bytes. BadData names a part that is no such film or is coded otherwise than the first, or says that there
+/// are not so many `pictures`; AlreadyExists when `file` is there or is being written; Io. Temporary name
+/// until it is whole.
 Result<void> join_videos(const std::vector<std::filesystem::path>& parts, double frame_rate,
                          std::int64_t pictures, const std::filesystem::path& file);
 

@@ -19,7 +19,7 @@ bool coded_alike(const AVCodecParameters& a, const AVCodecParameters& b) {
          std::memcmp(a.extradata, b.extradata, static_cast<std::size_t>(a.extradata_size)) == 0;
 }
 
-// An MP4, or a MOV of ProRes, that takes packets as they are. Times are counted in pictures.
+// A film that takes packets as they are. Times are counted in pictures.
 class Joined {
  public:
   Joined(fs::path file, double frame_rate)
@@ -73,11 +73,11 @@ class Joined {
     claim_ = std::move(*claim);
     AVFormatContext* made = nullptr;
     const std::string url = libav::file_url(temporary_);
-    const char* const kind = like.codecpar->codec_id == AV_CODEC_ID_PRORES ? "mov" : "mp4";
-    FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, kind, url.c_str()) >= 0,
-                     "libavformat without MP4 and MOV");
+    FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, libav::muxer_of(file_), url.c_str()) >= 0,
+                     "libavformat without MP4, MOV and Matroska");
     muxer_.reset(made);
     muxer_->flags |= AVFMT_FLAG_BITEXACT;
+    if (libav::is_matroska(file_)) muxer_->avoid_negative_ts = 0;  // its times are when pictures are shown
     stream_ = avformat_new_stream(muxer_.get(), nullptr);
     FLOATSTAGE_CHECK(stream_ != nullptr && avcodec_parameters_copy(stream_->codecpar, like.codecpar) >= 0,
                      "out of memory");
@@ -86,7 +86,7 @@ class Joined {
     int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE);
     if (error < 0) return io_failure(error);
     libav::Options options;
-    options.set("movflags", "+faststart");
+    if (!libav::is_matroska(file_)) options.set("movflags", "+faststart");
     error = avformat_write_header(muxer_.get(), options.get());
     if (error < 0) return io_failure(error);
     return {};

@@ -21,14 +21,13 @@ constexpr int kEncoderThreads = 4;
 
 /// What a file holds its pictures as.
 struct Kind {
-  const char *name, *muxer, *encoder, *missing;
+  const char *name, *encoder, *missing;
   int channels;
   AVPixelFormat given, stored;
   int multiple;  ///< px: sizes that it can hold
   std::array<std::pair<const char*, const char*>, 2> coding, writing;
 };
 constexpr Kind kMp4 = {"H.264",
-                       "mp4",
                        "libx264",
                        "this libavcodec has no libx264 encoder; install libavcodec-extra or record PNGs",
                        3,
@@ -38,7 +37,6 @@ constexpr Kind kMp4 = {"H.264",
                        {{{"preset", "veryfast"}, {"crf", "18"}}},
                        {{{"movflags", "+faststart"}, {nullptr, nullptr}}}};
 constexpr Kind kProRes = {"ProRes 4444",
-                          "mov",
                           "prores_ks",
                           "this libavcodec has no ProRes encoder; install libavcodec-extra or write PNGs",
                           4,
@@ -143,10 +141,11 @@ Result<void> FileWriter::open(double frame_rate) {
   claim_ = std::move(*claim);
   AVFormatContext* made = nullptr;
   const std::string url = libav::file_url(temporary_);
-  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, kind_.muxer, url.c_str()) >= 0,
-                   "libavformat without MP4 and MOV");
+  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, libav::muxer_of(file_), url.c_str()) >= 0,
+                   "libavformat without MP4, MOV and Matroska");
   muxer_.reset(made);
   muxer_->flags |= AVFMT_FLAG_BITEXACT;
+  if (libav::is_matroska(file_)) muxer_->avoid_negative_ts = 0;  // its times are when pictures are shown
   stream_ = avformat_new_stream(muxer_.get(), nullptr);
   FLOATSTAGE_CHECK(
       stream_ != nullptr && avcodec_parameters_from_context(stream_->codecpar, encoder_.get()) >= 0,

@@ -21,10 +21,10 @@ class PictureSink {
 /// or one that holds no opacity (`with_opacity`).
 Result<void> check_film_name(const std::filesystem::path& out, bool with_opacity);
 
-/// "*.mp4", "*.mkv", "*.mov": H.264; a name without extension: a new folder of 000000.png, 000001.png, …
-/// They hold RGB pictures, or `with_opacity` RGBA ones with straight alpha: then PNGs do, and a "*.mov" in
-/// ProRes 4444. AlreadyExists when something is there already; InvalidArgument for a file that holds no such
-/// pictures.
+/// "*.mp4", "*.mkv", "*.mov": H.264 in that container; a name without extension: a new folder of 000000.png,
+/// 000001.png, … They hold RGB pictures, or `with_opacity` RGBA ones with straight alpha: then PNGs do, and a
+/// "*.mov" in ProRes 4444. AlreadyExists when something is there already; InvalidArgument for a file that
+/// holds no such pictures.
 Result<std::unique_ptr<PictureSink>> open_picture_sink(const std::filesystem::path& out, int width,
                                                        int height, double frame_rate,
                                                        bool with_opacity = false);

@@ -59,6 +59,19 @@ TEST(JoinedVideos, ShowWhatTheirPartsShowPictureByPicture) {
   EXPECT_DOUBLE_EQ((*MediaReader::open(folder / "whole.mp4"))->frame_rate(), rate);
 }
 
+TEST(JoinedVideos, AreInTheContainerThatTheirNameSaysWithTheSamePictures) {
+  const TempFolder folder;
+  const std::vector<fs::path> parts = {film(folder / "a.mp4", 0, 30, 25), film(folder / "b.mp4", 30, 12, 25)};
+  ASSERT_THAT(join_videos(parts, 25, 42, folder / "whole.mp4"), IsOk());
+  const std::vector<Image> pictures = decoded(folder / "whole.mp4");
+  for (const auto& [name, begins] :
+       {std::pair("whole.mkv", "\x1a\x45\xdf\xa3"), std::pair("whole.mov", "ftypqt  ")}) {
+    ASSERT_THAT(join_videos(parts, 25, 42, folder / name), IsOk());
+    EXPECT_NE(read_file(folder / name)->substr(0, 12).find(begins), std::string::npos) << name;
+    EXPECT_EQ(decoded(folder / name), pictures) << name;
+  }
+}
+
 TEST(JoinedVideos, OfTheSamePartsHaveTheSameBytes) {
   const TempFolder folder;
   const std::vector<fs::path> parts = {film(folder / "a.mp4", 0, 12, 25), film(folder / "b.mp4", 12, 12, 25)};

@@ -1,9 +1,12 @@
 #include "pipeline/picture_sink.h"
 
+#include <tuple>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "capture/media_file.h"
+#include "core/file.h"
 #include "core/png.h"
 #include "tests/support/matchers.h"
 #include "tests/support/run_command.h"
@@ -50,6 +53,29 @@ TEST(PictureSink, WritesAVideoThatOthersRead) {
     ++pictures;
   }
   EXPECT_EQ(pictures, 5);
+}
+
+TEST(PictureSink, WritesTheContainerThatTheNameSays) {
+  TempFolder folder;
+  for (const auto& [name, begins, kind] :
+       {std::tuple("film.mp4", "ftypisom", "mov,mp4"), std::tuple("film.mov", "ftypqt  ", "mov,mp4"),
+        std::tuple("film.mkv", "\x1a\x45\xdf\xa3", "matroska,webm")}) {
+    const fs::path film = folder.path() / name;
+    auto sink = open_picture_sink(film, 64, 48, 25);
+    ASSERT_THAT(sink, IsOk());
+    for (int i = 0; i < 30; ++i)
+      ASSERT_THAT((*sink)->write(Image(64, 48, 3, static_cast<std::uint8_t>(8 * i))), IsOk());
+    ASSERT_THAT((*sink)->finish(), IsOk());
+    EXPECT_NE(read_file(film)->substr(0, 12).find(begins), std::string::npos) << name;
+    const Ended probed = run_command(
+        "ffprobe -v error -count_frames -show_entries "
+        "format=format_name,start_time:stream=nb_read_frames,avg_frame_rate -of csv " +
+        film.string());
+    EXPECT_EQ(probed.code, 0) << probed.output;
+    EXPECT_THAT(probed.output, testing::HasSubstr(kind));
+    EXPECT_THAT(probed.output, testing::HasSubstr("25/1,30\n"));
+    EXPECT_THAT(probed.output, testing::HasSubstr("0.000000")) << "begins at once";
+  }
 }
 
 // Opacity from left to right, one colour: straight alpha keeps it where nothing is opaque.
