@@ -8,6 +8,7 @@
 #include "apps/check/machine.h"
 #include "apps/check/studio.h"
 #include "apps/flags.h"
+#include "apps/interrupt.h"
 #include "apps/verbs.h"
 #include "capture/media_file.h"
 #include "core/text.h"
@@ -82,8 +83,8 @@ std::vector<Finding> look_at_usual_studio(const fs::path& folder) {
 Result<void> run(const Options& options) {
   constexpr const char* kNames[] = {"PASS", "WARN", "FAIL"};
   std::vector<Finding> findings = look_at_machine();
-  Result<std::vector<Finding>> studio =
-      options.config.empty() ? look_at_usual_studio(options.folder) : look_at_studio(options.config);
+  Result<std::vector<Finding>> studio = options.config.empty() ? look_at_usual_studio(options.folder)
+                                                               : look_at_studio(options.config, interrupted);
   if (!studio) return forward(studio);
   findings.insert(findings.end(), studio->begin(), studio->end());
   int failed = 0;

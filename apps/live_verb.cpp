@@ -1,3 +1,4 @@
+#include "apps/interrupt.h"
 #include "apps/live_viewing.h"
 #include "core/text.h"
 #include "studio/live/camera_source.h"
@@ -25,12 +26,13 @@ Result<std::unique_ptr<studio::LiveSource>> open_live_source(const Options& o) {
     Result<studio::CaptureConfig> config = studio::load_capture_config(o.config);
     if (!config) return forward(config);
     Result<std::unique_ptr<studio::CameraSource>> cameras =
-        studio::CameraSource::open(std::move(*config), o.plates);
+        studio::CameraSource::open(std::move(*config), o.plates, interrupted);
     if (!cameras) return forward(cameras);
     return std::unique_ptr<studio::LiveSource>(std::move(*cameras));
   }
   studio::TakePlayerOptions player = o.player;
   player.rate = o.rate;
+  player.stop = interrupted;
   player.loop = o.viewing.run.seconds > 0 || !o.viewing.headless;
   Result<std::unique_ptr<studio::TakePlayer>> take = studio::TakePlayer::open(o.source, player);
   if (!take) return forward(take);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,6 +52,15 @@ class FrameSource {
   virtual SourceStats stats() const = 0;
   /// Asks the device, which takes it a moment: from the thread that calls next(), while started.
   virtual DeviceHealth health() { return {}; }
+  /// What start() and next() ask while they work or wait for long, from any of their threads: once it says
+  /// yes they give up within a second (Cancelled). Before start(), or by the thread that calls next().
+  void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
+
+ protected:
+  bool stopped() const { return stop_ && stop_(); }
+
+ private:
+  std::function<bool()> stop_;
 };
 
 /// Opens a source by URI: "take:<folder>#<serial>", "synthetic:camera=3&cameras=8&seed=1&…".

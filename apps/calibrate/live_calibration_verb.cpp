@@ -97,6 +97,7 @@ Result<void> run(const Options& given) {
   options.calibration.threads = given.threads;
   options.solve_every = given.solve_every;
   options.seconds = given.seconds;
+  options.stop = interrupted;
   Result<void> applied;
   const Result<std::unique_ptr<LiveRun>> live = LiveRun::start(*config, options, [&](calib::Observations& o) {
     if (known) applied = pipeline::apply_known(how, *known, o);

@@ -17,9 +17,11 @@ namespace {
 using Verdict = Finding::Verdict;
 
 // Starts the camera, for what only it knows: the size of its pictures.
-Result<capture::StreamInfo> ask_camera(const studio::CaptureConfig::Camera& camera) {
+Result<capture::StreamInfo> ask_camera(const studio::CaptureConfig::Camera& camera,
+                                       const std::function<bool()>& stop) {
   Result<std::unique_ptr<capture::FrameSource>> source = capture::open_source(camera.source);
   if (!source) return forward(source);
+  (*source)->stop_when(stop);
   Result<capture::StreamInfo> info = (*source)->start();
   if (info) (*source)->stop();
   return info;
@@ -38,14 +40,16 @@ Finding look_at_endpoint(const std::string& endpoint, const std::string& whose) 
 
 }  // namespace
 
-Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file) {
+Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file,
+                                            const std::function<bool()>& stop) {
   const Result<studio::CaptureConfig> config = studio::load_capture_config(file);
   if (!config) return forward(config);
   std::vector<Finding> findings;
   double bytes_per_second = 0;
   std::size_t largest = 0;
   for (const studio::CaptureConfig::Camera& camera : config->cameras) {
-    const Result<capture::StreamInfo> info = ask_camera(camera);
+    const Result<capture::StreamInfo> info = ask_camera(camera, stop);
+    if (!info && info.error().code == ErrorCode::Cancelled) return forward(info);
     if (!info) {
       findings.push_back({Verdict::Fail, text("camera ", camera.serial, ": ", info.error().message)});
       continue;

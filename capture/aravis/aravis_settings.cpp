@@ -29,7 +29,8 @@ bool is_ptp_lock(const std::string& status) { return status == "Slave" || status
 
 class Writer {
  public:
-  Writer(ArvCamera* camera, const AravisSettings& settings) : camera_(camera), settings_(settings) {}
+  Writer(ArvCamera* camera, const AravisSettings& settings, const std::function<bool()>& stop)
+      : camera_(camera), settings_(settings), stop_(stop) {}
   Result<AravisStream> run();
 
  private:
@@ -48,6 +49,7 @@ class Writer {
 
   ArvCamera* camera_;
   const AravisSettings& settings_;
+  const std::function<bool()>& stop_;
   AravisStream stream_;
 };
 
@@ -148,6 +150,8 @@ Result<void> Writer::set_clock() {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(settings_.ptp_wait_s);
   std::string status = ptp_status();
   while (!is_ptp_lock(status) && std::chrono::steady_clock::now() < end) {
+    if (stop_ && stop_())
+      return refused(ErrorCode::Cancelled, "interrupted before its clock was the network's");
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     status = ptp_status();
   }
@@ -225,8 +229,9 @@ Result<void> Writer::set_link() {
 
 }  // namespace
 
-Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& settings) {
-  return Writer(camera, settings).run();
+Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& settings,
+                                    const std::function<bool()>& stop) {
+  return Writer(camera, settings, stop).run();
 }
 
 }  // namespace floatstage::capture

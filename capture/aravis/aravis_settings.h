@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,7 +51,8 @@ struct AravisStream {
 
 /// Writes the settings into the camera and reads back what holds. Errors name the serial: Unsupported for a
 /// feature that the camera has not and was asked for, InvalidArgument for values it refuses and links that
-/// are too narrow, Timeout for a clock that does not lock to PTP.
-Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& settings);
+/// are too narrow, Timeout for a clock that does not lock to PTP, Cancelled once `stop` says yes meanwhile.
+Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& settings,
+                                    const std::function<bool()>& stop = {});
 
 }  // namespace floatstage::capture

@@ -181,7 +181,7 @@ Result<StreamInfo> AravisSource::start() {
   stop();  // what an attempt that failed left open
   lost_control_ = false;
   if (Result<void> found = find_camera(); !found) return forward(found);
-  Result<AravisStream> applied = apply_settings(camera_.get(), settings_);
+  Result<AravisStream> applied = apply_settings(camera_.get(), settings_, [this] { return stopped(); });
   if (!applied) return forward(applied);
   stream_ = std::move(*applied);
   if (Result<void> opened = open_stream(); !opened) return forward(opened);

@@ -38,6 +38,9 @@ class SyntheticSource final : public FrameSource {
  private:
   Result<void> wait_for_trigger(Nanoseconds timeout);
   Frame picture(int number);
+  Unexpected interrupted() const {
+    return fail(ErrorCode::Cancelled, text("synthetic camera ", options_.camera, ": interrupted"));
+  }
 
   const Options options_;
   std::unique_ptr<SyntheticStudio> studio_;  // while started
@@ -54,14 +57,22 @@ Result<StreamInfo> SyntheticSource::start() {
   if (studio_)
     return fail(ErrorCode::InvalidArgument,
                 text("synthetic camera ", options_.camera, " is started already; stop it first"));
-  Result<SyntheticStudio> studio = SyntheticStudio::create(synthetic_rig(options_.rig), options_.studio);
+  SyntheticStudioOptions stage = options_.studio;
+  stage.stop = [this] { return stopped(); };
+  Result<SyntheticStudio> studio = SyntheticStudio::create(synthetic_rig(options_.rig), stage);
   if (!studio) return forward(studio);
   studio_ = std::make_unique<SyntheticStudio>(std::move(*studio));
   next_ = 0;
   tick_ = 0;
   meter_.reset();
-  for (int i = static_cast<int>(loop_.size()); options_.live && i < options_.loop; ++i)
-    loop_.push_back(studio_->shoot(options_.camera, i).frame);
+  for (int i = static_cast<int>(loop_.size()); options_.live && i < options_.loop; ++i) {
+    Frame frame = studio_->shoot(options_.camera, i).frame;
+    if (stopped()) {
+      stop();
+      return interrupted();
+    }
+    loop_.push_back(std::move(frame));
+  }
   StreamInfo info;
   info.name = studio_->published_rig().cameras[static_cast<std::size_t>(options_.camera)].serial;
   info.layout = packed_layout(PixelFormat::Rgb8, options_.rig.width, options_.rig.height);
@@ -110,6 +121,7 @@ Result<Frame> SyntheticSource::next(Nanoseconds timeout) {
     if (options_.live)
       if (Result<void> due = wait_for_trigger(timeout); !due) return forward(due);
     Frame frame = picture(next_++);
+    if (!options_.live && stopped()) return interrupted();  // it was left unfinished
     if (options_.live) frame.info.exposure_start = exposed_;
     if (frame.empty()) {
       meter_.count_lost(1);

@@ -81,6 +81,8 @@ class RowTracer {
     return pixels_;
   }
 
+  bool stopped() const { return stopped_; }
+
  private:
   void add_ray(std::size_t pixel, bool center, const Vector3f& direction) {
     if (!(direction.squaredNorm() > 0)) return;  // the lens has no such ray
@@ -93,6 +95,11 @@ class RowTracer {
 
   void trace() {
     if (count_ == 0) return;
+    if (++packets_ % kPacketsBetweenLooks == 0 && options_.stop && options_.stop()) stopped_ = true;
+    if (stopped_) {
+      count_ = 0;
+      return;
+    }
     scene_.intersect(camera_.center(), directions_, count_, hits_);
     for (std::size_t k = 0; k < static_cast<std::size_t>(count_); ++k) {
       const Hit& hit = hits_[k];
@@ -113,7 +120,10 @@ class RowTracer {
   const StageScene& scene_;
   const PhotographOptions options_;
   const float metres_per_depth_;
+  static constexpr std::uint64_t kPacketsBetweenLooks = 512;  // some milliseconds
   std::vector<Pixel> pixels_;
+  std::uint64_t packets_ = 0;
+  bool stopped_ = false;
   int count_ = 0;
   std::array<std::size_t, kPacket> pixel_{};
   std::array<bool, kPacket> center_{};
@@ -151,9 +161,9 @@ Vector3f TracingCamera::direction(int x, int y, float sx, float sy) const {
   return world_from_cam_ * Vector3f(xy.x(), xy.y(), 1);
 }
 
-Image photograph_room(const TracingCamera& camera, const Room& room) {
+Image photograph_room(const TracingCamera& camera, const Room& room, const std::function<bool()>& stop) {
   Image plate(camera.model().width, camera.model().height, 3);
-  for (int y = 0; y < plate.height; ++y) {
+  for (int y = 0; y < plate.height && !(stop && stop()); ++y) {
     for (int x = 0; x < plate.width; ++x) {
       const Vector3f d = camera.direction(x, y, 0.5f, 0.5f);
       if (!(d.squaredNorm() > 0)) continue;
@@ -174,7 +184,7 @@ Exposure photograph(const TracingCamera& camera, const StageScene& scene, const 
   const std::vector<std::uint8_t> touched = touched_pixels(camera, scene);
   const float rays = static_cast<float>(options.samples_across * options.samples_across);
   RowTracer tracer(camera, scene, options);
-  for (int y = 0; y < h; ++y) {
+  for (int y = 0; y < h && !tracer.stopped(); ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(w);
     tracer.begin_row();
     for (int x = 0; x < w; ++x)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -47,10 +48,11 @@ struct PhotographOptions {
   float spill = 0;
   Dress dress = Dress::Usual;
   std::uint32_t seed = 1;
+  std::function<bool()> stop = {};  ///< asked now and then; once it says yes, what is left is left out
 };
 
 /// The empty room as the camera sees it.
-Image photograph_room(const TracingCamera& camera, const Room& room);
+Image photograph_room(const TracingCamera& camera, const Room& room, const std::function<bool()>& stop = {});
 
 /// The performer before `plate`: colour = alpha * mean performer colour + (1 - alpha) * plate.
 Exposure photograph(const TracingCamera& camera, const StageScene& scene, const Image& plate,

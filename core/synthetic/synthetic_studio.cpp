@@ -75,10 +75,14 @@ struct SyntheticStudio::Impl {
         performer(o.seed),
         room(rig, o.stage, o.seed),
         device(rtcNewDevice("threads=1,set_affinity=0")) {
-    for (const RigCamera& c : rig.cameras) cameras.emplace_back(c.model, c.cam_from_world);
+    for (const RigCamera& c : rig.cameras) {
+      if (options.stop && options.stop()) return;  // create() says so
+      cameras.emplace_back(c.model, c.cam_from_world);
+    }
     plates.resize(cameras.size());
-    parallel_for(cameras.size(), 0,
-                 [&](std::size_t i) { plates[i] = synthetic::photograph_room(cameras[i], room); });
+    parallel_for(cameras.size(), 0, [&](std::size_t i) {
+      plates[i] = synthetic::photograph_room(cameras[i], room, options.stop);
+    });
   }
 
   synthetic::PhotographOptions photograph_options() const {
@@ -86,7 +90,8 @@ struct SyntheticStudio::Impl {
             .spill = has_green_cloth(options.stage) ? static_cast<float>(options.defects.green_spill) : 0,
             .dress = options.stage == SyntheticStage::GreenClothes ? synthetic::Dress::OfTheCloth
                                                                    : synthetic::Dress::Usual,
-            .seed = static_cast<std::uint32_t>(mix(options.seed))};
+            .seed = static_cast<std::uint32_t>(mix(options.seed)),
+            .stop = options.stop};
   }
 
   Timestamp instant(int frame) const { return {std::llround(frame / options.frame_rate * 1e9)}; }
@@ -140,6 +145,8 @@ Result<SyntheticStudio> SyntheticStudio::create(const Rig& true_rig, const Synth
   if (!impl->device)
     return fail(ErrorCode::Unsupported,
                 "Embree found no usable instruction set on this machine (it needs SSE2)");
+  if (options.stop && options.stop())
+    return fail(ErrorCode::Cancelled, "interrupted while the stage was photographed");
   return SyntheticStudio(std::move(impl));
 }
 

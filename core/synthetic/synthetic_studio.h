@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -52,6 +53,9 @@ struct SyntheticStudioOptions {
   int samples = 16;        ///< rays a pixel (a square number up to 1024): partial coverage is their mean
   SyntheticStage stage = SyntheticStage::Green;
   Defects defects = {};
+  /// Asked while pictures are rendered, on the threads that render; once it says yes they are left
+  /// unfinished.
+  std::function<bool()> stop = {};
 };
 
 /// One photograph and its exact truth, all in the camera's own (distorted) pixels. Colour is
@@ -72,7 +76,7 @@ struct SyntheticShot {
 class SyntheticStudio {
  public:
   /// Errors: what check(true_rig) finds; InvalidArgument naming the option or defect that is out of its
-  /// range; Unsupported where Embree does not run. Shoots the plates, on all cores.
+  /// range; Unsupported where Embree does not run; Cancelled. Shoots the plates, on all cores.
   static Result<SyntheticStudio> create(const Rig& true_rig, const SyntheticStudioOptions& options);
   SyntheticStudio(SyntheticStudio&&) noexcept;
   SyntheticStudio& operator=(SyntheticStudio&&) noexcept;

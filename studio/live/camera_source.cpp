@@ -13,12 +13,14 @@
 namespace floatstage::studio {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(10);  // for the first picture of every camera
+constexpr auto kPatience = std::chrono::seconds(10);   // for the first picture of every camera
+constexpr auto kLook = std::chrono::milliseconds(50);  // whether it is to end
 
 }  // namespace
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(CaptureConfig config,
-                                                         const std::filesystem::path& plates) {
+                                                         const std::filesystem::path& plates,
+                                                         const std::function<bool()>& stop) {
   if (config.rig.empty())
     return fail(ErrorCode::InvalidArgument,
                 "the studio's file names no rig: a live scene needs calibrated cameras; add rig = "
@@ -33,13 +35,13 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(CaptureConfig config,
                                             "' is not in it; calibrate again or correct the serial"));
     source->rig_.cameras.push_back(rig->cameras[static_cast<std::size_t>(index)]);
   }
-  Result<std::unique_ptr<CaptureNode>> node = CaptureNode::open(std::move(config));
+  Result<std::unique_ptr<CaptureNode>> node = CaptureNode::open(std::move(config), stop);
   if (!node) return forward(node);
   source->node_ = std::move(*node);
   source->first_.resize(source->rig_.cameras.size());
   source->node_->add_tap([raw = source.get()](const Frame& frame) { raw->arrived(frame); });
   source->node_->begin();
-  if (Result<void> ok = source->wait_for_pictures(); !ok) return forward(ok);
+  if (Result<void> ok = source->wait_for_pictures(stop); !ok) return forward(ok);
   if (Result<void> ok = source->learn(plates); !ok) return forward(ok);
   return source;
 }
@@ -67,12 +69,16 @@ void CameraSource::arrived(const Frame& frame) {
   }
 }
 
-Result<void> CameraSource::wait_for_pictures() {
+Result<void> CameraSource::wait_for_pictures(const std::function<bool()>& stop) {
   std::unique_lock lock(mutex_);
   const auto all = [&] {
     return std::none_of(first_.begin(), first_.end(), [](const Frame& f) { return f.empty(); });
   };
-  if (arrived_.wait_for(lock, kPatience, all)) return {};
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (std::chrono::steady_clock::now() < end) {
+    if (arrived_.wait_for(lock, kLook, all)) return {};
+    if (stop && stop()) return fail(ErrorCode::Cancelled, "interrupted before the first pictures came");
+  }
   for (std::size_t i = 0; i < first_.size(); ++i)
     if (first_[i].empty())
       return fail(ErrorCode::Timeout,

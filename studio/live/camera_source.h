@@ -18,8 +18,9 @@ class CameraSource final : public LiveSource {
   /// clean plate
   /// (<serial>.png). Errors: those of CaptureNode::open() and load_rig(); InvalidArgument for a config
   /// without a rig, NotFound for a camera that the rig does not have, Timeout for one that delivers nothing.
-  static Result<std::unique_ptr<CameraSource>> open(CaptureConfig config,
-                                                    const std::filesystem::path& plates);
+  /// Cancelled once `stop`, which is asked from several threads, says yes.
+  static Result<std::unique_ptr<CameraSource>> open(CaptureConfig config, const std::filesystem::path& plates,
+                                                    const std::function<bool()>& stop = {});
   ~CameraSource() override { stop(); }
 
   const Rig& rig() const override { return rig_; }
@@ -36,7 +37,7 @@ class CameraSource final : public LiveSource {
  private:
   CameraSource() = default;
   void arrived(const Frame& frame);
-  Result<void> wait_for_pictures();
+  Result<void> wait_for_pictures(const std::function<bool()>& stop);
   Result<void> learn(const std::filesystem::path& plates);
 
   std::unique_ptr<CaptureNode> node_;

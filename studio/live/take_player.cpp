@@ -91,6 +91,10 @@ Result<void> TakePlayer::preload() {
   std::vector<std::optional<Error>> failures(cameras);
   parallel_for(cameras, 0, [&](std::size_t c) {
     for (int k = 0; k < rows() && !failures[c]; ++k) {
+      if (options_.stop && options_.stop()) {
+        failures[c] = Error{ErrorCode::Cancelled, "interrupted while the take was decoded"};
+        break;
+      }
       Result<Frame> frame = take_->frame(static_cast<int>(c), k);
       if (frame)
         preloaded_[static_cast<std::size_t>(k)][c] = std::move(*frame);

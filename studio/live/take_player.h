@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -19,6 +20,7 @@ struct TakePlayerOptions {
   /// decode them. A larger one is decoded while it plays, one instant ahead, which costs the chain what
   /// decoding costs.
   std::uint64_t preload_bytes = 4'000'000'000;
+  std::function<bool()> stop = {};  ///< asked while that lasts, from several threads
 };
 
 /// A take, played as if its cameras were delivering it now: at its own pace, each frame at the time of its
@@ -26,8 +28,8 @@ struct TakePlayerOptions {
 /// stamps do, they are told by time_offsets(). What was lost when it was recorded is not delivered.
 class TakePlayer final : public LiveSource {
  public:
-  /// Errors: those of TakeReader::open() and load_time_offsets(); InvalidArgument for a take of no rate when
-  /// none is given, and of no frames.
+  /// Errors: those of TakeReader::open() and load_time_offsets(); Cancelled; InvalidArgument for a take of no
+  /// rate when none is given, and of no frames.
   static Result<std::unique_ptr<TakePlayer>> open(const std::filesystem::path& folder,
                                                   const TakePlayerOptions& options);
   ~TakePlayer() override { stop(); }

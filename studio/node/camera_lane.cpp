@@ -24,13 +24,16 @@ capture::SourceStats operator+(capture::SourceStats a, const capture::SourceStat
 
 }  // namespace
 
-Result<std::unique_ptr<CameraLane>> CameraLane::open(const CaptureConfig::Camera& camera, int index) {
+Result<std::unique_ptr<CameraLane>> CameraLane::open(const CaptureConfig::Camera& camera, int index,
+                                                     const std::function<bool()>& stop) {
   std::unique_ptr<CameraLane> lane(new CameraLane(camera, index));
   Result<std::unique_ptr<capture::FrameSource>> source = capture::open_source(camera.source);
   if (!source) return forward(source);
   lane->source_ = std::move(*source);
+  lane->source_->stop_when(stop);
   Result<capture::StreamInfo> info = lane->source_->start();
   if (!info) return forward(info);
+  lane->source_->stop_when([raw = lane.get()] { return raw->stopping_.load(); });
   lane->info_ = *info;
   lane->alive_ = lane->last_frame_ = Clock::now();
   return lane;
@@ -137,7 +140,7 @@ void CameraLane::run() {
       nothing_came();
       continue;
     }
-    if (frame.error().code == ErrorCode::EndOfStream) break;
+    if (frame.error().code == ErrorCode::EndOfStream || frame.error().code == ErrorCode::Cancelled) break;
     log::warning(frame.error().message);
     {
       std::lock_guard lock(mutex_);

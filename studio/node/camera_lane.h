@@ -27,8 +27,10 @@ class CameraLane {
     std::function<void()> restarted;  ///< its numbers begin anew
   };
 
-  /// Opens and starts the camera. Errors: those of open_source() and FrameSource::start().
-  static Result<std::unique_ptr<CameraLane>> open(const CaptureConfig::Camera& camera, int index);
+  /// Opens and starts the camera; Cancelled once `stop` says yes meanwhile. Errors: those of open_source()
+  /// and FrameSource::start().
+  static Result<std::unique_ptr<CameraLane>> open(const CaptureConfig::Camera& camera, int index,
+                                                  const std::function<bool()>& stop = {});
   ~CameraLane() { stop(); }
 
   const capture::StreamInfo& info() const { return info_; }

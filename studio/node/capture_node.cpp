@@ -60,7 +60,8 @@ std::size_t frames_kept(const CaptureConfig& config) {
 
 }  // namespace
 
-Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config) {
+Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config,
+                                                       const std::function<bool()>& stop) {
   Result<capture::TimeOffsetFile> times = load_times(config);
   if (!times) return forward(times);
   config.recorder.times = *std::move(times);
@@ -69,8 +70,9 @@ Result<std::unique_ptr<CaptureNode>> CaptureNode::open(CaptureConfig config) {
   const Nanoseconds kept{std::llround(seconds_kept(c) * 1e9)};
   std::vector<std::string> serials;
   for (const CaptureConfig::Camera& camera : c.cameras) {
+    if (stop && stop()) return fail(ErrorCode::Cancelled, "interrupted while the cameras were started");
     Result<std::unique_ptr<CameraLane>> lane =
-        CameraLane::open(camera, static_cast<int>(node->lanes_.size()));
+        CameraLane::open(camera, static_cast<int>(node->lanes_.size()), stop);
     if (!lane) return forward(lane);
     node->lanes_.push_back(std::move(*lane));
     node->routes_.push_back(std::make_unique<Route>());

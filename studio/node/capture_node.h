@@ -29,8 +29,9 @@ class CaptureNode final : public StudioControl {
   using Tap = std::function<void(const Frame&)>;
 
   /// Starts the cameras one after the other. Errors: a URI, or a camera that does not start. Fewer than all
-  /// is no session: fix or remove it.
-  static Result<std::unique_ptr<CaptureNode>> open(CaptureConfig config);
+  /// is no session: fix or remove it. Cancelled once `stop`, which is asked from several threads, says yes.
+  static Result<std::unique_ptr<CaptureNode>> open(CaptureConfig config,
+                                                   const std::function<bool()>& stop = {});
   ~CaptureNode() override;
 
   /// Before begin().

@@ -73,7 +73,8 @@ Result<std::unique_ptr<PageServer>> serve_page(CaptureNode& node) {
 Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOptions& options,
                                   const std::function<bool()>& stop,
                                   const std::function<void(const CaptureReport&)>& progress) {
-  Result<std::unique_ptr<CaptureNode>> opened = CaptureNode::open(config);
+  Result<std::unique_ptr<CaptureNode>> opened = CaptureNode::open(config, stop);
+  if (!opened && opened.error().code == ErrorCode::Cancelled && !options.record) return CaptureReport();
   if (!opened) return forward(opened);
   CaptureNode& node = **opened;
   ServiceNotice notice;

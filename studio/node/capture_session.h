@@ -43,9 +43,10 @@ struct CaptureReport {
 
 /// Runs all cameras, each on a thread of its own, and records what they deliver. A camera that is unplugged
 /// is started again until the session ends; meanwhile the others go on, and its lost frames are rows that say
-/// so. `stop` is asked a few times a second, `progress` about once a second. Errors: a source's URI, a camera
-/// that does not start at the beginning, the rig, and the recording's disk. Fewer than all cameras is not a
-/// session: fix or remove it.
+/// so. `stop` is asked a few times a second, while cameras start from several threads; a session that is
+/// stopped then has no cameras in its report, and is Cancelled where it was to record. `progress` is told
+/// about once a second. Errors: a source's URI, a camera that does not start at the beginning, the rig, and
+/// the recording's disk. Fewer than all cameras is not a session: fix or remove it.
 Result<CaptureReport> run_capture(const CaptureConfig& config, const CaptureOptions& options,
                                   const std::function<bool()>& stop,
                                   const std::function<void(const CaptureReport&)>& progress);

@@ -58,6 +58,16 @@ TEST_F(AGigeCameraWithMore, IsRefusedWhereItsPtpDoesNotLock) {
   EXPECT_FALSE(info->ptp);
 }
 
+TEST_F(AGigeCameraWithMore, IsNotWaitedForBySomebodyWhoHasEnough) {
+  const auto camera = camera_with(ptp_features("Never"));
+  const auto source = opened(*camera, "ptp=on&ptp-wait=600");
+  const auto begun = std::chrono::steady_clock::now();
+  source->stop_when([&] { return std::chrono::steady_clock::now() - begun > std::chrono::seconds(1); });
+  EXPECT_THAT(source->start(), FailsWith(ErrorCode::Cancelled, "interrupted before its clock"));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(3))
+      << "which the camera takes part of";
+}
+
 TEST_F(AGigeCameraWithMore, TellsItsTemperature) {
   const auto camera = camera_with("<Float Name=\"DeviceTemperature\"><Value>41.5</Value></Float>");
   const auto source = opened(*camera, "frames=1");

@@ -1,5 +1,6 @@
 #include "capture/synthetic/synthetic_source.h"
 
+#include <chrono>
 #include <map>
 #include <string>
 
@@ -48,6 +49,43 @@ TEST(ALiveSyntheticCamera, ShowsThePoseOfTheTimeWheneverItWasStarted) {
     if (by_early.contains(time)) {
       EXPECT_TRUE(by_early[time] == picture) << "at " << time;
     }
+}
+
+// Pictures that take hours to render, until somebody has enough after a tenth of a second.
+constexpr const char* kHours = "synthetic:cameras=4&width=1600&height=1200&samples=1024&loop=10000";
+
+class Impatience {
+ public:
+  void begin() { end_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(100); }
+  bool over() const { return std::chrono::steady_clock::now() >= end_; }
+  double seconds_since() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - end_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point end_;
+};
+
+TEST(ALiveSyntheticCamera, StopsWithinASecondWhileItRendersItsPictures) {
+  Impatience patience;
+  Result<std::unique_ptr<FrameSource>> source = open_source(text(kHours, "&live=on"));
+  ASSERT_THAT(source, IsOk());
+  (*source)->stop_when([&] { return patience.over(); });
+  patience.begin();
+  EXPECT_THAT((*source)->start(), FailsWith(ErrorCode::Cancelled, "interrupted"));
+  EXPECT_LT(patience.seconds_since(), 1);
+  EXPECT_THAT((*source)->next(milliseconds(10)), FailsWith(ErrorCode::InvalidArgument, "not started"));
+}
+
+TEST(ASyntheticCamera, StopsWithinASecondInTheMiddleOfAPicture) {
+  Impatience patience;
+  Result<std::unique_ptr<FrameSource>> source = open_source(kHours);
+  ASSERT_THAT(source, IsOk());
+  ASSERT_THAT((*source)->start(), IsOk());
+  (*source)->stop_when([&] { return patience.over(); });
+  patience.begin();
+  EXPECT_THAT((*source)->next(milliseconds(10)), FailsWith(ErrorCode::Cancelled, "interrupted"));
+  EXPECT_LT(patience.seconds_since(), 1);
 }
 
 TEST(ALiveSyntheticCamera, ShowsItsFewPosesAgainAndAgain) {

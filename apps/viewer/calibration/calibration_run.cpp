@@ -36,6 +36,7 @@ Result<std::unique_ptr<LiveRun>> LiveRun::start(const studio::CaptureConfig& con
   for (const studio::CaptureConfig::Camera& from : config.cameras) {
     Result<std::unique_ptr<capture::FrameSource>> source = capture::open_source(from.source);
     if (!source) return forward(source);
+    (*source)->stop_when(options.stop);
     const Result<capture::StreamInfo> info = (*source)->start();
     if (!info) return forward(info);
     auto lane = std::make_unique<Lane>(info->frame_count.has_value());
@@ -76,7 +77,7 @@ void LiveRun::stream(std::size_t camera) {
       continue;
     }
     if (frame.error().code == ErrorCode::Timeout) continue;
-    if (frame.error().code != ErrorCode::EndOfStream) {
+    if (frame.error().code != ErrorCode::EndOfStream && frame.error().code != ErrorCode::Cancelled) {
       std::lock_guard lock(mutex_);
       lane.trouble = frame.error().message;
     }

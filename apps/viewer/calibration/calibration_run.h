@@ -21,9 +21,10 @@ struct LiveOptions {
   calib::LiveTarget target;
   calib::CalibrationOptions calibration;
   calib::CoverageGoals goals;
-  int solve_every = 20;   ///< sets that counted, between two quick solutions
-  int quick_frames = 60;  ///< of a quick solution
-  double seconds = 0;     ///< of streaming; 0: until stopped, or until every recording is over
+  int solve_every = 20;             ///< sets that counted, between two quick solutions
+  int quick_frames = 60;            ///< of a quick solution
+  double seconds = 0;               ///< of streaming; 0: until stopped, or until every recording is over
+  std::function<bool()> stop = {};  ///< asked while cameras start, from several threads
 };
 
 /// What an operator is shown.

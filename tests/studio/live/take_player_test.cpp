@@ -108,6 +108,11 @@ TEST_F(ATakePlayer, KnowsTheCleanPlatesOfItsTake) {
   EXPECT_EQ(samples[0][0].width, 160);
 }
 
+TEST_F(ATakePlayer, IsNotDecodedToItsEndForSomebodyWhoHasEnough) {
+  EXPECT_THAT(TakePlayer::open(take_, {.stop = [] { return true; }}),
+              FailsWith(ErrorCode::Cancelled, "interrupted while the take was decoded"));
+}
+
 TEST_F(ATakePlayer, SaysWhatIsWrongWithATake) {
   EXPECT_THAT(TakePlayer::open("/no/such/take", {}), FailsWith(ErrorCode::NotFound, "/no/such/take"));
   EXPECT_THAT(TakePlayer::open(take_, {.rate = -1}), FailsWith(ErrorCode::InvalidArgument, "rate"));

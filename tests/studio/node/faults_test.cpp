@@ -1,7 +1,9 @@
 // What may go wrong in a studio, each once: the rest goes on, recovers by itself, and no frame is lost
 // without a row that says so.
+#include <chrono>
 #include <csignal>
 #include <fstream>
+#include <thread>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -20,6 +22,7 @@
 #include "tests/studio/node/studios.h"
 #include "tests/support/http_client.h"
 #include "tests/support/matchers.h"
+#include "tests/support/network_lab.h"
 #include "tests/support/own_network.h"
 #include "tests/support/temp_folder.h"
 
@@ -298,6 +301,33 @@ TEST_F(ADaemon, LosesNothingOnSigterm) {
   EXPECT_GE((*take)->frame_count(), 30);
   EXPECT_EQ((*take)->rows(0).size(), (*take)->rows(1).size());
   EXPECT_THAT(*read_file(folder_ / "report.json"), HasSubstr("\"verdict\""));
+}
+
+TEST(CaptureFaults, AProgramThatIsAskedToEndWhileItsCamerasStartDoesSoWithinASecond) {
+  const TempFolder folder;
+  // Six pictures of two million pixels take minutes.
+  const std::string config = folder
+                                 .write("studio.toml",
+                                        "[studio]\nframe_rate = 25\n[[camera]]\nserial = 'A'\nsource = "
+                                        "'synthetic:live=on&loop=6&width=1600&height=1200&samples=1024'\n")
+                                 .string();
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"capture"},
+                                               {"capture", "--record", "-o", (folder / "take").string()},
+                                               {"check"}}) {
+    std::vector<std::string> arguments = {FLOATSTAGE_PROGRAM};
+    arguments.insert(arguments.end(), verb.begin(), verb.end());
+    arguments.insert(arguments.end(), {"--config", config});
+    RunningProgram program(arguments, (folder / "said.txt").string());
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    ASSERT_TRUE(program.running()) << program.output();
+    const auto asked = std::chrono::steady_clock::now();
+    program.terminate();
+    const int code = program.wait();
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count();
+    EXPECT_EQ(code, verb.size() == 1 && verb[0] == "capture" ? 0 : 130) << program.output();
+    EXPECT_LT(took, 1) << verb[0];
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "take"));
 }
 
 TEST_F(ADaemon, ThatIsKilledLeavesATakeThatOpensAndIsStartedAgain) {

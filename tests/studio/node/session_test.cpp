@@ -1,3 +1,6 @@
+#include <atomic>
+#include <chrono>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,12 +63,30 @@ TEST(CaptureSession, RecordsEverySourceToItsEnd) {
 
 TEST(CaptureSession, StopsWhenAsked) {
   const CaptureConfig config = config_of({{"a", text(kSynthetic, "0")}}, 25);
-  int asked = 0;
+  std::atomic<bool> streams = false;
   const Result<CaptureReport> report = run_capture(
-      config, {}, [&] { return ++asked > 2; }, silent);
+      config, {}, [&] { return streams.load(); },
+      [&](const CaptureReport& seen) { streams = seen.cameras[0].stats.delivered > 0; });
   ASSERT_THAT(report, IsOk());
   EXPECT_FALSE(report->recording.has_value());
   EXPECT_GT(report->cameras[0].stats.delivered, 0u);
+}
+
+TEST(CaptureSession, StopsWhileItsCamerasStart) {
+  const CaptureConfig config =
+      config_of({{"a", "synthetic:width=1600&height=1200&samples=1024&live=on"}}, 25);
+  const auto begun = std::chrono::steady_clock::now();
+  const auto enough = [&] { return std::chrono::steady_clock::now() - begun > std::chrono::seconds(1); };
+  const Result<CaptureReport> report = run_capture(config, {}, enough, silent);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_TRUE(report->cameras.empty());
+  const TempFolder folder;
+  CaptureOptions recording;
+  recording.record = true;
+  recording.take = folder / "take";
+  EXPECT_THAT(run_capture(config, recording, enough, silent),
+              FailsWith(ErrorCode::Cancelled, "interrupted while the cameras were started"));
+  EXPECT_THAT(folder.names(), IsEmpty());
 }
 
 TEST(CaptureSession, RefusesACameraThatDoesNotStart) {
