@@ -1,8 +1,10 @@
 #include "core/take_layout.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <set>
 
 #include "core/json_fields.h"
@@ -20,6 +22,25 @@ std::string frame_name(int frame, const char* extension) {
   char name[32];
   std::snprintf(name, sizeof name, "%06d%s", frame, extension);
   return name;
+}
+
+// The frame that a file is named after; nothing where frame_name() would call it otherwise.
+std::optional<int> frame_named(const std::string& name, const char* extension) {
+  int frame = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), frame);
+  if (error != std::errc() || frame < 0 || name != frame_name(frame, extension)) return std::nullopt;
+  return frame;
+}
+
+std::vector<int> frames_in(const std::filesystem::path& folder, const char* extension) {
+  std::vector<int> frames;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (const std::optional<int> frame = frame_named(entry->path().filename().string(), extension))
+      frames.push_back(*frame);
+  std::sort(frames.begin(), frames.end());
+  return frames;
 }
 
 // Media names come from a file: they must not lead out of the take.
@@ -81,6 +102,12 @@ std::filesystem::path TakeLayout::matte(std::string_view serial, int frame) cons
 }
 
 std::filesystem::path TakeLayout::mesh(int frame) const { return meshes() / frame_name(frame, ".ply"); }
+
+std::vector<int> TakeLayout::frames_with_mattes(std::string_view serial) const {
+  return frames_in(mattes() / serial, ".png");
+}
+
+std::vector<int> TakeLayout::frames_with_meshes() const { return frames_in(meshes(), ".ply"); }
 
 Result<TakeManifest> parse_manifest(std::string_view bytes, std::string_view name) {
   const Result<nlohmann::json> document = parse_json(bytes, name);

@@ -42,6 +42,10 @@ class TakeLayout {
   std::filesystem::path edits() const { return mattes() / "edits.json"; }
   std::filesystem::path meshes() const { return folder_ / "meshes"; }
   std::filesystem::path mesh(int frame) const;
+  /// The frames whose matte or mesh lies there, ascending, by one look into the folder: a recording's length
+  /// says nothing about how many there are. No folder is no frames.
+  std::vector<int> frames_with_mattes(std::string_view serial) const;
+  std::vector<int> frames_with_meshes() const;
   std::filesystem::path hull_report() const { return meshes() / "hull.json"; }
   std::filesystem::path meshes_journal() const { return meshes() / "hull.log"; }
   std::filesystem::path renders() const { return folder_ / "renders"; }

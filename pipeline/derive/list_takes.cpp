@@ -63,11 +63,12 @@ TakeFacts facts_of(const capture::TakeReader& take) {
   facts.cameras = static_cast<int>(take.rig().cameras.size());
   facts.bytes = capture::recorded_bytes(take.layout().folder());
   for (int c = 0; c < facts.cameras; ++c) facts.seconds = std::max(facts.seconds, seconds_of(take.rows(c)));
-  for (int f = 0; f < facts.frames; ++f) {
-    facts.meshes += is_there(take.layout().mesh(f)) ? 1 : 0;
-    for (const RigCamera& camera : take.rig().cameras)
-      facts.mattes += is_there(take.layout().matte(camera.serial, f)) ? 1 : 0;
-  }
+  const auto within = [&](const std::vector<int>& frames) {
+    return static_cast<int>(std::lower_bound(frames.begin(), frames.end(), facts.frames) - frames.begin());
+  };
+  facts.meshes = within(take.layout().frames_with_meshes());
+  for (const RigCamera& camera : take.rig().cameras)
+    facts.mattes += within(take.layout().frames_with_mattes(camera.serial));
   return facts;
 }
 

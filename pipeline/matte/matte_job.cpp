@@ -22,7 +22,8 @@ bool any(const std::vector<bool>& frames) {
 // Whether somebody else's mattes lie in the take.
 Result<bool> anything_given(const capture::TakeReader& take, const MatteStore& store) {
   for (const RigCamera& camera : take.rig().cameras)
-    for (int frame = 0; frame < take.frame_count(); ++frame) {
+    for (const int frame : take.layout().frames_with_mattes(camera.serial)) {
+      if (frame >= take.frame_count()) break;
       const Result<MatteOrigin> origin = store.origin(camera.serial, frame);
       if (!origin) return forward(origin);
       if (*origin == MatteOrigin::Others) return true;

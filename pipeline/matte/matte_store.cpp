@@ -37,11 +37,12 @@ Result<MatteOrigin> MatteStore::origin(const std::string& serial, int frame) con
 }
 
 Result<std::vector<MatteOrigin>> MatteStore::origins(const std::string& serial, int frames) const {
-  std::vector<MatteOrigin> all;
-  for (int frame = 0; frame < frames; ++frame) {
+  std::vector<MatteOrigin> all(static_cast<std::size_t>(frames), MatteOrigin::Missing);
+  for (const int frame : layout_.frames_with_mattes(serial)) {
+    if (frame >= frames) break;
     const Result<MatteOrigin> one = origin(serial, frame);
     if (!one) return forward(one);
-    all.push_back(*one);
+    all[static_cast<std::size_t>(frame)] = *one;
   }
   return all;
 }

@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "core/file.h"
 #include "tests/support/matchers.h"
+#include "tests/support/temp_folder.h"
 
 namespace floatstage {
 namespace {
 
 using testing::ElementsAre;
+using testing::IsEmpty;
 
 TEST(TakeLayout, NamesFramesWithSixDigits) {
   const TakeLayout take("t");
@@ -16,6 +19,21 @@ TEST(TakeLayout, NamesFramesWithSixDigits) {
   EXPECT_EQ(take.truth().mesh(0), "t/truth/meshes/000000.ply");
   EXPECT_EQ(take.frames_csv("left"), "t/left.frames.csv");
   EXPECT_EQ(take.plate("left"), "t/plates/left.png");
+}
+
+TEST(TakeLayout, FindsTheFramesThatLieThereByTheirNames) {
+  const TempFolder folder;
+  const TakeLayout take(folder.path());
+  EXPECT_THAT(take.frames_with_meshes(), IsEmpty()) << "no folder";
+  ASSERT_TRUE(make_folder(take.meshes()));
+  ASSERT_TRUE(make_folder(take.matte("left", 8).parent_path()));
+  for (const char* name : {"000012.ply", "000003.ply", "1234567.ply", "3.ply", "000004.png", "-00005.ply",
+                           "000006.ply.tmp", "hull.json", "0000007.ply"})
+    ASSERT_TRUE(write_file(take.meshes() / name, "mesh"));
+  EXPECT_THAT(take.frames_with_meshes(), ElementsAre(3, 12, 1234567));
+  ASSERT_TRUE(write_file(take.matte("left", 8), "matte"));
+  EXPECT_THAT(take.frames_with_mattes("left"), ElementsAre(8));
+  EXPECT_THAT(take.frames_with_mattes("right"), IsEmpty());
 }
 
 TakeManifest manifest() {
