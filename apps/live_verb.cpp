@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "apps/interrupt.h"
 #include "apps/live_viewing.h"
 #include "core/text.h"
@@ -25,8 +28,11 @@ Result<std::unique_ptr<studio::LiveSource>> open_live_source(const Options& o) {
   if (!o.config.empty()) {
     Result<studio::CaptureConfig> config = studio::load_capture_config(o.config);
     if (!config) return forward(config);
+    // Who wants to see something for so long does not wait much longer for the first picture.
+    const double wanted = o.viewing.run.seconds;
+    const Nanoseconds patience{std::llround(1e9 * (wanted > 0 ? std::min(10.0, wanted + 2) : 10.0))};
     Result<std::unique_ptr<studio::CameraSource>> cameras =
-        studio::CameraSource::open(std::move(*config), o.plates, interrupted);
+        studio::CameraSource::open(std::move(*config), o.plates, interrupted, patience);
     if (!cameras) return forward(cameras);
     return std::unique_ptr<studio::LiveSource>(std::move(*cameras));
   }

@@ -13,14 +13,14 @@
 namespace floatstage::studio {
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(10);   // for the first picture of every camera
 constexpr auto kLook = std::chrono::milliseconds(50);  // whether it is to end
 
 }  // namespace
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(CaptureConfig config,
                                                          const std::filesystem::path& plates,
-                                                         const std::function<bool()>& stop) {
+                                                         const std::function<bool()>& stop,
+                                                         Nanoseconds patience) {
   if (config.rig.empty())
     return fail(ErrorCode::InvalidArgument,
                 "the studio's file names no rig: a live scene needs calibrated cameras; add rig = "
@@ -41,7 +41,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(CaptureConfig config,
   source->first_.resize(source->rig_.cameras.size());
   source->node_->add_tap([raw = source.get()](const Frame& frame) { raw->arrived(frame); });
   source->node_->begin();
-  if (Result<void> ok = source->wait_for_pictures(stop); !ok) return forward(ok);
+  if (Result<void> ok = source->wait_for_pictures(stop, patience); !ok) return forward(ok);
   if (Result<void> ok = source->learn(plates); !ok) return forward(ok);
   return source;
 }
@@ -69,12 +69,12 @@ void CameraSource::arrived(const Frame& frame) {
   }
 }
 
-Result<void> CameraSource::wait_for_pictures(const std::function<bool()>& stop) {
+Result<void> CameraSource::wait_for_pictures(const std::function<bool()>& stop, Nanoseconds patience) {
   std::unique_lock lock(mutex_);
   const auto all = [&] {
     return std::none_of(first_.begin(), first_.end(), [](const Frame& f) { return f.empty(); });
   };
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(patience.count);
   while (std::chrono::steady_clock::now() < end) {
     if (arrived_.wait_for(lock, kLook, all)) return {};
     if (stop && stop()) return fail(ErrorCode::Cancelled, "interrupted before the first pictures came");

@@ -17,10 +17,11 @@ class CameraSource final : public LiveSource {
   /// Starts the cameras and waits for a picture of each, from which its keyer learns unless `plates` has its
   /// clean plate
   /// (<serial>.png). Errors: those of CaptureNode::open() and load_rig(); InvalidArgument for a config
-  /// without a rig, NotFound for a camera that the rig does not have, Timeout for one that delivers nothing.
-  /// Cancelled once `stop`, which is asked from several threads, says yes.
+  /// without a rig, NotFound for a camera that the rig does not have, Timeout for one that delivers nothing
+  /// within `patience`. Cancelled once `stop`, which is asked from several threads, says yes.
   static Result<std::unique_ptr<CameraSource>> open(CaptureConfig config, const std::filesystem::path& plates,
-                                                    const std::function<bool()>& stop = {});
+                                                    const std::function<bool()>& stop = {},
+                                                    Nanoseconds patience = milliseconds(10'000));
   ~CameraSource() override { stop(); }
 
   const Rig& rig() const override { return rig_; }
@@ -37,7 +38,7 @@ class CameraSource final : public LiveSource {
  private:
   CameraSource() = default;
   void arrived(const Frame& frame);
-  Result<void> wait_for_pictures(const std::function<bool()>& stop);
+  Result<void> wait_for_pictures(const std::function<bool()>& stop, Nanoseconds patience);
   Result<void> learn(const std::filesystem::path& plates);
 
   std::unique_ptr<CaptureNode> node_;

@@ -129,8 +129,15 @@ Result<LiveReport> Run::draw(const ViewAt& view_at, const std::function<bool()>&
   use_quality(0);
   const Nanoseconds patience{std::llround(1e9 / options_.view_fps)};
   Timestamp last = now();
+  const Timestamp opened = last;
   while (!stop()) {
     const Timestamp time = now();
+    if (options_.seconds > 0 && !begun_ && seconds(time - opened) >= options_.seconds + kWarmUp) {
+      chain_.end();
+      const std::string why = chain_.remark();
+      return fail(ErrorCode::Timeout, text("no scene came within ", options_.seconds + kWarmUp, " s",
+                                           why.empty() ? "" : ": ", why));
+    }
     if (options_.seconds > 0 && begun_ && at(time) >= options_.seconds + kWarmUp) break;
     if (!was_warm_ && warm(time)) {
       was_warm_ = true;

@@ -119,6 +119,16 @@ TEST_F(CamerasOfAStudio, BecomeASceneThatIsRecordedMeanwhile) {
   EXPECT_GT((*reader)->frame_count(), 0);
 }
 
+TEST_F(CamerasOfAStudio, AreNotWaitedForLongerThanSomebodyHasPatience) {
+  CaptureConfig one = config();
+  one.cameras = {
+      {"cam00", "synthetic:camera=0&cameras=6&width=32&height=24&samples=1&rate=0.001&loop=1&live=on"}};
+  const Timestamp begun = now();
+  EXPECT_THAT(CameraSource::open(std::move(one), {}, {}, milliseconds(500)),
+              FailsWith(ErrorCode::Timeout, "camera 'cam00' delivers no picture"));
+  EXPECT_LT(seconds(now() - begun), 5);
+}
+
 TEST_F(CamerasOfAStudio, NeedARigThatHasThemAll) {
   CaptureConfig without = config();
   without.rig.clear();

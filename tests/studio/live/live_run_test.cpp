@@ -1,6 +1,7 @@
 #include "studio/live/live_run.h"
 
 #include <set>
+#include <thread>
 
 #include <gmock/gmock.h>
 
@@ -9,6 +10,7 @@
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
 #include "studio/live/take_player.h"
+#include "studio/messages/clock.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::studio {
@@ -138,6 +140,36 @@ TEST_F(ALiveRun, CountsEveryInstantThatItCouldNotShow) {
   EXPECT_EQ(c.sets.frames, 6U * kRows);
   EXPECT_EQ(c.sets.sets, c.sets.overtaken + c.scenes + c.failed);
   EXPECT_GE(c.scenes, 1U);
+}
+
+// Cameras that deliver nothing, or machines that are switched off.
+class SilentFeed final : public SceneFeed {
+ public:
+  const Rig& rig() const override { return rig_; }
+  std::string description() const override { return "nothing"; }
+  double frame_rate() const override { return 25; }
+  std::shared_ptr<const LiveScene> newest(Timestamp deadline) override {
+    std::this_thread::sleep_for(
+        std::chrono::nanoseconds(std::max<std::int64_t>(0, (deadline - now()).count)));
+    return nullptr;
+  }
+  void want(const std::vector<int>&) override {}
+  Counters counters() const override { return {}; }
+  std::string remark() const override { return "its machines are switched off"; }
+
+ private:
+  Rig rig_;
+};
+
+TEST_F(ALiveRun, EndsWhenItsTimeIsOverThoughNothingCame) {
+  SilentFeed feed;
+  LiveRunOptions options;
+  options.seconds = 1;
+  const Timestamp begun = now();
+  EXPECT_THAT(run_live(
+                  feed, options, [](double) { return View(); }, [] { return false; }, nullptr),
+              FailsWith(ErrorCode::Timeout, "no scene came within 3 s: its machines are switched off"));
+  EXPECT_LT(seconds(now() - begun), 1 + 5);
 }
 
 TEST_F(ALiveRun, RefusesWhatCannotBe) {
