@@ -304,6 +304,26 @@ Result<std::unique_ptr<GivenMattes>> given_mattes(const ImportOptions& options, 
   return std::unique_ptr<GivenMattes>(new MatteFiles(*std::move(found)));
 }
 
+// Sensors' pixels are square, and a calibration that had too little to tell both focal lengths from makes up
+// others. Lenses and converters that squeeze pictures exist, so it is said and not refused.
+void note_odd_pixels(const Rig& rig, std::vector<std::string>& notes) {
+  constexpr double kOdd = 1.05;
+  const RigCamera* oddest = nullptr;
+  double most = kOdd;
+  int odd = 0;
+  for (const RigCamera& camera : rig.cameras) {
+    const double shape = std::max(camera.model.fx / camera.model.fy, camera.model.fy / camera.model.fx);
+    if (shape <= kOdd) continue;
+    ++odd;
+    if (shape >= most) most = shape, oddest = &camera;
+  }
+  if (oddest)
+    notes.push_back(text(odd, " of ", rig.cameras.size(), " cameras have pixels that are not square (camera '",
+                         oddest->serial, "': fx ", oddest->model.fx, ", fy ", oddest->model.fy,
+                         "); unless the pictures were squeezed, the calibration saw too little to tell its "
+                         "focal lengths: give it a model with one"));
+}
+
 // What a take of these pictures needs at most: 24 bytes a pixel of the largest picture that is read at all,
 // and of each camera what a decoder keeps of 4K video (16 pictures and what is made of them), or 16 pictures
 // of 4 bytes of a calibration for more.
@@ -335,6 +355,7 @@ Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
           text("camera '", serial, "' has no matte: it does not carve, and is compared with only"));
     for (const std::string& note : (*mattes)->notes()) report.notes.push_back(note);
   }
+  note_odd_pixels(plan->foreign.rig, report.notes);
   const Result<Rig> sized = sized_rig(plan->foreign.rig, *streams, options.other_size, report.notes);
   if (!sized) return forward(sized);
   const Result<WorldChange> change = world_change(*sized, options.world);

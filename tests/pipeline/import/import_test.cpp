@@ -14,6 +14,7 @@ namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -87,6 +88,17 @@ TEST_F(Import, OneStillACameraBecomesATakeOfOneInstant) {
   EXPECT_THAT(report_->serials, ElementsAre("a", "b", "c"));
   EXPECT_THAT(report_->notes, IsEmpty());
   for (int i = 0; i < 3; ++i) expect_picture(*take, i, 0, test_picture(i, 0));
+}
+
+TEST_F(Import, PixelsThatAreNotSquareAreSaidOfTheOddestCamera) {
+  middlebury_stills(3);
+  Rig rig = test_rig(3);
+  rig.cameras[0].model.fy = 1.1 * rig.cameras[0].model.fx;
+  rig.cameras[2].model.fy = 1.5 * rig.cameras[2].model.fx;
+  ASSERT_THAT(calib::write_middlebury(rig, {"a.png", "b.png", "c.png"}, folder_ / "in" / "x_par.txt"),
+              IsOk());
+  ASSERT_TRUE(imported());
+  EXPECT_THAT(report_->notes, ElementsAre(AllOf(HasSubstr("2 of 3 cameras"), HasSubstr("camera 'c'"))));
 }
 
 TEST_F(Import, TheRigGetsTheSizeOfItsPicturesAndKeepsItsGeometry) {
