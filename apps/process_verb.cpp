@@ -54,6 +54,15 @@ nlohmann::json to_json(const std::vector<pipeline::HealedCamera>& healed) {
   return j;
 }
 
+nlohmann::json to_json(const std::optional<pipeline::CleanupCost>& cost) {
+  if (!cost) return nullptr;
+  return {{"meshes", cost->meshes},
+          {"triangles", cost->most_triangles},
+          {"iou_loss", cost->iou_loss},
+          {"camera", cost->serial},
+          {"worst_frame", cost->frame}};
+}
+
 nlohmann::json to_json(const std::filesystem::path& take, const pipeline::ProcessReport& report) {
   return {{"take", take.string()},
           {"frames", report.frames},
@@ -70,6 +79,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"contradictory_frames", report.contradictory_frames},
           {"cut_frames", report.cut_frames},
           {"poor_frames", report.poor_frames},
+          {"cleanup", to_json(report.cleanup)},
           {"seconds", report.seconds}};
 }
 
@@ -101,6 +111,7 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
       "%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n",
       take.c_str(), report.frames, report.cameras, report.mattes.made, report.mattes.kept, report.mattes.gaps,
       report.meshes.made, report.meshes.kept, report.seconds);
+  if (report.cleanup) std::printf("%s\n", sentence(*report.cleanup).c_str());
   if (report.mattes.others + report.meshes.others > 0)
     std::printf("%d mattes and %d meshes are of unknown origin: used as they are\n", report.mattes.others,
                 report.meshes.others);

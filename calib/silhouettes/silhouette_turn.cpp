@@ -88,9 +88,13 @@ struct Moving {
   Eigen::Matrix<double, 2, 3> by_turn;
 };
 
-std::vector<OutlinePoint> points_of(const CameraModel& model, const SilhouetteWitness& witness, int index) {
+std::vector<OutlinePoint> points_of(const CameraModel& model, const SilhouetteWitness& witness, int index,
+                                    std::optional<std::size_t> wanted) {
   std::vector<OutlinePoint> out;
-  for (const Vector2d& p : witness.own.points) {
+  const std::vector<Vector2d>& all = witness.own.points;
+  const std::size_t step = wanted ? std::max<std::size_t>(1, all.size() / *wanted) : 1;
+  for (std::size_t i = 0; i < all.size(); i += step) {
+    const Vector2d& p = all[i];
     if (p.x() < kBorder || p.y() < kBorder || p.x() > model.width - kBorder || p.y() > model.height - kBorder)
       continue;
     if (const auto ray = unproject(model, p)) out.push_back({*ray, index});
@@ -216,13 +220,14 @@ Rigid3 turned(const Rigid3& cam_from_world, const Vector3d& vector) {
   return Rigid3{solver::rotation_from_vector(vector), Vector3d::Zero()} * cam_from_world;
 }
 
-SilhouetteTurn measure_silhouette_turn(const CameraModel& model,
-                                       std::span<const SilhouetteWitness> witnesses) {
+SilhouetteTurn measure_silhouette_turn(const CameraModel& model, std::span<const SilhouetteWitness> witnesses,
+                                       std::optional<std::size_t> wanted) {
   SilhouetteTurn out;
   Fit fit{model, {}, {}};
   for (const SilhouetteWitness& witness : witnesses) {
     if (witness.own.empty() || witness.others.empty() || !(coverage(witness.others) > 0)) continue;
-    const std::vector<OutlinePoint> points = points_of(model, witness, static_cast<int>(fit.fields.size()));
+    const std::vector<OutlinePoint> points =
+        points_of(model, witness, static_cast<int>(fit.fields.size()), wanted);
     fit.fields.emplace_back(witness);
     fit.points.insert(fit.points.end(), points.begin(), points.end());
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,9 +43,10 @@ inline constexpr double kFarthestOutside = 12;
 /// The coherence of a camera's silhouettes with the others' (Hernández, Schmitt and Cipolla 2007): every ray
 /// along an outline must meet the body that the others leave. What sticks out is made small over all
 /// instants at once, by a turn of the camera about its centre; what lies inside is free, since a hull of few
-/// cameras is larger than its body. Outlines along the picture's border are left out. Deterministic.
-SilhouetteTurn measure_silhouette_turn(const CameraModel& model,
-                                       std::span<const SilhouetteWitness> witnesses);
+/// cameras is larger than its body. Outlines along the picture's border are left out. Of
+/// each outline about `points` are asked, evenly spread, or all. Deterministic.
+SilhouetteTurn measure_silhouette_turn(const CameraModel& model, std::span<const SilhouetteWitness> witnesses,
+                                       std::optional<std::size_t> points = {});
 
 /// The camera's pose after it.
 Rigid3 turned(const Rigid3& cam_from_world, const Eigen::Vector3d& vector);

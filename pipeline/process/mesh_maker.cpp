@@ -121,6 +121,7 @@ Result<json> make_mesh(const Rig& rig, int frame, const std::vector<Matte>& matt
                  {"seconds", hull.seconds},        {"silhouette_iou", std::move(iou)}};
   if (json silhouettes = silhouettes_json(rig, hull.verdicts); !silhouettes.empty())
     report["silhouettes"] = std::move(silhouettes);
+  if (hull.cleanup) report["cleanup"] = cleanup_json(rig, *hull.cleanup);
   if (json denied = denied_json(rig, mattes, hull, options); !denied.empty())
     report["denied"] = std::move(denied);
   return report;
@@ -179,6 +180,7 @@ class MeshMaker {
     report.contradictory_frames = doubts.contradictory;
     report.cut_frames = doubts.cut;
     report.poor_frames = doubts.poor;
+    report.cleanup = std::move(doubts.cleanup);
     report.empty_frames = count_empty(frames);
     Result<std::optional<MatteDoubt>> denied =
         contradiction_in(take_, denials_in(record_.reports), report.meshes.made > 0);

@@ -26,7 +26,7 @@ Result<std::vector<std::string>> pose_doubts(const capture::TakeReader& take, co
   }
   if (instants.empty()) return doubts;
   const Result<SilhouetteCheck> check =
-      check_silhouettes(take.rig(), instants, {.threads = threads, .progress = progress});
+      check_silhouettes(take.rig(), instants, {.quick = true, .threads = threads, .progress = progress});
   if (!check && check.error().code == ErrorCode::NotFound) return doubts;  // no subject on stage
   if (!check) return forward(check);
   for (std::size_t c = 0; c < check->cameras.size(); ++c)

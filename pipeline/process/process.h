@@ -49,6 +49,7 @@ struct ProcessReport {
   int contradictory_frames = 0;  ///< hulls not to be trusted, see recon::HullReport::contradictory
   int poor_frames = 0;           ///< hulls that leave much of most silhouettes open, see poorly_covered()
   int cut_frames = 0;            ///< hulls cut by the sides of the volume
+  std::optional<CleanupCost> cleanup = {};  ///< what clean-up cost at most; absent: none was wished
   double seconds = 0;
 };
 

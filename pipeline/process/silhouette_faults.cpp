@@ -22,6 +22,20 @@ constexpr double kCovered = 0.9;  // of a silhouette: given mattes and rigs leav
 
 double size_of(double lost, double gained) { return std::max(lost, gained); }
 
+// What one frame's clean-up cost.
+void add_cost(const json& cleanup, int frame, std::optional<CleanupCost>& all) {
+  if (!all) all.emplace();
+  ++all->meshes;
+  const json triangles = cleanup.value("triangles", json::array());
+  if (triangles.size() == 2 && triangles[1].is_number_integer())
+    all->most_triangles = std::max(all->most_triangles, triangles[1].get<int>());
+  const double loss = cleanup.value("iou_loss", 0.0);
+  if (all->meshes > 1 && loss <= all->iou_loss) return;
+  all->iou_loss = loss;
+  all->frame = frame;
+  all->serial = cleanup.value("camera", "");
+}
+
 std::filesystem::path picture_of(const std::filesystem::path& folder, const std::string& serial, int frame) {
   return folder / text(serial, "-", frame, ".png");
 }
@@ -37,6 +51,12 @@ std::string sentence(const SilhouetteFault& fault) {
   if (fault.frames == 1) what += text(" in frame ", fault.worst);
   if (!fault.picture.empty()) what += text(": ", fault.picture.string());
   return text("camera '", fault.serial, "' ", what);
+}
+
+std::string sentence(const CleanupCost& cost) {
+  return text("clean-up left up to ", cost.most_triangles,
+              " triangles a mesh; silhouettes' IoU fell by up to ", std::ceil(cost.iou_loss * 1e4) / 1e4,
+              " (camera '", cost.serial, "', frame ", cost.frame, ")");
 }
 
 Image evidence_picture(const Image& rgb, const Matte& matte, const recon::SilhouetteVerdict& verdict) {
@@ -99,6 +119,14 @@ json silhouettes_json(const Rig& rig, const std::vector<recon::SilhouetteVerdict
   return j;
 }
 
+json cleanup_json(const Rig& rig, const recon::MeshCleanupReport& cleanup) {
+  const auto worst = std::max_element(cleanup.iou_loss.begin(), cleanup.iou_loss.end());
+  const auto camera = static_cast<std::size_t>(worst - cleanup.iou_loss.begin());
+  return {{"triangles", {cleanup.triangles_before, cleanup.triangles_after}},
+          {"iou_loss", *worst},
+          {"camera", rig.cameras[camera].serial}};
+}
+
 bool poorly_covered(const std::vector<double>& iou) {
   int known = 0, poor = 0;
   for (const double one : iou)
@@ -118,6 +146,8 @@ HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::p
     for (const json& one : explained)
       if (one.is_number()) iou.push_back(one);
     doubts.poor += poorly_covered(iou);
+    if (const json cleanup = frame.value("cleanup", json()); cleanup.is_object())
+      add_cost(cleanup, number, doubts.cleanup);
     const json silhouettes = frame.value("silhouettes", json::object());
     for (const auto& [serial, shares] : silhouettes.items()) {
       SilhouetteFault& fault = faults[serial];

@@ -55,6 +55,17 @@ class EvidenceCollector {
 /// off. `iou`: of each camera the hull's silhouette against its matte; NaN for one that has none.
 bool poorly_covered(const std::vector<double>& iou);
 
+/// What clean-up cost the meshes of a take.
+struct CleanupCost {
+  int meshes = 0, most_triangles = 0;  ///< that were cleaned; of the largest
+  double iou_loss = 0;                 ///< the most of any silhouette's IoU
+  int frame = 0;                       ///< there
+  std::string serial;
+};
+
+/// "clean-up left up to 5000 triangles a mesh; silhouettes' IoU fell by up to 0.0208 (camera 'x', frame 3)"
+std::string sentence(const CleanupCost& cost);
+
 /// What the hulls of a take, made now or before, say about themselves: read from the record of
 /// meshes/hull.json.
 struct HullDoubts {
@@ -62,10 +73,13 @@ struct HullDoubts {
   int contradictory = 0;                ///< frames, see recon::HullReport::contradictory
   int cut = 0;                          ///< frames, see recon::HullReport::cut
   int poor = 0;                         ///< frames, see poorly_covered()
+  std::optional<CleanupCost> cleanup;   ///< absent where nothing was cleaned
 };
 
 /// A frame's part of it: {"<serial>": {"lost", "gained"}}.
 nlohmann::json silhouettes_json(const Rig& rig, const std::vector<recon::SilhouetteVerdict>& verdicts);
+/// Likewise: {"triangles": [before, after], "iou_loss", "camera"}, the worst camera's.
+nlohmann::json cleanup_json(const Rig& rig, const recon::MeshCleanupReport& cleanup);
 /// `frames`: MeshRecord::reports, `pictures`: where EvidenceCollector saved them. What is not there says
 /// nothing.
 HullDoubts doubts_in(const std::map<int, nlohmann::json>& frames, const std::filesystem::path& pictures);

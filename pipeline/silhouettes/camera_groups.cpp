@@ -9,7 +9,8 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr std::size_t kMissed = 5;  // of so many cameras one
+constexpr std::size_t kMissed = 5;     // of so many cameras one
+constexpr std::size_t kWitnesses = 8;  // bound a body well enough to tell that a camera has turned
 
 std::vector<std::size_t> order_around(const Rig& rig) {
   const Eigen::Vector3d axis = up_axis(rig).direction, center = fit_ring(rig, axis).center;
@@ -28,8 +29,10 @@ std::vector<std::size_t> order_around(const Rig& rig) {
 
 }  // namespace
 
-CameraGroups::CameraGroups(const Rig& rig) : group_(rig.cameras.size()) {
-  const std::size_t cameras = rig.cameras.size(), together = std::max<std::size_t>(1, cameras / kMissed);
+CameraGroups::CameraGroups(const Rig& rig, bool large) : group_(rig.cameras.size()) {
+  const std::size_t cameras = rig.cameras.size(), most = cameras > kWitnesses ? cameras - kWitnesses : 1,
+                    together = large ? std::min(most, (cameras + 1) / 2)
+                                     : std::max<std::size_t>(1, cameras / kMissed);
   count_ = (cameras + together - 1) / together;
   const std::vector<std::size_t> around = order_around(rig);
   for (std::size_t i = 0; i < cameras; ++i) group_[around[i]] = i % count_;

@@ -14,8 +14,9 @@ namespace {
 using calib::SilhouetteTurn;
 using calib::SilhouetteWitness;
 
-constexpr int kScale = 2;            // of the pictures that hulls are drawn in
-constexpr double kTolerance = 0.25;  // px: outlines of hulls that are measured to a tenth of that
+constexpr int kScale = 2;                  // of the pictures that hulls are drawn in
+constexpr std::size_t kQuickPoints = 500;  // of an outline: neighbours err together, and tell little more
+constexpr double kTolerance = 0.25;        // px: outlines of hulls that are measured to a tenth of that
 
 CameraModel enlarged(CameraModel model) {
   model.width *= kScale, model.height *= kScale;
@@ -34,9 +35,14 @@ recon::HullOptions silhouette_hull_options(bool quality) {
   return options;
 }
 
-LeftOutHulls::LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& instants, int threads,
-                           Progress* progress)
-    : instants_(instants), threads_(threads), progress_(progress), groups_(rig), own_(instants.size()) {
+LeftOutHulls::LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& instants, bool quick,
+                           int threads, Progress* progress)
+    : instants_(instants),
+      quick_(quick),
+      threads_(threads),
+      progress_(progress),
+      groups_(rig, quick),
+      own_(instants.size()) {
   for (auto& outlines : own_) outlines.resize(rig.cameras.size());
   parallel_for(instants.size() * rig.cameras.size(), threads, [&](std::size_t i) {
     const std::size_t instant = i / rig.cameras.size(), c = i % rig.cameras.size();
@@ -106,7 +112,8 @@ SilhouetteTurn LeftOutHulls::turn_against(const Rig& rig, std::size_t camera,
     if (!witnesses.back().own.empty() && !hulls[i].triangles.empty())
       witnesses.back().others = recon::mesh_mask(large, hulls[i]);
   }
-  return calib::measure_silhouette_turn(rig.cameras[camera].model, witnesses);
+  return calib::measure_silhouette_turn(rig.cameras[camera].model, witnesses,
+                                        quick_ ? std::optional(kQuickPoints) : std::nullopt);
 }
 
 }  // namespace floatstage::pipeline

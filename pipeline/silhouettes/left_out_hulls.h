@@ -26,8 +26,10 @@ recon::HullOptions silhouette_hull_options(bool quality);
 /// The instants are only read and must outlive it. Safe for concurrent use.
 class LeftOutHulls {
  public:
+  /// `quick`: from large groups and fewer points of the outlines: good enough to tell who has turned.
   /// threads: 0 for one per core; results are the same at any number. progress may be null.
-  LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& instants, int threads, Progress* progress);
+  LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& instants, bool quick, int threads,
+               Progress* progress);
 
   /// Of one camera, against hulls of all others: what is measured best.
   calib::SilhouetteTurn turn_of(const Rig& rig, std::size_t camera) const;
@@ -46,6 +48,7 @@ class LeftOutHulls {
                                      const std::vector<Mesh>& hulls) const;
 
   const std::vector<InstantMattes>& instants_;
+  bool quick_;
   int threads_;
   Progress* progress_;
   CameraGroups groups_;

@@ -142,7 +142,7 @@ struct Found {
 
 Found find(const Rig& rig, const std::vector<InstantMattes>& instants,
            const SilhouetteCheckOptions& options) {
-  const LeftOutHulls asked(rig, instants, options.threads, options.progress);
+  const LeftOutHulls asked(rig, instants, options.quick, options.threads, options.progress);
   const Search search(asked, options);
   const State given{rig, search.turns_of(rig), std::vector<bool>(rig.cameras.size(), false)};
   Found found{given, given.turns, false, 0};
@@ -205,7 +205,10 @@ Result<SilhouetteCheck> check_silhouettes(const Rig& rig, const std::vector<Inst
   if (Result<void> ok = check(rig, instants, options); !ok) return forward(ok);
   Found found = find(rig, instants, options);
   std::vector<InstantMattes> good = instants;
-  const std::vector<int> wrong = take_out_wrong(found.state.rig, good);
+  const std::vector<bool>& named = found.state.named;
+  std::vector<int> wrong(rig.cameras.size(), 0);
+  if (!options.quick || std::find(named.begin(), named.end(), true) != named.end())
+    wrong = take_out_wrong(found.state.rig, good);
   if (std::any_of(wrong.begin(), wrong.end(), [](int n) { return n > 0; })) found = find(rig, good, options);
   if (is_cancelled(options.progress)) return cancelled_unwritten();
   const auto known =
@@ -227,7 +230,7 @@ Result<SilhouetteCheck> check_silhouettes(const Rig& rig, const std::vector<Inst
     out.cameras.push_back(std::move(one));
   }
   if (std::any_of(out.cameras.begin(), out.cameras.end(), [](const auto& c) { return c.named; })) {
-    const LeftOutHulls asked(rig, good, options.threads, options.progress);
+    const LeftOutHulls asked(rig, good, options.quick, options.threads, options.progress);
     out.iou_before = asked.iou_of(rig), out.iou_after = asked.iou_of(out.corrected);
   }
   return out;

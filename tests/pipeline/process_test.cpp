@@ -11,6 +11,7 @@
 #include "core/png.h"
 #include "pipeline/scene_loader.h"
 #include "recon/mesh/mesh_check.h"
+#include "recon/mesh/mesh_mask.h"
 #include "tests/support/broken_mattes.h"
 #include "tests/support/small_take.h"
 
@@ -356,6 +357,42 @@ TEST(Process, NamesTheCameraThatLacksHalfTheBodyInEveryRunWithAPicture) {
     EXPECT_THAT(sentence(fault), HasSubstr("camera 'cam02' lacks"));
   }
   EXPECT_NEAR(signed_volume(*load_ply(layout.mesh(1))) / signed_volume(whole), 1, 0.1);
+}
+
+TEST(Process, StatesWhatABudgetOfTrianglesCostsInEveryRun) {
+  TempFolder folder;
+  const fs::path take = small_take(folder);
+  ProcessOptions options = options_for(take);
+  EXPECT_FALSE((*process_take(options)).cleanup);
+  options.redo = true;
+  options.hull->cleanup.triangles = 400;
+  double stated = 0;
+  for (int run = 0; run < 2; ++run, options.redo = false) {
+    const Result<ProcessReport> report = process_take(options);
+    ASSERT_THAT(report, IsOk());
+    ASSERT_TRUE(report->cleanup);
+    EXPECT_EQ(report->cleanup->meshes, 2);
+    EXPECT_EQ(report->cleanup->most_triangles, 400);
+    EXPECT_GT(report->cleanup->iou_loss, 0);
+    EXPECT_THAT(sentence(*report->cleanup), HasSubstr("up to 400 triangles a mesh"));
+    EXPECT_TRUE(run == 0 || report->cleanup->iou_loss == stated);
+    stated = report->cleanup->iou_loss;
+  }
+  // It is what the worst camera's silhouette lost.
+  const auto reader = *capture::TakeReader::open(take);
+  const int frame = process_take(options)->cleanup->frame;
+  const std::vector<Matte> mattes = *load_mattes(*reader, frame);
+  recon::HullOptions whole = *options.hull;
+  whole.cleanup = {};
+  const Mesh before = recon::visual_hull(reader->rig(), mattes, whole)->mesh,
+             after = *load_ply(TakeLayout(take).mesh(frame));
+  double lost = 0;
+  for (std::size_t c = 0; c < mattes.size(); ++c) {
+    const RigCamera& camera = reader->rig().cameras[c];
+    lost = std::max(lost, iou(recon::mesh_mask(camera, before), mattes[c]) -
+                              iou(recon::mesh_mask(camera, after), mattes[c]));
+  }
+  EXPECT_NEAR(lost, stated, 1e-6);
 }
 
 TEST(Process, DoesNotTrustHullsOfMattesThatContradictOneAnother) {

@@ -123,6 +123,37 @@ TEST(SilhouetteCheck, FindsTheCameraThatTurnedAmongMany) {
   for (int seed = 0; seed < (wants_long_tests() ? 20 : 2); ++seed) expect_named_and_corrected(many, seed);
 }
 
+// As `process` asks: who it is, of eight cameras and of many.
+TEST(SilhouetteCheck, NamesTheSameCameraQuickly) {
+  static const Stage many(336, 252, 16);
+  ASSERT_EQ(CameraGroups(many.rig, true).count(), 2u);
+  const auto named = [](const Stage& on, const Rig& rig, int seed) {
+    const std::vector<InstantMattes> four = on.four(seed), two = {four[0], four[2]};
+    const Result<SilhouetteCheck> check = check_silhouettes(rig, two, {.quick = true});
+    EXPECT_THAT(check, IsOk());
+    return check ? test::named_by(*check) : std::vector<std::string>();
+  };
+  for (const Stage* on : {&many, &small_stage()}) {
+    EXPECT_THAT(named(*on, on->rig, 0), IsEmpty());
+    for (int seed = 0; seed < (wants_long_tests() ? 20 : 2); ++seed) {
+      SCOPED_TRACE(seed);
+      const test::TurnedCamera turned = test::turn_one(on->rig, 0.3, static_cast<std::uint64_t>(seed));
+      EXPECT_THAT(named(*on, turned.rig, seed), ElementsAre(turned.serial));
+    }
+  }
+}
+
+TEST(CameraGroups, AreAsLargeAsLeavesEightOrHalf) {
+  for (int cameras = 4; cameras < 40; ++cameras) {
+    const CameraGroups groups(synthetic_rig({.cameras = cameras, .width = 64, .height = 48}), true);
+    std::vector<int> members(groups.count(), 0);
+    for (int c = 0; c < cameras; ++c) ++members[groups.of(static_cast<std::size_t>(c))];
+    const int most = *std::max_element(members.begin(), members.end());
+    EXPECT_TRUE(most == 1 || cameras - most >= 8) << cameras;
+    EXPECT_EQ(groups.count() == 2, cameras >= 16) << cameras;
+  }
+}
+
 TEST(CameraGroups, LeaveOutFewCamerasOneByOne) {
   const CameraGroups groups(stage().rig);
   EXPECT_EQ(groups.count(), 8u);
