@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/file.h"
 #include "core/text.h"
 
 namespace floatstage::capture::libav {
@@ -50,11 +51,24 @@ Result<std::unique_ptr<Input>> Input::open(const std::filesystem::path& file) {
   input->format_->io_open = &refuse_other_files;
   // Without a name, the content alone says what the file is.
   int error = avformat_open_input(&input->format_, "", nullptr, nullptr);
+  // What libav takes for one picture it reads to the end, whatever comes after the picture.
+  if (error >= 0 && input->is_still()) {
+    const Result<std::uint64_t> size = size_of(input->file_, file);
+    if (!size) return forward(size);
+    if (*size > kLargestFile)
+      return fail(ErrorCode::BadData, text(file.string(), " has more than ", kLargestFile >> 20,
+                                           " MiB; no picture is that large"));
+  }
   if (error >= 0) error = avformat_find_stream_info(input->format_, nullptr);
   if (error < 0)
     return fail(ErrorCode::BadData,
                 text(file.string(), " is no picture or video that can be read: ", reason(error)));
   return input;
+}
+
+bool Input::is_still() const {
+  const std::string_view demuxer = format_->iformat->name;
+  return demuxer.ends_with("_pipe") || demuxer == "image2";
 }
 
 Input::~Input() {

@@ -12,6 +12,8 @@ namespace floatstage::capture::libav {
 class Input {
  public:
   static Result<std::unique_ptr<Input>> open(const std::filesystem::path& file);
+  /// A picture's file, by what its bytes say, and no film's.
+  bool is_still() const;
   Input() = default;
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;

@@ -133,9 +133,7 @@ Result<void> LibavReader::open() {
   decoder_->pkt_timebase = stream_->time_base;
   if (error >= 0) error = avcodec_open2(decoder_.get(), codec, nullptr);
   if (error < 0) return fail(ErrorCode::BadData, text(name_, " cannot be decoded: ", libav::reason(error)));
-  const std::string demuxer = format.iformat->name;
-  const bool still = demuxer.ends_with("_pipe") || demuxer == "image2";
-  if (!still) frame_rate_ = av_q2d(av_guess_frame_rate(&format, format.streams[index], nullptr));
+  if (!input_->is_still()) frame_rate_ = av_q2d(av_guess_frame_rate(&format, format.streams[index], nullptr));
   return {};
 }
 

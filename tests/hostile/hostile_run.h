@@ -17,7 +17,7 @@ HostileRun hostile_run(const std::vector<std::string>& words, int seconds,
                        const std::vector<std::string>& environment = {});
 
 /// What every run has to keep to: it ends within 20 s, by no signal, with no check of our own failed, and in
-/// less than 500 MB. `what` names it in a failure.
-void expect_orderly(const std::vector<std::string>& words, const std::string& what);
+/// less than 500 MB. `what` names it in a failure. Its exit status.
+int expect_orderly(const std::vector<std::string>& words, const std::string& what);
 
 }  // namespace floatstage

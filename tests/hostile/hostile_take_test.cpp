@@ -2,11 +2,9 @@
 // on it. Whatever they say, they end: by no signal, with no check of our own failed, soon, and in little
 // memory.
 
-#include <functional>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include "core/file.h"
 #include "core/matte_edits.h"
@@ -15,6 +13,7 @@
 #include "pipeline/camera_path.h"
 #include "pipeline/process/process.h"
 #include "tests/hostile/hostile_run.h"
+#include "tests/hostile/traps.h"
 #include "tests/support/matchers.h"
 #include "tests/support/small_take.h"
 #include "tests/support/temp_folder.h"
@@ -23,80 +22,6 @@ namespace floatstage {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// What stands where a file of the take stood.
-struct Trap {
-  const char* name;
-  std::function<void(const fs::path& file, const std::string& was)> set;
-};
-
-void put(const fs::path& file, const std::string& bytes) { ASSERT_THAT(write_file(file, bytes), IsOk()); }
-
-std::string with_numbers_replaced(std::string bytes, const std::string& by) {
-  std::string out;
-  bool in_word = false;
-  for (std::size_t i = 0; i < bytes.size();) {
-    const bool digit = std::isdigit(static_cast<unsigned char>(bytes[i])) != 0;
-    if (digit && !in_word) {
-      while (i < bytes.size() && (std::isdigit(static_cast<unsigned char>(bytes[i])) || bytes[i] == '.')) ++i;
-      out += by;
-      continue;
-    }
-    in_word = std::isalnum(static_cast<unsigned char>(bytes[i])) || bytes[i] == '_';
-    out += bytes[i++];
-  }
-  return out;
-}
-
-const std::vector<Trap>& traps() {
-  static const std::vector<Trap> kTraps = {
-      {"empty", [](const fs::path& f, const std::string&) { put(f, ""); }},
-      {"cut", [](const fs::path& f, const std::string& was) { put(f, was.substr(0, was.size() / 2)); }},
-      {"doubled", [](const fs::path& f, const std::string& was) { put(f, was + was); }},
-      {"noise",
-       [](const fs::path& f, const std::string& was) {
-         std::string noise(was.size() + 64, '\0');
-         std::uint32_t state = 12345;
-         for (char& c : noise) c = static_cast<char>((state = state * 1664525 + 1013904223) >> 24);
-         put(f, noise);
-       }},
-      {"zeros", [](const fs::path& f, const std::string& was) { put(f, std::string(was.size(), '\0')); }},
-      {"brackets", [](const fs::path& f, const std::string&) { put(f, std::string(2'000'000, '[')); }},
-      {"huge numbers",
-       [](const fs::path& f, const std::string& was) { put(f, with_numbers_replaced(was, "9e307")); }},
-      {"many numbers",
-       [](const fs::path& f, const std::string& was) { put(f, with_numbers_replaced(was, "2147483647")); }},
-      {"negative numbers",
-       [](const fs::path& f, const std::string& was) { put(f, with_numbers_replaced(was, "-1")); }},
-      {"sparse",
-       [](const fs::path& f, const std::string& was) {
-         put(f, was);
-         fs::resize_file(f, std::uintmax_t{64} << 30);
-       }},
-      {"a pipe",
-       [](const fs::path& f, const std::string&) {
-         fs::remove(f);
-         ASSERT_EQ(::mkfifo(f.c_str(), 0600), 0);
-       }},
-      {"a device",
-       [](const fs::path& f, const std::string&) {
-         fs::remove(f);
-         fs::create_symlink("/dev/zero", f);
-       }},
-      {"a folder",
-       [](const fs::path& f, const std::string&) {
-         fs::remove(f);
-         fs::create_directory(f);
-       }},
-      {"a link to itself",
-       [](const fs::path& f, const std::string&) {
-         fs::remove(f);
-         fs::create_symlink(f.filename(), f);
-       }},
-      {"gone", [](const fs::path& f, const std::string&) { fs::remove(f); }},
-  };
-  return kTraps;
-}
 
 /// A take with everything that a take can hold.
 class HostileTake : public testing::TestWithParam<const char*> {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace floatstage {
+
+/// What stands where a file stood that had these bytes.
+struct Trap {
+  const char* name;
+  std::function<void(const std::filesystem::path& file, const std::string& was)> set;
+};
+
+/// Damaged and hostile bytes, and what is no regular file.
+const std::vector<Trap>& traps();
+
+/// Pictures and films that claim more than they hold, or lead somewhere else, by name.
+struct Bomb {
+  const char* name;
+  std::string bytes;
+};
+const std::vector<Bomb>& media_bombs();
+
+}  // namespace floatstage
