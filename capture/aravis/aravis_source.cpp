@@ -7,6 +7,7 @@
 
 #include "capture/aravis/aravis_settings.h"
 #include "capture/aravis/block_id.h"
+#include "capture/aravis/gvcp_knock.h"
 #include "capture/clock_map.h"
 #include "capture/source_meter.h"
 #include "capture/source_uri.h"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::size_t kPicturesInSocket = 16;  // half a second at 30: longer than busy machines stand still
 constexpr std::size_t kSmallestSocketBuffer = 1 << 20;
+constexpr Nanoseconds kPatience = milliseconds(2000);  // for a camera at an address to say that it is there
 
 // When the picture's first packet came. Aravis stamps it with the wall clock, which is read against the
 // studio's now: a wall clock that is set moves only the pictures under way.
@@ -134,6 +136,12 @@ Result<void> AravisSource::find_camera() {
                     text("no camera of this serial answers (answering: ", seen.empty() ? "none" : seen,
                          "); check its cable and power, or give address=<IP>"));
   }
+  const Knock knocked = knock(settings_.address, kPatience, [this] { return stopped(); });
+  if (knocked == Knock::Stopped) return failed(ErrorCode::Cancelled, "interrupted before it answered");
+  if (knocked == Knock::Silence)
+    return failed(ErrorCode::NotFound, text("nothing answers at ", name,
+                                            "; check its cable, its power and the "
+                                            "address"));
   camera_.reset(arv_camera_new(name.c_str(), error.out()));
   if (!camera_)
     return failed(ErrorCode::NotFound, text("nothing answers at ", name, " (", error.message(),

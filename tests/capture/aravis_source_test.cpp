@@ -1,3 +1,5 @@
+#include <chrono>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -141,6 +143,17 @@ TEST_F(AravisSource, FindsACameraByItsSerialAlone) {
   EXPECT_THAT(source->start(), IsOk());
   const auto other = opened("gige:NOBODY");
   EXPECT_THAT(other->start(), FailsWith(ErrorCode::NotFound, "answering: ONLY"));
+}
+
+TEST_F(AravisSource, SaysWhereNobodyAnswersAndStopsAskingWhenItIsTold) {
+  const auto nobody = opened("gige:NOBODY?address=127.0.0.77");
+  EXPECT_THAT(nobody->start(),
+              FailsWith(ErrorCode::NotFound, "nothing answers at 127.0.0.77; check its cable"));
+  const auto begun = std::chrono::steady_clock::now();
+  nobody->stop_when(
+      [&] { return std::chrono::steady_clock::now() - begun > std::chrono::milliseconds(300); });
+  EXPECT_THAT(nobody->start(), FailsWith(ErrorCode::Cancelled, "interrupted before it answered"));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(1300));
 }
 
 TEST_F(AravisSource, RefusesTheWrongCameraAtAnAddress) {
