@@ -320,8 +320,8 @@ void note_odd_pixels(const Rig& rig, std::vector<std::string>& notes) {
   if (oddest)
     notes.push_back(text(odd, " of ", rig.cameras.size(), " cameras have pixels that are not square (camera '",
                          oddest->serial, "': fx ", oddest->model.fx, ", fy ", oddest->model.fy,
-                         "); unless the pictures were squeezed, the calibration saw too little to tell its "
-                         "focal lengths: give it a model with one"));
+                         "); unless the pictures were squeezed, the calibration saw too little to tell "
+                         "its focal lengths: give it a model with one"));
 }
 
 // What a take of these pictures needs at most: 24 bytes a pixel of the largest picture that is read at all,
