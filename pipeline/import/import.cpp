@@ -318,8 +318,9 @@ void note_odd_pixels(const Rig& rig, std::vector<std::string>& notes) {
     if (shape >= most) most = shape, oddest = &camera;
   }
   if (oddest)
-    notes.push_back(text(odd, " of ", rig.cameras.size(), " cameras have pixels that are not square (camera '",
-                         oddest->serial, "': fx ", oddest->model.fx, ", fy ", oddest->model.fy,
+    notes.push_back(text(odd, " of ", rig.cameras.size(),
+                         " cameras have pixels that are not square (camera '", oddest->serial, "': fx ",
+                         oddest->model.fx, ", fy ", oddest->model.fy,
                          "); unless the pictures were squeezed, the calibration saw too little to tell "
                          "its focal lengths: give it a model with one"));
 }
