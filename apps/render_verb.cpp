@@ -162,6 +162,19 @@ void add_render(CLI::App& app, Chosen& chosen) {
   verb->add_option("--pictures", options->pictures,
                    "Only the parts of the film with these pictures, A:B; the call without it joins all parts")
       ->type_name("A:B");
+  verb->add_option("--views", options->film.array.views,
+                   "Eyes beside one another in each picture: 2 for stereo, up to 8 for displays of several "
+                   "(above 3 in two rows), from the leftmost on")
+      ->type_name("N")
+      ->check(CLI::Range(1, pipeline::kMostViews))
+      ->group(kGroupPicture)
+      ->capture_default_str();
+  verb->add_option("--baseline", options->film.array.baseline, "Metres from each eye to the next")
+      ->type_name("M")
+      ->check(CLI::PositiveNumber)
+      ->needs("--views")
+      ->group(kGroupPicture)
+      ->capture_default_str();
   verb->add_flag("--keep-spill", options->keep_spill, "Leave the cloth's colour cast on the photographs")
       ->group(kGroupPicture);
   add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));

@@ -39,6 +39,12 @@ Result<void> check(const capture::TakeReader& take, const FilmOptions& options) 
   if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "a film of no frames");
   if (options.methods.empty())
     return fail(ErrorCode::InvalidArgument, "a film needs a method; see `floatstage render --help`");
+  if (options.array.views < 1 || options.array.views > kMostViews || !(options.array.baseline > 0))
+    return fail(ErrorCode::InvalidArgument, text("views are 1 to ", kMostViews,
+                                                 " beside one another, a positive number of metres apart"));
+  if (options.array.views > 1 && options.methods.size() > 1)
+    return fail(ErrorCode::InvalidArgument,
+                "several views are of one method: stereo pictures that stand beside others are none");
   if (!(options.frame_rate > 0))
     return fail(ErrorCode::InvalidArgument, "the film's frame rate must be positive");
   for (int f : options.frames)
@@ -46,6 +52,12 @@ Result<void> check(const capture::TakeReader& take, const FilmOptions& options) 
       return fail(ErrorCode::InvalidArgument,
                   text("frame ", f, " is not in the take, which has ", take.frame_count()));
   return render::check(options.renderer);
+}
+
+// Metres along the axis at which stereo pictures meet: at the subject, so that it stands in the screen.
+double screen_distance(const View& view, const Eigen::AlignedBox3d& subject) {
+  const double middle = subject.isEmpty() ? 0 : (view.view_from_world * subject.center()).z();
+  return std::max(middle, view.near_plane);
 }
 
 // One instant of the take; of the photographs that are needed only, where `chosen`.
@@ -71,7 +83,7 @@ Result<void> set_scene(const Rig& rig, const Instant& instant, render::Scene& to
 class SceneStream {
  public:
   SceneStream(capture::TakeReader& take, const FilmOptions& options, const std::vector<int>& schedule,
-              const std::vector<View>& views)
+              const std::vector<std::vector<View>>& views)
       : rig_(take.rig()),
         blended_(options.renderer.cameras),
         choosy_(options.renderer.output == render::RenderOutput::Color),
@@ -95,8 +107,9 @@ class SceneStream {
   std::vector<bool> drawn_in(const Mesh& mesh, std::size_t first) const {
     std::vector<bool> cameras(rig_.cameras.size(), false);
     for (std::size_t p = first; p < end_of(first); ++p)
-      for (const int camera : render::drawn_from(rig_, mesh, views_[p], blended_))
-        cameras[static_cast<std::size_t>(camera)] = true;
+      for (const View& view : views_[p])
+        for (const int camera : render::drawn_from(rig_, mesh, view, blended_))
+          cameras[static_cast<std::size_t>(camera)] = true;
     return cameras;
   }
   std::future<Result<Instant>> load(std::size_t picture) {
@@ -124,7 +137,7 @@ class SceneStream {
   const bool choosy_;  // pictures of weights and the like have colours by the number of cameras there are
   SceneLoader loader_;
   const std::vector<int>& schedule_;
-  const std::vector<View>& views_;
+  const std::vector<std::vector<View>>& views_;  // of a picture's eyes
   std::future<Result<Instant>> next_;
 };
 
@@ -180,7 +193,8 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   if (!whole) return forward(whole);
   const Clock::time_point begin = Clock::now();
   std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
-  for (const std::string& method : options.methods) {
+  for (std::size_t i = 0; i < options.methods.size() * static_cast<std::size_t>(options.array.views); ++i) {
+    const std::string& method = options.methods[i % options.methods.size()];
     Result<std::unique_ptr<render::ViewRenderer>> r =
         render::make_renderer(method, options.renderer.back_end);
     if (!r) return forward(r);
@@ -201,11 +215,13 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   std::vector<int> drawn_pictures = options.pictures, frames;
   for (std::size_t p = 0; options.pictures.empty() && p < whole->size(); ++p)
     drawn_pictures.push_back(static_cast<int>(p));
-  std::vector<View> views;
+  std::vector<View> middles;
+  std::vector<std::vector<View>> views;
   for (const int picture : drawn_pictures) {
     const double film_time = picture / options.frame_rate;
-    views.push_back(view_of(sample(path, film_time / film_seconds * path.duration()), options.width,
-                            options.height, box));
+    middles.push_back(view_of(sample(path, film_time / film_seconds * path.duration()), options.width,
+                              options.height, box));
+    views.push_back(views_of(middles.back(), options.array, screen_distance(middles.back(), box)));
     frames.push_back((*whole)[static_cast<std::size_t>(picture)]);
   }
   SceneStream scenes(take, options, frames, views);
@@ -221,9 +237,10 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
       if (!scene) return forward(scene);
       if (Result<void> ok = set_scene(*rig, *scene, drawn); !ok) return in_frame(ok.error());
     }
-    FilmPicture picture{drawn_pictures[p], frames[p], views[p], {}};
-    for (const std::unique_ptr<render::ViewRenderer>& renderer : renderers) {
-      Result<render::RenderedView> rendered = renderer->render(drawn, picture.view, options.renderer);
+    FilmPicture picture{drawn_pictures[p], frames[p], middles[p], {}};
+    for (std::size_t i = 0; i < renderers.size(); ++i) {
+      const View& view = views[p][i / options.methods.size()];
+      Result<render::RenderedView> rendered = renderers[i]->render(drawn, view, options.renderer);
       if (!rendered) return in_frame(rendered.error());
       picture.renders.push_back(render::download(*rendered));
     }

@@ -11,6 +11,7 @@
 #include "core/rig.h"
 #include "pipeline/camera_path.h"
 #include "pipeline/progress.h"
+#include "pipeline/view_array.h"
 #include "render/renderer.h"
 
 namespace floatstage::pipeline {
@@ -21,6 +22,7 @@ struct FilmOptions {
   double seconds = 0;             ///< length; 0: the take's own, or the path's when the take is one instant
   std::vector<int> frames;  ///< frames of the take to play, in order; begun again when the film is longer
   std::vector<std::string> methods;  ///< renderers, each draws every picture
+  ViewArray array = {};              ///< several eyes beside one another, of one method
   bool suppress_spill = true;
   bool balance = false;                             ///< cameras' colours are brought to one another
   std::optional<Eigen::AlignedBox3d> subject = {};  ///< find_subject() of the take, where it is known
@@ -36,7 +38,7 @@ struct FilmPicture {
   int index = 0;  ///< in the film
   int frame = 0;  ///< of the take
   View view;
-  std::vector<Image> renders;  ///< RGBA, one a method
+  std::vector<Image> renders;  ///< RGBA, one a method, or of one method one an eye
 };
 
 struct FilmReport {

@@ -84,8 +84,9 @@ Result<std::vector<Todo>> find_todo(const capture::TakeReader& take, const FilmP
 }
 
 FilmShape shape_of(const FilmOptions& options, int pictures, const FilmFileOptions& file) {
-  return {.width = options.width * static_cast<int>(options.methods.size()),
-          .height = options.height,
+  const int across = columns_of(options.array) * static_cast<int>(options.methods.size());
+  return {.width = options.width * across,
+          .height = options.height * rows_of(options.array),
           .frame_rate = options.frame_rate,
           .pictures = pictures,
           .in_one = options.renderer.motion_blur > 0,
@@ -124,10 +125,11 @@ Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraP
   if (!todo->empty()) {
     PartWriter writer(**parts, *todo);
     Result<FilmReport> drawn = render_film(take, path, *options, [&](FilmPicture picture) {
-      if (file.with_opacity) return writer.write(picture.index, picture.renders.front());
+      if (file.with_opacity) return writer.write(picture.index, tiled(picture.renders, options->array));
       std::vector<Image> pictures;
       for (const Image& rgba : picture.renders) pictures.push_back(over(rgba, options->renderer.background));
-      return writer.write(picture.index, side_by_side(pictures, options->methods));
+      return writer.write(picture.index, options->array.views > 1 ? tiled(pictures, options->array)
+                                                                  : side_by_side(pictures, options->methods));
     });
     if (!drawn) return forward(drawn);
     report.film = *drawn;

@@ -35,8 +35,8 @@ json described(const render::RendererOptions& options) {
 }
 
 json described(const FilmOptions& options) {
-  const auto& [width, height, frame_rate, seconds, frames, methods, suppress_spill, balance, subject, rig,
-               pictures, renderer, progress] = options;
+  const auto& [width, height, frame_rate, seconds, frames, methods, array, suppress_spill, balance, subject,
+               rig, pictures, renderer, progress] = options;
   static_cast<void>(balance);  // is in the rig
   static_cast<void>(pictures);
   static_cast<void>(progress);
@@ -44,6 +44,7 @@ json described(const FilmOptions& options) {
   return {width,          height,
           frame_rate,     seconds,
           frames,         methods,
+          array.views,    array.baseline,
           suppress_spill, {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()},
           to_json(*rig),  described(renderer)};
 }

@@ -97,6 +97,31 @@ TEST_F(AFilm, TellsWhenASilhouetteIsNewerThanTheMeshEvenWhereItIsNotDrawn) {
   EXPECT_THAT(SceneLoader(*take_, true).load(0, first), FailsWith(ErrorCode::NotFound, "cam01"));
 }
 
+TEST_F(AFilm, OfThreeEyesHasTheOneOfOneEyeInItsMiddle) {
+  film_.seconds = 0.5;
+  const std::vector<FilmPicture> one = shoot();
+  film_.array = {.views = 3, .baseline = 0.1};
+  const std::vector<FilmPicture> three = shoot();
+  ASSERT_EQ(three.size(), one.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(three[i].renders.size(), 3u);
+    EXPECT_EQ(three[i].renders[1], one[i].renders[0]);
+    EXPECT_NE(three[i].renders[0], three[i].renders[2]);
+  }
+}
+
+TEST_F(AFilm, OfSeveralEyesIsOfOneMethodAndOfAtMostEight) {
+  const CameraPath path = orbit_around(take_->rig(), subject_, {.seconds = 2}).path;
+  const auto nothing = [](FilmPicture) -> Result<void> { return {}; };
+  film_.array.views = 9;
+  EXPECT_THAT(render_film(*take_, path, film_, nothing), FailsWith(ErrorCode::InvalidArgument, "1 to 8"));
+  film_.array = {.views = 2, .baseline = 0};
+  EXPECT_THAT(render_film(*take_, path, film_, nothing), FailsWith(ErrorCode::InvalidArgument, "positive"));
+  film_.array = {.views = 2, .baseline = 0.06};
+  film_.methods = {"linear", "floating"};
+  EXPECT_THAT(render_film(*take_, path, film_, nothing), FailsWith(ErrorCode::InvalidArgument, "one method"));
+}
+
 TEST(SideBySide, NamesWhatItShowsWhereThereAreSeveral) {
   const Image grey(320, 240, 3, 128);
   EXPECT_EQ(side_by_side({grey}, {"linear"}).pixels, grey.pixels) << "one needs no name";
