@@ -1,13 +1,15 @@
 // Boots Debian's kernel with the test camera vivid under qemu, runs guest_test.cpp inside, and looks on this
-// side at what it recorded.
+// side at what it recorded; and again with systemd, which runs the camera node's unit.
 
 #include <cstdlib>
 #include <fstream>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include "capture/take.h"
+#include "core/file.h"
 #include "core/text.h"
 #include "tests/capture/v4l2_guest/pixels_hash.h"
 #include "tests/support/matchers.h"
@@ -42,6 +44,57 @@ TEST(VividUnderQemu, StreamsRecordsAndSurvivesEveryFault) {
     ++pictures;
   }
   EXPECT_EQ(pictures, 300);
+}
+
+std::string said_in(const std::filesystem::path& file) {
+  const Result<std::string> bytes = read_file(file);
+  return bytes ? *bytes : bytes.error().message;
+}
+
+TEST(VividUnderQemu, IsRecordedByTheUnitAsItIsInstalled) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitized program needs more memory than the guest has";
+#endif
+  const TempFolder folder;
+  const std::string out = (folder / "out").string();
+  std::filesystem::create_directories(out);
+  folder.write("out/studio.toml", R"([studio]
+name = "vivid"
+frame_rate = 15
+[recording]
+folder = "/var/lib/floatstage/takes"
+codec = "raw"
+[[camera]]
+serial = "vivid"
+source = "v4l2:/dev/video0?format=gray8&width=320&height=180&rate=15&buffers=16"
+)");
+  const std::string command =
+      text("GUEST_COMMAND_IS_INIT=1 ", FLOATSTAGE_GUEST_SCRIPT, " ", FLOATSTAGE_GUEST_KERNEL, " ", out, " ",
+           FLOATSTAGE_GUEST_UNIT_SCRIPT, " ", FLOATSTAGE_UNIT, " ", FLOATSTAGE_PROGRAM, " ", out, " 2>&1");
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  ASSERT_EQ(WEXITSTATUS(status), 0) << said_in(out + "/unit.log") << said_in(out + "/watch.log");
+
+  // The restrictions were in force for the recorder, and another program in its place got no further, which
+  // without the unit gets everything.
+  EXPECT_THAT(said_in(out + "/unit.log"),
+              testing::AllOf(testing::HasSubstr(FLOATSTAGE_PROGRAM), testing::HasSubstr("NoNewPrivs:\t1"),
+                             testing::HasSubstr("Seccomp:\t2"),
+                             testing::HasSubstr("CapEff:\t0000000000002000"),  // CAP_NET_RAW
+                             testing::HasSubstr("out/take: ")));
+  EXPECT_EQ(said_in(out + "/probe.txt"),
+            "a camera: yes\nanother device: no\na mount: no\na namespace: no\na file of the system: no\n"
+            "another personality: no\n");
+  EXPECT_EQ(said_in(out + "/outside.txt"),
+            "a camera: yes\nanother device: yes\na mount: yes\na namespace: yes\na file of the system: yes\n"
+            "another personality: yes\n");
+  const Result<std::unique_ptr<TakeReader>> take = TakeReader::open(out + "/take");
+  ASSERT_THAT(take, IsOk());
+  EXPECT_TRUE((*take)->manifest().complete);
+  EXPECT_GT((*take)->frame_count(), 30);  // of 90: an emulated processor misses some
+  const Result<Frame> frame = (*take)->frame(0, 0);
+  ASSERT_THAT(frame, IsOk());
+  EXPECT_FALSE(frame->empty());
 }
 
 }  // namespace

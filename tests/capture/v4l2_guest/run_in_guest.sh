@@ -3,6 +3,7 @@
 #   run_in_guest.sh KERNEL_ROOT OUT COMMAND…
 # KERNEL_ROOT holds boot/vmlinuz-* and lib/modules/*, as Debian's linux-image package unpacks. The guest sees this
 # machine's files read-only, OUT writable under the same name, and a /tmp of its own. Ends with the command's exit status.
+# With GUEST_COMMAND_IS_INIT=1 the command is process 1, and it writes OUT/guest.status and turns the machine off itself.
 set -euo pipefail
 kernel_root=$1 out=$(realpath "$2")
 shift 2
@@ -21,8 +22,12 @@ while read -r file; do
   basename "$file"
 done < "$work/list" > "$work/root/modules/order"
 
-printf '%q ' "$@" > "$work/command"
+{
+  [ -z "${GUEST_COMMAND_IS_INIT:-}" ] || printf 'exec '
+  printf '%q ' "$@"
+} > "$work/command"
 cp "$work/command" "$work/root/command"
+[ -z "${GUEST_COMMAND_IS_INIT:-}" ] || touch "$work/root/command_is_init"
 echo "$out" > "$work/root/out_path"
 cat > "$work/root/init" <<'INIT'
 #!/bin/busybox sh
@@ -47,6 +52,7 @@ mkdir -p "/host$(cat /out_path)"
 mount -t 9p -o trans=virtio,version=9p2000.L,msize=262144 out "/host$(cat /out_path)"
 cp /command /host/tmp/command
 ip link set lo up 2>/dev/null
+[ ! -f /command_is_init ] || exec chroot /host /bin/bash /tmp/command > /dev/console 2>&1
 chroot /host /bin/bash /tmp/command > /dev/console 2>&1
 echo $? > "/host$(cat /out_path)/guest.status"
 sync
