@@ -8,6 +8,7 @@
 #include "apps/did_you_mean.h"
 #include "apps/exit_codes.h"
 #include "apps/flags.h"
+#include "apps/plan_verb.h"
 #include "apps/verb_tree.h"
 #include "apps/version.h"
 #include "core/file_presence.h"
@@ -197,9 +198,10 @@ std::unique_ptr<CLI::App> command_line(Chosen& chosen) {
   app->footer(
       "Every verb explains itself: floatstage VERB --help\nExamples:\n  floatstage demo -o demo\n"
       "  floatstage render --help");
-  for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_take_verb,
-                   add_matte, add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate,
-                   add_export, add_detail, add_flow, add_live, add_play})
+  for (auto add :
+       {add_demo,   add_capture,     add_check,  add_calibrate, add_synthesize, add_import, add_take_verb,
+        add_matte,  add_matte_image, add_hull,   add_keys,      add_process,    add_render, add_evaluate,
+        add_export, add_plan,        add_detail, add_flow,      add_live,       add_play})
     add(*app, chosen);
   app->require_subcommand(1);
   return app;

@@ -9,11 +9,13 @@
 #include "apps/flags.h"
 #include "apps/hull_flags.h"
 #include "apps/orbit_flags.h"
+#include "apps/planned.h"
 #include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/file.h"
+#include "core/json_fields.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/evaluate/evaluate.h"
@@ -22,6 +24,7 @@
 #include "pipeline/evaluate/temporal.h"
 #include "pipeline/json_report.h"
 #include "pipeline/orbit.h"
+#include "pipeline/plan/process_plan.h"
 #include "render/back_end.h"
 
 namespace floatstage::apps {
@@ -40,7 +43,10 @@ struct Options {
   std::filesystem::path truth;
   RendererFlags renderer;
   HullFlags hull;
+  PlanFlags plan;
 };
+
+constexpr double kFrameSeconds = 10;  // before a plan has measured it
 
 struct Column {
   const char* name;
@@ -330,13 +336,13 @@ Result<void> run_path(const Options& given, capture::TakeReader& take,
   return given.json_file.empty() ? Result<void>() : pipeline::save_json(j, given.json_file);
 }
 
-Result<void> run_held_out(const Options& given, capture::TakeReader& take,
-                          const pipeline::EvaluateOptions& options, ProgressBar& bar) {
+Result<std::vector<Row>> held_out_rows(const Options& given, capture::TakeReader& take,
+                                       const pipeline::EvaluateOptions& options, ProgressBar& bar) {
   const Result<pipeline::Inputs> inputs =
       pipeline::choose_inputs(take.rig(), options.inputs, options.hold_out);
   if (!inputs) return forward(inputs);
   if (!given.sheet.empty())
-    if (Result<void> ok = make_folder(given.sheet); !ok) return ok;
+    if (Result<void> ok = make_folder(given.sheet); !ok) return forward(ok);
   std::vector<Row> rows;
   pipeline::ProgressPart progress(&bar, "views", inputs->held.size() * options.frames.size());
   Result<void> done = pipeline::evaluate_take(take, options, [&](pipeline::HeldOutView view) -> Result<void> {
@@ -349,13 +355,22 @@ Result<void> run_held_out(const Options& given, capture::TakeReader& take,
     rows.push_back({std::move(view.serial), view.frame, view.has_matte, std::move(view.scores)});
     return {};
   });
-  if (!done) return done;
-  print_table(rows, options.methods);
-  return save_reports(given, rows, options.methods);
+  if (!done) return forward(done);
+  return rows;
 }
 
-Result<void> run(const Options& given) {
-  if (given.mattes) return run_mattes(given);
+Result<void> report(const Options& given, const std::vector<Row>& rows) {
+  print_table(rows, given.methods);
+  return save_reports(given, rows, given.methods);
+}
+
+// The take, and what of it is asked for; with the renderers ready to draw.
+struct Ready {
+  std::unique_ptr<capture::TakeReader> take;
+  pipeline::EvaluateOptions options;
+};
+
+Result<Ready> ready(const Options& given) {
   if (given.orbit && !given.path_file.empty())
     return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
   Result<pipeline::EvaluateOptions> options = evaluate_options(given);
@@ -370,10 +385,94 @@ Result<void> run(const Options& given) {
   const Result<render::OpenBackEnd> drawing = render::open_back_end(options->renderer.back_end);
   if (!drawing) return forward(drawing);
   options->renderer.back_end = drawing->back_end;
+  return Ready{std::move(*take), std::move(*options)};
+}
+
+bool walks(const Options& given) { return given.orbit || !given.path_file.empty(); }
+
+Result<void> run(const Options& given) {
+  if (given.mattes) return run_mattes(given);
+  Result<Ready> scene = ready(given);
+  if (!scene) return forward(scene);
   ProgressBar bar;
-  options->progress = &bar;
-  const bool walks = given.orbit || !given.path_file.empty();
-  return walks ? run_path(given, **take, *options) : run_held_out(given, **take, *options, bar);
+  scene->options.progress = &bar;
+  if (walks(given)) return run_path(given, *scene->take, scene->options);
+  const Result<std::vector<Row>> rows = held_out_rows(given, *scene->take, scene->options, bar);
+  return rows ? report(given, *rows) : forward(rows);
+}
+
+// An item's rows on their way to the last item. JSON's numbers are read as they were written, bit by bit; a
+// score that a view does not have is null.
+json to_json(const std::vector<Row>& rows) {
+  json all = json::array();
+  for (const Row& row : rows) {
+    json scores = json::object();
+    for (const auto& [method, of] : row.scores) scores[method] = to_json(of);
+    all.push_back(
+        {{"camera", row.serial}, {"frame", row.frame}, {"matte", row.has_matte}, {"scores", scores}});
+  }
+  return all;
+}
+
+std::vector<Row> rows_of(const json& all) {
+  std::vector<Row> rows;
+  for (const json& j : all) {
+    Row row{j.at("camera"), j.at("frame"), j.at("matte"), {}};
+    for (const auto& [method, scores] : j.at("scores").items())
+      for (const Column& c : kColumns)
+        row.scores[method].*c.score =
+            scores.at(c.name).is_null() ? pipeline::Scores::kUnknown : scores.at(c.name).get<double>();
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
+  if (given.mattes || walks(given))
+    return fail(ErrorCode::InvalidArgument,
+                "--plan divides held-out views by frames; --mattes, --orbit and --path are one piece");
+  const Result<std::vector<int>> frames =
+      frames_of_take(given.take, given.frames.empty() ? "0" : given.frames);
+  if (!frames) return forward(frames);
+  return pipeline::plan_of_pieces(given.take, "views", pipeline::pieces_of(*frames, chunk), kFrameSeconds);
+}
+
+// A piece's rows, or the table of all.
+Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const pipeline::PlanItem& item) {
+  ItemEnd end;
+  if (item.count > 0) {
+    Result<Ready> scene = ready(given);
+    if (!scene) return forward(scene);
+    ProgressBar bar;
+    scene->options.frames = item.frames();
+    scene->options.progress = &bar;
+    const Result<std::vector<Row>> rows = held_out_rows(given, *scene->take, scene->options, bar);
+    if (!rows) return forward(rows);
+    const std::string bytes = to_json(*rows).dump();
+    if (Result<void> ok = write_file(plan.done(item.id), bytes); !ok) return forward(ok);
+    end.bytes = bytes.size();
+    return end;
+  }
+  std::vector<Row> all;
+  for (const pipeline::PlanItem& piece : plan.items) {
+    if (piece.count == 0) continue;
+    const Result<std::string> bytes = read_file(plan.done(piece.id));
+    if (!bytes) return forward(bytes);
+    const Result<json> rows = parse_json(*bytes, plan.done(piece.id).string());
+    if (!rows) return forward(rows);
+    for (Row& row : rows_of(*rows)) all.push_back(std::move(row));
+  }
+  if (Result<void> ok = report(given, all); !ok) return forward(ok);
+  return end;
+}
+
+Planned planned(const Options& given) {
+  return {.folder = plan_beside(given.take, "evaluate"),
+          .threads = 0,
+          .make = [given](int chunk) { return make_plan(given, chunk); },
+          .made_from = [given] { return pipeline::plan_inputs(given.take); },
+          .run = [given](const pipeline::Plan& plan,
+                         const pipeline::PlanItem& item) { return run_item(given, plan, item); }};
 }
 
 }  // namespace
@@ -427,7 +526,11 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
   add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));
   add_renderer_flags(*verb, options->renderer);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  add_plan_flags(*verb, options->plan);
+  verb->callback([options, &chosen] {
+    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
+                            [options] { return planned(*options); }};
+  });
 }
 
 }  // namespace floatstage::apps

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/did_you_mean.h"
+#include "apps/plan_flags.h"
 #include "apps/text_options.h"
 #include "core/text.h"
 #include "matting/keyers/keyer.h"
@@ -37,7 +38,7 @@ std::string fault_of(const std::string& word, const std::vector<std::string>& wo
 
 std::vector<std::string> option_groups() {
   return {kGroupCommon, kGroupHull,    kGroupCleanup, kGroupPicture, kGroupWindow,
-          kGroupMattes, kGroupDefects, kGroupRun,     kGroupTuning};
+          kGroupMattes, kGroupDefects, kGroupPlan,    kGroupRun,     kGroupTuning};
 }
 
 CLI::Option* add_take(CLI::App& verb, std::filesystem::path& take, const std::string& help) {

@@ -4,6 +4,7 @@
 #include "apps/command_line.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
+#include "apps/planned.h"
 #include "core/log.h"
 
 namespace {
@@ -17,6 +18,7 @@ int run(const std::vector<std::string>& words) {
     if (!ending->error.empty()) std::fprintf(stderr, "%s\n", ending->error.c_str());
     return ending->code;
   }
+  if (apps::PlannedRun* verb = chosen.run.target<apps::PlannedRun>()) verb->words = words;
   log::set_level(chosen.verbose ? log::Level::Debug : chosen.quiet ? log::Level::Warning : log::Level::Info);
   apps::watch_for_interrupts();
   const Result<void> result = chosen.run();

@@ -6,6 +6,7 @@
 #include "apps/flags.h"
 #include "apps/matte_clip.h"
 #include "apps/matte_doubts.h"
+#include "apps/planned.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/log.h"
@@ -13,6 +14,7 @@
 #include "pipeline/json_report.h"
 #include "pipeline/matte/export_layers.h"
 #include "pipeline/matte/matte_take.h"
+#include "pipeline/plan/process_plan.h"
 
 namespace floatstage::apps {
 namespace {
@@ -27,6 +29,7 @@ struct Options {
   std::filesystem::path json_file;
   pipeline::ExportOptions layers;
   ClipFlags clip;
+  PlanFlags plan;
 };
 
 json to_json(const std::optional<pipeline::ConsistentView>& view) {
@@ -64,10 +67,8 @@ json to_json(const pipeline::MatteReport& report) {
           {"worst", worst}};
 }
 
-Result<void> run(const Options& given) {
-  Result<bool> clip = is_clip(given.matte.take, given.matte.guide, given.clip);
-  if (!clip) return forward(clip);
-  if (*clip) return matte_clip(given.matte.take, given.matte.guide, given.clip, given.json_file);
+// What is asked for of a take.
+Result<pipeline::MatteTakeOptions> options_of(const Options& given) {
   pipeline::MatteTakeOptions options = given.matte;
   if (!given.how.empty()) options.how = given.how;
   if (!given.frames.empty()) {
@@ -75,6 +76,16 @@ Result<void> run(const Options& given) {
     if (!frames) return forward(frames);
     options.frames = std::move(*frames);
   }
+  return options;
+}
+
+Result<void> run(const Options& given) {
+  Result<bool> clip = is_clip(given.matte.take, given.matte.guide, given.clip);
+  if (!clip) return forward(clip);
+  if (*clip) return matte_clip(given.matte.take, given.matte.guide, given.clip, given.json_file);
+  Result<pipeline::MatteTakeOptions> read = options_of(given);
+  if (!read) return forward(read);
+  pipeline::MatteTakeOptions options = std::move(*read);
   ProgressBar bar;
   options.progress = &bar;
   Result<pipeline::MatteReport> report = pipeline::matte_take(options);
@@ -115,6 +126,40 @@ Result<void> run(const Options& given) {
   return check_trusted(options.take, report->doubts);
 }
 
+// The verb's work by items; what it says, it says of all when they are done.
+Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const pipeline::PlanItem& item) {
+  Result<pipeline::MatteTakeOptions> options = options_of(given);
+  if (!options) return forward(options);
+  ProgressBar bar;
+  options->progress = &bar;
+  const Result<std::uint64_t> bytes = pipeline::run_matte_item(plan, item, *options);
+  if (!bytes) return forward(bytes);
+  if (&item != &plan.items.back()) return ItemEnd{*bytes, {}};
+  Options rest = given;
+  rest.matte.redo = false;
+  return end_of(run(rest));
+}
+
+Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
+  Result<bool> clip = is_clip(given.matte.take, given.matte.guide, given.clip);
+  if (!clip) return forward(clip);
+  if (*clip)
+    return fail(ErrorCode::InvalidArgument,
+                "--plan divides a take's cameras; a clip is one piece, whose frames need one another");
+  const Result<pipeline::MatteTakeOptions> options = options_of(given);
+  if (!options) return forward(options);
+  return pipeline::plan_mattes(*options, chunk);
+}
+
+Planned planned(const Options& given) {
+  return {.folder = plan_beside(given.matte.take, "matte"),
+          .threads = given.matte.threads,
+          .make = [given](int chunk) { return make_plan(given, chunk); },
+          .made_from = [given] { return pipeline::plan_inputs(given.matte.take); },
+          .run = [given](const pipeline::Plan& plan,
+                         const pipeline::PlanItem& item) { return run_item(given, plan, item); }};
+}
+
 }  // namespace
 
 void add_matte(CLI::App& app, Chosen& chosen) {
@@ -147,7 +192,11 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->group(kGroupTuning);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  add_plan_flags(*verb, options->plan);
+  verb->callback([options, &chosen] {
+    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
+                            [options] { return planned(*options); }};
+  });
 }
 
 }  // namespace floatstage::apps

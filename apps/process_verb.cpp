@@ -5,12 +5,14 @@
 #include "apps/flags.h"
 #include "apps/hull_flags.h"
 #include "apps/matte_doubts.h"
+#include "apps/planned.h"
 #include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/log.h"
 #include "core/take_layout.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
+#include "pipeline/plan/process_plan.h"
 #include "pipeline/process/process.h"
 
 namespace floatstage::apps {
@@ -21,6 +23,7 @@ struct Options {
   std::string how, frames;
   std::filesystem::path json_file;
   HullFlags hull;
+  PlanFlags plan;
 };
 
 nlohmann::json to_json(const pipeline::StageReport& stage) {
@@ -117,7 +120,7 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
                 report.meshes.others);
 }
 
-Result<void> run(const Options& given) {
+Result<pipeline::ProcessOptions> options_of(const Options& given) {
   pipeline::ProcessOptions options = given.process;
   if (!given.how.empty()) options.matte = given.how;
   if (!given.frames.empty()) {
@@ -128,6 +131,14 @@ Result<void> run(const Options& given) {
   Result<recon::HullOptions> hull = pipeline::hull_options(given.hull);
   if (!hull) return forward(hull);
   if (given.hull.given()) options.hull = *hull;
+  return options;
+}
+
+Result<void> run(const Options& given) {
+  Result<pipeline::ProcessOptions> read = options_of(given);
+  if (!read) return forward(read);
+  pipeline::ProcessOptions options = std::move(*read);
+  options.gathered = given.process.gathered;
   ProgressBar bar;
   options.progress = &bar;
   Result<pipeline::ProcessReport> report = pipeline::process_take(options);
@@ -154,6 +165,34 @@ Result<void> run(const Options& given) {
   return {};
 }
 
+// The verb's work by items; what it says, it says of all when they are done.
+Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const pipeline::PlanItem& item) {
+  Result<pipeline::ProcessOptions> options = options_of(given);
+  if (!options) return forward(options);
+  ProgressBar bar;
+  options->progress = &bar;
+  const Result<std::uint64_t> bytes = pipeline::run_process_item(plan, item, *options);
+  if (!bytes) return forward(bytes);
+  if (&item != &plan.items.back()) return ItemEnd{*bytes, {}};
+  Options rest = given;
+  rest.process.redo = false;
+  rest.process.gathered = true;
+  return end_of(run(rest));
+}
+
+Planned planned(const Options& given) {
+  return {.folder = plan_beside(given.process.take, "process"),
+          .threads = given.process.threads,
+          .make = [given](int chunk) -> Result<pipeline::Plan> {
+            const Result<pipeline::ProcessOptions> options = options_of(given);
+            if (!options) return forward(options);
+            return pipeline::plan_process(*options, chunk);
+          },
+          .made_from = [given] { return pipeline::plan_inputs(given.process.take); },
+          .run = [given](const pipeline::Plan& plan,
+                         const pipeline::PlanItem& item) { return run_item(given, plan, item); }};
+}
+
 }  // namespace
 
 void add_process(CLI::App& app, Chosen& chosen) {
@@ -171,7 +210,11 @@ void add_process(CLI::App& app, Chosen& chosen) {
   add_hull_flags(*verb, options->hull);
   add_threads(*verb, options->process.threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  add_plan_flags(*verb, options->plan);
+  verb->callback([options, &chosen] {
+    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
+                            [options] { return planned(*options); }};
+  });
 }
 
 }  // namespace floatstage::apps

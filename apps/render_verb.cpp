@@ -4,6 +4,7 @@
 
 #include "apps/flags.h"
 #include "apps/orbit_flags.h"
+#include "apps/planned.h"
 #include "apps/progress_bar.h"
 #include "apps/renderer_options.h"
 #include "apps/text_options.h"
@@ -13,6 +14,7 @@
 #include "pipeline/film_file.h"
 #include "pipeline/json_report.h"
 #include "pipeline/orbit.h"
+#include "pipeline/plan/process_plan.h"
 #include "pipeline/scene_loader.h"
 #include "render/back_end.h"
 
@@ -31,7 +33,10 @@ struct Options {
   pipeline::FilmOptions film;
   RendererFlags renderer;
   pipeline::OrbitOptions walk;
+  PlanFlags plan;
 };
+
+constexpr double kPictureSeconds = 0.1;  // before the plan has measured it
 
 // The pictures of the film that --pictures names.
 Result<std::vector<int>> parts_asked_for(const Options& given, const capture::TakeReader& take,
@@ -139,6 +144,47 @@ Result<void> run(const Options& given) {
                              given.json_file);
 }
 
+// Parts of the film, so many that there are `chunk` pictures in an item, or one part.
+Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
+  if (!given.pictures.empty())
+    return fail(ErrorCode::InvalidArgument, "--plan makes the whole film; leave out --pictures");
+  Result<pipeline::FilmOptions> film = film_options(given);
+  if (!film) return forward(film);
+  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
+  if (!take) return forward(take);
+  Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
+  if (!frames) return forward(frames);
+  film->frames = std::move(*frames);
+  const Result<pipeline::CameraPath> path = path_of(given, **take, *film);
+  if (!path) return forward(path);
+  const Result<std::vector<int>> whole = pipeline::film_frames(**take, *path, *film);
+  if (!whole) return forward(whole);
+  std::vector<pipeline::PlanItem> pieces;
+  for (const pipeline::FilmParts::Part& part : pipeline::FilmParts::divide(
+           {.pictures = static_cast<int>(whole->size()), .in_one = film->renderer.motion_blur > 0})) {
+    if (pieces.empty() || pieces.back().count + part.count > chunk) pieces.emplace_back().first = part.first;
+    pieces.back().count += part.count;
+  }
+  return pipeline::plan_of_pieces(given.take, "pictures", std::move(pieces), kPictureSeconds);
+}
+
+// Parts, or the film of them.
+Result<ItemEnd> run_item(Options given, const pipeline::Plan&, const pipeline::PlanItem& item) {
+  if (item.count > 0) given.pictures = text(item.first, ":", item.first + item.count);
+  if (item.count > 0) given.json_file.clear();
+  if (Result<void> ok = run(given); !ok) return forward(ok);
+  return ItemEnd();
+}
+
+Planned planned(const Options& given) {
+  return {.folder = plan_beside(given.out, "render"),
+          .threads = 0,
+          .make = [given](int chunk) { return make_plan(given, chunk); },
+          .made_from = [given] { return pipeline::plan_inputs(given.take); },
+          .run = [given](const pipeline::Plan& plan,
+                         const pipeline::PlanItem& item) { return run_item(given, plan, item); }};
+}
+
 }  // namespace
 
 void add_render(CLI::App& app, Chosen& chosen) {
@@ -183,7 +229,11 @@ void add_render(CLI::App& app, Chosen& chosen) {
       ->description(
           "Colour behind the performer; none: opacity instead, in PNGs and in a .mov (ProRes 4444)");
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  add_plan_flags(*verb, options->plan);
+  verb->callback([options, &chosen] {
+    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
+                            [options] { return planned(*options); }};
+  });
 }
 
 }  // namespace floatstage::apps

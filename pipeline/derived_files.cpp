@@ -18,6 +18,20 @@ void sweep_temporaries(const fs::path& folder) {
   for (const fs::path& half : halves) fs::remove(half, error);
 }
 
+Result<void> move_file(const fs::path& from, const fs::path& to) {
+  if (Result<void> ok = make_folder(to.parent_path()); !ok) return ok;
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (!error) return {};
+  if (error != std::errc::cross_device_link)
+    return fail(ErrorCode::Io, text("cannot write ", to.string(), ": ", error.message()));
+  const Result<std::string> bytes = read_file(from);
+  if (!bytes) return forward(bytes);
+  if (Result<void> ok = write_file(to, *bytes); !ok) return ok;
+  fs::remove(from, error);
+  return {};
+}
+
 Result<Claim> claim_take(const fs::path& take, const Progress* progress) {
   bool said = false;
   return wait_for_folder(take, [&] {

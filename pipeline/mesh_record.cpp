@@ -71,6 +71,19 @@ json to_journal(int frame, const MeshEntry& entry, const json& report) {
   return line;
 }
 
+Result<MeshState> state_of_mesh(const TakeLayout& layout, const Rig& rig, const MeshRecord& record,
+                                const std::string& inputs, int frame) {
+  const Result<std::optional<std::string>> there = hash_of(layout.mesh(frame));
+  if (!there) return forward(there);
+  if (!*there) return MeshState::ToMake;
+  const auto known = record.meshes.find(frame);
+  if (known == record.meshes.end() || known->second.mesh != **there) return MeshState::Others;
+  if (known->second.inputs != inputs) return MeshState::ToMake;
+  const Result<MatteHashes> mattes = hashes_of_mattes(layout, rig, frame);
+  if (!mattes) return forward(mattes);
+  return known->second.mattes == *mattes ? MeshState::Kept : MeshState::ToMake;
+}
+
 Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, int frame) {
   MatteHashes all;
   for (const RigCamera& camera : rig.cameras) {

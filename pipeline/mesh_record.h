@@ -38,6 +38,12 @@ Result<void> save_mesh_record(const MeshRecord& record, const TakeLayout& layout
 /// The journal's line of one frame.
 nlohmann::json to_journal(int frame, const MeshEntry& entry, const nlohmann::json& report);
 
+/// What is to be done about a mesh: it is missing, or ours and made from something else than what is there
+/// now (`inputs` and the mattes); or it is as it should be; or of unknown origin, and used as it is.
+enum class MeshState { ToMake, Kept, Others };
+Result<MeshState> state_of_mesh(const TakeLayout& layout, const Rig& rig, const MeshRecord& record,
+                                const std::string& inputs, int frame);
+
 /// Of an instant's mattes as they lie on disk.
 Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, int frame);
 

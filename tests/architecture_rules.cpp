@@ -89,6 +89,7 @@ const std::map<std::string, int>& ranks() {
                                                    {"pipeline/calibrate", 4},
                                                    {"pipeline/evaluate", 4},
                                                    {"pipeline/demo", 5},
+                                                   {"pipeline/plan", 5},
                                                    {"studio/messages", 0},
                                                    {"studio/network", 1},
                                                    {"studio/page", 1},

@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/derived_files.h"
 
 namespace floatstage::pipeline {
 
@@ -65,6 +66,18 @@ Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& 
   camera.forget(frame);
   if (healing) camera.healed[frame] = *healing;
   return *before != hash;
+}
+
+Result<void> MatteStore::adopt(const std::string& serial, int frame, const fs::path& file,
+                               const std::string& hash) {
+  if (Result<void> ok = journal_.add({{"camera", serial}, {"frame", frame}, {"sha256", hash}}); !ok)
+    return ok;
+  if (Result<void> ok = move_file(file, layout_.matte(serial, frame)); !ok) return ok;
+  const std::lock_guard lock(mutex_);
+  CameraRecord& camera = record_[serial];
+  camera.files[frame] = hash;
+  camera.forget(frame);
+  return {};
 }
 
 Result<void> MatteStore::remove(const std::string& serial, int frame) {

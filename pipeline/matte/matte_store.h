@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -21,7 +22,7 @@ enum class MatteOrigin {
 };
 
 /// A take's mattes/ and the record of what was made in it: the one way by which the program writes mattes.
-/// put() and remove() are thread safe, the rest is not.
+/// put(), adopt() and remove() are thread safe, the rest is not.
 class MatteStore {
  public:
   /// Errors: those of load_matte_record().
@@ -41,6 +42,9 @@ class MatteStore {
   /// `healing`: what the record says of it, if it was made by the others' evidence.
   Result<bool> put(const std::string& serial, int frame, const Image& matte,
                    const std::optional<Healing>& healing = {});
+  /// Puts a matte into its place that was made elsewhere: `file`, which is gone afterwards, has this hash.
+  Result<void> adopt(const std::string& serial, int frame, const std::filesystem::path& file,
+                     const std::string& hash);
   /// There is no matte of this frame; none is no error. Only of ours.
   Result<void> remove(const std::string& serial, int frame);
 

@@ -111,6 +111,16 @@ Result<void> make_spectral(capture::TakeReader& take, Run& run, MatteJob& job, i
   return {};
 }
 
+// A camera that is worked through as a whole is one run's, of those that share the job.
+void give_to_one_run(const MatteTakeOptions& options, MatteJob& job) {
+  if (options.of_frames.empty() || !job.matting || !job.matting->spectral()) return;
+  const bool mine = job.wanted[static_cast<std::size_t>(options.of_frames.front())];
+  for (const int frame : options.of_frames) {
+    const std::size_t f = static_cast<std::size_t>(frame);
+    job.todo[f] = mine && (job.todo[f] || !job.there[f]);
+  }
+}
+
 bool is_spectral(const MatteJob& job) { return job.matting && job.matting->spectral(); }
 bool by_frames(const MatteJob& job) { return job.matting && !job.matting->spectral(); }
 
@@ -253,6 +263,7 @@ Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions
   if (!jobs) return forward(jobs);
   Run run(**store, options.progress);
   if (Result<void> ok = prepare_all(take, options, run, *jobs); !ok) return forward(ok);
+  for (MatteJob& job : *jobs) give_to_one_run(options, job);
   MatteReport report;
   say_how(**store, *jobs, report.remarks);
   Result<void> made = make_all(take, options, *edits, run, *jobs, report);

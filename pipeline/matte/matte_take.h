@@ -21,6 +21,9 @@ struct MatteTakeOptions {
   std::filesystem::path guide = {};       ///< others' mattes to start from: <serial>/<frame>.png; empty: none
   std::vector<std::string> cameras = {};  ///< serials; empty: all
   std::vector<int> frames = {};           ///< empty: all
+  /// Of a job that several runs share, each with frames of its own: all frames of the job, in order. Where
+  /// mattes of a camera depend on one another, the run that has the first makes them all, the others none.
+  std::vector<int> of_frames = {};
   int threads = 0;                        ///< 0: one per core
   bool redo = false;                      ///< make again what we made, whatever the way; others' files stay
   bool check = true;                      ///< flicker, and silhouettes against the others' hull

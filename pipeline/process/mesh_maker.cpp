@@ -100,9 +100,8 @@ class HullWorkspaces {
 };
 
 // The mesh of these mattes, written under `file`.
-Result<json> make_mesh(const Rig& rig, int frame, const std::vector<Matte>& mattes,
-                       const recon::HullOptions& options, HullWorkspaces::Slot& slot,
-                       EvidenceCollector& evidence, const fs::path& file) {
+Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes,
+                       const recon::HullOptions& options, HullWorkspaces::Slot& slot, const fs::path& file) {
   json iou = json::object();
   if (nobody_on_stage(mattes)) {
     if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
@@ -114,7 +113,6 @@ Result<json> make_mesh(const Rig& rig, int frame, const std::vector<Matte>& matt
   if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
   for (std::size_t c = 0; c < hull.silhouette_iou.size(); ++c)
     iou[rig.cameras[c].serial] = hull.silhouette_iou[c];  // NaN becomes null: this camera had no matte
-  evidence.note(frame, hull, mattes);
   json report = {{"volume", hull.volume},          {"empty", hull.mesh.empty()},
                  {"trusted", !hull.contradictory}, {"cut", hull.cut},
                  {"crumbs", hull.crumbs},          {"remarks", hull.remarks},
@@ -192,17 +190,10 @@ class MeshMaker {
  private:
   Result<void> work(int frame, std::optional<FrameHull>& hull, char& others) {
     const fs::path file = take_.layout().mesh(frame);
-    const Result<std::optional<std::string>> there = hash_of(file);
-    if (!there) return forward(there);
-    const auto known = record_.meshes.find(frame);
-    if (*there && (known == record_.meshes.end() || known->second.mesh != **there))
-      return others = 1, collector_.kept(true), Result<void>();
-    if (*there && !options_.redo) {
-      const Result<MatteHashes> mattes = hashes_of_mattes(take_.layout(), take_.rig(), frame);
-      if (!mattes) return forward(mattes);
-      if (known->second.mattes == *mattes && known->second.inputs == inputs_)
-        return collector_.kept(false), Result<void>();
-    }
+    const Result<MeshState> state = state_of_mesh(take_.layout(), take_.rig(), record_, inputs_, frame);
+    if (!state) return forward(state);
+    if (*state == MeshState::Others) return others = 1, collector_.kept(true), Result<void>();
+    if (*state == MeshState::Kept && !options_.redo) return collector_.kept(false), Result<void>();
     return make(frame, file, hull);
   }
 
@@ -212,8 +203,9 @@ class MeshMaker {
     if (!mattes) return forward(mattes);
     const fs::path whole = temporary_name(file);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
-    Result<json> report = make_mesh(take_.rig(), frame, *mattes, hull_, *slot, evidence_, whole);
+    Result<json> report = make_mesh(take_.rig(), *mattes, hull_, *slot, whole);
     if (report && !report->at("empty")) report = heal(frame, *mattes, *slot, whole, std::move(*report), made);
+    if (report && report->contains("silhouettes")) evidence_.note(frame, slot->report, *mattes);
     workspaces_.give_back(std::move(slot));
     if (!report) return forward(report);
     const Result<std::optional<std::string>> hash = hash_of(whole);
@@ -240,7 +232,8 @@ class MeshMaker {
     if (!*healed) return report;
     Result<std::vector<Matte>> read = load_mattes(take_, frame, &made.entry.mattes);
     if (!read) return forward(read);
-    return make_mesh(take_.rig(), frame, *read, hull_, slot, evidence_, file);
+    mattes = std::move(*read);
+    return make_mesh(take_.rig(), mattes, hull_, slot, file);
   }
 
   /// Frames whose mesh holds no subject, whenever it was made. Those that somebody put there are read: the

@@ -19,16 +19,7 @@ namespace {
 
 Result<StageReport> make_mattes(capture::TakeReader& take, const ProcessOptions& options,
                                 ProcessReport& report) {
-  const MatteTakeOptions wanted{.take = options.take,
-                                .how = options.matte,
-                                .guide = options.guide,
-                                .cameras = options.cameras,
-                                .frames = options.frames,
-                                .threads = options.threads,
-                                .redo = options.redo,
-                                .check = false,
-                                .progress = options.progress};
-  Result<MatteReport> made = matte_take(take, wanted);
+  Result<MatteReport> made = matte_take(take, matte_options(options));
   if (!made) return forward(made);
   StageReport stage;
   for (CameraMattes& camera : made->cameras) {
@@ -51,7 +42,20 @@ void forget_failures(ProcessReport& report) {
       });
 }
 
-// The options to go on with.
+}  // namespace
+
+MatteTakeOptions matte_options(const ProcessOptions& options) {
+  return {.take = options.take,
+          .how = options.matte,
+          .guide = options.guide,
+          .cameras = options.cameras,
+          .frames = options.frames,
+          .threads = options.threads,
+          .redo = options.redo,
+          .check = false,
+          .progress = options.progress};
+}
+
 Result<recon::HullOptions> settle_hull_options(const capture::TakeReader& take, const ProcessOptions& options,
                                                const MeshRecord& record) {
   recon::HullOptions hull = *hull_options(HullWords());
@@ -66,8 +70,6 @@ Result<recon::HullOptions> settle_hull_options(const capture::TakeReader& take, 
       text(take.layout().meshes().string(), " was made with other hull options (", record.options.dump(),
            "); leave the flags out to go on with them, or add --redo to make its meshes again"));
 }
-
-}  // namespace
 
 Result<ProcessReport> process_take(const ProcessOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
@@ -96,7 +98,7 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   if (Result<void> ok = make_meshes(take, options, *hull, std::move(*record), frames, report); !ok)
     return forward(ok);
   forget_failures(report);
-  if (report.meshes.made > 0) {
+  if (report.meshes.made > 0 || options.gathered) {
     Result<std::vector<std::string>> doubts = pose_doubts(take, frames, options.threads, options.progress);
     if (!doubts) return forward(doubts);
     report.pose_doubts = *std::move(doubts);

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "capture/take.h"
 #include "core/result.h"
 #include "pipeline/matte/matte_take.h"
+#include "pipeline/mesh_record.h"
 #include "pipeline/process/heal_mattes.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
@@ -23,7 +25,8 @@ struct ProcessOptions {
                                           ///< from all mattes that there are
   std::vector<int> frames = {};           ///< empty: all
   int threads = 0;                        ///< 0: one per core
-  bool redo = false;                      ///< make again what we made, with these options; others' files stay
+  bool gathered = false;  ///< a plan's items made meshes for this run, which speaks of them as of its own
+  bool redo = false;      ///< make again what we made, with these options; others' files stay
   Progress* progress = nullptr;           ///< null: unwatched
 };
 
@@ -52,6 +55,13 @@ struct ProcessReport {
   std::optional<CleanupCost> cleanup = {};  ///< what clean-up cost at most; absent: none was wished
   double seconds = 0;
 };
+
+/// The hull options that a run goes on with: those asked for, else those of the record, else the usual ones.
+/// AlreadyExists when the record's meshes were made with others, without `redo`.
+Result<recon::HullOptions> settle_hull_options(const capture::TakeReader& take, const ProcessOptions& options,
+                                               const MeshRecord& record);
+/// What of the options is about mattes.
+MatteTakeOptions matte_options(const ProcessOptions& options);
 
 /// Every offline stage on a take: mattes (matte_take()), then meshes. Does only what is missing or was made
 /// from something else than what is there now: a mesh is made again when a matte of its instant has changed.
