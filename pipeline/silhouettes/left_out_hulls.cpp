@@ -16,6 +16,7 @@ using calib::SilhouetteWitness;
 
 constexpr int kScale = 2;                  // of the pictures that hulls are drawn in
 constexpr std::size_t kQuickPoints = 500;  // of an outline: neighbours err together, and tell little more
+constexpr double kQuickTolerance = 0.5;    // px: of hulls of which only the IoU is asked, as `process` has it
 constexpr double kTolerance = 0.25;        // px: outlines of hulls that are measured to a tenth of that
 
 CameraModel enlarged(CameraModel model) {
@@ -64,7 +65,8 @@ Mesh LeftOutHulls::hull_without(const Rig& rig, std::size_t instant, const Left&
 SilhouetteTurn LeftOutHulls::turn_of(const Rig& rig, std::size_t camera) const {
   std::vector<Mesh> hulls(instants_.size());
   for (std::size_t i = 0; i < instants_.size(); ++i)
-    hulls[i] = hull_without(rig, i, [&](std::size_t c) { return c == camera; });
+    hulls[i] = hull_without(
+        rig, i, [&](std::size_t c) { return quick_ ? groups_.of(c) == groups_.of(camera) : c == camera; });
   return turn_against(rig, camera, hulls);
 }
 
@@ -89,7 +91,9 @@ std::vector<SilhouetteTurn> LeftOutHulls::turns_of(const Rig& rig) const {
 std::optional<double> LeftOutHulls::iou_of(const Rig& rig) const {
   std::vector<double> all(instants_.size() * rig.cameras.size(), NAN);
   parallel_for(instants_.size(), threads_, [&](std::size_t i) {
-    const auto hull = recon::visual_hull(rig, instants_[i], silhouette_hull_options(true));
+    recon::HullOptions options = silhouette_hull_options(true);
+    if (quick_) options.contour_tolerance = kQuickTolerance, options.quality_step = 4;
+    const auto hull = recon::visual_hull(rig, instants_[i], options);
     if (hull)
       std::copy(hull->silhouette_iou.begin(), hull->silhouette_iou.end(),
                 all.begin() + static_cast<std::ptrdiff_t>(i * rig.cameras.size()));

@@ -31,7 +31,7 @@ class LeftOutHulls {
   LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& instants, bool quick, int threads,
                Progress* progress);
 
-  /// Of one camera, against hulls of all others: what is measured best.
+  /// Of one camera, against hulls of all others: what is measured best; quickly, of those of other groups.
   calib::SilhouetteTurn turn_of(const Rig& rig, std::size_t camera) const;
 
   /// Of every camera, against a few hulls (CameraGroups); unknown where the run was cancelled.
