@@ -460,7 +460,12 @@ Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const
     if (!bytes) return forward(bytes);
     const Result<json> rows = parse_json(*bytes, plan.done(piece.id).string());
     if (!rows) return forward(rows);
-    for (Row& row : rows_of(*rows)) all.push_back(std::move(row));
+    try {
+      for (Row& row : rows_of(*rows)) all.push_back(std::move(row));
+    } catch (const json::exception& e) {
+      return fail(ErrorCode::BadData, text(plan.done(piece.id).string(), " holds no scores (", e.what(),
+                                           "); remove the plan's folder and begin anew"));
+    }
   }
   if (Result<void> ok = report(given, all); !ok) return forward(ok);
   return end;
@@ -526,11 +531,7 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
   add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));
   add_renderer_flags(*verb, options->renderer);
   add_json(*verb, options->json_file);
-  add_plan_flags(*verb, options->plan);
-  verb->callback([options, &chosen] {
-    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
-                            [options] { return planned(*options); }};
-  });
+  add_planned_run(*verb, chosen, options, run, planned);
 }
 
 }  // namespace floatstage::apps

@@ -192,11 +192,7 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->group(kGroupTuning);
-  add_plan_flags(*verb, options->plan);
-  verb->callback([options, &chosen] {
-    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
-                            [options] { return planned(*options); }};
-  });
+  add_planned_run(*verb, chosen, options, run, planned);
 }
 
 }  // namespace floatstage::apps

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/plan_flags.h"
+#include "apps/verbs.h"
 #include "core/result.h"
 #include "pipeline/plan/plan.h"
 
@@ -47,6 +49,17 @@ struct PlannedRun {
 
   Result<void> operator()() const;
 };
+
+/// The flags of --plan, and what the verb then does: of options that hold a PlanFlags `plan`, by itself
+/// (`run`) or as items (`planned`).
+template <class Options>
+void add_planned_run(CLI::App& verb, Chosen& chosen, const std::shared_ptr<Options>& options,
+                     Result<void> (*run)(const Options&), Planned (*planned)(const Options&)) {
+  add_plan_flags(verb, options->plan);
+  verb.callback([=, &chosen] {
+    chosen.run = PlannedRun{options->plan, [=] { return run(*options); }, [=] { return planned(*options); }};
+  });
+}
 
 /// Makes the plan, or goes on with the one that lies there, and ends as the verb would. `words`: the command
 /// line. AlreadyExists when the folder has an unfinished plan of something else.

@@ -138,7 +138,6 @@ Result<void> run(const Options& given) {
   Result<pipeline::ProcessOptions> read = options_of(given);
   if (!read) return forward(read);
   pipeline::ProcessOptions options = std::move(*read);
-  options.gathered = given.process.gathered;
   ProgressBar bar;
   options.progress = &bar;
   Result<pipeline::ProcessReport> report = pipeline::process_take(options);
@@ -210,11 +209,7 @@ void add_process(CLI::App& app, Chosen& chosen) {
   add_hull_flags(*verb, options->hull);
   add_threads(*verb, options->process.threads);
   add_json(*verb, options->json_file);
-  add_plan_flags(*verb, options->plan);
-  verb->callback([options, &chosen] {
-    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
-                            [options] { return planned(*options); }};
-  });
+  add_planned_run(*verb, chosen, options, run, planned);
 }
 
 }  // namespace floatstage::apps

@@ -229,11 +229,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
       ->description(
           "Colour behind the performer; none: opacity instead, in PNGs and in a .mov (ProRes 4444)");
   add_json(*verb, options->json_file);
-  add_plan_flags(*verb, options->plan);
-  verb->callback([options, &chosen] {
-    chosen.run = PlannedRun{options->plan, [options] { return run(*options); },
-                            [options] { return planned(*options); }};
-  });
+  add_planned_run(*verb, chosen, options, run, planned);
 }
 
 }  // namespace floatstage::apps

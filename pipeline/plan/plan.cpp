@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <ctime>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
 #include "core/json_fields.h"
+#include "core/rig.h"
 #include "core/text.h"
 
 namespace floatstage::pipeline {
@@ -16,6 +18,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kVersion = 1;
+constexpr int kMostFrames = 1 << 24;  // of an item: a week of 25 a second
 
 json to_json(const PlanItem& item) {
   return {{"id", item.id},
@@ -37,6 +40,11 @@ PlanItem item_of(const json& j) {
   item.units = j.at("units"), item.seconds = j.at("seconds");
   item.bytes_in = j.at("bytes_in"), item.bytes_out = j.at("bytes_out");
   item.with = j.at("with");
+  // Ids name files: they must not lead out of the folder.
+  if (!is_usable_serial(item.id)) throw std::invalid_argument(text("'", item.id, "' names no item"));
+  if (item.first < 0 || item.count < 0 || item.count > kMostFrames || item.step < 1 ||
+      item.first + std::int64_t{item.count} * item.step > std::numeric_limits<int>::max())
+    throw std::invalid_argument(text("item ", item.id, " has frames that no take has"));
   return item;
 }
 
@@ -103,6 +111,7 @@ Result<Plan> load_plan(const fs::path& folder) {
     plan.cameras = j.at("cameras");
     plan.stale = j.at("stale");
     for (const json& item : j.at("items")) plan.items.push_back(item_of(item));
+    if (plan.items.empty()) throw std::invalid_argument("no items");
     return plan;
   });
 }
@@ -128,9 +137,12 @@ Result<std::optional<ItemResult>> load_result(const Plan& plan, const std::strin
                  .seconds = j.at("seconds"),
                  .bytes = j.at("bytes"),
                  .error = {}};
-    if (j.contains("error"))
-      r.error =
-          Error{static_cast<ErrorCode>(j.at("error").at("code").get<int>()), j.at("error").at("message")};
+    if (j.contains("error")) {
+      const int code = j.at("error").at("code");
+      if (code < 0 || code > static_cast<int>(ErrorCode::Cancelled))
+        throw std::invalid_argument(text("error ", code, " is none"));
+      r.error = Error{static_cast<ErrorCode>(code), j.at("error").at("message")};
+    }
     return r;
   });
   if (!result && result.error().code == ErrorCode::NotFound) return std::optional<ItemResult>();
