@@ -22,8 +22,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using Eigen::Vector4f;
 
-constexpr double kHorizon = 1e-9;
-
 /// A level in floats.
 struct Level {
   int width = 0, height = 0;
@@ -111,16 +109,6 @@ Vector4f bilinear(const Image& level, const Vector2d& uv) {
          b * ((1 - a) * at(left, top + 1) + a * at(left + 1, top + 1));
 }
 
-double level_of_detail(const MipPyramid& p, const Vector2d& du, const Vector2d& dv) {
-  const Vector2d size(p.levels()[0].width, p.levels()[0].height);
-  return std::log2(std::max({du.cwiseProduct(size).norm(), dv.cwiseProduct(size).norm(), 1e-12}));
-}
-
-// How a small step becomes a step, at a point in front of the horizon.
-Eigen::Matrix2d jacobian(const Matrix3d& h, const Vector3d& p) {
-  return (h.topLeftCorner<2, 2>() - p.hnormalized() * h.block<1, 2>(2, 0)) / p.z();
-}
-
 }  // namespace
 
 double wrapped(double x, Zipmap::Wrap wrap) {
@@ -128,6 +116,15 @@ double wrapped(double x, Zipmap::Wrap wrap) {
   if (wrap == Zipmap::Wrap::Repeat) return x - std::floor(x);
   const double t = std::fmod(std::abs(x), 2.0);
   return t < 1 ? t : 2 - t;
+}
+
+double level_of_detail(const MipPyramid& p, const Vector2d& du, const Vector2d& dv) {
+  const Vector2d size(p.levels()[0].width, p.levels()[0].height);
+  return std::log2(std::max({du.cwiseProduct(size).norm(), dv.cwiseProduct(size).norm(), 1e-12}));
+}
+
+Eigen::Matrix2d step_under(const Matrix3d& h, const Vector3d& p) {
+  return (h.topLeftCorner<2, 2>() - p.hnormalized() * h.block<1, 2>(2, 0)) / p.z();
 }
 
 MipPyramid::MipPyramid(const Image& picture, bool clear_border) {
@@ -190,7 +187,7 @@ Vector3f Zipmap::shade_over(Vector3f color, const Vector2d& uv, const Vector2d& 
     if (!(p.z() > kHorizon)) continue;
     const Vector2d at = p.hnormalized();
     if (at.x() < 0 || at.y() < 0 || at.x() > 1 || at.y() > 1) continue;
-    const Eigen::Matrix2d j = jacobian(m, p);
+    const Eigen::Matrix2d j = step_under(m, p);
     const MipPyramid& picture = pictures_[patches_[i].picture];
     const Vector4f c = picture.sample(at, level_of_detail(picture, j * du, j * dv));
     color += c[3] * (c.head<3>() - color);
@@ -210,7 +207,7 @@ Image Zipmap::draw(const Matrix3d& uv_from_pixel, int width, int height, Wrap wr
     for (int x = 0; x < width; ++x) {
       const Vector3d p = uv_from_pixel * Vector3d(x + 0.5, static_cast<double>(row) + 0.5, 1);
       if (!(p.z() > kHorizon)) continue;
-      const Eigen::Matrix2d j = jacobian(uv_from_pixel, p);
+      const Eigen::Matrix2d j = step_under(uv_from_pixel, p);
       const Vector3f c = shade(p.hnormalized(), j.col(0), j.col(1), wrap);
       for (int k = 0; k < 3; ++k)
         out.at(x, static_cast<int>(row))[k] =
@@ -233,7 +230,7 @@ double Zipmap::finest() const {
     const Image& picture = pictures_[patch.picture].levels()[0];
     const Vector3d middle = patch.patch_from_root.inverse() * Vector3d(0.5, 0.5, 1);
     const Vector3d p = patch.patch_from_root * middle.hnormalized().homogeneous();
-    const double area = std::abs(jacobian(patch.patch_from_root, p).determinant()) * picture.width *
+    const double area = std::abs(step_under(patch.patch_from_root, p).determinant()) * picture.width *
                         picture.height / (static_cast<double>(root.width) * root.height);
     most = std::max(most, std::sqrt(area));
   }

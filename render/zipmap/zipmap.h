@@ -70,6 +70,8 @@ class Zipmap {
   /// Texels of the finest patch on one of the root, linear; 1 without patches.
   double finest() const;
   const std::vector<Patch>& patches() const { return patches_; }
+  const MipPyramid& root() const { return root_; }
+  const std::vector<MipPyramid>& pictures() const { return pictures_; }
 
  private:
   Zipmap(MipPyramid root, std::vector<MipPyramid> pictures, std::vector<Patch> patches);
@@ -80,5 +82,15 @@ class Zipmap {
 
 /// A root's coordinate in [0, 1] (5.2.4).
 double wrapped(double coordinate, Zipmap::Wrap wrap);
+
+/// The level of detail at which `picture` is seen where a pixel's steps to the right and down are `du` and
+/// `dv` of its coordinates (OpenGL 4.5, 8.14.1); below 0: magnified.
+double level_of_detail(const MipPyramid& picture, const Eigen::Vector2d& du, const Eigen::Vector2d& dv);
+
+/// How a small step becomes one under the homography `h`, where `p` = h * (x, y, 1) lies before the horizon.
+Eigen::Matrix2d step_under(const Eigen::Matrix3d& h, const Eigen::Vector3d& p);
+
+/// A point shows nothing whose third homogeneous coordinate is not larger than this.
+inline constexpr double kHorizon = 1e-9;
 
 }  // namespace floatstage::render

@@ -6,45 +6,16 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "tests/render/zipmap/pictures.h"
 #include "tests/support/matchers.h"
 
 namespace floatstage::render {
 namespace {
 
+using namespace test;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3f;
-
-Image noise(int width, int height, int channels, std::uint64_t seed) {
-  Random random(seed);
-  Image image(width, height, channels);
-  for (std::uint8_t& v : image.pixels) v = static_cast<std::uint8_t>(random.next() & 255);
-  return image;
-}
-
-// Over the part of the root that begins at (u, v) and is `size` wide and high.
-Zipmap::Patch patch(std::size_t picture, double u, double v, double size) {
-  Zipmap::Patch p{picture, Matrix3d::Identity()};
-  p.patch_from_root(0, 0) = p.patch_from_root(1, 1) = 1 / size;
-  p.patch_from_root(0, 2) = -u / size;
-  p.patch_from_root(1, 2) = -v / size;
-  return p;
-}
-
-// A window of the root, `size` wide, on so many pixels.
-Matrix3d window(double u, double v, double size, int width) {
-  Matrix3d m = Matrix3d::Identity();
-  m(0, 0) = m(1, 1) = size / width;
-  m(0, 2) = u;
-  m(1, 2) = v;
-  return m;
-}
-
-double mean_difference(const Image& a, const Image& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += std::abs(a.pixels[i] - b.pixels[i]);
-  return sum / static_cast<double>(a.pixels.size());
-}
 
 TEST(MipPyramid, HasAClearBorderAtEveryLevelDownToOneTexelWhateverTheSize) {
   for (const auto& [w, h] : {std::pair(64, 64), {37, 21}, {1, 1}, {2, 300}, {129, 5}, {255, 256}}) {
@@ -114,45 +85,24 @@ TEST(AZipmap, WhosePatchesShowTheRootsColoursHasNoSeams) {
 
 TEST(AZipmap, InSeveralPassesIsThatInOne) {
   for (const int count : {1, 15, 16, 40, 255}) {
-    Random random(7);
-    std::vector<Zipmap::Patch> patches;
-    for (int i = 0; i < count; ++i)
-      patches.push_back(
-          patch(static_cast<std::size_t>(i % 3), random.uniform(0, 0.7), random.uniform(0, 0.7), 0.3));
-    const Zipmap zipmap = *Zipmap::make(
-        noise(40, 30, 3, 1), {noise(20, 20, 4, 2), noise(31, 17, 4, 3), noise(64, 64, 4, 4)}, patches);
+    Random random(9);
+    const Zipmap zipmap = scattered(count);
+    const std::size_t all = zipmap.patches().size();
     const Vector2d du(0.004, 0), dv(0, 0.004);
     for (int i = 0; i < 50; ++i) {
       const Vector2d uv(random.uniform(-1, 2), random.uniform(-1, 2));
       const Vector3f one = zipmap.shade(uv, du, dv, Zipmap::Wrap::Repeat);
       Vector3f passes = Zipmap::make(noise(40, 30, 3, 1), {}, {})->shade(uv, du, dv, Zipmap::Wrap::Repeat);
-      for (std::size_t first = 0; first < patches.size(); first += 15)
-        passes = zipmap.shade_over(passes, uv, du, dv, first, std::min(first + 15, patches.size()),
-                                   Zipmap::Wrap::Repeat);
+      for (std::size_t first = 0; first < all; first += 15)
+        passes =
+            zipmap.shade_over(passes, uv, du, dv, first, std::min(first + 15, all), Zipmap::Wrap::Repeat);
       ASSERT_EQ(one, passes) << count;
     }
   }
 }
 
 TEST(AZipmap, DoesNotPopWhileOneZoomsIn) {
-  // Patches that show the same thing ever closer, as photographs do.
-  const auto scene = [](double u, double v) {
-    // Gentle enough that what moves by a pixel's part changes little: what is left are jumps.
-    return 128 + 50 * std::sin(6 * u + 3 * v) + 12 * std::sin(90 * u * v) + 4 * std::cos(220 * v + 11 * u);
-  };
-  const auto photograph = [&](double u, double v, double size, int n) {
-    Image image(n, n, 3);
-    for (int y = 0; y < n; ++y)
-      for (int x = 0; x < n; ++x)
-        for (int c = 0; c < 3; ++c)
-          image.at(x, y)[c] = static_cast<std::uint8_t>(
-              std::clamp(scene(u + size * (x + 0.5) / n, v + size * (y + 0.5) / n), 0.0, 255.0));
-    return image;
-  };
-  const Zipmap zipmap = *Zipmap::make(
-      photograph(0, 0, 1, 256),
-      {photograph(0.3, 0.3, 0.4, 256), photograph(0.42, 0.42, 0.16, 256), photograph(0.47, 0.47, 0.06, 256)},
-      {patch(0, 0.3, 0.3, 0.4), patch(1, 0.42, 0.42, 0.16), patch(2, 0.47, 0.47, 0.06)});
+  const Zipmap zipmap = ever_closer();
   double size = 1, most = 0;
   Image before = zipmap.draw(window(0, 0, 1, 160), 160, 120);
   for (int step = 0; step < 350; ++step) {
@@ -165,16 +115,7 @@ TEST(AZipmap, DoesNotPopWhileOneZoomsIn) {
 }
 
 TEST(AZipmap, TakesAHundredMegabytesWhereAFlatTextureTakesSeventeenThousand) {
-  // 32x into 2048²: a root and five photographs of its size, each twice as close as the last.
-  std::vector<Image> pictures;
-  std::vector<Zipmap::Patch> patches;
-  double size = 1;
-  for (std::size_t i = 0; i < 4; ++i) {
-    pictures.emplace_back(2048, 2048, 3, 90);
-    size /= i == 3 ? 4 : 2;
-    patches.push_back(patch(i, 0.5 - size / 2, 0.5 - size / 2, size));
-  }
-  const Zipmap zipmap = *Zipmap::make(Image(2048, 2048, 3, 80), pictures, patches);
+  const Zipmap zipmap = thirty_two_times();
   EXPECT_NEAR(zipmap.finest(), 32, 1e-9);
   EXPECT_LE(static_cast<double>(zipmap.bytes()), 115e6);
   EXPECT_LE(static_cast<double>(zipmap.bytes()) / (1 << 20), 110) << "MiB";
