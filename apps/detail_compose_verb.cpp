@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "detail/compose.h"
 #include "detail/graph_json.h"
+#include "pipeline/confined_outputs.h"
 #include "pipeline/json_report.h"
 
 namespace floatstage::apps {
@@ -60,24 +61,32 @@ void print(const detail::Composition& made) {
 
 bool is_jpeg(const fs::path& file) { return file.extension() == ".jpg" || file.extension() == ".jpeg"; }
 
-Result<void> run(const Options& given) {
-  if (!is_picture_file(given.out))
-    return fail(ErrorCode::InvalidArgument,
-                text("--out ", given.out.string(), ": a picture is a .png or a .jpg file"));
+Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline::Progress& progress) {
   Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
   if (!graph) return forward(graph);
   if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
-  ProgressBar bar;
   detail::ComposeOptions options = given.compose;
-  options.watch = watched_by(bar);
+  options.steps = place(given.compose.steps);
+  options.watch = watched_by(progress);
   const Result<detail::Composition> made = detail::compose(*graph, options);
   if (!made) return forward(made);
   if (made->photos.empty())
     std::fprintf(stderr, "floatstage: nothing lies below %s: it is only enlarged\n",
                  graph->photos[static_cast<std::size_t>(graph->root)].photo.name.c_str());
   print(*made);
-  if (Result<void> ok = save_picture(made->picture, given.out); !ok) return ok;
-  return given.json_file.empty() ? Result<void>() : pipeline::save_json(to_json(*made), given.json_file);
+  if (Result<void> ok = save_picture(made->picture, place(given.out)); !ok) return ok;
+  return given.json_file.empty() ? Result<void>()
+                                 : pipeline::save_json(to_json(*made), place(given.json_file));
+}
+
+Result<void> run(const Options& given) {
+  if (!is_picture_file(given.out))
+    return fail(ErrorCode::InvalidArgument,
+                text("--out ", given.out.string(), ": a picture is a .png or a .jpg file"));
+  ProgressBar bar;
+  return pipeline::make_confined(
+      {.what = given.graph.string(), .outputs = {given.out, given.json_file, given.compose.steps}}, &bar,
+      [&](const pipeline::PlaceOf& place, pipeline::Progress* told) { return make(given, place, *told); });
 }
 
 }  // namespace

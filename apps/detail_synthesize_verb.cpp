@@ -11,6 +11,7 @@
 #include "detail/graph_json.h"
 #include "detail/synthesis/deep_zoom.h"
 #include "detail/synthesis/enlarge.h"
+#include "pipeline/confined_outputs.h"
 #include "pipeline/json_report.h"
 
 namespace floatstage::apps {
@@ -52,31 +53,42 @@ void print(const detail::Enlargement& made) {
       100 * made.shares[1], 100 * made.shares[0], made.like_root);
 }
 
+bool is_deep_zoom(const fs::path& file) { return file.extension() == ".dzi"; }
+
+Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline::Progress& progress) {
+  Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
+  if (!graph) return forward(graph);
+  if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
+  detail::EnlargeOptions options = given.enlarge;
+  options.watch = watched_by(progress);
+  const Result<detail::Enlargement> made = detail::enlarge(*graph, options);
+  if (!made) return forward(made);
+  print(*made);
+  if (Result<void> ok = is_deep_zoom(given.out) ? detail::save_deep_zoom(made->picture, place(given.out))
+                                                : save_picture(made->picture, place(given.out));
+      !ok)
+    return ok;
+  if (!given.provenance.empty())
+    if (Result<void> ok = save_png(detail::provenance_picture(made->provenance), place(given.provenance));
+        !ok)
+      return ok;
+  return given.json_file.empty() ? Result<void>()
+                                 : pipeline::save_json(to_json(*made), place(given.json_file));
+}
+
 Result<void> run(const Options& given) {
-  const bool deep_zoom = given.out.extension() == ".dzi";
-  if (!deep_zoom && !is_picture_file(given.out))
+  if (!is_deep_zoom(given.out) && !is_picture_file(given.out))
     return fail(ErrorCode::InvalidArgument, text("--out ", given.out.string(),
                                                  ": a picture is a .png, a .jpg or a .dzi (Deep Zoom) file"));
   if (!given.provenance.empty() && given.provenance.extension() != ".png")
     return fail(ErrorCode::InvalidArgument,
                 text("--provenance ", given.provenance.string(), ": this picture is a .png file"));
-  Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
-  if (!graph) return forward(graph);
-  if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
+  // The tiles before the document that names them.
+  const fs::path tiles = is_deep_zoom(given.out) ? detail::deep_zoom_tiles(given.out) : fs::path();
   ProgressBar bar;
-  detail::EnlargeOptions options = given.enlarge;
-  options.watch = watched_by(bar);
-  const Result<detail::Enlargement> made = detail::enlarge(*graph, options);
-  if (!made) return forward(made);
-  print(*made);
-  if (Result<void> ok = deep_zoom ? detail::save_deep_zoom(made->picture, given.out)
-                                  : save_picture(made->picture, given.out);
-      !ok)
-    return ok;
-  if (!given.provenance.empty())
-    if (Result<void> ok = save_png(detail::provenance_picture(made->provenance), given.provenance); !ok)
-      return ok;
-  return given.json_file.empty() ? Result<void>() : pipeline::save_json(to_json(*made), given.json_file);
+  return pipeline::make_confined(
+      {.what = given.graph.string(), .outputs = {tiles, given.out, given.provenance, given.json_file}}, &bar,
+      [&](const pipeline::PlaceOf& place, pipeline::Progress* told) { return make(given, place, *told); });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "detail/graph_json.h"
+#include "pipeline/confined_outputs.h"
 
 namespace floatstage::apps {
 namespace {
@@ -44,23 +45,36 @@ void print(const detail::PhotoGraph& graph) {
               graph.photos.size(), related, alone, graph.unread.size());
 }
 
-Result<void> run(const Options& given) {
-  ProgressBar bar;
+Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline::Progress& progress) {
   detail::GraphOptions options;
   options.root = given.root;
   options.relations.threads = given.threads;
-  options.relations.watch = watched_by(bar);
+  options.relations.watch = watched_by(progress);
   options.relations.cache = given.cache;
-  if (given.cache.empty() && !given.json_file.empty())
-    options.relations.cache = given.json_file.string() + ".cache";
   const Result<detail::PhotoGraph> graph = detail::build_photo_graph(given.folder, options);
   if (!graph) return forward(graph);
   for (const detail::UnreadPhoto& photo : graph->unread)
     std::fprintf(stderr, "floatstage: left out: %s\n", photo.why.c_str());
   print(*graph);
   if (!given.json_file.empty())
-    if (Result<void> ok = detail::save_graph(*graph, given.json_file); !ok) return ok;
-  return given.dot_file.empty() ? Result<void>() : write_file(given.dot_file, detail::graph_to_dot(*graph));
+    if (Result<void> ok =
+            write_file(place(given.json_file), detail::graph_to_json(*graph, given.json_file.parent_path()));
+        !ok)
+      return ok;
+  if (given.dot_file.empty()) return {};
+  return write_file(place(given.dot_file), detail::graph_to_dot(*graph));
+}
+
+Result<void> run(Options given) {
+  std::error_code error;
+  if (!fs::is_directory(given.folder, error))
+    return fail(ErrorCode::NotFound, text(given.folder.string(), " is no folder of photographs"));
+  if (given.cache.empty() && !given.json_file.empty()) given.cache = given.json_file.string() + ".cache";
+  ProgressBar bar;
+  return pipeline::make_confined(
+      {.what = given.folder.string(), .outputs = {given.json_file, given.dot_file}, .kept = given.cache},
+      &bar,
+      [&](const pipeline::PlaceOf& place, pipeline::Progress* told) { return make(given, place, *told); });
 }
 
 void add_graph(CLI::App& detail, Chosen& chosen) {

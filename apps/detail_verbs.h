@@ -3,18 +3,18 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/image.h"
 #include "detail/photo_graph.h"
 #include "detail/watch.h"
+#include "pipeline/progress.h"
 
 namespace floatstage::apps {
 
-/// The bar as the stage `detail` watches its work; the bar must outlive it.
-inline detail::Watch watched_by(ProgressBar& bar) {
-  return {[&bar](const char* what, std::size_t total) { bar.begin(what, total); }, [&bar] { bar.advance(1); },
-          [&bar] { bar.end(); }, [&bar] { return bar.cancelled(); }};
+/// A job's progress as the stage `detail` watches its work; it must outlive that.
+inline detail::Watch watched_by(pipeline::Progress& job) {
+  return {[&job](const char* what, std::size_t total) { job.begin(what, total); }, [&job] { job.advance(1); },
+          [&job] { job.end(); }, [&job] { return job.cancelled(); }};
 }
 
 /// Whether this is the name of a .png or .jpg file, and the picture as one.

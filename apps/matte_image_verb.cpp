@@ -6,12 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/flags.h"
+#include "apps/progress_bar.h"
 #include "apps/text_options.h"
 #include "apps/verbs.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "detail/photo_file.h"
 #include "matting/foreground.h"
+#include "pipeline/confined_outputs.h"
 #include "pipeline/json_report.h"
 #include "pipeline/matte/matte_image.h"
 
@@ -83,7 +85,7 @@ double share_of(const Image& matte) {
   return matte.pixels.empty() ? 0 : sum / static_cast<double>(matte.pixels.size());
 }
 
-Result<void> run(const Options& given) {
+Result<void> make(const Options& given, const pipeline::PlaceOf& place_of) {
   Result<Image> picture = detail::load_photo(given.image);
   if (!picture) return forward(picture);
   pipeline::MatteImageOptions options{
@@ -107,15 +109,23 @@ Result<void> run(const Options& given) {
     }
   Result<Image> matte = pipeline::matte_image(options);
   if (!matte) return fail(matte.error().code, text(given.image.string(), ": ", matte.error().message));
-  if (Result<void> ok = save_png(*matte, given.out); !ok) return ok;
+  if (Result<void> ok = save_png(*matte, place_of(given.out)); !ok) return ok;
   if (!given.foreground.empty())
-    if (Result<void> ok = save_foreground(options.picture, *matte, given.foreground); !ok) return ok;
+    if (Result<void> ok = save_foreground(options.picture, *matte, place_of(given.foreground)); !ok)
+      return ok;
   if (given.json.empty()) return {};
   return pipeline::save_json({{"matte", given.out.string()},
                               {"width", matte->width},
                               {"height", matte->height},
                               {"subject", share_of(*matte)}},
-                             given.json);
+                             place_of(given.json));
+}
+
+Result<void> run(const Options& given) {
+  ProgressBar bar;
+  return pipeline::make_confined(
+      {.what = given.image.string(), .outputs = {given.out, given.foreground, given.json}}, &bar,
+      [&](const pipeline::PlaceOf& place_of, pipeline::Progress*) { return make(given, place_of); });
 }
 
 }  // namespace

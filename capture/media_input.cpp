@@ -1,6 +1,8 @@
 #include "capture/media_input.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <vector>
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -12,6 +14,9 @@ namespace floatstage::capture::libav {
 namespace {
 
 constexpr int kBufferBytes = 1 << 16;
+// Of one byte, more than any coding of stills has but those of fax machines: Deflate has 1032 bytes of eight
+// pixels of one bit. And of pictures whose memory is nobody's concern.
+constexpr std::int64_t kPixelsOfAByte = 1 << 15, kFewPixels = 1 << 24;
 
 int read_some(void* opaque, std::uint8_t* buffer, int size) {
   const ssize_t n =
@@ -58,12 +63,23 @@ Result<std::unique_ptr<Input>> Input::open(const std::filesystem::path& file) {
     if (*size > kLargestFile)
       return fail(ErrorCode::BadData, text(file.string(), " has more than ", kLargestFile >> 20,
                                            " MiB; no picture is that large"));
+    input->most_pixels_ = std::min(input->most_pixels_,
+                                   std::max(kFewPixels, static_cast<std::int64_t>(*size) * kPixelsOfAByte));
   }
-  if (error >= 0) error = avformat_find_stream_info(input->format_, nullptr);
+  if (error >= 0) error = input->look_into_streams();
   if (error < 0)
     return fail(ErrorCode::BadData,
                 text(file.string(), " is no picture or video that can be read: ", reason(error)));
   return input;
+}
+
+// libav decodes the first pictures there.
+int Input::look_into_streams() {
+  std::vector<AVDictionary*> options(format_->nb_streams, nullptr);
+  for (AVDictionary*& of_stream : options) av_dict_set_int(&of_stream, "max_pixels", most_pixels_, 0);
+  const int error = avformat_find_stream_info(format_, options.data());
+  for (AVDictionary*& of_stream : options) av_dict_free(&of_stream);
+  return error;
 }
 
 bool Input::is_still() const {

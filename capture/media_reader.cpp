@@ -12,8 +12,6 @@ extern "C" {
 namespace floatstage::capture {
 namespace {
 
-constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;  // of one picture: 16384 x 16384
-
 /// Brings whatever a decoder returns to packed 8-bit RGB.
 class ToRgb {
  public:
@@ -129,7 +127,7 @@ Result<void> LibavReader::open() {
   decoder_.reset(avcodec_alloc_context3(codec));
   FLOATSTAGE_CHECK(decoder_ != nullptr, "out of memory");
   int error = avcodec_parameters_to_context(decoder_.get(), stream_->codecpar);
-  decoder_->max_pixels = kMostPixels;
+  decoder_->max_pixels = input_->most_pixels();
   decoder_->pkt_timebase = stream_->time_base;
   if (error >= 0) error = avcodec_open2(decoder_.get(), codec, nullptr);
   if (error < 0) return fail(ErrorCode::BadData, text(name_, " cannot be decoded: ", libav::reason(error)));

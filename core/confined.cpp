@@ -233,7 +233,7 @@ Unexpected cannot_begin(const std::string& what) {
 
 class Parent {
  public:
-  Parent(const Confinement& limits, const WorkingPage& page, pid_t child, FileDescriptor pipe)
+  Parent(const Confinement& limits, WorkingPage& page, pid_t child, FileDescriptor pipe)
       : limits_(limits), page_(page), child_(child), pipe_(std::move(pipe)) {}
   ~Parent() { end(); }
   Parent(const Parent&) = delete;
@@ -245,10 +245,9 @@ class Parent {
       pollfd readable = {pipe_.get(), POLLIN, 0};
       if (::poll(&readable, 1, static_cast<int>(kLook.count())) > 0) more = read();
       while (take_word())
-        if (word_.word == Word::Told)
-          if (Result<void> ok = watch(said_); !ok) return forward(ok);
+        if (Result<void> ok = watch(said_); !ok) return asked_to_end(ok.error());
       if (nonsense_) return without_result();
-      if (Result<void> ok = watch(""); !ok) return forward(ok);
+      if (Result<void> ok = watch(""); !ok) return asked_to_end(ok.error());
       if (const auto file = patience.lost(limits_.decode_seconds)) return too_slow(*file);
     }
     const std::optional<int> ended = reap();
@@ -259,6 +258,20 @@ class Parent {
   }
 
  private:
+  // Its own last word where it is an error; what it tells until then is not heard.
+  Unexpected asked_to_end(const Error& why) {
+    page_.to_end = true;
+    const auto until = Clock::now() + std::chrono::duration<double>(limits_.ending_seconds);
+    while (Clock::now() < until) {
+      pollfd readable = {pipe_.get(), POLLIN, 0};
+      if (::poll(&readable, 1, static_cast<int>(kLook.count())) > 0 && !read()) break;
+      while (take_word()) continue;
+    }
+    if (last_ == Word::Error && reap())
+      if (const Result<std::string> outcome = this->outcome(); !outcome) return forward(outcome);
+    return fail(why.code, why.message);
+  }
+
   // Whether there may be more.
   bool read() {
     const std::size_t had = bytes_.size();
@@ -366,7 +379,7 @@ class Parent {
   }
 
   const Confinement& limits_;
-  const WorkingPage& page_;
+  WorkingPage& page_;
   pid_t child_;  // 0: reaped
   const FileDescriptor pipe_;
   std::string bytes_, said_;
@@ -398,6 +411,8 @@ ConfiningKernel confining_kernel() {
 void confine_memory(std::uint64_t bytes) {
   if (!kSanitized && g_memory_at_begin > 0) limit(RLIMIT_AS, g_memory_at_begin + bytes);
 }
+
+bool asked_to_end() { return g_working_page != nullptr && g_working_page->to_end; }
 
 Result<std::string> run_confined(const Confinement& limits,
                                  const std::function<Result<std::string>(const Tell&)>& work,

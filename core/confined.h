@@ -17,6 +17,7 @@ struct Confinement {
   std::vector<std::filesystem::path> writable = {};  ///< folders that are there: it writes below these only
   std::uint64_t memory = 0;    ///< bytes more than now; 0: as much as the machine has free
   double decode_seconds = 60;  ///< of processor time for what one WorkingOn embraces
+  double ending_seconds = 0;   ///< how long it may go on once asked_to_end()
 };
 
 /// How a child speaks to its parent while it works. Any thread.
@@ -29,7 +30,8 @@ using Tell = std::function<void(std::string_view)>;
 /// knew; what it changes in memory is lost. What `work` gives is returned, and its error.
 ///
 /// `watch` gets what the child tells, in order, and an empty word ten times a second; when it fails the child
-/// is ended and that error returned. What it is told is a stranger's word.
+/// is ended and that error returned: at once, or where `ending_seconds` are given once it has been asked to
+/// end and has done so, with its own error, or has not within them. What it is told is a stranger's word.
 ///
 /// A child that dies is an error which names the files that it was decoding (WorkingOn), or `what`: BadData
 /// when it crashed, did what no decoder does, wanted more memory or time than it may have; Io when somebody
@@ -41,6 +43,9 @@ Result<std::string> run_confined(const Confinement& limits,
 /// From inside of `work`: no more memory than so many bytes beyond what the child began with, where that is
 /// less than it may have now.
 void confine_memory(std::uint64_t bytes);
+
+/// From inside of `work`: whether it is to end by itself. Any thread.
+bool asked_to_end();
 
 /// Whether this kernel keeps a child from writing elsewhere (Landlock) and from calls that are not its
 /// business (seccomp). Where it cannot, run_confined() goes on with what there is, and says so once.

@@ -16,6 +16,7 @@ struct WorkingPage {
     char name[1024];                   ///< of the file, ends with 0
   };
   std::atomic<unsigned> taken;
+  std::atomic<bool> to_end;  ///< the parent asks the child to end by itself
   Place places[kPlaces];
 };
 

@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "core/working_on.h"
 #include "detail/exif_orientation.h"
 #include "detail/tiff_file.h"
 
@@ -16,6 +17,7 @@ namespace floatstage::detail {
 namespace {
 
 constexpr std::int64_t kMostPixels = 256'000'000;
+constexpr std::int64_t kSmall = 1'000'000;  // px; whose memory is nobody's concern
 
 Result<void> check_size(std::int64_t width, std::int64_t height, std::string_view name) {
   if (width < 1 || height < 1) return fail(ErrorCode::BadData, text(name, ": a picture without pixels"));
@@ -47,6 +49,10 @@ Result<Image> decode_jpeg_photo(std::string_view jpeg, std::string_view name) {
     return fail(ErrorCode::BadData,
                 text(name, ": no JPEG that can be read (", tjGetErrorStr2(handle.get()), ")"));
   if (Result<void> ok = check_size(width, height, name); !ok) return forward(ok);
+  // Each block of 8x8 px has a bit of its own at least: fewer bytes hold no such picture.
+  if (std::int64_t{width} * height > kSmall && static_cast<std::size_t>(width) * height / 512 > jpeg.size())
+    return fail(ErrorCode::BadData,
+                text(name, ": no JPEG of ", width, "x", height, " px has ", jpeg.size(), " bytes only"));
   const bool inks = space == TJCS_CMYK || space == TJCS_YCCK;
   Image picture(width, height, inks ? 4 : 3);
   // A warning leaves grey where the bytes ended: damaged, as much as an error.
@@ -86,6 +92,7 @@ bool has_name_of_photo(const std::filesystem::path& file) {
 }
 
 Result<Image> decode_photo(std::string_view bytes, std::string_view name) {
+  const WorkingOn here(name);
   if (bytes.empty()) return fail(ErrorCode::BadData, text(name, " is empty"));
   Result<Image> picture = Image();
   if (bytes.starts_with("\xFF\xD8")) {

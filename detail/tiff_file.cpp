@@ -15,6 +15,8 @@
 namespace floatstage::detail {
 namespace {
 
+constexpr std::uint64_t kSlack = 1'000'000;  // bytes, whose memory is nobody's concern
+
 /// A file in memory, as libtiff's callbacks want it.
 struct Bytes {
   std::string_view bytes;
@@ -65,6 +67,33 @@ struct Close {
   void operator()(TIFF* tiff) const { TIFFClose(tiff); }
 };
 
+/// The most bytes that one of the file can stand for; 0 where there is no such number (a row of nothing but
+/// white has one bit in fax machines' codes, however long it is).
+std::uint64_t most_bytes_of_one(TIFF* tiff) {
+  std::uint16_t compression = COMPRESSION_NONE;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+  switch (compression) {
+    case COMPRESSION_NONE:
+      return 1;
+    case COMPRESSION_PACKBITS:
+      return 64;  // two bytes for 128
+    case COMPRESSION_LZW:
+      return 4096;  // its table's entries have no more bytes, and a code has nine bits or more
+    case COMPRESSION_DEFLATE:
+    case COMPRESSION_ADOBE_DEFLATE:
+      return 1032;
+    case COMPRESSION_JPEG:
+      return 3 * 512;  // a bit for a block of 64 px
+    default:
+      return 0;
+  }
+}
+
+bool can_hold_it(TIFF* tiff, std::uint64_t bytes, std::uint32_t height) {
+  const std::uint64_t most = most_bytes_of_one(tiff);
+  return most == 0 || TIFFRasterScanlineSize64(tiff) * height / most <= bytes + kSlack;
+}
+
 }  // namespace
 
 bool is_tiff(std::string_view bytes) {
@@ -92,6 +121,7 @@ Result<Image> decode_tiff(std::string_view bytes, std::int64_t most_pixels, std:
   if (static_cast<std::int64_t>(width) * height > most_pixels)
     return fail(ErrorCode::Unsupported, text(name, ": ", width, "x", height, " px are more than ",
                                              most_pixels / 1'000'000, " million; make it smaller first"));
+  if (!can_hold_it(tiff.get(), bytes.size(), height)) return bad("a TIFF far shorter than its picture");
   char why[1024] = "";
   if (TIFFRGBAImageOK(tiff.get(), why) != 1)
     return fail(ErrorCode::Unsupported, text(name, ": a TIFF of a kind that is not read (", why, ")"));

@@ -14,7 +14,7 @@ class Told final : public Progress {
   void begin(const std::string& what, std::size_t total) override { tell_(text('b', total, ' ', what)); }
   void advance(std::size_t items) override { tell_(text('a', items)); }
   void end() override { tell_("e"); }
-  bool cancelled() const override { return false; }
+  bool cancelled() const override { return asked_to_end(); }
 
  private:
   const Tell& tell_;

@@ -12,7 +12,8 @@
 namespace floatstage::pipeline {
 
 /// run_confined() of a job that is watched: its progress is shown by `progress`, and cancelling that ends the
-/// child, as Cancelled with nothing written. The job's own Progress is never cancelled.
+/// child, as Cancelled with nothing written. The job's own Progress is cancelled where `limits` gives it time
+/// to end by itself, and what it then says is the error.
 Result<std::string> run_confined_bytes(const Confinement& limits, Progress* progress,
                                        const std::function<Result<std::string>(Progress*)>& job);
 

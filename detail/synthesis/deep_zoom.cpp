@@ -51,10 +51,14 @@ Result<void> save_level(const Image& picture, const std::filesystem::path& folde
 
 }  // namespace
 
+std::filesystem::path deep_zoom_tiles(const std::filesystem::path& file) {
+  return file.parent_path() / (file.stem().string() + "_files");
+}
+
 Result<void> save_deep_zoom(const Image& rgb, const std::filesystem::path& file) {
   int level = 0;
   while ((1 << level) < std::max(rgb.width, rgb.height)) ++level;
-  const std::filesystem::path folder = file.parent_path() / (file.stem().string() + "_files");
+  const std::filesystem::path folder = deep_zoom_tiles(file);
   Image smaller;
   for (const Image* picture = &rgb; level >= 0; --level) {
     if (Result<void> ok = save_level(*picture, folder / text(level)); !ok) return ok;

@@ -268,5 +268,24 @@ TEST(ConfinedChild, EndsWhenItsParentHasEnough) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
+TEST(ConfinedChild, HasTheTimeToEndInOrderThatItIsGiven) {
+  const auto enough = [](std::string_view) -> Result<void> { return fail(ErrorCode::Cancelled, "enough"); };
+  const auto ends = [](const Tell& tell) -> Result<std::string> {
+    while (!asked_to_end()) tell("and so on");
+    return fail(ErrorCode::Cancelled, "what was done is kept");
+  };
+  EXPECT_THAT(run_confined({.what = "x", .ending_seconds = 20}, ends, enough),
+              FailsWith(ErrorCode::Cancelled, "what was done is kept"));
+  EXPECT_THAT(run_confined({.what = "x"}, ends, enough), FailsWith(ErrorCode::Cancelled, "enough"));
+  const auto does_not = [](const Tell&) -> Result<std::string> {
+    for (;;) ::pause();
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THAT(run_confined({.what = "x", .ending_seconds = 0.3}, does_not, enough),
+              FailsWith(ErrorCode::Cancelled, "enough"));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  EXPECT_FALSE(asked_to_end()) << "here is no child";
+}
+
 }  // namespace
 }  // namespace floatstage

@@ -1,6 +1,8 @@
-// Stands before libav's decoder in the real program (LD_PRELOAD): what somebody does there who has taken it
-// over. FLOATSTAGE_HOSTILE says what; where that is not set the decoder does its work.
+// Stands before libav's, libturbojpeg's, libpng's and libtiff's decoders in the real program (LD_PRELOAD):
+// what somebody does there who has taken it over. FLOATSTAGE_HOSTILE says what; where that is not set the
+// decoder does its work.
 
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -54,12 +56,45 @@ void do_as_told(const std::string& what) {
   for (volatile bool spins = what == "spin"; spins;) continue;
 }
 
+void do_as_told() {
+  if (const char* const what = std::getenv("FLOATSTAGE_HOSTILE")) do_as_told(what);
+}
+
+template <class Function>
+Function* real(const char* name) {
+  return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
+}
+
 }  // namespace
 
-// libav's own signature: a context and a frame, which nobody here looks into.
+// Each with its library's own signature, whose pointers nobody here looks into.
+
 extern "C" int avcodec_receive_frame(void* context, void* frame) {
-  if (const char* const what = std::getenv("FLOATSTAGE_HOSTILE")) do_as_told(what);
-  using Receive = int (*)(void*, void*);
-  static const auto real = reinterpret_cast<Receive>(::dlsym(RTLD_NEXT, "avcodec_receive_frame"));
-  return real(context, frame);
+  static const auto decode = real<int(void*, void*)>(__func__);
+  do_as_told();
+  return decode(context, frame);
+}
+
+extern "C" int tjDecompress2(void* handle, const unsigned char* bytes, unsigned long size, unsigned char* to,
+                             int width, int pitch, int height, int format, int flags) {
+  static const auto decode =
+      real<int(void*, const unsigned char*, unsigned long, unsigned char*, int, int, int, int, int)>(
+          __func__);
+  do_as_told();
+  return decode(handle, bytes, size, to, width, pitch, height, format, flags);
+}
+
+extern "C" int png_image_finish_read(void* image, const void* background, void* to, int stride,
+                                     void* colors) {
+  static const auto decode = real<int(void*, const void*, void*, int, void*)>(__func__);
+  do_as_told();
+  return decode(image, background, to, stride, colors);
+}
+
+extern "C" int TIFFReadRGBAImageOriented(void* tiff, std::uint32_t width, std::uint32_t height,
+                                         std::uint32_t* to, int orientation, int stop) {
+  static const auto decode =
+      real<int(void*, std::uint32_t, std::uint32_t, std::uint32_t*, int, int)>(__func__);
+  do_as_told();
+  return decode(tiff, width, height, to, orientation, stop);
 }

@@ -8,6 +8,7 @@
 #include "capture/media_file.h"
 #include "core/png.h"
 #include "tests/hostile/hostile_run.h"
+#include "tests/hostile/zoom_folder.h"
 #include "tests/pipeline/import/import_support.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
@@ -35,6 +36,9 @@ class HostileDecoder : public testing::TestWithParam<const char*> {
 
   HostileRun run(std::vector<std::string> words, int seconds = kSeconds) const {
     words.insert(words.begin(), FLOATSTAGE_PROGRAM);
+    return run_words(words, seconds);
+  }
+  HostileRun run_words(const std::vector<std::string>& words, int seconds) const {
     return hostile_run(
         words, seconds,
         {"LD_PRELOAD=" FLOATSTAGE_HOSTILE_DECODER, std::string("FLOATSTAGE_HOSTILE=") + GetParam(),
@@ -93,6 +97,61 @@ TEST_P(ClipDecoder, OfAVideoWithoutATakeDoesNoMore) {
 
 INSTANTIATE_TEST_SUITE_P(That, ClipDecoder, testing::Values("connect", "crash"));
 
+// Of photographs, which detail and matte-image read.
+class PhotoDecoder : public HostileDecoder {
+ protected:
+  void SetUp() override {
+    HostileDecoder::SetUp();
+    fs::create_directories(folder_ / "in/zoom");
+    write_zoom_folder(folder_ / "in/zoom");
+  }
+  std::vector<std::vector<std::string>> verbs() const {
+    const std::string in = folder_ / "in/zoom/", out = folder_ / "out/";
+    return {{"detail", "graph", in, "--json", out + "graph.json", "--dot", out + "graph.dot"},
+            {"detail", "compose", in + kZoomGraph, "-o", out + "zoom.png", "--json", out + "zoom.json",
+             "--steps", out + "steps", "--zoom", "1.5"},
+            {"detail", "synthesize", in + kZoomGraph, "-o", out + "large.dzi", "--provenance",
+             out + "from.png", "--zoom", "2"},
+            {"matte-image", in + kClosePhoto, "-o", out + "matte.png", "--foreground", out + "colors.png",
+             "--subject", "100,90", "--background", "5,5", "--matte", "pyramid"},
+            {"matte-image", folder_ / "in/a.png", "-o", out + "matte.png", "--subject", "16,12",
+             "--background", "1,1", "--matte", "pyramid"}};
+  }
+  // As on a machine with little memory: what a photograph's decoder may have is bounded by what is free.
+  HostileRun run_small(std::vector<std::string> words, int seconds = kSeconds) const {
+    words.insert(words.begin(),
+                 {"/bin/sh", "-c", "ulimit -v 4000000; exec \"$@\"", "sh", FLOATSTAGE_PROGRAM});
+    return run_words(words, seconds);
+  }
+};
+
+TEST_P(PhotoDecoder, BecomesASentenceOfItsFileAndLeavesNothing) {
+  for (const std::vector<std::string>& verb : verbs()) {
+    const HostileRun ended = run_small(verb);
+    ASSERT_TRUE(WIFEXITED(ended.status)) << verb[0] << ' ' << verb[1] << ended.status << ": " << ended.said;
+    EXPECT_EQ(WEXITSTATUS(ended.status), kBadData) << verb[0] << ' ' << verb[1] << ended.said;
+    EXPECT_THAT(ended.said, HasSubstr((folder_ / "in").string()));
+    EXPECT_THAT(ended.said, testing::AnyOf(HasSubstr(".jpg: "), HasSubstr(".tif: "), HasSubstr(".png: "),
+                                           HasSubstr(".jpg or "), HasSubstr(".tif or ")));
+    expect_nothing_left();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(That, PhotoDecoder,
+                         testing::Values("connect", "exec", "kill", "eat", "crash", "exit"));
+
+using SilentPhotoDecoder = PhotoDecoder;
+
+TEST_P(SilentPhotoDecoder, WritesNothingElsewhere) {
+  for (const std::vector<std::string>& verb : verbs()) {
+    const HostileRun ended = run_small(verb);
+    EXPECT_EQ(WEXITSTATUS(ended.status), 0) << verb[0] << ' ' << verb[1] << ended.said;
+    EXPECT_FALSE(fs::exists(folder_ / "elsewhere"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(That, SilentPhotoDecoder, testing::Values("write"));
+
 using EndlessDecoder = HostileDecoder;
 
 // A minute of processor time for each file that is being decoded (the core's tests have a shorter limit).
@@ -106,6 +165,19 @@ TEST_P(EndlessDecoder, IsEndedToo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(That, EndlessDecoder, testing::Values("spin"));
+
+using EndlessPhotoDecoder = PhotoDecoder;
+
+TEST_P(EndlessPhotoDecoder, IsEndedToo) {
+  if (!wants_long_tests()) GTEST_SKIP() << "a minute and a half; FLOATSTAGE_LONG=1";
+  const HostileRun ended = run_small(verbs()[3], 400);
+  ASSERT_TRUE(WIFEXITED(ended.status)) << ended.said;
+  EXPECT_EQ(WEXITSTATUS(ended.status), kBadData) << ended.said;
+  EXPECT_THAT(ended.said, HasSubstr("close.tif: not decoded after 60 s of processor time"));
+  expect_nothing_left();
+}
+
+INSTANTIATE_TEST_SUITE_P(That, EndlessPhotoDecoder, testing::Values("spin"));
 
 }  // namespace
 }  // namespace floatstage

@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "tests/hostile/hostile_run.h"
 #include "tests/hostile/traps.h"
+#include "tests/hostile/zoom_folder.h"
 #include "tests/pipeline/import/import_support.h"
 #include "tests/support/matchers.h"
 #include "tests/support/places.h"
@@ -24,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-constexpr int kBadData = 6;
+constexpr int kNotFound = 4, kBadData = 6;
 
 /// What somebody sends, and the verb that is to read it.
 struct Case {
@@ -34,6 +35,9 @@ struct Case {
   std::vector<const char*> files;     ///< that become traps
   std::vector<const char*> pictures;  ///< of those, that become bombs
   int untouched = 0;                  ///< its exit status as it should be
+  const char* out = "out";            ///< what it makes
+  std::string sends = "";             ///< a file that is made anew when another one is a trap…
+  void (*send)(const fs::path& folder) = [](const fs::path&) {};  ///< … like this
 };
 
 void add_pictures(const fs::path& folder) {
@@ -199,6 +203,56 @@ const std::vector<Case>& cases() {
        },
        {"portrait.jpg", "trimap.png"},
        {"portrait.jpg", "trimap.png"}},
+      {"chroma",
+       write_zoom_folder,
+       [](const fs::path& f, const fs::path& out) {
+         return Words{"matte-image", f / kClosePhoto, "--matte", "chroma", "-o", out};
+       },
+       {},
+       {kClosePhoto},
+       kNotFound},  // no cloth
+      {"photo_graph",
+       write_zoom_folder,
+       [](const fs::path& f, const fs::path& out) {
+         return Words{"detail", "graph", f, "--cache", f / ".cache", "--json", out};
+       },
+       {kClosePhoto},
+       {kClosePhoto}},
+      {"photo_graph_with_a_cache",
+       [](const fs::path& f) {
+         write_zoom_folder(f);
+         const HostileRun made = hostile_run(
+             {FLOATSTAGE_PROGRAM, "detail", "graph", f, "--cache", f / ".cache", "--json", f / "made.json"},
+             20);
+         ASSERT_EQ(made.status, 0) << made.said;
+       },
+       [](const fs::path& f, const fs::path& out) {
+         return Words{"detail", "graph", f, "--cache", f / ".cache", "--json", out};
+       },
+       {".cache/pairs.json"},
+       {}},
+      {"composed",
+       write_zoom_folder,
+       [](const fs::path& f, const fs::path& out) {
+         return Words{"detail", "compose", f / kZoomGraph, "--zoom", "1.5", "-o", out};
+       },
+       {kZoomGraph, kClosePhoto},
+       {kWidePhoto, kClosePhoto},
+       0,
+       "out.png",
+       kZoomGraph,
+       write_zoom_graph},
+      {"synthesized",
+       write_zoom_folder,
+       [](const fs::path& f, const fs::path& out) {
+         return Words{"detail", "synthesize", f / kZoomGraph, "--zoom", "2", "-o", out};
+       },
+       {kZoomGraph, kClosePhoto},
+       {kWidePhoto},
+       0,
+       "out.dzi",
+       kZoomGraph,
+       write_zoom_graph},
   };
   return kCases;
 }
@@ -214,12 +268,18 @@ class HostileImport : public testing::TestWithParam<std::size_t> {
 
   /// The verb on the case as it is now. Its exit status.
   int run(const std::string& what) {
-    Words words = attacked().words(folder_ / "in", folder_ / "out");
+    const std::string out = attacked().out;
+    Words words = attacked().words(folder_ / "in", folder_ / out);
     words.insert(words.begin(), FLOATSTAGE_PROGRAM);
     const int status = expect_orderly(words, what);
-    EXPECT_EQ(fs::exists(folder_ / "out"), status == 0 || is_doubted_clip(status)) << what;
-    EXPECT_FALSE(fs::exists(folder_ / ".out.tmp")) << what;
-    fs::remove_all(folder_ / "out");
+    const bool whole = status == 0 || is_doubted_clip(status);
+    EXPECT_EQ(fs::exists(folder_ / out), whole) << what;
+    for (const std::string& name : folder_.names()) {
+      if (name == "in") continue;
+      EXPECT_TRUE(whole) << what << " leaves " << name;
+      EXPECT_NE(name[0], '.') << what;
+      fs::remove_all(folder_ / name);
+    }
     return status;
   }
 
@@ -233,6 +293,7 @@ class HostileImport : public testing::TestWithParam<std::size_t> {
   void attack(const char* file, const char* trap, const std::function<void(const fs::path&)>& set) {
     begin();
     set(folder_ / "in" / file);
+    if (file != attacked().sends) attacked().send(folder_ / "in");
     run(text(attacked().name, ": ", file, " is ", trap));
   }
 

@@ -64,7 +64,8 @@ std::string jpeg_claiming(std::uint16_t width, std::uint16_t height) {
       frame + 5, 4, {static_cast<char>(height >> 8), low(height), static_cast<char>(width >> 8), low(width)});
 }
 
-// One strip that lies anywhere, of a picture of any size.
+}  // namespace
+
 std::string tiff_claiming(std::uint32_t width, std::uint32_t height, std::uint32_t strip_at,
                           std::uint32_t strip_bytes) {
   std::string tiff = "MM" + std::string("\0\x2a", 2) + four(8) + std::string("\0\x09", 2);
@@ -73,10 +74,8 @@ std::string tiff_claiming(std::uint32_t width, std::uint32_t height, std::uint32
   };
   entry(256, width), entry(257, height), entry(258, 8), entry(259, 1), entry(262, 1), entry(273, strip_at);
   entry(277, 1), entry(278, height), entry(279, strip_bytes);
-  return tiff + four(0) + std::string(64, 'x');
+  return tiff + four(0);
 }
-
-}  // namespace
 
 const std::vector<Trap>& traps() {
   static const std::vector<Trap> kTraps = {
@@ -137,10 +136,16 @@ const std::vector<Bomb>& media_bombs() {
         {"PNG of no pixels", resized(small, 0, 16)},
         {"PNG of 36 million zeros", png_of(Image(6000, 6000, 1))},
         {"JPEG of 65500 x 65500", jpeg_claiming(65500, 65500)},
+        {"JPEG of 15900 x 15900 that ends", jpeg_claiming(15900, 15900)},
+        {"TIFF of 15900 x 15900 that ends",
+         tiff_claiming(15900, 15900, 122, 15900 * 15900) + std::string(64, 'x')},
+        {"TIFF of 15900 x 15900 whose strip has a few bytes",
+         tiff_claiming(15900, 15900, 122, 64) + std::string(64, 'x')},
         {"JPEG of 8000 x 8000 that ends", jpeg_claiming(8000, 8000)},
-        {"TIFF of 2^62 pixels", tiff_claiming(0x7fffffff, 0x7fffffff, 8, 64)},
-        {"TIFF with its strip beyond the end", tiff_claiming(64, 64, 0xfffffff0, 0xffffffff)},
-        {"TIFF of 30000 x 30000 that ends", tiff_claiming(30000, 30000, 122, 64)},
+        {"TIFF of 2^62 pixels", tiff_claiming(0x7fffffff, 0x7fffffff, 8, 64) + std::string(64, 'x')},
+        {"TIFF with its strip beyond the end",
+         tiff_claiming(64, 64, 0xfffffff0, 0xffffffff) + std::string(64, 'x')},
+        {"TIFF of 30000 x 30000 that ends", tiff_claiming(30000, 30000, 122, 64) + std::string(64, 'x')},
         {"BMP of 30000 x 30000", "BM" + std::string("\xff\xff\xff\x7f\0\0\0\0\x36\0\0\0\x28\0\0\0", 16) +
                                      std::string("\x30\x75\0\0\x30\x75\0\0\1\0\x18\0\0\0\0\0", 16) +
                                      std::string(40, '\0')},

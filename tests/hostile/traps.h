@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -22,5 +23,10 @@ struct Bomb {
   std::string bytes;
 };
 const std::vector<Bomb>& media_bombs();
+
+/// A TIFF up to its samples, which would begin at byte 122: grey, of any size, in one strip that lies
+/// anywhere.
+std::string tiff_claiming(std::uint32_t width, std::uint32_t height, std::uint32_t strip_at,
+                          std::uint32_t strip_bytes);
 
 }  // namespace floatstage
