@@ -142,6 +142,16 @@ CLI::Option* add_redo(CLI::App& verb, bool& redo) {
                        "Make again what Floatstage made, with these options; files of unknown origin stay");
 }
 
+CLI::Option* add_added(CLI::App& verb, std::optional<bool>& hide) {
+  return verb
+      .add_option_function<std::string>(
+          "--added", [&hide](const std::string& word) { hide = word == "hide"; },
+          "Bars, time stamps and logos that cameras and converters added to pictures: look for them and hide "
+          "them, or keep pictures as they are (default: as before, else hide)")
+      ->type_name("HOW")
+      ->check(one_of({"hide", "keep"}));
+}
+
 Result<std::vector<int>> frames_of_take(const std::filesystem::path& take, const std::string& frames) {
   const Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(take);
   if (!opened) return forward(opened);

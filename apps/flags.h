@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,8 @@ CLI::Option* add_background(CLI::App& verb, std::string& color);
 CLI::Option* add_codec(CLI::App& verb, capture::TakeCodec& codec);
 /// --redo: what the program made is made again; files of unknown origin stay.
 CLI::Option* add_redo(CLI::App& verb, bool& redo);
+/// --added hide|keep: what cameras and converters added to pictures; absent: as before, else hidden.
+CLI::Option* add_added(CLI::App& verb, std::optional<bool>& hide);
 /// --matte HOW: one way to mattes, `usual` where none is said. With a line for each.
 CLI::Option* add_matte_how(CLI::App& verb, std::string& how, const std::string& usual);
 /// --matte HOW of what keys picture by picture: keyers alone.

@@ -177,6 +177,7 @@ void add_matte(CLI::App& app, Chosen& chosen) {
   add_clip_flags(*verb, options->clip);
   add_frames(*verb, options->frames, "all");
   add_cameras(*verb, options->matte.cameras);
+  add_added(*verb, options->matte.hide_added);
   add_redo(*verb, options->matte.redo);
   verb->add_option("--export", options->layers.out,
                    "Write the subject with straight alpha to this folder: <serial>/<frame>")

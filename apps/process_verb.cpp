@@ -205,6 +205,7 @@ void add_process(CLI::App& app, Chosen& chosen) {
   add_guide(*verb, options->process.guide);
   add_frames(*verb, options->frames, "all");
   add_cameras(*verb, options->process.cameras, "Only the mattes of these cameras: serials");
+  add_added(*verb, options->process.hide_added);
   add_redo(*verb, options->process.redo);
   add_hull_flags(*verb, options->hull);
   add_threads(*verb, options->process.threads);

@@ -2,6 +2,7 @@
 #include <mutex>
 #include <set>
 
+#include "capture/added_file.h"
 #include "capture/derivation.h"
 #include "capture/manifest_file.h"
 #include "capture/sha256.h"
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 struct CameraPlayback {
   std::vector<FrameRow> rows;
   std::unique_ptr<TrackReader> track;  // none when no row has a picture
+  AddedContent added;                  // what is hidden in its pictures
 };
 
 class FolderReader final : public TakeReader {
@@ -43,6 +45,8 @@ class FolderReader final : public TakeReader {
  private:
   Result<void> read_rig();
   Result<void> read_camera(const TakeManifest::Camera& camera);
+  Result<void> read_added();
+  Result<Frame> hide_added(const AddedContent& added, Frame frame) const;
   void look_at_order(const fs::path& side_file, const std::vector<FrameRow>& rows);
   void look_at_end(const TakeManifest::Camera& camera, const std::string& csv, bool has_pictures);
   void stop_at_the_cut(const TakeManifest::Camera& camera, CameraPlayback& playback);
@@ -182,6 +186,27 @@ Result<void> FolderReader::read_camera(const TakeManifest::Camera& camera) {
   return {};
 }
 
+Result<void> FolderReader::read_added() {
+  const Result<AddedFile> added = load_added(layout_);
+  if (!added) return forward(added);
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const RigCamera& camera = rig_.cameras[i];
+    cameras_[i].added = added->of(camera.serial);
+    if (inside(cameras_[i].added, camera.model.width, camera.model.height).empty())
+      return fail(ErrorCode::BadData,
+                  text(added_file(layout_).string(), ": the bars of camera '", camera.serial,
+                       "' leave nothing of its pictures; mend the file or remove it"));
+  }
+  return {};
+}
+
+Result<Frame> FolderReader::hide_added(const AddedContent& added, Frame frame) const {
+  if (added.none() || frame.empty()) return frame;
+  Result<Image> rgb = to_rgb(frame);
+  if (!rgb) return forward(rgb);
+  return make_frame(frame.info, without(added, std::move(*rgb)));
+}
+
 Result<void> FolderReader::open() {
   Result<TakeManifest> manifest = load_manifest(layout_);
   if (!manifest) return forward(manifest);
@@ -192,6 +217,7 @@ Result<void> FolderReader::open() {
   if (Result<void> ok = read_rig(); !ok) return ok;
   for (const TakeManifest::Camera& camera : manifest_.cameras)
     if (Result<void> ok = read_camera(camera); !ok) return ok;
+  if (Result<void> ok = read_added(); !ok) return ok;
   if (!manifest_.complete)
     warn(text(layout_.folder().string(), ": the recording was cut off; it plays up to the cut"));
   return {};
@@ -216,7 +242,7 @@ Result<Frame> FolderReader::frame(int camera, int index) {
   if (pixels) {
     frame.layout = playback.track->layout();
     frame.pixels = std::move(*pixels);
-    return frame;
+    return hide_added(playback.added, std::move(frame));
   }
   if (pixels.error().code != ErrorCode::BadData) return forward(pixels);
   frame.info.status = FrameStatus::Corrupt;

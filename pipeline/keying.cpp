@@ -1,5 +1,6 @@
 #include "pipeline/keying.h"
 
+#include "capture/added_file.h"
 #include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -17,7 +18,9 @@ Result<std::unique_ptr<matting::Keyer>> keyer_for(capture::TakeReader& take, int
   if (is_there(plate) && !of_photographs) {
     Result<Image> picture = load_png(plate);
     if (!picture) return forward(picture);
-    samples.push_back(std::move(*picture));
+    const Result<capture::AddedFile> added = capture::load_added(take.layout());
+    if (!added) return forward(added);
+    samples.push_back(without(added->of(serial), std::move(*picture)));
   } else {
     constexpr int kPhotographs =
         3;  // spread over the take: the cloth's colour does not change, the performer moves

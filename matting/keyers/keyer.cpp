@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 
+#include "core/added_search.h"
 #include "core/text.h"
 #include "matting/keyers/added_frame.h"
 #include "matting/keyers/keyers.h"
@@ -57,7 +58,7 @@ Result<std::unique_ptr<Keyer>> make_keyer(std::string_view spec, const std::vect
       if (!converted) return forward(converted);
       rgb.push_back(std::move(*converted));
     }
-    const AddedFrame frame = added_frame(rgb);
+    const AddedContent frame = added_bars(rgb);
     const int width = rgb.empty() ? 0 : rgb.front().width, height = rgb.empty() ? 0 : rgb.front().height;
     for (Image& sample : rgb)
       if (!frame.none() && sample.width == width && sample.height == height) sample = inside(sample, frame);

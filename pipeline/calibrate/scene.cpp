@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "calib/exif_lens.h"
 #include "calib/scene_features.h"
+#include "core/added_search.h"
 #include "core/file.h"
 #include "core/text.h"
 #include "pipeline/import/picture_stream.h"
@@ -111,6 +113,20 @@ Result<void> add_carried(const SessionMarkerless& session, const SessionCamera& 
     out.observations.cameras.push_back(std::move(c));
   }
   return {};
+}
+
+// Keypoints of a time stamp or a logo lie at one place in all pictures, and are no points of the scene.
+void hide_added(Scene& scene, std::vector<std::string>& remarks) {
+  std::vector<std::vector<Image>> pictures;
+  for (const calib::MarkerlessPicture& p : scene.pictures) pictures.push_back({p.pixels});
+  const std::vector<AddedContent> added = find_added(pictures);
+  std::map<std::string, AddedContent> by_serial;
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    by_serial[scene.pictures[i].serial] = added[i];
+    if (!added[i].none()) scene.pictures[i].pixels = without(added[i], std::move(scene.pictures[i].pixels));
+  }
+  for (const std::string& sentence : describe(by_serial))
+    remarks.push_back(sentence + " were added by a camera or a converter, and are not looked at");
 }
 
 Result<Scene> gather(const Session& s, const Rig* known, SessionObservations& out) {
@@ -225,8 +241,9 @@ Result<void> add_scene(const Session& s, const std::filesystem::path& workspace,
   const calib::Prior poses = s.known ? s.known->poses : calib::Prior::Unknown;
   calib::Observations& o = out.observations;
   const bool boards = !o.views.empty();
-  const Result<Scene> scene = gather(s, known ? &*known : nullptr, out);
+  Result<Scene> scene = gather(s, known ? &*known : nullptr, out);
   if (!scene) return forward(scene);
+  hide_added(*scene, out.remarks);
   const bool carried = !out.carried.empty();
   if (carried && poses == calib::Prior::Fixed)
     return fail(

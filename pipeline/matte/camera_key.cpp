@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "capture/added_file.h"
 #include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -46,13 +47,16 @@ bool clicked(const CameraEdits& edits) {
 
 Result<std::vector<Image>> plates_of(const capture::TakeReader& take, int camera) {
   std::vector<Image> plates;
+  const Result<capture::AddedFile> added = capture::load_added(take.layout());
+  if (!added) return forward(added);
+  const AddedContent hidden = added->of(take.rig().cameras[static_cast<std::size_t>(camera)].serial);
   for (const fs::path& file : plate_files(take, camera)) {
     Result<Image> plate = load_png(file);
     if (!plate) return forward(plate);
     if (plate->channels != 3)
       return fail(ErrorCode::BadData,
                   text(file.string(), " is not an RGB picture; a plate is a photograph of the empty stage"));
-    plates.push_back(std::move(*plate));
+    plates.push_back(without(hidden, std::move(*plate)));
   }
   return plates;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "capture/added_file.h"
 #include "capture/sha256.h"
 #include "core/file_presence.h"
 #include "core/parallel.h"
@@ -159,6 +160,10 @@ Result<std::string> hash_of_inputs(const capture::TakeReader& take, const std::s
     all += text(beside ? "" : text(file.parent_path().filename().string(), "/"), file.filename().string(),
                 " ", hash->value_or("none"), "\n");
   }
+  const Result<capture::AddedFile> added = capture::load_added(layout);
+  if (!added) return forward(added);
+  if (const AddedContent hidden = added->of(serial); !hidden.none())
+    all += text("without ", describe(hidden), "\n");
   return capture::sha256(all);
 }
 

@@ -14,6 +14,7 @@
 #include "pipeline/matte/matte_checks.h"
 #include "pipeline/matte/matte_doubts.h"
 #include "pipeline/matte/matte_job.h"
+#include "pipeline/matte/settle_added.h"
 #include "pipeline/matte/spectral_take.h"
 
 namespace floatstage::pipeline {
@@ -245,7 +246,11 @@ Result<MatteReport> matte_take(const MatteTakeOptions& options) {
   if (!opened) return forward(opened);
   const Result<Claim> claim = claim_take(options.take, options.progress);
   if (!claim) return forward(claim);
-  return matte_take(**opened, options);
+  Result<std::vector<std::string>> added = settle_added(*opened, options.hide_added, options.threads);
+  if (!added) return forward(added);
+  Result<MatteReport> report = matte_take(**opened, options);
+  if (report) report->remarks.insert(report->remarks.begin(), added->begin(), added->end());
+  return report;
 }
 
 Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions& options) {

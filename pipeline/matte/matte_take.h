@@ -24,10 +24,12 @@ struct MatteTakeOptions {
   /// Of a job that several runs share, each with frames of its own: all frames of the job, in order. Where
   /// mattes of a camera depend on one another, the run that has the first makes them all, the others none.
   std::vector<int> of_frames = {};
-  int threads = 0;                        ///< 0: one per core
-  bool redo = false;                      ///< make again what we made, whatever the way; others' files stay
-  bool check = true;                      ///< flicker, and silhouettes against the others' hull
-  int hull_frames = 8;           ///< instants, spread over the frames, at which silhouettes are checked
+  int threads = 0;      ///< 0: one per core
+  bool redo = false;    ///< make again what we made, whatever the way; others' files stay
+  bool check = true;    ///< flicker, and silhouettes against the others' hull
+  int hull_frames = 8;  ///< instants, spread over the frames, at which silhouettes are checked
+  /// What a camera or a converter added to pictures: see settle_added(). Not for matte_take() of a reader.
+  std::optional<bool> hide_added = {};
   Progress* progress = nullptr;  ///< null: unwatched
 };
 

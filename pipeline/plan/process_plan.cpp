@@ -14,6 +14,7 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/matte/matte_job.h"
+#include "pipeline/matte/settle_added.h"
 #include "pipeline/plan/take_view.h"
 #include "pipeline/process/mesh_maker.h"
 
@@ -314,6 +315,8 @@ Result<std::string> plan_inputs(const fs::path& take) {
 Result<Plan> plan_mattes(const MatteTakeOptions& options, int chunk) {
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
   if (!take) return forward(take);
+  if (const auto added = settle_added(*take, options.hide_added, options.threads); !added)
+    return forward(added);
   Result<Plan> plan = empty_plan(**take);
   if (!plan) return plan;
   if (const Result<std::set<int>> touched = add_mattes(**take, options, chunk, *plan); !touched)
@@ -325,6 +328,8 @@ Result<Plan> plan_mattes(const MatteTakeOptions& options, int chunk) {
 Result<Plan> plan_process(const ProcessOptions& options, int chunk) {
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
   if (!take) return forward(take);
+  if (const auto added = settle_added(*take, options.hide_added, options.threads); !added)
+    return forward(added);
   Result<Plan> plan = empty_plan(**take);
   if (!plan) return plan;
   const Result<std::set<int>> touched = add_mattes(**take, matte_options(options), chunk, *plan);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture/added_file.h"
 #include "core/file.h"
 #include "core/mesh_io.h"
 #include "core/parallel.h"
@@ -15,6 +16,7 @@
 #include "pipeline/matte/contradiction.h"
 #include "pipeline/process/denied_mattes.h"
 #include "pipeline/process/heal_mattes.h"
+#include "pipeline/process/hull_inside_bars.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
@@ -100,7 +102,7 @@ class HullWorkspaces {
 };
 
 // The mesh of these mattes, written under `file`.
-Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes,
+Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes, const capture::AddedFile& added,
                        const recon::HullOptions& options, HullWorkspaces::Slot& slot, const fs::path& file) {
   json iou = json::object();
   if (nobody_on_stage(mattes)) {
@@ -108,7 +110,7 @@ Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes,
     return json{{"volume", 0}, {"empty", true}, {"silhouette_iou", iou}, {"seconds", 0}};
   }
   recon::HullReport& hull = slot.report;
-  if (Result<void> ok = recon::visual_hull(rig, mattes, options, slot.workspace, hull); !ok)
+  if (Result<void> ok = hull_inside_bars(rig, mattes, added, options, slot.workspace, hull); !ok)
     return forward(ok);
   if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
   for (std::size_t c = 0; c < hull.silhouette_iou.size(); ++c)
@@ -148,6 +150,9 @@ class MeshMaker {
     Result<std::unique_ptr<MatteHealer>> healer = MatteHealer::open(take_);
     if (!healer) return forward(healer);
     healer_ = std::move(*healer);
+    Result<capture::AddedFile> added = capture::load_added(take_.layout());
+    if (!added) return forward(added);
+    added_ = std::move(*added);
     std::vector<std::optional<FrameHull>> hulls(frames.size());
     others_.assign(frames.size(), 0);
     ProgressPart progress(options_.progress, "meshes", frames.size());
@@ -203,7 +208,7 @@ class MeshMaker {
     if (!mattes) return forward(mattes);
     const fs::path whole = temporary_name(file);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
-    Result<json> report = make_mesh(take_.rig(), *mattes, hull_, *slot, whole);
+    Result<json> report = make_mesh(take_.rig(), *mattes, added_, hull_, *slot, whole);
     if (report && !report->at("empty")) report = heal(frame, *mattes, *slot, whole, std::move(*report), made);
     if (report && report->contains("silhouettes")) evidence_.note(frame, slot->report, *mattes);
     workspaces_.give_back(std::move(slot));
@@ -233,7 +238,7 @@ class MeshMaker {
     Result<std::vector<Matte>> read = load_mattes(take_, frame, &made.entry.mattes);
     if (!read) return forward(read);
     mattes = std::move(*read);
-    return make_mesh(take_.rig(), mattes, hull_, slot, file);
+    return make_mesh(take_.rig(), mattes, added_, hull_, slot, file);
   }
 
   /// Frames whose mesh holds no subject, whenever it was made. Those that somebody put there are read: the
@@ -253,6 +258,7 @@ class MeshMaker {
   const ProcessOptions& options_;
   recon::HullOptions hull_;
   const std::string inputs_;
+  capture::AddedFile added_;
   MeshRecord record_;
   Journal journal_;
   Collector collector_;

@@ -10,6 +10,7 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/matte/matte_take.h"
+#include "pipeline/matte/settle_added.h"
 #include "pipeline/mesh_record.h"
 #include "pipeline/process/mesh_maker.h"
 #include "pipeline/process/pose_doubts.h"
@@ -53,6 +54,7 @@ MatteTakeOptions matte_options(const ProcessOptions& options) {
           .threads = options.threads,
           .redo = options.redo,
           .check = false,
+          .hide_added = options.hide_added,
           .progress = options.progress};
 }
 
@@ -77,6 +79,8 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   if (!opened) return forward(opened);
   const Result<Claim> claim = claim_take(options.take, options.progress);
   if (!claim) return forward(claim);
+  const Result<std::vector<std::string>> added = settle_added(*opened, options.hide_added, options.threads);
+  if (!added) return forward(added);
   capture::TakeReader& take = **opened;
   std::vector<int> frames = options.frames;
   for (int f = 0; options.frames.empty() && f < take.frame_count(); ++f) frames.push_back(f);
@@ -95,6 +99,7 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   Result<StageReport> mattes = make_mattes(take, options, report);
   if (!mattes) return forward(mattes);
   report.mattes = std::move(*mattes);
+  report.remarks.insert(report.remarks.begin(), added->begin(), added->end());
   if (Result<void> ok = make_meshes(take, options, *hull, std::move(*record), frames, report); !ok)
     return forward(ok);
   forget_failures(report);

@@ -27,7 +27,8 @@ struct ProcessOptions {
   int threads = 0;                        ///< 0: one per core
   bool gathered = false;  ///< a plan's items made meshes for this run, which speaks of them as of its own
   bool redo = false;      ///< make again what we made, with these options; others' files stay
-  Progress* progress = nullptr;           ///< null: unwatched
+  std::optional<bool> hide_added = {};  ///< MatteTakeOptions::hide_added
+  Progress* progress = nullptr;         ///< null: unwatched
 };
 
 /// What one stage did. made + kept + gaps + failures = items.

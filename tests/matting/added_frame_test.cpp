@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include "core/added_search.h"
 #include "matting/keyers/keyer.h"
 #include "tests/matting/pictures.h"
 
 namespace floatstage::matting {
 namespace {
 
-Image framed(const Image& picture, const AddedFrame& frame, std::uint8_t grey = 0) {
+AddedContent bars_of(const std::vector<Image>& pictures) { return added_bars(pictures); }
+
+Image framed(const Image& picture, const AddedContent& frame, std::uint8_t grey = 0) {
   Image out(picture.width + frame.left + frame.right, picture.height + frame.top + frame.bottom, 3, grey);
   for (int y = 0; y < picture.height; ++y)
     std::copy_n(picture.at(0, y), 3 * picture.width, out.at(frame.left, frame.top + y));
@@ -17,11 +20,12 @@ Image framed(const Image& picture, const AddedFrame& frame, std::uint8_t grey = 
 
 TEST(AddedFrame, IsFoundOnEverySideToThePixel) {
   const Image picture = photograph({.noise = 1});
-  EXPECT_TRUE(added_frame({picture}).none());
-  for (const AddedFrame& frame : {AddedFrame{.top = 12, .bottom = 12}, AddedFrame{.left = 20, .right = 3},
-                                  AddedFrame{.left = 1}, AddedFrame{4, 5, 6, 7}}) {
-    EXPECT_EQ(added_frame({framed(picture, frame)}), frame);
-    EXPECT_EQ(added_frame({framed(picture, frame, 235)}), frame) << "white bars";
+  EXPECT_TRUE(bars_of({picture}).none());
+  for (const AddedContent& frame :
+       {AddedContent{.top = 12, .bottom = 12}, AddedContent{.left = 20, .right = 3}, AddedContent{.left = 1},
+        AddedContent{4, 5, 6, 7}}) {
+    EXPECT_EQ(bars_of({framed(picture, frame)}), frame);
+    EXPECT_EQ(bars_of({framed(picture, frame, 235)}), frame) << "white bars";
     EXPECT_EQ(inside(framed(picture, frame), frame), picture);
   }
 }
@@ -30,19 +34,19 @@ TEST(AddedFrame, IsWhatAllPicturesShow) {
   const Image picture = photograph({.noise = 1});
   const Image boxed = framed(picture, {.top = 12, .bottom = 12}),
               less = framed(photograph({.height = 124, .noise = 1}), {.top = 12, .bottom = 8});
-  EXPECT_EQ(added_frame({boxed, less}), (AddedFrame{.top = 12, .bottom = 8}));
-  EXPECT_TRUE(added_frame({boxed, picture, photograph({.height = 144, .noise = 1})}).none());
+  EXPECT_EQ(bars_of({boxed, less}), (AddedContent{.top = 12, .bottom = 8}));
+  EXPECT_TRUE(bars_of({boxed, picture, photograph({.height = 144, .noise = 1})}).none());
 }
 
 TEST(AddedFrame, IsNotAStagesOwnBlack) {
-  EXPECT_TRUE(added_frame({photograph({.backing = {0, 0, 0}, .subject = {200, 180, 160}})}).none());
-  EXPECT_TRUE(added_frame({Image(160, 120, 3, 0)}).none()) << "nothing inside";
-  EXPECT_TRUE(added_frame({}).none());
-  EXPECT_TRUE(added_frame({Image(1, 1, 3, 9)}).none());
+  EXPECT_TRUE(bars_of({photograph({.backing = {0, 0, 0}, .subject = {200, 180, 160}})}).none());
+  EXPECT_TRUE(bars_of({Image(160, 120, 3, 0)}).none()) << "nothing inside";
+  EXPECT_TRUE(bars_of({}).none());
+  EXPECT_TRUE(bars_of({Image(1, 1, 3, 9)}).none());
 }
 
 TEST(AddedFrame, IsBackgroundToAKeyerThatSeesTheRestAsWithoutIt) {
-  const AddedFrame frame{.left = 9, .top = 14, .right = 9, .bottom = 14};
+  const AddedContent frame{.left = 9, .top = 14, .right = 9, .bottom = 14};
   for (const char* spec : {"chroma", "luminance"}) {
     Scene scene{.noise = 1.5};
     if (std::string_view(spec) == "luminance") scene.backing = {14, 14, 16};
