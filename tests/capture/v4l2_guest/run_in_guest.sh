@@ -14,7 +14,7 @@ trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/root"/{bin,dev,proc,sys,host,modules}
 cp "$(command -v busybox)" "$work/root/bin/busybox"
 [ -f "$kernel_root/lib/modules/$modules/modules.dep.bin" ] || depmod -b "$kernel_root" "$modules"
-for module in virtio_pci 9pnet_virtio 9p vivid; do
+for module in virtio_pci 9pnet_virtio 9p vivid veth; do
   modprobe -d "$kernel_root" -S "$modules" --show-depends "$module"
 done | awk '$1 == "insmod" && !seen[$2]++ { print $2 }' > "$work/list"
 while read -r file; do
