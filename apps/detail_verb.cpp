@@ -111,6 +111,7 @@ void add_detail(CLI::App& app, Chosen& chosen) {
   add_graph(*verb, chosen);
   add_detail_compose(*verb, chosen);
   add_detail_synthesize(*verb, chosen);
+  add_detail_view(*verb, chosen);
 }
 
 }  // namespace floatstage::apps

@@ -25,5 +25,6 @@ Result<void> take_root(detail::PhotoGraph& graph, const std::string& name);
 
 void add_detail_compose(CLI::App& detail, Chosen& chosen);
 void add_detail_synthesize(CLI::App& detail, Chosen& chosen);
+void add_detail_view(CLI::App& detail, Chosen& chosen);
 
 }  // namespace floatstage::apps

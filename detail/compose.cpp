@@ -23,6 +23,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 
 constexpr double kMostPixels = 32e6;
+constexpr double kCanvas = 8e6;  // px in which photographs meet that bring their own pixels
 constexpr int kSmallest =
     32;  // px a side of a child in the picture, below which there is nothing to carry over
 
@@ -102,8 +103,8 @@ ComposedPhoto report_of(const std::string& name, double zoom, const Transfer& t)
 }
 
 // Lays the child over the canvas, as opaque as its mask says.
-void lay_over(const Transfer& t, const Matrix3d& canvas_from_child, const ComposedPhoto& report,
-              const ComposeOptions& options, LightPicture& canvas) {
+void lay_over(const Transfer& t, const Matrix3d& canvas_from_child, double canvas_zoom,
+              const ComposedPhoto& report, const ComposeOptions& options, LightPicture& canvas) {
   const Quad quad = *sane_quad(canvas_from_child, t.adjusted.width, t.adjusted.height);
   Vector2d low = quad[0], high = quad[0];
   for (const Vector2d& corner : quad) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
@@ -119,7 +120,8 @@ void lay_over(const Transfer& t, const Matrix3d& canvas_from_child, const Compos
   shift(1, 2) = y0;
   const LightPicture patch =
       warped(layer, canvas_from_child.inverse() * shift, x1 - x0, y1 - y0, options.threads);
-  if (options.laid) options.laid({report, patch, x0, y0});
+  if (options.laid)
+    options.laid({report, patch, x0, y0, layer, scaling(1 / canvas_zoom) * canvas_from_child});
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
       const Light& from = patch.at(x - x0, y - y0);
@@ -140,7 +142,9 @@ Result<ComposedPhoto> carry(const PhotoGraph& graph, int index, const Place& pla
   const Result<Image> loaded = load(graph, photo);
   if (!loaded) return forward(loaded);
   // What the canvas cannot show costs memory only.
-  const double shrink = std::min(1.0, canvas_zoom / place.zoom);
+  const double pixels = static_cast<double>(photo.photo.width) * photo.photo.height;
+  const double shrink = std::min(
+      1.0, options.own_pixels > 0 ? std::sqrt(options.own_pixels / pixels) : canvas_zoom / place.zoom);
   const Child made = shrunk(*loaded, shrink, options.threads);
   const LightPicture* child = &made.picture;
   ComposedPhoto skipped;
@@ -157,12 +161,14 @@ Result<ComposedPhoto> carry(const PhotoGraph& graph, int index, const Place& pla
     return skipped;
   }
   const LightPicture parent = warped(canvas, canvas_from_child, child->width, child->height, options.threads);
-  const Transfer t = transfer_detail(*child, parent, std::max(1.0, photo.zoom * shrink), {options.adapt});
+  // What the parent has details for: its photograph's pixels, where the canvas has them.
+  const double finer = shrink * std::max(photo.zoom, place.zoom / canvas_zoom);
+  const Transfer t = transfer_detail(*child, parent, std::max(1.0, finer), {options.adapt});
   if (!options.steps.empty())
     if (Result<void> ok = save_steps(*child, parent, t, options.steps, flat(photo.photo.name)); !ok)
       return forward(ok);
   const ComposedPhoto report = report_of(photo.photo.name, place.zoom, t);
-  lay_over(t, canvas_from_child, report, options, canvas);
+  lay_over(t, canvas_from_child, canvas_zoom, report, options, canvas);
   return report;
 }
 
@@ -179,8 +185,8 @@ Result<Composition> compose(const PhotoGraph& graph, const ComposeOptions& optio
   double closest = 1;
   for (const auto& [i, place] : places) closest = std::max(closest, place.zoom);
   Composition out;
-  out.zoom =
-      options.zoom > 0 ? options.zoom : std::max(1.0, std::min(closest, std::sqrt(kMostPixels / pixels)));
+  const double most = options.own_pixels > 0 ? kCanvas : kMostPixels;
+  out.zoom = options.zoom > 0 ? options.zoom : std::max(1.0, std::min(closest, std::sqrt(most / pixels)));
   if (!(out.zoom >= 1) || (options.zoom > 0 && pixels * out.zoom * out.zoom > kMostPixels))
     return fail(ErrorCode::InvalidArgument,
                 text("--zoom ", out.zoom, ": 1 to ", std::floor(100 * std::sqrt(kMostPixels / pixels)) / 100,

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/image.h"
 #include "core/result.h"
 #include "detail/float_picture.h"
@@ -34,11 +36,15 @@ struct LaidPhoto {
   const ComposedPhoto& report;
   const LightPicture& patch;  ///< of the picture's pixels, from (x, y); the fourth number is its opacity
   int x, y;
+  const LightPicture& layer;  ///< the same in its own pixels
+  Eigen::Matrix3d root_from_layer;
 };
 
 struct ComposeOptions {
   double zoom = 0;              ///< of the root, 1 or more; 0: that of the closest photograph, as far as 32
-                                ///< million pixels allow
+                                ///< million pixels allow (8 with own_pixels)
+  double own_pixels = 0;        ///< above 0: photographs keep their own pixels, up to so many, also where the
+                                ///< picture is coarser
   bool adapt = true;            ///< move children's edges onto their parents'
   std::filesystem::path steps;  ///< a folder for pictures of every step; empty: none
   int threads = 0;

@@ -47,6 +47,14 @@ const std::vector<std::array<float, kTaps>>& lanczos() {
   return table;
 }
 
+std::uint8_t rounded(float value) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
+}
+
+void encode(const Light& light, std::uint8_t* rgb) {
+  for (std::size_t k = 0; k < 3; ++k) rgb[k] = rounded(encoded(std::clamp(light[k], 0.0F, 1.0F)));
+}
+
 }  // namespace
 
 Light interpolated(const LightPicture& p, double x, double y) {
@@ -84,10 +92,16 @@ LightPicture to_light(const Image& rgb) {
 
 Image to_image(const LightPicture& picture) {
   Image out(picture.width, picture.height, 3);
-  for (std::size_t i = 0; i < picture.pixels.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      out.pixels[3 * i + k] =
-          static_cast<std::uint8_t>(std::lround(255 * encoded(std::clamp(picture.pixels[i][k], 0.0F, 1.0F))));
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) encode(picture.pixels[i], &out.pixels[3 * i]);
+  return out;
+}
+
+Image to_image_with_opacity(const LightPicture& picture) {
+  Image out(picture.width, picture.height, 4);
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+    encode(picture.pixels[i], &out.pixels[4 * i]);
+    out.pixels[4 * i + 3] = rounded(picture.pixels[i][3]);
+  }
   return out;
 }
 

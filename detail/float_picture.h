@@ -47,6 +47,8 @@ Light interpolated(const LightPicture& picture, double x, double y);
 /// clamps.
 LightPicture to_light(const Image& rgb);
 Image to_image(const LightPicture& picture);
+/// The same with the fourth number as a channel of opacity.
+Image to_image_with_opacity(const LightPicture& picture);
 /// The curve itself, 0 to 1.
 float encoded(float light);
 

@@ -100,6 +100,7 @@ const std::map<std::string, int>& ranks() {
                                                    {"apps/viewer/mattes", 1},
                                                    {"apps/viewer/play", 2},
                                                    {"apps/viewer/live", 3},
+                                                   {"apps/viewer/detail", 3},
                                                    {"apps/viewer/calibration", 3},
                                                    {"apps", 4},
                                                    {"apps/calibrate", 5},

@@ -13,16 +13,9 @@ namespace {
 
 constexpr double kMostPixels = 32e6;
 
-// RGBA of 8 bits.
 DetailLayer layer_of(const LaidPhoto& laid, int levels) {
   DetailLayer out;
-  const Image rgb = to_image(laid.patch);
-  out.picture = Image(rgb.width, rgb.height, 4);
-  for (std::size_t i = 0; i < laid.patch.pixels.size(); ++i) {
-    std::copy_n(&rgb.pixels[3 * i], 3, &out.picture.pixels[4 * i]);
-    out.picture.pixels[4 * i + 3] =
-        static_cast<std::uint8_t>(std::lround(255 * std::clamp(laid.patch.pixels[i][3], 0.0F, 1.0F)));
-  }
+  out.picture = to_image_with_opacity(laid.patch);
   out.x = laid.x;
   out.y = laid.y;
   out.level = std::clamp(static_cast<int>(std::lround(std::log2(laid.report.zoom))), 0, levels);

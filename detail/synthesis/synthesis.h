@@ -8,6 +8,7 @@
 #include "core/result.h"
 #include "detail/synthesis/color_grid.h"
 #include "detail/synthesis/exemplars.h"
+#include "detail/synthesis/provenance.h"
 #include "detail/watch.h"
 
 namespace floatstage::detail {
@@ -18,14 +19,6 @@ struct SynthesisOptions {
   float slack = 2;               ///< of the search for neighbours: NearestPoints::find()
   std::size_t most = 1'500'000;  ///< pixels of the close photographs that details are taken from
   int threads = 0;
-};
-
-/// Where a pixel comes from.
-enum class Provenance : std::uint8_t {
-  Upsampled = 0,    ///< the coarser pixels alone
-  Synthesised = 1,  ///< with details from elsewhere
-  Warped = 2,       ///< of a photograph of this place, bent to fit or mixed at its rim
-  Real = 3          ///< of a photograph of this place
 };
 
 struct SynthesisTile {

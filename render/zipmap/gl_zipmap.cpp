@@ -91,7 +91,7 @@ class Drawer : public GlZipmap {
     begin(view, drawing);
     DrawnZipmap drawn;
     std::vector<std::vector<PatchNeed>> passes =
-        cache_.passes(drawing.patches ? needs_of(*zipmap_, view) : std::vector<PatchNeed>());
+        cache_.passes(drawing.plain_from > 0 ? needs_of(*zipmap_, view) : std::vector<PatchNeed>());
     if (passes.empty()) passes.emplace_back();  // the root is drawn in any case
     const bool patient = passes.size() == 1 && drawing.most_loaded > 0;
     for (const std::vector<PatchNeed>& pass : passes) {
@@ -131,9 +131,7 @@ class Drawer : public GlZipmap {
   void make_layers(int layers, int width, int height) {
     const int levels = levels_of(width, height), depth = std::max(1, layers);
     glTextureStorage3D(layers_.id(), levels, GL_RGBA8, width, height, depth);
-    set_sampling(layers_.id(), GL_LINEAR_MIPMAP_NEAREST);
-    // What is beside a picture in its layer has a share of 1/256 where coordinates are rounded.
-    for (int l = 0; l < levels; ++l) glClearTexImage(layers_.id(), l, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    set_sampling(layers_.id(), GL_NEAREST_MIPMAP_NEAREST);
     allocated_ += static_cast<std::size_t>(depth) * bytes_of_levels(width, height);
   }
 
@@ -154,6 +152,7 @@ class Drawer : public GlZipmap {
     const ZipmapTints& tints = drawing.tints;
     glProgramUniform4f(program_.id(), 4, tints.root.x(), tints.root.y(), tints.root.z(), tints.strength);
     glProgramUniform3f(program_.id(), 5, tints.rim.x(), tints.rim.y(), tints.rim.z());
+    glProgramUniform1i(program_.id(), 6, drawing.plain_from);
     glBindTextureUnit(0, root_.id());
     glBindTextureUnit(1, layers_.id());
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());

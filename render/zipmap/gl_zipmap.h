@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -26,7 +27,8 @@ struct ZipmapTints {
 };
 
 struct ZipmapDrawing {
-  bool patches = true;  ///< false: the root alone, as any texture
+  /// Pixels from this column on show the root alone, as any texture; 0: all of them.
+  int plain_from = std::numeric_limits<int>::max();
   /// Bytes that this picture may load, at least one level of one picture: what is missing is drawn as far as
   /// it is there, coarse levels and large parts of the view first. 0: all that it needs. A view that needs
   /// more pictures than there are layers loads all of it in any case.

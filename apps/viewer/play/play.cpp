@@ -6,26 +6,17 @@
 
 #include "apps/viewer/mattes/matte_editor.h"
 #include "apps/viewer/play/player.h"
+#include "apps/viewer/window/screenshot.h"
 #include "apps/viewer/window/window.h"
-#include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
 
 namespace floatstage::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 void say(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);
-}
-
-// The first of floatstage-0.png, floatstage-1.png … that is not there.
-fs::path free_screenshot_name() {
-  int number = 0;
-  while (is_there(text("floatstage-", number, ".png"))) ++number;
-  return text("floatstage-", number, ".png");
 }
 
 // One window with two modes. What is not open is null.
@@ -162,9 +153,7 @@ class PlayWindow {
   }
 
   void keep(const Image& picture) {
-    const fs::path file = free_screenshot_name();
-    const Result<void> ok = save_png(picture, file);
-    const std::string line = ok ? text("screenshot ", file.string()) : ok.error().message;
+    const std::string line = keep_screenshot(picture);
     say(line);
     editing_ ? editor_->show_status(line) : player_->show_status(line);
   }

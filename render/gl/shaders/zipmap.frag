@@ -7,6 +7,7 @@ layout(location = 2) uniform int wrap;        // Zipmap::Wrap
 layout(location = 3) uniform bool with_root;  // the first pass
 layout(location = 4) uniform vec4 root_tint;  // rgb, and how much of the picture it hides
 layout(location = 5) uniform vec3 rim_tint;   // of what is not opaque
+layout(location = 6) uniform int plain_from;  // columns from this one on show the root alone
 
 layout(binding = 0) uniform sampler2D root;
 layout(binding = 1) uniform sampler2DArray pictures;  // level l of a picture lies in the corner of level l
@@ -33,11 +34,20 @@ float level_of_detail(vec2 size, vec2 du, vec2 dv) {
   return log2(max(max(length(du * size), length(dv * size)), 1e-12));
 }
 
-// Half a texel off the picture's edge: beyond it lies what belongs to nobody.
+// Fetched one by one: a driver may choose the level of textureLod() for four pixels at once, and then some of
+// them would be read at coordinates of another level. Beyond the picture lies what belongs to nobody.
 vec4 at_level(Patch p, vec2 uv, int level) {
-  vec2 size = vec2(max(p.place.yz >> level, ivec2(1)));
-  vec2 texel = clamp(uv * size, vec2(0.5), size - 0.5);
-  return textureLod(pictures, vec3(texel / vec2(textureSize(pictures, level).xy), p.place.x), float(level));
+  ivec2 size = max(p.place.yz >> level, ivec2(1));
+  vec2 texel = uv * vec2(size) - 0.5;
+  ivec2 low = ivec2(floor(texel));
+  vec2 part = texel - vec2(low);
+  ivec2 a = clamp(low, ivec2(0), size - 1), b = clamp(low + 1, ivec2(0), size - 1);
+  int layer = p.place.x;
+  vec4 above = mix(texelFetch(pictures, ivec3(a, layer), level),
+                   texelFetch(pictures, ivec3(b.x, a.y, layer), level), part.x);
+  vec4 below = mix(texelFetch(pictures, ivec3(a.x, b.y, layer), level),
+                   texelFetch(pictures, ivec3(b, layer), level), part.x);
+  return mix(above, below, part.y);
 }
 
 vec4 sampled(Patch p, vec2 uv, float lod) {
@@ -58,8 +68,9 @@ void main() {
   vec3 inside = vec3(wrapped(uv.x), wrapped(uv.y), 1.0);
   if (with_root) {
     color.rgb = textureLod(root, inside.xy, level_of_detail(vec2(textureSize(root, 0)), du, dv)).rgb;
-    color.rgb = mix(color.rgb, root_tint.rgb, root_tint.a);
+    if (gl_FragCoord.x < plain_from) color.rgb = mix(color.rgb, root_tint.rgb, root_tint.a);
   }
+  if (gl_FragCoord.x >= plain_from) return;
   for (int i = range.x; i < range.x + range.y; ++i) {
     Patch patch_ = patches[i];
     vec3 q = vec3(dot(patch_.rows[0].xyz, inside), dot(patch_.rows[1].xyz, inside),

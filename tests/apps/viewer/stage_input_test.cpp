@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/apps/viewer/hands.h"
+
 namespace floatstage::apps {
 namespace {
 
@@ -19,18 +21,6 @@ StageInput stage() {
   StageInput hands;
   hands.set_area(270, 0, 1000, 700);
   return hands;
-}
-
-InputEvent at(Kind kind, double x, double y, int button = 0) {
-  InputEvent e;
-  e.kind = kind, e.x = x, e.y = y, e.button = button;
-  return e;
-}
-
-InputEvent key(int which, bool repeated = false) {
-  InputEvent e;
-  e.kind = Kind::Key, e.key = which, e.repeated = repeated;
-  return e;
 }
 
 TEST(StageInput, TurnsByADragBetweenTwoPicturesAsByASlowOne) {

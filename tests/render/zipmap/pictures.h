@@ -59,7 +59,7 @@ inline Zipmap ever_closer() {
   };
   return *Zipmap::make(
       photograph(0, 0, 1, 256),
-      {photograph(0.3, 0.3, 0.4, 256), photograph(0.42, 0.42, 0.16, 256), photograph(0.47, 0.47, 0.06, 256)},
+      {photograph(0.3, 0.3, 0.4, 201), photograph(0.42, 0.42, 0.16, 239), photograph(0.47, 0.47, 0.06, 256)},
       {patch(0, 0.3, 0.3, 0.4), patch(1, 0.42, 0.42, 0.16), patch(2, 0.47, 0.47, 0.06)});
 }
 
