@@ -100,8 +100,8 @@ std::vector<std::string> describe(const std::map<std::string, AddedContent>& by_
   std::vector<std::pair<AddedContent, std::vector<std::string>>> alike;
   for (const auto& [serial, content] : by_serial) {
     if (content.none()) continue;
-    const auto same =
-        std::find_if(alike.begin(), alike.end(), [&](const auto& a) { return a.first == content; });
+    const auto same = std::find_if(alike.begin(), alike.end(),
+                                   [&wanted = content](const auto& a) { return a.first == wanted; });
     if (same == alike.end())
       alike.push_back({content, {serial}});
     else
