@@ -24,8 +24,8 @@ struct Options {
 
 nlohmann::json to_json(const pipeline::ImportReport& report, const std::filesystem::path& take) {
   return {{"take", take.string()},     {"frames", report.frames}, {"gaps", report.gaps},
-          {"cameras", report.serials}, {"mattes", report.mattes}, {"notes", report.notes},
-          {"world", report.world}};
+          {"cameras", report.serials}, {"mattes", report.mattes}, {"sounds", report.sounds},
+          {"notes", report.notes},     {"world", report.world}};
 }
 
 Result<void> run(const Options& given) {
@@ -48,8 +48,12 @@ Result<void> run(const Options& given) {
   if (!report) return forward(report);
   for (const std::string& note : report->notes) log::info(note);
   log::info(report->world);
-  std::printf("%s: %d frames of %zu cameras%s\n", options.out.c_str(), report->frames, report->serials.size(),
-              report->mattes ? ", with mattes" : "");
+  std::printf(
+      "%s: %d frames of %zu cameras%s%s\n", options.out.c_str(), report->frames, report->serials.size(),
+      report->mattes ? ", with mattes" : "",
+      report->sounds > 0
+          ? text(", with ", report->sounds, report->sounds == 1 ? " sound track" : " sound tracks").c_str()
+          : "");
   if (!given.json.empty()) return pipeline::save_json(to_json(*report, options.out), given.json);
   return {};
 }
@@ -98,6 +102,7 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
       ->check(one_of({"refuse", "scaled", "cropped"}));
   add_fps(*app, options->frame_rate, "Frames a second (default: as the videos say)");
   add_codec(*app, import.codec);
+  app->add_flag("!--no-sound", import.sound, "Leave out the videos' sound tracks");
   app->add_option("--label", import.label, "The take's label (default: the format's name)");
   if (format.name == "lightfield")
     app->add_option("--plane", options->plane,

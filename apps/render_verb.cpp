@@ -26,7 +26,8 @@ constexpr const char* kNoBackground = "none";
 struct Options {
   std::filesystem::path take, path_file, out, json_file;
   std::vector<std::string> methods = {"floating"};
-  std::string frames, pictures;
+  std::string frames, pictures, sound;
+  bool no_sound = false;
   Size size;
   bool orbit = false, keep_spill = false;
   double seconds = 0;
@@ -54,6 +55,8 @@ void say(const Options& given, const pipeline::FilmOptions& film, const pipeline
   std::printf("%s: %d pictures of %dx%d%s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
               report.kept + report.film.pictures, film.width, film.height, kept.c_str(), report.film.seconds,
               drawing > 0 ? report.film.pictures / drawing : 0.0);
+  if (!report.sound.empty())
+    std::printf("sound '%s' is heard for %.1f s of it\n", report.sound.c_str(), report.sound_seconds);
   if (!given.pictures.empty())
     std::printf(
         "%d of %d parts of the film are there; the same command without --pictures makes the rest and "
@@ -127,7 +130,9 @@ Result<void> run(const Options& given) {
   const pipeline::FilmFileOptions file = {.out = given.out,
                                           .drawn_by = drawn_by + " " + program->sha256,
                                           .with_opacity = is_transparent(given),
-                                          .pictures = std::move(*pictures)};
+                                          .pictures = std::move(*pictures),
+                                          .sound = !given.no_sound,
+                                          .sound_track = given.sound};
   const Result<pipeline::FilmFileReport> report = pipeline::render_film_file(**take, *path, *film, file);
   if (!report) return forward(report);
   say(given, *film, *report);
@@ -136,6 +141,8 @@ Result<void> run(const Options& given) {
                               {"pictures", report->pictures},
                               {"drawn", report->film.pictures},
                               {"kept", report->kept},
+                              {"sound", report->sound},
+                              {"sound_seconds", report->sound_seconds},
                               {"parts", report->parts},
                               {"parts_done", report->done},
                               {"seconds", report->film.seconds},
@@ -208,6 +215,10 @@ void add_render(CLI::App& app, Chosen& chosen) {
   verb->add_option("--pictures", options->pictures,
                    "Only the parts of the film with these pictures, A:B; the call without it joins all parts")
       ->type_name("A:B");
+  verb->add_flag("--no-sound", options->no_sound, "Leave out the take's sound");
+  verb->add_option("--sound", options->sound, "The sound track that is heard (default: the take's first)")
+      ->type_name("NAME")
+      ->excludes("--no-sound");
   verb->add_option("--views", options->film.array.views,
                    "Eyes beside one another in each picture: 2 for stereo, up to 8 for displays of several "
                    "(above 3 in two rows), from the leftmost on")

@@ -30,6 +30,29 @@ int lost_rows(const std::vector<FrameRow>& rows) {
   return lost;
 }
 
+// One line a sound track; and what of it stands in the report.
+json say(const std::vector<pipeline::SoundFacts>& sounds) {
+  json list = json::array();
+  for (const pipeline::SoundFacts& s : sounds) {
+    std::printf("  sound %-10s %d x %d Hz, %d bits, %.1f s from %+.3f s on, clock %+.1f ppm%s, from %s%s%s\n",
+                s.track.name.c_str(), s.track.channels, s.track.rate, s.track.bits, s.seconds, s.begins,
+                s.ppm, s.runs > 1 ? text(" (", s.runs, " runs)").c_str() : "", s.track.from.c_str(),
+                s.problem.empty() ? "" : "; ", s.problem.c_str());
+    list.push_back({{"name", s.track.name},
+                    {"rate", s.track.rate},
+                    {"channels", s.track.channels},
+                    {"bits", s.track.bits},
+                    {"from", s.track.from},
+                    {"seconds", s.seconds},
+                    {"begins", s.begins},
+                    {"ppm", s.ppm},
+                    {"jitter_ms", s.jitter_ms},
+                    {"runs", s.runs},
+                    {"problem", s.problem}});
+  }
+  return list;
+}
+
 Result<void> info(const Options& given) {
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(given.take);
   if (!opened) return forward(opened);
@@ -56,6 +79,9 @@ Result<void> info(const Options& given) {
     std::printf("  %-16s %dx%d %s %s, %d rows, %d lost\n", c["serial"].get<std::string>().c_str(),
                 c["size"][0].get<int>(), c["size"][1].get<int>(), c["format"].get<std::string>().c_str(),
                 c["codec"].get<std::string>().c_str(), c["rows"].get<int>(), c["lost"].get<int>());
+  const Result<std::vector<pipeline::SoundFacts>> sounds = pipeline::sounds_of(take);
+  if (!sounds) return forward(sounds);
+  const json sound = say(*sounds);
   const Result<std::optional<capture::Derivation>> from = capture::load_derivation(given.take);
   if (!from) return forward(from);
   if (*from) std::printf("made from %s by %s\n", (*from)->from.c_str(), (*from)->how.c_str());
@@ -72,6 +98,7 @@ Result<void> info(const Options& given) {
                               {"complete", m.complete},
                               {"sealed", !m.files.empty()},
                               {"cameras", std::move(cameras)},
+                              {"sound", sound},
                               {"derived", {{"mattes", facts.mattes}, {"meshes", facts.meshes}}},
                               {"warnings", take.warnings()}},
                              given.json);

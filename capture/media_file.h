@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "capture/sound/film_sound.h"
 #include "core/image.h"
 #include "core/result.h"
+#include "core/time.h"
 
 namespace floatstage::capture {
 
@@ -20,6 +23,9 @@ class MediaReader {
   static Result<std::unique_ptr<MediaReader>> open(const std::filesystem::path& file);
   virtual ~MediaReader() = default;
   virtual double frame_rate() const = 0;  ///< nominal; 0 for a still
+  /// When the picture that next() returned last is shown, in the file's own time (that of its sound); nothing
+  /// before the first, and where the file does not say.
+  virtual std::optional<Nanoseconds> time() const = 0;
   /// The next picture, 3 channels; EndOfStream after the last; BadData names the file and the picture's
   /// number.
   virtual Result<Image> next() = 0;
@@ -46,8 +52,10 @@ class VideoWriter {
 /// needs no other, so what is decoded is what is decoded of the parts, and the same parts give the same
 /// bytes. BadData names a part that is no such film or is coded otherwise than the first, or says that there
 /// are not so many `pictures`; AlreadyExists when `file` is there or is being written; Io. Temporary name
-/// until it is whole.
+/// until it is whole. `sound`, where there is some, begins with the first picture and has the same bytes each
+/// time too: AAC in MP4, PCM of 24 bits in MOV, FLAC in Matroska.
 Result<void> join_videos(const std::vector<std::filesystem::path>& parts, double frame_rate,
-                         std::int64_t pictures, const std::filesystem::path& file);
+                         std::int64_t pictures, const std::filesystem::path& file,
+                         const FilmSound* sound = nullptr);
 
 }  // namespace floatstage::capture

@@ -96,6 +96,7 @@ class LibavReader final : public MediaReader {
 
   Result<void> open();
   double frame_rate() const override { return frame_rate_; }
+  std::optional<Nanoseconds> time() const override { return time_; }
   Result<Image> next() override;
 
  private:
@@ -114,6 +115,7 @@ class LibavReader final : public MediaReader {
   ToRgb to_rgb_;
   double frame_rate_ = 0;
   std::int64_t pictures_ = 0;
+  std::optional<Nanoseconds> time_;
   bool drained_ = false;
 };
 
@@ -179,6 +181,9 @@ Result<Image> LibavReader::next() {
   if (!image)
     return fail(image.error().code, text(name_, ": picture ", pictures_, ": ", image.error().message));
   ++pictures_;
+  time_.reset();
+  if (const std::int64_t shown = picture_->best_effort_timestamp; shown != AV_NOPTS_VALUE)
+    time_ = Nanoseconds{av_rescale_q(shown, stream_->time_base, {1, 1'000'000'000})};
   const std::optional<PictureTurn> turn_by = turn();
   if (turn_by && *turn_by != PictureTurn{}) return turned(*image, *turn_by);
   return image;

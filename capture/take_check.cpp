@@ -5,6 +5,7 @@
 
 #include "capture/manifest_file.h"
 #include "capture/sha256.h"
+#include "capture/sound/sound_reader.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/parallel.h"
@@ -24,6 +25,13 @@ std::vector<std::string> recorded_files(const TakeLayout& layout, const TakeMani
     std::error_code error;
     if (fs::exists(layout.folder() / camera.media, error)) names.push_back(camera.media);
   }
+  std::error_code error;
+  if (fs::exists(sound_file(layout), error)) names.push_back(sound_file(layout).filename().string());
+  if (const Result<std::vector<SoundTrack>> tracks = load_sound_tracks(layout))
+    for (const SoundTrack& track : *tracks) {
+      names.push_back(track.side_file());
+      names.push_back(track.media());
+    }
   return names;
 }
 
@@ -90,6 +98,28 @@ Result<void> decode_all(TakeReader& take, const ReadWatch& watch, TakeCheck& che
   return {};
 }
 
+// Whether its sound opens, and, unless the seal says it already, whether every sample is as it was written.
+Result<void> check_sound(const TakeLayout& layout, bool is_complete, const ReadWatch& watch,
+                         TakeCheck& check) {
+  const Result<std::vector<SoundTrack>> tracks = load_sound_tracks(layout);
+  if (!tracks) check.problems.push_back(tracks.error().message);
+  for (std::size_t i = 0; tracks && i < tracks->size(); ++i) {
+    const Result<std::unique_ptr<SoundReader>> sound = SoundReader::open(layout, (*tracks)[i]);
+    if (!sound) {
+      check.problems.push_back(sound.error().message);
+      continue;
+    }
+    std::vector<std::string>& said = is_complete ? check.problems : check.remarks;
+    said.insert(said.end(), (*sound)->warnings().begin(), (*sound)->warnings().end());
+    if (check.sealed) continue;
+    const Result<std::vector<std::string>> damage = (*sound)->damage(watch);
+    if (!damage && damage.error().code == ErrorCode::Cancelled) return forward(damage);
+    if (!damage) check.problems.push_back(damage.error().message);
+    if (damage) check.problems.insert(check.problems.end(), damage->begin(), damage->end());
+  }
+  return {};
+}
+
 }  // namespace
 
 std::uint64_t recorded_bytes(const fs::path& take) {
@@ -137,6 +167,7 @@ Result<TakeCheck> check_take(const fs::path& folder, const ReadWatch& watch) {
   }
   std::vector<std::string>& said = (*take)->manifest().complete ? check.problems : check.remarks;
   said.insert(said.end(), (*take)->warnings().begin(), (*take)->warnings().end());
+  if (Result<void> ok = check_sound(layout, manifest->complete, watch, check); !ok) return forward(ok);
   if (check.sealed) return check;
   check.files = static_cast<int>(recorded_files(layout, *manifest).size());
   check.bytes = recorded_bytes(folder);

@@ -13,13 +13,13 @@ namespace floatstage::capture {
 /// Told how many more bytes were read; ends the work by answering no. Called from several threads.
 using ReadWatch = std::function<bool(std::uint64_t bytes)>;
 
-/// Bytes of a take's media and side files: what sealing reads.
+/// Bytes of a take's media and side files, sound and all: what sealing reads.
 std::uint64_t recorded_bytes(const std::filesystem::path& take);
 
-/// Writes the size and SHA-256 of every media and side file of a complete take into its manifest: from then
-/// on check_take() knows every changed bit. A sealed take is left as it is. Errors: those of reading the
-/// manifest; InvalidArgument for a take whose recording was cut off; NotFound, Io; Cancelled, with the
-/// manifest as it was.
+/// Writes the size and SHA-256 of every media and side file, and of sound.json, of a complete take into its
+/// manifest: from then on check_take() knows every changed bit. A sealed take is left as it is. Errors: those
+/// of reading the manifest; InvalidArgument for a take whose recording was cut off; NotFound, Io; Cancelled,
+/// with the manifest as it was.
 Result<void> seal_take(const std::filesystem::path& take, const ReadWatch& watch);
 
 struct TakeCheck {

@@ -1,8 +1,10 @@
 #include <cstring>
+#include <optional>
 
 #include "capture/libav.h"
 #include "capture/media_file.h"
 #include "capture/media_input.h"
+#include "capture/sound/film_sound_track.h"
 #include "core/claim.h"
 #include "core/file.h"
 #include "core/text.h"
@@ -22,8 +24,10 @@ bool coded_alike(const AVCodecParameters& a, const AVCodecParameters& b) {
 // A film that takes packets as they are. Times are counted in pictures.
 class Joined {
  public:
-  Joined(fs::path file, double frame_rate)
-      : file_(std::move(file)), temporary_(temporary_name(file_)), rate_(av_d2q(frame_rate, 100'000)) {}
+  Joined(fs::path file, double frame_rate, const FilmSound* sound)
+      : file_(std::move(file)), temporary_(temporary_name(file_)), rate_(av_d2q(frame_rate, 100'000)) {
+    if (sound) sound_.emplace(*sound);
+  }
   ~Joined() {
     muxer_.reset();
     std::error_code ignored;
@@ -56,6 +60,8 @@ class Joined {
   std::int64_t pictures() const { return pictures_; }
 
   Result<void> finish() {
+    if (sound_)
+      if (Result<void> ok = sound_->finish(); !ok) return ok;
     int error = av_write_trailer(muxer_.get());
     if (error >= 0) error = muxer_->pb->error;
     const int closed = avio_closep(&muxer_->pb);
@@ -83,6 +89,8 @@ class Joined {
                      "out of memory");
     stream_->time_base = av_inv_q(rate_);
     stream_->avg_frame_rate = rate_;
+    if (sound_)
+      if (Result<void> ok = sound_->open(*muxer_, file_); !ok) return ok;
     int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE);
     if (error < 0) return io_failure(error);
     libav::Options options;
@@ -106,6 +114,9 @@ class Joined {
     packet_->duration = av_rescale_q(1, picture, stream_->time_base);
     packet_->pos = -1;
     packet_->stream_index = 0;
+    if (sound_)
+      if (Result<void> ok = sound_->write_until(static_cast<double>(decoded) * av_q2d(picture)); !ok)
+        return ok;
     int error = av_interleaved_write_frame(muxer_.get(), packet_.get());
     if (error >= 0) error = muxer_->pb->error;
     if (error < 0) return io_failure(error);
@@ -121,6 +132,7 @@ class Joined {
   std::optional<Claim> claim_;
   libav::Format muxer_;
   AVStream* stream_ = nullptr;
+  std::optional<FilmSoundTrack> sound_;
   libav::Owned<AVPacket> packet_ = libav::new_packet();
   std::int64_t pictures_ = 0;
   bool finished_ = false;
@@ -129,11 +141,11 @@ class Joined {
 }  // namespace
 
 Result<void> join_videos(const std::vector<fs::path>& parts, double frame_rate, std::int64_t pictures,
-                         const fs::path& file) {
+                         const fs::path& file, const FilmSound* sound) {
   libav::be_quiet();
   if (parts.empty() || !(frame_rate > 0))
     return fail(ErrorCode::InvalidArgument, text(file.string(), ": a film of no parts, or of no frame rate"));
-  Joined joined(file, frame_rate);
+  Joined joined(file, frame_rate, sound);
   for (const fs::path& part : parts)
     if (Result<void> ok = joined.append(part); !ok) return ok;
   if (joined.pictures() != pictures)

@@ -5,6 +5,7 @@
 
 #include "core/text.h"
 #include "pipeline/film_inputs.h"
+#include "pipeline/film_sound.h"
 #include "pipeline/subject.h"
 
 namespace floatstage::pipeline {
@@ -113,6 +114,12 @@ Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraP
   Result<std::unique_ptr<FilmParts>> parts = FilmParts::open(
       file.out, shape, *made_from, file.pictures.empty() ? FilmParts::Use::Alone : FilmParts::Use::Shared);
   if (!parts) return forward(parts);
+  // Before anything is drawn: what cannot be heard is said at once.
+  Result<std::unique_ptr<FilmSounds>> sounds = std::unique_ptr<FilmSounds>();
+  if (file.sound && file.out.has_extension())
+    sounds = FilmSounds::open(take, *frames, options->frame_rate, file.sound_track);
+  if (!sounds)
+    return fail(sounds.error().code, text(sounds.error().message, "; leave it out with --no-sound"));
   FilmFileReport report{.film = {}, .pictures = shape.pictures};
   report.parts = static_cast<int>((*parts)->parts().size());
   const Result<std::vector<Todo>> todo = find_todo(take, **parts, *frames, file.pictures, report);
@@ -135,8 +142,10 @@ Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraP
     report.film = *drawn;
     report.done += static_cast<int>(todo->size());
   }
-  if (file.pictures.empty())
-    if (Result<void> ok = (*parts)->join(); !ok) return forward(ok);
+  if (!file.pictures.empty()) return report;
+  if (Result<void> ok = (*parts)->join(*sounds ? &(*sounds)->sound() : nullptr); !ok) return forward(ok);
+  if (*sounds) report.sound = (*sounds)->track();
+  if (*sounds) report.sound_seconds = (*sounds)->seconds();
   return report;
 }
 

@@ -20,6 +20,8 @@ struct FilmFileOptions {
   /// machines, make one film so. Empty: all, and the film is put into its place.
   std::vector<int> pictures = {};
   int part_pictures = FilmShape{}.part_pictures;
+  bool sound = true;             ///< videos are heard, where the take has sound (film_sound.h)
+  std::string sound_track = {};  ///< of several; empty: the first
 };
 
 struct FilmFileReport {
@@ -27,6 +29,8 @@ struct FilmFileReport {
   int pictures = 0;         ///< of the whole film
   int kept = 0;             ///< pictures that were there from before
   int parts = 0, done = 0;  ///< of the film, now
+  std::string sound = {};   ///< the track that is heard in it; empty: none
+  double sound_seconds = 0;
 };
 
 /// Renders a film into a file, in parts (FilmParts): goes on where a run that was stopped, by whatever, left

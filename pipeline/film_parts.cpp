@@ -225,11 +225,11 @@ Result<std::unique_ptr<PictureSink>> FilmParts::begin(std::size_t part, const st
   return std::unique_ptr<PictureSink>(std::make_unique<VideoPart>(std::move(*writer), video, record, inputs));
 }
 
-Result<void> FilmParts::join() {
+Result<void> FilmParts::join(const capture::FilmSound* sound) {
   if (is_video()) {
     std::vector<fs::path> files;
     for (std::size_t part = 0; part < parts_.size(); ++part) files.push_back(file(part, part_extension()));
-    if (Result<void> ok = capture::join_videos(files, shape_.frame_rate, shape_.pictures, out_); !ok)
+    if (Result<void> ok = capture::join_videos(files, shape_.frame_rate, shape_.pictures, out_, sound); !ok)
       return ok;
   } else if (Result<void> ok = rename_new(folder_ / "pictures", out_); !ok) {
     return ok;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/sound/film_sound.h"
 #include "core/claim.h"
 #include "core/result.h"
 #include "pipeline/picture_sink.h"
@@ -55,8 +56,9 @@ class FilmParts {
   /// Takes the part's pictures; its finish() makes it one that is done. AlreadyExists when another run makes
   /// it at this moment; Io.
   Result<std::unique_ptr<PictureSink>> begin(std::size_t part, const std::string& inputs);
-  /// Puts the film into its place, and removes its parts. Every part is done. AlreadyExists, Io.
-  Result<void> join();
+  /// Puts the film into its place, with `sound` when it is a video and there is some, and removes its parts.
+  /// Every part is done. AlreadyExists, Io, errors of the sound.
+  Result<void> join(const capture::FilmSound* sound = nullptr);
 
  private:
   FilmParts(const std::filesystem::path& out, const FilmShape& shape, Use use);

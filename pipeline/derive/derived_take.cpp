@@ -6,6 +6,7 @@
 
 #include "capture/derivation.h"
 #include "capture/sha256.h"
+#include "capture/sound/sound_record.h"
 #include "core/file.h"
 #include "core/file_presence.h"
 #include "core/rig_io.h"
@@ -73,6 +74,7 @@ class Deriving {
     if (!other_.label.empty()) manifest_.label = other_.label;
     for (std::size_t c = 0; c < manifest_.cameras.size(); ++c)
       if (Result<void> ok = media(c); !ok) return forward(ok);
+    if (Result<void> ok = sound(); !ok) return forward(ok);
     if (Result<void> ok = derived(); !ok) return forward(ok);
     const std::string rig = to_json(other_.rig ? *other_.rig : from_.rig());
     if (other_.rig) {
@@ -111,6 +113,30 @@ class Deriving {
         sealed.sha256 = capture::sha256(csv);
       }
     return write_file(to_.frames_csv(camera.serial), csv);
+  }
+
+  // Its times are those of the take's clock, which a part keeps.
+  Result<void> sound() {
+    const TakeLayout& from = from_.layout();
+    const Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(from);
+    if (!tracks) return forward(tracks);
+    if (tracks->empty()) return {};
+    if (Result<void> ok = share(capture::sound_file(from), capture::sound_file(to_), report_); !ok) return ok;
+    for (const capture::SoundTrack& track : *tracks) {
+      const fs::path side_file = from.folder() / track.side_file();
+      if (Result<void> ok =
+              share_if_there(from.folder() / track.media(), to_.folder() / track.media(), report_);
+          !ok)
+        return ok;
+      // One that is still being recorded grows on: what is there now is taken.
+      const Result<std::string> now = manifest_.complete ? std::string() : read_file(side_file);
+      if (!now) return forward(now);
+      const Result<void> ok = manifest_.complete
+                                  ? share_if_there(side_file, to_.folder() / track.side_file(), report_)
+                                  : write_file(to_.folder() / track.side_file(), *now);
+      if (!ok) return ok;
+    }
+    return {};
   }
 
   // What was derived and still holds.

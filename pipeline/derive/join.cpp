@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "core/rig_io.h"
 #include "core/text.h"
+#include "pipeline/derive/join_sound.h"
 #include "pipeline/recorded_take.h"
 #include "pipeline/unfinished_folder.h"
 
@@ -47,19 +48,25 @@ struct Stretch {
   std::uint64_t first_row = 0;
 };
 
+// Its first exposure and its last one.
+std::pair<std::optional<Timestamp>, std::optional<Timestamp>> span_of(const capture::TakeReader& take) {
+  std::optional<Timestamp> first, last;
+  for (std::size_t c = 0; c < take.rig().cameras.size(); ++c) {
+    const std::vector<FrameRow>& rows = take.rows(static_cast<int>(c));
+    if (rows.empty()) continue;
+    const Timestamp a = rows.front().info.exposure_start, b = rows.back().info.exposure_start;
+    first = first ? std::min(*first, a) : a;
+    last = last ? std::max(*last, b) : b;
+  }
+  return {first, last};
+}
+
 std::vector<Stretch> stretches(const Readers& takes, Nanoseconds period, std::vector<std::string>& notes) {
   std::vector<Stretch> out;
   std::uint64_t row = 0;
   std::optional<Timestamp> ended;
   for (const auto& take : takes) {
-    std::optional<Timestamp> first, last;
-    for (std::size_t c = 0; c < take->rig().cameras.size(); ++c) {
-      const std::vector<FrameRow>& rows = take->rows(static_cast<int>(c));
-      if (rows.empty()) continue;
-      const Timestamp a = rows.front().info.exposure_start, b = rows.back().info.exposure_start;
-      first = first ? std::min(*first, a) : a;
-      last = last ? std::max(*last, b) : b;
-    }
+    const auto [first, last] = span_of(*take);
     Stretch s{{0}, row};
     if (ended && first && *first < *ended + period) {
       s.shift = (*ended + period) - *first;
@@ -151,6 +158,12 @@ Result<JoinReport> join_takes(const std::vector<fs::path>& folders, const fs::pa
   });
   for (const Result<void>& of : done)
     if (!of) return forward(of);
+  std::vector<SoundPart> sounds;
+  for (std::size_t t = 0; t < takes.size(); ++t)
+    if (const auto& [first_shown, last_shown] = span_of(*takes[t]); first_shown && last_shown)
+      sounds.push_back({takes[t].get(), *first_shown, *last_shown + period, moved[t].shift});
+  if (Result<void> ok = join_sound(sounds, TakeLayout(take->folder()), report.notes, progress); !ok)
+    return forward(ok);
   if (Result<void> ok = (*writer)->finish(); !ok) return forward(ok);
   if (Result<void> ok = seal_take(take->folder(), progress); !ok) return forward(ok);
   if (Result<void> ok = capture::save_derivation({from, "join"}, take->folder()); !ok) return forward(ok);

@@ -1,7 +1,10 @@
 #include "pipeline/derive/list_takes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
+#include "capture/sound/sound_reader.h"
 #include "capture/take_check.h"
 #include "core/file.h"
 #include "core/file_presence.h"
@@ -56,6 +59,41 @@ ListedTake listed(const fs::path& folder) {
 }
 
 }  // namespace
+
+Result<std::vector<SoundFacts>> sounds_of(const capture::TakeReader& take) {
+  const Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(take.layout());
+  if (!tracks) return forward(tracks);
+  std::optional<Timestamp> begins;
+  for (int c = 0; c < static_cast<int>(take.rig().cameras.size()); ++c)
+    if (const std::vector<FrameRow>& rows = take.rows(c); !rows.empty()) {
+      const Timestamp first = rows.front().info.exposure_start;
+      begins = begins ? std::min(*begins, first) : first;
+    }
+  std::vector<SoundFacts> out;
+  for (const capture::SoundTrack& track : *tracks) {
+    SoundFacts& facts = out.emplace_back();
+    facts.track = track;
+    const Result<std::unique_ptr<capture::SoundReader>> sound =
+        capture::SoundReader::open(take.layout(), track);
+    if (!sound) {
+      facts.problem = sound.error().message;
+      continue;
+    }
+    const capture::SoundClock& clock = (*sound)->clock();
+    facts.seconds = static_cast<double>((*sound)->samples()) / track.rate;
+    facts.runs = static_cast<int>(clock.runs().size());
+    if (!(*sound)->warnings().empty()) facts.problem = (*sound)->warnings().front();
+    if (clock.runs().empty()) continue;
+    const auto longest =
+        std::max_element(clock.runs().begin(), clock.runs().end(),
+                         [](const auto& a, const auto& b) { return a.end - a.first < b.end - b.first; });
+    constexpr double kSeen = 0.01;  // below is what rounding leaves
+    facts.ppm = std::abs(longest->ppm) < kSeen ? 0 : longest->ppm;
+    facts.jitter_ms = longest->jitter_ns * 1e-6;
+    if (begins) facts.begins = seconds(clock.start_of(clock.runs().front()) - *begins);
+  }
+  return out;
+}
 
 TakeFacts facts_of(const capture::TakeReader& take) {
   TakeFacts facts;

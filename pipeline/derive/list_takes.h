@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/sound/sound_record.h"
 #include "capture/take.h"
 #include "core/image.h"
 
@@ -17,6 +18,19 @@ struct TakeFacts {
   int mattes = 0, meshes = 0;
 };
 TakeFacts facts_of(const capture::TakeReader& take);
+
+/// A sound track of a take.
+struct SoundFacts {
+  capture::SoundTrack track;
+  double seconds = 0;
+  double begins = 0;  ///< seconds after the first picture
+  double ppm = 0;     ///< how much faster its clock ran than it says
+  double jitter_ms = 0;
+  int runs = 0;         ///< without a gap
+  std::string problem;  ///< why it does not open, or what it lacks
+};
+/// BadData, Io: of sound.json.
+Result<std::vector<SoundFacts>> sounds_of(const capture::TakeReader& take);
 
 struct ListedTake {
   std::string name;  ///< of its folder

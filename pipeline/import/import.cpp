@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "pipeline/confined_job.h"
 #include "pipeline/import/contour_files.h"
+#include "pipeline/import/import_sound.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/light_field.h"
 #include "pipeline/progress.h"
@@ -246,6 +247,7 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
   if (!writer) return forward(writer);
 
   std::vector<Result<int>> counts(streams.size(), Result<int>(0));
+  std::vector<VideoSound> videos;
   ProgressPart progress(options.progress, "import", streams.size());
   parallel_for(streams.size(), options.threads, [&](std::size_t i) {
     counts[i] = copy_pictures(streams[i], i, rate, options.progress, **writer);
@@ -258,6 +260,13 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
       return fail(counts[i].error().code,
                   text("camera '", rig.cameras[i].serial, "': ", counts[i].error().message));
     report.frames = std::max(report.frames, *counts[i]);
+    if (!streams[i].video().empty() && options.sound)
+      videos.push_back({rig.cameras[i].serial,
+                        streams[i].video(),
+                        {.first = streams[i].first_time(),
+                         .last = streams[i].last_time(),
+                         .take_first = info_of(i, 0, rate).exposure_start,
+                         .take_last = info_of(i, *counts[i] - 1, rate).exposure_start}});
   }
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (*counts[i] == report.frames) continue;
@@ -270,6 +279,9 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
       if (Result<void> ok = (*writer)->write(gap); !ok) return ok;
     }
   }
+  const Result<int> sounds = import_sound(videos, folder, report.notes, options.progress);
+  if (!sounds) return forward(sounds);
+  report.sounds = *sounds;
   if (Result<void> ok = (*writer)->finish(); !ok) return ok;
   return seal_take(folder, options.progress);
 }
@@ -376,7 +388,7 @@ Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
 
 }  // namespace
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImportReport, serials, frames, gaps, mattes, notes, world, format)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImportReport, serials, frames, gaps, mattes, sounds, notes, world, format)
 
 Result<ImportReport> import_take(const ImportOptions& options) {
   if (!options.mattes.empty() && !options.contours.empty())

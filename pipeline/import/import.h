@@ -38,6 +38,7 @@ struct ImportOptions {
   std::optional<double> frame_rate;  ///< frames a second; absent: the videos' own, 25 for folders of images
   capture::TakeCodec codec = capture::TakeCodec::Ffv1;
   std::optional<double> plane;  ///< of a light field: metres before the cameras; absent: where pictures agree
+  bool sound = true;            ///< videos' sound tracks are kept (import_sound())
   WorldOptions world;           ///< what the calibration does not say of its world
   std::string label;            ///< empty: the name of the calibration's format
   int threads = 0;              ///< 0: one per core
@@ -49,6 +50,7 @@ struct ImportReport {
   int frames = 0;                    ///< instants
   int gaps = 0;                      ///< frames missing because a camera has fewer than the others
   bool mattes = false;
+  int sounds = 0;                  ///< sound tracks
   std::vector<std::string> notes;  ///< sentences about what was left out or assumed
   std::string world;               ///< a sentence about where the cameras stand, and what was assumed of it
   std::string format;              ///< the calibration's

@@ -76,6 +76,7 @@ Result<PictureStream> PictureStream::open(const CameraMedia& media, const FrameR
   stream.width_ = (*first)->width;
   stream.height_ = (*first)->height;
   stream.first_ = std::move(**first);
+  if (stream.video_) stream.first_time_ = stream.last_time_ = stream.video_->time();
   return stream;
 }
 
@@ -83,6 +84,7 @@ Result<std::optional<Image>> PictureStream::next() {
   if (first_) return std::exchange(first_, std::nullopt);
   if (Result<void> ok = skip(step_ - 1); !ok) return forward(ok);
   Result<std::optional<Image>> picture = decode();
+  if (picture && *picture && video_) last_time_ = video_->time();
   if (picture && *picture && ((*picture)->width != width_ || (*picture)->height != height_))
     return fail(ErrorCode::BadData,
                 text(place_of(media_).string(), ": picture ", position_ - 1, " is ", (*picture)->width, "x",

@@ -28,9 +28,14 @@ class PictureStream {
   /// decoded here.
   static Result<PictureStream> open(const CameraMedia& media, const FrameRange& range);
 
+  const std::filesystem::path& video() const { return media_.video; }  ///< empty for stills
   int width() const { return width_; }
   int height() const { return height_; }
   double frame_rate() const { return frame_rate_; }  ///< the video's by the step; 0 for single files
+  /// When a video shows its first picture here, and the one that next() returned last, in its own time;
+  /// nothing where it does not say, and for stills.
+  std::optional<Nanoseconds> first_time() const { return first_time_; }
+  std::optional<Nanoseconds> last_time() const { return last_time_; }
   /// The next picture, 3 channels, always of the first one's size (BadData otherwise); nothing after the
   /// last.
   Result<std::optional<Image>> next();
@@ -46,6 +51,7 @@ class PictureStream {
   int step_ = 1;
   std::unique_ptr<capture::MediaReader> video_;
   std::optional<Image> first_;
+  std::optional<Nanoseconds> first_time_, last_time_;
   int width_ = 0, height_ = 0;
   double frame_rate_ = 0;
 };
