@@ -78,7 +78,8 @@ class Maker {
     Result<ConsistentMattes> made = mattes_of(frame);
     if (!made) return forward(made);
     report_.distrusted += !made->trusted;
-    for (const std::string& r : made->remarks) report_.remarks.push_back(text("frame ", frame, ": ", r));
+    for (const std::string& r : made->remarks)
+      if (!is_doubted(*made, frame, r)) report_.remarks.push_back(text("frame ", frame, ": ", r));
     for (std::size_t i = 0; i < options_.cameras.size(); ++i) {
       if (!asked(options_.cameras[i], frame)) continue;
       const auto camera = static_cast<std::size_t>(options_.cameras[i].index);
@@ -110,6 +111,18 @@ class Maker {
  private:
   static bool asked(const ConsistentTakeOptions::Camera& camera, int frame) {
     return camera.todo[static_cast<std::size_t>(frame)];
+  }
+
+  // Whether doubt() says it, of a camera whose matte is made here: no fault is said twice.
+  bool is_doubted(const ConsistentMattes& made, int frame, const std::string& remark) const {
+    for (const auto& [why, cameras] : made.wrong) {
+      if (remark.find(why) == std::string::npos) continue;
+      for (const ConsistentTakeOptions::Camera& c : options_.cameras)
+        if (asked(c, frame) && !made.mattes[static_cast<std::size_t>(c.index)].empty() &&
+            (cameras.empty() || std::find(cameras.begin(), cameras.end(), c.index) != cameras.end()))
+          return true;
+    }
+    return false;
   }
 
   void doubt(const ConsistentMattes& made, int frame, int camera) {

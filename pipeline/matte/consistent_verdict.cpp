@@ -122,7 +122,7 @@ void judge(const Rig& rig, const recon::SharedView& shared, std::span<const View
   say(above(&ConsistentView::border, kLeaves), "the subject leaves the picture, over so much of its border",
       false);
   if (const double angle = widest_angle(rig, shared.fixation); angle < kOneSide) {
-    mattes.remarks.push_back(text("the cameras look from one side, at most ", std::lround(angle),
+    mattes.remarks.push_back(text("all cameras look from one side, at most ", std::lround(angle),
                                   " degrees apart: they cannot tell the subject from what is behind it"));
     mattes.trusted = false;
     mattes.wrong.emplace_back("all cameras look from one side", std::vector<int>());

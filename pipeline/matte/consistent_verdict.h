@@ -17,6 +17,9 @@ struct ViewEvidence {
   std::vector<float> others;  ///< by the other cameras, 0: half of them
 };
 
+/// In what judge() says where the other cameras deny what one has: the hull of the mattes says it too.
+inline constexpr const char* kDeniedByOthers = "denied by the others";
+
 /// Measures every camera and says in words what may be wrong: cameras that do not look where the others do,
 /// that see no subject or hardly any, that lack or add much against the others, whose colours do not tell;
 /// subjects that fill or leave pictures; cameras that all look from one side. Fills `views`, `remarks` and

@@ -1,5 +1,6 @@
 #include "pipeline/matte/contradiction.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -7,7 +8,10 @@
 #include "core/file_presence.h"
 #include "core/statistics.h"
 #include "core/text.h"
+#include "pipeline/matte/consistent_verdict.h"
 #include "pipeline/matte/doubt_sheet.h"
+#include "pipeline/matte/matte_how.h"
+#include "pipeline/matte_record.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -53,6 +57,20 @@ Denial denial_in(const std::vector<SilhouetteAgreement>& checked, double most, c
   return found;
 }
 
+// What a key may have mistaken; nothing where nothing was keyed.
+Result<std::string> colour_hint(const capture::TakeReader& take) {
+  const Result<MatteRecord> record = load_matte_record(take.layout());
+  if (!record) return forward(record);
+  std::string hint;
+  for (const auto& [serial, camera] : *record) {
+    const std::string word = method_name(camera.key);
+    if (!is_keyer(word)) continue;
+    if (word == "chroma") return std::string(" (does the performer wear the cloth's colour?)");
+    hint = " (does the performer wear the backdrop's colours?)";
+  }
+  return hint;
+}
+
 }  // namespace
 
 Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
@@ -65,9 +83,12 @@ Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
   if (found.frames == 0) {
     found = denial_in(checked, kDenied, [](const SilhouetteAgreement& a) { return a.denied; });
     if (found.frames == 0) return std::optional<MatteDoubt>();
+    const Result<std::string> hint = colour_hint(take);
+    if (!hint) return forward(hint);
     why = text("the hull of all cameras denies ", std::lround(100 * found.vote.typical()),
                " % of the subject, and more than a twentieth in half of the cameras: mattes lack what others "
-               "show (does the performer wear the cloth's colour?), or the calibration is off");
+               "show",
+               *hint, ", or the calibration is off");
   }
   MatteDoubt doubt{.why = why + "; choose another --matte with --redo",
                    .cameras = {},
@@ -83,6 +104,16 @@ Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
       return forward(ok);
   if (!is_there(doubt.picture)) doubt.picture.clear();
   return std::optional(std::move(doubt));
+}
+
+void add_contradiction(MatteDoubt contradiction, std::vector<MatteDoubt>& doubts) {
+  std::erase_if(doubts, [&](const MatteDoubt& d) {
+    return d.why.find(kDeniedByOthers) != std::string::npos &&
+           std::all_of(d.cameras.begin(), d.cameras.end(), [&](const std::string& serial) {
+             return std::count(contradiction.cameras.begin(), contradiction.cameras.end(), serial) > 0;
+           });
+  });
+  doubts.insert(doubts.begin(), std::move(contradiction));
 }
 
 }  // namespace floatstage::pipeline

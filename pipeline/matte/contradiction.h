@@ -21,4 +21,8 @@ Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
                                                    const std::vector<SilhouetteAgreement>& checked,
                                                    bool draw = true);
 
+/// Puts it first. What consistent matting said of the same cameras, that the others deny them, goes: it is
+/// the same fault.
+void add_contradiction(MatteDoubt contradiction, std::vector<MatteDoubt>& doubts);
+
 }  // namespace floatstage::pipeline

@@ -39,22 +39,7 @@ double share_outside(const Matte& matte, const Matte& hull, int slack) {
 Result<std::vector<SilhouetteAgreement>> agreement_of(const capture::TakeReader& take, int frame) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
-  std::vector<SilhouetteAgreement> found;
-  for (std::size_t i = 0; i < mattes->size(); ++i) {
-    if ((*mattes)[i].empty()) continue;
-    const std::optional<Matte> silhouette = silhouette_of_others(take.rig(), *mattes, i);
-    if (!silhouette) continue;  // nothing to compare with
-    SilhouetteAgreement a{take.rig().cameras[i].serial, frame, 0, 1, 1};
-    if (shows_subject(*silhouette)) {
-      a.iou = iou((*mattes)[i], *silhouette);
-      a.surplus = share_outside((*mattes)[i], *silhouette, 0);
-      a.denied = denied_share((*mattes)[i], *silhouette);
-    } else {
-      a.iou = shows_subject((*mattes)[i]) ? 0 : 1;  // the others agree on nothing at all
-    }
-    found.push_back(std::move(a));
-  }
-  return found;
+  return agreement_between(take.rig(), *mattes, frame);
 }
 
 }  // namespace
@@ -74,6 +59,26 @@ std::optional<Matte> silhouette_of_others(const Rig& rig, const std::vector<Matt
   const Result<recon::HullReport> hull = recon::visual_hull(rig, others, options);
   if (!hull) return std::nullopt;  // they bound no space
   return recon::mesh_mask(rig.cameras[camera], hull->mesh);
+}
+
+std::vector<SilhouetteAgreement> agreement_between(const Rig& rig, const std::vector<Matte>& mattes,
+                                                   int frame) {
+  std::vector<SilhouetteAgreement> found;
+  for (std::size_t i = 0; i < mattes.size(); ++i) {
+    if (mattes[i].empty()) continue;
+    const std::optional<Matte> silhouette = silhouette_of_others(rig, mattes, i);
+    if (!silhouette) continue;  // nothing to compare with
+    SilhouetteAgreement a{rig.cameras[i].serial, frame, 0, 1, 1};
+    if (shows_subject(*silhouette)) {
+      a.iou = iou(mattes[i], *silhouette);
+      a.surplus = share_outside(mattes[i], *silhouette, 0);
+      a.denied = denied_share(mattes[i], *silhouette);
+    } else {
+      a.iou = shows_subject(mattes[i]) ? 0 : 1;  // the others agree on nothing at all
+    }
+    found.push_back(std::move(a));
+  }
+  return found;
 }
 
 Result<std::vector<SilhouetteAgreement>> hull_agreement(const capture::TakeReader& take,

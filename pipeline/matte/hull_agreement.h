@@ -28,6 +28,10 @@ double denied_share(const Matte& matte, const Matte& hull);
 std::optional<Matte> silhouette_of_others(const Rig& rig, const std::vector<Matte>& mattes,
                                           std::size_t camera);
 
+/// Of each camera with a matte, as hull_agreement() below. `mattes`: one a camera of the rig, or empty.
+std::vector<SilhouetteAgreement> agreement_between(const Rig& rig, const std::vector<Matte>& mattes,
+                                                   int frame);
+
 /// Carves, for each camera with a matte, the hull of all the others, and compares its silhouette with the
 /// matte that it has not seen. A hull of few cameras is larger than the subject, so the figures tell cameras
 /// and frames apart rather than being good or bad by themselves. A camera is left out where fewer than two

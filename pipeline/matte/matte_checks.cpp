@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "core/png.h"
 #include "pipeline/matte/contradiction.h"
+#include "pipeline/matte/keyed_witnesses.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -29,6 +30,20 @@ double flicker_of(const capture::TakeReader& take, const std::string& serial, co
   return pairs ? sum / pairs : 0;
 }
 
+// Of mattes that are too few to judge one another, by keys of the other cameras. They alone are named.
+Result<std::optional<MatteDoubt>> doubt_by_keys(capture::TakeReader& take, int frame, int threads,
+                                                const MatteReport& report) {
+  const Result<std::vector<SilhouetteAgreement>> keyed =
+      agreement_with_keyed(take, frame, report.cameras, threads);
+  if (!keyed) return forward(keyed);
+  Result<std::optional<MatteDoubt>> doubt = contradiction_in(take, *keyed);
+  if (!doubt || !*doubt) return doubt;
+  (*doubt)->cameras.clear();
+  for (const CameraMattes& camera : report.cameras) (*doubt)->cameras.push_back(camera.serial);
+  (*doubt)->why = "with the other cameras keyed likewise, " + (*doubt)->why;
+  return doubt;
+}
+
 }  // namespace
 
 Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& options, MatteReport& report) {
@@ -47,9 +62,13 @@ Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& opt
   report.worst = std::move(*worst);
   Result<std::optional<MatteDoubt>> contradiction = contradiction_in(take, report.worst);
   if (!contradiction) return forward(contradiction);
+  if (!*contradiction && report.worst.empty()) {
+    contradiction = doubt_by_keys(take, frames[frames.size() / 2], options.threads, report);
+    if (!contradiction) return forward(contradiction);
+  }
   if (*contradiction) {
     (*contradiction)->why += ", or let `process` weigh them one by one";
-    report.doubts.insert(report.doubts.begin(), std::move(**contradiction));
+    add_contradiction(std::move(**contradiction), report.doubts);
   }
   for (CameraMattes& camera : report.cameras) {
     double sum = 0;

@@ -188,7 +188,7 @@ class MeshMaker {
     Result<std::optional<MatteDoubt>> denied =
         contradiction_in(take_, denials_in(record_.reports), report.meshes.made > 0);
     if (!denied) return forward(denied);
-    if (*denied) report.doubts.push_back(std::move(**denied));
+    if (*denied) add_contradiction(std::move(**denied), report.doubts);
     return {};
   }
 

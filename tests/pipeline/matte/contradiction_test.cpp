@@ -121,5 +121,58 @@ TEST(Contradiction, IsSaidWithAPictureOfTheCamerasThatAreDenied) {
   EXPECT_THAT(load_png(doubt.picture), IsOk());
 }
 
+fs::path green_clothes(const TempFolder& folder, SyntheticStage stage) {
+  SynthesizeOptions options;
+  options.out = folder / "take";
+  options.rig = {.cameras = 8, .width = 320, .height = 240};
+  options.studio.samples = 4;
+  options.studio.stage = stage;
+  options.frames = 1;
+  EXPECT_THAT(synthesize_take(options), IsOk());
+  return options.out;
+}
+
+// One camera's mattes cannot contradict one another: the other cameras are keyed likewise, for that alone.
+TEST(Contradiction, OfOneCameraAloneIsToldByKeysOfTheOthers) {
+  for (const SyntheticStage stage : {SyntheticStage::Green, SyntheticStage::GreenClothes}) {
+    TempFolder folder;
+    const fs::path take = green_clothes(folder, stage);
+    MatteTakeOptions options;
+    options.take = take;
+    options.how = "chroma";
+    options.cameras = {"cam02"};
+    const Result<MatteReport> report = matte_take(options);
+    ASSERT_THAT(report, IsOk());
+    EXPECT_FALSE(fs::exists(TakeLayout(take).matte("cam01", 0))) << "keys of others are not kept";
+    if (stage == SyntheticStage::Green) {
+      EXPECT_THAT(report->doubts, testing::IsEmpty());
+      continue;
+    }
+    ASSERT_THAT(report->doubts, testing::SizeIs(1));
+    EXPECT_THAT(report->doubts[0].cameras, testing::ElementsAre("cam02"));
+    EXPECT_THAT(report->doubts[0].why, testing::HasSubstr("the other cameras keyed likewise"));
+    EXPECT_THAT(report->doubts[0].why, testing::HasSubstr("the cloth's colour?"));
+  }
+}
+
+// Consistent matting knows itself that its cameras deny one another; no key can have mistaken a colour.
+TEST(Contradiction, OfConsistentMattesIsSaidOnceAndWithoutAHintAtCloth) {
+  TempFolder folder;
+  const fs::path take = green_clothes(folder, SyntheticStage::Room);
+  MatteTakeOptions options;
+  options.take = take;
+  options.how = "consistent";
+  const Result<MatteReport> report = matte_take(options);
+  ASSERT_THAT(report, IsOk());
+  int said = 0;
+  const auto count = [&](const std::string& sentence) {
+    said += sentence.find("denie") != std::string::npos;
+    EXPECT_THAT(sentence, testing::Not(testing::HasSubstr("colour?")));
+  };
+  for (const std::string& remark : report->remarks) count(remark);
+  for (const MatteDoubt& doubt : report->doubts) count(doubt.why);
+  EXPECT_EQ(said, 1);
+}
+
 }  // namespace
 }  // namespace floatstage::pipeline
