@@ -6,6 +6,7 @@
 #include "apps/flags.h"
 #include "apps/interrupt.h"
 #include "apps/verbs.h"
+#include "capture/sound/sound_source.h"
 #include "core/text.h"
 #include "pipeline/json_report.h"
 #include "studio/node/capture_session.h"
@@ -16,6 +17,7 @@ namespace {
 
 struct Options {
   std::filesystem::path config, json;
+  std::vector<std::string> sounds;
   studio::CaptureOptions capture;
 };
 
@@ -86,8 +88,9 @@ void show(const studio::CaptureReport& report) {
 }
 
 Result<void> run(const Options& options) {
-  const Result<studio::CaptureConfig> config = studio::load_capture_config(options.config);
+  Result<studio::CaptureConfig> config = studio::load_capture_config(options.config);
   if (!config) return forward(config);
+  config->sounds = options.sounds;
   std::optional<studio::PublishingCounters> published;
   studio::CaptureOptions capture = options.capture;
   capture.companion = [&published](studio::CaptureNode& node) -> Result<std::shared_ptr<void>> {
@@ -124,6 +127,9 @@ void add_capture(CLI::App& app, Chosen& chosen) {
   verb->add_flag("--record", options->capture.record, "Record a take");
   add_out(*verb, options->capture.take,
           "The new take's folder (default: named by the time, where the config says)");
+  verb->add_option("--sound", options->sounds,
+                   text("Record sound too, again for several: ", capture::kSoundUsage))
+      ->type_name("SOURCE");
   add_seconds(*verb, options->capture.seconds, "How long (default: until Ctrl-C)");
   add_json(*verb, options->json);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });

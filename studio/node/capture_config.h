@@ -58,6 +58,8 @@ struct CaptureConfig {
   std::optional<PageSettings> web;
   std::optional<Publish> publish;
   std::vector<Camera> cameras;
+  std::vector<std::string> sounds =
+      {};  ///< recorded beside the cameras (capture::open_sound()); not in the file
 };
 
 /// Reads strictly: an unknown key is an error, so that a typing mistake never becomes a default. BadData

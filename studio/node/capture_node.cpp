@@ -195,8 +195,20 @@ Result<std::string> CaptureNode::record_into(fs::path folder, const std::string&
   options.queue_frames += frames_kept(config_);
   std::error_code ignored;
   fs::create_directories(folder.parent_path(), ignored);
+  std::vector<std::unique_ptr<capture::SoundSource>> sources;
+  for (const std::string& uri : config_.sounds) {
+    Result<std::unique_ptr<capture::SoundSource>> source = capture::open_sound(uri);
+    if (!source) return forward(source);
+    sources.push_back(std::move(*source));
+  }
   Result<std::unique_ptr<capture::Recorder>> recorder = capture::Recorder::start(folder, *rig, options);
   if (!recorder) return forward(recorder);
+  if (!sources.empty()) {
+    Result<std::unique_ptr<capture::SoundRecording>> sound =
+        capture::SoundRecording::start(TakeLayout(folder), config_.sounds, std::move(sources));
+    if (!sound) return forward(sound);
+    sound_ = std::move(*sound);
+  }
   const std::shared_ptr<capture::Recorder> shared = std::move(*recorder);
   take_failed_ = false;
   hand_over(shared);
@@ -243,6 +255,9 @@ Result<void> CaptureNode::end_take() {
     std::lock_guard lock(route->mutex);
     route->recorder.reset();
   }
+  // Before the take is complete, and so before it is sealed.
+  if (const std::unique_ptr<capture::SoundRecording> sound = std::move(sound_))
+    if (Result<void> ended = sound->finish(); !ended) log::error(ended.error().message);
   Result<capture::RecordingQuality> finished = recorder->finish();
   std::lock_guard lock(mutex_);
   take_.quality = finished ? *finished : recorder->quality();

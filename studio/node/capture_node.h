@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "capture/recorder.h"
+#include "capture/sound/sound_source.h"
 #include "studio/messages/studio_control.h"
 #include "studio/node/camera_lane.h"
 #include "studio/node/capture_config.h"
@@ -98,6 +99,7 @@ class CaptureNode final : public StudioControl {
   std::vector<std::unique_ptr<Route>> routes_;
   std::unique_ptr<SyncWatch> watch_;
   std::vector<Tap> taps_;
+  std::unique_ptr<capture::SoundRecording> sound_;  // of the take that is recorded, under control_
   std::atomic<bool> take_failed_{false};
   std::chrono::steady_clock::time_point looked_at_disk_, saved_quality_;
   std::mutex control_;        // one command at a time
