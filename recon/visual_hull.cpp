@@ -15,6 +15,7 @@
 #include "recon/mesh/mesh_rows.h"
 #include "recon/octree/octree_carve.h"
 #include "recon/octree/octree_surface.h"
+#include "recon/small_budget.h"
 
 namespace floatstage::recon {
 namespace {
@@ -134,7 +135,12 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
   if (report.mesh.empty())
     report.remarks.emplace_back("no point of space is inside every silhouette: the hull is empty");
 
-  if (options.cleanup.wanted() && !report.mesh.empty()) clean_up_hull(rig, input.mattes(), options, report);
+  if (options.cleanup.wanted() && !report.mesh.empty()) {
+    const Mesh raw = options.cleanup.triangles > 0 ? report.mesh : Mesh();
+    clean_up_hull(rig, input.mattes(), options, report);
+    if (report.cleanup && options.cleanup.triangles > 0)
+      if (Result<void> ok = meet_budget(rig, input.mattes(), options, raw, report); !ok) return ok;
+  }
 
   const auto quality = std::chrono::steady_clock::now();
   report.silhouette_iou.assign(rig.cameras.size(), std::numeric_limits<double>::quiet_NaN());

@@ -155,6 +155,34 @@ TEST(MeshCleanup, KeepsShellsAndHandlesWhenTheBudgetIsTooSmallForThem) {
   EXPECT_THAT(cleaned.remarks, Contains(HasSubstr("decimation stopped at")));
 }
 
+// Strands of hair make a loop of the surface each, which decimation keeps.
+TEST(MeshCleanup, TakesGapsOutOfTheSilhouettesForABudgetThatCannotHoldThem) {
+  Scene scene = scene_of(shapes::sphere({0, 0, 0}, 0.5), 8);
+  std::vector<Matte> plain = scene.mattes;
+  for (std::size_t c = 0; c < scene.mattes.size(); ++c) {
+    Image holes = to_image(plain[c]);
+    for (int y = 0; y < holes.height; ++y)
+      for (int x = 0; x < holes.width; ++x)
+        if (x % 16 < 2 && y % 16 < 2) *holes.at(x, y) = 0;
+    scene.mattes[c] = make_matte({}, holes);
+  }
+  const HullReport raw = hull_of(scene, {}), cleaned = hull_of(scene, {.triangles = 200});
+  ASSERT_GT(check_mesh(raw.mesh).genus, 60) << "more than 200 triangles hold";
+  ASSERT_TRUE(cleaned.cleanup);
+  EXPECT_THAT(cleaned.mesh, IsClosed());
+  EXPECT_LE(cleaned.mesh.triangle_count(), 200u);
+  EXPECT_EQ(cleaned.cleanup->triangles_before, raw.mesh.triangle_count());
+  EXPECT_THAT(cleaned.remarks, Contains(HasSubstr("was taken out of the silhouettes")));
+  EXPECT_THAT(cleaned.remarks, testing::Not(Contains(HasSubstr("decimation stopped"))));
+  for (std::size_t c = 0; c < scene.rig.cameras.size(); ++c) {
+    const Matte now = mesh_mask(scene.rig.cameras[c], cleaned.mesh);
+    EXPECT_NEAR(cleaned.cleanup->iou_loss[c],
+                iou(mesh_mask(scene.rig.cameras[c], raw.mesh), scene.mattes[c]) - iou(now, scene.mattes[c]),
+                1e-9);
+    EXPECT_GE(iou(now, plain[c]), 0.93) << "of the body";
+  }
+}
+
 TEST(MeshCleanup, SmoothsWithinItsPixels) {
   for (const auto& [name, scene] : bodies()) {
     const HullReport raw = hull_of(scene, {});
