@@ -21,7 +21,7 @@ constexpr std::int64_t kSmall = 1'000'000;  // px; whose memory is nobody's conc
 
 Result<void> check_size(std::int64_t width, std::int64_t height, std::string_view name) {
   if (width < 1 || height < 1) return fail(ErrorCode::BadData, text(name, ": a picture without pixels"));
-  if (width * height <= kMostPixels) return {};
+  if (width <= kMostPixels / height) return {};  // their product may have more than 63 bits
   return fail(ErrorCode::Unsupported, text(name, ": ", width, "x", height, " px are more than ",
                                            kMostPixels / 1'000'000, " million; make it smaller first"));
 }

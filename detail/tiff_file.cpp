@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <mutex>
-#include <vector>
+#include <new>
 
 #include <tiffio.h>
 
@@ -63,16 +64,24 @@ void keep_complaints() {
   });
 }
 
+struct Free {
+  void operator()(std::uint32_t* raster) const { std::free(raster); }
+};
+
 struct Close {
   void operator()(TIFF* tiff) const { TIFFClose(tiff); }
 };
 
+std::uint16_t coding_of(TIFF* tiff) {
+  std::uint16_t compression = COMPRESSION_NONE;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+  return compression;
+}
+
 /// The most bytes that one of the file can stand for; 0 where there is no such number (a row of nothing but
 /// white has one bit in fax machines' codes, however long it is).
 std::uint64_t most_bytes_of_one(TIFF* tiff) {
-  std::uint16_t compression = COMPRESSION_NONE;
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-  switch (compression) {
+  switch (coding_of(tiff)) {
     case COMPRESSION_NONE:
       return 1;
     case COMPRESSION_PACKBITS:
@@ -118,23 +127,30 @@ Result<Image> decode_tiff(std::string_view bytes, std::int64_t most_pixels, std:
   if (TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &width) != 1 ||
       TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &height) != 1 || width == 0 || height == 0)
     return bad("a TIFF without a size");
-  if (static_cast<std::int64_t>(width) * height > most_pixels)
+  if (std::uint64_t{width} * height > static_cast<std::uint64_t>(most_pixels))
     return fail(ErrorCode::Unsupported, text(name, ": ", width, "x", height, " px are more than ",
                                              most_pixels / 1'000'000, " million; make it smaller first"));
+  if (const std::uint16_t coding = coding_of(tiff.get()); TIFFIsCODECConfigured(coding) == 0)
+    return fail(ErrorCode::Unsupported, text(name, ": a TIFF of a coding that is not read (", coding, ")"));
   if (!can_hold_it(tiff.get(), bytes.size(), height)) return bad("a TIFF far shorter than its picture");
   char why[1024] = "";
   if (TIFFRGBAImageOK(tiff.get(), why) != 1)
     return fail(ErrorCode::Unsupported, text(name, ": a TIFF of a kind that is not read (", why, ")"));
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_ORIENTATION, &stored);
-  std::vector<std::uint32_t> raster(static_cast<std::size_t>(width) * height);
+  // Its pages are there once they are written: a file of an unknown coding or a few bytes writes none.
+  const std::size_t pixels = static_cast<std::size_t>(width) * height;
+  const std::unique_ptr<std::uint32_t, Free> raster(
+      static_cast<std::uint32_t*>(std::calloc(pixels, sizeof(std::uint32_t))));
+  if (!raster) throw std::bad_alloc();
   // Asked for as it is stored, libtiff turns nothing.
-  if (TIFFReadRGBAImageOriented(tiff.get(), width, height, raster.data(), stored, 1) != 1)
+  if (TIFFReadRGBAImageOriented(tiff.get(), width, height, raster.get(), stored, 1) != 1)
     return bad("a damaged TIFF");
   Image rgb(static_cast<int>(width), static_cast<int>(height), 3);
-  for (std::size_t i = 0; i < raster.size(); ++i) {
-    rgb.pixels[3 * i] = static_cast<std::uint8_t>(TIFFGetR(raster[i]));
-    rgb.pixels[3 * i + 1] = static_cast<std::uint8_t>(TIFFGetG(raster[i]));
-    rgb.pixels[3 * i + 2] = static_cast<std::uint8_t>(TIFFGetB(raster[i]));
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const std::uint32_t pixel = raster.get()[i];
+    rgb.pixels[3 * i] = static_cast<std::uint8_t>(TIFFGetR(pixel));
+    rgb.pixels[3 * i + 1] = static_cast<std::uint8_t>(TIFFGetG(pixel));
+    rgb.pixels[3 * i + 2] = static_cast<std::uint8_t>(TIFFGetB(pixel));
   }
   return rgb;
 }

@@ -155,6 +155,8 @@ TEST(Photographs, OfAHundredMillionPixelsAreReadAndLargerOnesRefused) {
               IsOkAnd(testing::Field(&Image::width, 10'000)));
   std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x80\0\0\0\x80\0\x08\2\0\0\0", 29);
   EXPECT_THAT(decode_photo(png, "huge.png"), FailsWith(ErrorCode::Unsupported, "32768x32768"));
+  png.replace(16, 8, std::string(8, '\xFF'));  // whose product has 64 bits
+  EXPECT_THAT(decode_photo(png, "huge.png"), FailsWith(ErrorCode::Unsupported, "4294967295x4294967295"));
 }
 
 TEST(Photographs, AreKnownByTheirNamesInAFolder) {

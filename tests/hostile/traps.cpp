@@ -67,12 +67,13 @@ std::string jpeg_claiming(std::uint16_t width, std::uint16_t height) {
 }  // namespace
 
 std::string tiff_claiming(std::uint32_t width, std::uint32_t height, std::uint32_t strip_at,
-                          std::uint32_t strip_bytes) {
+                          std::uint32_t strip_bytes, std::uint32_t coding) {
   std::string tiff = "MM" + std::string("\0\x2a", 2) + four(8) + std::string("\0\x09", 2);
   const auto entry = [&](std::uint32_t tag, std::uint32_t value) {
     tiff += four(tag << 16 | 4) + four(1) + four(value);  // LONG
   };
-  entry(256, width), entry(257, height), entry(258, 8), entry(259, 1), entry(262, 1), entry(273, strip_at);
+  entry(256, width), entry(257, height), entry(258, 8), entry(259, coding), entry(262, 1),
+      entry(273, strip_at);
   entry(277, 1), entry(278, height), entry(279, strip_bytes);
   return tiff + four(0);
 }
@@ -137,6 +138,10 @@ const std::vector<Bomb>& media_bombs() {
         {"PNG of 36 million zeros", png_of(Image(6000, 6000, 1))},
         {"JPEG of 65500 x 65500", jpeg_claiming(65500, 65500)},
         {"JPEG of 15900 x 15900 that ends", jpeg_claiming(15900, 15900)},
+        {"PNG of 2^64 pixels", resized(small, 0xffffffff, 0xffffffff)},
+        {"TIFF of 2^64 pixels", tiff_claiming(0xffffffff, 0xffffffff, 8, 64) + std::string(64, 'x')},
+        {"TIFF of 15900 x 15900 of a coding that nobody knows",
+         tiff_claiming(15900, 15900, 122, 64, 0xc005) + std::string(64, 'x')},
         {"TIFF of 15900 x 15900 that ends",
          tiff_claiming(15900, 15900, 122, 15900 * 15900) + std::string(64, 'x')},
         {"TIFF of 15900 x 15900 whose strip has a few bytes",

@@ -25,8 +25,8 @@ struct Bomb {
 const std::vector<Bomb>& media_bombs();
 
 /// A TIFF up to its samples, which would begin at byte 122: grey, of any size, in one strip that lies
-/// anywhere.
+/// anywhere, coded by a scheme of libtiff's; 1: not at all.
 std::string tiff_claiming(std::uint32_t width, std::uint32_t height, std::uint32_t strip_at,
-                          std::uint32_t strip_bytes);
+                          std::uint32_t strip_bytes, std::uint32_t coding = 1);
 
 }  // namespace floatstage
