@@ -11,6 +11,7 @@
 #include "detail/graph_json.h"
 #include "detail/synthesis/deep_zoom.h"
 #include "detail/synthesis/enlarge.h"
+#include "detail/synthesis/pyramid_tiff.h"
 #include "pipeline/confined_outputs.h"
 #include "pipeline/json_report.h"
 
@@ -30,7 +31,7 @@ nlohmann::json to_json(const detail::Enlargement& made) {
   for (const detail::ComposedPhoto& p : made.photos)
     photos.push_back({{"name", p.name}, {"zoom", p.zoom}, {"used", p.used}, {"why_not", p.why_not}});
   return {{"zoom", made.zoom},
-          {"size", {made.picture.width, made.picture.height}},
+          {"size", {made.width, made.height}},
           {"shares",
            {{"upsampled", made.shares[0]},
             {"synthesised", made.shares[1]},
@@ -49,11 +50,12 @@ void print(const detail::Enlargement& made) {
   std::printf(
       "%dx%d px, the root %d times enlarged: %.1f %% real, %.1f %% warped, %.1f %% synthesised, %.1f %% "
       "upsampled; its means are the root's to %.1f dB\n",
-      made.picture.width, made.picture.height, made.zoom, 100 * made.shares[3], 100 * made.shares[2],
-      100 * made.shares[1], 100 * made.shares[0], made.like_root);
+      made.width, made.height, made.zoom, 100 * made.shares[3], 100 * made.shares[2], 100 * made.shares[1],
+      100 * made.shares[0], made.like_root);
 }
 
 bool is_deep_zoom(const fs::path& file) { return file.extension() == ".dzi"; }
+bool is_tiff(const fs::path& file) { return file.extension() == ".tif" || file.extension() == ".tiff"; }
 
 Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline::Progress& progress) {
   Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
@@ -61,13 +63,17 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
   if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
   detail::EnlargeOptions options = given.enlarge;
   options.watch = watched_by(progress);
+  options.keep_provenance = !given.provenance.empty();
+  const fs::path out = place(given.out);
+  if (is_deep_zoom(given.out))
+    options.writer = [&](int width, int height) { return detail::write_deep_zoom(out, width, height); };
+  if (is_tiff(given.out))
+    options.writer = [&](int width, int height) { return detail::write_pyramid_tiff(out, width, height); };
   const Result<detail::Enlargement> made = detail::enlarge(*graph, options);
   if (!made) return forward(made);
   print(*made);
-  if (Result<void> ok = is_deep_zoom(given.out) ? detail::save_deep_zoom(made->picture, place(given.out))
-                                                : save_picture(made->picture, place(given.out));
-      !ok)
-    return ok;
+  if (!options.writer)
+    if (Result<void> ok = save_picture(made->picture, out); !ok) return ok;
   if (!given.provenance.empty())
     if (Result<void> ok = save_png(detail::provenance_picture(made->provenance), place(given.provenance));
         !ok)
@@ -77,9 +83,10 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
 }
 
 Result<void> run(const Options& given) {
-  if (!is_deep_zoom(given.out) && !is_picture_file(given.out))
-    return fail(ErrorCode::InvalidArgument, text("--out ", given.out.string(),
-                                                 ": a picture is a .png, a .jpg or a .dzi (Deep Zoom) file"));
+  if (!is_deep_zoom(given.out) && !is_tiff(given.out) && !is_picture_file(given.out))
+    return fail(ErrorCode::InvalidArgument,
+                text("--out ", given.out.string(),
+                     ": a picture is a .png, a .jpg, a .dzi (Deep Zoom) or a .tif (pyramid) file"));
   if (!given.provenance.empty() && given.provenance.extension() != ".png")
     return fail(ErrorCode::InvalidArgument,
                 text("--provenance ", given.provenance.string(), ": this picture is a .png file"));
@@ -103,11 +110,13 @@ void add_detail_synthesize(CLI::App& detail, Chosen& chosen) {
   verb->add_option("graph", options->graph, "What `detail graph --json` wrote")
       ->required()
       ->type_name("FILE");
-  add_out(*verb, options->out, "The picture (.png or .jpg), or a Deep Zoom image (.dzi and its folder)")
+  add_out(*verb, options->out,
+          "The picture (.png or .jpg); or written while it is made: a Deep Zoom image (.dzi and its folder), "
+          "or a tiled pyramid in a TIFF (.tif)")
       ->required();
   verb->add_option("--zoom", options->enlarge.zoom,
                    "How many times the root is enlarged: 2, 4, 8, 16, 32 or 64 (default: that nearest to the "
-                   "closest photograph's, as far as 32 million pixels allow)")
+                   "closest photograph's, as far as 32 million pixels allow; .dzi and .tif may have 1000)")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
   verb->add_option("--root", options->root,

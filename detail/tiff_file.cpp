@@ -12,6 +12,7 @@
 #include <tiffio.h>
 
 #include "core/text.h"
+#include "detail/tiff_complaints.h"
 
 namespace floatstage::detail {
 namespace {
@@ -19,14 +20,16 @@ namespace {
 constexpr std::uint64_t kSlack = 1'000'000;  // bytes, whose memory is nobody's concern
 
 /// A file in memory, as libtiff's callbacks want it.
-struct Bytes {
+struct Bytes : TiffHandle {
+  explicit Bytes(std::string_view all) : bytes(all) {}
   std::string_view bytes;
   std::uint64_t at = 0;
-  std::string complaint;  // the first
 };
 
+Bytes& bytes_of(thandle_t handle) { return static_cast<Bytes&>(*static_cast<TiffHandle*>(handle)); }
+
 tmsize_t read(thandle_t handle, void* to, tmsize_t size) {
-  auto& file = *static_cast<Bytes*>(handle);
+  Bytes& file = bytes_of(handle);
   if (size < 0 || file.at >= file.bytes.size()) return 0;
   const std::size_t n = std::min<std::size_t>(static_cast<std::size_t>(size), file.bytes.size() - file.at);
   std::memcpy(to, file.bytes.data() + file.at, n);
@@ -37,7 +40,7 @@ tmsize_t read(thandle_t handle, void* to, tmsize_t size) {
 tmsize_t write(thandle_t, void*, tmsize_t) { return 0; }
 
 toff_t seek(thandle_t handle, toff_t offset, int whence) {
-  auto& file = *static_cast<Bytes*>(handle);
+  Bytes& file = bytes_of(handle);
   if (whence == SEEK_SET) file.at = offset;
   if (whence == SEEK_CUR) file.at += offset;
   if (whence == SEEK_END) file.at = file.bytes.size() + offset;
@@ -45,23 +48,13 @@ toff_t seek(thandle_t handle, toff_t offset, int whence) {
 }
 
 int close(thandle_t) { return 0; }
-toff_t size(thandle_t handle) { return static_cast<Bytes*>(handle)->bytes.size(); }
+toff_t size(thandle_t handle) { return bytes_of(handle).bytes.size(); }
 
 void keep(thandle_t handle, const char*, const char* format, va_list words) {
   char sentence[300];
   std::vsnprintf(sentence, sizeof sentence, format, words);
   if (handle == nullptr) return;
-  if (std::string& first = static_cast<Bytes*>(handle)->complaint; first.empty()) first = sentence;
-}
-
-// libtiff's handlers are of the whole process: set once, they keep what is said with the file it is said of.
-void keep_complaints() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    TIFFSetErrorHandler(nullptr);
-    TIFFSetWarningHandler(nullptr);
-    TIFFSetErrorHandlerExt(keep);
-  });
+  if (std::string& first = static_cast<TiffHandle*>(handle)->complaint; first.empty()) first = sentence;
 }
 
 struct Free {
@@ -105,6 +98,15 @@ bool can_hold_it(TIFF* tiff, std::uint64_t bytes, std::uint32_t height) {
 
 }  // namespace
 
+void keep_complaints() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    TIFFSetErrorHandler(nullptr);
+    TIFFSetWarningHandler(nullptr);
+    TIFFSetErrorHandlerExt(keep);
+  });
+}
+
 bool is_tiff(std::string_view bytes) {
   for (const char* magic : {"II*\0", "MM\0*", "II+\0", "MM\0+"})
     if (bytes.starts_with(std::string_view(magic, 4))) return true;
@@ -113,14 +115,14 @@ bool is_tiff(std::string_view bytes) {
 
 Result<Image> decode_tiff(std::string_view bytes, std::int64_t most_pixels, std::string_view name) {
   keep_complaints();
-  Bytes file{bytes, 0, {}};
+  Bytes file(bytes);
   const auto bad = [&](const char* what) {
     return fail(ErrorCode::BadData, text(name, ": ", what, file.complaint.empty() ? "" : " (", file.complaint,
                                          file.complaint.empty() ? "" : ")"));
   };
   // "rm": nothing is mapped; all goes through read().
-  const std::unique_ptr<TIFF, Close> tiff(
-      TIFFClientOpen("photograph", "rm", &file, read, write, seek, close, size, nullptr, nullptr));
+  const std::unique_ptr<TIFF, Close> tiff(TIFFClientOpen("photograph", "rm", static_cast<TiffHandle*>(&file),
+                                                         read, write, seek, close, size, nullptr, nullptr));
   if (!tiff) return bad("no TIFF that can be read");
   std::uint32_t width = 0, height = 0;
   std::uint16_t stored = ORIENTATION_TOPLEFT;

@@ -4,50 +4,57 @@
 
 #include <algorithm>
 
+#include "core/check.h"
 #include "core/file.h"
 #include "core/jpeg.h"
 #include "core/text.h"
+#include "detail/synthesis/tile_pyramid.h"
 
 namespace floatstage::detail {
 namespace {
 
 constexpr int kTile = 254, kOverlap = 1, kQuality = 92;
 
-// Half as large, rounded up.
-Image halved(const Image& from) {
-  Image out((from.width + 1) / 2, (from.height + 1) / 2, 3);
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x) {
-      const int u = std::min(2 * x + 1, from.width - 1), v = std::min(2 * y + 1, from.height - 1);
-      for (int c = 0; c < 3; ++c)
-        out.at(x, y)[c] = static_cast<std::uint8_t>(
-            (from.at(2 * x, 2 * y)[c] + from.at(u, 2 * y)[c] + from.at(2 * x, v)[c] + from.at(u, v)[c] + 2) /
-            4);
-    }
-  return out;
+// Down to one pixel.
+int levels_of(int width, int height) {
+  int level = 0;
+  while ((1 << level) < std::max(width, height)) ++level;
+  return level + 1;
 }
 
-Image cut(const Image& from, int x0, int y0, int x1, int y1) {
-  Image out(x1 - x0, y1 - y0, 3);
-  for (int y = y0; y < y1; ++y)
-    std::copy_n(from.at(x0, y), 3 * static_cast<std::size_t>(out.width), out.at(0, y - y0));
-  return out;
-}
+class DeepZoomWriter final : public RowWriter {
+ public:
+  DeepZoomWriter(std::filesystem::path file, int width, int height)
+      : file_(std::move(file)),
+        pyramid_(width, height, levels_of(width, height), kTile, kOverlap,
+                 [this](const TilePyramid::Tile& tile) {
+                   return write_file(folder_of(tile.level) / text(tile.column, "_", tile.row, ".jpg"),
+                                     encode_jpeg(tile.picture, kQuality));
+                 }) {}
 
-Result<void> save_level(const Image& picture, const std::filesystem::path& folder) {
-  if (Result<void> ok = make_folder(folder); !ok) return ok;
-  for (int row = 0; row * kTile < picture.height; ++row)
-    for (int column = 0; column * kTile < picture.width; ++column) {
-      const Image tile =
-          cut(picture, std::max(0, column * kTile - kOverlap), std::max(0, row * kTile - kOverlap),
-              std::min(picture.width, (column + 1) * kTile + kOverlap),
-              std::min(picture.height, (row + 1) * kTile + kOverlap));
-      if (Result<void> ok = write_file(folder / text(column, "_", row, ".jpg"), encode_jpeg(tile, kQuality));
-          !ok)
-        return ok;
-    }
-  return {};
-}
+  Result<void> make_folders() const {
+    for (int level = 0; level < pyramid_.levels(); ++level)
+      if (Result<void> ok = make_folder(folder_of(level)); !ok) return ok;
+    return {};
+  }
+  Result<void> add(const Image& rows) override { return pyramid_.add(rows); }
+  Result<void> finish() override {
+    FLOATSTAGE_CHECK(pyramid_.complete(), "a Deep Zoom image without all of its rows");
+    return write_file(
+        file_, text("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Image "
+                    "xmlns=\"http://schemas.microsoft.com/deepzoom/2008\" Format=\"jpg\" Overlap=\"",
+                    kOverlap, "\" TileSize=\"", kTile, "\"><Size Width=\"", pyramid_.width(0), "\" Height=\"",
+                    pyramid_.height(0), "\"/></Image>\n"));
+  }
+
+ private:
+  // Deep Zoom counts from the smallest.
+  std::filesystem::path folder_of(int level) const {
+    return deep_zoom_tiles(file_) / text(pyramid_.levels() - 1 - level);
+  }
+  const std::filesystem::path file_;
+  TilePyramid pyramid_;
+};
 
 }  // namespace
 
@@ -55,21 +62,10 @@ std::filesystem::path deep_zoom_tiles(const std::filesystem::path& file) {
   return file.parent_path() / (file.stem().string() + "_files");
 }
 
-Result<void> save_deep_zoom(const Image& rgb, const std::filesystem::path& file) {
-  int level = 0;
-  while ((1 << level) < std::max(rgb.width, rgb.height)) ++level;
-  const std::filesystem::path folder = deep_zoom_tiles(file);
-  Image smaller;
-  for (const Image* picture = &rgb; level >= 0; --level) {
-    if (Result<void> ok = save_level(*picture, folder / text(level)); !ok) return ok;
-    if (level > 0) smaller = halved(*picture);
-    picture = &smaller;
-  }
-  return write_file(file,
-                    text("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Image "
-                         "xmlns=\"http://schemas.microsoft.com/deepzoom/2008\" Format=\"jpg\" Overlap=\"",
-                         kOverlap, "\" TileSize=\"", kTile, "\"><Size Width=\"", rgb.width, "\" Height=\"",
-                         rgb.height, "\"/></Image>\n"));
+Result<std::unique_ptr<RowWriter>> write_deep_zoom(const std::filesystem::path& file, int width, int height) {
+  auto writer = std::make_unique<DeepZoomWriter>(file, width, height);
+  if (Result<void> ok = writer->make_folders(); !ok) return forward(ok);
+  return std::unique_ptr<RowWriter>(std::move(writer));
 }
 
 }  // namespace floatstage::detail

@@ -3,6 +3,7 @@
 
 #include "core/file.h"
 #include "core/png.h"
+#include "detail/photo_file.h"
 #include "tests/apps/verb_runs.h"
 #include "tests/detail/pictures.h"
 #include "tests/support/matchers.h"
@@ -67,6 +68,9 @@ TEST_F(DetailVerbs, MakeUpWhatNoClosePhotographShows) {
   EXPECT_NEAR(shares, 1, 1e-6);
   ASSERT_THAT(run({"detail", "synthesize", file("g.json"), "-o", file("deep.dzi")}), IsOk());
   EXPECT_TRUE(std::filesystem::exists(file("deep_files/0/0_0.jpg")));
+  ASSERT_THAT(run({"detail", "synthesize", file("g.json"), "-o", file("deep.tif"), "--zoom", "4"}), IsOk());
+  EXPECT_GT(psnr(*detail::load_photo(file("deep.tif")), *large), 38) << "JPEG";
+  EXPECT_FALSE(std::filesystem::exists(file("deep.tif.levels")));
 }
 
 TEST_F(DetailVerbs, SayWhyNothingIsMadeUp) {

@@ -5,7 +5,6 @@
 
 #include "core/file.h"
 #include "core/random.h"
-#include "detail/synthesis/deep_zoom.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
 
@@ -130,17 +129,6 @@ TEST(ASynthesis, OfOnePixelAndATinyPhotographIsAPicture) {
       Synthesis::make(Image(1, 1, 3, 90), {{Image(2, 2, 4, 255), 1, 1, 2, false}}, options);
   ASSERT_THAT(made, IsOk());
   EXPECT_EQ(made->tile({0, 0, 4, 4}).colors.at(0, 0)[0], 90);
-}
-
-TEST(ADeepZoomImage, HasATileOfEveryLevelAndItsDocumentLast) {
-  const TempFolder folder;
-  ASSERT_THAT(save_deep_zoom(Image(300, 200, 3, 50), folder / "z.dzi"), IsOk());
-  EXPECT_TRUE(std::filesystem::exists(folder / "z_files/0/0_0.jpg"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "z_files/9/1_0.jpg"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "z_files/10"));
-  const Result<std::string> document = read_file(folder / "z.dzi");
-  ASSERT_THAT(document, IsOk());
-  EXPECT_THAT(*document, testing::HasSubstr("<Size Width=\"300\" Height=\"200\"/>"));
 }
 
 }  // namespace
