@@ -8,6 +8,7 @@
 #include "apps/take_verbs.h"
 #include "apps/verbs.h"
 #include "capture/derivation.h"
+#include "capture/sound/time_code.h"
 #include "capture/take.h"
 #include "core/text.h"
 #include "pipeline/derive/list_takes.h"
@@ -82,6 +83,13 @@ Result<void> info(const Options& given) {
   const Result<std::vector<pipeline::SoundFacts>> sounds = pipeline::sounds_of(take);
   if (!sounds) return forward(sounds);
   const json sound = say(*sounds);
+  const Result<std::optional<capture::TimeCode>> code = capture::load_time_code(take.layout());
+  if (!code) return forward(code);
+  const std::optional<Timestamp> begin = pipeline::begin_of(take);
+  const std::string begins = *code && begin ? (*code)->code_at(*begin) : "";
+  if (!begins.empty())
+    std::printf("time code: begins at %s, %s frames a second, from %s\n", begins.c_str(),
+                capture::name_of((*code)->rate).c_str(), (*code)->from.c_str());
   const Result<std::optional<capture::Derivation>> from = capture::load_derivation(given.take);
   if (!from) return forward(from);
   if (*from) std::printf("made from %s by %s\n", (*from)->from.c_str(), (*from)->how.c_str());
@@ -99,6 +107,7 @@ Result<void> info(const Options& given) {
                               {"sealed", !m.files.empty()},
                               {"cameras", std::move(cameras)},
                               {"sound", sound},
+                              {"time_code", begins},
                               {"derived", {{"mattes", facts.mattes}, {"meshes", facts.meshes}}},
                               {"warnings", take.warnings()}},
                              given.json);
@@ -166,6 +175,7 @@ void add_take_verb(CLI::App& app, Chosen& chosen) {
           {"floatstage take seal T", "floatstage take seal T --json S.json"});
   add_take_derivations(*take, chosen);
   add_take_set_world(*take, chosen);
+  add_take_set_time_code(*take, chosen);
   add_take_list(*take, chosen);
 }
 

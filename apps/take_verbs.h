@@ -10,6 +10,8 @@ namespace floatstage::apps {
 void add_take_derivations(CLI::App& take, Chosen& chosen);
 /// set-world: the same cameras in another world.
 void add_take_set_world(CLI::App& take, Chosen& chosen);
+/// set-time-code: the same recording with time code.
+void add_take_set_time_code(CLI::App& take, Chosen& chosen);
 /// list: the takes of a folder.
 void add_take_list(CLI::App& take, Chosen& chosen);
 

@@ -7,6 +7,7 @@
 #include "capture/derivation.h"
 #include "capture/sha256.h"
 #include "capture/sound/sound_record.h"
+#include "capture/sound/time_code.h"
 #include "core/file.h"
 #include "core/file_presence.h"
 #include "core/rig_io.h"
@@ -75,6 +76,10 @@ class Deriving {
     for (std::size_t c = 0; c < manifest_.cameras.size(); ++c)
       if (Result<void> ok = media(c); !ok) return forward(ok);
     if (Result<void> ok = sound(); !ok) return forward(ok);
+    const Result<void> coded = other_.time_code ? capture::save_time_code(*other_.time_code, to_)
+                                                : share_if_there(capture::time_code_file(from_.layout()),
+                                                                 capture::time_code_file(to_), report_);
+    if (!coded) return forward(coded);
     if (Result<void> ok = derived(); !ok) return forward(ok);
     const std::string rig = to_json(other_.rig ? *other_.rig : from_.rig());
     if (other_.rig) {

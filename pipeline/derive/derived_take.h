@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/sound/time_code.h"
 #include "capture/take.h"
 #include "core/rig.h"
 
@@ -16,6 +17,7 @@ struct DerivedTake {
   int first = 0, end = -1;  ///< instants; -1: to the last
   std::string how;          ///< for derived.json
   std::string label;        ///< empty: as it was
+  std::optional<capture::TimeCode> time_code = {};  ///< absent: as it was
 };
 
 struct DerivedReport {

@@ -60,15 +60,20 @@ ListedTake listed(const fs::path& folder) {
 
 }  // namespace
 
-Result<std::vector<SoundFacts>> sounds_of(const capture::TakeReader& take) {
-  const Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(take.layout());
-  if (!tracks) return forward(tracks);
+std::optional<Timestamp> begin_of(const capture::TakeReader& take) {
   std::optional<Timestamp> begins;
   for (int c = 0; c < static_cast<int>(take.rig().cameras.size()); ++c)
     if (const std::vector<FrameRow>& rows = take.rows(c); !rows.empty()) {
       const Timestamp first = rows.front().info.exposure_start;
       begins = begins ? std::min(*begins, first) : first;
     }
+  return begins;
+}
+
+Result<std::vector<SoundFacts>> sounds_of(const capture::TakeReader& take) {
+  const Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(take.layout());
+  if (!tracks) return forward(tracks);
+  const std::optional<Timestamp> begins = begin_of(take);
   std::vector<SoundFacts> out;
   for (const capture::SoundTrack& track : *tracks) {
     SoundFacts& facts = out.emplace_back();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct TakeFacts {
   int mattes = 0, meshes = 0;
 };
 TakeFacts facts_of(const capture::TakeReader& take);
+
+/// Its first exposure; nothing without rows.
+std::optional<Timestamp> begin_of(const capture::TakeReader& take);
 
 /// A sound track of a take.
 struct SoundFacts {

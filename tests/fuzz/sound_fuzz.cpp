@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "capture/sound/sound_reader.h"
+#include "capture/sound/time_code.h"
 #include "core/check.h"
 #include "core/file.h"
 #include "core/log.h"
@@ -42,6 +43,15 @@ void claim_times(std::string_view csv) {
   }
 }
 
+void claim_time_code(std::string_view json) {
+  const auto code = parse_time_code(json, "fuzz");
+  if (!code) return;
+  const auto again = parse_time_code(to_json(*code), "again");
+  FLOATSTAGE_CHECK(again && *again == *code, "a time code that changes when it is written");
+  FLOATSTAGE_CHECK(code->code_at(code->at) == code_of(code->frames, code->rate),
+                   "another code at its anchor");
+}
+
 void claim_samples(std::string_view mka) {
   const std::filesystem::path folder = fuzz_folder();
   const TakeLayout take(folder);
@@ -66,8 +76,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   log::set_level(log::Level::Off);
   const std::string_view rest(reinterpret_cast<const char*>(data) + 1, size - 1);
-  if (data[0] % 3 == 0) capture::claim_tracks(rest);
-  if (data[0] % 3 == 1) capture::claim_times(rest);
-  if (data[0] % 3 == 2) capture::claim_samples(rest);
+  if (data[0] % 4 == 0) capture::claim_tracks(rest);
+  if (data[0] % 4 == 1) capture::claim_times(rest);
+  if (data[0] % 4 == 2) capture::claim_samples(rest);
+  if (data[0] % 4 == 3) capture::claim_time_code(rest);
   return 0;
 }

@@ -223,6 +223,25 @@ TEST_F(AClap, StaysTogetherInTakesMadeFromTakes) {
   EXPECT_NEAR(facts->front().begins, -1.6, 1e-3);
 }
 
+TEST_F(AClap, OfATrimmedTakeHasItsOwnTimeCode) {
+  record(folder_ / "take", {});
+  const auto take = opened(folder_ / "take");
+  const capture::TimeCode code = {*capture::time_code_rate_named("25"), 900'000, *begin_of(*take), "hand"};
+  ASSERT_THAT(
+      derive_take(*take, {.rig = std::nullopt, .how = "set-time-code", .label = "", .time_code = code},
+                  folder_ / "coded"),
+      IsOk());
+  ASSERT_THAT(derive_take(*opened(folder_ / "coded"),
+                          {.rig = std::nullopt, .first = 40, .end = 160, .how = "trim", .label = ""},
+                          folder_ / "part"),
+              IsOk());
+  const auto part = opened(folder_ / "part");
+  const auto own = capture::load_time_code(part->layout());
+  ASSERT_THAT(own, IsOk());
+  ASSERT_TRUE(*own);
+  EXPECT_EQ((*own)->code_at(*begin_of(*part)), "10:00:01:15");
+}
+
 TEST_F(AClap, WhoseSoundIsChangedOrLostIsFoundByVerify) {
   record(folder_ / "take", {});
   const auto problems = [&] {
