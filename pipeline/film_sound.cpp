@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "capture/sound/sound_reader.h"
+#include "capture/sound/time_code.h"
 #include "core/text.h"
 
 namespace floatstage::pipeline {
@@ -69,9 +70,7 @@ class OfTake final : public FilmSounds {
   OfTake(std::unique_ptr<capture::SoundReader> reader, std::vector<SoundCut> cuts)
       : reader_(std::move(reader)), cuts_(std::move(cuts)) {}
 
-  Result<void> open(std::int64_t samples) {
-    std::vector<int> channels;
-    for (int c = 0; c < std::min(2, reader_->track().channels); ++c) channels.push_back(c);
+  Result<void> open(const std::vector<int>& channels, std::int64_t samples) {
     Result<std::unique_ptr<capture::PlayOut>> out = capture::PlayOut::create(*reader_, channels);
     if (!out) return forward(out);
     out_ = std::move(*out);
@@ -115,6 +114,14 @@ class OfTake final : public FilmSounds {
   std::unique_ptr<capture::PlayOut> out_;
   capture::FilmSound sound_;
 };
+
+// The first two, without that of the take's time code, which nobody wants to hear.
+std::vector<int> heard_channels(const capture::SoundTrack& track, const std::string& time_code) {
+  std::vector<int> channels;
+  for (int c = 0; c < track.channels && channels.size() < 2; ++c)
+    if (time_code != text("ltc ", track.name, ":", c)) channels.push_back(c);
+  return channels;
+}
 
 }  // namespace
 
@@ -167,13 +174,17 @@ Result<std::unique_ptr<FilmSounds>> FilmSounds::open(const capture::TakeReader& 
   const Result<capture::SoundTrack> track = capture::sound_track_named(*tracks, name);
   if (!track)
     return fail(track.error().code, text(take.layout().folder().string(), ": ", track.error().message));
+  const Result<std::optional<capture::TimeCode>> code = capture::load_time_code(take.layout());
+  if (!code) return forward(code);
+  const std::vector<int> channels = heard_channels(*track, *code ? (*code)->from : "");
+  if (channels.empty()) return std::unique_ptr<FilmSounds>();
   std::vector<SoundCut> cuts = sound_cuts(take, frames, frame_rate);
   if (cuts.empty()) return std::unique_ptr<FilmSounds>();
   Result<std::unique_ptr<capture::SoundReader>> reader = capture::SoundReader::open(take.layout(), *track);
   if (!reader) return forward(reader);
   auto sounds = std::make_unique<OfTake>(std::move(*reader), std::move(cuts));
   const auto samples = std::llround(static_cast<double>(frames.size()) / frame_rate * kPlayOutRate);
-  if (Result<void> ok = sounds->open(samples); !ok) return forward(ok);
+  if (Result<void> ok = sounds->open(channels, samples); !ok) return forward(ok);
   return std::unique_ptr<FilmSounds>(std::move(sounds));
 }
 

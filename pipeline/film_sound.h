@@ -24,8 +24,8 @@ std::vector<SoundCut> sound_cuts(const capture::TakeReader& take, const std::vec
                                  double frame_rate);
 
 /// The sound of a film of these pictures, of the take's track of this name (the first for ""): one channel or
-/// its first two. Cuts are faded for 5 ms. Nothing where the take has none or no cut is heard. NotFound
-/// names the tracks that there are; errors of SoundReader.
+/// its first two, without that of the take's LTC. Cuts are faded for 5 ms. Nothing where the take has none or
+/// no cut is heard. NotFound names the tracks that there are; errors of SoundReader.
 class FilmSounds {
  public:
   static Result<std::unique_ptr<FilmSounds>> open(const capture::TakeReader& take,

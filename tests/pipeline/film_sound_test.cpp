@@ -240,6 +240,13 @@ TEST_F(AClap, OfATrimmedTakeHasItsOwnTimeCode) {
   ASSERT_THAT(own, IsOk());
   ASSERT_TRUE(*own);
   EXPECT_EQ((*own)->code_at(*begin_of(*part)), "10:00:01:15");
+
+  // The channel that it is read from is not heard.
+  EXPECT_THAT(clicks_in(*part, counted(0, 120), kFps), SizeIs(3));
+  capture::TimeCode ltc = code;
+  ltc.from = "ltc mic:0";
+  ASSERT_THAT(capture::save_time_code(ltc, part->layout()), IsOk());
+  EXPECT_THAT(clicks_in(*part, counted(0, 120), kFps), IsEmpty());
 }
 
 TEST_F(AClap, WhoseSoundIsChangedOrLostIsFoundByVerify) {
