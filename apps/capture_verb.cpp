@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "apps/flags.h"
-#include "apps/interrupt.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/interrupt.h"
 #include "apps/verbs.h"
 #include "capture/sound/sound_source.h"
 #include "core/text.h"

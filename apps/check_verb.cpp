@@ -7,8 +7,8 @@
 
 #include "apps/check/machine.h"
 #include "apps/check/studio.h"
-#include "apps/flags.h"
-#include "apps/interrupt.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/interrupt.h"
 #include "apps/verbs.h"
 #include "capture/media_file.h"
 #include "core/text.h"

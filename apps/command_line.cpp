@@ -5,11 +5,18 @@
 #include <filesystem>
 #include <sstream>
 
-#include "apps/did_you_mean.h"
-#include "apps/exit_codes.h"
-#include "apps/flags.h"
-#include "apps/plan_verb.h"
-#include "apps/verb_tree.h"
+#include "apps/calibrate/calibrate_verbs.h"
+#include "apps/detail/detail_verbs.h"
+#include "apps/export/export_verbs.h"
+#include "apps/live/live_verbs.h"
+#include "apps/matte/matte_verbs.h"
+#include "apps/plan/plan_verb.h"
+#include "apps/take/take_verbs.h"
+#include "apps/terminal/did_you_mean.h"
+#include "apps/terminal/exit_codes.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/verb_tree.h"
+#include "apps/verbs.h"
 #include "apps/version.h"
 #include "core/file_presence.h"
 #include "core/text.h"
@@ -170,24 +177,16 @@ Ending explained(const CLI::App& app, const CLI::ParseError& e) {
   return {kExitUsage, "", text(path_of(verb), ": ", e.what(), see)};
 }
 
-void add_flags_of_every_verb(CLI::App& verb, Chosen& chosen) {
-  verb.set_help_flag("-h,--help", "Print this help and end")->group(kGroupRun);
-  verb.add_flag("-q,--quiet", chosen.quiet, "Only warnings and errors")->group(kGroupRun);
-  verb.add_flag("-v,--verbose", chosen.verbose, "Debug messages too")->group(kGroupRun);
+// How plans read the command line that they were made of.
+Result<Chosen> chosen_by(const std::vector<std::string>& words) {
+  Chosen chosen;
+  const std::unique_ptr<CLI::App> app = command_line(chosen);
+  if (const std::optional<Ending> ending = read_command_line(*app, words))
+    return fail(ErrorCode::BadData, ending->error);
+  return chosen;
 }
 
 }  // namespace
-
-CLI::App* add_verb(CLI::App& parent, Chosen& chosen, const std::string& name, const std::string& help,
-                   const std::vector<std::string>& examples) {
-  CLI::App* verb = parent.add_subcommand(name, help);
-  add_flags_of_every_verb(*verb, chosen);
-  verb->group("Verbs");
-  std::string footer = "Examples:";
-  for (const std::string& example : examples) footer += "\n  " + example;
-  verb->footer(footer);
-  return verb;
-}
 
 std::unique_ptr<CLI::App> command_line(Chosen& chosen) {
   auto app = std::make_unique<CLI::App>(
@@ -198,11 +197,11 @@ std::unique_ptr<CLI::App> command_line(Chosen& chosen) {
   app->footer(
       "Every verb explains itself: floatstage VERB --help\nExamples:\n  floatstage demo -o demo\n"
       "  floatstage render --help");
-  for (auto add :
-       {add_demo,   add_capture,     add_check,  add_calibrate, add_synthesize, add_import, add_take_verb,
-        add_matte,  add_matte_image, add_hull,   add_keys,      add_process,    add_render, add_evaluate,
-        add_export, add_plan,        add_detail, add_flow,      add_live,       add_play})
+  for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_take_verb,
+                   add_matte, add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate,
+                   add_export, add_detail, add_flow, add_live, add_play})
     add(*app, chosen);
+  add_plan(*app, chosen, chosen_by);
   app->require_subcommand(1);
   return app;
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/verbs.h"
+#include "apps/terminal/verb.h"
 
 namespace floatstage::apps {
 

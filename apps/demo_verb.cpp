@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/progress_bar.h"
 #include "apps/verbs.h"
 #include "pipeline/demo/demo.h"
 #include "pipeline/json_report.h"

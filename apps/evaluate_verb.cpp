@@ -1,25 +1,25 @@
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <map>
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
-#include "apps/hull_flags.h"
-#include "apps/orbit_flags.h"
-#include "apps/planned.h"
-#include "apps/progress_bar.h"
-#include "apps/renderer_options.h"
-#include "apps/text_options.h"
+#include "apps/evaluate/matte_table.h"
+#include "apps/evaluate/score_table.h"
+#include "apps/plan/planned.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/hull_flags.h"
+#include "apps/terminal/orbit_flags.h"
+#include "apps/terminal/progress_bar.h"
+#include "apps/terminal/renderer_options.h"
+#include "apps/terminal/text_options.h"
 #include "apps/verbs.h"
 #include "core/file.h"
 #include "core/json_fields.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/evaluate/evaluate.h"
-#include "pipeline/evaluate/evaluate_mattes.h"
 #include "pipeline/evaluate/picture_sheet.h"
 #include "pipeline/evaluate/temporal.h"
 #include "pipeline/json_report.h"
@@ -47,216 +47,6 @@ struct Options {
 };
 
 constexpr double kFrameSeconds = 10;  // before a plan has measured it
-
-struct Column {
-  const char* name;
-  double pipeline::Scores::*score;
-};
-constexpr Column kColumns[] = {
-    {"psnr_mask", &pipeline::Scores::psnr},       {"ssim_mask", &pipeline::Scores::ssim},
-    {"cw_ssim_mask", &pipeline::Scores::cw_ssim}, {"psnr_shift_mask", &pipeline::Scores::psnr_shift},
-    {"sharpness", &pipeline::Scores::sharpness},  {"psnr_full", &pipeline::Scores::psnr_full},
-    {"psnr_edge", &pipeline::Scores::psnr_edge},  {"psnr_color_mask", &pipeline::Scores::psnr_color},
-    {"ghosting", &pipeline::Scores::ghosting}};
-
-struct Row {
-  std::string serial;
-  int frame;
-  bool has_matte;  ///< false: the camera is only truth, and is scored where the proxy is
-  std::map<std::string, pipeline::Scores> scores;
-};
-
-json to_json(const pipeline::Scores& s) {
-  json j;
-  for (const Column& c : kColumns) j[c.name] = s.*c.score;
-  return j;
-}
-
-pipeline::Scores mean(const std::vector<Row>& rows, const std::string& method) {
-  pipeline::Scores m;
-  for (const Column& c : kColumns) {
-    double sum = 0, known = 0;
-    for (const Row& r : rows) {
-      const double score = r.scores.at(method).*c.score;
-      if (std::isnan(score)) continue;  // this camera has no such score
-      sum += score;
-      ++known;
-    }
-    m.*c.score = known > 0 ? sum / known : pipeline::Scores::kUnknown;
-  }
-  return m;
-}
-
-std::string to_csv(const std::vector<Row>& rows, const std::vector<std::string>& methods) {
-  std::string csv = "frame,camera,method";
-  for (const Column& c : kColumns) csv += text(",", c.name);
-  csv += "\n";
-  for (const Row& r : rows) {
-    for (const std::string& m : methods) {
-      csv += text(r.frame, ",", r.serial, ",", m);
-      for (const Column& c : kColumns) csv += text(",", r.scores.at(m).*c.score);
-      csv += "\n";
-    }
-  }
-  return csv;
-}
-
-/// The rows of each frame, in order.
-std::map<int, std::vector<Row>> by_frame(const std::vector<Row>& rows) {
-  std::map<int, std::vector<Row>> frames;
-  for (const Row& row : rows) frames[row.frame].push_back(row);
-  return frames;
-}
-
-/// How a score of one method goes over the frames: a step is between two that follow each other in the list.
-struct Course {
-  double lowest = 0, spread = 0, largest_step = 0;
-  int lowest_frame = 0;
-};
-
-Course course(const std::map<int, std::vector<Row>>& frames, const std::string& method,
-              double pipeline::Scores::*score) {
-  Course out;
-  double sum = 0, squares = 0, last = 0;
-  bool first = true;
-  for (const auto& [frame, rows] : frames) {
-    const double now = mean(rows, method).*score;
-    sum += now;
-    squares += now * now;
-    if (first || now < out.lowest) out.lowest = now, out.lowest_frame = frame;
-    if (!first) out.largest_step = std::max(out.largest_step, std::abs(now - last));
-    last = now;
-    first = false;
-  }
-  const double count = static_cast<double>(std::max<std::size_t>(1, frames.size())), average = sum / count;
-  out.spread = std::sqrt(std::max(0.0, squares / count - average * average));
-  return out;
-}
-
-void print_table(const std::vector<Row>& rows, const std::vector<std::string>& methods) {
-  std::printf("%-10s", "mean of");
-  for (const Column& c : kColumns) std::printf(" %15s", c.name);
-  std::printf("\n");
-  for (const std::string& m : methods) {
-    const pipeline::Scores s = mean(rows, m);
-    std::printf("%-10s", m.c_str());
-    for (const Column& c : kColumns) std::printf(" %15.4f", s.*c.score);
-    std::printf("\n");
-  }
-  const std::map<int, std::vector<Row>> frames = by_frame(rows);
-  if (frames.size() < 2) return;
-  for (const std::string& m : methods) {
-    const Course c = course(frames, m, &pipeline::Scores::psnr);
-    std::printf("%-10s over %zu frames: psnr_mask lowest %.2f (frame %d), spread %.2f, largest step %.2f\n",
-                m.c_str(), frames.size(), c.lowest, c.lowest_frame, c.spread, c.largest_step);
-  }
-}
-
-json over_time(const std::vector<Row>& rows, const std::vector<std::string>& methods) {
-  const std::map<int, std::vector<Row>> frames = by_frame(rows);
-  json j;
-  for (const std::string& m : methods) {
-    for (const Column& c : kColumns) {
-      const Course at = course(frames, m, c.score);
-      j["over_time"][m][c.name] = {{"lowest", at.lowest},
-                                   {"lowest_frame", at.lowest_frame},
-                                   {"spread", at.spread},
-                                   {"largest_step", at.largest_step}};
-    }
-    for (const auto& [frame, of_frame] : frames)
-      j["frames"][std::to_string(frame)][m] = to_json(mean(of_frame, m));
-  }
-  return j;
-}
-
-Result<void> save_reports(const Options& given, const std::vector<Row>& rows,
-                          const std::vector<std::string>& methods) {
-  if (!given.json_file.empty()) {
-    json j = {{"take", given.take.string()}, {"views", json::array()}};
-    for (const std::string& m : methods) j["mean"][m] = to_json(mean(rows, m));
-    j.update(over_time(rows, methods));
-    for (const Row& r : rows) {
-      json scores;
-      for (const std::string& m : methods) scores[m] = to_json(r.scores.at(m));
-      j["views"].push_back(
-          {{"camera", r.serial}, {"frame", r.frame}, {"matte", r.has_matte}, {"scores", scores}});
-    }
-    if (Result<void> ok = pipeline::save_json(j, given.json_file); !ok) return ok;
-  }
-  return given.csv_file.empty() ? Result<void>() : write_file(given.csv_file, to_csv(rows, methods));
-}
-
-struct MatteColumn {
-  const char* name;
-  double pipeline::MatteScores::*score;
-};
-constexpr MatteColumn kMatteColumns[] = {{"sad", &pipeline::MatteScores::sad},
-                                         {"mse", &pipeline::MatteScores::mse},
-                                         {"mad", &pipeline::MatteScores::mad},
-                                         {"grad", &pipeline::MatteScores::gradient},
-                                         {"conn", &pipeline::MatteScores::connectivity},
-                                         {"iou", &pipeline::MatteScores::iou},
-                                         {"boundary_f", &pipeline::MatteScores::boundary_f}};
-
-json to_json(const pipeline::CameraMatteScores& c) {
-  json j = {{"frames", c.frames},
-            {"worst_frame", c.worst_frame},
-            {"worst_iou", c.worst_iou},
-            {"effort",
-             {{"keyframes", c.effort.keyframes},
-              {"clicks", c.effort.clicks},
-              {"scribbles", c.effort.scribbles},
-              {"masks", c.effort.masks}}}};
-  for (const MatteColumn& column : kMatteColumns) j[column.name] = c.mean.*column.score;
-  j["dtssd"] = c.dtssd ? json(*c.dtssd) : json();
-  return j;
-}
-
-// Each camera counts alike; dtSSD over those that have frames in a row.
-pipeline::CameraMatteScores mean(const std::vector<pipeline::CameraMatteScores>& cameras) {
-  pipeline::CameraMatteScores m{.serial = "mean", .mean = {}, .dtssd = {}, .effort = {}};
-  double flicker = 0;
-  int flickering = 0;
-  for (const pipeline::CameraMatteScores& c : cameras) {
-    for (const MatteColumn& column : kMatteColumns)
-      m.mean.*column.score += c.mean.*column.score / static_cast<double>(cameras.size());
-    if (c.dtssd) flicker += *c.dtssd, ++flickering;
-    if (c.worst_iou <= m.worst_iou) m.worst_iou = c.worst_iou, m.worst_frame = c.worst_frame;
-    m.frames += c.frames;
-    m.effort.keyframes += c.effort.keyframes, m.effort.clicks += c.effort.clicks;
-    m.effort.scribbles += c.effort.scribbles, m.effort.masks += c.effort.masks;
-  }
-  if (flickering) m.dtssd = flicker / flickering;
-  return m;
-}
-
-Result<void> run_mattes(const Options& given) {
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
-  if (!take) return forward(take);
-  Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
-  if (!frames) return forward(frames);
-  const std::filesystem::path truth = given.truth.empty() ? (*take)->layout().truth().mattes() : given.truth;
-  ProgressBar bar;
-  Result<std::vector<pipeline::CameraMatteScores>> cameras =
-      pipeline::evaluate_mattes(**take, truth, *frames, &bar);
-  if (!cameras) return forward(cameras);
-  const pipeline::CameraMatteScores total = mean(*cameras);
-  std::printf("%-12s", "camera");
-  for (const MatteColumn& column : kMatteColumns) std::printf(" %11s", column.name);
-  std::printf(" %11s %7s\n", "dtssd", "effort");
-  std::vector<pipeline::CameraMatteScores> rows = *cameras;
-  rows.push_back(total);
-  for (const pipeline::CameraMatteScores& c : rows) {
-    std::printf("%-12s", c.serial.c_str());
-    for (const MatteColumn& column : kMatteColumns) std::printf(" %11.5g", c.mean.*column.score);
-    std::printf(" %11.5g %3d/%-3d\n", c.dtssd.value_or(std::nan("")), c.effort.keyframes,
-                c.effort.clicks + c.effort.scribbles + c.effort.masks);
-  }
-  if (given.json_file.empty()) return {};
-  json j = {{"take", given.take.string()}, {"truth", truth.string()}, {"mean", to_json(total)}};
-  for (const pipeline::CameraMatteScores& c : *cameras) j["per_camera"][c.serial] = to_json(c);
-  return pipeline::save_json(j, given.json_file);
-}
 
 Result<int> parse_scale(const std::string& words) {
   constexpr int kSmallest = 64;
@@ -336,14 +126,14 @@ Result<void> run_path(const Options& given, capture::TakeReader& take,
   return given.json_file.empty() ? Result<void>() : pipeline::save_json(j, given.json_file);
 }
 
-Result<std::vector<Row>> held_out_rows(const Options& given, capture::TakeReader& take,
-                                       const pipeline::EvaluateOptions& options, ProgressBar& bar) {
+Result<std::vector<ScoredView>> held_out_rows(const Options& given, capture::TakeReader& take,
+                                              const pipeline::EvaluateOptions& options, ProgressBar& bar) {
   const Result<pipeline::Inputs> inputs =
       pipeline::choose_inputs(take.rig(), options.inputs, options.hold_out);
   if (!inputs) return forward(inputs);
   if (!given.sheet.empty())
     if (Result<void> ok = make_folder(given.sheet); !ok) return forward(ok);
-  std::vector<Row> rows;
+  std::vector<ScoredView> rows;
   pipeline::ProgressPart progress(&bar, "views", inputs->held.size() * options.frames.size());
   Result<void> done = pipeline::evaluate_take(take, options, [&](pipeline::HeldOutView view) -> Result<void> {
     progress.advance();
@@ -359,9 +149,8 @@ Result<std::vector<Row>> held_out_rows(const Options& given, capture::TakeReader
   return rows;
 }
 
-Result<void> report(const Options& given, const std::vector<Row>& rows) {
-  print_table(rows, given.methods);
-  return save_reports(given, rows, given.methods);
+Result<void> report(const Options& given, const std::vector<ScoredView>& views) {
+  return report_scores(given.take, views, given.methods, {given.json_file, given.csv_file});
 }
 
 // The take, and what of it is asked for; with the renderers ready to draw.
@@ -391,40 +180,14 @@ Result<Ready> ready(const Options& given) {
 bool walks(const Options& given) { return given.orbit || !given.path_file.empty(); }
 
 Result<void> run(const Options& given) {
-  if (given.mattes) return run_mattes(given);
+  if (given.mattes) return report_mattes({given.take, given.truth, given.frames, given.json_file});
   Result<Ready> scene = ready(given);
   if (!scene) return forward(scene);
   ProgressBar bar;
   scene->options.progress = &bar;
   if (walks(given)) return run_path(given, *scene->take, scene->options);
-  const Result<std::vector<Row>> rows = held_out_rows(given, *scene->take, scene->options, bar);
+  const Result<std::vector<ScoredView>> rows = held_out_rows(given, *scene->take, scene->options, bar);
   return rows ? report(given, *rows) : forward(rows);
-}
-
-// An item's rows on their way to the last item. JSON's numbers are read as they were written, bit by bit; a
-// score that a view does not have is null.
-json to_json(const std::vector<Row>& rows) {
-  json all = json::array();
-  for (const Row& row : rows) {
-    json scores = json::object();
-    for (const auto& [method, of] : row.scores) scores[method] = to_json(of);
-    all.push_back(
-        {{"camera", row.serial}, {"frame", row.frame}, {"matte", row.has_matte}, {"scores", scores}});
-  }
-  return all;
-}
-
-std::vector<Row> rows_of(const json& all) {
-  std::vector<Row> rows;
-  for (const json& j : all) {
-    Row row{j.at("camera"), j.at("frame"), j.at("matte"), {}};
-    for (const auto& [method, scores] : j.at("scores").items())
-      for (const Column& c : kColumns)
-        row.scores[method].*c.score =
-            scores.at(c.name).is_null() ? pipeline::Scores::kUnknown : scores.at(c.name).get<double>();
-    rows.push_back(std::move(row));
-  }
-  return rows;
 }
 
 Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
@@ -446,26 +209,25 @@ Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const
     ProgressBar bar;
     scene->options.frames = item.frames();
     scene->options.progress = &bar;
-    const Result<std::vector<Row>> rows = held_out_rows(given, *scene->take, scene->options, bar);
+    const Result<std::vector<ScoredView>> rows = held_out_rows(given, *scene->take, scene->options, bar);
     if (!rows) return forward(rows);
-    const std::string bytes = to_json(*rows).dump();
+    const std::string bytes = json_of(*rows).dump();
     if (Result<void> ok = write_file(plan.done(item.id), bytes); !ok) return forward(ok);
     end.bytes = bytes.size();
     return end;
   }
-  std::vector<Row> all;
+  std::vector<ScoredView> all;
   for (const pipeline::PlanItem& piece : plan.items) {
     if (piece.count == 0) continue;
     const Result<std::string> bytes = read_file(plan.done(piece.id));
     if (!bytes) return forward(bytes);
     const Result<json> rows = parse_json(*bytes, plan.done(piece.id).string());
     if (!rows) return forward(rows);
-    try {
-      for (Row& row : rows_of(*rows)) all.push_back(std::move(row));
-    } catch (const json::exception& e) {
-      return fail(ErrorCode::BadData, text(plan.done(piece.id).string(), " holds no scores (", e.what(),
-                                           "); remove the plan's folder and begin anew"));
-    }
+    Result<std::vector<ScoredView>> views = views_of(*rows);
+    if (!views)
+      return fail(views.error().code, text(plan.done(piece.id).string(), " ", views.error().message,
+                                           "; remove the plan's folder and begin anew"));
+    for (ScoredView& view : *views) all.push_back(std::move(view));
   }
   if (Result<void> ok = report(given, all); !ok) return forward(ok);
   return end;

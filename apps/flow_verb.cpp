@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
+#include "apps/terminal/flags.h"
 #include "apps/verbs.h"
 #include "core/png.h"
 #include "core/text.h"

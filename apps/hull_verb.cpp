@@ -4,11 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/did_you_mean.h"
-#include "apps/flags.h"
-#include "apps/hull_flags.h"
-#include "apps/interrupt.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/did_you_mean.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/hull_flags.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/mesh_io.h"
 #include "core/statistics.h"

@@ -3,10 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/progress_bar.h"
+#include "apps/terminal/world_flags.h"
 #include "apps/verbs.h"
-#include "apps/world_flags.h"
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/import/import.h"

@@ -2,9 +2,9 @@
 #include <exception>
 
 #include "apps/command_line.h"
-#include "apps/exit_codes.h"
-#include "apps/interrupt.h"
-#include "apps/planned.h"
+#include "apps/plan/planned.h"
+#include "apps/terminal/exit_codes.h"
+#include "apps/terminal/interrupt.h"
 #include "core/log.h"
 
 namespace {

@@ -2,9 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
-#include "apps/interrupt.h"
-#include "apps/renderer_options.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/renderer_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/play/play.h"
 #include "pipeline/json_report.h"

@@ -2,11 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
-#include "apps/hull_flags.h"
-#include "apps/matte_doubts.h"
-#include "apps/planned.h"
-#include "apps/progress_bar.h"
+#include "apps/matte/matte_doubts.h"
+#include "apps/plan/planned.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/hull_flags.h"
+#include "apps/terminal/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/log.h"
 #include "core/take_layout.h"

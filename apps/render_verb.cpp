@@ -2,12 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
-#include "apps/orbit_flags.h"
-#include "apps/planned.h"
-#include "apps/progress_bar.h"
-#include "apps/renderer_options.h"
-#include "apps/text_options.h"
+#include "apps/plan/planned.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/orbit_flags.h"
+#include "apps/terminal/progress_bar.h"
+#include "apps/terminal/renderer_options.h"
+#include "apps/terminal/text_options.h"
 #include "apps/verbs.h"
 #include "capture/sha256.h"
 #include "core/text.h"

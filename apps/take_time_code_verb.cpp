@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/flags.h"
-#include "apps/take_verbs.h"
+#include "apps/take/take_verbs.h"
+#include "apps/terminal/flags.h"
 #include "capture/sound/time_code.h"
 #include "core/text.h"
 #include "pipeline/derive/derived_take.h"

@@ -9,7 +9,7 @@
 
 namespace floatstage {
 
-/// What kind of thing went wrong. apps/exit_codes.h gives each one its documented exit code.
+/// What kind of thing went wrong. apps/terminal/exit_codes.h gives each one its documented exit code.
 enum class ErrorCode {
   InvalidArgument,  ///< the caller asked for something impossible (bad option, unequal sizes, unknown name)
   NotFound,         ///< a file, camera, frame or take that should be there is not

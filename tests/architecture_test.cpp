@@ -146,7 +146,7 @@ TEST(Layering, KeepsAppsToPublicHeaders) {
 }
 
 TEST(Layering, KeepsAppsAndTestsOutOfTheStages) {
-  EXPECT_THAT(layering("render/ulr.cpp", "#include \"apps/text_options.h\"\n"),
+  EXPECT_THAT(layering("render/ulr.cpp", "#include \"apps/terminal/text_options.h\"\n"),
               ElementsAre(HasSubstr("apps is the top floor")));
   EXPECT_THAT(layering("apps/main.cpp", "#include \"tests/support/matchers.h\"\n"),
               ElementsAre(HasSubstr("must not include tests")));
@@ -160,7 +160,7 @@ TEST(Layering, KeepsPipelineAndStudioApart) {
               ElementsAre(HasSubstr("beside the other floor")));
   EXPECT_THAT(layering("studio/live/live_chain.cpp", "#include \"pipeline/film.h\"\n"), testing::SizeIs(1));
   EXPECT_THAT(layering("recon/visual_hull.cpp", "#include \"pipeline/film.h\"\n"), testing::SizeIs(1));
-  EXPECT_THAT(layering("pipeline/film.cpp", "#include \"apps/interrupt.h\"\n"), testing::SizeIs(1));
+  EXPECT_THAT(layering("pipeline/film.cpp", "#include \"apps/terminal/interrupt.h\"\n"), testing::SizeIs(1));
   EXPECT_THAT(layering("apps/render_verb.cpp", "#include \"pipeline/film.h\"\n"), IsEmpty());
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
-#include "apps/verbs.h"
+#include "apps/terminal/verb.h"
 
 namespace floatstage::apps {
+
+/// `calibrate`.
+void add_calibrate(CLI::App& app, Chosen& chosen);
 
 // `calibrate SESSION` and its subcommands, each in a file of its own.
 void add_calibrate_session(CLI::App& calibrate, Chosen& chosen);

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/flags.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/progress_bar.h"
 #include "calib/color_balance.h"
 #include "calib/surface_colors.h"
 #include "capture/take.h"

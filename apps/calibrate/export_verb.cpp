@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/did_you_mean.h"
-#include "apps/flags.h"
+#include "apps/terminal/did_you_mean.h"
+#include "apps/terminal/flags.h"
 #include "calib/formats/refit.h"
 #include "calib/rig_formats.h"
 #include "core/file_presence.h"

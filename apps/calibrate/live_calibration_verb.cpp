@@ -3,9 +3,9 @@
 #include <thread>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/did_you_mean.h"
-#include "apps/flags.h"
-#include "apps/interrupt.h"
+#include "apps/terminal/did_you_mean.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/interrupt.h"
 #include "apps/viewer/calibration/calibration_view.h"
 #include "core/text.h"
 #include "pipeline/calibrate/calibration_outcome.h"

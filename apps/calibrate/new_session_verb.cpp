@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/flags.h"
-#include "apps/interrupt.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/progress_bar.h"
 #include "core/claim.h"
 #include "core/file.h"
 #include "core/file_presence.h"

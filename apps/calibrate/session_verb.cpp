@@ -3,9 +3,9 @@
 
 #include "apps/calibrate/calibrate_verbs.h"
 #include "apps/calibrate/scratch_folder.h"
-#include "apps/flags.h"
-#include "apps/interrupt.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/progress_bar.h"
 #include "calib/calibrate.h"
 #include "calib/uncertainty/picture_advice.h"
 #include "core/log.h"

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/flags.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/progress_bar.h"
 #include "capture/take.h"
 #include "core/file.h"
 #include "core/file_presence.h"

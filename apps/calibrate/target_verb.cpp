@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/flags.h"
+#include "apps/terminal/flags.h"
 #include "calib/board.h"
 #include "calib/target_sheet.h"
 #include "pipeline/json_report.h"

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/export/export_verbs.h"
-#include "apps/flags.h"
-#include "apps/progress_bar.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/progress_bar.h"
 #include "pipeline/export/export_colmap.h"
 #include "pipeline/json_report.h"
 

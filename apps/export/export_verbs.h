@@ -1,13 +1,13 @@
 #pragma once
 
-#include "apps/verbs.h"
+#include "apps/terminal/verb.h"
 
 namespace floatstage::apps {
 
-// The sub-verbs of `export`, each of which adds itself.
+/// `export`, and its sub-verbs, each of which adds itself.
+void add_export(CLI::App& app, Chosen& chosen);
 void add_export_colmap(CLI::App& parent, Chosen& chosen);
 void add_export_mesh(CLI::App& parent, Chosen& chosen);
 void add_export_web(CLI::App& parent, Chosen& chosen);
-void add_export_mesh(CLI::App& parent, Chosen& chosen);
 
 }  // namespace floatstage::apps

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/export/export_verbs.h"
-#include "apps/flags.h"
-#include "apps/progress_bar.h"
-#include "apps/text_options.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/progress_bar.h"
+#include "apps/terminal/text_options.h"
 #include "pipeline/export/export_web.h"
 #include "pipeline/json_report.h"
 

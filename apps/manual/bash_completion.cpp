@@ -1,7 +1,7 @@
 #include "apps/manual/bash_completion.h"
 
-#include "apps/flags.h"
-#include "apps/verb_tree.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/verb_tree.h"
 #include "core/text.h"
 
 namespace floatstage::apps {

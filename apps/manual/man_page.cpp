@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
-#include "apps/flags.h"
-#include "apps/verb_tree.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/verb_tree.h"
 #include "apps/version.h"
 #include "core/text.h"
 

@@ -2,10 +2,10 @@
 #include <cstdio>
 
 #include "apps/command_line.h"
-#include "apps/exit_codes.h"
 #include "apps/manual/bash_completion.h"
 #include "apps/manual/man_page.h"
-#include "apps/verb_tree.h"
+#include "apps/terminal/exit_codes.h"
+#include "apps/terminal/verb_tree.h"
 #include "core/file.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/calibrate/calibrate_verbs.h"
-#include "apps/exit_codes.h"
+#include "apps/terminal/exit_codes.h"
 #include "calib/board.h"
 #include "capture/media_file.h"
 #include "core/file.h"

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "apps/command_line.h"
-#include "apps/did_you_mean.h"
-#include "apps/exit_codes.h"
-#include "apps/flags.h"
+#include "apps/terminal/did_you_mean.h"
+#include "apps/terminal/exit_codes.h"
+#include "apps/terminal/flags.h"
 #include "core/file.h"
 #include "core/text.h"
 #include "tests/support/matchers.h"

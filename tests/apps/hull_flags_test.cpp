@@ -1,4 +1,4 @@
-#include "apps/hull_flags.h"
+#include "apps/terminal/hull_flags.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "apps/command_line.h"
-#include "apps/flags.h"
 #include "apps/manual/bash_completion.h"
 #include "apps/manual/man_page.h"
-#include "apps/verb_tree.h"
+#include "apps/terminal/flags.h"
+#include "apps/terminal/verb_tree.h"
 #include "core/text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"

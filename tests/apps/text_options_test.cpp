@@ -1,4 +1,4 @@
-#include "apps/text_options.h"
+#include "apps/terminal/text_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -79,7 +79,7 @@ TEST_F(ZoomWindowUnderXvfb, ShowsTheCloseWorldAndTheWideOneEnlargedAtTheRightOfT
 
 TEST_F(ZoomWindowUnderXvfb, PaintsWherePixelsComeFrom) {
   const std::string shot = (folder_ / "shot.png").string();
-  const Ended ended = view("--show both --screenshot " + shot);
+  const Ended ended = view("--overlay both --screenshot " + shot);
   ASSERT_EQ(ended.code, 0) << ended.output;
   const Image picture = *load_png(shot);
   // Colours above grey's in the middle, where the close photograph lies, and at a corner of the root.

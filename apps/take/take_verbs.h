@@ -1,0 +1,21 @@
+#pragma once
+
+#include "apps/terminal/verb.h"
+
+namespace floatstage::apps {
+
+/// `take`.
+void add_take_verb(CLI::App& app, Chosen& chosen);
+
+// Its sub-verbs that have files of their own.
+
+/// set-rig, trim, join: new takes of old ones.
+void add_take_derivations(CLI::App& take, Chosen& chosen);
+/// set-world: the same cameras in another world.
+void add_take_set_world(CLI::App& take, Chosen& chosen);
+/// set-time-code: the same recording with time code.
+void add_take_set_time_code(CLI::App& take, Chosen& chosen);
+/// list: the takes of a folder.
+void add_take_list(CLI::App& take, Chosen& chosen);
+
+}  // namespace floatstage::apps
