@@ -7,6 +7,7 @@ One file, Python 3.9 and NumPy; photographs are decoded by the `ffmpeg` program.
     rgb = take.photograph("cam0", 12)            # (height, width, 3) uint8, or None for a gap
     alpha = take.matte("cam0", 12)               # (height, width) uint8, or None where there is none
     vertices, faces = take.mesh(12)              # metres, z up
+    samples, rate = take.sound("mic")            # (samples, channels) int32 of the track's bits, a second
     pixels, in_front = take.camera("cam0").project(vertices)
 
 Pixels have the corner of the picture at (0, 0), so the middle of the first is (0.5, 0.5); `Camera.opencv()`
@@ -25,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["BadTake", "Camera", "Row", "Take", "read_mesh", "read_png", "read_rig"]
+__all__ = ["Added", "BadTake", "Camera", "Row", "SoundTrack", "Stamp", "Take", "read_mesh", "read_png", "read_rig"]
 
 
 class BadTake(Exception):
@@ -42,6 +43,37 @@ class Row:
     exposure_ns: "int | None"
     status: str  # "ok", "corrupt" or "lost"
     media_index: "int | None"
+
+
+@dataclass(frozen=True)
+class SoundTrack:
+    """A sound track of sound.json: samples as a device of this nominal rate counted them."""
+
+    name: str
+    rate: int
+    channels: int
+    bits: int
+    source: str  # where it came from: "clip.mp4", "alsa:hw:0"
+
+
+@dataclass(frozen=True)
+class Stamp:
+    """A line of <name>.sound.csv: sample number `sample` was taken at this time, on the clock of Row's times.
+
+    A run is sound without a gap; times of another run may lie anywhere.
+    """
+
+    sample: int
+    studio_time_ns: int
+    run: int
+
+
+@dataclass(frozen=True)
+class Added:
+    """What lies over the pictures of a camera that no lens has seen, pixels."""
+
+    bars: tuple  # left, top, right, bottom
+    overlays: tuple  # (x, y, width, height) of time stamps, names and logos
 
 
 @dataclass(frozen=True)
@@ -206,7 +238,8 @@ class Take:
         """The picture of a camera at an instant, or None where it is lost, damaged or beyond the end.
 
         RGB (height, width, 3); grey and Bayer (RGGB) pictures as they were recorded, (height, width). FFV1 and
-        raw pictures of those formats are exact. YUYV and NV12 are converted by ffmpeg, H.264 is lossy.
+        raw pictures of those formats are exact. YUYV and NV12 are converted by ffmpeg, H.264 is lossy. They are
+        as recorded: Floatstage itself works on them without what `added()` names.
         """
         rows = self.rows(serial)
         row = rows[frame] if 0 <= frame < len(rows) else None
@@ -227,6 +260,66 @@ class Take:
                     picture = next(pictures)
                     at += 1
             yield first + k, picture
+
+    def added(self, serial):
+        """The bars, stamps and logos that Floatstage found on a camera's pictures and hides, or None."""
+        self.camera(serial)
+        path = self._path("added.json")
+        if not os.path.exists(path):
+            return None
+        record = _load_json(path)
+        try:
+            if record["floatstage_added"] != 1:
+                raise BadTake(f"{path} is of format {record['floatstage_added']}; this module knows 1")
+            if not record["hidden"]:
+                return None
+            for camera in record["cameras"]:
+                if camera["serial"] == serial:
+                    return Added(tuple(camera["bars"]), tuple(tuple(box) for box in camera["overlays"]))
+        except (KeyError, TypeError) as error:
+            raise BadTake(f"{path} is no record of what was added: {error!r}") from None
+        return None
+
+    @property
+    def sounds(self):
+        """The take's sound tracks, by name."""
+        path = self._path("sound.json")
+        if not os.path.exists(path):
+            return {}
+        record = _load_json(path)
+        try:
+            if record["floatstage_sound"] != 1:
+                raise BadTake(f"{path} is of format {record['floatstage_sound']}; this module knows 1")
+            return {t["name"]: SoundTrack(t["name"], t["rate"], t["channels"], t["bits"], t["from"])
+                    for t in record["tracks"]}
+        except (KeyError, TypeError) as error:
+            raise BadTake(f"{path} is no list of sound tracks: {error!r}") from None
+
+    def _track(self, name):
+        tracks = self.sounds
+        if name not in tracks:
+            raise BadTake(f"{self.folder} has no sound track {name!r}; it has {', '.join(tracks) or 'none'}")
+        return tracks[name]
+
+    def sound(self, name):
+        """(samples (N, channels) int32, rate) of a track, exactly as recorded; -2^(bits-1) to 2^(bits-1) - 1.
+
+        `stamps()` says when they were taken: the device's clock is not the pictures'.
+        """
+        track, path = self._track(name), self._path(name + ".mka")
+        data = _output_of(["ffmpeg", "-v", "error", "-nostdin", "-i", "file:" + path, "-map", "0:a:0", "-f", "s32le",
+                           "-"], path)
+        samples = np.frombuffer(data, dtype="<i4")
+        if len(samples) % track.channels:
+            raise BadTake(f"{path} does not have the {track.channels} channels that sound.json says")
+        # ffmpeg gives 32 bits, the recorded ones above.
+        return samples.reshape(-1, track.channels) >> (32 - track.bits), track.rate
+
+    def stamps(self, name):
+        """When the samples of a track were taken: its side file's rows, in order."""
+        self._track(name)
+        return _read_table(self._path(name + ".sound.csv"), ["sample", "studio_time_ns", "run"],
+                           lambda row: Stamp(*(int(word) for word in row)))
 
     def _decoded(self, serial, index, count):
         media = self._media[serial]
@@ -269,22 +362,42 @@ class Take:
         return read_mesh(path) if os.path.exists(path) else None
 
 
-def _read_rows(path):
+def _output_of(command, path):
+    try:
+        ended = subprocess.run(command, capture_output=True, check=False)
+    except FileNotFoundError:
+        raise BadTake(f"media are decoded by the program {command[0]}, which is not installed") from None
+    if ended.returncode != 0:
+        raise BadTake(f"{path} cannot be read. {ended.stderr.decode(errors='replace').strip()}".rstrip())
+    return ended.stdout
+
+
+def _read_table(path, header, row_of):
     data = _bytes_of(path)
     # A last line without its end was being written when the recorder stopped.
     lines = data[: data.rfind(b"\n") + 1].decode("ascii", errors="replace").splitlines()
-    header = ["sequence", "device_time_ns", "studio_time_ns", "exposure_ns", "status", "media_index"]
     if not lines or lines[0].split(",") != header:
         raise BadTake(f"{path} does not begin with the columns {', '.join(header)}")
     rows = []
     for number, line in enumerate(csv.reader(lines[1:]), start=2):
         try:
-            sequence, device, studio, exposure, status, index = line
-            rows.append(Row(int(sequence), int(device) if device else None, int(studio),
-                            int(exposure) if exposure else None, status, int(index) if index else None))
+            if len(line) != len(header):
+                raise ValueError
+            rows.append(row_of(line))
         except ValueError:
             raise BadTake(f"{path}, line {number} is no row of a side file: {','.join(line)}") from None
     return rows
+
+
+def _read_row(row):
+    sequence, device, studio, exposure, status, index = row
+    return Row(int(sequence), int(device) if device else None, int(studio), int(exposure) if exposure else None,
+               status, int(index) if index else None)
+
+
+def _read_rows(path):
+    return _read_table(path, ["sequence", "device_time_ns", "studio_time_ns", "exposure_ns", "status", "media_index"],
+                       _read_row)
 
 
 def read_png(path):

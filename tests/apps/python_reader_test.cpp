@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "capture/added_file.h"
 #include "capture/sha256.h"
 #include "capture/take.h"
 #include "core/color.h"
@@ -14,6 +15,7 @@
 #include "core/rig_io.h"
 #include "core/take_layout.h"
 #include "core/text.h"
+#include "tests/capture/sound/sound_support.h"
 #include "tests/support/places.h"
 #include "tests/support/run_command.h"
 #include "tests/support/small_take.h"
@@ -24,6 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 // Debian's interpreter, for which its NumPy is.
 std::string python_says(const std::string& what, const fs::path& path) {
@@ -141,6 +144,35 @@ TEST_F(PythonReader, ProjectsThroughEveryLens) {
     }
   EXPECT_EQ(before, 4 * 9);
   EXPECT_EQ(behind, 4);
+}
+
+TEST_F(PythonReader, ReadsSoundSampleBySampleAndWhatLiesOverThePictures) {
+  for (const int bits : {16, 24}) {
+    const TempFolder folder;
+    const fs::path take = small_take(folder, 2);
+    EXPECT_THAT(python_says("extras", take),
+                AllOf(HasSubstr("added cam05 None\n"), Not(HasSubstr("Added(")), Not(HasSubstr("sound"))));
+    const capture::SoundTrack track{.name = "mic", .rate = 8000, .channels = 2, .bits = bits, .from = "test"};
+    ASSERT_NO_FATAL_FAILURE(capture::record(TakeLayout(take), track, 20'000, {120'000'000}, 50));
+    const capture::AddedFile added{.cameras = {{"cam01", {.left = 3, .overlays = {{4, 5, 20, 8}}}}}};
+    ASSERT_THAT(capture::save_added(added, TakeLayout(take)), IsOk());
+    std::vector<std::int32_t> samples;
+    for (int second = 0; second * 8000 < 20'000; ++second)
+      for (const float level :
+           capture::patterned(second * 8000, std::min(8000, 20'000 - second * 8000), track.channels))
+        samples.push_back(static_cast<std::int32_t>(level * static_cast<float>(1 << (bits - 1))));
+    const std::string said = python_says("extras", take);
+    EXPECT_THAT(
+        said, HasSubstr("added cam00 None\nadded cam01 Added(bars=(3, 0, 0, 0), overlays=((4, 5, 20, 8),))"));
+    EXPECT_THAT(said, HasSubstr(text("sound mic 8000 ", bits, " 20000x2 ", hash_of(samples), "\n")));
+    EXPECT_THAT(said, HasSubstr("stamp 0 120000000 0\nstamp 8000 1119950002 0\n"));
+    capture::AddedFile shown = added;
+    shown.hidden = false;
+    ASSERT_THAT(capture::save_added(shown, TakeLayout(take)), IsOk());
+    EXPECT_THAT(python_says("extras", take), HasSubstr("added cam01 None"));
+    std::ofstream(take / "mic.mka", std::ios::trunc) << "no sound";
+    EXPECT_THAT(python_says("extras", take), AllOf(HasSubstr("BadTake:"), HasSubstr("mic.mka")));
+  }
 }
 
 // By another program's encoder, each row by the filter of its name.

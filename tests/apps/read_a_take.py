@@ -40,11 +40,22 @@ def rig(path):
             print("pixel", serial, repr(float(x)) if before else "-", repr(float(y)) if before else "-")
 
 
+def extras(folder):
+    opened = floatstage.Take(folder)
+    for serial in opened.cameras:
+        print("added", serial, opened.added(serial))
+    for name, track in opened.sounds.items():
+        samples, rate = opened.sound(name)
+        print("sound", name, rate, track.bits, digest(np.ascontiguousarray(samples, dtype="<i4")))
+        for stamp in opened.stamps(name):
+            print("stamp", stamp.sample, stamp.studio_time_ns, stamp.run)
+
+
 def png(path):
     print("png", digest(floatstage.read_png(path)))
 
 
 try:
-    {"take": take, "rig": rig, "png": png}[sys.argv[2]](*sys.argv[3:])
+    {"take": take, "extras": extras, "rig": rig, "png": png}[sys.argv[2]](*sys.argv[3:])
 except floatstage.BadTake as error:
     print("BadTake:", error)
