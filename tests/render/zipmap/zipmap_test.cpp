@@ -48,7 +48,8 @@ TEST(MipPyramid, OfOddSizesKeepsTheMeanAndDoesNotDrift) {
 TEST(MipPyramid, WeighsColoursByTheirOpacity) {
   Image picture(2, 1, 4);
   picture.pixels = {200, 100, 0, 255, 0, 0, 90, 0};
-  const Image& last = MipPyramid(picture, false).levels().back();
+  const MipPyramid pyramid(picture, false);
+  const Image& last = pyramid.levels().back();
   EXPECT_EQ(last.pixels, (std::vector<std::uint8_t>{200, 100, 0, 128}));
 }
 
