@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "capture/derivation.h"
+#include "capture/sound/time_code.h"
 #include "capture/take.h"
+#include "core/file_presence.h"
 #include "core/parallel.h"
 #include "core/rig_io.h"
 #include "core/text.h"
@@ -164,6 +166,10 @@ Result<JoinReport> join_takes(const std::vector<fs::path>& folders, const fs::pa
       sounds.push_back({takes[t].get(), *first_shown, *last_shown + period, moved[t].shift});
   if (Result<void> ok = join_sound(sounds, TakeLayout(take->folder()), report.notes, progress); !ok)
     return forward(ok);
+  for (const auto& t : takes)
+    if (is_there(capture::time_code_file(t->layout())))
+      report.notes.push_back(text("the time code of ", t->layout().folder().string(),
+                                  " is left out: a joined take has no code that runs through"));
   if (Result<void> ok = (*writer)->finish(); !ok) return forward(ok);
   if (Result<void> ok = seal_take(take->folder(), progress); !ok) return forward(ok);
   if (Result<void> ok = capture::save_derivation({from, "join"}, take->folder()); !ok) return forward(ok);

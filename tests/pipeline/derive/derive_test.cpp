@@ -6,6 +6,7 @@
 
 #include "calib/rig_formats.h"
 #include "capture/derivation.h"
+#include "capture/sound/time_code.h"
 #include "capture/take_check.h"
 #include "core/file.h"
 #include "core/rig_io.h"
@@ -171,6 +172,18 @@ TEST_F(ANewTake, OfSeveralThatOverlapBeginsTheLaterOneAFrameAfter) {
   const auto made = open(folder_ / "twice");
   EXPECT_EQ(made->frame_count(), 8);
   EXPECT_THAT(made->warnings(), IsEmpty()) << "times and numbers grow";
+}
+
+TEST_F(ANewTake, OfSeveralSaysWhoseTimeCodeItLeavesOut) {
+  const fs::path coded = folder_ / "coded";
+  fs::copy(recorded(), coded, fs::copy_options::recursive);
+  ASSERT_THAT(
+      capture::save_time_code({.rate = {}, .frames = 90'000, .at = {}, .from = "hand"}, TakeLayout(coded)),
+      IsOk());
+  const Result<JoinReport> report = join_takes({recorded(), coded}, folder_ / "twice", nullptr);
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(report->notes, Contains(HasSubstr("the time code of " + coded.string() + " is left out")));
+  EXPECT_FALSE(fs::exists(capture::time_code_file(TakeLayout(folder_ / "twice"))));
 }
 
 TEST_F(ANewTake, IsNotJoinedOfOtherCamerasOrRigs) {
