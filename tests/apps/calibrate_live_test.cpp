@@ -18,6 +18,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/under_display.h"
 
 namespace floatstage::apps {
 namespace {
@@ -222,10 +223,9 @@ TEST(CalibrateLive, ShowsCoverageAndAdviceInAWindow) {
     toml += text("[[camera]]\nserial = \"", c.serial, "\"\nsource = \"", c.source, "\"\n");
   folder.write("studio.toml", toml);
   const std::filesystem::path file = folder / "live.png";
-  const std::string command = text("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' ",
-                                   FLOATSTAGE_PROGRAM, " calibrate live ", (folder / "studio.toml").string(),
-                                   " --target '", kTarget, "' --size 1100x700 --screenshot ", file.string());
-  const Ended ended = run_command(command);
+  const Ended ended = run_command(
+      under_display(text(FLOATSTAGE_PROGRAM, " calibrate live ", (folder / "studio.toml").string(),
+                         " --target '", kTarget, "' --size 1100x700 --screenshot ", file.string())));
   ASSERT_EQ(ended.code, 0) << ended.output;
   EXPECT_THAT(ended.output, testing::HasSubstr("PASS"));
   const Result<Image> window = load_png(file);

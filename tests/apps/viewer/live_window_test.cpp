@@ -4,6 +4,7 @@
 #include "core/png.h"
 #include "tests/support/run_command.h"
 #include "tests/support/small_take.h"
+#include "tests/support/under_display.h"
 
 namespace floatstage::apps {
 namespace {
@@ -14,12 +15,9 @@ using testing::HasSubstr;
 TEST(LiveWindow, ShowsThePerformerAndTheStudiosPanels) {
   const TempFolder folder;
   const std::filesystem::path take = small_take(folder, 3), shot = folder / "shot.png";
-  // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from
-  // ours.
   const Ended ended =
-      run_command("ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
-                  " live --source " +
-                  take.string() + " --seconds 60 --rate 8 --size 900x600 --screenshot " + shot.string());
+      run_command(under_display(FLOATSTAGE_PROGRAM " live --source " + take.string() +
+                                " --seconds 60 --rate 8 --size 900x600 --screenshot " + shot.string()));
   ASSERT_EQ(ended.code, 0) << ended.output;
   const Result<Image> picture = load_png(shot);
   ASSERT_THAT(picture, IsOk());

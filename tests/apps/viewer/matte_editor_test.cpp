@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/small_take.h"
+#include "tests/support/under_display.h"
 
 namespace floatstage::apps {
 namespace {
@@ -57,9 +58,7 @@ cat <&3
 wait $editor
 exit $?
 )"));
-    const std::string command =
-        "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' bash " + script.string();
-    Ended ended = run_command(command);
+    Ended ended = run_command(under_display("bash " + script.string()));
     output_ = std::move(ended.output);
     return ended.code;
   }

@@ -9,6 +9,7 @@
 #include "core/png.h"
 #include "pipeline/process/process.h"
 #include "tests/support/small_take.h"
+#include "tests/support/under_display.h"
 
 namespace floatstage::apps {
 namespace {
@@ -32,11 +33,9 @@ class PlayUnderXvfb : public testing::Test {
   Image screenshot(const std::string& arguments) {
     const std::filesystem::path file = *folder_ / "shot.png";
     std::filesystem::remove(file);
-    // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from
-    // ours.
-    const std::string command =
-        "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM " play " +
-        take_.string() + " --size 900x600 --screenshot " + file.string() + " " + arguments + " 2>&1";
+    const std::string command = under_display(FLOATSTAGE_PROGRAM " play " + take_.string() +
+                                              " --size 900x600 --screenshot " + file.string() + " " +
+                                              arguments + " 2>&1");
     FILE* pipe = popen(command.c_str(), "r");
     char buffer[4096];
     output_.clear();
@@ -167,8 +166,7 @@ wait $player
 )")
                                 .string();
   const std::string command =
-      "cd " + folder_->path().string() +
-      " && ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' bash " + hands + " 2>&1";
+      "cd " + folder_->path().string() + " && " + under_display("bash " + hands + " 2>&1");
   FILE* pipe = popen(command.c_str(), "r");
   char buffer[4096];
   std::string output;

@@ -7,6 +7,7 @@
 #include "tests/support/matchers.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/under_display.h"
 
 namespace floatstage::apps {
 namespace {
@@ -30,13 +31,9 @@ class ZoomWindowUnderXvfb : public testing::Test {
     ASSERT_EQ(ended.code, 0) << ended.output;
   }
   std::string graph() const { return (folder_ / "graph.json").string(); }
-  // The window's GL driver unloads itself before leaks are looked for, so what it keeps cannot be told from
-  // ours.
   Ended view(const std::string& arguments) const {
     return run_command(
-        "ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24' " FLOATSTAGE_PROGRAM
-        " detail view " +
-        graph() + " --size 900x600 " + arguments);
+        under_display(FLOATSTAGE_PROGRAM " detail view " + graph() + " --size 900x600 " + arguments));
   }
   // The part of the window between two columns of the stage.
   static Image stage(const Image& window, int from, int to) {
