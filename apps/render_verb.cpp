@@ -29,7 +29,7 @@ struct Options {
   std::string frames, pictures, sound;
   bool no_sound = false;
   Size size;
-  bool orbit = false, keep_spill = false;
+  bool orbit = false, keep_spill = false, exr = false;
   double seconds = 0;
   pipeline::FilmOptions film;
   RendererFlags renderer;
@@ -130,6 +130,7 @@ Result<void> run(const Options& given) {
   const pipeline::FilmFileOptions file = {.out = given.out,
                                           .drawn_by = drawn_by + " " + program->sha256,
                                           .with_opacity = is_transparent(given),
+                                          .stills = given.exr ? pipeline::Stills::Exr : pipeline::Stills::Png,
                                           .pictures = std::move(*pictures),
                                           .sound = !given.no_sound,
                                           .sound_track = given.sound};
@@ -197,7 +198,7 @@ Planned planned(const Options& given) {
 void add_render(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
   CLI::App* verb =
-      add_verb(app, chosen, "render", "A camera path through a processed take → H.264 video or PNGs",
+      add_verb(app, chosen, "render", "A camera path through a processed take → H.264 video or stills",
                {"floatstage render take --orbit --turns 2 --height 0.5 -o orbit.mp4",
                 "floatstage render take --path path.json --method linear,floating --size 1280x720 "
                 "-o compare.mp4"});
@@ -205,7 +206,9 @@ void add_render(CLI::App& app, Chosen& chosen) {
   verb->add_flag("--orbit", options->orbit, "Walk around the performer where the cameras stand");
   verb->add_option("--path", options->path_file, "A camera path written by `floatstage play`")
       ->type_name("FILE");
-  add_out(*verb, options->out, "A .mp4, .mkv or .mov file, or a folder for PNGs")->required();
+  add_out(*verb, options->out, "A .mp4, .mkv or .mov file, or a folder for stills")->required();
+  verb->add_flag("--exr", options->exr,
+                 "A folder's stills are OpenEXR, in linear light and multiplied by their opacity, not PNG");
   add_list(*verb, "--method", options->methods, method_help() + "\nSeveral stand side by side",
            renderer_names());
   add_size(*verb, options->size, "Size of one picture");
@@ -238,7 +241,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
   add_renderer_flags(*verb, options->renderer);
   verb->get_option("--background")
       ->description(
-          "Colour behind the performer; none: opacity instead, in PNGs and in a .mov (ProRes 4444)");
+          "Colour behind the performer; none: opacity instead, in stills and in a .mov (ProRes 4444)");
   add_json(*verb, options->json_file);
   add_planned_run(*verb, chosen, options, run, planned);
 }

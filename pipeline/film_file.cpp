@@ -92,6 +92,7 @@ FilmShape shape_of(const FilmOptions& options, int pictures, const FilmFileOptio
           .pictures = pictures,
           .in_one = options.renderer.motion_blur > 0,
           .with_opacity = file.with_opacity,
+          .stills = file.stills,
           .part_pictures = file.part_pictures};
 }
 
@@ -108,7 +109,8 @@ Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraP
   if (!frames) return forward(frames);
   const Result<std::string> made_from =
       hash_of_film(take, path, *options,
-                   text(file.drawn_by, file.with_opacity ? " with opacity" : "", " in ", file.part_pictures));
+                   text(file.drawn_by, file.with_opacity ? " with opacity" : "",
+                        file.stills == Stills::Exr ? " as EXR" : "", " in ", file.part_pictures));
   if (!made_from) return forward(made_from);
   const FilmShape shape = shape_of(*options, static_cast<int>(frames->size()), file);
   Result<std::unique_ptr<FilmParts>> parts = FilmParts::open(

@@ -13,9 +13,10 @@
 namespace floatstage::pipeline {
 
 struct FilmFileOptions {
-  std::filesystem::path out;  ///< .mp4, .mkv, .mov, or a folder for PNGs; see check_film_name()
-  std::string drawn_by;       ///< the program and what it draws with; see hash_of_film()
-  bool with_opacity = false;  ///< of the one renderer, straight, in the place of the background
+  std::filesystem::path out;    ///< .mp4, .mkv, .mov, or a folder for stills; see check_film_name()
+  std::string drawn_by;         ///< the program and what it draws with; see hash_of_film()
+  bool with_opacity = false;    ///< of the one renderer, straight, in the place of the background
+  Stills stills = Stills::Png;  ///< of a folder
   /// Only the parts with these pictures of the film, which is then not joined: several runs, on several
   /// machines, make one film so. Empty: all, and the film is put into its place.
   std::vector<int> pictures = {};

@@ -14,6 +14,7 @@
 #include "core/log.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/exr_file.h"
 #include "pipeline/made_files.h"
 
 namespace floatstage::pipeline {
@@ -80,17 +81,19 @@ class VideoPart final : public PictureSink {
   const std::string inputs_;
 };
 
-class PngPart final : public PictureSink {
+class StillsPart final : public PictureSink {
  public:
-  PngPart(std::vector<fs::path> files, fs::path record, std::string inputs)
-      : files_(std::move(files)), record_(std::move(record)), inputs_(std::move(inputs)) {}
+  StillsPart(Stills stills, std::vector<fs::path> files, fs::path record, std::string inputs)
+      : stills_(stills), files_(std::move(files)), record_(std::move(record)), inputs_(std::move(inputs)) {}
   Result<void> write(const Image& picture) override {
     if (next_ == files_.size()) return fail(ErrorCode::InvalidArgument, "more pictures than the part has");
-    return save_png(picture, files_[next_++]);
+    const fs::path& file = files_[next_++];
+    return stills_ == Stills::Exr ? save_exr(picture, file, ExrAlpha::Associated) : save_png(picture, file);
   }
   Result<void> finish() override { return write_record(record_, inputs_, files_); }
 
  private:
+  const Stills stills_;
   const std::vector<fs::path> files_;
   const fs::path record_;
   const std::string inputs_;
@@ -122,11 +125,15 @@ fs::path FilmParts::file(std::size_t part, const char* extension) const {
   return folder_ / (numbered(parts_[part].first) + extension);
 }
 
-fs::path FilmParts::picture(int index) const { return folder_ / "pictures" / (numbered(index) + ".png"); }
+fs::path FilmParts::picture(int index) const {
+  return folder_ / "pictures" / (numbered(index) + (shape_.stills == Stills::Exr ? ".exr" : ".png"));
+}
 
 Result<std::unique_ptr<FilmParts>> FilmParts::open(const fs::path& out, const FilmShape& shape,
                                                    const std::string& made_from, Use use) {
   if (Result<void> ok = check_film_name(out, shape.with_opacity); !ok) return forward(ok);
+  if (shape.stills == Stills::Exr && out.has_extension())
+    return fail(ErrorCode::InvalidArgument, text(out.string(), ": EXRs are stills; name a folder for them"));
   std::unique_ptr<FilmParts> parts(new FilmParts(out, shape, use));
   if (Result<void> ok = parts->settle(made_from); !ok) return forward(ok);
   return parts;
@@ -215,7 +222,8 @@ bool FilmParts::is_done(std::size_t part, const std::string& inputs) const {
 Result<std::unique_ptr<PictureSink>> FilmParts::begin(std::size_t part, const std::string& inputs) {
   const fs::path record = file(part, ".json");
   if (!is_video())
-    return std::unique_ptr<PictureSink>(std::make_unique<PngPart>(files(part), record, inputs));
+    return std::unique_ptr<PictureSink>(
+        std::make_unique<StillsPart>(shape_.stills, files(part), record, inputs));
   const fs::path video = files(part).front();
   Result<std::unique_ptr<capture::VideoWriter>> writer =
       shape_.with_opacity

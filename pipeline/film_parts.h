@@ -13,13 +13,18 @@
 
 namespace floatstage::pipeline {
 
+/// What the pictures of a folder are: PNG, alpha straight; or OpenEXR in linear light, colours multiplied by
+/// their opacity.
+enum class Stills { Png, Exr };
+
 /// A film on its way to disk.
 struct FilmShape {
   int width = 0, height = 0;
   double frame_rate = 0;
   int pictures = 0;
-  bool in_one = false;        ///< it cannot be made in parts: a picture depends on those before it
-  bool with_opacity = false;  ///< see check_film_name()
+  bool in_one = false;          ///< it cannot be made in parts: a picture depends on those before it
+  bool with_opacity = false;    ///< see check_film_name()
+  Stills stills = Stills::Png;  ///< where it is a folder
   /// Of a part; the last one takes what is left over. Two seconds of a usual film: what a kill costs, against
   /// a picture coded whole in each.
   int part_pictures = 50;
@@ -27,7 +32,7 @@ struct FilmShape {
 
 /// A film that is made in parts, so that a run that was stopped goes on, and that several
 /// machines work on one: <out>.parts/ holds film.json (what the film is made from), a file a part
-/// (000050.mp4; of a folder of PNGs pictures/), and beside it its record, written when the part is whole
+/// (000050.mp4; of a folder of stills pictures/), and beside it its record, written when the part is whole
 /// (000050.json: what its pictures were drawn from, and SHA-256 of its files). join() makes the film of them;
 /// it is always made so, so that it has the same bytes whoever made its parts, and when
 /// (docs/adr/0255-films-are-made-in-parts.md).
@@ -42,7 +47,8 @@ class FilmParts {
 
   /// `made_from`: hash of what is the same for all pictures. Parts that were made from something else are
   /// removed when we are alone, and that is said; else they are refused. AlreadyExists when `out` is there or
-  /// is being made by a run alone; InvalidArgument for a name that says no kind of film; Io.
+  /// is being made by a run alone; InvalidArgument for a name that says no kind of film, or
+  /// a video for EXRs; Io.
   static Result<std::unique_ptr<FilmParts>> open(const std::filesystem::path& out, const FilmShape& shape,
                                                  const std::string& made_from, Use use);
   /// Removes the folder again when we are alone and there is no part in it.

@@ -14,6 +14,7 @@
 #include "core/png.h"
 #include "core/text.h"
 #include "matting/foreground.h"
+#include "pipeline/exr_file.h"
 #include "pipeline/keying.h"
 #include "pipeline/matte_record.h"
 #include "pipeline/progress.h"
@@ -46,7 +47,7 @@ bool up_to_date(const fs::path& layer, const fs::path& matte, const std::string&
 }
 
 Result<void> save(const Image& rgba, const std::string& format, const fs::path& file) {
-  if (format == "exr") return save_exr(rgba, file);
+  if (format == "exr") return save_exr(rgba, file, ExrAlpha::Straight);
   return format == "png16" ? save_png16(rgba, file) : save_png(rgba, file);
 }
 

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
 #include "core/result.h"
 #include "pipeline/progress.h"
 
@@ -25,9 +24,5 @@ struct ExportOptions {
 /// mattes, are kept. Returns how many there are. Errors: InvalidArgument for a format that there is not;
 /// NotFound when the cameras have no mattes; those of files.
 Result<int> export_layers(const ExportOptions& options);
-
-/// RGBA, straight, as half-float EXR in linear light (sRGB's curve undone), ZIP-compressed; to a temporary
-/// name first.
-Result<void> save_exr(const Image& rgba, const std::filesystem::path& file);
 
 }  // namespace floatstage::pipeline

@@ -1,5 +1,8 @@
 #include "pipeline/film_file.h"
 
+#include <cmath>
+
+#include <ImfRgbaFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,6 +54,7 @@ class AFilmFile : public testing::Test {
                             {.out = out,
                              .drawn_by = "cpu",
                              .with_opacity = with_opacity_,
+                             .stills = stills_,
                              .pictures = std::move(pictures),
                              .part_pictures = kPart});
   }
@@ -67,6 +71,7 @@ class AFilmFile : public testing::Test {
   fs::path path_;
   FilmOptions film_;
   bool with_opacity_ = false;
+  Stills stills_ = Stills::Png;
 };
 
 TEST_F(AFilmFile, StoppedAndGoneOnWithHasTheBytesOfOneThatWasNot) {
@@ -118,6 +123,55 @@ TEST_F(AFilmFile, OfPngsGoesOnToo) {
   }
   EXPECT_EQ(pictures, kPictures);
   EXPECT_FALSE(fs::exists(out("film.parts")));
+}
+
+// What another program that knows the format makes of an EXR: straight 8-bit sRGB.
+Image decoded_exr(const fs::path& file) {
+  Imf::RgbaInputFile in(file.c_str());
+  const Imath::Box2i box = in.dataWindow();
+  Image image(box.max.x + 1, box.max.y + 1, 4);
+  std::vector<Imf::Rgba> pixels(image.pixels.size() / 4);
+  in.setFrameBuffer(pixels.data(), 1, static_cast<std::size_t>(image.width));
+  in.readPixels(0, image.height - 1);
+  const auto coded = [](float linear) {
+    return static_cast<std::uint8_t>(
+        std::lround(255 * std::clamp(linear <= 0.0031308f ? 12.92f * linear
+                                                          : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f,
+                                     0.0f, 1.0f)));
+  };
+  for (std::size_t p = 0; p < pixels.size(); ++p) {
+    const float a = pixels[p].a, undo = a > 0 ? 1 / a : 0;
+    image.pixels[4 * p] = coded(undo * pixels[p].r);
+    image.pixels[4 * p + 1] = coded(undo * pixels[p].g);
+    image.pixels[4 * p + 2] = coded(undo * pixels[p].b);
+    image.pixels[4 * p + 3] = static_cast<std::uint8_t>(std::lround(255 * a));
+  }
+  return image;
+}
+
+TEST_F(AFilmFile, OfExrsHoldsThePicturesInLinearLightMultipliedByTheirOpacity) {
+  with_opacity_ = true;
+  ASSERT_THAT(render(out("pngs")), IsOk());
+  stills_ = Stills::Exr;
+  stop_after(7, out("exrs"));
+  const Result<FilmFileReport> rest = render(out("exrs"));
+  ASSERT_THAT(rest, IsOk());
+  EXPECT_EQ(rest->kept, kPart);
+  long soft = 0;
+  for (int i = 0; i < kPictures; ++i) {
+    const std::string number = text("0000", i < 10 ? "0" : "", i);
+    const Image png = *load_png(out("pngs") / (number + ".png")),
+                exr = decoded_exr(out("exrs") / (number + ".exr"));
+    ASSERT_EQ(exr.pixels.size(), png.pixels.size());
+    for (std::size_t p = 0; p < png.pixels.size(); p += 4) {
+      ASSERT_EQ(exr.pixels[p + 3], png.pixels[p + 3]);
+      soft += png.pixels[p + 3] > 0 && png.pixels[p + 3] < 255;
+      for (std::size_t c = 0; c < 3 && png.pixels[p + 3] > 0; ++c)
+        ASSERT_NEAR(exr.pixels[p + c], png.pixels[p + c], 1) << "opacity " << int{png.pixels[p + 3]};
+    }
+  }
+  EXPECT_GT(soft, 0) << "outlines are soft: multiplying shows there";
+  EXPECT_THAT(render(out("film.mov")), FailsWith(ErrorCode::InvalidArgument, "EXRs are stills"));
 }
 
 TEST_F(AFilmFile, IsMadeByRunsWithPicturesOfTheirOwn) {

@@ -1,3 +1,5 @@
+#include "pipeline/exr_file.h"
+
 #include <cmath>
 #include <exception>
 #include <filesystem>
@@ -8,7 +10,6 @@
 #include "core/claim.h"
 #include "core/file.h"
 #include "core/text.h"
-#include "pipeline/matte/export_layers.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -21,22 +22,26 @@ float linear(std::uint8_t v) {
 
 }  // namespace
 
-Result<void> save_exr(const Image& rgba, const std::filesystem::path& file) {
-  FLOATSTAGE_CHECK(rgba.channels == 4, "EXR layers are RGBA");
+Result<void> save_exr(const Image& image, const std::filesystem::path& file, ExrAlpha alpha) {
+  FLOATSTAGE_CHECK(image.channels == 3 || image.channels == 4, "EXRs are RGB or RGBA");
   const Result<Claim> claim = claim_temporary_file(file, IfThere::Replace);
   if (!claim) return forward(claim);
   const std::filesystem::path temporary = temporary_name(file);
   std::error_code none;
   try {
-    std::vector<Imf::Rgba> pixels(rgba.pixels.size() / 4);
+    const auto channels = static_cast<std::size_t>(image.channels);
+    std::vector<Imf::Rgba> pixels(image.pixels.size() / channels);
     for (std::size_t p = 0; p < pixels.size(); ++p) {
-      const std::uint8_t* s = rgba.pixels.data() + 4 * p;
-      pixels[p] = Imf::Rgba(linear(s[0]), linear(s[1]), linear(s[2]), static_cast<float>(s[3]) / 255);
+      const std::uint8_t* s = image.pixels.data() + channels * p;
+      const float opacity = channels == 4 ? static_cast<float>(s[3]) / 255 : 1;
+      const float scale = alpha == ExrAlpha::Associated ? opacity : 1;
+      pixels[p] = Imf::Rgba(scale * linear(s[0]), scale * linear(s[1]), scale * linear(s[2]), opacity);
     }
-    Imf::RgbaOutputFile out(temporary.c_str(), rgba.width, rgba.height, Imf::WRITE_RGBA, 1, {0, 0}, 1,
-                            Imf::INCREASING_Y, Imf::ZIP_COMPRESSION, 1);
-    out.setFrameBuffer(pixels.data(), 1, static_cast<std::size_t>(rgba.width));
-    out.writePixels(rgba.height);
+    Imf::RgbaOutputFile out(temporary.c_str(), image.width, image.height,
+                            channels == 4 ? Imf::WRITE_RGBA : Imf::WRITE_RGB, 1, {0, 0}, 1, Imf::INCREASING_Y,
+                            Imf::ZIP_COMPRESSION, 1);
+    out.setFrameBuffer(pixels.data(), 1, static_cast<std::size_t>(image.width));
+    out.writePixels(image.height);
   } catch (const std::exception& e) {
     std::filesystem::remove(temporary, none);
     return fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", e.what()));
