@@ -11,8 +11,8 @@ namespace floatstage {
 /// The GL driver of a window unloads itself before leaks are looked for, so what it keeps cannot be told from
 /// ours.
 inline std::string under_display(std::string_view command) {
-  return "ASAN_OPTIONS=detect_leaks=0 " + (source_folder() / "tests/support/under_display.sh").string() + " " +
-         std::string(command);
+  return "ASAN_OPTIONS=detect_leaks=0 " + (source_folder() / "tests/support/under_display.sh").string() +
+         " " + std::string(command);
 }
 
 }  // namespace floatstage
