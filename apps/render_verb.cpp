@@ -91,7 +91,11 @@ Result<pipeline::FilmOptions> film_options(const Options& given) {
 // Where the camera goes; an orbit's subject is the film's.
 Result<pipeline::CameraPath> path_of(const Options& given, const capture::TakeReader& take,
                                      pipeline::FilmOptions& film) {
-  if (!given.orbit) return pipeline::load_path(given.path_file);
+  if (!given.orbit) {
+    Result<pipeline::CameraPath> path = pipeline::load_path(given.path_file);
+    if (path && film.seconds == 0) film.seconds = path->duration();  // as it is played everywhere else
+    return path;
+  }
   const Result<pipeline::Subject> subject = pipeline::find_subject(take);
   if (!subject) return forward(subject);
   film.subject = subject->box;
@@ -204,7 +208,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
                 "-o compare.mp4"});
   add_take(*verb, options->take);
   verb->add_flag("--orbit", options->orbit, "Walk around the performer where the cameras stand");
-  verb->add_option("--path", options->path_file, "A camera path written by `floatstage play`")
+  verb->add_option("--path", options->path_file, "A camera path, of `play` or `path import`")
       ->type_name("FILE");
   add_out(*verb, options->out, "A .mp4, .mkv or .mov file, or a folder for stills")->required();
   verb->add_flag("--exr", options->exr,
@@ -214,7 +218,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
   add_size(*verb, options->size, "Size of one picture");
   add_frames(*verb, options->frames, "all");
   add_fps(*verb, options->film.frame_rate, "Pictures a second of the film");
-  add_seconds(*verb, options->seconds, "Length of the film (default: the take's, or the path's)");
+  add_seconds(*verb, options->seconds, "Length of the film (default: the path's; with --orbit the take's)");
   verb->add_option("--pictures", options->pictures,
                    "Only the parts of the film with these pictures, A:B; the call without it joins all parts")
       ->type_name("A:B");

@@ -16,24 +16,42 @@
 namespace floatstage::pipeline {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+using Watch = std::chrono::steady_clock;
+double since(Watch::time_point t) { return std::chrono::duration<double>(Watch::now() - t).count(); }
 
-// Which frame of the take each picture of the film shows.
-std::vector<int> schedule(const FilmOptions& options, double take_rate, double path_seconds) {
-  const double n = static_cast<double>(options.frames.size());
-  const bool moving = options.frames.size() > 1 && take_rate > 0;
-  const double seconds = options.seconds > 0 ? options.seconds : moving ? n / take_rate : path_seconds;
-  const int pictures = std::max(1, static_cast<int>(std::lround(seconds * options.frame_rate)));
-  std::vector<int> frames(static_cast<std::size_t>(pictures), options.frames.front());
-  if (!moving) return frames;
-  for (std::size_t p = 0; p < frames.size(); ++p) {
-    const auto played =
-        static_cast<std::size_t>(static_cast<double>(p) / options.frame_rate * take_rate + 1e-6);
-    frames[p] = options.frames[played % options.frames.size()];
+// Where in time the pictures of a film are.
+class Clock {
+ public:
+  Clock(const FilmOptions& options, const CameraPath& path, double take_rate)
+      : options_(options), path_(path), take_rate_(take_rate) {
+    const double n = static_cast<double>(options.frames.size());
+    const bool moving = options.frames.size() > 1 && take_rate > 0 && !path.has_take_times();
+    const double seconds = options.seconds > 0 ? options.seconds : moving ? n / take_rate : path.duration();
+    pictures_ = std::max(1, static_cast<int>(std::lround(seconds * options.frame_rate)));
+    // A film as long as its path is the path, to the digit.
+    if (std::abs(seconds - path.duration()) > kSameSeconds)
+      stretch_ = path.duration() / (pictures_ / options.frame_rate);
   }
-  return frames;
-}
+
+  double path_time(int picture) const { return picture / options_.frame_rate * stretch_; }
+  // Which frame of the take each picture shows. What plays beside the path is not stretched with it.
+  std::vector<int> frames() const {
+    std::vector<int> shown;
+    for (int p = 0; p < pictures_; ++p) {
+      const double time = path_.has_take_times() ? path_time(p) : p / options_.frame_rate;
+      shown.push_back(options_.frames[shown_at(path_, time, take_rate_, options_.frames)]);
+    }
+    return shown;
+  }
+
+ private:
+  static constexpr double kSameSeconds = 1e-9;
+  const FilmOptions& options_;
+  const CameraPath& path_;
+  const double take_rate_;
+  int pictures_ = 1;
+  double stretch_ = 1;
+};
 
 Result<void> check(const capture::TakeReader& take, const FilmOptions& options) {
   if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "a film of no frames");
@@ -146,7 +164,7 @@ class SceneStream {
 Result<std::vector<int>> film_frames(const capture::TakeReader& take, const CameraPath& path,
                                      const FilmOptions& options) {
   if (Result<void> ok = check(take, options); !ok) return forward(ok);
-  std::vector<int> frames = schedule(options, take.manifest().frame_rate, path.duration());
+  std::vector<int> frames = Clock(options, path, take.manifest().frame_rate).frames();
   for (const int picture : options.pictures)
     if (picture < 0 || static_cast<std::size_t>(picture) >= frames.size())
       return fail(ErrorCode::InvalidArgument,
@@ -191,7 +209,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
                                const std::function<Result<void>(FilmPicture)>& visit) {
   const Result<std::vector<int>> whole = film_frames(take, path, options);
   if (!whole) return forward(whole);
-  const Clock::time_point begin = Clock::now();
+  const Watch::time_point begin = Watch::now();
   std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
   for (std::size_t i = 0; i < options.methods.size() * static_cast<std::size_t>(options.array.views); ++i) {
     const std::string& method = options.methods[i % options.methods.size()];
@@ -200,27 +218,28 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     if (!r) return forward(r);
     renderers.push_back(std::move(*r));
   }
-  Eigen::AlignedBox3d box;
-  if (options.subject) {
-    box = *options.subject;
+  Subject subject;
+  if (options.subject && (options.track || !path.follows())) {
+    subject.box = *options.subject;
+    subject.track = options.track.value_or(SubjectTrack());
   } else {
-    const Result<Subject> subject = find_subject(take);
-    if (!subject) return forward(subject);
-    box = subject->box;
+    Result<Subject> found = find_subject(take);
+    if (!found) return forward(found);
+    subject = std::move(*found);
   }
+  const Eigen::AlignedBox3d& box = subject.box;
   const Result<Rig> rig = options.rig ? Result<Rig>(*options.rig) : film_rig(take, options);
   if (!rig) return forward(rig);
 
-  const double film_seconds = static_cast<double>(whole->size()) / options.frame_rate;
+  const Clock clock(options, path, take.manifest().frame_rate);
   std::vector<int> drawn_pictures = options.pictures, frames;
   for (std::size_t p = 0; options.pictures.empty() && p < whole->size(); ++p)
     drawn_pictures.push_back(static_cast<int>(p));
   std::vector<View> middles;
   std::vector<std::vector<View>> views;
   for (const int picture : drawn_pictures) {
-    const double film_time = picture / options.frame_rate;
-    middles.push_back(view_of(sample(path, film_time / film_seconds * path.duration()), options.width,
-                              options.height, box));
+    const PathKey key = sample(path, clock.path_time(picture), subject.track);
+    middles.push_back(view_of(key, options.width, options.height, box));
     views.push_back(views_of(middles.back(), options.array, screen_distance(middles.back(), box)));
     frames.push_back((*whole)[static_cast<std::size_t>(picture)]);
   }
@@ -231,7 +250,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   for (std::size_t p = 0; p < frames.size(); ++p) {
     if (is_cancelled(options.progress)) return cancelled();
     auto in_frame = [&](const Error& e) { return fail(e.code, text("frame ", frames[p], ": ", e.message)); };
-    const Clock::time_point drawing = Clock::now();
+    const Watch::time_point drawing = Watch::now();
     if (p == 0 || frames[p] != frames[p - 1]) {
       Result<Instant> scene = scenes.at(p);
       if (!scene) return forward(scene);

@@ -19,13 +19,16 @@ namespace floatstage::pipeline {
 struct FilmOptions {
   int width = 640, height = 480;  ///< of one picture
   double frame_rate = 25;         ///< of the film
-  double seconds = 0;             ///< length; 0: the take's own, or the path's when the take is one instant
+  /// Length; 0: the path's when it says what of the take is shown, else the take's own, or the path's when
+  /// the take is one instant. A path of another length is stretched to it.
+  double seconds = 0;
   std::vector<int> frames;  ///< frames of the take to play, in order; begun again when the film is longer
   std::vector<std::string> methods;  ///< renderers, each draws every picture
   ViewArray array = {};              ///< several eyes beside one another, of one method
   bool suppress_spill = true;
   bool balance = false;                             ///< cameras' colours are brought to one another
   std::optional<Eigen::AlignedBox3d> subject = {};  ///< find_subject() of the take, where it is known
+  std::optional<SubjectTrack> track = {};           ///< of the subject, where it is known
   std::optional<Rig> rig = {};                      ///< film_rig() of the take, where it is known
   /// Which pictures of the film are drawn, indices in rising order; empty: all.
   std::vector<int> pictures = {};

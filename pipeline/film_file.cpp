@@ -23,11 +23,12 @@ bool holds_any(const FilmParts::Part& part, const std::vector<int>& pictures) {
          });
 }
 
-Result<FilmOptions> completed(capture::TakeReader& take, FilmOptions options) {
-  if (!options.subject) {
-    const Result<Subject> subject = find_subject(take);
+Result<FilmOptions> completed(capture::TakeReader& take, const CameraPath& path, FilmOptions options) {
+  if (!options.subject || (path.follows() && !options.track)) {
+    Result<Subject> subject = find_subject(take);
     if (!subject) return forward(subject);
     options.subject = subject->box;
+    if (path.follows()) options.track = std::move(subject->track);
   }
   if (!options.rig) {
     Result<Rig> rig = film_rig(take, options);
@@ -102,7 +103,7 @@ Result<FilmFileReport> render_film_file(capture::TakeReader& take, const CameraP
                                         const FilmOptions& wanted, const FilmFileOptions& file) {
   if (file.with_opacity && wanted.methods.size() > 1)
     return fail(ErrorCode::InvalidArgument, "opacity is of one method");
-  Result<FilmOptions> options = completed(take, wanted);
+  Result<FilmOptions> options = completed(take, path, wanted);
   if (!options) return forward(options);
   options->pictures = file.pictures;
   const Result<std::vector<int>> frames = film_frames(take, path, *options);

@@ -36,17 +36,27 @@ json described(const render::RendererOptions& options) {
 
 json described(const FilmOptions& options) {
   const auto& [width, height, frame_rate, seconds, frames, methods, array, suppress_spill, balance, subject,
-               rig, pictures, renderer, progress] = options;
+               track, rig, pictures, renderer, progress] = options;
   static_cast<void>(balance);  // is in the rig
   static_cast<void>(pictures);
   static_cast<void>(progress);
   const Eigen::Vector3d low = subject->min(), high = subject->max();
-  return {width,          height,
-          frame_rate,     seconds,
-          frames,         methods,
-          array.views,    array.baseline,
-          suppress_spill, {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()},
-          to_json(*rig),  described(renderer)};
+  json centres = json::array();
+  for (const Eigen::Vector3d& c : track.value_or(SubjectTrack()).centres)
+    centres.push_back({c.x(), c.y(), c.z()});
+  return {width,
+          height,
+          frame_rate,
+          seconds,
+          frames,
+          methods,
+          array.views,
+          array.baseline,
+          suppress_spill,
+          {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()},
+          std::move(centres),
+          to_json(*rig),
+          described(renderer)};
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "pipeline/subject.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -25,7 +27,62 @@ std::vector<Eigen::Vector3f> directions() {
   return out;
 }
 
+// Standard deviation of the Gaussian that smooths a track, seconds: a step of a walk takes half a second, and
+// the camera should go with the walker and not with the steps.
+constexpr double kSmoothing = 0.25;
+
+// The centre of the volume, which arms and hair hardly move; of the box where there is no volume.
+Eigen::Vector3d middle_of(const Mesh& mesh) {
+  const Eigen::Vector3d box = bounding_box(mesh).center().cast<double>();
+  double volume = 0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (std::size_t t = 0; t + 2 < mesh.triangles.size(); t += 3) {
+    std::array<Eigen::Vector3d, 3> p;
+    for (std::size_t k = 0; k < 3; ++k) p[k] = mesh.positions[mesh.triangles[t + k]].cast<double>() - box;
+    const double six = p[0].dot(p[1].cross(p[2]));
+    volume += six;
+    moment += six * (p[0] + p[1] + p[2]) / 4;
+  }
+  const Eigen::Vector3d middle = box + moment / volume;
+  const Eigen::AlignedBox3d within = bounding_box(mesh).cast<double>();
+  return middle.allFinite() && within.contains(middle) ? middle : box;
+}
+
 }  // namespace
+
+SubjectTrack smoothed_track(const std::vector<std::optional<Eigen::Vector3d>>& middles, double frame_rate) {
+  const std::size_t n = middles.size();
+  std::vector<Eigen::Vector3d> filled(n);
+  std::optional<std::size_t> last;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!middles[i]) continue;
+    for (std::size_t k = last ? *last + 1 : 0; k <= i; ++k) {
+      const double share = last ? static_cast<double>(k - *last) / static_cast<double>(i - *last) : 1;
+      filled[k] =
+          last ? Eigen::Vector3d(*middles[*last] + share * (*middles[i] - *middles[*last])) : *middles[i];
+    }
+    last = i;
+  }
+  FLOATSTAGE_CHECK(last.has_value(), "a track of no hull");
+  for (std::size_t k = *last + 1; k < n; ++k) filled[k] = *middles[*last];
+  SubjectTrack track{filled, frame_rate};
+  if (!(frame_rate > 0)) return track;
+  const double sigma = kSmoothing * frame_rate;
+  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(3 * sigma)), end = static_cast<std::ptrdiff_t>(n);
+  for (std::ptrdiff_t i = 0; i < end; ++i) {
+    // As far to both sides: at its ends the track is where the subject is.
+    const std::ptrdiff_t side = std::min({reach, i, end - 1 - i});
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double weights = 0;
+    for (std::ptrdiff_t d = -side; d <= side; ++d) {
+      const double w = std::exp(-0.5 * static_cast<double>(d * d) / (sigma * sigma));
+      sum += w * filled[static_cast<std::size_t>(i + d)];
+      weights += w;
+    }
+    track.centres[static_cast<std::size_t>(i)] = sum / weights;
+  }
+  return track;
+}
 
 void add(const Mesh& mesh, Subject& subject) {
   if (mesh.empty()) return;
@@ -40,14 +97,17 @@ void add(const Mesh& mesh, Subject& subject) {
 
 Result<Subject> find_subject(const capture::TakeReader& take) {
   std::vector<Result<Subject>> frames(static_cast<std::size_t>(take.frame_count()), Subject());
+  std::vector<std::optional<Eigen::Vector3d>> middles(frames.size());
   parallel_for(frames.size(), 0, [&](std::size_t frame) {
     const std::filesystem::path file = take.layout().mesh(static_cast<int>(frame));
     if (!is_there(file)) return;
     const Result<Mesh> mesh = load_ply(file);
-    if (mesh)
+    if (mesh && !mesh->empty()) {
       add(*mesh, *frames[frame]);
-    else
+      middles[frame] = middle_of(*mesh);
+    } else if (!mesh) {
       frames[frame] = forward(mesh);
+    }
   });
   Subject all;
   for (const Result<Subject>& of : frames) {
@@ -59,6 +119,7 @@ Result<Subject> find_subject(const capture::TakeReader& take) {
     return fail(ErrorCode::NotFound,
                 text(take.layout().folder().string(), " has no mesh with a subject; run `floatstage process ",
                      take.layout().folder().string(), "` and look at its mattes"));
+  all.track = smoothed_track(middles, take.manifest().frame_rate);
   return all;
 }
 

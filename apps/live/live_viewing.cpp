@@ -91,7 +91,7 @@ Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* 
                            const LiveViewing& o) {
   Result<pipeline::CameraPath> path = o.path_file.empty()
                                           ? pipeline::orbit_around(feed.rig(), {}, o.orbit).path
-                                          : pipeline::load_path(o.path_file);
+                                          : pipeline::load_path_without_take(o.path_file);
   if (!path) return forward(path);
   const double duration = path->duration();
   const studio::ViewAt view_at = [&](double time) {

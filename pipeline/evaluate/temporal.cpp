@@ -14,6 +14,7 @@
 #include "core/text.h"
 #include "pipeline/bicubic.h"
 #include "pipeline/evaluate/held_out_scene.h"
+#include "pipeline/subject.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -172,6 +173,14 @@ Result<void> check(const EvaluateOptions& options, const PathPictures& along) {
   return {};
 }
 
+// The subject of a walk around one frame: it stands still. Where the path does not follow it, nowhere.
+Result<SubjectTrack> where_it_stands(const capture::TakeReader& take, const CameraPath& path, int frame) {
+  if (!path.follows()) return SubjectTrack();
+  const Result<Subject> subject = find_subject(take);
+  if (!subject) return forward(subject);
+  return SubjectTrack{{subject->track.centres[static_cast<std::size_t>(frame)]}, 0};
+}
+
 }  // namespace
 
 Result<std::map<std::string, TemporalScores>> evaluate_path(capture::TakeReader& take,
@@ -207,10 +216,12 @@ Result<std::map<std::string, TemporalScores>> evaluate_path(capture::TakeReader&
   const bool closed =
       instant->any_matte && options.proxy.kind != Proxy::Kind::Plane;  // seen from outside only
   std::vector<Course> courses(renderers.size());
+  const Result<SubjectTrack> standing = where_it_stands(take, along.path, options.frames.front());
+  if (!standing) return forward(standing);
   ProgressPart progress(options.progress, "pictures", static_cast<std::size_t>(along.count));
   for (int picture = 0; picture < along.count; ++picture) {
     if (is_cancelled(options.progress)) return cancelled();
-    const PathKey key = sample(along.path, along.path.duration() * picture / (along.count - 1));
+    const PathKey key = sample(along.path, along.path.duration() * picture / (along.count - 1), *standing);
     const View view = view_of(key, size.width / options.scale, size.height / options.scale, box);
     const std::vector<double> depth = depth_of(*proxy, view);
     std::vector<std::optional<Eigen::Vector2d>> places;

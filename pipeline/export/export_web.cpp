@@ -11,6 +11,7 @@
 #include "pipeline/export/instant.h"
 #include "pipeline/export/web_frame.h"
 #include "pipeline/export/web_page.h"
+#include "pipeline/subject.h"
 #include "pipeline/undistort.h"
 #include "pipeline/unfinished_folder.h"
 
@@ -58,21 +59,24 @@ json start_of(const Rig& rig, const Eigen::AlignedBox3d& subject) {
           {"fov_y", kFieldOfView}};
 }
 
-json path_of(const std::optional<CameraPath>& path) {
+// Each with the frame that is shown then, as a place in `frames`.
+json path_of(const std::optional<CameraPath>& path, const SubjectTrack& subject, double take_rate,
+             const std::vector<int>& frames) {
   json keys = json::array();
   if (!path) return keys;
   for (int i = 0; i <= static_cast<int>(path->duration() * kPathRate); ++i) {
-    const PathKey key = sample(*path, i / kPathRate);
+    const PathKey key = sample(*path, i / kPathRate, subject);
     keys.push_back({{"eye", numbers(key.eye)},
                     {"target", numbers(key.target)},
                     {"up", numbers(key.up)},
-                    {"fov_y", key.fov_y}});
+                    {"fov_y", key.fov_y},
+                    {"frame", shown_at(*path, i / kPathRate, take_rate, frames)}});
   }
   return keys;
 }
 
 std::string take_script(const capture::TakeReader& take, const ExportWebOptions& options,
-                        const Eigen::AlignedBox3d& subject) {
+                        const Eigen::AlignedBox3d& subject, const SubjectTrack& track) {
   const TakeManifest& manifest = take.manifest();
   const json about = {{"title", manifest.label.empty() ? "Floatstage" : manifest.label},
                       {"frame_rate", manifest.frame_rate > 0 ? manifest.frame_rate : 25},
@@ -81,7 +85,7 @@ std::string take_script(const capture::TakeReader& take, const ExportWebOptions&
                       {"background", options.background},
                       {"cameras", cameras_of(take.rig())},
                       {"start", start_of(take.rig(), subject)},
-                      {"path", path_of(options.path)},
+                      {"path", path_of(options.path, track, manifest.frame_rate, options.frames)},
                       {"path_rate", kPathRate}};
   return "const floatstageTake = " + about.dump() + ";\n";
 }
@@ -134,8 +138,11 @@ Result<ExportWebReport> export_web(const ExportWebOptions& options) {
     return fail(ErrorCode::NotFound, text(options.take.string(),
                                           " shows no subject in these frames; look at "
                                           "its mattes, or name others with --frames"));
-  if (Result<void> ok = write_file(out->folder() / "take.js", take_script(**take, options, subject)); !ok)
-    return forward(ok);
+  Result<Subject> whole = Subject();
+  if (options.path && options.path->follows()) whole = find_subject(**take);
+  if (!whole) return forward(whole);
+  const std::string script = take_script(**take, options, subject, whole->track);
+  if (Result<void> ok = write_file(out->folder() / "take.js", script); !ok) return forward(ok);
   for (const WebPageFile& file : web_page_files())
     if (Result<void> ok = write_file(out->folder() / file.name, file.content); !ok) return forward(ok);
   report.bytes = bytes_below(out->folder());

@@ -1,5 +1,7 @@
 #include "pipeline/film.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -66,6 +68,35 @@ TEST_F(AFilm, DecodesOnlyThePhotographsOfAPictureAndDrawsTheSameOne) {
     EXPECT_LT(render::drawn_from(take_->rig(), mesh, picture.view, 1).size(), 6u);
     EXPECT_EQ(picture.renders[0].pixels, alone(picture).pixels) << picture.index;
   }
+}
+
+TEST_F(AFilm, ShowsWhatThePathSaysFromWhereThePathSays) {
+  CameraPath path = orbit_around(take_->rig(), subject_, {.seconds = 1}).path;
+  path.keys.resize(3);
+  const double frame = 1 / take_->manifest().frame_rate;
+  path.keys.front().take_time = frame, path.keys[1].take_time = frame, path.keys.back().take_time = 0;
+  path.keys.front().ease_out = 0.5, path.keys[1].orbit = 0;
+  path.keys[1].follow = true;
+  path.keys[1].eye -= subject_.track.at(frame), path.keys[1].target -= subject_.track.at(frame);
+  film_.seconds = 0;  // the path's
+  film_.frame_rate = 40;
+  film_.methods = {"nearest"};
+  int pictures = 0;
+  EXPECT_THAT(render_film(*take_, path, film_,
+                          [&](const FilmPicture& picture) -> Result<void> {
+                            const double time = picture.index / film_.frame_rate;
+                            const View view =
+                                view_of(sample(path, time, subject_.track), 160, 120, subject_.box);
+                            EXPECT_EQ(picture.view.view_from_world.matrix(), view.view_from_world.matrix());
+                            EXPECT_EQ(picture.view.model.fx, view.model.fx);
+                            const std::vector<int> frames = {0, 1};
+                            EXPECT_EQ(picture.frame,
+                                      frames[shown_at(path, time, take_->manifest().frame_rate, frames)]);
+                            ++pictures;
+                            return {};
+                          }),
+              IsOk());
+  EXPECT_EQ(pictures, std::lround(path.duration() * 40));
 }
 
 TEST_F(AFilm, DrawsAllPhotographsWhereOneIsMissing) {

@@ -46,7 +46,7 @@ class LiveWindow {
   }
 
   Result<void> follow(const std::filesystem::path& file) {
-    Result<pipeline::CameraPath> path = pipeline::load_path(file);
+    Result<pipeline::CameraPath> path = pipeline::load_path_without_take(file);
     if (!path) return forward(path);
     state_.path.set(std::move(*path));
     state_.path_file = file.string();

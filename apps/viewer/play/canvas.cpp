@@ -184,7 +184,7 @@ Result<void> Canvas::draw(PlayerState& state, std::span<const InputEvent> input)
   if (!drawable_) return {};
 
   const pipeline::PathKey key = state.follow_path && !state.path.empty()
-                                    ? pipeline::sample(state.path.path(), state.path_time)
+                                    ? pipeline::sample(state.path.path(), state.path_time, state.track)
                                     : state.camera.key();
   const double now = ImGui::GetTime();
   const bool moving = judge_motion(state, key, now);

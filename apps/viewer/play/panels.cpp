@@ -1,5 +1,8 @@
 #include "apps/viewer/play/panels.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
@@ -35,29 +38,79 @@ void draw_methods(PlayerState& state) {
   ImGui::ColorEdit3("background", state.renderer.background.data(), ImGuiColorEditFlags_NoInputs);
 }
 
+// One drag of a slider is one step of undo.
+void one_step(PlayerState& state) {
+  if (ImGui::IsItemActivated()) state.path.begin_gesture();
+  if (ImGui::IsItemDeactivated()) state.path.end_gesture();
+}
+
+void draw_key(PlayerState& state, std::size_t index) {
+  pipeline::PathKey key = state.path.path().keys[index];
+  auto time = static_cast<float>(key.time);
+  if (ImGui::DragFloat("film", &time, 0.02f, 0, 0, "%.2f s"))
+    state.path.move(index, static_cast<double>(time));
+  one_step(state);
+  if (const double rate = state.time.rate(); rate > 0) {
+    bool holds = key.take_time.has_value();
+    const double shown = take_time(state.path.path(), key.time);
+    if (ImGui::Checkbox("##holds", &holds))
+      key.take_time = holds ? std::optional(std::max(0.0, shown)) : std::nullopt;
+    ImGui::SameLine();
+    int frame = static_cast<int>(std::lround(shown * rate));
+    ImGui::SetNextItemWidth(126 * ui_scale());
+    if (ImGui::SliderInt("take", &frame, 0, state.time.frames() - 1, "frame %d"))
+      key.take_time = frame / rate;
+    one_step(state);
+  }
+  for (auto [name, member] :
+       {std::pair{"ease in", &pipeline::PathKey::ease_in}, {"ease out", &pipeline::PathKey::ease_out}}) {
+    auto ease = static_cast<float>(key.*member);
+    if (ImGui::SliderFloat(name, &ease, 0, 1, "%.2f")) key.*member = static_cast<double>(ease);
+    one_step(state);
+  }
+  bool orbits = key.orbit.has_value(), follows = key.follow;
+  if (ImGui::Checkbox("orbit to the next", &orbits)) key.orbit = orbits ? std::optional(0) : std::nullopt;
+  if (key.orbit && ImGui::InputInt("more turns", &*key.orbit)) key.orbit = std::clamp(*key.orbit, -99, 99);
+  const pipeline::PathKey view = state.camera.key();
+  if (ImGui::Button("set to this view")) {
+    const Eigen::Vector3d from =
+        key.follow ? state.track.at(take_time(state.path.path(), key.time)) : Eigen::Vector3d::Zero();
+    key.eye = view.eye - from, key.target = view.target - from, key.up = view.up, key.fov_y = view.fov_y;
+  }
+  state.path.change(index, key);
+  if (!state.track.centres.empty() && ImGui::Checkbox("follows the subject", &follows))
+    state.path.set_follow(index, follows, state.track);
+}
+
 void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
-  if (ImGui::Button("add key (K)")) state.path.append(state.camera.key());
+  if (ImGui::Button("add key (K)")) state.add_key();
   ImGui::SameLine();
   if (ImGui::Button("clear")) state.path.clear(), state.follow_path = false;
+  ImGui::SameLine();
+  if (ImGui::Button("undo") && state.path.can_undo()) state.path.undo();
+  ImGui::SameLine();
+  if (ImGui::Button("redo") && state.path.can_redo()) state.path.redo();
+  if (state.time.rate() > 0) ImGui::Checkbox("new keys hold the take", &state.keys_hold_take);
   const std::vector<pipeline::PathKey> keys =
       state.path.path().keys;  // a copy: buttons below change the path
-  if (ImGui::BeginChild("keys", ImVec2(0, 110 * ui_scale()), true)) {
+  if (ImGui::BeginChild("keys", ImVec2(0, 84 * ui_scale()), true)) {
     for (std::size_t i = 0; i < keys.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
-      if (ImGui::Selectable(text("key ", i, " at ", keys[i].time, " s").c_str(), false, 0,
-                            ImVec2(170 * ui_scale(), 0)))
-        state.camera.set(keys[i]), state.follow_path = false;
+      if (ImGui::Selectable(text("key ", i, " at ", keys[i].time, " s").c_str(), state.path.selected() == i,
+                            0, ImVec2(170 * ui_scale(), 0)))
+        show_key(i, state);
       ImGui::SameLine();
       if (ImGui::SmallButton("x")) state.path.remove(i);
       ImGui::PopID();
     }
   }
   ImGui::EndChild();
+  if (const std::optional<std::size_t> selected = state.path.selected()) draw_key(state, *selected);
   if (!state.path.empty()) {
     ImGui::Checkbox("follow the path", &state.follow_path);
     float t = static_cast<float>(state.path_time);
     if (ImGui::SliderFloat("path time", &t, 0, static_cast<float>(state.path.path().duration()), "%.2f s"))
-      state.path_time = t, state.follow_path = true;
+      state.path_time = t, state.follow_path = true, state.seek_by_path();
   } else {
     state.follow_path = false;
   }
@@ -98,13 +151,15 @@ void apply_camera_requests(const PanelRequests& requests, const pipeline::PathKe
     state.status = ok ? text("saved ", state.path_file) : ok.error().message;
   }
   if (requests.load_path) {
-    Result<pipeline::CameraPath> path = pipeline::load_path(state.path_file);
+    Result<pipeline::CameraPath> path = state.track.centres.empty()
+                                            ? pipeline::load_path_without_take(state.path_file)
+                                            : pipeline::load_path(state.path_file);
     state.status = path ? text("loaded ", state.path_file) : path.error().message;
     if (path) state.path.set(std::move(*path));
   }
 }
 
-void draw_time_line(PlayerState& state) {
+void draw_time_line(PlayerState& state, PathStrip& strip) {
   TimeLine& time = state.time;
   draw_transport(time);
   ImGui::Checkbox("loop", &time.loop);
@@ -116,6 +171,13 @@ void draw_time_line(PlayerState& state) {
   int frame = time.frame();
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt("##frame", &frame, 0, time.frames() - 1, "frame %d")) time.seek(frame);
+  if (!state.path.empty()) {
+    const ImVec2 corner = ImGui::GetCursorScreenPos(),
+                 size(ImGui::GetContentRegionAvail().x, PathStrip::kHeight * ui_scale());
+    ImGui::InvisibleButton("path strip", size);
+    strip.set_area(corner.x, corner.y, size.x, size.y, ui_scale());
+    strip.draw(state);
+  }
   ImGui::TextUnformatted(state.status.c_str());
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/viewer/play/player_state.h"
+#include "apps/viewer/play/path_strip.h"
 
 namespace floatstage::apps {
 
@@ -16,7 +16,8 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
 /// Does what was asked for the camera and its path; what came of it is the state's status.
 void apply_camera_requests(const PanelRequests& requests, const pipeline::PathKey& home, PlayerState& state);
 
-/// The time line at the bottom: play, step, speed, frame slider, and the last message.
-void draw_time_line(PlayerState& state);
+/// The time line at the bottom: play, step, speed, frame slider, the path's own where there is one, and the
+/// last message.
+void draw_time_line(PlayerState& state, PathStrip& strip);
 
 }  // namespace floatstage::apps

@@ -8,6 +8,7 @@
 
 #include "apps/viewer/play/film_job.h"
 #include "apps/viewer/play/panels.h"
+#include "apps/viewer/play/path_strip.h"
 #include "apps/viewer/play/scene_cache.h"
 #include "apps/viewer/window/layout.h"
 #include "core/text.h"
@@ -18,7 +19,7 @@
 namespace floatstage::apps {
 namespace {
 
-constexpr float kTimeLineHeight = 62;
+constexpr float kTimeLineHeight = 62, kPathHeight = PathStrip::kHeight + 4;
 
 Result<int> method_index(const std::vector<std::string>& methods, const std::string& name) {
   const auto found = std::find(methods.begin(), methods.end(), name);
@@ -43,6 +44,7 @@ class WindowPlayer : public Player {
     state_.time.advance(ImGui::GetIO().DeltaTime);
     if (state_.follow_path && state_.time.playing) advance_path(ImGui::GetIO().DeltaTime);
     take_shortcuts(input, home_, state_);
+    strip_.take(input, state_);
     load();
     lay_out(input);
     finish_film();
@@ -63,7 +65,9 @@ class WindowPlayer : public Player {
  private:
   void advance_path(double seconds) {
     const double duration = state_.path.path().duration();
-    if (duration > 0) state_.path_time = std::fmod(state_.path_time + seconds, duration);
+    if (!(duration > 0)) return;
+    state_.path_time = std::fmod(state_.path_time + seconds * state_.time.speed, duration);
+    state_.seek_by_path();
   }
 
   void load() {
@@ -83,13 +87,13 @@ class WindowPlayer : public Player {
 
   void lay_out(std::span<const InputEvent> input) {
     PanelRequests requests;
-    lay_out_window(kTimeLineHeight, state_.renderer.background,
+    lay_out_window(kTimeLineHeight + (state_.path.empty() ? 0 : kPathHeight), state_.renderer.background,
                    {.controls =
                         [&] {
                           requests = draw_controls(state_, canvas_.render_milliseconds(),
                                                    film_ ? film_->pictures() : -1);
                         },
-                    .strip = [&] { draw_time_line(state_); },
+                    .strip = [&] { draw_time_line(state_, strip_); },
                     .stage =
                         [&] {
                           if (Result<void> ok = canvas_.draw(state_, input); !ok)
@@ -127,6 +131,7 @@ class WindowPlayer : public Player {
   SceneCache cache_;
   Canvas canvas_;
   PlayerState state_;
+  PathStrip strip_;
   std::optional<FilmJob> film_;
   int shown_ = -1;
 };
@@ -154,6 +159,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
   state.renderer = options.renderer;
   state.quick = true;
   state.show_cameras = options.show_cameras;
+  state.track = subject.track;
   state.time.seek(options.frame);
   state.time.playing = options.playing;
   state.status = text(options.take.string(), ": ", take.frame_count(), " frames of ",
@@ -164,6 +170,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
     state.path.set(std::move(*path));
     state.path_file = options.path_file;
     state.follow_path = true;
+    if (state.path.path().has_take_times() && options.frame == 0) state.seek_by_path();
   }
   return state;
 }

@@ -15,6 +15,8 @@ struct PlayerState {
   TimeLine time;
   ViewerCamera camera;
   PathEditor path = {};
+  pipeline::SubjectTrack track = {};  ///< what keys that follow are seen from; empty: none can
+  bool keys_hold_take = false;        ///< new keys say which frame of the take they show
 
   std::vector<std::string> methods = {};  ///< every renderer's name
   int left = 0, right = 0;                ///< methods shown; `right` only when split
@@ -32,6 +34,10 @@ struct PlayerState {
   bool show_times = false;   ///< of the stages, in a corner
   bool follow_path = false;  ///< the camera rides the path instead of the mouse
   double path_time = 0;      ///< seconds
+  /// A key where the camera is, after the last.
+  void add_key();
+  /// The take shows what the film shows at path_time.
+  void seek_by_path();
 
   std::string path_file = "path.json", film_file = "path.mp4";
   std::string status = {};  ///< one line at the bottom: the last thing that happened

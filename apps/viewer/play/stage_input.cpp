@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace floatstage::apps {
 namespace {
@@ -71,6 +72,20 @@ void PlayerState::toggle_split() {
   right = static_cast<int>(place("floating") - methods.begin());
 }
 
+void PlayerState::add_key() {
+  pipeline::PathKey key = camera.key();
+  key.take_time.reset();
+  if (keys_hold_take && time.rate() > 0) key.take_time = time.frame() / time.rate();
+  path.select(path.append(key));
+  path_time = path.path().duration();
+}
+
+void PlayerState::seek_by_path() {
+  std::vector<int> frames(static_cast<std::size_t>(time.frames()));
+  std::iota(frames.begin(), frames.end(), 0);
+  time.seek(static_cast<int>(pipeline::shown_at(path.path(), path_time, time.rate(), frames)));
+}
+
 void take_shortcuts(std::span<const InputEvent> input, const pipeline::PathKey& home, PlayerState& state) {
   for (const InputEvent& e : input) {
     if (e.kind != InputEvent::Kind::Key || e.control) continue;
@@ -80,7 +95,7 @@ void take_shortcuts(std::span<const InputEvent> input, const pipeline::PathKey& 
     if (e.key == kKeyRight) state.time.step(1);
     if (e.repeated) continue;
     if (e.key == ' ') state.time.playing = !state.time.playing;
-    if (e.key == 'K') state.path.append(state.camera.key());
+    if (e.key == 'K') state.add_key();
     if (e.key == 'C') state.show_cameras = !state.show_cameras;
     if (e.key == 'X') state.toggle_split();
     if (e.key == kKeyF3) state.show_times = !state.show_times;

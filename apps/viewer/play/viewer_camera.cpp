@@ -17,8 +17,10 @@ constexpr double kPi = std::numbers::pi;
 ViewerCamera::ViewerCamera(const pipeline::PathKey& start) { set(start); }
 
 void ViewerCamera::set(const pipeline::PathKey& key) {
-  key_ = key;
-  key_.up.normalize();
+  key_.eye = key.eye;
+  key_.target = key.target;
+  key_.up = key.up.normalized();
+  key_.fov_y = key.fov_y;
 }
 
 ViewerCamera::Axes ViewerCamera::axes() const {

@@ -9,7 +9,8 @@ class ViewerCamera {
  public:
   explicit ViewerCamera(const pipeline::PathKey& start);
 
-  const pipeline::PathKey& key() const { return key_; }  ///< its time means nothing
+  const pipeline::PathKey& key() const { return key_; }  ///< its times mean nothing
+  /// Stands as a key does that is in the world.
   void set(const pipeline::PathKey& key);
 
   /// Turns around the target: `right` and `up` in radians. Stops short of the poles.

@@ -20,9 +20,12 @@
     return { eye, target, up: [0, 0, 1], fov_y: fov };
   }
 
+  // Between two of the path's cameras; the frame is the earlier one's.
   function pathKey(seconds) {
-    const at = Math.min(take.path.length - 1, Math.max(0, Math.round(seconds * take.path_rate)));
-    return take.path[at];
+    const last = take.path.length - 1, at = Math.min(last, Math.max(0, seconds * take.path_rate + 1e-6));
+    const i = Math.floor(at), a = take.path[i], b = take.path[Math.min(i + 1, last)], share = at - i;
+    const mix = (name) => vec.add(vec.mul(a[name], 1 - share), vec.mul(b[name], share));
+    return { eye: mix("eye"), target: mix("target"), up: mix("up"), fov_y: a.fov_y + share * (b.fov_y - a.fov_y), frame: a.frame };
   }
 
   function fit() {
@@ -73,13 +76,16 @@
     try {
       const seconds = (performance.now() - state.began) / 1000;
       if (state.playing) {
-        const frame = Math.floor(seconds * take.frame_rate) % take.frames.length;
+        const frame = state.onPath ? pathKey(seconds).frame : Math.floor(seconds * take.frame_rate) % take.frames.length;
         if (frame !== state.frame) setFrame(frame);
         if (state.onPath) {
           state.wanted = true;
           if (seconds * take.path_rate >= take.path.length) stop();
         }
-        for (let i = 1; i <= kAhead; ++i) frames.get((state.frame + i) % take.frames.length).catch(() => {});
+        for (let i = 1; i <= kAhead; ++i) {
+          const later = state.onPath ? pathKey(seconds + i / take.frame_rate).frame : (state.frame + i) % take.frames.length;
+          frames.get(later).catch(() => {});
+        }
       }
       if (state.wanted) {
         state.wanted = false;
@@ -139,6 +145,7 @@
     take,
     get shown() { return state.shown; },
     get azimuth() { return orbit.azimuth; },
+    pathKey,
     async picture(frame, key, width, height) {
       while (busy) await new Promise((done) => setTimeout(done, 5));
       busy = true;

@@ -170,6 +170,32 @@ TEST_F(AnExportedPage, ShowsWhatLinearShows) {
     }
 }
 
+TEST_F(AnExportedPage, FliesThePathAsFilmsDo) {
+  const fs::path folder = processed_take(folder_, {.frames = 3});
+  const auto take = std::move(*capture::TakeReader::open(folder));
+  const Subject subject = *find_subject(*take);
+  const double rate = take->manifest().frame_rate;
+  CameraPath path{{key_at(0, 0, 3, {0, 0, 1}), key_at(1, 0, 3, {0, 0, 0}), key_at(3, 0, 2, {0, 0, 1})}};
+  path.keys[1].time = 1, path.keys[2].time = 2;
+  path.keys[0].orbit = 1, path.keys[1].follow = true, path.keys[1].ease_in = 1;
+  path.keys[0].take_time = path.keys[1].take_time = 2 / rate, path.keys[2].take_time = 0;
+  ExportWebOptions options;
+  options.take = folder, options.out = folder_ / "page", options.frames = {0, 2}, options.path = path;
+  ASSERT_THAT(export_web(options), IsOk());
+  std::string script = *read_file(options.out / "take.js");
+  script = script.substr(script.find('{'));
+  const json page = json::parse(script.substr(0, script.rfind('}') + 1));
+  ASSERT_EQ(page["path"].size(), 101u);
+  for (std::size_t i = 0; i < page["path"].size(); ++i) {
+    const double time = static_cast<double>(i) / page["path_rate"].get<double>();
+    json wanted = to_json_key(sample(path, time, subject.track));
+    wanted["frame"] = shown_at(path, time, rate, options.frames);
+    EXPECT_EQ(page["path"][i], wanted) << time;
+  }
+  EXPECT_EQ(page["path"][10]["frame"], 1) << "frozen at the second of the frames that are here";
+  EXPECT_EQ(page["path"][100]["frame"], 0);
+}
+
 TEST_F(AnExportedPage, PlaysTurnsAndFitsATelephone) {
   make({.frames = 3});
   Browser browser(390, 844);
