@@ -4,65 +4,22 @@
 
 #include <algorithm>
 
+#include "capture/added_file.h"
 #include "capture/derivation.h"
 #include "capture/sha256.h"
-#include "capture/sound/sound_record.h"
 #include "capture/sound/time_code.h"
+#include "capture/time_offsets.h"
 #include "core/file.h"
 #include "core/file_presence.h"
 #include "core/rig_io.h"
 #include "core/text.h"
+#include "pipeline/derive/carried_files.h"
 #include "pipeline/unfinished_folder.h"
 
 namespace floatstage::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The same file under a second name; a copy where there can be none.
-Result<void> share(const fs::path& from, const fs::path& to, DerivedReport& report) {
-  std::error_code error;
-  const fs::path file = fs::canonical(from, error);
-  if (error) return fail(ErrorCode::Io, text(from.string(), ": ", error.message()));
-  const std::uint64_t bytes = fs::file_size(file, error);
-  fs::create_hard_link(file, to, error);
-  if (!error) {
-    report.shared += bytes;
-    return {};
-  }
-  fs::copy_file(file, to, error);
-  if (error)
-    return fail(ErrorCode::Io,
-                text("cannot copy ", from.string(), " to ", to.string(), ": ", error.message()));
-  report.copied += bytes;
-  return {};
-}
-
-Result<void> share_if_there(const fs::path& from, const fs::path& to, DerivedReport& report) {
-  if (!is_there(from)) return {};
-  if (Result<void> ok = make_folder(to.parent_path()); !ok) return ok;
-  return share(from, to, report);
-}
-
-// Everything below a folder, as it lies. Nothing of ours is written in place, so that links stay true.
-Result<void> share_folder(const fs::path& from, const fs::path& to, DerivedReport& report) {
-  std::error_code error;
-  if (!fs::is_directory(from, error)) return {};
-  for (fs::recursive_directory_iterator entry(from, error), last; !error && entry != last;
-       entry.increment(error)) {
-    if (!entry->is_regular_file(error) || is_temporary(entry->path())) continue;
-    // Logs grow in place: a second name would grow with them.
-    const fs::path place = to / fs::relative(entry->path(), from, error);
-    if (Result<void> ok = make_folder(place.parent_path()); !ok) return ok;
-    if (entry->path().extension() == ".log") {
-      fs::copy_file(entry->path(), place, error);
-      continue;
-    }
-    if (Result<void> ok = share(entry->path(), place, report); !ok) return ok;
-  }
-  if (error) return fail(ErrorCode::Io, text("cannot read ", from.string(), ": ", error.message()));
-  return {};
-}
 
 class Deriving {
  public:
@@ -75,7 +32,7 @@ class Deriving {
     if (!other_.label.empty()) manifest_.label = other_.label;
     for (std::size_t c = 0; c < manifest_.cameras.size(); ++c)
       if (Result<void> ok = media(c); !ok) return forward(ok);
-    if (Result<void> ok = sound(); !ok) return forward(ok);
+    if (Result<void> ok = share_sound(from_, to_, report_); !ok) return forward(ok);
     const Result<void> coded = other_.time_code ? capture::save_time_code(*other_.time_code, to_)
                                                 : share_if_there(capture::time_code_file(from_.layout()),
                                                                  capture::time_code_file(to_), report_);
@@ -120,37 +77,16 @@ class Deriving {
     return write_file(to_.frames_csv(camera.serial), csv);
   }
 
-  // Its times are those of the take's clock, which a part keeps.
-  Result<void> sound() {
-    const TakeLayout& from = from_.layout();
-    const Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(from);
-    if (!tracks) return forward(tracks);
-    if (tracks->empty()) return {};
-    if (Result<void> ok = share(capture::sound_file(from), capture::sound_file(to_), report_); !ok) return ok;
-    for (const capture::SoundTrack& track : *tracks) {
-      const fs::path side_file = from.folder() / track.side_file();
-      if (Result<void> ok =
-              share_if_there(from.folder() / track.media(), to_.folder() / track.media(), report_);
-          !ok)
-        return ok;
-      // One that is still being recorded grows on: what is there now is taken.
-      const Result<std::string> now = manifest_.complete ? std::string() : read_file(side_file);
-      if (!now) return forward(now);
-      const Result<void> ok = manifest_.complete
-                                  ? share_if_there(side_file, to_.folder() / track.side_file(), report_)
-                                  : write_file(to_.folder() / track.side_file(), *now);
-      if (!ok) return ok;
-    }
-    return {};
-  }
-
   // What was derived and still holds.
   Result<void> derived() {
     const TakeLayout& from = from_.layout();
     for (const RigCamera& c : from_.rig().cameras)
       if (Result<void> ok = share_if_there(from.plate(c.serial), to_.plate(c.serial), report_); !ok)
         return ok;
-    if (Result<void> ok = share_if_there(from.colors(), to_.colors(), report_); !ok) return ok;
+    for (const auto& [file, to] : {std::pair(from.colors(), to_.colors()),
+                                   std::pair(capture::added_file(from), capture::added_file(to_)),
+                                   std::pair(capture::times_file(from), capture::times_file(to_))})
+      if (Result<void> ok = share_if_there(file, to, report_); !ok) return ok;
     std::error_code error;
     const bool meshes = fs::is_directory(from.meshes(), error);
     if (all()) {

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/rig_io.h"
 #include "core/text.h"
+#include "pipeline/derive/carried_files.h"
 #include "pipeline/derive/join_sound.h"
 #include "pipeline/recorded_take.h"
 #include "pipeline/unfinished_folder.h"
@@ -112,15 +113,6 @@ Result<void> copy_camera(const Readers& takes, const std::vector<Stretch>& stret
   return {};
 }
 
-capture::TakeCodec codec_of(const Readers& takes, std::vector<std::string>& notes) {
-  bool lossy = false;
-  for (const auto& take : takes)
-    for (const TakeManifest::Camera& c : take->manifest().cameras) lossy = lossy || c.codec == "h264";
-  if (lossy) notes.push_back("its pictures are written as FFV1, so that H.264 costs them nothing twice");
-  const bool raw = takes.front()->manifest().cameras.front().codec == "raw";
-  return raw && !lossy ? capture::TakeCodec::Raw : capture::TakeCodec::Ffv1;
-}
-
 }  // namespace
 
 Result<JoinReport> join_takes(const std::vector<fs::path>& folders, const fs::path& out, Progress* progress) {
@@ -141,7 +133,7 @@ Result<JoinReport> join_takes(const std::vector<fs::path>& folders, const fs::pa
   const Nanoseconds period{std::llround(1e9 / rate)};
   const std::vector<Stretch> moved = stretches(takes, period, report.notes);
   capture::TakeWriterOptions options;
-  options.codec = codec_of(takes, report.notes);
+  options.codec = lossless_codec(takes, report.notes);
   options.frame_rate = rate;
   options.label = first.label;
   options.created = first.created;

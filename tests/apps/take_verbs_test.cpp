@@ -106,6 +106,19 @@ TEST_F(TakeVerbs, SetWorldSaysWhatIsMissing) {
   EXPECT_FALSE(fs::exists(folder_ / "new"));
 }
 
+TEST_F(TakeVerbs, UndistortMakesATakeOfPinholes) {
+  EXPECT_THAT(run({"take", "undistort", take_, "-o", file("new")}),
+              FailsWith(ErrorCode::InvalidArgument, "straight already"));
+  ASSERT_THAT(run({"synthesize", "-o", file("bent"), "--camera-count", "2", "--frame-count", "2", "--size",
+                   "160x120", "--samples", "1", "--lens-k1", "0.2"}),
+              IsOk());
+  ASSERT_THAT(run({"take", "undistort", file("bent"), "-o", file("new"), "--json", file("u.json")}), IsOk());
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(open("new")->rig().cameras[0].model.lens));
+  EXPECT_EQ(report("u.json").at("frames"), 2);
+  EXPECT_GT(report("u.json").at("cameras")[1].at("hidden"), 0);
+  EXPECT_THAT(run({"take", "verify", file("new")}), IsOk());
+}
+
 TEST_F(TakeVerbs, ListShowsTheTakesOfAFolderWithThumbnails) {
   ASSERT_THAT(run({"take", "trim", take_, "--frames", ":1", "-o", file("part")}), IsOk());
   ASSERT_THAT(run({"take", "list", folder_.path().string(), "--thumbnails", file("pictures"), "--json",
