@@ -67,6 +67,18 @@ PixelBox inside(const AddedContent& a, int width, int height) {
   return {a.left, a.top, std::max(0, width - a.left - a.right), std::max(0, height - a.top - a.bottom)};
 }
 
+Image seen_by_lens(const AddedContent& added, int width, int height) {
+  Image seen(width, height, 1);
+  const auto fill = [&seen](const PixelBox& box, std::uint8_t value) {
+    for (int y = box.y; y < box.y + box.height; ++y)
+      std::fill_n(seen.at(box.x, y), std::max(box.width, 0), value);
+  };
+  const PixelBox part = inside(added, width, height);
+  fill(part, 255);
+  for (const PixelBox& overlay : added.overlays) fill(cut(overlay, part), 0);
+  return seen;
+}
+
 Image without(const AddedContent& added, Image picture) {
   const PixelBox part = inside(added, picture.width, picture.height);
   if (picture.empty() || part.empty()) return picture;

@@ -23,6 +23,9 @@ struct AddedContent {
 /// The rectangle that the bars leave of a picture of this size; empty where they leave nothing.
 PixelBox inside(const AddedContent& added, int width, int height);
 
+/// Of a picture of this size where the lens has seen: 255, and 0 where something was added; 1 channel.
+Image seen_by_lens(const AddedContent& added, int width, int height);
+
 /// The picture with what was added replaced by what is around it: overlays by the colours at their four
 /// sides, the nearer the more; bars by the row or column next to them. What goes on behind a stamp is thus
 /// guessed, as smooth as can be, and nothing in it has a contour that no lens has seen. Any number of

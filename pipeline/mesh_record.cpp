@@ -94,8 +94,12 @@ Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, i
   return all;
 }
 
-std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options) {
-  return capture::sha256(rig_sha256 + describe(options).dump());
+std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options,
+                                const capture::AddedFile& added) {
+  json bars = json::object();
+  for (const auto& [serial, all] : added.cameras)
+    if (const AddedContent c = added.of(serial); c.bars()) bars[serial] = {c.left, c.top, c.right, c.bottom};
+  return capture::sha256(rig_sha256 + describe(options).dump() + (bars.empty() ? "" : bars.dump()));
 }
 
 std::optional<std::string> newer_matte(const MeshEntry& entry, const MatteHashes& mattes) {

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture/added_file.h"
 #include "core/result.h"
 #include "core/take_layout.h"
 #include "recon/visual_hull.h"
@@ -48,7 +49,8 @@ Result<MeshState> state_of_mesh(const TakeLayout& layout, const Rig& rig, const 
 Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, int frame);
 
 /// Of what is the same for every frame: the rig's bytes and the options.
-std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options);
+std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options,
+                                const capture::AddedFile& added);
 
 /// The camera of a matte that is there and that the mesh was not made from: the mesh is older than it.
 std::optional<std::string> newer_matte(const MeshEntry& entry, const MatteHashes& mattes);

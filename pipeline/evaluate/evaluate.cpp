@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "capture/added_file.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
 #include "pipeline/evaluate/held_out_scene.h"
@@ -28,11 +29,12 @@ Image cut_out(const Image& rgb, const Image& silhouette, int under) {
   return cut;
 }
 
-Image both(const Image& silhouette, const Image& rgba, int border) {
+Image all_of(const Image& silhouette, const Image& rgba, const Image& seen, int border) {
   Image mask(silhouette.width, silhouette.height, 1);
   for (int y = border; y < mask.height - border; ++y)
     for (int x = border; x < mask.width - border; ++x)
-      mask.at(x, y)[0] = silhouette.at(x, y)[0] >= 128 && rgba.at(x, y)[3] >= 128 ? 255 : 0;
+      mask.at(x, y)[0] =
+          silhouette.at(x, y)[0] >= 128 && rgba.at(x, y)[3] >= 128 && seen.at(x, y)[0] == 255 ? 255 : 0;
   return mask;
 }
 
@@ -82,7 +84,15 @@ Image scored_mask(const Image& opaque, const EvaluateOptions& options, const Hel
   const int border = options.border >= 0   ? options.border
                      : view.whole_pictures ? view.truth.width / kBorderShare
                                            : 0;
-  return erode_mask(both(view.silhouette, opaque, border), kErode);
+  return erode_mask(all_of(view.silhouette, opaque, view.seen, border), kErode);
+}
+
+// The pixels about the outline, where the lens has seen.
+Image seen_band(const HeldOutView& view) {
+  Image band = outline_band(view.silhouette, kBand);
+  for (std::size_t i = 0; i < band.pixels.size(); ++i)
+    if (view.seen.pixels[i] < 255) band.pixels[i] = 0;
+  return band;
 }
 
 void score_method(const std::string& name, const Image& rgba, HeldOutView& view) {
@@ -92,7 +102,7 @@ void score_method(const std::string& name, const Image& rgba, HeldOutView& view)
   s.psnr_color = psnr_color(rgb, black, view.mask);
   if (view.has_matte)
     s.psnr_edge = psnr(over(rgba, {kMidGray / 255.F, kMidGray / 255.F, kMidGray / 255.F}),
-                       cut_out(view.truth, view.silhouette, kMidGray), outline_band(view.silhouette, kBand));
+                       cut_out(view.truth, view.silhouette, kMidGray), seen_band(view));
   view.rendered[name] = rgb;
 }
 
@@ -119,8 +129,13 @@ Result<HeldOutView> evaluate_view(const capture::TakeReader& take, Instant& inst
   const Rig& rig = take.rig();
   const std::size_t h = static_cast<std::size_t>(held);
   const RigCamera& camera = rig.cameras[h];
-  HeldOutView view{
-      .serial = camera.serial, .truth = {}, .silhouette = {}, .mask = {}, .rendered = {}, .scores = {}};
+  HeldOutView view{.serial = camera.serial,
+                   .truth = {},
+                   .silhouette = {},
+                   .seen = {},
+                   .mask = {},
+                   .rendered = {},
+                   .scores = {}};
   Result<Image> photograph = to_rgb(instant.images.frames[h]);
   if (!photograph)
     return fail(ErrorCode::NotFound,
@@ -129,6 +144,12 @@ Result<HeldOutView> evaluate_view(const capture::TakeReader& take, Instant& inst
   if (view.truth.empty())
     return fail(ErrorCode::InvalidArgument,
                 text("--scale 1/", options.scale, " leaves nothing of camera '", camera.serial, "'"));
+  const Result<capture::AddedFile> added = capture::load_added(take.layout());
+  if (!added) return forward(added);
+  view.seen =
+      shrunk(undistorted(seen_by_lens(added->of(camera.serial), photograph->width, photograph->height),
+                         camera.model),
+             options.scale);
   view.has_matte = !instant.mattes[h].empty();
   view.whole_pictures = !instant.any_matte;
 

@@ -33,11 +33,12 @@ struct EvaluateOptions {
 struct HeldOutView {
   std::string serial;
   int frame = 0;
-  Image truth;                            ///< RGB, as a pinhole would have seen it, at 1/scale
-  Image silhouette;                       ///< its matte, 1 channel; without one, the proxy as it sees it
-  bool has_matte = true;                  ///< false: the camera is only truth
-  bool whole_pictures = false;            ///< nothing has mattes: all of the photographs is drawn
-  Image mask;                             ///< where scores are taken: truth silhouette AND proxy, eroded 2 px
+  Image truth;                  ///< RGB, as a pinhole would have seen it, at 1/scale
+  Image silhouette;             ///< its matte, 1 channel; without one, the proxy as it sees it
+  bool has_matte = true;        ///< false: the camera is only truth
+  bool whole_pictures = false;  ///< nothing has mattes: all of the photographs is drawn
+  Image seen;                   ///< 255 where its lens has seen, 0 where something was added to its pictures
+  Image mask;                   ///< where scores are taken: truth silhouette AND proxy AND seen, eroded 2 px
   std::map<std::string, Image> rendered;  ///< per method, RGB over black
   std::map<std::string, Scores> scores;   ///< per method
 };

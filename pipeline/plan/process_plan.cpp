@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "capture/added_file.h"
 #include "capture/sha256.h"
 #include "core/claim.h"
 #include "core/file.h"
@@ -153,7 +154,9 @@ Result<void> add_meshes(const capture::TakeReader& take, const ProcessOptions& o
   if (!record) return forward(record);
   const Result<recon::HullOptions> hull = settle_hull_options(take, options, *record);
   if (!hull) return forward(hull);
-  const std::string inputs = hash_of_hull_inputs(take.manifest().rig_sha256, *hull);
+  const Result<capture::AddedFile> added = capture::load_added(take.layout());
+  if (!added) return forward(added);
+  const std::string inputs = hash_of_hull_inputs(take.manifest().rig_sha256, *hull, *added);
   double recorded = 0;
   for (const std::string& serial : serials_of(take.rig())) recorded += media_bytes(take, serial);
   for (PlanItem& piece : pieces_of(wanted_frames(take, options.frames), chunk)) {

@@ -135,7 +135,6 @@ class MeshMaker {
       : take_(take),
         options_(options),
         hull_(hull),
-        inputs_(hash_of_hull_inputs(take.manifest().rig_sha256, hull)),
         record_(std::move(record)),
         journal_(take.layout().meshes_journal()),
         collector_(options.progress) {}
@@ -153,6 +152,7 @@ class MeshMaker {
     Result<capture::AddedFile> added = capture::load_added(take_.layout());
     if (!added) return forward(added);
     added_ = std::move(*added);
+    inputs_ = hash_of_hull_inputs(take_.manifest().rig_sha256, hull_, added_);
     std::vector<std::optional<FrameHull>> hulls(frames.size());
     others_.assign(frames.size(), 0);
     ProgressPart progress(options_.progress, "meshes", frames.size());
@@ -257,8 +257,8 @@ class MeshMaker {
   capture::TakeReader& take_;
   const ProcessOptions& options_;
   recon::HullOptions hull_;
-  const std::string inputs_;
   capture::AddedFile added_;
+  std::string inputs_;  // what is common to all frames, as a hash
   MeshRecord record_;
   Journal journal_;
   Collector collector_;

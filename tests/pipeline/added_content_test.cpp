@@ -9,6 +9,7 @@
 #include "core/png.h"
 #include "core/synthetic/synthetic_studio.h"
 #include "core/text.h"
+#include "pipeline/evaluate/evaluate.h"
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
 #include "tests/support/burnt_in.h"
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 constexpr int kCameras = 8, kFrames = 2;
@@ -161,6 +163,50 @@ TEST_F(AddedToPictures, IsNotLookedForAgainAndIsShownOnRequest) {
   const Result<ProcessReport> hidden = process_take({.take = take, .hide_added = true});
   ASSERT_THAT(hidden, IsOk());
   EXPECT_THAT(hidden->remarks, SizeIs(1));
+}
+
+TEST_F(AddedToPictures, MakesMeshesOfGivenMattesAnewWhenItsBarsChange) {
+  const fs::path take = *folder / "given";
+  fs::copy(*folder / "added", take, fs::copy_options::recursive);
+  fs::remove(TakeLayout(take).made_mattes());
+  fs::remove_all(take / "meshes");
+  const auto process = [&] { return process_take({.take = take, .matte = "given"}); };
+  const Result<ProcessReport> first = process();
+  ASSERT_THAT(first, IsOk());
+  EXPECT_EQ(first->mattes.made, 0);
+  EXPECT_EQ(first->meshes.made, kFrames);
+  capture::AddedFile all = *capture::load_added(TakeLayout(take));
+  all.cameras["cam00"].overlays.clear();
+  ASSERT_THAT(capture::save_added(all, TakeLayout(take)), IsOk());
+  EXPECT_EQ(process()->meshes.made, 0) << "overlays carve like what is around them: mattes tell of them";
+  all.cameras["cam00"].left = 20;
+  ASSERT_THAT(capture::save_added(all, TakeLayout(take)), IsOk());
+  EXPECT_EQ(process()->meshes.made, kFrames) << "behind bars nothing is carved";
+}
+
+TEST_F(AddedToPictures, IsNotScored) {
+  const auto take = *capture::TakeReader::open(*folder / "added");
+  const AddedContent hidden = capture::load_added(take->layout())->of("cam01");
+  ASSERT_THAT(hidden.overlays, Not(IsEmpty()));
+  EvaluateOptions options;
+  options.hold_out = {"cam01"};
+  options.methods = {"nearest"};
+  options.renderer.back_end = render::BackEnd::Cpu;
+  int views = 0;
+  EXPECT_THAT(evaluate_take(*take, options,
+                            [&](const HeldOutView& view) -> Result<void> {
+                              ++views;
+                              long scored = 0;
+                              const Image seen = seen_by_lens(hidden, view.mask.width, view.mask.height);
+                              for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
+                                EXPECT_FALSE(view.mask.pixels[i] && !seen.pixels[i]);
+                                scored += view.mask.pixels[i] > 0;
+                              }
+                              EXPECT_GT(scored, 500);
+                              return {};
+                            }),
+              IsOk());
+  EXPECT_EQ(views, 1);
 }
 
 TEST_F(AddedToPictures, IsABadFileWithASentence) {
