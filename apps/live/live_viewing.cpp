@@ -105,13 +105,22 @@ Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* 
   studio::LiveRunOptions options = o.run;
   options.renderer.back_end = drawing->back_end;
   Snapshots snapshots(o.snapshots, o.run.renderer.background);
+  const Result<std::unique_ptr<capture::StreamOutput>> stream = open_stream(o.stream);
+  if (!stream) return forward(stream);
+  const auto visit = [&](const studio::LivePicture& p) {
+    if (*stream)
+      (*stream)->offer(pipeline::over(p.picture, o.run.renderer.background),
+                       p.again ? std::nullopt : std::optional(p.scene->scene.produced));
+    return snapshots.take(p);
+  };
   const Timestamp begun = studio::now();
-  const Result<studio::LiveReport> report = studio::run_live(
-      feed, options, view_at, interrupted, [&](const studio::LivePicture& p) { return snapshots.take(p); });
+  const Result<studio::LiveReport> report = studio::run_live(feed, options, view_at, interrupted, visit);
   if (!report) return forward(report);
   print(*report);
+  if (*stream) print_stream(**stream);
   if (o.json.empty()) return {};
   nlohmann::ordered_json json = to_report(*report, feed.description(), drawing->description);
+  if (*stream) json["stream"] = to_json(**stream, o.stream);
   if (network != nullptr) json["network"] = to_json(network->network(), seconds(studio::now() - begun));
   return pipeline::save_json(json, o.json);
 }
@@ -120,12 +129,17 @@ Result<void> view_in_window(studio::SceneFeed& feed, std::vector<studio::StudioC
                             const LiveViewing& o) {
   if (studio::StudioControl* control = feed.control()) nodes.push_back(control);
   ControlModel model(std::move(nodes));
-  return run_live_window(feed, model,
-                         {.run = o.run,
-                          .show_cameras = o.show_cameras,
-                          .stop = interrupted,
-                          .path_file = o.path_file,
-                          .screenshot = o.screenshot});
+  const Result<std::unique_ptr<capture::StreamOutput>> stream = open_stream(o.stream);
+  if (!stream) return forward(stream);
+  const Result<void> shown = run_live_window(feed, model,
+                                             {.run = o.run,
+                                              .show_cameras = o.show_cameras,
+                                              .stop = interrupted,
+                                              .path_file = o.path_file,
+                                              .screenshot = o.screenshot,
+                                              .stream = stream->get()});
+  if (shown && *stream) print_stream(**stream);
+  return shown;
 }
 
 }  // namespace
@@ -150,6 +164,7 @@ void add_viewing_flags(CLI::App& verb, LiveViewing& o) {
       ->group(kGroupPicture);
   verb.add_option("--snapshots", o.snapshots, "Headless: write a picture a second into this folder")
       ->group(kGroupPicture);
+  add_stream_flags(verb, o.stream);
   verb.add_flag("--show-cameras", o.show_cameras, "Draw the cameras")->group(kGroupWindow);
   verb.add_option("--screenshot", o.screenshot,
                   "Write the window to this PNG once a few scenes were shown, then end")
@@ -173,6 +188,7 @@ Result<void> settle(LiveViewing& o) {
     return fail(ErrorCode::InvalidArgument,
                 "--screenshot is of the window; without one there is --snapshots");
   if (o.size.width == 0) o.size = o.headless ? Size{640, 480} : Size{1280, 800};
+  if (Result<void> ok = settle(o.stream, o.headless ? o.size : Size{1280, 720}); !ok) return ok;
   o.run.width = o.size.width;
   o.run.height = o.size.height;
   RendererFlags flags;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/live/live_stream.h"
 #include "apps/terminal/flags.h"
 #include "apps/terminal/verb.h"
 #include "pipeline/orbit.h"
@@ -23,6 +24,7 @@ struct LiveViewing {
   bool headless = false, show_cameras = false;
   pipeline::OrbitOptions orbit{.seconds = 20};
   int blend = 3;
+  StreamFlags stream;
   studio::LiveRunOptions run;
 };
 

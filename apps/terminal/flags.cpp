@@ -87,13 +87,13 @@ CLI::Option* add_frame_count(CLI::App& verb, int& count, const std::string& help
       ->check(CLI::Range(1, kMostFrames).description(""));
 }
 
-CLI::Option* add_size(CLI::App& verb, Size& size, const std::string& help) {
+CLI::Option* add_size(CLI::App& verb, Size& size, const std::string& help, const std::string& name) {
   return verb
       .add_option_function<std::string>(
-          "--size",
-          [&size](const std::string& word) {
+          name,
+          [&size, name](const std::string& word) {
             const Result<std::pair<int, int>> parsed = parse_size(word);
-            if (!parsed) throw CLI::ValidationError("--size", parsed.error().message);
+            if (!parsed) throw CLI::ValidationError(name, parsed.error().message);
             std::tie(size.width, size.height) = *parsed;
           },
           help)

@@ -49,7 +49,8 @@ CLI::Option* add_frames(CLI::App& verb, std::string& frames, const std::string& 
 /// --frame-count: how many there are to be.
 CLI::Option* add_frame_count(CLI::App& verb, int& count, const std::string& help);
 /// --size WxH of the output; shows what is in `size` as the default.
-CLI::Option* add_size(CLI::App& verb, Size& size, const std::string& help);
+CLI::Option* add_size(CLI::App& verb, Size& size, const std::string& help,
+                      const std::string& name = "--size");
 /// --fps: instants or pictures a second.
 CLI::Option* add_fps(CLI::App& verb, double& fps, const std::string& help);
 /// --seconds: for how long.

@@ -87,6 +87,7 @@ void draw_live_panel(LivePanelState& state, ControlModel& model) {
     ImGui::EndCombo();
   }
   if (!state.remark.empty()) complain(state.remark);
+  if (!state.stream.empty()) ImGui::TextWrapped("%s", state.stream.c_str());
   if (model.empty()) {
     ImGui::TextDisabled("nothing to record here");
     return;

@@ -13,6 +13,7 @@ struct LivePanelState {
   bool automatic = true;           ///< the quality follows the rate
   bool hold = false;               ///< the present scene is kept
   std::string remark = {};         ///< what is wrong with the scene; empty when nothing is
+  std::string stream = {};         ///< where pictures go and whether somebody receives them; empty: none
   std::string label = "take";      ///< of the next recording
 };
 

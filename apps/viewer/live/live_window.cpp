@@ -15,6 +15,7 @@
 #include "core/log.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/film.h"
 #include "pipeline/orbit.h"
 #include "studio/live/live_pace.h"
 #include "studio/messages/clock.h"
@@ -43,6 +44,7 @@ class LiveWindow {
     state_.status = feed.description();
     state_.time.playing = true;
     use_quality(options.run.quality);
+    canvas_.keep_pictures(options.stream != nullptr);
   }
 
   Result<void> follow(const std::filesystem::path& file) {
@@ -73,6 +75,7 @@ class LiveWindow {
                             : pipeline::view_of(home_, options_.run.width, options_.run.height, {});
       feed_.want(render::needed_cameras(feed_.rig(), scene_->scene.mesh, view, state_.renderer.cameras));
     }
+    if (options_.stream != nullptr) send(shown);
     const Timestamp done = studio::now();
     feed_.drawn(done);
     pace_.drew(begun, done,
@@ -97,6 +100,23 @@ class LiveWindow {
     scene_ = fresh;
     ++shown_;
     if (Result<void> ok = canvas_.show(*fresh); !ok) state_.status = ok.error().message;
+  }
+
+  // An empty stage is a picture too.
+  void send(bool fresh) {
+    std::optional<Image> picture = canvas_.take_picture();
+    if (!picture && fresh && !canvas_.has_subject()) picture = Image(16, 9, 4);
+    if (picture)
+      options_.stream->offer(pipeline::over(*picture, state_.renderer.background),
+                             fresh ? std::optional(scene_->scene.produced) : std::nullopt);
+    panel_.stream = stream_line();
+  }
+
+  std::string stream_line() const {
+    const capture::StreamOutput::Health health = options_.stream->health();
+    return text(health.connected ? "on air: " : "nobody receives: ", options_.stream->address(),
+                health.trouble.empty() || health.connected ? "" : "\n",
+                health.connected ? "" : health.trouble);
   }
 
   void use_quality(std::size_t level) {

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "apps/viewer/live/control_model.h"
+#include "capture/stream/stream_output.h"
 #include "studio/live/live_run.h"
 #include "studio/live/scene_feed.h"
 
@@ -15,6 +16,7 @@ struct LiveWindowOptions {
   std::function<bool()> stop = nullptr;  ///< asked at every picture; absent: until the window is closed
   std::filesystem::path path_file;       ///< a camera path to follow
   std::filesystem::path screenshot;  ///< write the window to this PNG once a few scenes were shown, then end
+  capture::StreamOutput* stream = nullptr;  ///< gets what the stage shows (its left side), where there is one
 };
 
 /// The operator's window on a live studio: what the player has (methods, comparison, intermediates, cameras,

@@ -104,6 +104,7 @@ Result<void> Canvas::render(const PlayerState& state, const Made& wanted, bool m
   view_ = view;
   const Result<double> left = render_side(left_, wanted.left, state, view);
   if (!left) return forward(left);
+  if (keep_pictures_) kept_ = render::download(left_.view);
   const Result<double> right =
       state.split ? render_side(right_, wanted.right, state, view) : Result<double>(0.0);
   if (!right) return forward(right);

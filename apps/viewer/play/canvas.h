@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "apps/viewer/play/camera_frusta.h"
 #include "apps/viewer/play/picture_pace.h"
@@ -52,6 +53,12 @@ class Canvas {
   const CanvasTimes& times() const { return times_; }
   /// There is one, and it is not one of those that are drawn while something moves.
   bool has_full_picture() const { return left_.texture != 0 && !made_moving_; }
+  /// Whether every picture that is drawn is kept for take_picture(), which costs a copy.
+  void keep_pictures(bool keep) { keep_pictures_ = keep; }
+  /// The left side's last picture, RGBA, once; nothing when none was drawn since.
+  std::optional<Image> take_picture() { return std::exchange(kept_, std::nullopt); }
+  /// There is something to draw.
+  bool has_subject() const { return drawable_; }
   /// Where the last picture was drawn from; absent before the first.
   const std::optional<View>& view() const { return view_; }
 
@@ -93,7 +100,8 @@ class Canvas {
   StageInput hands_;
   PicturePace pace_;
   CanvasTimes times_;
-  bool made_moving_ = false;
+  bool made_moving_ = false, keep_pictures_ = false;
+  std::optional<Image> kept_;
   double last_moving_ = 0;  ///< when the last moving picture was drawn, ImGui's seconds
   double render_milliseconds_ = 0, last_render_seconds_ = 0;
 };
