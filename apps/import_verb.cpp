@@ -17,15 +17,19 @@ namespace {
 
 struct Options {
   pipeline::ImportOptions import;
-  std::string other_size = "refuse", contour_origin = "corner", frames;
+  std::string other_size = "refuse", contour_origin = "corner", frames, sync;
   double frame_rate = 0, plane = 0;  // 0: not given
   std::filesystem::path json;
 };
 
 nlohmann::json to_json(const pipeline::ImportReport& report, const std::filesystem::path& take) {
+  nlohmann::json sync = nlohmann::json::array();
+  for (const pipeline::CameraSync& c : report.sync)
+    sync.push_back(
+        {{"serial", c.serial}, {"began_before_s", c.seconds}, {"events", c.events}, {"spread_s", c.spread}});
   return {{"take", take.string()},     {"frames", report.frames}, {"gaps", report.gaps},
           {"cameras", report.serials}, {"mattes", report.mattes}, {"sounds", report.sounds},
-          {"notes", report.notes},     {"world", report.world}};
+          {"sync", std::move(sync)},   {"notes", report.notes},   {"world", report.world}};
 }
 
 Result<void> run(const Options& given) {
@@ -36,6 +40,8 @@ Result<void> run(const Options& given) {
   options.contour_options.origin =
       given.contour_origin == "centre" ? pipeline::ContourOrigin::Centre : pipeline::ContourOrigin::Corner;
   if (given.frame_rate > 0) options.frame_rate = given.frame_rate;
+  if (!given.sync.empty())
+    options.sync = given.sync == "clap" ? pipeline::SyncSign::Clap : pipeline::SyncSign::Flash;
   if (given.plane != 0) options.plane = given.plane;
   if (!given.frames.empty()) {
     const Result<pipeline::FrameRange> range = pipeline::parse_frame_range(given.frames);
@@ -101,6 +107,11 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
       ->capture_default_str()
       ->check(one_of({"refuse", "scaled", "cropped"}));
   add_fps(*app, options->frame_rate, "Frames a second (default: as the videos say)");
+  app->add_option(
+         "--sync", options->sync,
+         "Videos were started by hand: bring them together by claps in their sound, or by flashes in "
+         "their pictures")
+      ->check(one_of({"clap", "flash"}));
   add_codec(*app, import.codec);
   app->add_flag("!--no-sound", import.sound, "Leave out the videos' sound tracks");
   app->add_option("--label", import.label, "The take's label (default: the format's name)");

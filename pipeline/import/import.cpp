@@ -234,16 +234,29 @@ Result<int> copy_pictures(PictureStream& stream, std::size_t camera, double rate
   }
 }
 
-Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
-                            const GivenMattes* mattes, double rate, const fs::path& folder,
-                            ImportReport& report) {
+Result<std::unique_ptr<capture::TakeWriter>> begin_take(const ImportOptions& options, const Rig& rig,
+                                                        double rate, const fs::path& folder) {
   capture::TakeWriterOptions take_options;
   take_options.codec = options.codec;
   take_options.frame_rate = rate;
   take_options.label = options.label;
   take_options.is_claimed = true;
-  Result<std::unique_ptr<capture::TakeWriter>> writer =
-      capture::TakeWriter::create(folder, rig, take_options);
+  return capture::TakeWriter::create(folder, rig, take_options);
+}
+
+Result<void> end_take(const std::vector<VideoSound>& videos, capture::TakeWriter& writer,
+                      const ImportOptions& options, const fs::path& folder, ImportReport& report) {
+  const Result<int> sounds = import_sound(videos, folder, report.notes, options.progress);
+  if (!sounds) return forward(sounds);
+  report.sounds = *sounds;
+  if (Result<void> ok = writer.finish(); !ok) return ok;
+  return seal_take(folder, options.progress);
+}
+
+Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::vector<PictureStream>& streams,
+                            const GivenMattes* mattes, double rate, const fs::path& folder,
+                            ImportReport& report) {
+  Result<std::unique_ptr<capture::TakeWriter>> writer = begin_take(options, rig, rate, folder);
   if (!writer) return forward(writer);
 
   std::vector<Result<int>> counts(streams.size(), Result<int>(0));
@@ -279,11 +292,52 @@ Result<void> write_pictures(const ImportOptions& options, const Rig& rig, std::v
       if (Result<void> ok = (*writer)->write(gap); !ok) return ok;
     }
   }
-  const Result<int> sounds = import_sound(videos, folder, report.notes, options.progress);
-  if (!sounds) return forward(sounds);
-  report.sounds = *sounds;
-  if (Result<void> ok = (*writer)->finish(); !ok) return ok;
-  return seal_take(folder, options.progress);
+  return end_take(videos, **writer, options, folder, report);
+}
+
+std::string milliseconds_of(double seconds) { return text(std::round(1e5 * seconds) / 100, " ms"); }
+
+// The same of videos that were started by hand.
+Result<void> write_synced(const ImportOptions& options, const Plan& plan, const Rig& rig,
+                          const fs::path& folder, ImportReport& report) {
+  const Result<SyncedVideos> synced = sync_videos(plan.media, report.serials, *options.sync,
+                                                  options.frame_rate, options.threads, options.progress);
+  if (!synced) return forward(synced);
+  report.sync = synced->found;
+  report.frames = static_cast<int>(synced->cameras.front().pictures.size());
+  const bool claps = *options.sync == SyncSign::Clap;
+  const std::string sign = claps ? "clap" : "flash", signs = claps ? "claps" : "flashes";
+  for (const CameraSync& c : synced->found)
+    if (c.serial != report.serials.front())
+      report.notes.push_back(text("camera '", c.serial, "' began ", milliseconds_of(std::abs(c.seconds)),
+                                  c.seconds < 0 ? " after '" : " before '", report.serials.front(), "', by ",
+                                  c.events, " ", c.events == 1 ? sign : signs,
+                                  c.events > 1 ? text(", which agree to ", milliseconds_of(c.spread)) : ""));
+  report.notes.push_back(text("the take has the ", report.frames, " instants in which all cameras run, ",
+                              synced->frame_rate, " a second",
+                              options.frame_rate ? "" : " as the slowest one has (--fps)"));
+  Result<std::vector<PictureStream>> streams = open_streams(plan, {}, options.threads);
+  if (!streams) return forward(streams);
+  Result<std::unique_ptr<capture::TakeWriter>> writer = begin_take(options, rig, synced->frame_rate, folder);
+  if (!writer) return forward(writer);
+  std::vector<Result<int>> gaps(streams->size(), Result<int>(0));
+  ProgressPart progress(options.progress, "import", streams->size());
+  parallel_for(streams->size(), options.threads, [&](std::size_t i) {
+    gaps[i] = copy_synced((*streams)[i], synced->cameras[i], i, options.progress, **writer);
+    progress.advance();
+  });
+  std::vector<VideoSound> videos;
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    const std::string& serial = rig.cameras[i].serial;
+    if (!gaps[i]) return fail(gaps[i].error().code, text("camera '", serial, "': ", gaps[i].error().message));
+    if (*gaps[i] > 0)
+      report.notes.push_back(text("camera '", serial, "' has no picture at ", *gaps[i], " of ", report.frames,
+                                  " instants: they are gaps"));
+    report.gaps += *gaps[i];
+    if (options.sound && synced->cameras[i].sound.first)
+      videos.push_back({serial, plan.media[i].video, synced->cameras[i].sound});
+  }
+  return end_take(videos, **writer, options, folder, report);
 }
 
 Result<void> make_plane(const fs::path& folder, std::optional<double> distance, ImportReport& report) {
@@ -379,6 +433,10 @@ Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
                       describe_world(*rig));
   report.mattes = *mattes != nullptr;
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
+  if (options.sync) {
+    if (Result<void> ok = write_synced(options, *plan, *rig, folder, report); !ok) return forward(ok);
+    return report;
+  }
   const Result<double> rate = frame_rate(options, *plan, *streams, report.notes);
   if (!rate) return forward(rate);
   if (Result<void> ok = write_pictures(options, *rig, *streams, mattes->get(), *rate, folder, report); !ok)
@@ -388,11 +446,18 @@ Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
 
 }  // namespace
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImportReport, serials, frames, gaps, mattes, sounds, notes, world, format)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraSync, serial, seconds, events, spread)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImportReport, serials, frames, gaps, mattes, sounds, sync, notes, world,
+                                   format)
 
 Result<ImportReport> import_take(const ImportOptions& options) {
   if (!options.mattes.empty() && !options.contours.empty())
     return fail(ErrorCode::InvalidArgument, "--mattes and --contours say the same of the subject; give one");
+  const bool all_frames = options.frames.first == 0 && !options.frames.end && options.frames.step == 1;
+  if (options.sync && !(all_frames && options.mattes.empty() && options.contours.empty()))
+    return fail(ErrorCode::InvalidArgument,
+                "--sync gives pictures other numbers than their videos have, so --frames, --mattes and "
+                "--contours cannot be meant with it; leave them out, and trim the take (take trim)");
   Result<UnfinishedFolder> take = UnfinishedFolder::begin(options.out);
   if (!take) return forward(take);
   Result<ImportReport> report = run_confined_job<ImportReport>(

@@ -10,6 +10,7 @@
 #include "core/result.h"
 #include "pipeline/import/contours.h"
 #include "pipeline/import/picture_stream.h"
+#include "pipeline/import/video_sync.h"
 #include "pipeline/progress.h"
 #include "pipeline/world.h"
 
@@ -37,6 +38,9 @@ struct ImportOptions {
   FrameRange frames;                 ///< of every video and folder, before they become frame 0, 1, …
   std::optional<double> frame_rate;  ///< frames a second; absent: the videos' own, 25 for folders of images
   capture::TakeCodec codec = capture::TakeCodec::Ffv1;
+  /// Videos that were started by hand are brought together by this; absent: their first pictures are one
+  /// instant. Then `frame_rate` is that of the take's instants: absent: the slowest video's.
+  std::optional<SyncSign> sync;
   std::optional<double> plane;  ///< of a light field: metres before the cameras; absent: where pictures agree
   bool sound = true;            ///< videos' sound tracks are kept (import_sound())
   WorldOptions world;           ///< what the calibration does not say of its world
@@ -51,6 +55,7 @@ struct ImportReport {
   int gaps = 0;                      ///< frames missing because a camera has fewer than the others
   bool mattes = false;
   int sounds = 0;                  ///< sound tracks
+  std::vector<CameraSync> sync;    ///< with `sync`: what was measured, one a camera
   std::vector<std::string> notes;  ///< sentences about what was left out or assumed
   std::string world;               ///< a sentence about where the cameras stand, and what was assumed of it
   std::string format;              ///< the calibration's
@@ -61,8 +66,8 @@ struct ImportReport {
 /// sizes; a calibration that states another size is BadData unless `other_size` says what happened, and then
 /// a note. A light field gets its plane, as give_plane() does. Nothing is left behind when it fails: the take
 /// is made under a temporary name beside `out`, which must not exist (or be an empty folder), and renamed.
-/// InvalidArgument for mattes and contours both. All foreign files are read in a confined child
-/// (core/confined.h), whose death is an error of run_confined().
+/// InvalidArgument for mattes and contours both, and for `sync` with either or with a range of frames. All
+/// foreign files are read in a confined child (core/confined.h), whose death is an error of run_confined().
 Result<ImportReport> import_take(const ImportOptions& options);
 
 }  // namespace floatstage::pipeline
