@@ -12,6 +12,7 @@ void add_evaluate(CLI::App& app, Chosen& chosen);
 void add_flow(CLI::App& app, Chosen& chosen);
 void add_hull(CLI::App& app, Chosen& chosen);
 void add_import(CLI::App& app, Chosen& chosen);
+void add_path(CLI::App& app, Chosen& chosen);
 void add_play(CLI::App& app, Chosen& chosen);
 void add_process(CLI::App& app, Chosen& chosen);
 void add_render(CLI::App& app, Chosen& chosen);
