@@ -45,6 +45,7 @@ class PlayWindow {
     constexpr int kSettleFrames = 3;  // the user interface needs a few frames before its layout stands
     int settled = 0;
     bool said = false;
+    looked_ = Clock::now();  // what came while it opened is not an input to a picture
     while (!window_->should_close() && !(options_.stop && options_.stop())) {
       const bool busy = editing_ ? editor_->busy() : player_->busy();
       const bool waits = !busy && options_.screenshot.empty();

@@ -1,6 +1,19 @@
 #include "apps/viewer/play/scene_cache.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 namespace floatstage::apps {
+namespace {
+
+// This thread, and those that it begins, get what drawing leaves: a hand is answered before the next instant
+// is there.
+void give_way() {
+  constexpr int kNice = 10;
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
+}
+
+}  // namespace
 
 const SceneCache::Entry* SceneCache::find(int frame) {
   for (auto it = entries_.begin(); it != entries_.end(); ++it) {
@@ -25,7 +38,10 @@ void SceneCache::prefetch(int frame) {
   collect();
   if (loading_.valid() || find(frame)) return;
   loading_frame_ = frame;
-  loading_ = std::async(std::launch::async, [this, frame] { return loader_.load(frame); });
+  loading_ = std::async(std::launch::async, [this, frame] {
+    give_way();
+    return loader_.load(frame);
+  });
 }
 
 Result<std::shared_ptr<const SceneFrame>> SceneCache::get(int frame) {
