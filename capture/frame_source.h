@@ -5,7 +5,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "capture/camera_control.h"
 #include "core/frame.h"
 #include "core/result.h"
 #include "core/time.h"
@@ -52,6 +54,15 @@ class FrameSource {
   virtual SourceStats stats() const = 0;
   /// Asks the device, which takes it a moment: from the thread that calls next(), while started.
   virtual DeviceHealth health() { return {}; }
+  /// Exposure, gain and white balance, as far as the device lets them be set now; as health(). Empty where
+  /// there are none.
+  virtual std::vector<CameraControl> controls() { return {}; }
+  /// Turns one of controls(), which holds until stop(); as health(). What was automatic about it is switched
+  /// off (V4L2 tells such a control only once its automatic is off). NotFound for another name,
+  /// InvalidArgument, with the range, for a value that the device refuses.
+  virtual Result<void> set_control(const std::string& name, double /*value*/) {
+    return fail(ErrorCode::NotFound, "this camera has no control '" + name + "'");
+  }
   /// What start() and next() ask while they work or wait for long, from any of their threads: once it says
   /// yes they give up within a second (Cancelled). Before start(), or by the thread that calls next().
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "capture/aravis/gobject.h"
+#include "capture/camera_control.h"
 #include "core/frame.h"
 #include "core/result.h"
 
@@ -54,5 +55,14 @@ struct AravisStream {
 /// are too narrow, Timeout for a clock that does not lock to PTP, Cancelled once `stop` says yes meanwhile.
 Result<AravisStream> apply_settings(ArvCamera* camera, const AravisSettings& settings,
                                     const std::function<bool()>& stop = {});
+
+inline constexpr const char* kExposureControl = "exposure-us";
+
+/// Exposure, gain and the white balance's ratios, as far as the camera has them.
+std::vector<CameraControl> light_controls(ArvCamera* camera);
+/// One of them; what sets it by itself is switched off. Errors: those of check_control(). `serial` names the
+/// camera.
+Result<void> set_light_control(ArvCamera* camera, const std::string& serial, const std::string& name,
+                               double value);
 
 }  // namespace floatstage::capture

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <climits>
+#include <cmath>
 #include <fstream>
 
 #include "capture/aravis/aravis_settings.h"
@@ -94,6 +95,10 @@ class AravisSource final : public FrameSource {
   void stop() override;
   SourceStats stats() const override { return meter_.read(); }
   DeviceHealth health() override;
+  std::vector<CameraControl> controls() override {
+    return camera_ ? light_controls(camera_.get()) : std::vector<CameraControl>();
+  }
+  Result<void> set_control(const std::string& name, double value) override;
 
  private:
   auto failed(ErrorCode code, const std::string& what) const {
@@ -237,6 +242,15 @@ DeviceHealth AravisSource::health() {
   const double celsius = arv_camera_get_float(camera_.get(), "DeviceTemperature", error.out());
   if (!error) health.temperature_c = celsius;
   return health;
+}
+
+Result<void> AravisSource::set_control(const std::string& name, double value) {
+  if (!camera_) return failed(ErrorCode::InvalidArgument, "it is not started; start it first");
+  if (Result<void> set = set_light_control(camera_.get(), settings_.serial, name, value); !set) return set;
+  GlibError error;
+  const double us = name == kExposureControl ? arv_camera_get_exposure_time(camera_.get(), error.out()) : 0;
+  if (!error && us > 0) stream_.exposure = Nanoseconds{std::llround(us * 1e3)};
+  return {};
 }
 
 Frame AravisSource::frame_of(ArvBuffer* buffer, std::uint64_t sequence) {

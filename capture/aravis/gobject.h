@@ -31,6 +31,7 @@ class GlibError {
     return &error_;
   }
   explicit operator bool() const { return error_ != nullptr; }
+  bool is(GQuark domain, int code) const { return g_error_matches(error_, domain, code); }
   std::string message() const { return error_ ? error_->message : "no reason given"; }
 
  private:

@@ -211,11 +211,51 @@ Result<V4l2Format> apply_settings(const V4l2Device& device, const V4l2Settings& 
   for (const auto& [word, value] : settings.controls) {
     if (Result<void> set = set_control(device, settings, controls, word, value); !set) return forward(set);
   }
-  v4l2_control exposure{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
-  // Its unit is 100 us.
-  if (device.ioctl(VIDIOC_G_CTRL, &exposure) == 0 && exposure.value > 0)
-    answer.exposure = Nanoseconds{exposure.value * std::int64_t{100'000}};
+  answer.exposure = exposure_time(device);
   return answer;
+}
+
+std::optional<Nanoseconds> exposure_time(const V4l2Device& device) {
+  v4l2_control exposure{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
+  if (device.ioctl(VIDIOC_G_CTRL, &exposure) != 0 || exposure.value <= 0) return std::nullopt;
+  return Nanoseconds{exposure.value * std::int64_t{100'000}};  // its unit is 100 us
+}
+
+std::vector<CameraControl> light_controls(const V4l2Device& device) {
+  constexpr std::array<std::uint32_t, 13> kOfLight = {V4L2_CID_EXPOSURE_AUTO,
+                                                      V4L2_CID_EXPOSURE_ABSOLUTE,
+                                                      V4L2_CID_EXPOSURE,
+                                                      V4L2_CID_AUTOGAIN,
+                                                      V4L2_CID_GAIN,
+                                                      V4L2_CID_AUTO_WHITE_BALANCE,
+                                                      V4L2_CID_RED_BALANCE,
+                                                      V4L2_CID_BLUE_BALANCE,
+                                                      V4L2_CID_WHITE_BALANCE_TEMPERATURE,
+                                                      V4L2_CID_BRIGHTNESS,
+                                                      V4L2_CID_BACKLIGHT_COMPENSATION,
+                                                      V4L2_CID_FOCUS_AUTO,
+                                                      V4L2_CID_FOCUS_ABSOLUTE};
+  constexpr std::uint32_t kFixed =
+      V4L2_CTRL_FLAG_READ_ONLY | V4L2_CTRL_FLAG_INACTIVE | V4L2_CTRL_FLAG_GRABBED;
+  std::vector<CameraControl> found;
+  for (const v4l2_queryctrl& control : controls_of(device)) {
+    const bool wanted = std::find(kOfLight.begin(), kOfLight.end(), control.id) != kOfLight.end();
+    v4l2_control now{control.id, 0};
+    if (!wanted || (control.flags & kFixed) != 0 || device.ioctl(VIDIOC_G_CTRL, &now) != 0) continue;
+    const auto as_number = [](auto value) { return static_cast<double>(value); };
+    found.push_back({control_word(reinterpret_cast<const char*>(control.name)), as_number(now.value),
+                     as_number(control.minimum), as_number(control.maximum), as_number(control.step)});
+  }
+  return found;
+}
+
+Result<void> set_light_control(const V4l2Device& device, const std::string& path, const std::string& name,
+                               double value) {
+  const Result<void> fits = check_control(light_controls(device), text("camera '", path, "'"), name, value);
+  if (!fits) return fits;
+  V4l2Settings settings;
+  settings.path = path;
+  return set_control(device, settings, controls_of(device), name, static_cast<int>(std::lround(value)));
 }
 
 const char* why_not_streaming(int error) {

@@ -7,6 +7,7 @@
 
 #include <linux/videodev2.h>
 
+#include "capture/camera_control.h"
 #include "core/frame.h"
 #include "core/result.h"
 
@@ -50,6 +51,15 @@ struct V4l2Format {
 /// Negotiates format, size, rate and controls. Errors name the device and list what it offers: Unsupported
 /// for a format, size or control it has not, InvalidArgument for a value out of a control's range.
 Result<V4l2Format> apply_settings(const V4l2Device& device, const V4l2Settings& settings);
+
+/// As the device says it; absent where it does not.
+std::optional<Nanoseconds> exposure_time(const V4l2Device& device);
+/// Exposure, gain, white balance, focus and brightness, as far as the device has them and lets them be set
+/// now.
+std::vector<CameraControl> light_controls(const V4l2Device& device);
+/// One of them, rounded to a whole number. Errors: those of check_control(). `path` names the device.
+Result<void> set_light_control(const V4l2Device& device, const std::string& path, const std::string& name,
+                               double value);
 
 /// Why a device does not stream, in words for its user: what an errno means there and what to do.
 const char* why_not_streaming(int error);

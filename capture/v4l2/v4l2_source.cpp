@@ -85,6 +85,10 @@ class V4l2Source final : public FrameSource {
   Result<Frame> next(Nanoseconds timeout) override;
   void stop() override;
   SourceStats stats() const override { return meter_.read(); }
+  std::vector<CameraControl> controls() override {
+    return stream_ ? light_controls(stream_->device) : std::vector<CameraControl>();
+  }
+  Result<void> set_control(const std::string& name, double value) override;
 
  private:
   auto failed(ErrorCode code, const std::string& what) const {
@@ -109,6 +113,13 @@ class V4l2Source final : public FrameSource {
   std::string gone_;  // why the stream is over, once it is
   SourceMeter meter_;
 };
+
+Result<void> V4l2Source::set_control(const std::string& name, double value) {
+  if (!stream_) return failed(ErrorCode::InvalidArgument, "it is not started; start it first");
+  Result<void> set = set_light_control(stream_->device, settings_.path, name, value);
+  format_.exposure = exposure_time(stream_->device);
+  return set;
+}
 
 Result<void> V4l2Source::map_buffers(Stream& stream) const {
   v4l2_requestbuffers request{};

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/camera_control.h"
 #include "core/result.h"
 
 namespace floatstage::studio {
@@ -56,9 +57,15 @@ struct NodeTake {
   int cameras = 0;
 };
 
+/// What one camera of a node lets be set while it streams.
+struct NodeControls {
+  std::string serial;
+  std::vector<capture::CameraControl> controls;
+};
+
 /// What one may ask of a running camera node: the same for the network (studio/network/control_server.h),
 /// for the page that the node serves and for a viewer in the same process. All functions may be called from
-/// any thread, also at once; none waits for a camera.
+/// any thread, also at once; none waits for a camera but set_control() and apply_preset().
 class StudioControl {
  public:
   virtual ~StudioControl() = default;
@@ -73,6 +80,29 @@ class StudioControl {
   virtual Result<void> stop_recording() = 0;
   /// Newest first.
   virtual Result<std::vector<NodeTake>> takes() const = 0;
+
+  /// Exposure, gain and white balance of all cameras, as they were read last: what is asked again half a
+  /// second later is new. Empty where this cannot be asked (from another machine).
+  virtual std::vector<NodeControls> controls() const { return {}; }
+  /// Turns one; waits for the camera, 3 s at most. NotFound for a camera or control that there is not,
+  /// InvalidArgument, with the range, for a value that the camera refuses, Timeout, Unsupported where this
+  /// cannot be asked.
+  virtual Result<void> set_control(const std::string& /*serial*/, const std::string& /*name*/,
+                                   double /*value*/) {
+    return fail(ErrorCode::Unsupported, "controls are set on the machine that has the camera");
+  }
+  /// Names of kept settings of all cameras, sorted.
+  virtual Result<std::vector<std::string>> presets() const { return std::vector<std::string>(); }
+  /// Keeps what controls() says under a name, in place of one that has it. InvalidArgument for a name that is
+  /// not 1 to 60 letters, digits, '.', '-' and '_'; Unsupported where there is no file for presets.
+  virtual Result<void> save_preset(const std::string& /*name*/) {
+    return fail(ErrorCode::Unsupported, "presets are kept on the machine that has the cameras");
+  }
+  /// Sets them again. NotFound; else the first error of set_control(), after all others were tried; of a
+  /// camera that does not answer, one.
+  virtual Result<void> apply_preset(const std::string& /*name*/) {
+    return fail(ErrorCode::Unsupported, "presets are kept on the machine that has the cameras");
+  }
 };
 
 }  // namespace floatstage::studio

@@ -15,6 +15,8 @@ constexpr Nanoseconds kPatience = milliseconds(200);
 constexpr auto kPauseBetweenTries = std::chrono::milliseconds(500);
 constexpr auto kSilence = std::chrono::seconds(1);  // that is said to be trouble
 constexpr auto kHealthPeriod = std::chrono::seconds(5);
+constexpr auto kKnobPatience = std::chrono::seconds(3);
+constexpr auto kControlsPeriod = std::chrono::milliseconds(500);
 constexpr Nanoseconds kRateWindow = milliseconds(2000);
 
 capture::SourceStats operator+(capture::SourceStats a, const capture::SourceStats& b) {
@@ -35,6 +37,7 @@ Result<std::unique_ptr<CameraLane>> CameraLane::open(const CaptureConfig::Camera
   if (!info) return forward(info);
   lane->source_->stop_when([raw = lane.get()] { return raw->stopping_.load(); });
   lane->info_ = *info;
+  lane->controls_ = lane->source_->controls();
   lane->alive_ = lane->last_frame_ = Clock::now();
   return lane;
 }
@@ -102,6 +105,45 @@ void CameraLane::ask_health() {
   temperature_c_ = health.temperature_c;
 }
 
+void CameraLane::turn_knobs() {
+  std::unique_lock lock(mutex_);
+  const bool asked = controls_asked_ && Clock::now() - controls_read_ >= kControlsPeriod;
+  if (knobs_.empty() && !asked) return;
+  while (!knobs_.empty()) {
+    const std::shared_ptr<Knob> knob = knobs_.front();
+    knobs_.pop_front();
+    lock.unlock();
+    const Result<void> done = source_->set_control(knob->name, knob->value);
+    lock.lock();
+    if (done) turned_[knob->name] = knob->value;
+    knob->done = done;
+  }
+  lock.unlock();
+  std::vector<capture::CameraControl> controls = source_->controls();
+  lock.lock();
+  controls_ = std::move(controls);
+  controls_read_ = Clock::now();
+  controls_asked_ = false;
+  wake_.notify_all();
+}
+
+std::vector<capture::CameraControl> CameraLane::controls() const {
+  std::lock_guard lock(mutex_);
+  controls_asked_ = true;
+  return controls_;
+}
+
+Result<void> CameraLane::set_control(const std::string& name, double value) {
+  const auto knob = std::make_shared<Knob>(Knob{name, value, std::nullopt});
+  std::unique_lock lock(mutex_);
+  knobs_.push_back(knob);
+  wake_.wait_for(lock, kKnobPatience, [&] { return knob->done || over_ || stopping_; });
+  if (knob->done) return *knob->done;
+  std::erase(knobs_, knob);
+  return fail(ErrorCode::Timeout, text("camera '", camera_.serial, "' did not take ", name, " = ", value,
+                                       " within 3 s", trouble_.empty() ? "" : "; ", trouble_));
+}
+
 bool CameraLane::reconnect() {
   {
     std::lock_guard lock(mutex_);
@@ -117,6 +159,8 @@ bool CameraLane::reconnect() {
     lock.unlock();
     const Result<capture::StreamInfo> info = source_->start();
     const bool same = info && info->layout == info_.layout;
+    if (same)  // turned_ is written by this thread alone
+      for (const auto& [name, value] : turned_) (void)source_->set_control(name, value);
     if (info && !same) source_->stop();
     lock.lock();
     if (!same) continue;
@@ -130,6 +174,7 @@ bool CameraLane::reconnect() {
 
 void CameraLane::run() {
   while (!stopping_) {
+    turn_knobs();
     Result<Frame> frame = source_->next(kPatience);
     if (frame) {
       take(std::move(*frame));
@@ -150,6 +195,7 @@ void CameraLane::run() {
   }
   std::lock_guard lock(mutex_);
   over_ = true;
+  wake_.notify_all();
 }
 
 bool CameraLane::over() const {

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -41,6 +42,11 @@ class CameraLane {
   /// Its recording is over, or it was stopped.
   bool over() const;
   NodeCamera status() const;
+  /// As they were read last: when somebody asked before, after a knob was turned, or at the start. Waits for
+  /// nothing; who asks again half a second later hears how they are.
+  std::vector<capture::CameraControl> controls() const;
+  /// Has the lane's thread set it, and waits for that, 3 s at most. Set again when the camera was unplugged.
+  Result<void> set_control(const std::string& name, double value);
   /// Over the whole session, unlike the status'.
   double mean_frame_rate() const;
   std::optional<Timestamp> newest() const;
@@ -56,6 +62,12 @@ class CameraLane {
   void nothing_came();
   bool reconnect();
   void ask_health();
+  void turn_knobs();
+  struct Knob {
+    std::string name;
+    double value = 0;
+    std::optional<Result<void>> done;  // under mutex_
+  };
   capture::SourceStats stats() const;  // under mutex_
 
   const CaptureConfig::Camera camera_;
@@ -73,6 +85,11 @@ class CameraLane {
   std::optional<Timestamp> first_, last_;
   std::deque<Timestamp> recent_;
   std::optional<double> temperature_c_;
+  std::vector<capture::CameraControl> controls_;
+  mutable bool controls_asked_ = false;
+  std::chrono::steady_clock::time_point controls_read_;
+  std::deque<std::shared_ptr<Knob>> knobs_;  // to be turned
+  std::map<std::string, double> turned_;     // by hand, in this session
   std::string trouble_;
   bool over_ = false;
   std::chrono::steady_clock::time_point last_frame_, alive_, asked_;

@@ -91,6 +91,7 @@ void read_studio(Section section, CaptureConfig& config, const fs::path& base) {
   config.frame_rate = section.number("frame_rate", 0, 0.1, 10'000);
   if (const std::string rig = section.text_of("rig", ""); !rig.empty()) config.rig = base / rig;
   if (const std::string times = section.text_of("times", ""); !times.empty()) config.times = base / times;
+  if (const std::string file = section.text_of("presets", ""); !file.empty()) config.presets = base / file;
   config.name = section.text_of("name", config.name);
   section.finish();
   if (!section.at("frame_rate")) section.note(nullptr, "frame_rate is missing");
@@ -220,7 +221,9 @@ Result<CaptureConfig> parse_capture_config(std::string_view bytes, std::string_v
 Result<CaptureConfig> load_capture_config(const fs::path& file) {
   const Result<std::string> bytes = read_file(file);
   if (!bytes) return forward(bytes);
-  return parse_capture_config(*bytes, file.string(), file.parent_path());
+  Result<CaptureConfig> config = parse_capture_config(*bytes, file.string(), file.parent_path());
+  if (config && config->presets.empty()) config->presets = fs::path(file).replace_extension(".presets.toml");
+  return config;
 }
 
 Result<capture::TimeOffsetFile> load_times(const CaptureConfig& config) {

@@ -16,7 +16,9 @@ namespace floatstage::studio {
 /// people:
 ///
 ///   [studio]     frame_rate = 30, rig = "rig.json" (optional: without it a take is recorded uncalibrated),
-///                times = "takes/rig/times.json" (optional), name = "stage left"
+///                times = "takes/rig/times.json" (optional), name = "stage left",
+///                presets = "presets.toml" (optional: where the page's operators keep
+///                settings of cameras; else beside the file, studio.presets.toml)
 ///   [recording]  folder = "takes", label = "rehearsal", codec = "ffv1" | "raw" | "h264", queue_frames = 64,
 ///                preroll_seconds = 2, keep_free_mb = 256, sync_seconds = 1, disagreement = "warn" | "refuse"
 ///   [limits]     skips = 0, duplicates = 0, spread_ms = 1.0, rate_deviation = 0.01
@@ -60,6 +62,7 @@ struct CaptureConfig {
   std::vector<Camera> cameras;
   std::vector<std::string> sounds =
       {};  ///< recorded beside the cameras (capture::open_sound()); not in the file
+  std::filesystem::path presets = {};  ///< of the cameras' controls (camera_presets.h); empty: none are kept
 };
 
 /// Reads strictly: an unknown key is an error, so that a typing mistake never becomes a default. BadData

@@ -58,6 +58,11 @@ class CaptureNode final : public StudioControl {
   Result<std::string> start_recording(const std::string& label) override { return record_into({}, label); }
   Result<void> stop_recording() override;
   Result<std::vector<NodeTake>> takes() const override;
+  std::vector<NodeControls> controls() const override;
+  Result<void> set_control(const std::string& serial, const std::string& name, double value) override;
+  Result<std::vector<std::string>> presets() const override;
+  Result<void> save_preset(const std::string& name) override;
+  Result<void> apply_preset(const std::string& name) override;
 
   /// Of the take that is being recorded or was recorded last.
   std::optional<capture::RecordingQuality> quality() const;
@@ -102,8 +107,9 @@ class CaptureNode final : public StudioControl {
   std::unique_ptr<capture::SoundRecording> sound_;  // of the take that is recorded, under control_
   std::atomic<bool> take_failed_{false};
   std::chrono::steady_clock::time_point looked_at_disk_, saved_quality_;
-  std::mutex control_;        // one command at a time
-  mutable std::mutex mutex_;  // over what follows
+  mutable std::mutex presets_;  // over their file
+  std::mutex control_;          // one command at a time
+  mutable std::mutex mutex_;    // over what follows
   Take take_;
   std::string last_recording_;
   TakeSealer sealer_{[this] { return !recording(); }};  // last: it asks about what stands above

@@ -8,16 +8,17 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
-#include <nlohmann/json.hpp>
 
 #include "core/log.h"
 #include "core/text.h"
 #include "studio/messages/status_json.h"
 #include "studio/page/page_access.h"
+#include "studio/page/page_answers.h"
 #include "studio/page/page_connection.h"
 #include "studio/page/page_strangers.h"
 #include "studio/page/page_viewers.h"
 #include "studio/page/preview.h"
+#include "studio/page/zoom_feed.h"
 
 namespace floatstage::studio {
 namespace {
@@ -28,29 +29,11 @@ constexpr auto kStatusPeriod = std::chrono::milliseconds(500);
 constexpr std::size_t kMostViewers = 64, kMostStrangers = 1024, kMostStrangersOfAnAddress = 256;
 constexpr const char* kPlain = "text/plain; charset=utf-8";
 
-PageAnswer answer_of(const Error& error) {
-  const int status = error.code == ErrorCode::AlreadyExists || error.code == ErrorCode::NotFound ? 409
-                     : error.code == ErrorCode::InvalidArgument                                  ? 400
-                                                                                                 : 500;
-  const nlohmann::json json = {{"error", error.message}};
-  return {
-      status, "application/json", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), {}};
-}
-
-PageAnswer json_answer(std::string json) { return {200, "application/json", std::move(json), {}}; }
-
-bool is_order(const PageRequest& request) {
-  return request.path == "/api/record" || request.path == "/api/stop";
-}
-
-bool is_question(const PageRequest& request) {
-  return request.path == "/api/status" || request.path == "/api/takes" || request.path == "/metrics";
-}
-
 PageAnswer file_answer(const std::string& path) {
   if (path == "/") return {200, "text/html; charset=utf-8", std::string(page::kHtml), {}};
   if (path == "/page.css") return {200, "text/css; charset=utf-8", std::string(page::kCss), {}};
   if (path == "/page.js") return {200, "text/javascript; charset=utf-8", std::string(page::kJs), {}};
+  if (path == "/focus.js") return {200, "text/javascript; charset=utf-8", std::string(page::kFocus), {}};
   return {404, kPlain, "There is nothing here.\n", {}};
 }
 
@@ -66,20 +49,11 @@ PageAnswer refusal(PageAccess::Verdict verdict) {
           "WWW-Authenticate: Bearer realm=\"floatstage\"\r\n"};
 }
 
-PageAnswer carry_out(StudioControl& control, const PageRequest& order) {
-  if (order.path == "/api/stop") {
-    const Result<void> stopped = control.stop_recording();
-    return stopped ? json_answer("{}") : answer_of(stopped.error());
-  }
-  const Result<std::string> take = control.start_recording(order.query_value("label"));
-  return take ? json_answer(nlohmann::json{{"take", *take}}.dump()) : answer_of(take.error());
-}
-
 }  // namespace
 
 struct PageServer::Impl {
-  Impl(StudioControl& c, std::size_t cameras, std::string address_, std::string token_)
-      : control(c), address(std::move(address_)), token(std::move(token_)), viewers(2 * cameras + 4) {}
+  Impl(StudioControl& c, std::size_t cameras_, std::string address_, std::string token_)
+      : control(c), cameras(cameras_), address(std::move(address_)), token(std::move(token_)) {}
 
   beast::error_code open(const tcp::endpoint& where) {
     beast::error_code error;
@@ -91,7 +65,7 @@ struct PageServer::Impl {
     return error;
   }
 
-  void run(std::size_t cameras, const std::vector<std::string>& names) {
+  void run(const std::vector<std::string>& names) {
     access = std::make_unique<PageAccess>(token, port, names);
     // One byte says whose picture it is.
     const auto send = [this](int camera, const std::shared_ptr<const std::string>& jpeg) {
@@ -109,10 +83,8 @@ struct PageServer::Impl {
     io.stop();
     if (sockets.joinable()) sockets.join();
     previews.reset();
-    orders.stop();
-    questions.stop();
-    orders.join();
-    questions.join();
+    for (net::thread_pool* threads : {&orders, &knobs, &questions, &looks}) threads->stop();
+    for (net::thread_pool* threads : {&orders, &knobs, &questions, &looks}) threads->join();
   }
 
   void accept() {
@@ -153,21 +125,22 @@ struct PageServer::Impl {
     } else if (is_order(request) && request.method != "POST") {
       connection->answer({405, "application/json", R"({"error":"POST it"})", "Allow: POST\r\n"});
     } else if (is_order(request)) {
-      later(orders, connection, [this, request] { return carry_out(control, request); });
+      // A camera that hangs keeps its knobs waiting, and no take.
+      later(is_order_to_cameras(request) ? knobs : orders, connection,
+            [this, request] { return carry_out(control, request); });
     } else if (is_question(request)) {
       later(questions, connection, [this, path = request.path] { return reply(path); });
+    } else if (request.path == "/api/zoom") {
+      later(looks, connection, [this, request] { return look(zoom, cameras, request); });
     } else {
       connection->answer(file_answer(request.path));
     }
   }
 
   PageAnswer reply(const std::string& path) const {
-    if (path == "/api/status") return json_answer(wire::to_json(control.status()));
-    if (path == "/metrics")
-      return {
-          200, "text/plain; version=0.0.4; charset=utf-8", prometheus_text(control.status(), counters()), {}};
-    const Result<std::vector<NodeTake>> takes = control.takes();
-    return takes ? json_answer(wire::to_json(*takes)) : answer_of(takes.error());
+    if (path != "/metrics") return answer_question(control, path);
+    return {
+        200, "text/plain; version=0.0.4; charset=utf-8", prometheus_text(control.status(), counters()), {}};
   }
 
   // On another thread, if the client is still there when its turn comes.
@@ -202,6 +175,7 @@ struct PageServer::Impl {
   PageCounters counters() const { return {requests, refused, viewers.count(), viewers.dropped()}; }
 
   StudioControl& control;
+  const std::size_t cameras;
   const std::string address, token;
   int port = 0;
   net::io_context io{1};
@@ -209,8 +183,9 @@ struct PageServer::Impl {
   std::unique_ptr<PageAccess> access;
   net::steady_timer timer{io}, pause{io};
   PageStrangers strangers{kMostStrangersOfAnAddress, kMostStrangers};
-  PageViewers viewers;
-  net::thread_pool orders{1}, questions{1};
+  PageViewers viewers{2 * cameras + 4};
+  ZoomFeed zoom;
+  net::thread_pool orders{1}, knobs{1}, questions{1}, looks{1};
   std::unique_ptr<PreviewFeed> previews;
   std::atomic<std::uint64_t> requests{0}, refused{0};
   std::thread sockets;
@@ -236,7 +211,7 @@ Result<std::unique_ptr<PageServer>> PageServer::serve(StudioControl& control, st
     log::warning(text("the page at ", settings.address,
                       " is not encrypted: whoever hears that network hears its "
                       "token; use a network of the studio's own, or 127.0.0.1 and ssh"));
-  impl->run(cameras, settings.names);
+  impl->run(settings.names);
   return std::unique_ptr<PageServer>(new PageServer(std::move(impl)));
 }
 
@@ -250,6 +225,9 @@ std::string PageServer::url() const {
 
 PageCounters PageServer::counters() const { return impl_->counters(); }
 
-void PageServer::offer(const Frame& frame) { impl_->previews->offer(frame); }
+void PageServer::offer(const Frame& frame) {
+  impl_->previews->offer(frame);
+  impl_->zoom.offer(frame);
+}
 
 }  // namespace floatstage::studio

@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -88,6 +89,72 @@ TEST_F(AGigeCameraWithMore, LeavesRoomBetweenItsPacketsForTheOthersOfItsLink) {
   const GObjectPtr<ArvCamera> reader(arv_camera_new(camera.address().c_str(), nullptr));
   EXPECT_EQ(arv_camera_gv_get_packet_size(reader.get(), nullptr), 1000u);
   EXPECT_EQ(arv_camera_gv_get_packet_delay(reader.get(), nullptr), schedule->packet_delay.count);
+}
+
+double mean_of(const Frame& frame) {
+  double sum = 0;
+  for (std::size_t i = 0; i < frame.layout.size_bytes; ++i) sum += std::to_integer<int>(frame.pixels[i]);
+  return sum / static_cast<double>(frame.layout.size_bytes);
+}
+
+double value_of(FrameSource& source, const std::string& name) {
+  for (const CameraControl& control : source.controls())
+    if (control.name == name) return control.value;
+  ADD_FAILURE() << "no control " << name;
+  return 0;
+}
+
+TEST_F(AGigeCameraWithMore, IsExposedOtherwiseWhileItStreams) {
+  const FakeGigeCamera camera(1, "ONE");
+  const auto source = opened(camera, "exposure-us=10000");
+  EXPECT_TRUE(source->controls().empty()) << "not before it is started";
+  EXPECT_THAT(source->set_control("gain", 1), FailsWith(ErrorCode::InvalidArgument, "not started"));
+  ASSERT_THAT(source->start(), IsOk());
+  const Result<Frame> before = source->next(milliseconds(20'000));
+  ASSERT_THAT(before, IsOk());
+  ASSERT_THAT(source->set_control("exposure-us", 1000), IsOk());
+  EXPECT_EQ(value_of(*source, "exposure-us"), 1000);
+  const GObjectPtr<ArvCamera> reader(arv_camera_new(camera.address().c_str(), nullptr));
+  EXPECT_EQ(arv_camera_get_exposure_time(reader.get(), nullptr), 1000) << "in the camera's own register";
+  // Its ramp grows with the logarithm of the exposure; a picture or two are still of the old one.
+  double mean = mean_of(*before);
+  for (int i = 0; i < 40 && mean >= mean_of(*before) / 2; ++i) {
+    const Result<Frame> frame = source->next(milliseconds(20'000));
+    ASSERT_THAT(frame, IsOk());
+    EXPECT_EQ(frame->info.exposure, milliseconds(1));
+    mean = mean_of(*frame);
+  }
+  EXPECT_LT(mean, mean_of(*before) / 2);
+}
+
+TEST_F(AGigeCameraWithMore, RefusesWhatItCannotBeSetTo) {
+  const FakeGigeCamera camera(1, "ONE");
+  const auto source = opened(camera, "");
+  ASSERT_THAT(source->start(), IsOk());
+  const double exposure = value_of(*source, "exposure-us");
+  EXPECT_THAT(source->set_control("exposure-us", 1e12),
+              FailsWith(ErrorCode::InvalidArgument,
+                        "camera 'ONE': exposure-us = 1e+12 is out of range; it takes 10 to 1e+07"));
+  EXPECT_THAT(source->set_control("exposure-us", std::nan("")),
+              FailsWith(ErrorCode::InvalidArgument, "is out of range"));
+  EXPECT_THAT(
+      source->set_control("glow", 1),
+      FailsWith(ErrorCode::NotFound, "no control 'glow' that can be set now; it has exposure-us, gain"));
+  EXPECT_EQ(value_of(*source, "exposure-us"), exposure);
+}
+
+TEST_F(AGigeCameraWithMore, BalancesItsColoursOneByOne) {
+  const auto camera = camera_with(white_balance_features());
+  const auto source = opened(*camera, "");
+  ASSERT_THAT(source->start(), IsOk());
+  ASSERT_THAT(source->set_control("white-balance-red", 1.5), IsOk());
+  ASSERT_THAT(source->set_control("white-balance-green", 1), IsOk());
+  ASSERT_THAT(source->set_control("white-balance-blue", 2.25), IsOk());
+  EXPECT_EQ(value_of(*source, "white-balance-red"), 1.5);
+  EXPECT_EQ(value_of(*source, "white-balance-green"), 1);
+  EXPECT_EQ(value_of(*source, "white-balance-blue"), 2.25);
+  EXPECT_THAT(source->set_control("white-balance-red", 9),
+              FailsWith(ErrorCode::InvalidArgument, "it takes 0.5 to 4"));
 }
 
 }  // namespace

@@ -37,4 +37,17 @@ std::string ptp_features(const std::string& follows) {
       integer_register("Never", 0x8008));
 }
 
+std::string white_balance_features() {
+  return text(
+      "<Enumeration Name=\"BalanceRatioSelector\"><EnumEntry Name=\"Red\"><Value>0</Value></EnumEntry>"
+      "<EnumEntry Name=\"Green\"><Value>1</Value></EnumEntry>"
+      "<EnumEntry Name=\"Blue\"><Value>2</Value></EnumEntry><pValue>RatioChannel</pValue></Enumeration>"
+      "<Float Name=\"BalanceRatio\"><pValue>Ratio</pValue><Min>0.5</Min><Max>4</Max></Float>"
+      "<FloatReg Name=\"Ratio\"><pAddress>RatioAddress</pAddress><Length>4</Length>"
+      "<AccessMode>RW</AccessMode><pPort>Device</pPort><Endianess>BigEndian</Endianess></FloatReg>"
+      "<IntSwissKnife Name=\"RatioAddress\"><pVariable Name=\"CHANNEL\">RatioChannel</pVariable>"
+      "<Formula>0x8020 + CHANNEL * 4</Formula></IntSwissKnife>",
+      integer_register("RatioChannel", 0x8010));
+}
+
 }  // namespace floatstage::capture

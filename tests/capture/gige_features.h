@@ -16,4 +16,7 @@ std::filesystem::path described_with(const std::string& features, const TempFold
 /// writes, "Latch" what PtpDataSetLatch writes, and "Never" nobody writes.
 std::string ptp_features(const std::string& follows);
 
+/// White balance as a ratio, 0.5 to 4, of each of three channels behind one selector.
+std::string white_balance_features();
+
 }  // namespace floatstage::capture

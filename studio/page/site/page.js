@@ -36,10 +36,12 @@ function putFigure(id, main, small = '', className = '') {
   if (element.className !== className) element.className = className;
 }
 
-function makeTile(camera) {
+function makeTile(camera, index) {
   const root = $('tile').content.cloneNode(true).querySelector('li');
   const tile = {
     root,
+    width: camera.width || 320,  // px of its pictures
+    height: camera.height || 240,
     canvas: root.querySelector('canvas'),
     trouble: root.querySelector('.trouble'),
     fps: root.querySelector('.fps'),
@@ -47,6 +49,13 @@ function makeTile(camera) {
   };
   root.querySelector('.serial').textContent = camera.serial;
   tile.canvas.setAttribute('aria-label', 'Preview of camera ' + camera.serial);
+  tile.canvas.addEventListener('click', (event) => {
+    const at = pointOn(tile.canvas, event);
+    openFocus(index, camera.serial, at.x, at.y);
+  });
+  const adjust = root.querySelector('.adjust');
+  adjust.setAttribute('aria-label', 'Adjust camera ' + camera.serial);
+  adjust.addEventListener('click', () => openFocus(index, camera.serial, 0.5, 0.5));
   if (camera.width && camera.height)
     root.querySelector('.picture').style.aspectRatio = camera.width + ' / ' + camera.height;
   $('tiles').append(root);
@@ -54,7 +63,7 @@ function makeTile(camera) {
 }
 
 function showCamera(camera, index, nominal) {
-  if (!tiles[index]) tiles[index] = makeTile(camera);
+  if (!tiles[index]) tiles[index] = makeTile(camera, index);
   const tile = tiles[index];
   const slow = Math.abs(camera.fps - nominal) > 0.02 * nominal;
   put(tile.fps, camera.fps.toFixed(1) + ' fps', slow ? 'fps is-warn' : 'fps');

@@ -1,14 +1,17 @@
 #include "studio/page/page_server.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <span>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/jpeg.h"
 #include "core/statistics.h"
 #include "core/text.h"
 #include "tests/support/eventually.h"
@@ -52,6 +55,24 @@ class NotingControl final : public StudioControl {
   }
   Result<std::vector<NodeTake>> takes() const override { return std::vector<NodeTake>(1); }
 
+  std::vector<NodeControls> controls() const override {
+    return {{"A", {{"gain", 2, 0, 24, 0.5}}}, {"B", {}}};
+  }
+  Result<void> set_control(const std::string& serial, const std::string& name, double value) override {
+    if (value > 24) return fail(ErrorCode::InvalidArgument, "it takes 0 to 24");
+    return note(text(serial, ".", name, "=", value));
+  }
+  Result<std::vector<std::string>> presets() const override { return std::vector<std::string>{"day"}; }
+  Result<void> save_preset(const std::string& name) override { return note("save " + name); }
+  Result<void> apply_preset(const std::string& name) override {
+    if (name != "day") return fail(ErrorCode::NotFound, "there is no preset 'night'");
+    return note("apply " + name);
+  }
+  std::vector<std::string> noted() {
+    std::lock_guard lock(mutex_);
+    return noted_;
+  }
+
   /// The next take begins only when it is let go.
   void hold() { holding_ = true; }
   bool wait_until_held() {
@@ -65,6 +86,13 @@ class NotingControl final : public StudioControl {
   }
 
  private:
+  Result<void> note(const std::string& what) {
+    std::lock_guard lock(mutex_);
+    noted_.push_back(what);
+    return {};
+  }
+
+  std::vector<std::string> noted_;
   bool recording_ = false, holding_ = false, held_ = false;
   std::mutex mutex_;
   std::condition_variable wake_;
@@ -126,6 +154,69 @@ TEST_F(APage, TakesCommands) {
   EXPECT_EQ(nlohmann::json::parse(again.body)["error"], "'x' is being recorded");
   EXPECT_EQ(post("/api/stop").status, 200);
   EXPECT_EQ(post("/api/stop").status, 409);
+}
+
+TEST_F(APage, TurnsKnobsOfCameras) {
+  const nlohmann::json all = nlohmann::json::parse(get("/api/controls").body);
+  const nlohmann::json gain = {{"name", "gain"}, {"value", 2}, {"least", 0}, {"most", 24}, {"step", 0.5}};
+  EXPECT_EQ(all["cameras"][0]["serial"], "A");
+  EXPECT_EQ(all["cameras"][0]["controls"], nlohmann::json::array({gain}));
+  EXPECT_EQ(all["presets"], nlohmann::json::array({"day"}));
+  EXPECT_EQ(post("/api/control?camera=A&name=gain&value=6.5").status, 200);
+  EXPECT_EQ(post("/api/preset/save?name=night").status, 200);
+  EXPECT_EQ(post("/api/preset/apply?name=day").status, 200);
+  EXPECT_THAT(control_.noted(), testing::ElementsAre("A.gain=6.5", "save night", "apply day"));
+  const HttpAnswer refused = post("/api/control?camera=A&name=gain&value=25");
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_EQ(nlohmann::json::parse(refused.body)["error"], "it takes 0 to 24");
+  EXPECT_EQ(post("/api/preset/apply?name=night").status, 409);
+}
+
+TEST_F(APage, TurnsNoKnobForWhoMayNotOrIsNotUnderstood) {
+  const std::string knob = "/api/control?camera=A&name=gain&value=6";
+  for (const std::string order : {knob.c_str(), "/api/preset/save?name=x", "/api/preset/apply?name=day"}) {
+    EXPECT_EQ(get(order).status, 405) << "a link must not turn a knob: " << order;
+    EXPECT_EQ(post(order, {}).status, 401) << order;
+    EXPECT_EQ(post(order, {kRight, "Origin: http://elsewhere.example"}).status, 403) << order;
+  }
+  EXPECT_EQ(get("/api/controls", {}).status, 401);
+  EXPECT_EQ(get("/api/zoom?camera=0&x=0&y=0", {}).status, 401);
+  for (const char* value : {"", "much", "nan", "inf", "-inf", "1e999", "6x", "%206", "0x10"}) {
+    const HttpAnswer answer = post(std::string("/api/control?camera=A&name=gain&value=") + value);
+    EXPECT_EQ(answer.status, 400) << value;
+    EXPECT_THAT(answer.body, HasSubstr("camera 'A': gain = ")) << value;
+  }
+  EXPECT_THAT(control_.noted(), testing::IsEmpty());
+}
+
+TEST_F(APage, ShowsAPieceOfACamerasPictureAsItIs) {
+  FrameInfo info;
+  info.camera = 1;
+  Image picture(1000, 600, 3);
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) picture.at(x, y)[0] = x >= 900 && y >= 500 ? 200 : 20;
+  const Frame frame = make_frame(info, picture);
+  std::atomic<bool> done{false};
+  std::thread camera([&] {
+    for (; !done; std::this_thread::sleep_for(std::chrono::milliseconds(5))) server_->offer(frame);
+  });
+  const HttpAnswer corner = get("/api/zoom?camera=1&x=1&y=1");
+  const HttpAnswer middle = get("/api/zoom?camera=1&x=0.5&y=0.5");
+  const HttpAnswer dark = get("/api/zoom?camera=0&x=0.5&y=0.5");
+  done = true;
+  camera.join();
+  ASSERT_EQ(corner.status, 200);
+  const Result<Image> shown = decode_jpeg(std::as_bytes(std::span(corner.body)), 320, 240);
+  ASSERT_THAT(shown, IsOk());
+  // The right 100 px and the lower 100 px of it are bright.
+  EXPECT_NEAR(shown->at(230, 150)[0], 200, 12);
+  EXPECT_NEAR(shown->at(210, 150)[0], 20, 12);
+  EXPECT_NEAR(shown->at(230, 130)[0], 20, 12);
+  EXPECT_EQ(middle.status, 200);
+  EXPECT_EQ(dark.status, 409) << "that camera sends nothing";
+  for (const char* bad : {"", "?camera=2&x=0&y=0", "?camera=-1&x=0&y=0", "?camera=0.5&x=0&y=0",
+                          "?camera=0&x=1.1&y=0", "?camera=0&x=0&y=nan", "?camera=1e300&x=0&y=0"})
+    EXPECT_EQ(get(std::string("/api/zoom") + bad).status, 400) << bad;
 }
 
 TEST_F(APage, SendsStatusAndPreviewsOverOneConnection) {
