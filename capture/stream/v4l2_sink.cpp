@@ -11,6 +11,7 @@
 
 #include "capture/stream/fitted_picture.h"
 #include "capture/stream/stream_sink.h"
+#include "capture/stream/v4l2_output_buffers.h"
 #include "core/file_descriptor.h"
 #include "core/text.h"
 
@@ -35,7 +36,10 @@ class V4l2Sink final : public StreamSink {
 
   Result<void> connect() override;
   Result<std::size_t> write(const Image& rgb, std::int64_t instant, bool fresh) override;
-  void close() override { device_ = {}; }
+  void close() override {
+    buffers_.reset();
+    device_ = {};
+  }
 
  private:
   template <class... Parts>
@@ -52,10 +56,14 @@ class V4l2Sink final : public StreamSink {
   Result<OutputFormat> choose_format() const;
   Result<void> agree(const OutputFormat& chosen);
   void copy(const AVFrame& frame);
+  int hand_over();
 
   const StreamAddress address_;
   const StreamFormat wanted_;
   FileDescriptor device_;
+  bool streams_ = false, writes_ = false;  // how it takes pictures
+  bool write_failed_ = false;              // it says that it does, and does not
+  std::unique_ptr<V4l2OutputBuffers> buffers_;
   v4l2_pix_format agreed_{};
   std::unique_ptr<FittedPicture> fitted_;
   std::vector<std::uint8_t> bytes_;  // one picture as the device wants it
@@ -78,8 +86,10 @@ Result<void> V4l2Sink::open_device() {
     return failed(ErrorCode::Unsupported, "it takes no pictures",
                   has & V4L2_CAP_VIDEO_CAPTURE ? ": it is a camera" : "",
                   "; a device of v4l2loopback does until another program has it");
-  if (!(has & V4L2_CAP_READWRITE))
-    return failed(ErrorCode::Unsupported, "it takes pictures, but not by write(), as v4l2loopback does");
+  streams_ = (has & V4L2_CAP_STREAMING) != 0;
+  writes_ = (has & V4L2_CAP_READWRITE) != 0 && !write_failed_;
+  if (!streams_ && !writes_)
+    return failed(ErrorCode::Unsupported, "it takes pictures neither by write() nor in buffers of its own");
   return {};
 }
 
@@ -130,6 +140,11 @@ Result<void> V4l2Sink::connect() {
   fitted_ = std::make_unique<FittedPicture>(static_cast<int>(agreed_.width), static_cast<int>(agreed_.height),
                                             chosen->format);
   bytes_.assign(agreed_.sizeimage, 0);
+  if (writes_) return {};
+  buffers_ = std::make_unique<V4l2OutputBuffers>();
+  if (const int error = buffers_->start(device_.get()); error != 0)
+    return failed(ErrorCode::Io, "it lends no buffers (", std::strerror(error),
+                  error == EBUSY ? "): another program writes to it" : ")");
   return {};
 }
 
@@ -150,14 +165,27 @@ void V4l2Sink::copy(const AVFrame& frame) {
   }
 }
 
+// 0 or an errno.
+int V4l2Sink::hand_over() {
+  if (buffers_) return buffers_->put(bytes_);
+  return ::write(device_.get(), bytes_.data(), bytes_.size()) >= 0 ? 0 : errno;
+}
+
 Result<std::size_t> V4l2Sink::write(const Image& rgb, std::int64_t, bool) {
   copy(*fitted_->of(rgb));
   for (;;) {
-    const ssize_t n = ::write(device_.get(), bytes_.data(), bytes_.size());
-    if (n >= 0) return static_cast<std::size_t>(n);
-    if (errno == EINTR) continue;
-    if (errno != EAGAIN)
-      return failed(ErrorCode::Disconnected, "it takes no more pictures (", std::strerror(errno), ")");
+    const int error = hand_over();
+    if (error == 0) return bytes_.size();
+    if (error == EINTR) continue;
+    if (error == EINVAL && !buffers_ && streams_) {
+      // So with vivid, of which the kernel's write() prepares no buffer; what says its length it takes.
+      write_failed_ = true;
+      if (Result<void> ok = connect(); !ok) return forward(ok);
+      copy(*fitted_->of(rgb));
+      continue;
+    }
+    if (error != EAGAIN)
+      return failed(ErrorCode::Disconnected, "it takes no more pictures (", std::strerror(error), ")");
     pollfd ready{device_.get(), POLLOUT, 0};
     if (::poll(&ready, 1, kPatienceMs) == 0) return std::size_t{0};
   }

@@ -109,6 +109,49 @@ TEST(V4l2, SetsControls) {
   turn("brightness", 128);
 }
 
+double mean_of_next(FrameSource& source) {
+  const Result<Frame> frame = source.next(milliseconds(10'000));
+  EXPECT_THAT(frame, IsOk());
+  double sum = 0;
+  for (std::size_t i = 0; frame && i < frame->layout.size_bytes; ++i)
+    sum += std::to_integer<int>(frame->pixels[i]);
+  return frame ? sum / static_cast<double>(frame->layout.size_bytes) : 0;
+}
+
+const CameraControl* find(const std::vector<CameraControl>& all, const std::string& name) {
+  for (const CameraControl& control : all)
+    if (control.name == name) return &control;
+  return nullptr;
+}
+
+TEST(V4l2, TurnsItsKnobsWhileItStreams) {
+  const auto source = opened(text("format=gray8&", kSmall));
+  ASSERT_THAT(source->start(), IsOk());
+  ASSERT_THAT(source->set_control("brightness", 128), IsOk());
+  for (int i = 0; i < 4; ++i) mean_of_next(*source);
+  const double before = mean_of_next(*source);
+  ASSERT_THAT(source->set_control("brightness", 200), IsOk());
+  double after = before;
+  for (int i = 0; i < 10 && after <= before + 20; ++i) after = mean_of_next(*source);
+  EXPECT_GT(after, before + 20);
+  std::vector<CameraControl> all = source->controls();
+  ASSERT_NE(find(all, "brightness"), nullptr);
+  EXPECT_EQ(find(all, "brightness")->value, 200);
+  EXPECT_THAT(source->set_control("brightness", 1000),
+              FailsWith(ErrorCode::InvalidArgument,
+                        "camera '/dev/video0': brightness = 1000 is out of range; it takes 0 to 255"));
+  EXPECT_THAT(source->set_control("brightness", 128), IsOk());
+  // A knob that its automatic holds is none until that is off.
+  ASSERT_THAT(source->set_control("gain-automatic", 1), IsOk());
+  EXPECT_THAT(source->set_control("gain", 7), FailsWith(ErrorCode::NotFound, "no control 'gain'"));
+  ASSERT_THAT(source->set_control("gain-automatic", 0), IsOk());
+  ASSERT_THAT(source->set_control("gain", 7), IsOk());
+  all = source->controls();
+  ASSERT_NE(find(all, "gain"), nullptr);
+  EXPECT_EQ(find(all, "gain")->value, 7);
+  EXPECT_THAT(source->set_control("gain-automatic", 1), IsOk());
+}
+
 TEST(V4l2, RecordsThreeHundredPicturesThatTheHostCompares) {
   const std::string out = std::getenv("FLOATSTAGE_GUEST_OUT");
   const auto source = opened(text("format=rgb8&", kSmall, "&buffers=16"));

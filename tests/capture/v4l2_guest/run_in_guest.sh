@@ -38,8 +38,8 @@ mount -t sysfs sys /sys
 mount -t devtmpfs dev /dev
 for module in $(cat /modules/order); do
   case $module in
-    # Two cameras; no multiplanar formats; no radio, touch or metadata devices.
-    vivid.ko*) insmod "/modules/$module" n_devs=2 node_types=0x1,0x1 multiplanar=1,1 ;;
+    # Two cameras, and one with a video output; no multiplanar formats; no radio, touch or metadata devices.
+    vivid.ko*) insmod "/modules/$module" n_devs=3 node_types=0x1,0x1,0x101 multiplanar=1,1,1 ;;
     *) insmod "/modules/$module" ;;
   esac || echo "guest: $module does not load"
 done
