@@ -34,7 +34,9 @@ nlohmann::json to_json(const PlayReport& report) {
   moving["per_second"] = times.moving_seconds > 0 ? times.moving_steps / times.moving_seconds : 0;
   moving["coarsest"] = times.coarsest;
   moving["without_flow"] = times.without_flow;
-  return {{"at_rest", to_json(times.at_rest)},
+  nlohmann::json at_rest = to_json(times.at_rest);
+  at_rest["given_up"] = times.given_up;
+  return {{"at_rest", std::move(at_rest)},
           {"moving", std::move(moving)},
           {"after_input", to_json(report.after_input)},
           {"frame", report.frame},

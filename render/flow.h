@@ -10,6 +10,7 @@
 
 #include "core/image.h"
 #include "core/result.h"
+#include "render/interruption.h"
 
 namespace floatstage::render {
 
@@ -65,6 +66,15 @@ class FlowEstimator {
   virtual Result<void> estimate(std::span<const FlowImage> images, std::span<const FlowPair> pairs,
                                 std::span<const FlowField> initial, int threads,
                                 std::span<FlowField> result) = 0;
+  /// Whose answer ends estimates early, as Cancelled, where the estimator looks ("variational": between
+  /// pairs); outlives them. Null: nobody's.
+  void watch(Interruption* interruption) { interruption_ = interruption; }
+
+ protected:
+  bool given_up() const { return interruption_ != nullptr && interruption_->given_up(); }
+
+ private:
+  Interruption* interruption_ = nullptr;
 };
 
 /// Brightness of a picture of 1, 3 or 4 channels (Rec. 601), width*height; its alpha is not looked at.

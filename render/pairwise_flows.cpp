@@ -45,7 +45,7 @@ std::size_t flow_index_of(FlowPair pair, std::size_t images) {
 }
 
 Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
-                                     const FlowOptions& options, int threads) {
+                                     const FlowOptions& options, int threads, Interruption* interruption) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
   fields_.resize(pairs);
   if (options.backend == "none") {
@@ -59,6 +59,7 @@ Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::v
     if (!made) return forward(made);
     estimator_ = std::move(*made);
   }
+  estimator_->watch(interruption);
   pictures_.clear();
   for (std::size_t i = 0; i < count; ++i)
     pictures_.push_back({images.width, images.height, images.gray[i].data(), images.state[i].data()});
@@ -78,11 +79,13 @@ Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::v
   const std::size_t workers =
       std::min(pairs, static_cast<std::size_t>(threads > 0 ? threads : default_threads()));
   workers_.resize(std::max(workers_.size(), workers));
+  const auto ended = [&] { return interruption != nullptr && interruption->given_up(); };
   std::atomic<std::size_t> next = 0;
   parallel_for(workers, threads, [&](std::size_t worker) {
-    for (std::size_t index; (index = next.fetch_add(1)) < pairs;)
+    for (std::size_t index; (index = next.fetch_add(1)) < pairs && !ended();)
       make_dependable(images, index, workers_[worker]);
   });
+  if (ended()) return given_up();
   return {};
 }
 

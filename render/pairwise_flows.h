@@ -20,9 +20,10 @@ std::size_t flow_index_of(FlowPair pair, std::size_t images);
 /// memory.
 class PairwiseFlows {
  public:
-  /// fields() are those of flow_pair_at(). Pairs whose j is not `wanted` stay zero.
+  /// fields() are those of flow_pair_at(). Pairs whose j is not `wanted` stay zero. Cancelled when it was
+  /// interrupted: fields() are nobody's then.
   Result<void> estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
-                        const FlowOptions& options, int threads);
+                        const FlowOptions& options, int threads, Interruption* interruption = nullptr);
 
   const std::vector<FlowField>& fields() const { return fields_; }
 

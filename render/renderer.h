@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -57,6 +58,9 @@ struct RendererOptions {
   BackEnd back_end = BackEnd::Auto;  ///< what callers ask make_renderer() for
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;
+  /// Cpu: asked on the calling thread now and then while a picture is drawn; true gives it up, as Cancelled,
+  /// and the next picture is as if this one had not been asked for. Empty: nobody gives up.
+  std::function<bool()> given_up = {};
 };
 Result<void> check(const RendererOptions& options);
 

@@ -21,8 +21,9 @@ class BlendRenderer : public ViewRenderer {
     if (options.output == RenderOutput::Flow)
       return fail(ErrorCode::InvalidArgument,
                   "only the floating renderer has a flow to show; choose another output");
-    projection_.run(scene, view, options,
-                    {.margin = 0, .one_camera = one_camera_, .mattes = has_soft_outline(options)});
+    const Projection::Wanted wanted{
+        .margin = 0, .one_camera = one_camera_, .mattes = has_soft_outline(options)};
+    if (Result<void> ok = projection_.run(scene, view, options, wanted); !ok) return forward(ok);
     picture_.begin(view, options.background);
     if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output))
@@ -31,7 +32,7 @@ class BlendRenderer : public ViewRenderer {
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);
         });
-      picture_.soften(projection_, options);
+      if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
     }
     return rendered_view(scene, view, projection_, picture_);
   }

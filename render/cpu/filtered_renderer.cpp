@@ -26,7 +26,8 @@ class FilteredRenderer : public ViewRenderer {
     if (options.output == RenderOutput::Flow)
       return fail(ErrorCode::InvalidArgument,
                   "only the floating renderer has a flow to show; choose another output");
-    projection_.run(scene, view, options, {.margin = 0, .levels = true, .mattes = has_soft_outline(options)});
+    const Projection::Wanted wanted{.margin = 0, .levels = true, .mattes = has_soft_outline(options)};
+    if (Result<void> ok = projection_.run(scene, view, options, wanted); !ok) return forward(ok);
     picture_.begin(view, options.background);
     error_ =
         static_cast<float>(options.uncertainty * static_cast<double>(scene.impl().box.diagonal().norm()));
@@ -38,7 +39,7 @@ class FilteredRenderer : public ViewRenderer {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);
         });
       }
-      picture_.soften(projection_, options);
+      if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, picture_);
     if (options.output == RenderOutput::Color && options.motion_blur > 0)

@@ -21,8 +21,9 @@ class FloatingRenderer : public ViewRenderer {
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     const bool intermediate = is_shared_intermediate(options.output);
-    projection_.run(scene, view, options,
-                    {.margin = kMargin, .images = !intermediate, .mattes = has_soft_outline(options)});
+    const Projection::Wanted wanted{
+        .margin = kMargin, .images = !intermediate, .mattes = has_soft_outline(options)};
+    if (Result<void> ok = projection_.run(scene, view, options, wanted); !ok) return forward(ok);
     picture_.begin(view, options.background);
     parallax_ = options.positions == Positions::Parallax;
     if (!projection_.window().empty()) {
@@ -34,7 +35,7 @@ class FloatingRenderer : public ViewRenderer {
           centers_[i] = center_in_view(projection_.rays(), projection_.camera(i));
         projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
       }
-      picture_.soften(projection_, options);
+      if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
     }
     return rendered_view(scene, view, projection_, picture_);
   }
@@ -67,7 +68,7 @@ Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   for (std::size_t i = 0; i < count(); ++i) pulls_[i] = projection_.choice().fade[i] >= kLeastFade;
   if (std::find(pulls_.begin(), pulls_.end(), true) == pulls_.end()) pulls_.assign(count(), true);
   projection_.gray_images(options.flow.shrink, images_);
-  return pairwise_.estimate(images_, pulls_, options.flow, options.threads);
+  return pairwise_.estimate(images_, pulls_, options.flow, options.threads, &projection_.interruption());
 }
 
 // How much each camera counts: angular weights, visible or not, and with its visibility.

@@ -65,8 +65,10 @@ void Picture::write(const Projection& projection, int y, const float* rgb, int f
   }
 }
 
-void Picture::soften(Projection& projection, const RendererOptions& options) {
+Result<void> Picture::soften(Projection& projection, const RendererOptions& options) {
+  if (projection.interruption().given_up()) return given_up();
   if (has_soft_outline(options)) outline_.run(projection, options.output == RenderOutput::Opacity, image_);
+  return projection.interruption().given_up() ? Result<void>(given_up()) : Result<void>();
 }
 
 bool is_shared_intermediate(RenderOutput output) {

@@ -19,7 +19,8 @@ class Picture {
   void write(const Projection& projection, int y, const float* rgb, int floats);
 
   /// Once all rows are written: gives the view its opacity, or shows it, where the options want either.
-  void soften(Projection& projection, const RendererOptions& options);
+  /// Cancelled when the picture was given up.
+  Result<void> soften(Projection& projection, const RendererOptions& options);
 
  private:
   Image image_;

@@ -68,12 +68,13 @@ float* RowMemory::floats(std::size_t count) {
   return piece;
 }
 
-void Projection::run(const Scene& scene, const View& view, const RendererOptions& options,
-                     const Wanted& wanted) {
+Result<void> Projection::run(const Scene& scene, const View& view, const RendererOptions& options,
+                             const Wanted& wanted) {
+  interruption_.begin(options.given_up);
   const Scene::Impl& s = scene.impl();
   choice_ = s.choose(view, options.cameras);
   window_ = window_of(view, s.mesh.positions, wanted.margin);
-  if (window_.empty()) return;
+  if (window_.empty()) return {};
   mesh_ = &s.mesh;
   threads_ = options.threads;
   sharp_ = options.sharp;
@@ -85,6 +86,7 @@ void Projection::run(const Scene& scene, const View& view, const RendererOptions
   grow(inverse_z_, pixels);
   grow(triangle_, pixels);
   raster_.run(s, raster_camera(view, window_), choice_.listed, threads_, inverse_z_.data(), triangle_.data());
+  if (interruption_.given_up()) return given_up();
   take_photographs(s, view, wanted.levels);
   covered_.find(window_.width, window_.height, inverse_z_.data());
   reserve();
@@ -93,6 +95,7 @@ void Projection::run(const Scene& scene, const View& view, const RendererOptions
   plan_bands();
   for_rows([&](int y, RowMemory& memory) { see_row(y, wanted, memory); });
   for_rows([&](int y, RowMemory& memory) { weigh_row(y, wanted, memory); });
+  return interruption_.given_up() ? Result<void>(given_up()) : Result<void>();
 }
 
 void Projection::take_photographs(const Scene::Impl& s, const View& view, bool levels) {

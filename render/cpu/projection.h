@@ -10,6 +10,7 @@
 #include "render/cpu/photo_kernels.h"
 #include "render/cpu/photo_levels.h"
 #include "render/cpu/scene_maps.h"
+#include "render/interruption.h"
 #include "render/projected_images.h"
 #include "render/renderer.h"
 #include "render/view_window.h"
@@ -46,7 +47,11 @@ class Projection {
     bool levels = false;  ///< photographs' pyramids, whatever the footprints are
     bool mattes = false;  ///< what they say at the surface
   };
-  void run(const Scene& scene, const View& view, const RendererOptions& options, const Wanted& wanted);
+  /// Cancelled when the picture was given up.
+  Result<void> run(const Scene& scene, const View& view, const RendererOptions& options,
+                   const Wanted& wanted);
+  /// Of the picture that run() began; what is asked of whoever may give it up.
+  Interruption& interruption() { return interruption_; }
 
   const Window& window() const { return window_; }
   const CameraChoice& choice() const { return choice_; }
@@ -84,10 +89,12 @@ class Projection {
   const float* most_opaque() const { return most_opaque_.data(); }
   const ScreenMesh& on_screen() const { return raster_.seen(); }  ///< the proxy as the window shows it
 
-  /// Calls body(y, memory) for every row with covered pixels, rows of a band in order on one thread.
+  /// Calls body(y, memory) for every row with covered pixels, rows of a band in order on one thread; bands
+  /// that are left when the picture is given up are left out.
   template <class Body>
   void for_rows(const Body& body) {
     parallel_for(bands_.size(), threads_, [&](std::size_t band) {
+      if (interruption_.given_up()) return;
       for (int y = bands_[band].first; y < bands_[band].last; ++y) {
         if (covered_.rows[static_cast<std::size_t>(y)].count == 0) continue;
         memory_[band].begin(row_floats_);
@@ -117,6 +124,7 @@ class Projection {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);
   }
 
+  Interruption interruption_;
   Window window_;
   CameraChoice choice_;
   Covered covered_;

@@ -23,18 +23,20 @@ class VariationalFlow : public FlowEstimator {
     pyramids_.resize(std::max(pyramids_.size(), images.size()));
     parallel_for(images.size(), threads,
                  [&](std::size_t i) { pyramids_[i].build(images[i], levels, pyramid_); });
+    if (given_up()) return render::given_up();
     const std::size_t workers =
         std::min(pairs.size(), static_cast<std::size_t>(threads > 0 ? threads : default_threads()));
     solvers_.resize(std::max(solvers_.size(), workers));
     std::atomic<std::size_t> next = 0;
     parallel_for(workers, threads, [&](std::size_t worker) {
-      for (std::size_t i; (i = next.fetch_add(1)) < pairs.size();) {
+      for (std::size_t i; (i = next.fetch_add(1)) < pairs.size() && !given_up();) {
         const FlowPair pair = pairs[i];
         const FlowField* from = initial.empty() || initial[i].uv.empty() ? nullptr : &initial[i];
         solvers_[worker].solve(native_flow_kernels(), options_, pyramids_[pair.first], pyramids_[pair.second],
                                levels, from, result[i]);
       }
     });
+    if (given_up()) return render::given_up();
     return {};
   }
 

@@ -57,7 +57,7 @@ Result<void> Canvas::show(const studio::LiveScene& scene) {
 }
 
 bool Canvas::stale(const Made& wanted) const {
-  return !made_ || made_->width != wanted.width || made_->height != wanted.height ||
+  return !made_ || gave_up_ || made_->width != wanted.width || made_->height != wanted.height ||
          made_->left != wanted.left || made_->right != wanted.right || made_->scene != wanted.scene ||
          !same(made_->key, wanted.key) || !same(made_->renderer, wanted.renderer);
 }
@@ -85,10 +85,12 @@ bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key
 }
 
 // Milliseconds that it took.
-Result<double> Canvas::render_side(Side& side, int method, const PlayerState& state, const View& view) {
+Result<double> Canvas::render_side(Side& side, int method, const PlayerState& state, bool moving) {
   const auto begin = std::chrono::steady_clock::now();
+  render::RendererOptions options = made_->renderer;
+  if (!moving && state.quick && left_.texture != 0 && !gave_up_) options.given_up = hand_waits_;
   Result<render::RenderedView> rendered =
-      renderers_.render(state.methods[static_cast<std::size_t>(method)], drawn_, view, made_->renderer);
+      renderers_.render(state.methods[static_cast<std::size_t>(method)], drawn_, *view_, options);
   if (!rendered) return forward(rendered);
   side.view = *rendered;
   if (rendered->picture != nullptr) side.copy.show(*rendered->picture);
@@ -96,19 +98,26 @@ Result<double> Canvas::render_side(Side& side, int method, const PlayerState& st
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
+Result<void> Canvas::render_sides(const PlayerState& state, bool moving) {
+  const Result<double> left = render_side(left_, made_->left, state, moving);
+  if (!left) return forward(left);
+  if (keep_pictures_) kept_ = render::download(left_.view);
+  const Result<double> right =
+      state.split ? render_side(right_, made_->right, state, moving) : Result<double>(0.0);
+  if (!right) return forward(right);
+  times_.left_ms = *left, times_.right_ms = *right;
+  return {};
+}
+
 Result<void> Canvas::render(const PlayerState& state, const Made& wanted, bool moving, double now) {
   const auto begin = std::chrono::steady_clock::now();
   // Recorded before rendering: a view that cannot be rendered is not tried again until something changes.
   made_ = wanted;
-  const View view = pipeline::view_of(wanted.key, wanted.width, wanted.height, subject_);
-  view_ = view;
-  const Result<double> left = render_side(left_, wanted.left, state, view);
-  if (!left) return forward(left);
-  if (keep_pictures_) kept_ = render::download(left_.view);
-  const Result<double> right =
-      state.split ? render_side(right_, wanted.right, state, view) : Result<double>(0.0);
-  if (!right) return forward(right);
-  times_.left_ms = *left, times_.right_ms = *right;
+  view_ = pipeline::view_of(wanted.key, wanted.width, wanted.height, subject_);
+  const Result<void> drawn = render_sides(state, moving);
+  gave_up_ = !drawn && drawn.error().code == ErrorCode::Cancelled;
+  if (gave_up_) ++times_.given_up;
+  if (!drawn) return gave_up_ ? Result<void>() : drawn;
   times_.width = wanted.width, times_.height = wanted.height;
   last_render_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   render_milliseconds_ = 1e3 * last_render_seconds_;

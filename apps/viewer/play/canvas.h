@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,6 +24,7 @@ struct CanvasTimes {
   double moving_seconds = 0;          ///< from moving picture to moving picture, the window's part included
   int moving_steps = 0;               ///< so many times
   double coarsest = 1;                ///< scale of a moving picture
+  int given_up = 0;                   ///< full pictures that a hand ended
   bool without_flow = false;          ///< some moving pictures were blended where floating was asked for
   double left_ms = 0, right_ms = 0;   ///< of the last picture, each side
   int width = 0, height = 0;          ///< px drawn of the last picture
@@ -49,10 +51,17 @@ class Canvas {
     pace_.window_took(seconds - last_render_seconds_);
   }
 
+  /// Asked while a full picture is drawn on the CPU with PlayerState::quick, where one is shown already: true
+  /// gives it up, and it is begun again when nothing moves. A second one in a row is drawn to its end: there
+  /// is always a picture, whatever hands do.
+  void give_up_when(std::function<bool()> hand_waits) { hand_waits_ = std::move(hand_waits); }
+  /// The last draw() gave its picture up.
+  bool gave_up() const { return gave_up_; }
+
   double render_milliseconds() const { return render_milliseconds_; }
   const CanvasTimes& times() const { return times_; }
   /// There is one, and it is not one of those that are drawn while something moves.
-  bool has_full_picture() const { return left_.texture != 0 && !made_moving_; }
+  bool has_full_picture() const { return left_.texture != 0 && !made_moving_ && !gave_up_; }
   /// Whether every picture that is drawn is kept for take_picture(), which costs a copy.
   void keep_pictures(bool keep) { keep_pictures_ = keep; }
   /// The left side's last picture, RGBA, once; nothing when none was drawn since.
@@ -81,7 +90,8 @@ class Canvas {
               bool moving) const;
   bool judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now);
   Result<void> render(const PlayerState& state, const Made& wanted, bool moving, double now);
-  Result<double> render_side(Side& side, int method, const PlayerState& state, const View& view);
+  Result<void> render_sides(const PlayerState& state, bool moving);
+  Result<double> render_side(Side& side, int method, const PlayerState& state, bool moving);
   void fly(std::span<const InputEvent> input, PlayerState& state) const;
   void list_times(const PlayerState& state, float x1, float y0) const;
   void list_pictures(const PlayerState& state, float x0, float y0, float x1, float y1) const;
@@ -100,7 +110,8 @@ class Canvas {
   StageInput hands_;
   PicturePace pace_;
   CanvasTimes times_;
-  bool made_moving_ = false, keep_pictures_ = false;
+  bool made_moving_ = false, gave_up_ = false, keep_pictures_ = false;
+  std::function<bool()> hand_waits_;
   std::optional<Image> kept_;
   double last_moving_ = 0;  ///< when the last moving picture was drawn, ImGui's seconds
   double render_milliseconds_ = 0, last_render_seconds_ = 0;

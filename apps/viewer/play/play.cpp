@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <optional>
 
 #include "apps/viewer/mattes/matte_editor.h"
 #include "apps/viewer/play/player.h"
@@ -48,16 +49,23 @@ class PlayWindow {
     looked_ = Clock::now();  // what came while it opened is not an input to a picture
     while (!window_->should_close() && !(options_.stop && options_.stop())) {
       const bool busy = editing_ ? editor_->busy() : player_->busy();
-      const bool waits = !busy && options_.screenshot.empty();
+      const bool waits = !busy && options_.screenshot.empty() && !window_->input_waits();
       const Clock::time_point polled = Clock::now();
       window_->begin_frame(waits ? kIdle : 0);
       const Clock::time_point begun = Clock::now();
       // While the window waits an input wakes it; what came while it drew has waited since the last look.
-      const Clock::time_point came = waits && woke(begun - polled) ? begun : std::exchange(looked_, begun);
+      Clock::time_point came = waits && woke(begun - polled) ? begun : std::exchange(looked_, begun);
       looked_ = begun;
-      const bool has_input = frame();
+      if (owed_) came = std::min(came, *owed_);
+      const bool has_input = frame() || owed_;
       settled = (editing_ ? editor_->stands() : player_->stands()) ? settled + 1 : 0;
       const bool last = !options_.screenshot.empty() && settled >= kSettleFrames;
+      if (!editing_ && player_->gave_up() && !screenshot_) {  // a hand waits: what it wants is next
+        window_->drop_frame();
+        if (has_input) owed_ = came;
+        continue;
+      }
+      owed_.reset();
       Image picture;
       window_->end_frame(last || screenshot_ ? &picture : nullptr);
       if (has_input && !editing_)
@@ -105,11 +113,23 @@ class PlayWindow {
     Result<std::unique_ptr<Player>> player = Player::open(options_, *take_);
     if (!player) return forward(player);
     player_ = std::move(*player);
+    player_->give_up_when([this] { return hand_waits(); });
     return {};
   }
 
   // Whether it slept: an event that was there already is handed out at once.
   static bool woke(Clock::duration waited) { return waited > std::chrono::milliseconds(1); }
+
+  /// Looks for events, but not for every row of a picture.
+  bool hand_waits() {
+    constexpr auto kPatience = std::chrono::milliseconds(2);
+    const Clock::time_point now = Clock::now();
+    if (now - asked_ < kPatience) return false;
+    asked_ = now;
+    const bool heard = window_->input_waits(), hand = window_->hand_waits();
+    if (!heard && !window_->input_waits()) looked_ = now;
+    return hand;
+  }
 
   /// Whether hands did something.
   bool frame() {
@@ -164,6 +184,8 @@ class PlayWindow {
   long events_ = 0, keys_ = 0, presses_ = 0;
   PictureTimes after_input_;
   Clock::time_point looked_ = Clock::now();  // for events
+  Clock::time_point asked_;                  // while a picture was drawn
+  std::optional<Clock::time_point> owed_;    // when the input came whose frame was not shown
   std::unique_ptr<capture::TakeReader> take_;
   std::unique_ptr<Window> window_;  // outlives what draws in it
   std::unique_ptr<Player> player_;

@@ -51,6 +51,10 @@ class WindowPlayer : public Player {
   }
 
   void frame_took(double seconds) override { canvas_.window_took(seconds); }
+  void give_up_when(std::function<bool()> hand_waits) override {
+    canvas_.give_up_when(std::move(hand_waits));
+  }
+  bool gave_up() const override { return canvas_.gave_up(); }
   bool stands() const override { return shown_ == state_.time.frame() && canvas_.has_full_picture(); }
   const CanvasTimes& times() const override { return canvas_.times(); }
   bool busy() const override { return state_.time.playing || shown_ != state_.time.frame() || film_; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -25,6 +26,9 @@ class Player {
   virtual void frame(std::span<const InputEvent> input) = 0;
   /// All of that frame took so long, until the window showed it.
   virtual void frame_took(double seconds) = 0;
+  /// Asked while a full picture is drawn: true gives it up for what hands want (Canvas::give_up_when()).
+  virtual void give_up_when(std::function<bool()> hand_waits) = 0;
+  virtual bool gave_up() const = 0;  ///< the last frame()'s picture was
   virtual bool stands() const = 0;  ///< the full picture of the present frame is there
   virtual bool busy() const = 0;
   virtual int frame_number() const = 0;

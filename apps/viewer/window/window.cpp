@@ -88,6 +88,15 @@ void Window::listen() {
   });
 }
 
+bool Window::hand_waits() {
+  glfwPollEvents();
+  bool held = false;
+  for (int button = GLFW_MOUSE_BUTTON_LEFT; button <= GLFW_MOUSE_BUTTON_MIDDLE; ++button)
+    held = held || glfwGetMouseButton(window_, button) == GLFW_PRESS;
+  return std::any_of(input_.events.begin(), input_.events.end(),
+                     [&](const InputEvent& e) { return held || e.kind != InputEvent::Kind::Move; });
+}
+
 std::vector<InputEvent> Window::take_input() { return std::exchange(input_.events, {}); }
 
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
@@ -141,6 +150,8 @@ void Window::begin_frame(double patience) {
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
 }
+
+void Window::drop_frame() { ImGui::EndFrame(); }
 
 void Window::end_frame(Image* picture) {
   ImGui::Render();

@@ -31,6 +31,13 @@ class Window {
   /// What hands did since the last call, in order; keys only while no text is being typed, and presses only
   /// where no menu is open. Panels below still get all of it.
   std::vector<InputEvent> take_input();
+  /// Whether hands are waiting for take_input(): a key, a button, the wheel, or a move with a button held.
+  /// Listens for events, also between begin_frame() and end_frame().
+  bool hand_waits();
+  /// Whether anything waits for take_input().
+  bool input_waits() const { return !input_.events.empty(); }
+  /// Ends the frame without showing it: the window keeps what it shows.
+  void drop_frame();
   /// Draws the user interface and shows it. `picture`, when not null, receives the whole window: RGB, top row
   /// first.
   void end_frame(Image* picture = nullptr);
