@@ -76,11 +76,11 @@ Canvas::Made Canvas::wanted(const PlayerState& state, const pipeline::PathKey& k
   return made;
 }
 
-/// Whether the camera or time moves, by itself or by a key. Another option is drawn in full at once, and a
-/// GPU draws all in full.
+/// Whether the camera or time moves, by itself or by a key, or a hand has just begun something. Another
+/// option is drawn in full at once, and a GPU draws all in full.
 bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now) {
   if (!state.quick || state.renderer.back_end == render::BackEnd::Gl) return false;
-  if (made_ && (!same(made_->key, key) || made_->scene != shown_)) pace_.moved(now);
+  if (gave_up_ || (made_ && (!same(made_->key, key) || made_->scene != shown_))) pace_.moved(now);
   return pace_.moving(now);
 }
 
@@ -88,7 +88,8 @@ bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key
 Result<double> Canvas::render_side(Side& side, int method, const PlayerState& state, bool moving) {
   const auto begin = std::chrono::steady_clock::now();
   render::RendererOptions options = made_->renderer;
-  if (!moving && state.quick && left_.texture != 0 && !gave_up_) options.given_up = hand_waits_;
+  if (hand_waits_ && state.quick && left_.texture != 0)
+    options.given_up = [this, moving] { return hand_waits_() && !moving; };
   Result<render::RenderedView> rendered =
       renderers_.render(state.methods[static_cast<std::size_t>(method)], drawn_, *view_, options);
   if (!rendered) return forward(rendered);

@@ -51,9 +51,9 @@ class Canvas {
     pace_.window_took(seconds - last_render_seconds_);
   }
 
-  /// Asked while a full picture is drawn on the CPU with PlayerState::quick, where one is shown already: true
-  /// gives it up, and it is begun again when nothing moves. A second one in a row is drawn to its end: there
-  /// is always a picture, whatever hands do.
+  /// Asked while a picture is drawn on the CPU with PlayerState::quick, where one is shown already: true
+  /// gives a full one up. The next picture is one of those that are drawn while something moves, which none
+  /// gives up, and the full one is begun again when nothing does.
   void give_up_when(std::function<bool()> hand_waits) { hand_waits_ = std::move(hand_waits); }
   /// The last draw() gave its picture up.
   bool gave_up() const { return gave_up_; }

@@ -7,7 +7,7 @@ namespace floatstage::apps {
 
 /// How finely pictures are drawn while something moves, so that the window follows the hand where pictures
 /// are drawn on the CPU: at rest in full, and while the camera moves or the take plays as finely as one
-/// twenty-fifth of a second allows, by what the last pictures took. Seconds are of any clock. Without a
+/// forty-second of a second allows, by what the last pictures took. Seconds are of any clock. Without a
 /// window.
 class PicturePace {
  public:

@@ -24,18 +24,18 @@ TEST(PicturePace, MovesFromTheFirstMoveUntilNothingHasMovedForAWhile) {
 
 TEST(PicturePace, DrawsInFullWhereThatIsQuickEnough) {
   PicturePace pace;
-  settle(pace, 0.02, 0.01);
+  settle(pace, 0.012, 0.01);
   EXPECT_EQ(pace.scale(), 1);
 }
 
-TEST(PicturePace, IsAsFineAsTwentyPicturesASecondAllow) {
+TEST(PicturePace, IsAsFineAsThirtyPicturesASecondAllow) {
   PicturePace pace;
-  EXPECT_LT(settle(pace, 0.08, 0.01), 1.0 / 20);
+  EXPECT_LT(settle(pace, 0.04, 0.01), 1.0 / 30);
   EXPECT_LT(pace.scale(), 1);
   EXPECT_GE(pace.scale(), 9.0 / 16) << "no coarser than it must";
   const double scale = pace.scale();
   for (int i = 0; i < 20; ++i) {
-    settle(pace, 0.08, 0.01, 1);
+    settle(pace, 0.04, 0.01, 1);
     EXPECT_EQ(pace.scale(), scale) << "and it stays there";
   }
 }
@@ -45,7 +45,7 @@ TEST(PicturePace, GetsFinerAgainWhenPicturesGetQuicker) {
   settle(pace, 0.2, 0.01);
   const double coarse = pace.scale();
   EXPECT_EQ(coarse, PicturePace::kCoarsest);
-  settle(pace, 0.03, 0.01);
+  settle(pace, 0.012, 0.01);
   EXPECT_GT(pace.scale(), coarse + 0.3);
 }
 
@@ -53,17 +53,17 @@ TEST(PicturePace, GoesByTheFullPictureBeforeAnythingHasMoved) {
   PicturePace slow, quick;
   slow.stood(0.07);
   EXPECT_LT(slow.scale(), 0.8) << "the first picture of a drag comes in time";
-  EXPECT_LE(0.07 * slow.scale() * slow.scale(), 1.0 / 25);
+  EXPECT_LE(0.07 * slow.scale() * slow.scale(), 1.0 / 42);
   quick.stood(0.01);
   EXPECT_EQ(quick.scale(), 1);
-  settle(slow, 0.03, 0.001);
+  settle(slow, 0.015, 0.001);
   slow.stood(0.2);
   EXPECT_EQ(slow.scale(), 1) << "what moving pictures took says more";
 }
 
 TEST(PicturePace, LeavesTheFlowOutWhereEvenTheCoarsestTakesTooLong) {
   PicturePace pace;
-  settle(pace, 0.1, 0.005);
+  settle(pace, 0.08, 0.005);
   EXPECT_FALSE(pace.without_flow());
   settle(pace, 0.4, 0.005);
   EXPECT_TRUE(pace.without_flow());
