@@ -30,9 +30,13 @@ Result<CameraPresets> load_presets(const std::filesystem::path& file) {
   if (std::error_code ignored; !std::filesystem::exists(file, ignored)) return CameraPresets();
   const Result<std::string> bytes = read_file(file);
   if (!bytes) return forward(bytes);
+  return parse_presets(*bytes, file);
+}
+
+Result<CameraPresets> parse_presets(std::string_view bytes, const std::filesystem::path& file) {
   toml::table root;
   try {
-    root = toml::parse(*bytes, file.string());
+    root = toml::parse(bytes);
   } catch (const toml::parse_error& e) {
     return fail(ErrorCode::BadData, text(file.string(), ", line ", e.source().begin.line, ": no TOML: ",
                                          e.description(), "; correct it, or move the file away"));

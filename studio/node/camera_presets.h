@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "core/result.h"
 
@@ -17,6 +18,8 @@ using CameraPresets = std::map<std::string, CameraPreset>;
 
 /// None where the file is not there. BadData names the file and the line; Io.
 Result<CameraPresets> load_presets(const std::filesystem::path& file);
+/// `file` is for the errors: BadData.
+Result<CameraPresets> parse_presets(std::string_view bytes, const std::filesystem::path& file);
 /// Replaces the file. Io.
 Result<void> save_presets(const CameraPresets& presets, const std::filesystem::path& file);
 /// 1 to 60 letters, digits, '.', '-' and '_'.
