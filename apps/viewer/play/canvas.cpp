@@ -103,9 +103,11 @@ Result<void> Canvas::render_sides(const PlayerState& state, bool moving) {
   const Result<double> left = render_side(left_, made_->left, state, moving);
   if (!left) return forward(left);
   if (keep_pictures_) kept_ = render::download(left_.view);
+  const bool one = made_->left == made_->right;  // in motion both sides may be blended
   const Result<double> right =
-      state.split ? render_side(right_, made_->right, state, moving) : Result<double>(0.0);
+      state.split && !one ? render_side(right_, made_->right, state, moving) : Result<double>(0.0);
   if (!right) return forward(right);
+  if (state.split && one) right_.view = left_.view, right_.texture = left_.texture;
   times_.left_ms = *left, times_.right_ms = *right;
   return {};
 }

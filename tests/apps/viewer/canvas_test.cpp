@@ -108,5 +108,38 @@ TEST_F(CanvasOnTheCpu, AnswersAHandThatMovesNoCameraWithAQuickPicture) {
   EXPECT_EQ(full(), 2);
 }
 
+TEST_F(CanvasOnTheCpu, DrawsOnePictureForTwoSidesOfOneMethod) {
+  state_.split = true;
+  frame(0.02);
+  EXPECT_GT(canvas_->times().left_ms, 0);
+  EXPECT_EQ(canvas_->times().right_ms, 0);
+  state_.left = 0;
+  frame(0.02);
+  EXPECT_GT(canvas_->times().right_ms, 0);
+}
+
+// As a film does: pipeline/film.cpp samples the same path at the second of each picture.
+TEST_F(CanvasOnTheCpu, SeesAPathFromWhereAFilmSeesIt) {
+  pipeline::CameraPath path;
+  for (int i = 0; i < 3; ++i) {
+    pipeline::PathKey key = state_.camera.key();
+    key.time = i, key.eye.y() += 0.1 * i * i, key.fov_y += 3 * i;
+    path.keys.push_back(key);
+  }
+  state_.path.set(path);
+  state_.follow_path = true;
+  for (const double second : {0.0, 0.4, 1.0, 1.7}) {
+    state_.path_time = second;
+    frame(1);
+    ASSERT_TRUE(canvas_->view());
+    const View& seen = *canvas_->view();
+    const View filmed = pipeline::view_of(pipeline::sample(path, second), seen.model.width, seen.model.height,
+                                          Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-0.25),
+                                                              Eigen::Vector3d::Constant(0.25)));
+    EXPECT_TRUE(seen.view_from_world.matrix() == filmed.view_from_world.matrix()) << second;
+    EXPECT_EQ(seen.model.fy, filmed.model.fy) << second;
+  }
+}
+
 }  // namespace
 }  // namespace floatstage::apps
