@@ -12,6 +12,9 @@ namespace floatstage::detail {
 namespace {
 
 constexpr float kOpaque = 0.999F;
+// Of a composed photograph that fades in from its seam (Eq. 4.7): from here on its details are used whole,
+// since a level's means are the root's anyway (docs/constants.md).
+constexpr std::uint8_t kUsed = 85;
 constexpr float kMeanCounts = 0.5F;  // of a neighbourhood's colour, beside its structure
 
 // Rounded down and up to multiples of a power of two.
@@ -75,7 +78,7 @@ LayerPyramid::LayerPyramid(const DetailLayer& layer, int levels)
   for (int y = own.y0; y < own.y1; ++y)
     for (int x = own.x0; x < own.x1; ++x) {
       const std::uint8_t* from = layer.picture.at(x - own.x0, y - own.y0);
-      top.opacity.at(x, y) = static_cast<float>(from[3]) / 255;
+      top.opacity.at(x, y) = from[3] >= kUsed ? 1 : 0;
       for (std::size_t c = 0; c < 3; ++c) top.colors.at(x, y)[c] = from[c];
     }
   for (std::size_t t = levels_.size() - 1; t > 0; --t)

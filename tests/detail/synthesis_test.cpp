@@ -93,6 +93,29 @@ TEST(ASynthesis, HasTheRootsMeansAndThePhotographsPixels) {
   EXPECT_GT(count[static_cast<std::size_t>(Provenance::Synthesised)], 40000);
 }
 
+// compose() lays a photograph over its parent as opaque as the gradients up to its seam say: seldom wholly.
+TEST(ASynthesis, UsesWholeWhatFadesInSlowly) {
+  const Region r{70, 50, 198, 162};
+  DetailLayer fading{hatched(r), r.x0, r.y0, kLevels, false};
+  for (int y = 0; y < fading.picture.height; ++y)
+    for (int x = 0; x < fading.picture.width; ++x)
+      fading.picture.at(x, y)[3] = static_cast<std::uint8_t>(40 + 160 * x / fading.picture.width);
+  const int first = 36;  // of its columns that is opaque to a third
+  SynthesisOptions options;
+  options.levels = kLevels;
+  const Result<Synthesis> made = Synthesis::make(root_picture(), {fading}, options);
+  ASSERT_THAT(made, IsOk());
+  const SynthesisTile tile = made->tile(r);
+  const Image truth = hatched(r);
+  const auto from = [&](int x, int y) { return static_cast<Provenance>(tile.provenance.at(x, y)); };
+  const int y = (r.y0 + r.y1) / 2, rim = 8;
+  for (int x = r.x0; x < r.x0 + first - 1; ++x) EXPECT_EQ(from(x, y), Provenance::Synthesised) << x;
+  for (int x = r.x0 + first + rim; x < r.x1 - rim; ++x) {
+    EXPECT_EQ(from(x, y), Provenance::Real) << x;
+    EXPECT_EQ(tile.colors.at(x, y)[1], truth.at(x - r.x0, y - r.y0)[1]) << x;
+  }
+}
+
 TEST(ASynthesis, HasMoreDetailsThanARootThatIsOnlyEnlarged) {
   SynthesisOptions options;
   options.levels = kLevels;
