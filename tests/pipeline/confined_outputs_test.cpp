@@ -95,16 +95,20 @@ TEST_F(OutputsOfAChild, AreAllThatStaysOfWhatItMade) {
 // The child cannot make one; a job that others have touched could.
 TEST_F(OutputsOfAChild, AreNoLinks) {
   const fs::path secret = folder_.write("secret", "own");
-  std::thread meddler([&] {
-    const fs::path staged = temporary_name(picture_) / "zoom.png";
-    for (std::error_code error = std::make_error_code(std::errc::io_error); error;)
-      fs::create_symlink(secret, staged, error);
+  const fs::path staged = temporary_name(picture_);
+  std::atomic<bool> over = false;
+  std::thread meddler([&] {  // once the child is at work: what lay there before is cleared away
+    std::error_code error;
+    while (!over && !fs::exists(staged / "at work", error)) std::this_thread::yield();
+    fs::create_symlink(secret, staged / "zoom.png", error);
   });
   EXPECT_THAT(make([&](const PlaceOf& place, Progress*) -> Result<void> {
+                if (Result<void> ok = write_file(staged / "at work", ""); !ok) return ok;
                 while (!fs::is_symlink(place(picture_))) std::this_thread::yield();
                 return {};
               }),
               FailsWith(ErrorCode::BadData, "zoom.png: what was made for it is no file"));
+  over = true;
   meddler.join();
   EXPECT_THAT(folder_.names(), ElementsAre("secret"));
 }
