@@ -8,6 +8,7 @@ void add_export(CLI::App& app, Chosen& chosen) {
                {"floatstage export colmap take -o project", "floatstage export mesh take -o take.glb"});
   verb->require_subcommand(1);
   add_export_colmap(*verb, chosen);
+  add_export_easyvolcap(*verb, chosen);
   add_export_light_field(*verb, chosen);
   add_export_mesh(*verb, chosen);
   add_export_web(*verb, chosen);
