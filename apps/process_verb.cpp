@@ -66,6 +66,11 @@ nlohmann::json to_json(const std::optional<pipeline::CleanupCost>& cost) {
           {"worst_frame", cost->frame}};
 }
 
+nlohmann::json to_json(const std::optional<pipeline::FieldReport>& fields) {
+  if (!fields) return nullptr;
+  return {{"made", fields->made}, {"kept", fields->kept}, {"failures", fields->failures}};
+}
+
 nlohmann::json to_json(const std::filesystem::path& take, const pipeline::ProcessReport& report) {
   return {{"take", take.string()},
           {"frames", report.frames},
@@ -73,6 +78,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"empty_frames", report.empty_frames},
           {"mattes", to_json(report.mattes)},
           {"meshes", to_json(report.meshes)},
+          {"fields", to_json(report.fields)},
           {"remarks", report.remarks},
           {"distrusted", report.distrusted},
           {"doubts", doubts_json(report.doubts)},
@@ -114,6 +120,10 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
       "%s: %d frames of %d cameras; mattes %d made, %d kept, %d gaps; meshes %d made, %d kept; %.1f s\n",
       take.c_str(), report.frames, report.cameras, report.mattes.made, report.mattes.kept, report.mattes.gaps,
       report.meshes.made, report.meshes.kept, report.seconds);
+  if (report.fields) {
+    for (const std::string& f : report.fields->failures) std::fprintf(stderr, "floatstage: %s\n", f.c_str());
+    std::printf("fields of %d photographs made, of %d kept\n", report.fields->made, report.fields->kept);
+  }
   if (report.cleanup) std::printf("%s\n", sentence(*report.cleanup).c_str());
   if (report.mattes.others + report.meshes.others > 0)
     std::printf("%d mattes and %d meshes are of unknown origin: used as they are\n", report.mattes.others,
@@ -143,14 +153,15 @@ Result<void> run(const Options& given) {
   Result<pipeline::ProcessReport> report = pipeline::process_take(options);
   if (!report) return forward(report);
 
-  const std::size_t failures = report->mattes.failures.size() + report->meshes.failures.size();
+  const std::size_t failures = report->mattes.failures.size() + report->meshes.failures.size() +
+                               (report->fields ? report->fields->failures.size() : 0);
   say(options.take, *report);
   if (!given.json_file.empty())
     if (Result<void> ok = pipeline::save_json(to_json(options.take, *report), given.json_file); !ok)
       return ok;
   if (failures > 0)
     return fail(ErrorCode::BadData,
-                text(failures, " of the take's mattes or meshes could not be made; the others are there"));
+                text(failures, " of the take's mattes, meshes or fields could not be made; the others are there"));
   if (report->empty_frames == report->frames)
     return fail(ErrorCode::BadData,
                 text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",
@@ -208,6 +219,8 @@ void add_process(CLI::App& app, Chosen& chosen) {
   add_added(*verb, options->process.hide_added);
   add_redo(*verb, options->process.redo);
   add_hull_flags(*verb, options->hull);
+  verb->add_flag("--fields", options->process.fields,
+                 "Also estimate the flow between neighbouring photographs, for --method floating-static");
   add_threads(*verb, options->process.threads);
   add_json(*verb, options->json_file);
   add_planned_run(*verb, chosen, options, run, planned);

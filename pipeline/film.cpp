@@ -1,5 +1,6 @@
 #include "pipeline/film.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -7,6 +8,7 @@
 
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/fields/take_fields.h"
 #include "pipeline/label.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
@@ -243,6 +245,8 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     views.push_back(views_of(middles.back(), options.array, screen_distance(middles.back(), box)));
     frames.push_back((*whole)[static_cast<std::size_t>(picture)]);
   }
+  const bool with_fields =
+      std::find(options.methods.begin(), options.methods.end(), kFieldMethod) != options.methods.end();
   SceneStream scenes(take, options, frames, views);
   render::Scene drawn;
   FilmReport report;
@@ -255,6 +259,9 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
       Result<Instant> scene = scenes.at(p);
       if (!scene) return forward(scene);
       if (Result<void> ok = set_scene(*rig, *scene, drawn); !ok) return in_frame(ok.error());
+      if (with_fields)
+        if (Result<void> ok = give_fields(take.layout(), *rig, frames[p], drawn); !ok)
+          return in_frame(ok.error());
     }
     FilmPicture picture{drawn_pictures[p], frames[p], middles[p], {}};
     for (std::size_t i = 0; i < renderers.size(); ++i) {

@@ -13,6 +13,7 @@
 #include "render/gl/filtered_renderer.h"
 #include "render/gl/floating_renderer.h"
 #include "render/gl/light_field_renderer.h"
+#include "render/gl/static_renderer.h"
 
 namespace floatstage::render {
 namespace {
@@ -38,6 +39,8 @@ constexpr Entry kRenderers[] = {
      [] { return cpu::make_blend_renderer(false); }, [] { return make_blend_renderer(false); }},
     {"floating", "Floating Textures: photographs aligned by optical flow, then blended",
      cpu::make_floating_renderer, make_floating_renderer},
+    {"floating-static", "Floating Textures by fields between the cameras' own pictures, estimated once",
+     cpu::make_static_renderer, make_static_renderer},
     {"band-limited", "photographs filtered beforehand until ghosts run together, then linear",
      [] { return make_band_limited_renderer(BackEnd::Cpu); },
      [] { return make_band_limited_renderer(BackEnd::Gl); }},

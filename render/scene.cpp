@@ -196,6 +196,11 @@ Result<void> Scene::set(const Rig& rig, const Mesh& mesh, std::span<const Pictur
   return {};
 }
 
+void Scene::set_fields(std::shared_ptr<const FieldSet> fields) {
+  impl_->given_fields = std::move(fields);
+  impl_->fields.clear();
+}
+
 CameraChoice Scene::Impl::choose(const View& view, int count) const {
   pictured.resize(ranked.size());
   for (std::size_t i = 0; i < ranked.size(); ++i) pictured[i] = slot[i] >= 0;
@@ -208,6 +213,8 @@ void Scene::Impl::begin(const Rig& rig, const Mesh& source) {
   cameras.clear();
   cameras.reserve(rig.cameras.size());
   rig_index.clear();
+  given_fields.reset();
+  fields.clear();
   blocks.clear();
   mesh.positions.assign(source.positions.begin(), source.positions.end());
   mesh.triangles.assign(source.triangles.begin(), source.triangles.end());

@@ -12,6 +12,8 @@
 
 namespace floatstage::render {
 
+struct FieldSet;
+
 /// The part of one camera's photograph that shows the subject; what lies outside it is not subject. The
 /// pictures are not owned.
 struct PictureTile {
@@ -43,6 +45,11 @@ class Scene {
   /// but for parts that none of them sees. Errors as above; InvalidArgument also for a tile that leaves its
   /// photograph.
   Result<void> set(const Rig& rig, const Mesh& mesh, std::span<const PictureTile> tiles);
+
+  /// Fields of this very scene (render/camera_fields.h), for "floating-static": what is not among them, or was
+  /// estimated otherwise than a picture asks for, is estimated when it is first drawn with. Forgotten by the
+  /// next set(). Null: none.
+  void set_fields(std::shared_ptr<const FieldSet> fields);
 
   struct Impl;
   const Impl& impl() const { return *impl_; }  ///< for render/ only

@@ -9,6 +9,7 @@
 #include "core/rig.h"
 #include "render/camera_block.h"
 #include "render/camera_choice.h"
+#include "render/camera_fields.h"
 #include "render/depth_windows.h"
 #include "render/scene.h"
 
@@ -49,12 +50,14 @@ struct Scene::Impl {
   std::vector<Eigen::Vector3f> samples;  ///< a few of its corners, spread over it, for ranking cameras
   Eigen::AlignedBox3f box;
   std::uint64_t version = 0;  ///< counts what was set
+  std::shared_ptr<const FieldSet> given_fields;  ///< precomputed ones; null: none
 
   mutable CameraRanking ranking;  ///< memory of choose(), as is `pictured`
   mutable std::vector<bool> pictured;
   mutable std::shared_ptr<void> on_gpu;        ///< gl::SceneTextures of a version
   mutable std::shared_ptr<void> on_cpu;        ///< cpu::SceneMaps of a version
   mutable std::shared_ptr<void> pyramid;       ///< PhotoPyramid of a version
+  mutable std::vector<FieldSet> fields;        ///< those and what was made since, one a FlowOptions
   mutable std::shared_ptr<void> band_limited;  ///< the scene with filtered photographs, of a version
 
   void begin(const Rig& rig, const Mesh& mesh);

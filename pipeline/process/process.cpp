@@ -108,6 +108,15 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
     if (!doubts) return forward(doubts);
     report.pose_doubts = *std::move(doubts);
   }
+  if (options.fields) {
+    Result<FieldReport> fields = make_fields(take, {.frames = frames,
+                                                    .flow = {},
+                                                    .threads = options.threads,
+                                                    .redo = options.redo,
+                                                    .progress = options.progress});
+    if (!fields) return forward(fields);
+    report.fields = *std::move(fields);
+  }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return report;
 }

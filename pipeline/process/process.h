@@ -7,6 +7,7 @@
 
 #include "capture/take.h"
 #include "core/result.h"
+#include "pipeline/fields/take_fields.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/mesh_record.h"
 #include "pipeline/process/heal_mattes.h"
@@ -28,6 +29,7 @@ struct ProcessOptions {
   bool gathered = false;  ///< a plan's items made meshes for this run, which speaks of them as of its own
   bool redo = false;      ///< make again what we made, with these options; others' files stay
   std::optional<bool> hide_added = {};  ///< MatteTakeOptions::hide_added
+  bool fields = false;                  ///< make_fields(), too
   Progress* progress = nullptr;         ///< null: unwatched
 };
 
@@ -43,6 +45,7 @@ struct StageReport {
 struct ProcessReport {
   int frames = 0, cameras = 0, empty_frames = 0;  ///< of those asked for; empty: nobody on stage
   StageReport mattes, meshes;
+  std::optional<FieldReport> fields = {};  ///< where they were asked for
   std::vector<std::string> remarks = {};  ///< MatteReport::remarks
   int distrusted = 0;                     ///< MatteReport::distrusted
   std::vector<MatteDoubt> doubts = {};    ///< MatteReport::doubts, and of all meshes: contradiction_in()

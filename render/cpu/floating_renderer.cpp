@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "render/cpu/picture.h"
-#include "render/cpu/position_kernels.h"
+#include "render/cpu/position_shares.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/warp_kernels.h"
 #include "render/pairwise_flows.h"
@@ -14,7 +14,7 @@ namespace floatstage::render::cpu {
 namespace {
 
 constexpr int kMargin = 16;  // px around the view: what the warps may pull in from outside
-constexpr float kFaint = 1.F / 1024, kLeastFade = 1e-4F, kUnseen = 1e-4F, kNobodySees = 1e-3F;
+constexpr float kUnseen = 1e-4F, kNobodySees = 1e-3F;
 
 class FloatingRenderer : public ViewRenderer {
  public:
@@ -31,8 +31,7 @@ class FloatingRenderer : public ViewRenderer {
         draw_intermediate(projection_, scene, view, options.output, picture_);
       } else {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
-        for (std::size_t i = 0; i < count(); ++i)
-          centers_[i] = center_in_view(projection_.rays(), projection_.camera(i));
+        centers_ = centers_in_view(projection_);
         projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
       }
       if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
@@ -43,13 +42,13 @@ class FloatingRenderer : public ViewRenderer {
  private:
   // Of one row; lists of an image each.
   struct Lists {
-    std::array<float*, kMostListed> pull{}, visible{}, follow{}, rgba{}, used{}, from_x{}, from_y{};
+    PositionShares share;
+    std::array<float*, kMostListed> visible{}, rgba{}, used{}, from_x{}, from_y{};
   };
 
   std::size_t count() const { return projection_.choice().chosen; }
   Result<void> estimate_flows(const RendererOptions& options);
-  void share_out(const Covered::Row& row, Lists& lists, RowMemory& memory) const;
-  void place(int y, Lists& lists, RowMemory& memory) const;
+  void share_out(int y, Lists& lists, RowMemory& memory) const;
   void float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
   void float_row(int y, const RendererOptions& options, RowMemory& memory);
 
@@ -71,55 +70,23 @@ Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   return pairwise_.estimate(images_, pulls_, options.flow, options.threads, &projection_.interruption());
 }
 
-// How much each camera counts: angular weights, visible or not, and with its visibility.
-void FloatingRenderer::share_out(const Covered::Row& row, Lists& lists, RowMemory& memory) const {
-  const auto pixels = static_cast<std::size_t>(row.count);
-  const float even = 1 / static_cast<float>(count());
-  float *pull_total = memory.floats(pixels), *visible_total = memory.floats(pixels);
-  std::fill_n(pull_total, pixels, 0.F);
-  std::fill_n(visible_total, pixels, 0.F);
-  for (std::size_t i = 0; i < count(); ++i) {
-    const float fade = projection_.choice().fade[i], share = fade < kLeastFade ? 0 : fade;
-    const float *angular = projection_.angular(i) + row.list, *weight = projection_.weight(i) + row.list;
-    lists.pull[i] = memory.floats(pixels);
-    lists.visible[i] = memory.floats(pixels);
-    lists.follow[i] = memory.floats(pixels);
-    for (std::size_t k = 0; k < pixels; ++k) {
-      lists.pull[i][k] = share * std::abs(angular[k]);
-      lists.visible[i][k] = weight[k];
-      pull_total[k] += lists.pull[i][k];
-      visible_total[k] += weight[k];
-    }
-  }
-  for (std::size_t i = 0; i < count(); ++i)
-    for (std::size_t k = 0; k < pixels; ++k) {
-      const float pull = pull_total[k] > 0 ? lists.pull[i][k] / pull_total[k] : even;
-      lists.pull[i][k] = pull;
-      lists.follow[i][k] = pull;
-      // Where only stand-ins see the proxy all images hold the same filled colour.
-      lists.visible[i][k] = visible_total[k] > kNobodySees ? lists.visible[i][k] / visible_total[k] : even;
-    }
-}
-
-// How much its idea of a position counts.
-void FloatingRenderer::place(int y, Lists& lists, RowMemory& memory) const {
+// How much each camera counts: by its angle, visible or not, and with its visibility.
+void FloatingRenderer::share_out(int y, Lists& lists, RowMemory& memory) const {
   const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
   const auto pixels = static_cast<std::size_t>(row.count);
-  if (parallax_) {
-    float *nx = memory.floats(pixels), *ny = memory.floats(pixels), *nz = memory.floats(pixels);
-    projection_.write_normals(y, nx, ny, nz);
-    position_weights(projection_.rays(), centers_,
-                     {row.count,
-                      static_cast<int>(count()),
-                      projection_.covered().x.data() + row.list,
-                      static_cast<float>(y) + 0.5F,
-                      projection_.covered().inverse_z.data() + row.list,
-                      {nx, ny, nz},
-                      lists.follow});
+  const float even = 1 / static_cast<float>(count());
+  lists.share = position_shares(projection_, y, parallax_ ? &centers_ : nullptr, memory);
+  float* total = memory.floats(pixels);
+  std::fill_n(total, pixels, 0.F);
+  for (std::size_t i = 0; i < count(); ++i) {
+    lists.visible[i] = memory.floats(pixels);
+    std::copy_n(projection_.weight(i) + row.list, pixels, lists.visible[i]);
+    for (std::size_t k = 0; k < pixels; ++k) total[k] += lists.visible[i][k];
   }
+  // Where only stand-ins see the proxy all images hold the same filled colour.
   for (std::size_t i = 0; i < count(); ++i)
     for (std::size_t k = 0; k < pixels; ++k)
-      if (lists.follow[i][k] < kFaint) lists.follow[i][k] = 0;
+      lists.visible[i][k] = total[k] > kNobodySees ? lists.visible[i][k] / total[k] : even;
 }
 
 void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists,
@@ -131,7 +98,7 @@ void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptio
     if (j == image) continue;
     const FlowField& field = pairwise_.fields()[image * (count() - 1) + (j < image ? j : j - 1)];
     fields.uv[static_cast<std::size_t>(fields.count)] = field.uv.data();
-    fields.pulls[static_cast<std::size_t>(fields.count++)] = lists.follow[j];
+    fields.pulls[static_cast<std::size_t>(fields.count++)] = lists.share.follow[j];
     fields.width = field.width;
     fields.height = field.height;
   }
@@ -172,10 +139,10 @@ void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptio
   projection_.read(image, row, u, v, warped.direct, lists.rgba[image], memory);
   borrow_colors(source, warped, lists.rgba[image]);
   for (std::size_t k = 0; k < pixels; ++k) {
-    const bool counts = lists.pull[image][k] >= kFaint || lists.visible[image][k] >= kFaint;
+    const bool counts = lists.share.pull[image][k] >= kFaintShare || lists.visible[image][k] >= kFaintShare;
     // What matters is whether camera i sees the point whose colour arrives here, not the point that is here.
     lists.used[image][k] =
-        counts ? lists.pull[image][k] * warped.seen[k] + kUnseen * lists.visible[image][k] : 0;
+        counts ? lists.share.pull[image][k] * warped.seen[k] + kUnseen * lists.visible[image][k] : 0;
   }
 }
 
@@ -183,8 +150,7 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
   const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
   const auto pixels = static_cast<std::size_t>(row.count);
   Lists lists;
-  share_out(row, lists, memory);
-  place(y, lists, memory);
+  share_out(y, lists, memory);
   for (std::size_t i = 0; i < count(); ++i) float_image(i, y, options, lists, memory);
   float* mean = memory.floats(3 * pixels);
   for (std::size_t k = 0; k < pixels; ++k) {
@@ -200,7 +166,7 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
     if (options.output == RenderOutput::Flow) {
       std::size_t strongest = 0;
       for (std::size_t i = 1; i < count(); ++i)
-        if (lists.pull[i][k] > lists.pull[strongest][k]) strongest = i;
+        if (lists.share.pull[i][k] > lists.share.pull[strongest][k]) strongest = i;
       const float x = projection_.covered().x[row.list + k], line = static_cast<float>(y) + 0.5F;
       shown = flow_color(x - lists.from_x[strongest][k], line - lists.from_y[strongest][k]);
     } else if (options.output == RenderOutput::Ghosting) {

@@ -72,7 +72,7 @@ Result<void> Projection::run(const Scene& scene, const View& view, const Rendere
                              const Wanted& wanted) {
   interruption_.begin(options.given_up);
   const Scene::Impl& s = scene.impl();
-  choice_ = s.choose(view, options.cameras);
+  choice_ = wanted.cameras != nullptr ? *wanted.cameras : s.choose(view, options.cameras);
   window_ = window_of(view, s.mesh.positions, wanted.margin);
   if (window_.empty()) return {};
   mesh_ = &s.mesh;

@@ -46,6 +46,7 @@ class Projection {
     bool images = false;
     bool levels = false;  ///< photographs' pyramids, whatever the footprints are
     bool mattes = false;  ///< what they say at the surface
+    const CameraChoice* cameras = nullptr;  ///< instead of those that the view would choose
   };
   /// Cancelled when the picture was given up.
   Result<void> run(const Scene& scene, const View& view, const RendererOptions& options,

@@ -19,6 +19,9 @@ Result<std::unique_ptr<ViewRenderer>> make_filtered_renderer();
 /// "floating": Floating Textures (Eisemann, Error-Concealed Image-Based Rendering, ch. 11).
 Result<std::unique_ptr<ViewRenderer>> make_floating_renderer();
 
+/// "floating-static": the same with fields from the cameras' own pictures (Eq. 11.4).
+Result<std::unique_ptr<ViewRenderer>> make_static_renderer();
+
 /// The instruction set that is used here and the number of cores, for reports.
 std::string description();
 
