@@ -67,8 +67,9 @@ FieldInputs field_inputs(const Scene& scene) {
     camera.add(&block, 1);
     camera.add(&s.cameras[i].model.fx, 1);  // of the grid, in full
     camera.add(&s.cameras[i].model.fy, 1);
-    camera.add(s.tiles[i].rgba.data(), 4 * static_cast<std::size_t>(s.tiles[i].stride()) *
-                                           static_cast<std::size_t>(s.tiles[i].height + 2 * SceneTile::kApron));
+    camera.add(s.tiles[i].rgba.data(),
+               4 * static_cast<std::size_t>(s.tiles[i].stride()) *
+                   static_cast<std::size_t>(s.tiles[i].height + 2 * SceneTile::kApron));
     hashes[i] = content_hash(camera.bytes());
   });
   for (std::size_t i = 0; i < hashes.size(); ++i) inputs.cameras[s.rig_index[i]] = hashes[i];

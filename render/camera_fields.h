@@ -64,8 +64,8 @@ struct FieldInputs {
 };
 FieldInputs field_inputs(const Scene& scene);
 
-/// Estimates fields between cameras of a scene, on the CPU. Of the options count the flow, the threads and who
-/// gives it up. InvalidArgument for a camera without a picture; Cancelled.
+/// Estimates fields between cameras of a scene, on the CPU. Of the options count the flow, the threads and
+/// who gives it up. InvalidArgument for a camera without a picture; Cancelled.
 Result<FieldSet> estimate_fields(const Scene& scene, std::span<const CameraPair> pairs,
                                  const RendererOptions& options);
 

@@ -46,9 +46,9 @@ class Scene {
   /// photograph.
   Result<void> set(const Rig& rig, const Mesh& mesh, std::span<const PictureTile> tiles);
 
-  /// Fields of this very scene (render/camera_fields.h), for "floating-static": what is not among them, or was
-  /// estimated otherwise than a picture asks for, is estimated when it is first drawn with. Forgotten by the
-  /// next set(). Null: none.
+  /// Fields of this very scene (render/camera_fields.h), for "floating-static": what is not among them, or
+  /// was estimated otherwise than a picture asks for, is estimated when it is first drawn with. Forgotten by
+  /// the next set(). Null: none.
   void set_fields(std::shared_ptr<const FieldSet> fields);
 
   struct Impl;

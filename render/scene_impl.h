@@ -49,7 +49,7 @@ struct Scene::Impl {
   Mesh mesh;
   std::vector<Eigen::Vector3f> samples;  ///< a few of its corners, spread over it, for ranking cameras
   Eigen::AlignedBox3f box;
-  std::uint64_t version = 0;  ///< counts what was set
+  std::uint64_t version = 0;                     ///< counts what was set
   std::shared_ptr<const FieldSet> given_fields;  ///< precomputed ones; null: none
 
   mutable CameraRanking ranking;  ///< memory of choose(), as is `pictured`

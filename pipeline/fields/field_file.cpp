@@ -98,8 +98,8 @@ std::string encode_fields(const FieldFile& f) {
 
 Result<FieldFile> decode_fields(std::string_view bytes, std::string_view name) {
   auto bad = [&](const auto&... parts) {
-    return fail(ErrorCode::BadData,
-                text(name, ": ", parts..., "; remove it, or make it again with `floatstage process --fields`"));
+    return fail(ErrorCode::BadData, text(name, ": ", parts...,
+                                         "; remove it, or make it again with `floatstage process --fields`"));
   };
   if (!bytes.starts_with(kMagic)) return bad("these are no fields (the file does not begin with FSFIELD1)");
   if (bytes.size() < kMagic.size() + kHash ||

@@ -23,9 +23,8 @@ const char* unlike(const FieldFile& file, const FieldFile::Neighbor& neighbor,
     const auto found = inputs.cameras.find(camera);
     return found != inputs.cameras.end() && found->second == hash;
   };
-  return is(from, file.camera) && is(to, neighbor.made_from)
-             ? nullptr
-             : "other photographs, mattes or colours";
+  return is(from, file.camera) && is(to, neighbor.made_from) ? nullptr
+                                                             : "other photographs, mattes or colours";
 }
 
 // All files of an instant are of one set: that of the first that fits.
@@ -67,8 +66,8 @@ FieldFile file_of(const Rig& rig, const render::FieldInputs& inputs, const rende
 }
 
 // Whether the file is what would be made now.
-bool is_current(const std::filesystem::path& name, const Rig& rig, const render::FieldInputs& inputs, int from,
-                const std::vector<render::CameraPair>& pairs, const render::FlowOptions& flow) {
+bool is_current(const std::filesystem::path& name, const Rig& rig, const render::FieldInputs& inputs,
+                int from, const std::vector<render::CameraPair>& pairs, const render::FlowOptions& flow) {
   const Result<FieldFile> file = load_field_file(name);
   if (!file || !render::same_fields(file->flow, flow)) return false;
   std::vector<int> there;
@@ -155,8 +154,8 @@ std::filesystem::path field_path(const TakeLayout& layout, const std::string& se
   return field_folder(layout) / serial / name;
 }
 
-Result<std::shared_ptr<const render::FieldSet>> load_fields(const TakeLayout& layout, const Rig& rig, int frame,
-                                                            const render::Scene& scene,
+Result<std::shared_ptr<const render::FieldSet>> load_fields(const TakeLayout& layout, const Rig& rig,
+                                                            int frame, const render::Scene& scene,
                                                             std::optional<std::string>* stale) {
   std::shared_ptr<const render::FieldSet> none;
   std::error_code error;
@@ -172,8 +171,8 @@ Result<std::shared_ptr<const render::FieldSet>> load_fields(const TakeLayout& la
     add(*file, static_cast<int>(i), rig, *inputs, *set, reason);
   }
   if (stale != nullptr && reason != nullptr)
-    *stale = text("fields of frame ", frame, " in ", field_folder(layout).string(), " were made from ", reason,
-                  "; they are estimated anew. `floatstage process ", layout.folder().string(),
+    *stale = text("fields of frame ", frame, " in ", field_folder(layout).string(), " were made from ",
+                  reason, "; they are estimated anew. `floatstage process ", layout.folder().string(),
                   " --fields` makes them again");
   if (set->fields.empty()) return none;
   return std::shared_ptr<const render::FieldSet>(std::move(set));

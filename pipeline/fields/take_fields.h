@@ -23,8 +23,8 @@ std::filesystem::path field_path(const TakeLayout& layout, const std::string& se
 /// What lies in fields/ of a take for one instant and is of this very scene, which was set with `rig`. Fields
 /// of another mesh, of other photographs or mattes are left out, and `stale` says so in a sentence. BadData
 /// names a file that was cut off or damaged; Io.
-Result<std::shared_ptr<const render::FieldSet>> load_fields(const TakeLayout& layout, const Rig& rig, int frame,
-                                                            const render::Scene& scene,
+Result<std::shared_ptr<const render::FieldSet>> load_fields(const TakeLayout& layout, const Rig& rig,
+                                                            int frame, const render::Scene& scene,
                                                             std::optional<std::string>* stale = nullptr);
 
 /// The same, put into the scene; what is stale is said on the log. Nothing happens where nothing lies there.
@@ -32,7 +32,8 @@ Result<void> give_fields(const TakeLayout& layout, const Rig& rig, int frame, re
 
 struct FieldOptions {
   std::vector<int> frames;
-  int neighbors = 4;  ///< of each camera, the nearest: the pairs that three blended photographs need on a ring
+  int neighbors =
+      4;  ///< of each camera, the nearest: the pairs that three blended photographs need on a ring
   render::FlowOptions flow;
   int threads = 0;
   bool redo = false;

@@ -13,13 +13,14 @@
 #include <hwy/foreach_target.h>
 // clang-format off: foreach_target must come first
 #include <hwy/highway.h>
+
 #include "render/cpu/photo_geometry-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::render::cpu::HWY_NAMESPACE {
 
-constexpr int kInversions = 1;  // render/gl/shaders/static.frag has the same
+constexpr int kInversions = 2;  // render/gl/shaders/static.frag has the same
 
 struct Moved {
   VF x, y;

@@ -13,7 +13,7 @@ namespace floatstage::render::cpu {
 struct FieldPulls {
   std::array<float, 4> place{};  ///< of the grid, see CameraField
   int width = 0, height = 0;
-  int count = 0;                                     ///< of fields; 0: nothing moves
+  int count = 0;  ///< of fields; 0: nothing moves
   std::array<const std::int16_t*, kMostListed> uv{};
   std::array<const float*, kMostListed> pulls{};  ///< list: how much each counts at a pixel
 };

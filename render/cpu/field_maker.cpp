@@ -52,8 +52,8 @@ Result<void> FieldMaker::project(const Scene& scene, const RendererOptions& opti
   }
   both.chosen = 2;
   const View view = field_view(s.cameras[at(both.listed[0])], s.box);
-  if (Result<void> ok = projection_.run(scene, view, plain,
-                                        {.margin = kMargin, .images = true, .cameras = &both});
+  if (Result<void> ok =
+          projection_.run(scene, view, plain, {.margin = kMargin, .images = true, .cameras = &both});
       !ok)
     return ok;
   job.field = {};

@@ -10,6 +10,7 @@
 // clang-format off: foreach_target must come first
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
+
 #include "render/cpu/photo_geometry-inl.h"
 // clang-format on
 

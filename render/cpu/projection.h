@@ -44,8 +44,8 @@ class Projection {
     int margin = 0;           ///< px around the view
     bool one_camera = false;  ///< all weight to the best visible camera of each pixel
     bool images = false;
-    bool levels = false;  ///< photographs' pyramids, whatever the footprints are
-    bool mattes = false;  ///< what they say at the surface
+    bool levels = false;                    ///< photographs' pyramids, whatever the footprints are
+    bool mattes = false;                    ///< what they say at the surface
     const CameraChoice* cameras = nullptr;  ///< instead of those that the view would choose
   };
   /// Cancelled when the picture was given up.

@@ -14,7 +14,7 @@
 namespace floatstage::render::cpu {
 namespace {
 
-constexpr float kOffSubject = 1e-3F;  // what colours weigh that no matte calls the subject's
+constexpr float kOffSubject = 0.1F;  // what colours weigh that no matte calls the subject's
 
 class StaticRenderer : public ViewRenderer {
  public:
@@ -67,8 +67,8 @@ void StaticRenderer::float_row(int y, const RendererOptions& options, RowMemory&
   const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
   const auto count = static_cast<std::size_t>(row.count);
   const std::size_t chosen = projection_.choice().chosen, listed = projection_.choice().listed.size();
-  const PositionShares shares = position_shares(
-      projection_, y, options.positions == Positions::Parallax ? &centers_ : nullptr, memory);
+  const PositionShares shares =
+      position_shares(projection_, y, options.positions == Positions::Parallax ? &centers_ : nullptr, memory);
   RowMean mean(count, kFaint, memory);
   float *u = memory.floats(count), *v = memory.floats(count);
   std::int32_t *inside = memory.ints(count), *wanted = memory.ints(count);
@@ -103,8 +103,8 @@ void StaticRenderer::float_row(int y, const RendererOptions& options, RowMemory&
     mean.add(drawn[slot] = {used, color});
   }
   if (options.output != RenderOutput::Flow) {
-    picture_.write(projection_, y, mean.finish(options.output == RenderOutput::Ghosting,
-                                               std::span(drawn).first(listed)), 4);
+    picture_.write(projection_, y,
+                   mean.finish(options.output == RenderOutput::Ghosting, std::span(drawn).first(listed)), 4);
     return;
   }
   float* rgb = memory.floats(3 * count);

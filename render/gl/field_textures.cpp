@@ -30,7 +30,8 @@ std::span<const int> FieldTextures::layers_of(std::span<const std::shared_ptr<co
   }
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (!wanted[i] || layers_[i] >= 0) continue;
-    const auto oldest = static_cast<std::size_t>(std::min_element(used_.begin(), used_.end()) - used_.begin());
+    const auto oldest =
+        static_cast<std::size_t>(std::min_element(used_.begin(), used_.end()) - used_.begin());
     layers_[i] = static_cast<int>(oldest);
     held_[oldest] = wanted[i];
     used_[oldest] = now_;

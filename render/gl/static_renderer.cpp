@@ -48,8 +48,7 @@ class StaticRenderer : public ViewRenderer {
  private:
   // Fields are estimated in native code, whoever draws with them: they are the same then.
   Result<void> find_fields(const Scene& scene, const RendererOptions& options) {
-    Result<cpu::ChosenFields> chosen =
-        cpu::chosen_fields(scene, projection_.choice(), options, maker_);
+    Result<cpu::ChosenFields> chosen = cpu::chosen_fields(scene, projection_.choice(), options, maker_);
     if (!chosen) return forward(chosen);
     const std::span<const int> layers = fields_.layers_of(*chosen);
     GridBlock block{};
@@ -87,8 +86,8 @@ Result<std::unique_ptr<ViewRenderer>> make_static_renderer() {
       gl::make_program("fullscreen.vert", "static.frag",
                        {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl"});
   if (!blend) return forward(blend);
-  return std::unique_ptr<ViewRenderer>(std::make_unique<StaticRenderer>(
-      std::move(*projection), std::move(*inspection), std::move(*blend)));
+  return std::unique_ptr<ViewRenderer>(
+      std::make_unique<StaticRenderer>(std::move(*projection), std::move(*inspection), std::move(*blend)));
 }
 
 }  // namespace floatstage::render

@@ -218,6 +218,30 @@ void flow(benchmark::State& state, const std::string& preset, int finest_scale) 
     benchmark::DoNotOptimize(estimate_flow(*estimator, {width, height, a.data()}, {width, height, b.data()}));
 }
 
+/// Milliseconds of the processor a picture with fields that are there already, and times those of linear.
+void at_rest(benchmark::State& state, render::BackEnd back_end) {
+  const Stage& on = stage();
+  constexpr int kViews = 4;
+  const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
+  std::map<std::string, double> ms;
+  for (auto _ : state)
+    for (const char* method : {"linear", "floating-static"}) {
+      auto renderer = std::move(*make_renderer(method, back_end));
+      double begin = 0;
+      for (int step = 0; step < 2 * kViews; ++step) {  // first all that is made once
+        if (step == kViews) begin = cpu_ms();
+        const auto picture = renderer->render(on.scene, orbit_view(width, height, step % kViews), {});
+        if (!picture) return state.SkipWithError(picture.error().message.c_str());
+        benchmark::DoNotOptimize(download(*picture));
+      }
+      ms[method] += (cpu_ms() - begin) / kViews;
+    }
+  const auto count = static_cast<double>(state.iterations());
+  state.counters["linear_ms"] = ms["linear"] / count;
+  state.counters["static_ms"] = ms["floating-static"] / count;
+  state.counters["ratio"] = ms["floating-static"] / ms["linear"];
+}
+
 void sizes(benchmark::internal::Benchmark* bench) {
   bench->Args({640, 480})->Args({930, 720})->Args({1024, 768})->Unit(benchmark::kMillisecond)->UseRealTime();
 }
@@ -234,6 +258,8 @@ BENCHMARK(two_threads)->Apply(sizes)->Iterations(1);
 BENCHMARK_CAPTURE(draw, nearest_cpu, std::string("nearest"), kCpu)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, linear_cpu, std::string("linear"), kCpu)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, floating_cpu, std::string("floating"), kCpu)->Apply(sizes);
+BENCHMARK_CAPTURE(at_rest, cpu, kCpu)->Apply(sizes)->Iterations(2);
+BENCHMARK_CAPTURE(at_rest, gl, kGl)->Apply(sizes)->Iterations(1);
 BENCHMARK_CAPTURE(draw, nearest_gl, std::string("nearest"), kGl)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, linear_gl, std::string("linear"), kGl)->Apply(sizes);
 BENCHMARK_CAPTURE(draw, floating_gl, std::string("floating"), kGl)->Apply(sizes);

@@ -64,7 +64,7 @@ TEST_F(BackEnds, DrawTheSamePictures) {
   RendererOptions options;
   options.flow.backend = "none";  // a flow of pictures that differ by a step differs too
   options.uncertainty = 0.02;
-  for (const char* method : {"nearest", "linear", "band-limited", "filtered", "floating"})
+  for (const char* method : {"nearest", "linear", "band-limited", "filtered", "floating", "floating-static"})
     for (const bool sharp : {true, false}) {
       options.sharp = sharp;
       const View view = view_at(8, 25, small_camera(256, 192));
@@ -82,7 +82,7 @@ TEST_F(BackEnds, DrawTheSameSmallPictures) {
   ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
   RendererOptions options;
   options.flow.backend = "none";
-  for (const char* method : {"nearest", "linear", "filtered", "floating"})
+  for (const char* method : {"nearest", "linear", "filtered", "floating", "floating-static"})
     for (const int width : {96, 48, 12}) {  // footprints of 1.7, 3.3 and 13 pixels
       const View view = view_at(8, 25, small_camera(width, 3 * width / 4));
       const Difference d = difference(drawn(render::BackEnd::Cpu, scene, view, method, options),

@@ -169,7 +169,7 @@ TEST_P(SmallPictures, AtACameraAreNearItsPhotographAveraged) {
     View view = view_of(stage.rig.cameras[1]);
     view.model = small_camera(160 / n, 120 / n);
     const Image truth = averaged(photograph, n);
-    for (const char* method : {"nearest", "linear", "filtered", "floating"}) {
+    for (const char* method : {"nearest", "linear", "filtered", "floating", "floating-static"}) {
       const Image picture = rendered(stage, view, method);
       EXPECT_GT(psnr(picture, truth, [&](int x, int y) { return well_inside(picture, x, y, 2); }), 29)
           << method << " at 1/" << n;

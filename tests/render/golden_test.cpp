@@ -32,6 +32,8 @@ const Golden kGoldens[] = {
     {"filtered", "filtered", RenderOutput::Color, 0.4762, {118.5, 127.4, 128.7}},
     {"light_field", "light-field", RenderOutput::Color, 1, {124.1, 131.8, 134.0}},
     {"floating", "floating", RenderOutput::Color, 0.4762, {118.5, 127.0, 128.0}},
+    {"floating_static", "floating-static", RenderOutput::Color, 0.4762, {117.9, 126.9, 127.7}},
+    {"floating_static_flow", "floating-static", RenderOutput::Flow, 0.4837, {254.6, 227.4, 229.4}},
     {"floating_weights", "floating", RenderOutput::Weights, 0.4837, {139.5, 165.4, 111.2}},
     {"floating_soft_visibility", "floating", RenderOutput::SoftVisibility, 0.4837, {101.9, 89.1, 95.1}},
     {"linear_ghosting", "linear", RenderOutput::Ghosting, 0.4837, {142.8, 64.7, 24.7}},

@@ -16,7 +16,7 @@ class Renderers : public Rendering, public testing::WithParamInterface<Kind> {
 INSTANTIATE_TEST_SUITE_P(All, Renderers,
                          testing::Combine(testing::Values(render::BackEnd::Cpu, render::BackEnd::Gl),
                                           testing::Values("nearest", "linear", "band-limited", "filtered",
-                                                          "floating")),
+                                                          "floating", "floating-static")),
                          [](const auto& param) {
                            std::string name =
                                text(std::get<1>(param.param), "_", name_of(std::get<0>(param.param)));

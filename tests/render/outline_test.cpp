@@ -180,7 +180,7 @@ TEST_P(Outlines, LeaveColorsAndTheInsideAlone) {
   const View view = view_at(7, 22);
   RendererOptions hard;
   hard.soft_outlines = false;
-  for (const char* method : {"nearest", "linear", "filtered", "floating"}) {
+  for (const char* method : {"nearest", "linear", "filtered", "floating", "floating-static"}) {
     const Image soft = rendered(stage, view, method), opaque = rendered(stage, view, method, hard);
     int beside = 0;
     for (int y = 0; y < opaque.height; ++y)
@@ -250,7 +250,7 @@ TEST(OutlinesOfBothBackEnds, AreAlike) {
   RendererOptions options;
   options.flow.backend = "none";
   const View view = view_at(8, 25, small_camera(256, 192));
-  for (const char* method : {"linear", "filtered", "floating"}) {
+  for (const char* method : {"linear", "filtered", "floating", "floating-static"}) {
     Image pictures[2];
     for (int i = 0; i < 2; ++i) {
       const auto renderer =
