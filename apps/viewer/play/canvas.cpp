@@ -24,6 +24,11 @@ int blended(const PlayerState& state, int method) {
   return linear == state.methods.end() ? method : static_cast<int>(linear - state.methods.begin());
 }
 
+bool is_shown(const PlayerState& state, const char* method) {
+  const auto is = [&](int shown) { return state.methods[static_cast<std::size_t>(shown)] == method; };
+  return is(state.left) || (state.split && is(state.right));
+}
+
 bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y == b.fov_y;
 }
@@ -69,7 +74,9 @@ Canvas::Made Canvas::wanted(const PlayerState& state, const pipeline::PathKey& k
   Made made{pixels(width), pixels(height), state.left, state.split ? state.right : -1, shown_,
             key,           state.renderer};
   if (moving) {
-    made.renderer.flow.shrink = std::max(2, made.renderer.flow.shrink);
+    // Fields that stay are not made twice, once of each size.
+    if (!is_shown(state, "floating-static"))
+      made.renderer.flow.shrink = std::max(2, made.renderer.flow.shrink);
     made.renderer.soft_radius *= pace_.scale();
     if (pace_.without_flow()) made.left = blended(state, made.left), made.right = blended(state, made.right);
   }

@@ -43,6 +43,8 @@ class Canvas {
   Result<void> show(const std::shared_ptr<const SceneFrame>& scene);
   /// The same of a live studio. One without a subject leaves the stage empty.
   Result<void> show(const studio::LiveScene& scene);
+  /// What is shown, to be given fields.
+  render::Scene& scene() { return drawn_; }
   /// Draws into the present ImGui window's whole content, and moves state.camera by `input`.
   Result<void> draw(PlayerState& state, std::span<const InputEvent> input);
   /// The window's last frame took so long without the picture, if one was drawn.

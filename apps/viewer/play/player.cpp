@@ -13,6 +13,7 @@
 #include "apps/viewer/window/layout.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/fields/take_fields.h"
 #include "pipeline/orbit.h"
 #include "render/camera_grid.h"
 
@@ -46,6 +47,7 @@ class WindowPlayer : public Player {
     take_shortcuts(input, home_, state_);
     strip_.take(input, state_);
     load();
+    give_fields();
     lay_out(input);
     finish_film();
   }
@@ -85,8 +87,20 @@ class WindowPlayer : public Player {
     if (!*scene) return;
     if (Result<void> ok = canvas_.show(*scene); !ok)
       state_.status = text("frame ", frame, ": ", ok.error().message);
+    if (shown_ != frame) has_fields_ = false;
     shown_ = frame;
     if (state_.time.playing) cache_.prefetch((frame + 1) % state_.time.frames());
+  }
+
+  // Those that lie beside the take, once the method that draws with them is chosen.
+  void give_fields() {
+    const auto draws = [&](int method) {
+      return state_.methods[static_cast<std::size_t>(method)] == pipeline::kFieldMethod;
+    };
+    if (has_fields_ || shown_ < 0 || !(draws(state_.left) || (state_.split && draws(state_.right)))) return;
+    has_fields_ = true;
+    if (Result<void> ok = pipeline::give_fields(take_.layout(), take_.rig(), shown_, canvas_.scene()); !ok)
+      state_.status = ok.error().message;
   }
 
   void lay_out(std::span<const InputEvent> input) {
@@ -138,6 +152,7 @@ class WindowPlayer : public Player {
   PathStrip strip_;
   std::optional<FilmJob> film_;
   int shown_ = -1;
+  bool has_fields_ = false;  // of the shown instant, as far as there are any
 };
 
 Result<PlayerState> initial_state(const PlayOptions& options, const capture::TakeReader& take,
