@@ -161,7 +161,9 @@ Result<void> run(const Options& given) {
       return ok;
   if (failures > 0)
     return fail(ErrorCode::BadData,
-                text(failures, " of the take's mattes, meshes or fields could not be made; the others are there"));
+                text(failures,
+                     " of the take's mattes, meshes or fields could not be made; the others are "
+                     "there"));
   if (report->empty_frames == report->frames)
     return fail(ErrorCode::BadData,
                 text(options.take.string(), ": no frame shows a subject in every silhouette; look at ",

@@ -8,11 +8,11 @@
 
 #include "core/text.h"
 #include "pipeline/balance.h"
-#include "pipeline/fields/take_fields.h"
 #include "pipeline/label.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
 #include "pipeline/subject.h"
+#include "pipeline/take_fields.h"
 #include "render/drawn_from.h"
 
 namespace floatstage::pipeline {

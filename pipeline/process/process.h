@@ -7,12 +7,12 @@
 
 #include "capture/take.h"
 #include "core/result.h"
-#include "pipeline/fields/take_fields.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/mesh_record.h"
 #include "pipeline/process/heal_mattes.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
+#include "pipeline/take_fields.h"
 #include "recon/visual_hull.h"
 
 namespace floatstage::pipeline {
@@ -46,10 +46,10 @@ struct ProcessReport {
   int frames = 0, cameras = 0, empty_frames = 0;  ///< of those asked for; empty: nobody on stage
   StageReport mattes, meshes;
   std::optional<FieldReport> fields = {};  ///< where they were asked for
-  std::vector<std::string> remarks = {};  ///< MatteReport::remarks
-  int distrusted = 0;                     ///< MatteReport::distrusted
-  std::vector<MatteDoubt> doubts = {};    ///< MatteReport::doubts, and of all meshes: contradiction_in()
-  std::vector<HealedCamera> healed = {};  ///< mattes that were made again in this run, worst camera first
+  std::vector<std::string> remarks = {};   ///< MatteReport::remarks
+  int distrusted = 0;                      ///< MatteReport::distrusted
+  std::vector<MatteDoubt> doubts = {};     ///< MatteReport::doubts, and of all meshes: contradiction_in()
+  std::vector<HealedCamera> healed = {};   ///< mattes that were made again in this run, worst camera first
   // Of all meshes, also of those that were there:
   std::vector<SilhouetteFault> faults = {};   ///< what a matte lacks was overruled by the others
   std::vector<std::string> pose_doubts = {};  ///< of this run's frames, see pipeline::pose_doubts()

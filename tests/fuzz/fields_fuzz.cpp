@@ -4,7 +4,7 @@
 
 #include "core/check.h"
 #include "core/content_hash.h"
-#include "pipeline/fields/field_file.h"
+#include "pipeline/field_file.h"
 
 // fields/<serial>/<frame>.fields. What is mutated lacks the hash at its end: with it, nothing else would be
 // read.

@@ -7,7 +7,7 @@
 #include "core/file.h"
 #include "core/mesh_io.h"
 #include "pipeline/evaluate/evaluate.h"
-#include "pipeline/fields/field_file.h"
+#include "pipeline/field_file.h"
 #include "pipeline/film.h"
 #include "pipeline/orbit.h"
 #include "pipeline/process/process.h"

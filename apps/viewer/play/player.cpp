@@ -13,8 +13,8 @@
 #include "apps/viewer/window/layout.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
-#include "pipeline/fields/take_fields.h"
 #include "pipeline/orbit.h"
+#include "pipeline/take_fields.h"
 #include "render/camera_grid.h"
 
 namespace floatstage::apps {

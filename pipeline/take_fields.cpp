@@ -1,4 +1,4 @@
-#include "pipeline/fields/take_fields.h"
+#include "pipeline/take_fields.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,7 +8,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/derived_files.h"
-#include "pipeline/fields/field_file.h"
+#include "pipeline/field_file.h"
 #include "pipeline/scene_loader.h"
 #include "render/renderer.h"
 

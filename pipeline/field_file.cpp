@@ -1,4 +1,4 @@
-#include "pipeline/fields/field_file.h"
+#include "pipeline/field_file.h"
 
 #include <algorithm>
 #include <bit>
