@@ -16,10 +16,13 @@ using Eigen::Vector3d;
 constexpr double kRadian = std::numbers::pi / 180;
 constexpr double kBall = 0.13, kWall = 0.312, kProxyWall = 0.332, kDistance = 1.3;  // metres
 constexpr int kFineRings = 48, kCoarseRings = 8;
-constexpr double kCoarseBall = 1.04;        // of the true radius
-constexpr float kCell = 0.025F;             // metres
-constexpr int kRays = 3, kAbout = 8;        // a pixel along each side; px
-constexpr double kAngles[] = {-20, 0, 18};  // degrees
+constexpr double kCoarseBall = 1.02, kAroundBall = 1.08;  // of the true radius
+constexpr float kCell = 0.025F;                           // metres
+constexpr int kRays = 3, kAbout = 8;                      // a pixel along each side; px
+constexpr double kAngles[] = {-24, -8, 8, 24};            // degrees
+
+constexpr int kMostViews = 3;
+constexpr double kViews[kMostViews] = {0, -16, 16};  // degrees: in the middle between two cameras
 
 void add_ball(double radius, int rings, Mesh& mesh) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -70,11 +73,11 @@ Image brighter(Image rgb, double gain) {
   return rgb;
 }
 
-// Whether the ball stands between a point and an eye.
-bool hidden(const Vector3d& point, const Vector3d& eye) {
+// Whether a ball stands between a point and an eye.
+bool hidden(const Vector3d& point, const Vector3d& eye, double radius = kBall) {
   const Vector3d way = eye - point;
   const double t = -point.dot(way) / way.squaredNorm();
-  return t > 0 && t < 1 && (point + t * way).norm() < kBall;
+  return t > 0 && t < 1 && (point + t * way).norm() < radius;
 }
 
 }  // namespace
@@ -89,9 +92,7 @@ TestScene ball_before_wall(const BallOptions& options) {
   std::vector<RigCamera> cameras;
   for (const double angle : kAngles) cameras.push_back(camera_at(angle, options));
   const auto count = cameras.size();
-  for (int v = 0; v < options.views; ++v)
-    cameras.push_back(
-        camera_at(kAngles[0] + (kAngles[2] - kAngles[0]) * (v + 1) / (options.views + 1), options));
+  for (int v = 0; v < options.views; ++v) cameras.push_back(camera_at(kViews[v % kMostViews], options));
   std::vector<Image> taken(cameras.size());
   const SolidColor paint = random_checker(kCell, 58);
   parallel_for(taken.size(), 0, [&](std::size_t i) {
@@ -102,7 +103,7 @@ TestScene ball_before_wall(const BallOptions& options) {
       scene.views.push_back({cameras[i], std::move(taken[i]), {}});
       continue;
     }
-    const double side = static_cast<double>(i) - 1;
+    const double side = i % 2 == 0 ? -1 : 1;
     FrameInfo info;
     info.camera = static_cast<int>(i);
     scene.photographs.images.frames.push_back(make_frame(info, brighter(taken[i], 1 + options.gain * side)));
@@ -118,17 +119,19 @@ TestScene ball_before_wall(const BallOptions& options) {
 Image about_occlusions(const TestScene& scene, const RigCamera& view) {
   const CameraModel& m = view.model;
   const Vector3d eye = view.cam_from_world.center();
-  Image all_see(m.width, m.height, 1, 255);
+  Image all_see(m.width, m.height, 1, 255), wall(m.width, m.height, 1);
   for (int y = 0; y < m.height; ++y)
     for (int x = 0; x < m.width; ++x) {
       const Vector3d way = view.cam_from_world.rotation.conjugate() * *unproject(m, {x + 0.5, y + 0.5});
       const Vector3d on_wall = eye + way * ((kWall - eye.y()) / way.y());
-      if (hidden(on_wall, eye)) continue;  // the ball itself
+      if (hidden(on_wall, eye, kAroundBall * kBall)) continue;  // what the proxy's wrong outline spoils
+      *wall.at(x, y) = 255;
       for (const RigCamera& camera : scene.rig.cameras)
         if (hidden(on_wall, camera.cam_from_world.center())) *all_see.at(x, y) = 0;
     }
   Image about = erode_mask(all_see, kAbout);
-  for (std::uint8_t& v : about.pixels) v = static_cast<std::uint8_t>(255 - v);
+  for (std::size_t i = 0; i < about.pixels.size(); ++i)
+    about.pixels[i] = wall.pixels[i] >= 128 && about.pixels[i] < 128 ? 255 : 0;
   return about;
 }
 

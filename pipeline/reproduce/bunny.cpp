@@ -14,16 +14,20 @@ namespace floatstage::pipeline {
 namespace {
 
 constexpr double kRadian = std::numbers::pi / 180;
-constexpr double kDistance = 0.45;                                     // metres
-constexpr double kFocal = 1150, kSize = 512;                           // px
-constexpr double kMiddleElevation = 15, kLowest = -20, kHighest = 70;  // degrees
-constexpr float kCell = 0.006F;                                        // metres
+constexpr double kDistance = 0.45;            // metres
+constexpr double kFocal = 1150, kSize = 512;  // px
+constexpr double kMiddleElevation = 15;       // degrees
+constexpr float kCell = 0.006F;               // metres
 constexpr std::uint64_t kPaint = 7;
 constexpr int kRays = 3;  // a pixel, along each side
 constexpr int kCandidates = 4000;
-constexpr double kApart = 15;  // degrees
+constexpr std::uint64_t kCandidatesSeed = 52;
 
 const Eigen::Vector3d kMiddle(-0.017, 0.11, 0);  // the scan's world is y up
+
+Eigen::Vector3d direction_of(const RigCamera& camera) {
+  return (camera.cam_from_world.center() - kMiddle).normalized();
+}
 
 }  // namespace
 
@@ -59,12 +63,12 @@ std::vector<RigCamera> bunny_grid(int side, double step, int size) {
   return cameras;
 }
 
-std::vector<RigCamera> bunny_cameras_anywhere(int count, std::uint64_t seed, int size) {
+std::vector<RigCamera> bunny_cameras(int count, const BunnySky& sky, std::uint64_t seed, int size) {
   Random random(seed);
   std::vector<RigCamera> cameras;
   for (int i = 0; i < count; ++i) {
-    const double azimuth = random.uniform(-180, 180),
-                 height = random.uniform(std::sin(kLowest * kRadian), std::sin(kHighest * kRadian));
+    const double azimuth = random.uniform(-sky.azimuth, sky.azimuth),
+                 height = random.uniform(std::sin(sky.lowest * kRadian), std::sin(sky.highest * kRadian));
     cameras.push_back(bunny_camera(azimuth, std::asin(height) / kRadian, size));
     cameras.back().serial = text("view", i);
   }
@@ -72,26 +76,32 @@ std::vector<RigCamera> bunny_cameras_anywhere(int count, std::uint64_t seed, int
 }
 
 double degrees_between(const RigCamera& a, const RigCamera& b) {
-  const Eigen::Vector3d to_a = (a.cam_from_world.center() - kMiddle).normalized(),
-                        to_b = (b.cam_from_world.center() - kMiddle).normalized();
-  return std::acos(std::clamp(to_a.dot(to_b), -1.0, 1.0)) / kRadian;
+  return std::acos(std::clamp(direction_of(a).dot(direction_of(b)), -1.0, 1.0)) / kRadian;
 }
 
-std::vector<RigCamera> farthest_from(const std::vector<RigCamera>& from, int count, int size) {
-  const std::vector<RigCamera> candidates = bunny_cameras_anywhere(kCandidates, 1, size);
-  std::vector<std::pair<double, std::size_t>> by_angle;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    double nearest = 180;
-    for (const RigCamera& camera : from) nearest = std::min(nearest, degrees_between(camera, candidates[i]));
-    by_angle.emplace_back(-nearest, i);
+std::vector<RigCamera> bunny_views_between(const std::vector<RigCamera>& cameras, const BunnySky& sky,
+                                           int count, double apart, BetweenOrder order, int size) {
+  std::vector<std::pair<double, RigCamera>> between;
+  for (const RigCamera& view : bunny_cameras(kCandidates, sky, kCandidatesSeed, size)) {
+    std::vector<std::pair<double, std::size_t>> near;
+    for (std::size_t i = 0; i < cameras.size(); ++i) near.emplace_back(degrees_between(cameras[i], view), i);
+    if (near.size() < 3) break;
+    std::partial_sort(near.begin(), near.begin() + 3, near.end());
+    Eigen::Matrix3d corners;
+    for (int k = 0; k < 3; ++k)
+      corners.col(k) = direction_of(cameras[near[static_cast<std::size_t>(k)].second]);
+    const Eigen::Vector3d shares = corners.fullPivLu().solve(direction_of(view));
+    if (shares.minCoeff() >= 0) between.emplace_back(near.front().first, view);
   }
-  std::sort(by_angle.begin(), by_angle.end());
+  if (order == BetweenOrder::FarthestFirst)
+    std::stable_sort(between.begin(), between.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<RigCamera> chosen;
-  for (const auto& [angle, i] : by_angle) {
+  for (const auto& [degrees, view] : between) {
     if (static_cast<int>(chosen.size()) == count) break;
     if (std::all_of(chosen.begin(), chosen.end(),
-                    [&](const RigCamera& c) { return degrees_between(c, candidates[i]) >= kApart; }))
-      chosen.push_back(candidates[i]);
+                    [&](const RigCamera& c) { return degrees_between(c, view) >= apart; }))
+      chosen.push_back(view);
   }
   return chosen;
 }

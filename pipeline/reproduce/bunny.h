@@ -24,13 +24,23 @@ RigCamera bunny_camera(double azimuth, double elevation, int size = 512);
 /// side x side cameras, `step` degrees apart, about azimuth 0 and elevation 15.
 std::vector<RigCamera> bunny_grid(int side, double step, int size = 512);
 
-/// Cameras in random directions all around: elevations from -20 to 70 degrees, evenly over that part of the
-/// sphere (from below one would look into the holes of the scan). Same seed, same cameras.
-std::vector<RigCamera> bunny_cameras_anywhere(int count, std::uint64_t seed, int size = 512);
+/// A part of the sphere of directions about the bunny, degrees.
+struct BunnySky {
+  double azimuth = 180;               ///< to either side of the front
+  double lowest = -20, highest = 70;  ///< elevation: from below one would look into the holes of the scan
+};
+/// The part that bunny_grid(7, 10) spans.
+inline constexpr BunnySky kBunnyWindow{30, -15, 45};
 
-/// `count` cameras of the same part of the sphere that are as far as can be from all of `from` and 15 degrees
-/// from one another, farthest first.
-std::vector<RigCamera> farthest_from(const std::vector<RigCamera>& from, int count, int size = 512);
+/// Cameras in random directions, evenly over that part of the sphere. Same seed, same cameras.
+std::vector<RigCamera> bunny_cameras(int count, const BunnySky& sky, std::uint64_t seed, int size = 512);
+
+enum class BetweenOrder { Random, FarthestFirst };
+
+/// Up to `count` views between photographs: in directions inside the triangle of their three nearest cameras,
+/// at least `apart` degrees from one another. FarthestFirst takes those farthest from all cameras.
+std::vector<RigCamera> bunny_views_between(const std::vector<RigCamera>& cameras, const BunnySky& sky,
+                                           int count, double apart, BetweenOrder order, int size = 512);
 
 /// The angle between the directions in which two cameras see the bunny's middle, degrees.
 double degrees_between(const RigCamera& a, const RigCamera& b);

@@ -84,6 +84,7 @@ TEST_F(Reproduce, DoesNotMixWhatWasMadeOtherwise) {
 }
 
 TEST_F(Reproduce, TouchesNothingThatNoExperimentMade) {
+  fs::create_directories(options_.out / "fig58");
   folder_.write("out/fig58/letter.txt", "dear");
   for (const bool redo : {false, true}) {
     options_.redo = redo;
