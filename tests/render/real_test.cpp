@@ -35,7 +35,7 @@ class Bunny : public OnEachBackEnd {
     exact_ = bunny->exact;
     coarse_ = bunny->coarse;
     const pipeline::TestScene scene =
-        painted_bunny(exact_, coarse_, pipeline::bunny_grid(kGrid, kStepDegrees), test_views());
+        pipeline::painted_bunny(exact_, coarse_, pipeline::bunny_grid(kGrid, kStepDegrees), test_views());
     stage_.rig = scene.rig;
     stage_.scene = scene.photographs;
     views_ = scene.views;
