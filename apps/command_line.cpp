@@ -197,9 +197,10 @@ std::unique_ptr<CLI::App> command_line(Chosen& chosen) {
   app->footer(
       "Every verb explains itself: floatstage VERB --help\nExamples:\n  floatstage demo -o demo\n"
       "  floatstage render --help");
-  for (auto add : {add_demo, add_capture, add_check, add_calibrate, add_synthesize, add_import, add_take_verb,
-                   add_matte, add_matte_image, add_hull, add_keys, add_process, add_render, add_evaluate,
-                   add_export, add_path, add_detail, add_flow, add_live, add_play})
+  for (auto add :
+       {add_demo,      add_capture,     add_check, add_calibrate, add_synthesize, add_import, add_take_verb,
+        add_matte,     add_matte_image, add_hull,  add_keys,      add_process,    add_render, add_evaluate,
+        add_reproduce, add_export,      add_path,  add_detail,    add_flow,       add_live,   add_play})
     add(*app, chosen);
   add_plan(*app, chosen, chosen_by);
   app->require_subcommand(1);

@@ -200,6 +200,17 @@ Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
   return pipeline::plan_of_pieces(given.take, "views", pipeline::pieces_of(*frames, chunk), kFrameSeconds);
 }
 
+// The last frame of the piece before, which the first of this one is compared with for flicker; -1: none.
+int last_before(const pipeline::Plan& plan, const pipeline::PlanItem& item) {
+  int last = -1;
+  for (const pipeline::PlanItem& piece : plan.items) {
+    if (piece.id == item.id) break;
+    if (const std::vector<int> frames = piece.frames(); piece.count > 0 && !frames.empty())
+      last = frames.back();
+  }
+  return last;
+}
+
 // A piece's rows, or the table of all.
 Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const pipeline::PlanItem& item) {
   ItemEnd end;
@@ -208,6 +219,7 @@ Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const
     if (!scene) return forward(scene);
     ProgressBar bar;
     scene->options.frames = item.frames();
+    scene->options.frame_before = last_before(plan, item);
     scene->options.progress = &bar;
     const Result<std::vector<ScoredView>> rows = held_out_rows(given, *scene->take, scene->options, bar);
     if (!rows) return forward(rows);

@@ -16,6 +16,7 @@ void add_path(CLI::App& app, Chosen& chosen);
 void add_play(CLI::App& app, Chosen& chosen);
 void add_process(CLI::App& app, Chosen& chosen);
 void add_render(CLI::App& app, Chosen& chosen);
+void add_reproduce(CLI::App& app, Chosen& chosen);
 void add_synthesize(CLI::App& app, Chosen& chosen);
 
 }  // namespace floatstage::apps

@@ -48,13 +48,16 @@ struct RendererOptions {
                                      ///< or take `uncertainty`
   double uncertainty = 0.0063;  ///< band-limited, filtered: how far the surface may lie before or behind the
                                 ///< proxy, as a share of the diagonal of the proxy's box
-  double motion_blur = 0;  ///< filtered: share of the pictures before that stays in each, 0: none; while the
-                           ///< view rests the picture tends to the one without
+  double motion_blur = 0;   ///< filtered: share of the pictures before that stays in each, 0: none; while the
+                            ///< view rests the picture tends to the one without
+  bool fill_hidden = true;  ///< floating: what a photograph does not see of the proxy shows the strongest of
+                            ///< those that do while flow is sought; false: what it shows there instead
+                            ///< (thesis Fig. 58b: for comparison)
   bool sharp = true;  ///< photographs are read by a spline in nine reads; false: by one bilinear read, softer
                       ///< and much faster without a GPU
   bool soft_outlines = true;  ///< the view is as opaque at its outline as its pixels are covered and mattes
                               ///< say; false: opaque where the proxy covers a pixel's centre
-  int threads = 0;                   ///< CPU threads; 0: one per core. The picture does not depend on it
+  int threads = 0;            ///< CPU threads; 0: one per core. The picture does not depend on it
   BackEnd back_end = BackEnd::Auto;  ///< what callers ask make_renderer() for
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;

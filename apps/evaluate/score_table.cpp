@@ -24,7 +24,7 @@ constexpr Column kColumns[] = {
     {"cw_ssim_mask", &pipeline::Scores::cw_ssim}, {"psnr_shift_mask", &pipeline::Scores::psnr_shift},
     {"sharpness", &pipeline::Scores::sharpness},  {"psnr_full", &pipeline::Scores::psnr_full},
     {"psnr_edge", &pipeline::Scores::psnr_edge},  {"psnr_color_mask", &pipeline::Scores::psnr_color},
-    {"ghosting", &pipeline::Scores::ghosting}};
+    {"ghosting", &pipeline::Scores::ghosting},    {"flicker", &pipeline::Scores::flicker}};
 
 json to_json(const pipeline::Scores& s) {
   json j;
@@ -77,10 +77,12 @@ struct Course {
 Course course(const std::map<int, std::vector<ScoredView>>& frames, const std::string& method,
               double pipeline::Scores::*score) {
   Course out;
-  double sum = 0, squares = 0, last = 0;
+  double sum = 0, squares = 0, last = 0, known = 0;
   bool first = true;
   for (const auto& [frame, rows] : frames) {
     const double now = mean(rows, method).*score;
+    if (std::isnan(now)) continue;
+    ++known;
     sum += now;
     squares += now * now;
     if (first || now < out.lowest) out.lowest = now, out.lowest_frame = frame;
@@ -88,7 +90,11 @@ Course course(const std::map<int, std::vector<ScoredView>>& frames, const std::s
     last = now;
     first = false;
   }
-  const double count = static_cast<double>(std::max<std::size_t>(1, frames.size())), average = sum / count;
+  if (known == 0)
+    return {.lowest = pipeline::Scores::kUnknown,
+            .spread = pipeline::Scores::kUnknown,
+            .largest_step = pipeline::Scores::kUnknown};
+  const double count = known, average = sum / count;
   out.spread = std::sqrt(std::max(0.0, squares / count - average * average));
   return out;
 }

@@ -1,10 +1,12 @@
 #include "pipeline/evaluate/evaluate.h"
 
-#include <limits>
+#include <algorithm>
+#include <map>
 
 #include "capture/added_file.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/evaluate/ghosting.h"
 #include "pipeline/evaluate/held_out_scene.h"
 #include "pipeline/film.h"
 #include "pipeline/progress.h"
@@ -59,19 +61,6 @@ CameraModel shrunk(CameraModel m, int n) {
   return m;
 }
 
-// How far apart what is blended lies, from the heat map of the renderer's output (black, red, yellow, white).
-double mean_heat(const Image& rgba, const Image& mask) {
-  constexpr double kFull = 3 * 255, kGain = 3;  // as the renderers' heat maps
-  double sum = 0, pixels = 0;
-  for (std::size_t i = 0; i < mask.pixels.size(); ++i) {
-    if (mask.pixels[i] < 128) continue;
-    const std::uint8_t* p = rgba.pixels.data() + 4 * i;
-    sum += (p[0] + p[1] + p[2]) / kFull / kGain;
-    ++pixels;
-  }
-  return pixels > 0 ? 255 * sum / pixels : std::numeric_limits<double>::quiet_NaN();
-}
-
 struct Methods {
   std::vector<std::string> names;
   std::vector<std::unique_ptr<render::ViewRenderer>> renderers;
@@ -119,9 +108,26 @@ Result<void> draw_methods(const View& from, Methods& methods, const EvaluateOpti
     rendered = methods.renderers[m]->render(methods.scene, from, options.renderer);
     if (!rendered) return forward(rendered);
     score_method(methods.names[m], render::download(*rendered), view);
-    view.scores[methods.names[m]].ghosting = mean_heat(heat, view.mask);
+    view.scores[methods.names[m]].ghosting = ghosting_of(heat, view.mask);
   }
   return {};
+}
+
+// What the frame before missed, by method: for flicker.
+struct FrameBefore {
+  int frame = -1;
+  std::map<std::string, PictureError> errors;
+};
+
+void score_flicker(HeldOutView& view, FrameBefore& before) {
+  const Image black = cut_out(view.truth, view.silhouette, 0);
+  FrameBefore now{view.frame, {}};
+  for (auto& [method, scores] : view.scores) {
+    PictureError& error = now.errors[method] = picture_error(view.rendered.at(method), black, view.mask);
+    if (before.frame >= 0 && before.frame + 1 == view.frame)
+      scores.flicker = flicker(error, before.errors.at(method));
+  }
+  before = std::move(now);
 }
 
 Result<HeldOutView> evaluate_view(const capture::TakeReader& take, Instant& instant, int held,
@@ -209,7 +215,13 @@ Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& opt
     if (!renderer) return forward(renderer);
     methods.renderers.push_back(std::move(*renderer));
   }
-  for (int frame : options.frames) {
+  std::vector<int> frames = options.frames;
+  const bool looks_back =
+      !frames.empty() && options.frame_before >= 0 && options.frame_before + 1 == frames.front();
+  if (looks_back) frames.insert(frames.begin(), options.frame_before);
+  std::map<int, FrameBefore> before;  // by camera
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const int frame = frames[f];
     Result<Instant> instant = load_instant(take, frame, options.proxy);
     if (!instant) return forward(instant);
     for (int camera : inputs->held) {
@@ -217,6 +229,8 @@ Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& opt
       Result<HeldOutView> view = evaluate_view(take, *instant, camera, *inputs, methods, options);
       if (!view) return fail(view.error().code, text("frame ", frame, ": ", view.error().message));
       view->frame = frame;
+      score_flicker(*view, before[camera]);
+      if (looks_back && f == 0) continue;
       if (Result<void> ok = report(std::move(*view)); !ok) return ok;
     }
   }

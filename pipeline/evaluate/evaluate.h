@@ -20,6 +20,8 @@ struct EvaluateOptions {
   std::vector<std::string> inputs = {}, hold_out = {};  ///< as choose_inputs() has them
   std::vector<std::string> methods = {"nearest", "linear", "floating"};
   std::vector<int> frames = {0};
+  int frame_before =
+      -1;  ///< drawn for the flicker of the first of them alone, where that follows it; -1: none
   render::RendererOptions renderer;
   bool balance = false;  ///< cameras' colours are brought to one another, without the held-out one's
   Proxy proxy;
@@ -44,10 +46,10 @@ struct HeldOutView {
 };
 
 /// Leave-one-out on a processed take: each held-out photograph is never used (not for the hull, colour or
-/// flow), every other input stays. A camera without a matte is only truth: it is never an input, and is
-/// scored where the proxy is; but where no camera of the take has one, as in a light field, all are inputs.
-/// Calls `report` once per view as soon as it is done. The renderer's back-end must be open
-/// (open_back_end()).
+/// flow), every other input stays. What follows the frame before gets its flicker. A camera without a matte
+/// is only truth: it is never an input, and is scored where the proxy is; but where no camera of the take has
+/// one, as in a light field, all are inputs. Calls `report` once per view as soon as it is done. The
+/// renderer's back-end must be open (open_back_end()).
 Result<void> evaluate_take(capture::TakeReader& take, const EvaluateOptions& options,
                            const std::function<Result<void>(HeldOutView)>& report);
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "core/image.h"
 
@@ -47,6 +49,19 @@ double psnr_color(const Image& rendered, const Image& truth, const Image& mask);
 /// picture's edge is no outline. 255 and 0 only.
 Image outline_band(const Image& silhouette, int width);
 
+/// What a picture misses of the truth, to be compared with that of the next instant. Without what no mask
+/// holds: a pixel of the mask has three differences, rendered - truth, in its rows' order.
+struct PictureError {
+  Image mask;  ///< 255 and 0 only
+  std::vector<std::int16_t> differences;
+};
+PictureError picture_error(const Image& rendered, const Image& truth, const Image& mask);
+
+/// Flicker: the mean of |error now - error before|, 8-bit levels, over channels and the pixels of both masks.
+/// An error that stays is none, however large: only what comes and goes is seen. NaN where the masks do not
+/// meet or differ in size.
+double flicker(const PictureError& now, const PictureError& before);
+
 /// What the tables of `evaluate` hold of one picture.
 struct Scores {
   double psnr = 0;        ///< dB, in the mask
@@ -59,6 +74,7 @@ struct Scores {
   double psnr_edge = kUnknown;   ///< dB, in the band about the outline, both pictures over mid grey
   double psnr_color = kUnknown;  ///< dB, in the mask, after a gain and an offset a channel
   double ghosting = kUnknown;    ///< 8-bit levels: mean weighted distance of the colours that are blended
+  double flicker = kUnknown;     ///< 8-bit levels: mean change of the error since the frame before
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 };
 

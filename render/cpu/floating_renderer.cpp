@@ -21,8 +21,10 @@ class FloatingRenderer : public ViewRenderer {
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     const bool intermediate = is_shared_intermediate(options.output);
-    const Projection::Wanted wanted{
-        .margin = kMargin, .images = !intermediate, .mattes = has_soft_outline(options)};
+    const Projection::Wanted wanted{.margin = kMargin,
+                                    .images = !intermediate,
+                                    .mattes = has_soft_outline(options),
+                                    .fill = options.fill_hidden};
     if (Result<void> ok = projection_.run(scene, view, options, wanted); !ok) return forward(ok);
     picture_.begin(view, options.background);
     parallax_ = options.positions == Positions::Parallax;

@@ -286,7 +286,9 @@ void Projection::weigh_row(int y, const Wanted& wanted, RowMemory& memory) {
     weights.stand_in_fade[slot] = choice_.stand_in_fade[slot];
   }
   blending_weights(weights);
-  if (wanted.images) fill_row(y, weights.best, memory);
+  if (!wanted.images) return;
+  fill_row(y, weights.best, memory);
+  if (!wanted.fill) show_hidden(y, memory);
 }
 
 // Where a chosen camera sees nothing its image takes the colour of the strongest camera that does.
@@ -329,6 +331,32 @@ void Projection::fill_row(int y, const std::int32_t* best, RowMemory& memory) {
     }
     for (std::size_t slot = 0; slot < choice_.chosen; ++slot)
       std::copy_n(soft_[slot].data() + span.list, length, soft_planes_[slot].data() + at);
+  }
+}
+
+// What a photograph shows where something hides the proxy from it counts as its own.
+void Projection::show_hidden(int y, RowMemory& memory) {
+  const Covered::Row& row = covered_.rows[static_cast<std::size_t>(y)];
+  const auto count = static_cast<std::size_t>(row.count);
+  float *u = memory.floats(count), *v = memory.floats(count), *rgba = memory.floats(4 * count);
+  std::int32_t *wanted = memory.ints(count), *inside = memory.ints(count);
+  const PixelList points{covered_.x.data() + row.list, nullptr, covered_.inverse_z.data() + row.list,
+                         static_cast<float>(y) + 0.5F, row.count};
+  for (std::size_t slot = 0; slot < choice_.chosen; ++slot) {
+    project_points(camera(slot), rays_, points, u, v, inside);
+    for (std::size_t i = 0; i < count; ++i)
+      wanted[i] = inside[i] != 0 && (visible_[row.list + i] >> slot & 1) == 0 ? 1 : 0;
+    read(slot, row, u, v, wanted, rgba, memory);
+    for (std::size_t s = row.first_span; s < row.last_span; ++s) {
+      const Covered::Span& span = covered_.spans[s];
+      for (int x = span.begin; x < span.end; ++x) {
+        const std::size_t i = span.list - row.list + static_cast<std::size_t>(x - span.begin);
+        if (wanted[i] == 0) continue;
+        const std::size_t at = line(y) + static_cast<std::size_t>(x);
+        images_[slot][at] = packed(rgba + 4 * i);
+        own_[at] = static_cast<std::uint8_t>(own_[at] | 1 << slot);
+      }
+    }
   }
 }
 

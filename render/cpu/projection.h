@@ -46,6 +46,7 @@ class Projection {
     bool images = false;
     bool levels = false;                    ///< photographs' pyramids, whatever the footprints are
     bool mattes = false;                    ///< what they say at the surface
+    bool fill = true;                       ///< with images: RendererOptions::fill_hidden
     const CameraChoice* cameras = nullptr;  ///< instead of those that the view would choose
   };
   /// Cancelled when the picture was given up.
@@ -121,6 +122,7 @@ class Projection {
   void weigh_row(int y, const Wanted& wanted, RowMemory& memory);
   void soften_row(int y, RowMemory& memory);
   void fill_row(int y, const std::int32_t* best, RowMemory& memory);
+  void show_hidden(int y, RowMemory& memory);
   std::size_t line(int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);
   }

@@ -44,7 +44,7 @@ class FloatingRenderer : public ViewRenderer {
         inspection_.draw(projection_, **textures, view, target_);
       } else {
         gl::StageTimes::enter("images");
-        project_images();
+        project_images(options.fill_hidden);
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         gl::StageTimes::enter("blending");
         glUseProgram(float_.id());
@@ -64,13 +64,15 @@ class FloatingRenderer : public ViewRenderer {
  private:
   int count() const { return static_cast<int>(projection_.choice().chosen); }
 
-  void project_images() {
+  void project_images(bool fill_hidden) {
     const Window& w = projection_.window();
     if (images_.reserve(GL_RGBA8, GL_LINEAR, w.width, w.height, count()))
       for (int i = 0; i < kMostListed; ++i)
         glNamedFramebufferTextureLayer(images_target_.id(), GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i),
                                        i < count() ? images_.id() : 0, 0, i);
     set_draw_buffers(images_target_, count());
+    glUseProgram(project_.id());
+    glUniform1i(0, fill_hidden ? 1 : 0);
     projection_.draw(
         images_target_.id(), project_,
         {projection_.surface(), projection_.weights(0), projection_.weights(1), projection_.visibility()});

@@ -34,6 +34,7 @@ class RealTake : public testing::Test {
     auto reader = capture::TakeReader::open(take());
     EXPECT_THAT(reader, IsOk());
     std::map<std::string, pipeline::Scores> mean;
+    for (const char* method : {"nearest", "linear", "floating"}) mean[method].ghosting = 0;
     const double n = static_cast<double>(views.size());
     pipeline::EvaluateOptions options{.hold_out = views, .renderer = {}, .proxy = {}};
     options.proxy.kind = pipeline::Proxy::Kind::Hull;
@@ -44,7 +45,8 @@ class RealTake : public testing::Test {
                                             for (double pipeline::Scores::*m :
                                                  {&pipeline::Scores::psnr, &pipeline::Scores::ssim,
                                                   &pipeline::Scores::cw_ssim, &pipeline::Scores::psnr_shift,
-                                                  &pipeline::Scores::sharpness})
+                                                  &pipeline::Scores::sharpness,
+                                                  &pipeline::Scores::ghosting})
                                               mean[method].*m += s.*m / n;
                                           return Result<void>();
                                         }),
@@ -66,6 +68,7 @@ TEST_F(RealTake, TempleRingIsSharperFloatingThanBlended) {
   EXPECT_GE(mean.at("floating").psnr, 22.0);
   EXPECT_GE(mean.at("floating").psnr, mean.at("linear").psnr + 2.8);
   EXPECT_GE(mean.at("floating").ssim, mean.at("linear").ssim + 0.08);
+  EXPECT_LE(mean.at("floating").ghosting, 0.5 * mean.at("linear").ghosting);
 }
 
 TEST_F(RealTake, TempleSparseRingIsBetterFloatingInEveryMetric) {

@@ -4,14 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/synthetic/mesh_photograph.h"
 #include "render/gl_context.h"
 #include "render/renderer.h"
 #include "tests/support/matchers.h"
-#include "tests/support/raster.h"
 
 namespace floatstage::render {
-
-using namespace floatstage::test;  // pictures with truth
 
 /// A small stage with truth: a checkered ball photographed by cameras on an arc.
 struct Stage {

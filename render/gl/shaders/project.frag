@@ -5,6 +5,7 @@ layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
 layout(binding = 4) uniform usampler2D visibility;
+layout(location = 0) uniform int fill_hidden;  // 0: hidden places show what their photograph has there
 layout(location = 0) out vec4 images[kMaxListed];
 
 vec3 projected(int slot, vec3 world, vec4 here) {
@@ -12,6 +13,12 @@ vec3 projected(int slot, vec3 world, vec4 here) {
   vec2 pixel;
   photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel);
   return photo_color(index, pixel, footprint_if_deep(slot, gl_FragCoord.xy, here));
+}
+
+bool reaches(int slot, vec3 world) {
+  int index = listed(slot);
+  vec2 pixel;
+  return photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel);
 }
 
 void main() {
@@ -34,7 +41,7 @@ void main() {
   vec3 fill = projected(best, world, here);
   for (int slot = 0; slot < kMaxListed; ++slot) {
     if (slot >= view.counts.y) break;
-    bool own = (seen >> slot & 1u) != 0u;
+    bool own = (seen >> slot & 1u) != 0u || (fill_hidden == 0 && reaches(slot, world));
     images[slot] = vec4(own ? slot == best ? fill : projected(slot, world, here) : fill, own ? 1.0 : 0.5);
   }
 }

@@ -19,13 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Six cameras of 160x120 around a performer, with mattes and mesh.
+// Six cameras of 160x120 around a performer, with mattes and meshes; three frames.
 class Evaluate : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TempFolder;
     ASSERT_THAT(
-        process_take({.take = small_take(*folder_, 1), .matte = "chroma", .hull = recon::HullOptions{}}),
+        process_take({.take = small_take(*folder_, 3), .matte = "chroma", .hull = recon::HullOptions{}}),
         IsOk());
   }
   static void TearDownTestSuite() {
@@ -66,6 +66,24 @@ TEST_F(Evaluate, FillsInEveryScore) {
   }
   EXPECT_LT(view.scores.at("nearest").ghosting, 0.1) << "one photograph has no ghosts";
   EXPECT_GT(view.scores.at("linear").ghosting, 1);
+}
+
+TEST_F(Evaluate, SaysHowMuchErrorsChangeFromFrameToFrame) {
+  options_.frames = {0, 1, 2};
+  const auto all = views();
+  ASSERT_THAT(all, IsOk());
+  EXPECT_TRUE(std::isnan((*all)[0].scores.at("linear").flicker)) << "nothing is before the first";
+  EXPECT_GT((*all)[1].scores.at("linear").flicker, 0.5);
+  EXPECT_GT((*all)[2].scores.at("nearest").flicker, 0.5);
+  options_.frames = {2};
+  options_.frame_before = 1;
+  const auto last = views();
+  ASSERT_THAT(last, IsOk());
+  ASSERT_EQ(last->size(), 1u);
+  EXPECT_EQ(last->front().scores.at("linear").flicker, (*all)[2].scores.at("linear").flicker);
+  options_.frames = {0, 2};
+  options_.frame_before = -1;
+  EXPECT_TRUE(std::isnan(views()->back().scores.at("linear").flicker)) << "they do not follow one another";
 }
 
 TEST_F(Evaluate, DrawsOnWhatFilmsAreDrawnOn) {

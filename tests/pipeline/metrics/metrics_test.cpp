@@ -190,5 +190,35 @@ TEST(OutlineBand, LiesHalfOnEachSideOfTheOutlineAndNotAlongThePicturesEdge) {
   EXPECT_EQ(*band.at(20, 20), 255);
 }
 
+// The flicker from one rendered picture to another of truths that are all alike.
+double flicker_of(const Image& before, const Image& now, const Image& truth, const Image& mask) {
+  return flicker(picture_error(now, truth, mask), picture_error(before, truth, mask));
+}
+
+TEST(Flicker, IsHowMuchTheErrorChangesAndNotHowLargeItIs) {
+  const Image truth = texture(40, 30, 3), mask(40, 30, 1, 255);
+  const Image brighter = changed(truth, [](double v, int, int) { return v + 20; }),
+              darker = changed(truth, [](double v, int, int) { return v - 10; });
+  EXPECT_DOUBLE_EQ(flicker_of(brighter, brighter, truth, mask), 0);
+  EXPECT_NEAR(flicker_of(brighter, darker, truth, mask), 30, 1) << "but where it is cut at 0 or 255";
+  EXPECT_DOUBLE_EQ(flicker_of(truth, truth, truth, mask), 0);
+}
+
+TEST(Flicker, OfATruthThatMovesIsThatOfTheErrors) {
+  const Image first = texture(40, 30, 3), second = texture(40, 30, 4), mask(40, 30, 1, 255);
+  EXPECT_DOUBLE_EQ(flicker(picture_error(second, second, mask), picture_error(first, first, mask)), 0);
+}
+
+TEST(Flicker, LooksWhereBothMasksAre) {
+  const Image truth(40, 30, 3, 100);
+  const Image left = box_mask(40, 30, 0, 0, 25, 30), right = box_mask(40, 30, 15, 0, 40, 30);
+  const Image now = changed(truth, [](double v, int x, int) { return x >= 15 && x < 25 ? v + 8 : v + 99; });
+  EXPECT_DOUBLE_EQ(flicker(picture_error(now, truth, right), picture_error(truth, truth, left)), 8);
+  const Image far = box_mask(40, 30, 30, 0, 40, 30);
+  EXPECT_TRUE(std::isnan(flicker(picture_error(now, truth, far), picture_error(truth, truth, left))));
+  EXPECT_TRUE(std::isnan(flicker(picture_error(now, truth, left),
+                                 picture_error(Image(9, 9, 3), Image(9, 9, 3), Image(9, 9, 1, 255)))));
+}
+
 }  // namespace
 }  // namespace floatstage::pipeline

@@ -1,4 +1,4 @@
-#include "tests/support/raster.h"
+#include "core/synthetic/mesh_photograph.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "core/random.h"
 
-namespace floatstage::test {
+namespace floatstage {
 namespace {
 
 /// Depth (metres along z) of an ideal pinhole at every sample of a grid; infinity off the mesh.
@@ -126,4 +126,4 @@ SolidColor random_checker(float cell, std::uint64_t seed) {
   };
 }
 
-}  // namespace floatstage::test
+}  // namespace floatstage
