@@ -12,7 +12,8 @@ function soundLoaded(base64) { soundFile = base64; }
 class Listen {
   constructor(source) {
     this.element = null;
-    this.ready = source ? this.load(source).catch((error) => { console.error(error); this.element = null; }) : Promise.resolve();
+    this.trouble = "";              // why nothing is heard of a take that has sound
+    this.ready = source ? this.load(source).catch((error) => { console.error(error); this.trouble = error.message; }) : Promise.resolve();
   }
 
   async load(source) {
@@ -22,7 +23,7 @@ class Listen {
     element.preload = "auto";
     await new Promise((done, failed) => {
       element.addEventListener("canplaythrough", done, { once: true });
-      element.addEventListener("error", () => failed(element.error), { once: true });
+      element.addEventListener("error", () => failed(new Error(`this browser cannot play the sound: ${element.error.message}`)), { once: true });
     });
     this.element = element;
   }

@@ -6,7 +6,7 @@
   const canvas = $("stage"), kMostPixels = 2.2e6, kAhead = 3, kMostLag = 250;
   // A picture that takes longer (ms) comes too late for its sound: the next ones have half of the pixels. After so many quick
   // ones in a row more are tried, later each time that this was too many.
-  const kLate = 30, kQuick = 20, kRungs = 6, kCalm = 50;
+  const kLate = 40, kQuick = 20, kRungs = 6, kCalm = 50;
   const orbit = { ...take.start };  // target, azimuth, elevation (radians), distance, fov_y
   const state = { frame: 0, playing: false, onPath: false, began: 0, shown: -1, wanted: true };
   const pace = { chosen: 0, whole: 0, lag: 0, rung: 0, late: 0, calm: 0, patience: kCalm, tried: false };  // of playing
@@ -202,7 +202,7 @@
     take,
     get shown() { return state.shown; },
     get azimuth() { return orbit.azimuth; },
-    get rung() { return pace.rung; },
+    get pace() { return { ...pace }; },
     get heard() { return listen.position; },  // seconds; null while nothing is
     pathKey,
     async picture(frame, key, width, height) {
@@ -225,7 +225,11 @@
     renderer = new Renderer(canvas, take.cameras);
     frames = new Frames(take);
     listen = new Listen(take.sound);
-    listen.ready.then(() => { $("mute").hidden = !listen.element; });
+    listen.ready.then(() => {
+      const mute = $("mute"), { element, trouble } = listen;
+      mute.hidden = !element && trouble === "";
+      if (trouble !== "") Object.assign(mute, { disabled: true, textContent: "No sound", title: trouble });
+    });
     $("time").max = take.frames.length - 1;
     for (const id of ["play", "time", "clock"]) $(id).hidden = take.frames.length < 2;
     $("path").hidden = take.path.length === 0;

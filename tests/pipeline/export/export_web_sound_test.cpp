@@ -206,7 +206,10 @@ TEST_F(APageWithSound, IsSeenWhenItIsHeard) {
   expect_together(browser, "played round and round", 2.2 * kLength);
   if (const char* folder = std::getenv("FLOATSTAGE_PAGE_PICTURES"))
     browser.screenshot(fs::path(folder) / "with-sound.png");
-  std::printf("drawn with 1/%d of the pixels\n", 1 << browser.value("floatstage.rung").get<int>());
+  std::printf("drawn with 1/%d of the pixels, in %.0f ms (%.0f with all)\n",
+              1 << browser.value("floatstage.pace.rung").get<int>(),
+              browser.value("floatstage.pace.lag").get<double>(),
+              browser.value("floatstage.pace.whole").get<double>());
   browser.click("#mute");
   EXPECT_EQ(browser.value("document.getElementById('mute').getAttribute('aria-pressed')"), "true");
   expect_together(browser, "muted", 0.5);
@@ -254,6 +257,17 @@ TEST_F(APageWithSound, OrWithoutShowsNoButtonForIt) {
   browser.open("file://" + (*folder_ / "silent/index.html").string());
   ASSERT_TRUE(browser.becomes_true("window.floatstage && floatstage.shown === 0", 60));
   EXPECT_EQ(browser.value("document.getElementById('mute').hidden"), true);
+  browser.click("#play");
+  EXPECT_TRUE(browser.becomes_true("floatstage.shown > 0"));
+}
+
+TEST_F(APageWithSound, WhoseSoundIsLostPlaysWithoutItAndSaysWhichFileIsMissing) {
+  fs::remove(*folder_ / "halves/sound.js");
+  Browser browser(390, 844);
+  browser.open("file://" + (*folder_ / "halves/index.html").string());
+  ASSERT_TRUE(browser.becomes_true("window.floatstage && document.getElementById('mute').disabled", 60));
+  EXPECT_THAT(browser.value("document.getElementById('mute').title").get<std::string>(),
+              testing::HasSubstr("sound.js is missing; copy the whole folder"));
   browser.click("#play");
   EXPECT_TRUE(browser.becomes_true("floatstage.shown > 0"));
 }
