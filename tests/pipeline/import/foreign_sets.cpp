@@ -456,7 +456,8 @@ const std::vector<Format>& foreign_sets() {
        [](const fs::path& f) {
          for (int i = 0; i < 2; ++i) {
            put(f / text("views/view_000", i, ".mve/meta.ini"), mve_meta(i));
-           put_picture(f / text("views/view_000", i, ".mve/undistorted.png"));
+           for (const char* use : {"undistorted", "thumbnail"})
+             put_picture(f / text("views/view_000", i, ".mve/", use, ".png"));
          }
        },
        LensTerms::None,

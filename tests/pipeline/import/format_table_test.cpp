@@ -83,6 +83,7 @@ TEST_P(FormatTable, ReadsAForeignSetAndRefusesABrokenOne) {
   begin();
   const Ended ended = import();
   ASSERT_EQ(ended.code, 0) << format().name << ": " << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr(": 1 frames of ")) << "a view's other pictures are no film";
   Result<Rig> rig = load_rig(folder_ / "out/rig.json");
   ASSERT_THAT(rig, IsOk());
   ASSERT_GE(rig->cameras.size(), 2u);
