@@ -16,6 +16,7 @@ struct ForeignRig {
   Rig rig;                               ///< width and height may be 0 where the format does not state them
   std::vector<std::string> image_names;  ///< per camera, where the format names one; else the serial
   std::filesystem::path pictures;        ///< the folder where such a calibration's pictures lie, if anywhere
+  bool one_picture_each = false;  ///< the named picture is the camera's only one, whatever lies beside it
 };
 
 /// What a format can hold of a camera's lens. (A rig that was written for one that holds less is fitted

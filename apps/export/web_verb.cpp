@@ -16,6 +16,7 @@ struct Options {
   pipeline::ExportWebOptions web;
   std::string frames, background = "000000";
   std::filesystem::path path, json;
+  bool no_sound = false;
 };
 
 Result<void> run(const Options& given) {
@@ -26,6 +27,7 @@ Result<void> run(const Options& given) {
   const Result<std::array<float, 3>> background = parse_color(given.background);
   if (!background) return forward(background);
   options.background = *background;
+  options.sound = !given.no_sound;
   if (!given.path.empty()) {
     Result<pipeline::CameraPath> path = pipeline::load_path(given.path);
     if (!path) return forward(path);
@@ -37,9 +39,13 @@ Result<void> run(const Options& given) {
   if (!report) return forward(report);
   std::printf("%s: %d frames, %.1f MB; open %s in a browser\n", options.out.c_str(), report->frames,
               static_cast<double>(report->bytes) / 1e6, (options.out / "index.html").c_str());
+  if (report->sound > 0) std::printf("the take's sound is heard for %.1f s\n", report->sound);
   if (given.json.empty()) return {};
-  return pipeline::save_json(
-      {{"out", options.out.string()}, {"frames", report->frames}, {"bytes", report->bytes}}, given.json);
+  return pipeline::save_json({{"out", options.out.string()},
+                              {"frames", report->frames},
+                              {"bytes", report->bytes},
+                              {"sound_seconds", report->sound}},
+                             given.json);
 }
 
 }  // namespace
@@ -60,6 +66,11 @@ void add_export_web(CLI::App& parent, Chosen& chosen) {
   verb->add_option("--quality", options->web.quality, "Of the photographs, as JPEG has it: 1 to 100")
       ->capture_default_str()
       ->type_name("N");
+  verb->add_flag("--no-sound", options->no_sound, "Leave out the take's sound");
+  verb->add_option("--sound", options->web.sound_track,
+                   "The sound track that is heard (default: the take's first)")
+      ->type_name("NAME")
+      ->excludes("--no-sound");
   add_json(*verb, options->json);
   verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
 }

@@ -21,6 +21,11 @@ Result<ForeignRig> read_colmap(const std::filesystem::path& folder);
 Result<ForeignRig> read_transforms(const std::filesystem::path& file);
 /// OpenMVG's sfm_data.json; pixel centres at integers.
 Result<ForeignRig> read_openmvg(const std::filesystem::path& file);
+/// A scene of MVE: its folder, or views/ in it, with a folder *.mve a view. The origin of pixels is the
+/// corner.
+Result<ForeignRig> read_mve(const std::filesystem::path& scene);
+/// Whether there is such a view.
+bool is_mve(const std::filesystem::path& scene);
 /// calibration_*.json of the CMU Panoptic Studio; centimetres, pixel centres at integers.
 Result<ForeignRig> read_panoptic(const std::filesystem::path& file);
 /// OpenCV/EasyMocap: a folder with intri.yml and extri.yml; pixel centres at integers.

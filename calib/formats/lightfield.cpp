@@ -9,7 +9,7 @@
 #include "calib/formats/camera_parts.h"
 #include "calib/formats/format_files.h"
 #include "calib/formats/parsers.h"
-#include "core/file.h"
+#include "calib/formats/picture_size.h"
 #include "core/text.h"
 
 namespace floatstage::calib {
@@ -61,37 +61,6 @@ std::vector<std::string> pictures_in(const fs::path& folder) {
 
 fs::path folder_of(const fs::path& path) { return pictures_in(path).empty() ? path / "views" : path; }
 
-struct Size {
-  int width, height;
-};
-
-// What the header of a JPEG (ITU-T T.81, B.2.2) or PNG states.
-std::optional<Size> size_in_header(std::string_view bytes) {
-  auto byte = [&](std::size_t i) { return i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0; };
-  auto word = [&](std::size_t i) { return byte(i) << 8 | byte(i + 1); };
-  if (bytes.substr(0, 4) == "\x89PNG" && bytes.size() > 24)
-    return Size{word(16) << 16 | word(18), word(20) << 16 | word(22)};
-  if (bytes.substr(0, 2) != "\xff\xd8") return std::nullopt;
-  for (std::size_t at = 2; at + 9 < bytes.size() && byte(at) == 0xff;) {
-    const int marker = byte(at + 1), length = word(at + 2);
-    const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-    if (frame) return Size{word(at + 7), word(at + 5)};
-    if (length < 2) break;
-    at += 2 + static_cast<std::size_t>(length);
-  }
-  return std::nullopt;
-}
-
-Result<Size> size_of(const fs::path& picture) {
-  const Result<std::string> bytes = read_file(picture);
-  if (!bytes) return forward(bytes);
-  const std::optional<Size> size = size_in_header(*bytes);
-  if (!size || size->width < 1 || size->height < 1)
-    return fail(ErrorCode::BadData,
-                text(picture.string(), ": is no whole JPEG or PNG: its size is not to be read"));
-  return *size;
-}
-
 }  // namespace
 
 bool names_a_lightfield(const fs::path& path) { return !pictures_in(folder_of(path)).empty(); }
@@ -135,7 +104,7 @@ Result<ForeignRig> read_lightfield(const fs::path& path) {
     return fail(ErrorCode::NotFound, text(path.string(),
                                           ": holds no picture (nor does views/ in it) named "
                                           "NAME_<row>_<column>_<y mm>_<x mm>_<focal mm>_<sensor mm>.jpg"));
-  const Result<Size> size = size_of(folder / names.front());
+  const Result<PictureSizePx> size = size_of_picture(folder / names.front());
   if (!size) return forward(size);
   Result<ForeignRig> foreign = parse_lightfield(names, size->width, size->height, path.string());
   if (foreign) foreign->pictures = folder;

@@ -150,6 +150,12 @@ Result<ForeignRig> parse_openmvg(std::string_view content, std::string_view name
   if (!root) return forward(root);
   JsonProblem problem;
   JsonFields file(*root, name, problem);
+  // 0.1 to 0.3 are alike in what is read here.
+  const std::string version = file.has("sfm_data_version") ? file.string("sfm_data_version") : "0.1";
+  if (!problem.first && !version.starts_with("0."))
+    return fail(ErrorCode::Unsupported,
+                text(name, ": sfm_data_version ", version,
+                     " is not known here; let OpenMVG write 0.3 (openMVG_main_ConvertSfM_DataFormat)"));
   const Result<std::map<std::uint32_t, CameraModel>> models = intrinsics_of(file, name, problem);
   if (!models) return forward(models);
   const Result<std::map<std::uint32_t, Rigid3>> poses = poses_of(file, name, problem);

@@ -22,6 +22,16 @@ Result<ForeignRig> parse_colmap_binary(std::string_view cameras, std::string_vie
 using PictureSize = std::function<Result<std::pair<int, int>>(const std::string& picture)>;
 Result<ForeignRig> parse_transforms(std::string_view json, const PictureSize& size_of, std::string_view name);
 Result<ForeignRig> parse_openmvg(std::string_view json, std::string_view name);
+/// One view of an MVE scene: its folder's name, its meta.ini, and the picture of it that is taken.
+struct MveView {
+  std::string folder;         ///< "view_0000.mve"
+  std::string meta;           ///< what is in its meta.ini
+  std::string picture;        ///< "undistorted.png"; empty: it has none
+  bool straight = true;       ///< an undistorted picture; false: the original, whose lens meta.ini must state
+  int width = 0, height = 0;  ///< px, of the picture
+};
+/// Views without a camera are left out.
+Result<ForeignRig> parse_mve(const std::vector<MveView>& views, std::string_view name);
 Result<ForeignRig> parse_panoptic(std::string_view json, std::string_view name);
 Result<ForeignRig> parse_easymocap(std::string_view intri, std::string_view extri,
                                    std::string_view intri_name, std::string_view extri_name);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <span>
 
@@ -16,5 +17,10 @@ struct FilmSound {
   /// The samples from `first` on, all channels in turn; called in their order.
   std::function<Result<void>(std::int64_t first, std::span<float> interleaved)> read;
 };
+
+/// A file of it alone, coded as a film of that name has its sound (media_file.h: AAC where it ends in .m4a),
+/// the same bytes each time. Temporary name until it is whole; AlreadyExists when `file` is there or is being
+/// written; Io.
+Result<void> write_sound(const FilmSound& sound, const std::filesystem::path& file);
 
 }  // namespace floatstage::capture

@@ -11,6 +11,7 @@
 #include "pipeline/export/instant.h"
 #include "pipeline/export/web_frame.h"
 #include "pipeline/export/web_page.h"
+#include "pipeline/film_sound.h"
 #include "pipeline/subject.h"
 #include "pipeline/undistort.h"
 #include "pipeline/unfinished_folder.h"
@@ -23,6 +24,7 @@ using nlohmann::json;
 
 constexpr double kPathRate = 50;     // keys a second that a path is sampled at
 constexpr double kFieldOfView = 40;  // degrees, where nothing is said
+constexpr double kUsualRate = 25;    // frames a second of takes that state none
 
 json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -75,11 +77,41 @@ json path_of(const std::optional<CameraPath>& path, const SubjectTrack& subject,
   return keys;
 }
 
-std::string take_script(const capture::TakeReader& take, const ExportWebOptions& options,
+// Frames of the page a second: every second frame of a take stands for two.
+double page_rate(const capture::TakeReader& take, const std::vector<int>& frames) {
+  const double rate = take.manifest().frame_rate > 0 ? take.manifest().frame_rate : kUsualRate;
+  const int step = frames.size() > 1 ? frames[1] - frames[0] : 1;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    if (frames[i] - frames[i - 1] != step) return rate;
+  return step > 0 ? rate / step : rate;
+}
+
+// "soundLoaded("…")" beside the frames, and how many seconds of it are heard; nothing where there is no
+// sound.
+Result<double> write_sound_of(const capture::TakeReader& take, const ExportWebOptions& options,
+                              const fs::path& folder) {
+  const Result<std::unique_ptr<FilmSounds>> sounds =
+      FilmSounds::open(take, options.frames, page_rate(take, options.frames), options.sound_track);
+  if (!sounds) return forward(sounds);
+  if (!*sounds) return 0.0;
+  const fs::path coded = folder / "sound.m4a";
+  if (Result<void> ok = capture::write_sound((*sounds)->sound(), coded); !ok) return forward(ok);
+  const Result<std::string> bytes = read_file(coded);
+  if (!bytes) return forward(bytes);
+  const Result<void> written = write_file(folder / "sound.js", "soundLoaded(\"" + base64(*bytes) + "\");\n");
+  if (!written) return forward(written);
+  std::error_code error;
+  if (!fs::remove(coded, error))
+    return fail(ErrorCode::Io, text("cannot remove ", coded.string(), ": ", error.message()));
+  return (*sounds)->seconds();
+}
+
+std::string take_script(const capture::TakeReader& take, const ExportWebOptions& options, bool has_sound,
                         const Eigen::AlignedBox3d& subject, const SubjectTrack& track) {
   const TakeManifest& manifest = take.manifest();
   const json about = {{"title", manifest.label.empty() ? "Floatstage" : manifest.label},
-                      {"frame_rate", manifest.frame_rate > 0 ? manifest.frame_rate : 25},
+                      {"frame_rate", page_rate(take, options.frames)},
+                      {"sound", has_sound ? json("sound.js") : json()},
                       {"frames", options.frames},
                       {"blend", options.blend},
                       {"background", options.background},
@@ -141,7 +173,12 @@ Result<ExportWebReport> export_web(const ExportWebOptions& options) {
   Result<Subject> whole = Subject();
   if (options.path && options.path->follows()) whole = find_subject(**take);
   if (!whole) return forward(whole);
-  const std::string script = take_script(**take, options, subject, whole->track);
+  if (options.sound) {
+    const Result<double> heard = write_sound_of(**take, options, out->folder());
+    if (!heard) return forward(heard);
+    report.sound = *heard;
+  }
+  const std::string script = take_script(**take, options, report.sound > 0, subject, whole->track);
   if (Result<void> ok = write_file(out->folder() / "take.js", script); !ok) return forward(ok);
   for (const WebPageFile& file : web_page_files())
     if (Result<void> ok = write_file(out->folder() / file.name, file.content); !ok) return forward(ok);

@@ -107,7 +107,7 @@ class Search {
       const fs::path parent = fs::path(image).parent_path();
       used_.insert(folder_ / *fs::path(image).begin());
       // One calibrated picture in a folder of its own stands for the camera, and the folder holds its film.
-      if (!parent.empty() && cameras_in_[parent.string()] == 1)
+      if (!parent.empty() && cameras_in_[parent.string()] == 1 && !foreign_.one_picture_each)
         return CameraMedia{{}, pictures_in(folder_ / parent)};
       return media_of(named);
     }

@@ -64,6 +64,8 @@ TEST(OpenMvg, SaysWhatIsWrong) {
   expect_error(
       parse(replaced(kScene, "\"key\": 2, \"value\": {\"rotation\"", "\"key\": 0, \"value\": {\"rotation\"")),
       ErrorCode::BadData, {"extrinsic 1", "twice"});
+  expect_error(parse(replaced(kScene, "\"0.3\"", "\"9.0\"")), ErrorCode::Unsupported,
+               {"sfm_data.json", "9.0", "0.3"});
   expect_error(parse("{}"), ErrorCode::BadData, {"sfm_data.json"});
 }
 

@@ -87,6 +87,16 @@ constexpr std::string_view kContours =
   {"id": 1, "image_id": 7, "category_id": 1, "iscrowd": 0, "segmentation": [[4.25, 3.5, 20, 3.75, 21.5, 19, 5, 20]]},
   {"id": 2, "image_id": 8, "category_id": 1, "iscrowd": 0, "segmentation": [[1, 2, 6, 0.5, 6, 3]]}]})";
 
+constexpr std::string_view kMveMeta = R"([camera]
+focal_length = 1
+rotation = 1 0 0 0 1 0 0 0 1
+translation = 0 0 3
+
+[view]
+id = 0
+name = a view
+)";
+
 const std::vector<Case>& cases() {
   static const std::vector<Case> kCases = {
       {"middlebury",
@@ -159,6 +169,20 @@ const std::vector<Case>& cases() {
        import("openmvg"),
        {"sfm_data.json"},
        {}},
+      {"mve",
+       [](const fs::path& f) {
+         for (const char* name : {"view_0000.mve", "view_0001.mve"}) {
+           fs::create_directories(f / "views" / name);
+           ASSERT_THAT(write_file(f / "views" / name / "meta.ini", kMveMeta), IsOk());
+           ASSERT_THAT(save_png(pipeline::test_picture(0, 0), f / "views" / name / "undistorted.png"),
+                       IsOk());
+         }
+       },
+       [](const fs::path& f, const fs::path& out) {
+         return Words{"import", "mve", f, "-o", out};
+       },
+       {"views/view_0001.mve/meta.ini", "views/view_0001.mve/undistorted.png"},
+       {"views/view_0001.mve/undistorted.png"}},
       {"panoptic",
        from_seed("panoptic/studio.json", "calibration_a.json", {"00_00.png", "00_01.png"}),
        import("panoptic"),

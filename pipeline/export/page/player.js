@@ -3,10 +3,14 @@
 
 (() => {
   const take = floatstageTake, $ = (id) => document.getElementById(id);
-  const canvas = $("stage"), kMostPixels = 2.2e6, kAhead = 3;
+  const canvas = $("stage"), kMostPixels = 2.2e6, kAhead = 3, kMostLag = 250;
+  // A picture that takes longer (ms) comes too late for its sound: the next ones have half of the pixels. After so many quick
+  // ones in a row more are tried, later each time that this was too many.
+  const kLate = 40, kQuick = 20, kRungs = 6, kCalm = 50;
   const orbit = { ...take.start };  // target, azimuth, elevation (radians), distance, fov_y
   const state = { frame: 0, playing: false, onPath: false, began: 0, shown: -1, wanted: true };
-  let renderer, frames;
+  const pace = { chosen: 0, whole: 0, lag: 0, rung: 0, late: 0, calm: 0, patience: kCalm, tried: false };  // of playing
+  let renderer, frames, listen;
 
   function say(words) { $("message").textContent = words; $("message").hidden = words === ""; }
   function failed(error) { console.error(error); say(error.message); stop(); }
@@ -31,7 +35,7 @@
   function fit() {
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     let width = canvas.clientWidth * ratio, height = canvas.clientHeight * ratio;
-    const over = Math.sqrt(Math.max(1, width * height / kMostPixels));
+    const over = Math.sqrt(Math.max(1, width * height / kMostPixels) * (state.playing ? 2 ** pace.rung : 1));
     width = Math.max(1, Math.round(width / over));
     height = Math.max(1, Math.round(height / over));
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
@@ -47,9 +51,11 @@
   function draw(key) { renderer.draw(key, take.blend, take.background); }
 
   function stop() {
+    listen?.stop();
     state.playing = state.onPath = false;
     for (const id of ["play", "path"]) $(id).setAttribute("aria-pressed", "false");
     $("play").textContent = "Play";
+    state.wanted = true;
   }
 
   function start(onPath) {
@@ -57,6 +63,9 @@
     state.onPath = onPath;
     const first = onPath ? 0 : state.frame / take.frame_rate;
     state.began = performance.now() - 1000 * first;
+    if (!onPath) listen.start(first);
+    pace.rung = 0;
+    Object.assign(pace, { rung: rungsFor(pace.whole), lag: Math.min(pace.whole, kLate), late: -1, calm: 0, chosen: 0 });
     $(onPath ? "path" : "play").setAttribute("aria-pressed", "true");
     $("play").textContent = "Pause";
   }
@@ -68,15 +77,56 @@
     state.wanted = true;
   }
 
+  // Seconds of playing now. The sound leads while it is heard: an ear minds a jump, an eye hardly does. At the end both
+  // begin again.
+  function playedFor() {
+    const heard = state.onPath ? null : listen.position, now = performance.now();
+    if (heard !== null) state.began = now - 1000 * heard;
+    const seconds = (now - state.began) / 1000;
+    if (state.onPath || seconds * take.frame_rate < take.frames.length) return seconds;
+    state.began = now;
+    listen.start(0);
+    return 0;
+  }
+
+  // A picture is seen when it is drawn, so it is chosen for then: as long after the choice as the last ones took.
+  function chosenFor(seconds) {
+    pace.chosen = performance.now();
+    return Math.min(seconds + pace.lag / 1000, (take.frames.length - 0.5) / take.frame_rate);
+  }
+
+  const rungsFor = (took) => Math.min(kRungs - pace.rung, Math.max(0, Math.ceil(Math.log2(took / kLate))));
+
+  function drawn() {
+    if (!pace.chosen) return;
+    const took = Math.min(kMostLag, performance.now() - pace.chosen);
+    pace.chosen = 0;
+    if (!state.playing) {
+      if (pace.whole === 0) state.wanted = true;  // the first one made shaders and targets, the second tells
+      pace.whole = took;
+      return;
+    }
+    pace.lag += 0.25 * (took - pace.lag);
+    pace.late = took > kLate ? pace.late + 1 : 0;
+    pace.calm = took < kQuick ? pace.calm + 1 : 0;
+    if (pace.late >= 2 && pace.rung < kRungs) {
+      if (pace.tried) pace.patience *= 2;
+      Object.assign(pace, { rung: pace.rung + rungsFor(took), late: -1, calm: 0, tried: false });  // the next one makes new targets
+    } else if (pace.calm >= pace.patience && pace.rung > 0) {
+      Object.assign(pace, { rung: pace.rung - 1, late: -1, calm: 0, tried: true });
+    }
+  }
+
   let busy = false;
   async function tick() {
     requestAnimationFrame(tick);
-    if (busy) return;
+    if (busy || !renderer.isDone) return;
     busy = true;
     try {
-      const seconds = (performance.now() - state.began) / 1000;
+      drawn();
+      const seconds = state.playing ? playedFor() : 0;
       if (state.playing) {
-        const frame = state.onPath ? pathKey(seconds).frame : Math.floor(seconds * take.frame_rate) % take.frames.length;
+        const frame = state.onPath ? pathKey(seconds).frame : Math.floor(chosenFor(seconds) * take.frame_rate);
         if (frame !== state.frame) setFrame(frame);
         if (state.onPath) {
           state.wanted = true;
@@ -90,9 +140,12 @@
       if (state.wanted) {
         state.wanted = false;
         const key = () => state.onPath ? pathKey(seconds) : orbitKey();
+        if (!state.playing) pace.chosen = performance.now();
         await bring(state.frame);
         fit();
         draw(key());
+      } else {
+        pace.chosen = 0;
       }
     } catch (error) { failed(error); }
     busy = false;
@@ -137,6 +190,10 @@
   canvas.addEventListener("webglcontextlost", () => failed(new Error("The graphics processor was taken away; load the page again.")));
   $("play").addEventListener("click", () => state.playing ? stop() : start(false));
   $("path").addEventListener("click", () => state.onPath ? stop() : (stop(), start(true)));
+  $("mute").addEventListener("click", () => {
+    listen.muted = !listen.muted;
+    $("mute").setAttribute("aria-pressed", String(listen.muted));
+  });
   $("time").addEventListener("input", () => { stop(); setFrame(Number($("time").value)); });
   window.addEventListener("resize", () => { state.wanted = true; });
 
@@ -145,6 +202,8 @@
     take,
     get shown() { return state.shown; },
     get azimuth() { return orbit.azimuth; },
+    get pace() { return { ...pace }; },
+    get heard() { return listen.position; },  // seconds; null while nothing is
     pathKey,
     async picture(frame, key, width, height) {
       while (busy) await new Promise((done) => setTimeout(done, 5));
@@ -165,6 +224,12 @@
     take.cameras.forEach((c) => { c.center = [...c.center]; });
     renderer = new Renderer(canvas, take.cameras);
     frames = new Frames(take);
+    listen = new Listen(take.sound);
+    listen.ready.then(() => {
+      const mute = $("mute"), { element, trouble } = listen;
+      mute.hidden = !element && trouble === "";
+      if (trouble !== "") Object.assign(mute, { disabled: true, textContent: "No sound", title: trouble });
+    });
     $("time").max = take.frames.length - 1;
     for (const id of ["play", "time", "clock"]) $(id).hidden = take.frames.length < 2;
     $("path").hidden = take.path.length === 0;

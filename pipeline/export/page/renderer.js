@@ -23,6 +23,7 @@ class Renderer {
     this.sheet = gl.createTexture();
     this.targets = null;
     this.depthMaps = null;
+    this.fence = null;
   }
 
   program(vertex, fragment) {
@@ -178,6 +179,15 @@ class Renderer {
     gl.uniformMatrix4fv(program.at("world_from_view"), false, [...r, 0, ...d, 0, ...f, 0, ...view.eye, 1]);
   }
 
+  // Whether the graphics processor is done with the last picture: software, and small ones, work long after draw().
+  get isDone() {
+    if (!this.fence) return true;
+    if (this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) return false;
+    this.gl.deleteSync(this.fence);
+    this.fence = null;
+    return true;
+  }
+
   // The picture on the canvas. `key` is a camera path's: eye, target, up, fov_y.
   draw(key, blend, background) {
     const gl = this.gl, width = this.canvas.width, height = this.canvas.height;
@@ -231,5 +241,8 @@ class Renderer {
     gl.uniform2i(mix.at("size"), width, height);
     gl.uniform3fv(mix.at("background"), background);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+    if (this.fence) gl.deleteSync(this.fence);
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
   }
 }

@@ -3,11 +3,15 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <iostream>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "capture/studio_clock.h"
 #include "core/statistics.h"
@@ -188,6 +192,97 @@ TEST(StreamOutput, WaitsForNobodyWhoDoesNotRead) {
       Patience(15).stop());
   chain.stop();
   EXPECT_LT(chain.longest_offer_ms(), 500);
+}
+
+/// Another program that receives, until it is stopped for good: it neither reads nor hangs up.
+class OtherReceiver {
+ public:
+  explicit OtherReceiver(const std::string& url) : pid_(::fork()) {
+    if (pid_ != 0) return;
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::execlp("ffmpeg", "ffmpeg", "-v", "quiet", "-nostdin", "-i", url.c_str(), "-f", "null", "-", nullptr);
+    ::_exit(127);
+  }
+  ~OtherReceiver() {
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  void die() const { ::kill(pid_, SIGSTOP); }
+
+ private:
+  const pid_t pid_;
+};
+
+TEST(StreamOutput, GivesADeadReceiverUpAndServesTheNextOne) {
+  const std::string at = text("srt://127.0.0.1:", free_udp_port());
+  const auto stream = opened(at + "?mode=listener");
+  Chain chain(*stream);
+  const OtherReceiver receiver(at);
+  const auto waits = [&](double most, const auto& until) {
+    const Patience patience(most);
+    while (!until() && !patience.over()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return until();
+  };
+  ASSERT_TRUE(waits(20, [&] { return stream->report().sent > 10; }));
+  receiver.die();
+  const Timestamp died = studio_now();
+  const int before = chain.count();
+  ASSERT_TRUE(waits(20, [&] { return !stream->health().connected; }));
+  const double took = seconds(studio_now() - died);
+  std::cout << "given up after " << took << " s, " << chain.count() - before
+            << " pictures offered meanwhile, "
+            << "the longest in " << chain.longest_offer_ms() << " ms: " << stream->health().trouble << "\n";
+  EXPECT_LT(took, 8) << "SRT itself notices it after 5 s";
+  EXPECT_GT(chain.count() - before, static_cast<int>(took * 10)) << "the chain went on";
+  EXPECT_LT(chain.longest_offer_ms(), 500);
+  EXPECT_THAT(stream->health().trouble, testing::HasSubstr(at));
+
+  const auto pictures = received(at, 5);
+  ASSERT_FALSE(pictures.empty());
+  EXPECT_TRUE(pictures.front().key);
+}
+
+/// Seconds from calling a stream until the chain offered the first picture that came, which is a key picture:
+/// how long a player then looks what comes before it shows anything is its own business.
+double seconds_to_first(const std::string& url, const Chain& chain) {
+  const Timestamp called = studio_now();
+  double took = 1e9;
+  play_stream(
+      url,
+      [&](const ReceivedPicture& p) {
+        took = seconds(chain.offered_at(number_in(p.rgb)) - called);
+        EXPECT_TRUE(p.key) << url;
+        return false;
+      },
+      Patience(15).stop(), true);
+  return took;
+}
+
+TEST(StreamOutput, GivesWhoComesLateAKeyPictureAtOnceOrWithinASecond) {
+  const std::string srt = text("srt://127.0.0.1:", free_udp_port()),
+                    udp = text("udp://127.0.0.1:", free_udp_port());
+  const auto called = opened(srt + "?mode=listener"), sent = opened(udp);
+  Chain one(*called), two(*sent);
+  std::vector<double> by_srt, by_udp;
+  for (int visit = 0; visit < 4; ++visit) {
+    by_srt.push_back(seconds_to_first(srt, one));
+    by_udp.push_back(seconds_to_first(udp, two));
+  }
+  std::cout << "called to first picture: SRT " << percentile(by_srt, 0.5) << " s (most "
+            << percentile(by_srt, 1) << "), UDP " << percentile(by_udp, 0.5) << " s (most "
+            << percentile(by_udp, 1) << ")\n";
+  constexpr double kConnecting = 0.3;  // SRT shakes hands; here with other programs at work
+  EXPECT_LT(percentile(by_srt, 0.5), kConnecting);
+  EXPECT_LT(percentile(by_udp, 0.5), 1 + kConnecting);
+
+  // Wherever one comes in, a key picture is no further than a second away.
+  double last = -1;
+  for (const ReceivedPicture& p : received(udp, 80)) {
+    if (!p.key) continue;
+    EXPECT_LE(p.seconds - (last < 0 ? p.seconds : last), 1.001);
+    last = p.seconds;
+  }
+  EXPECT_GE(last, 0);
 }
 
 TEST(StreamOutput, FitsPicturesOfAnySizeIn) {

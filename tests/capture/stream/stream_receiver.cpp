@@ -25,14 +25,15 @@ Image rgb_of(const AVFrame& frame) {
 }  // namespace
 
 bool play_stream(const std::string& url, const std::function<bool(const ReceivedPicture&)>& visit,
-                 const std::function<bool()>& stop) {
+                 const std::function<bool()>& stop, bool keep_probed) {
   AVFormatContext* made = avformat_alloc_context();
   const auto interrupted = [](void* asked) {
     return (*static_cast<const std::function<bool()>*>(asked))() ? 1 : 0;
   };
   made->interrupt_callback = {interrupted, const_cast<std::function<bool()>*>(&stop)};
   libav::Options options;
-  options.set("fflags", "nobuffer").set("probesize", "32768").set("analyzeduration", "500000");
+  if (!keep_probed) options.set("fflags", "nobuffer");
+  options.set("probesize", "32768").set("analyzeduration", "500000");
   if (avformat_open_input(&made, url.c_str(), nullptr, options.get()) < 0) return false;
   const libav::Format input(made);
   if (avformat_find_stream_info(made, nullptr) < 0 || made->nb_streams < 1) return false;

@@ -17,9 +17,10 @@ struct ReceivedPicture {
 };
 
 /// Plays a stream as libav's programs do, on the calling thread, until `visit` says no, `stop` yes or the
-/// stream ends. False: it could not be opened.
+/// stream ends. False: it could not be opened. `keep_probed`: what came while it looked what comes is visited
+/// too, late; else it is dropped, as by players that want little latency.
 bool play_stream(const std::string& url, const std::function<bool(const ReceivedPicture&)>& visit,
-                 const std::function<bool()>& stop);
+                 const std::function<bool()>& stop, bool keep_probed = false);
 
 /// A UDP port of the loopback that nobody has.
 int free_udp_port();

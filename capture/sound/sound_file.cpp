@@ -1,0 +1,53 @@
+#include "capture/libav.h"
+#include "capture/sound/film_sound.h"
+#include "capture/sound/film_sound_track.h"
+#include "core/claim.h"
+#include "core/file.h"
+#include "core/text.h"
+
+namespace floatstage::capture {
+namespace {
+
+namespace fs = std::filesystem;
+
+Unexpected io_failure(const fs::path& file, int error) {
+  return fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", libav::reason(error)));
+}
+
+Result<void> mux(const FilmSound& sound, const fs::path& file, const fs::path& temporary) {
+  AVFormatContext* made = nullptr;
+  const std::string url = libav::file_url(temporary);
+  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, libav::muxer_of(file), url.c_str()) >= 0,
+                   "libavformat without MP4, MOV and Matroska");
+  const libav::Format muxer(made);
+  muxer->flags |= AVFMT_FLAG_BITEXACT;
+  FilmSoundTrack track(sound);
+  if (Result<void> ok = track.open(*muxer, file); !ok) return ok;
+  int error = avio_open(&muxer->pb, url.c_str(), AVIO_FLAG_WRITE);
+  if (error < 0) return io_failure(file, error);
+  libav::Options options;
+  if (!libav::is_matroska(file)) options.set("movflags", "+faststart");
+  error = avformat_write_header(muxer.get(), options.get());
+  if (error < 0) return io_failure(file, error);
+  if (Result<void> ok = track.finish(); !ok) return ok;
+  error = av_write_trailer(muxer.get());
+  if (error >= 0) error = muxer->pb->error;
+  const int closed = avio_closep(&muxer->pb);
+  if (error >= 0) error = closed;
+  return error < 0 ? io_failure(file, error) : Result<void>();
+}
+
+}  // namespace
+
+Result<void> write_sound(const FilmSound& sound, const fs::path& file) {
+  const Result<Claim> claim = claim_temporary_file(file);
+  if (!claim) return forward(claim);
+  const fs::path temporary = temporary_name(file);
+  Result<void> written = mux(sound, file, temporary);
+  if (written) written = rename_new(temporary, file);
+  std::error_code ignored;
+  if (!written) fs::remove(temporary, ignored);
+  return written;
+}
+
+}  // namespace floatstage::capture
