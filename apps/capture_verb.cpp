@@ -90,7 +90,7 @@ void show(const studio::CaptureReport& report) {
 Result<void> run(const Options& options) {
   Result<studio::CaptureConfig> config = studio::load_capture_config(options.config);
   if (!config) return forward(config);
-  config->sounds = options.sounds;
+  config->sounds.insert(config->sounds.end(), options.sounds.begin(), options.sounds.end());
   std::optional<studio::PublishingCounters> published;
   studio::CaptureOptions capture = options.capture;
   capture.companion = [&published](studio::CaptureNode& node) -> Result<std::shared_ptr<void>> {
@@ -127,8 +127,9 @@ void add_capture(CLI::App& app, Chosen& chosen) {
   verb->add_flag("--record", options->capture.record, "Record a take");
   add_out(*verb, options->capture.take,
           "The new take's folder (default: named by the time, where the config says)");
-  verb->add_option("--sound", options->sounds,
-                   text("Record sound too, again for several: ", capture::kSoundUsage))
+  verb->add_option(
+          "--sound", options->sounds,
+          text("Record sound beside what the config says, again for several: ", capture::kSoundUsage))
       ->type_name("SOURCE");
   add_seconds(*verb, options->capture.seconds, "How long (default: until Ctrl-C)");
   add_json(*verb, options->json);

@@ -7,6 +7,8 @@
 #include "apps/terminal/renderer_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/play/play.h"
+#include "capture/sound/sound_output.h"
+#include "core/text.h"
 #include "pipeline/json_report.h"
 
 namespace floatstage::apps {
@@ -36,6 +38,8 @@ nlohmann::json to_json(const PlayReport& report) {
   moving["without_flow"] = times.without_flow;
   nlohmann::json at_rest = to_json(times.at_rest);
   at_rest["given_up"] = times.given_up;
+  nlohmann::json heard = nlohmann::json::array();
+  for (const ShownWhileHeard& shown : report.heard) heard.push_back({shown.frame, shown.output, shown.heard});
   return {{"at_rest", std::move(at_rest)},
           {"moving", std::move(moving)},
           {"after_input", to_json(report.after_input)},
@@ -43,7 +47,8 @@ nlohmann::json to_json(const PlayReport& report) {
           {"events", report.events},
           {"keys", report.keys},
           {"presses", report.presses},
-          {"renderer", report.renderer}};
+          {"renderer", report.renderer},
+          {"heard", std::move(heard)}};
 }
 
 Result<void> run(const Options& given) {
@@ -82,6 +87,15 @@ void add_play(CLI::App& app, Chosen& chosen) {
   verb->add_option("--frame", play.frame, "Frame to begin with")->capture_default_str()->type_name("N");
   verb->add_flag("--playing", play.playing, "Begin to play at once");
   verb->add_option("--path", play.path_file, "Begin with this camera path and follow it")->type_name("FILE");
+  CLI::Option* track =
+      verb->add_option("--sound", play.track, "The sound track that is heard first (default: the first)")
+          ->type_name("NAME");
+  CLI::Option* output = verb->add_option("--sound-output", play.sound_output,
+                                         text("Where it is heard: ", capture::kSoundOutputUsage))
+                            ->capture_default_str()
+                            ->type_name("OUTPUT")
+                            ->group(kGroupWindow);
+  verb->add_flag("!--no-sound", play.sound, "Stay silent")->excludes(track)->excludes(output);
   add_size(*verb, options->size, "Size of the window");
   add_renderer_flags(*verb, options->renderer);
   verb->add_flag("--show-cameras", play.show_cameras, "Draw the cameras with thumbnails")

@@ -115,15 +115,14 @@ class OfTake final : public FilmSounds {
   capture::FilmSound sound_;
 };
 
-// The first two, without that of the take's time code, which nobody wants to hear.
+}  // namespace
+
 std::vector<int> heard_channels(const capture::SoundTrack& track, const std::string& time_code) {
   std::vector<int> channels;
   for (int c = 0; c < track.channels && channels.size() < 2; ++c)
     if (time_code != text("ltc ", track.name, ":", c)) channels.push_back(c);
   return channels;
 }
-
-}  // namespace
 
 std::vector<SoundCut> sound_cuts(const capture::TakeReader& take, const std::vector<int>& frames,
                                  double frame_rate) {

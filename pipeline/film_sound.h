@@ -23,6 +23,10 @@ struct SoundCut {
 std::vector<SoundCut> sound_cuts(const capture::TakeReader& take, const std::vector<int>& frames,
                                  double frame_rate);
 
+/// The channels of a track that are heard: its first two, without that which the take's time code was read
+/// from (TimeCode::from), which nobody wants to hear.
+std::vector<int> heard_channels(const capture::SoundTrack& track, const std::string& time_code);
+
 /// The sound of a film of these pictures, of the take's track of this name (the first for ""): one channel or
 /// its first two, without that of the take's LTC. Cuts are faded for 5 ms. Nothing where the take has none or
 /// no cut is heard. NotFound names the tracks that there are; errors of SoundReader.

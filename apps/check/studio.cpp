@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "capture/frame_source.h"
+#include "capture/sound/sound_source.h"
 #include "core/file_presence.h"
 #include "core/rig_io.h"
 #include "core/text.h"
@@ -65,6 +66,15 @@ Result<std::vector<Finding>> look_at_studio(const std::filesystem::path& file,
                                              "; correct its exposure, its trigger or the config")});
     bytes_per_second += static_cast<double>(info->layout.size_bytes) * config->frame_rate;
     largest = std::max(largest, info->layout.size_bytes);
+  }
+  for (const std::string& uri : config->sounds) {
+    const Result<std::unique_ptr<capture::SoundSource>> sound = capture::open_sound(uri);
+    findings.push_back(
+        sound ? Finding{Verdict::Pass, text("sound ", uri, ": ", (*sound)->channels(), " channels of ",
+                                            (*sound)->rate(), " samples a second")}
+              : Finding{Verdict::Fail, text("sound: ", sound.error().message)});
+    if (sound)
+      bytes_per_second += static_cast<double>((*sound)->channels()) * (*sound)->rate() * (*sound)->bits() / 8;
   }
   if (!config->rig.empty())
     if (const Result<Rig> rig = load_rig(config->rig); !rig)

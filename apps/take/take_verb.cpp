@@ -176,6 +176,7 @@ void add_take_verb(CLI::App& app, Chosen& chosen) {
   add_take_derivations(*take, chosen);
   add_take_set_world(*take, chosen);
   add_take_set_time_code(*take, chosen);
+  add_take_set_sound(*take, chosen);
   add_take_undistort(*take, chosen);
   add_take_list(*take, chosen);
 }

@@ -15,6 +15,8 @@ void add_take_derivations(CLI::App& take, Chosen& chosen);
 void add_take_set_world(CLI::App& take, Chosen& chosen);
 /// set-time-code: the same recording with time code.
 void add_take_set_time_code(CLI::App& take, Chosen& chosen);
+/// set-sound: the same recording with another recorder's sound.
+void add_take_set_sound(CLI::App& take, Chosen& chosen);
 /// undistort: the same recording with straight pictures.
 void add_take_undistort(CLI::App& take, Chosen& chosen);
 /// list: the takes of a folder.

@@ -1,11 +1,14 @@
 #include "capture/sound/media_sound.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <string_view>
 
 #include "capture/libav.h"
 #include "capture/media_input.h"
 #include "capture/sound/sound_record.h"
+#include "capture/sound/wav_length.h"
 #include "core/text.h"
 #include "core/working_on.h"
 
@@ -73,6 +76,20 @@ class LibavSound final : public MediaSound {
   int channels() const override { return channels_; }
   int bits() const override { return bits_; }
 
+  std::optional<double> since_midnight() const override {
+    const std::string_view stated = tag("time_reference");
+    std::int64_t samples = 0;
+    const char* const end = stated.data() + stated.size();
+    const auto [next, error] = std::from_chars(stated.data(), end, samples);
+    if (error != std::errc() || next != end || samples < 0) return std::nullopt;
+    return static_cast<double>(samples) / rate_;
+  }
+
+  std::optional<std::string> time_code() const override {
+    const std::string_view stated = tag("timecode");
+    return stated.empty() ? std::nullopt : std::optional(std::string(stated));
+  }
+
   Result<Block> next() override {
     const WorkingOn here(name_);
     if (Result<void> ok = decode(); !ok) return forward(ok);
@@ -98,10 +115,28 @@ class LibavSound final : public MediaSound {
     block.time = time_;
     time_ = time_ + Nanoseconds{av_rescale_q(decoded_->nb_samples, {1, rate_}, {1, 1'000'000'000})};
     any_ = true;
+    samples_ += decoded_->nb_samples;
     return block;
   }
 
  private:
+  // What the file, its sound track or any other track of it says.
+  std::string_view tag(const char* key) const {
+    AVFormatContext& format = input_->format();
+    const AVDictionaryEntry* found = av_dict_get(format.metadata, key, nullptr, 0);
+    if (!found) found = av_dict_get(stream_->metadata, key, nullptr, 0);
+    for (unsigned i = 0; !found && i < format.nb_streams; ++i)
+      found = av_dict_get(format.streams[i]->metadata, key, nullptr, 0);
+    return found ? std::string_view(found->value) : std::string_view();
+  }
+
+  // Samples that a header states by itself, and that libav does not make up from the file's size.
+  std::int64_t stated_samples() const {
+    const bool flac = std::string_view(input_->format().iformat->name) == "flac";
+    if (!flac || stream_->duration == AV_NOPTS_VALUE) return 0;
+    return av_rescale_q(stream_->duration, stream_->time_base, {1, rate_});
+  }
+
   Unexpected bad(const std::string& what) const {
     return fail(ErrorCode::BadData, text(name_, ": its sound track ", what));
   }
@@ -112,6 +147,9 @@ class LibavSound final : public MediaSound {
       if (received >= 0 && decoded_->nb_samples > 0) return {};
       if (received >= 0) continue;
       if (received == AVERROR_EOF && !any_) return bad("holds no sound at all");
+      if (received == AVERROR_EOF && samples_ < stated_samples())
+        return bad(text("is cut off: ", stated_samples(), " samples are stated, ", samples_,
+                        " are there; copy the file from its recorder again"));
       if (received == AVERROR_EOF) return fail(ErrorCode::EndOfStream, text(name_, " has no more sound"));
       if (received != AVERROR(EAGAIN) || drained_) return bad(text("is damaged: ", libav::reason(received)));
       const int read = av_read_frame(&input_->format(), packet_.get());
@@ -135,6 +173,7 @@ class LibavSound final : public MediaSound {
   libav::Owned<AVPacket> packet_ = libav::new_packet();
   int rate_ = 0, channels_ = 0, bits_ = 16;
   Nanoseconds time_{0};
+  std::int64_t samples_ = 0;
   bool drained_ = false, any_ = false;
 };
 
@@ -142,6 +181,7 @@ class LibavSound final : public MediaSound {
 
 Result<std::unique_ptr<MediaSound>> MediaSound::open(const std::filesystem::path& file) {
   const WorkingOn here(file);
+  if (Result<void> ok = check_wav_length(file); !ok) return forward(ok);
   Result<std::unique_ptr<libav::Input>> input = libav::Input::open(file);
   if (!input) return forward(input);
   AVFormatContext& format = (*input)->format();

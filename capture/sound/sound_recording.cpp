@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <deque>
 #include <thread>
 
 #include "capture/sound/sound_source.h"
@@ -13,8 +16,11 @@ struct Lane {
   SoundTrack track;
   std::unique_ptr<SoundSource> source;
   std::unique_ptr<SoundWriter> writer;
-  Result<void> result;
-  std::thread thread;
+  Result<void> result = {};
+  std::atomic<std::int64_t> samples = 0;
+  std::atomic<float> peak = 0;
+  std::atomic<bool> ended = false;
+  std::thread thread = {};
 };
 
 class OnThreads final : public SoundRecording {
@@ -36,10 +42,25 @@ class OnThreads final : public SoundRecording {
     for (std::size_t i = 0; i < sources.size(); ++i) {
       Result<std::unique_ptr<SoundWriter>> writer = SoundWriter::create(take, tracks[i]);
       if (!writer) return forward(writer);
-      lanes_.push_back({tracks[i], std::move(sources[i]), std::move(*writer), {}, {}});
+      lanes_.emplace_back();
+      lanes_.back().track = tracks[i];
+      lanes_.back().source = std::move(sources[i]);
+      lanes_.back().writer = std::move(*writer);
     }
-    for (Lane& lane : lanes_) lane.thread = std::thread([this, &lane] { run(lane); });
+    for (Lane& lane : lanes_)
+      lane.thread = std::thread([this, &lane] {
+        run(lane);
+        lane.ended = true;
+      });
     return {};
+  }
+
+  std::vector<SoundLevel> levels() const override {
+    std::vector<SoundLevel> out;
+    for (const Lane& lane : lanes_)
+      out.push_back(
+          {lane.track.name, static_cast<double>(lane.samples) / lane.track.rate, lane.peak, lane.ended});
+    return out;
   }
 
   void wait() override {
@@ -74,14 +95,25 @@ class OnThreads final : public SoundRecording {
       }
       lane.result = lane.writer->stamp(lane.writer->samples(), period->time, period->new_run);
       if (lane.result) lane.result = lane.writer->write(period->samples);
+      note_level(lane, *period);
       if (lane.result) continue;
       log::error(lane.result.error().message);
       return;
     }
   }
 
+  static void note_level(Lane& lane, const SoundPeriod& period) {
+    constexpr double kHalf = 1.0 / 6;  // s
+    const double length =
+        static_cast<double>(period.samples.size()) / (lane.track.rate * lane.track.channels);
+    auto peak = static_cast<float>(lane.peak * std::exp2(-length / kHalf));
+    for (const float level : period.samples) peak = std::max(peak, std::min(1.F, std::abs(level)));
+    lane.peak = peak;
+    lane.samples = lane.writer->samples();
+  }
+
   std::atomic<bool> stopping_ = false;
-  std::vector<Lane> lanes_;
+  std::deque<Lane> lanes_;
 };
 
 }  // namespace

@@ -36,6 +36,14 @@ inline constexpr const char* kSoundUsage =
 /// Io, BadData of what it names.
 Result<std::unique_ptr<SoundSource>> open_sound(const std::string& uri);
 
+/// How a track that is being recorded does.
+struct SoundLevel {
+  std::string name;
+  double seconds = 0;  ///< recorded
+  double peak = 0;     ///< 0 … 1 of full scale: the loudest now, falling by half in a sixth of a second
+  bool ended = false;  ///< its device is gone, or its recording over
+};
+
 /// Records sources into a take that is being recorded, each on a thread of its own, as tracks "sound",
 /// "sound2", … A source that ends or fails ends its track, which is said; the take goes on.
 class SoundRecording {
@@ -45,6 +53,8 @@ class SoundRecording {
                                                        const std::vector<std::string>& uris,
                                                        std::vector<std::unique_ptr<SoundSource>> sources);
   virtual ~SoundRecording() = default;  ///< as a killed recording where it was not finished
+  /// Of each track, now. Any thread.
+  virtual std::vector<SoundLevel> levels() const = 0;
   /// Until every source has ended by itself: of recordings.
   virtual void wait() = 0;
   /// Ends all tracks, and closes their files. The first error of a disk.

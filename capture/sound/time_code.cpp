@@ -87,6 +87,14 @@ std::string TimeCode::code_at(Timestamp time) const {
   return code_of(frames + std::llround(seconds(time - at) * rate.hertz()), rate);
 }
 
+Timestamp time_of_code(const TimeCode& of, std::int64_t frames) {
+  const std::int64_t day = day_of(of.rate);
+  std::int64_t after = (frames - of.frames) % day;
+  if (2 * after > day) after -= day;
+  if (2 * after < -day) after += day;
+  return of.at + Nanoseconds{std::llround(static_cast<double>(after) / of.rate.hertz() * 1e9)};
+}
+
 Result<TimeCode> parse_time_code(std::string_view json, std::string_view name) {
   const Result<nlohmann::json> document = parse_json(json, name);
   if (!document) return forward(document);

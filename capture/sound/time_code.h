@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "capture/sound/sound_reader.h"
 
@@ -51,5 +52,13 @@ Result<void> save_time_code(const TimeCode& code, const TakeLayout& take);
 /// The linear time code (LTC) on a channel of a track, from 0 on, by its clock: the median over all frames
 /// that were heard, so that a few that were misread do not matter. BadData when there is none, or it jumps.
 Result<TimeCode> read_ltc(SoundReader& sound, int channel);
+
+/// The same of a recorder that ran on the take's time code, and whose own clock is not the take's: when each
+/// frame of its LTC was, by `of`, the take's. Those that lie on one line. BadData when there is none, another
+/// rate, or it jumps.
+Result<std::vector<SoundStamp>> ltc_stamps(SoundReader& sound, int channel, const TimeCode& of);
+
+/// When a code of a take's rate was, of all days the one nearest to the take's anchor.
+Timestamp time_of_code(const TimeCode& of, std::int64_t frames);
 
 }  // namespace floatstage::capture

@@ -33,6 +33,8 @@ class Deriving {
     for (std::size_t c = 0; c < manifest_.cameras.size(); ++c)
       if (Result<void> ok = media(c); !ok) return forward(ok);
     if (Result<void> ok = share_sound(from_, to_, report_); !ok) return forward(ok);
+    if (other_.sound)
+      if (Result<void> ok = add_sound(*other_.sound); !ok) return forward(ok);
     const Result<void> coded = other_.time_code ? capture::save_time_code(*other_.time_code, to_)
                                                 : share_if_there(capture::time_code_file(from_.layout()),
                                                                  capture::time_code_file(to_), report_);
@@ -75,6 +77,27 @@ class Deriving {
         sealed.sha256 = capture::sha256(csv);
       }
     return write_file(to_.frames_csv(camera.serial), csv);
+  }
+
+  // A track beside those that there are, and in the seal where there is one.
+  Result<void> add_sound(const AddedSound& added) {
+    Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(from_.layout());
+    if (!tracks) return forward(tracks);
+    tracks->insert(tracks->begin(), added.track);
+    if (Result<void> ok = capture::save_sound_tracks(*tracks, to_); !ok) return ok;
+    for (const std::string& file : {added.track.side_file(), added.track.media()})
+      if (Result<void> ok = share(added.folder / file, to_.folder() / file, report_); !ok) return ok;
+    if (manifest_.files.empty()) return {};
+    for (const fs::path& file : {capture::sound_file(to_), to_.folder() / added.track.side_file(),
+                                 to_.folder() / added.track.media()}) {
+      const Result<capture::FileHash> hash =
+          capture::sha256_of_file(file, [](std::uint64_t) { return true; });
+      if (!hash) return forward(hash);
+      const std::string name = file.filename().string();
+      std::erase_if(manifest_.files, [&](const TakeManifest::File& sealed) { return sealed.name == name; });
+      manifest_.files.push_back({name, hash->bytes, hash->sha256});
+    }
+    return {};
   }
 
   // What was derived and still holds.

@@ -5,11 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "capture/sound/sound_record.h"
 #include "capture/sound/time_code.h"
 #include "capture/take.h"
 #include "core/rig.h"
 
 namespace floatstage::pipeline {
+
+/// A sound track whose files lie in a folder, which keeps them.
+struct AddedSound {
+  std::filesystem::path folder;
+  capture::SoundTrack track;  ///< of a name that the take does not have
+};
 
 /// What is other in a take that is made from another one.
 struct DerivedTake {
@@ -18,6 +25,7 @@ struct DerivedTake {
   std::string how;          ///< for derived.json
   std::string label;        ///< empty: as it was
   std::optional<capture::TimeCode> time_code = {};  ///< absent: as it was
+  std::optional<AddedSound> sound = {};             ///< becomes the first track: what is heard
 };
 
 struct DerivedReport {

@@ -9,8 +9,8 @@
 #include "capture/sound/media_sound.h"
 #include "core/parallel.h"
 #include "core/text.h"
-#include "pipeline/import/onset_sync.h"
 #include "pipeline/import/picture_stream.h"
+#include "pipeline/onset_sync.h"
 
 namespace floatstage::pipeline {
 namespace {

@@ -79,6 +79,17 @@ NodeCamera camera_of(const nlohmann::json& json, JsonProblem& problem) {
   return c;
 }
 
+NodeSound sound_of(const nlohmann::json& json, JsonProblem& problem) {
+  StatusFields in(json, "status: sound", problem);
+  NodeSound s;
+  s.name = in.string("name");
+  s.seconds = in.number("seconds");
+  s.peak = in.number("peak");
+  s.ended = in.boolean("ended");
+  in.refuse_others();
+  return s;
+}
+
 NodeRecording recording_of(const nlohmann::json& json, JsonProblem& problem) {
   StatusFields in(json, "status: recording", problem);
   NodeRecording r;
@@ -88,6 +99,9 @@ NodeRecording recording_of(const nlohmann::json& json, JsonProblem& problem) {
   r.gaps = in.count("gaps");
   r.duplicates = in.count("duplicates");
   r.complaints = in.strings("complaints");
+  if (in.has("sounds"))
+    if (const nlohmann::json* sounds = in.list("sounds"))
+      for (const nlohmann::json& sound : *sounds) r.sounds.push_back(sound_of(sound, problem));
   in.refuse_others();
   return r;
 }
@@ -105,9 +119,14 @@ std::string to_json(const NodeStatus& status) {
                {"cameras", Json::array()}};
   put_if_told(json, "disk_minutes", status.disk_minutes);
   for (const NodeCamera& camera : status.cameras) json["cameras"].push_back(camera_json(camera));
-  if (const std::optional<NodeRecording>& r = status.recording)
+  if (const std::optional<NodeRecording>& r = status.recording) {
     json["recording"] = {{"take", r->take}, {"seconds", r->seconds},       {"frames", r->frames},
                          {"gaps", r->gaps}, {"duplicates", r->duplicates}, {"complaints", r->complaints}};
+    // Left out where there are none: programs of before read the rest.
+    for (const NodeSound& s : r->sounds)
+      json["recording"]["sounds"].push_back(
+          {{"name", s.name}, {"seconds", s.seconds}, {"peak", s.peak}, {"ended", s.ended}});
+  }
   return print_json(json);
 }
 

@@ -22,6 +22,14 @@ struct NodeCamera {
   int width = 0, height = 0;             ///< px
 };
 
+/// A sound track of a take that is being recorded.
+struct NodeSound {
+  std::string name;
+  double seconds = 0;
+  double peak = 0;     ///< 0 … 1 of full scale, about now
+  bool ended = false;  ///< its device is gone
+};
+
 /// A take that is being recorded.
 struct NodeRecording {
   std::string take;  ///< name of its folder
@@ -30,6 +38,7 @@ struct NodeRecording {
   std::uint64_t gaps = 0;    ///< rows without one
   std::uint64_t duplicates = 0;
   std::vector<std::string> complaints;  ///< of its verdict so far
+  std::vector<NodeSound> sounds = {};
 };
 
 /// How a camera node does.

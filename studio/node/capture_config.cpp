@@ -178,6 +178,15 @@ void read_camera(Section section, CaptureConfig& config) {
   config.cameras.push_back(std::move(camera));
 }
 
+void read_sound(Section section, CaptureConfig& config) {
+  const std::string source = section.text_of("source", "");
+  if (source.empty()) section.note(section.at("source"), "source is missing, for example \"alsa:default\"");
+  for (const std::string& other : config.sounds)
+    if (other == source) section.note(section.at("source"), text("source '", source, "' is there twice"));
+  section.finish();
+  config.sounds.push_back(source);
+}
+
 }  // namespace
 
 Result<CaptureConfig> parse_capture_config(std::string_view bytes, std::string_view name,
@@ -204,14 +213,20 @@ Result<CaptureConfig> parse_capture_config(std::string_view bytes, std::string_v
       read_camera({camera.as_table(), text("[[camera]] ", config.cameras.size() + 1), problem}, config);
     }
   }
+  if (const toml::array* sounds = root["sound"].as_array()) {
+    for (const toml::node& sound : *sounds) {
+      if (!sound.is_table()) return bad("each source of sound is a [[sound]] table");
+      read_sound({sound.as_table(), text("[[sound]] ", config.sounds.size() + 1), problem}, config);
+    }
+  }
   for (const auto& [key, node] : root) {
     const std::string title(key.str());
     const bool known = title == "studio" || title == "recording" || title == "limits" || title == "web" ||
                        title == "publish";
-    if (title == "camera" ? !node.is_array() : !known || !node.is_table())
-      return bad(text(
-          "line ", node.source().begin.line, ": '", title,
-          "' is not understood; there are [studio], [recording], [limits], [web], [publish] and [[camera]]"));
+    if (title == "camera" || title == "sound" ? !node.is_array() : !known || !node.is_table())
+      return bad(text("line ", node.source().begin.line, ": '", title,
+                      "' is not understood; there are [studio], [recording], [limits], [web], [publish], "
+                      "[[camera]] and [[sound]]"));
   }
   if (problem) return bad(*problem);
   if (config.cameras.empty()) return bad("it names no [[camera]]");

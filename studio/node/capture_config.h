@@ -28,6 +28,7 @@ namespace floatstage::studio {
 ///                key = "chroma", plates = "plates", shrink = 2, tiles = "jpeg" | "raw", jpeg_quality = 90
 ///                (no table: nothing goes to the network)
 ///   [[camera]]   serial = "FAKE1", source = "gige:FAKE1?address=127.0.0.1"
+///   [[sound]]    source = "alsa:default" (no table: takes have no sound)
 ///
 /// Relative paths are relative to the file.
 struct CaptureConfig {
@@ -60,8 +61,7 @@ struct CaptureConfig {
   std::optional<PageSettings> web;
   std::optional<Publish> publish;
   std::vector<Camera> cameras;
-  std::vector<std::string> sounds =
-      {};  ///< recorded beside the cameras (capture::open_sound()); not in the file
+  std::vector<std::string> sounds = {};  ///< URIs of open_sound(), recorded beside the cameras
   std::filesystem::path presets = {};  ///< of the cameras' controls (camera_presets.h); empty: none are kept
 };
 

@@ -203,18 +203,19 @@ Result<std::string> CaptureNode::record_into(fs::path folder, const std::string&
   }
   Result<std::unique_ptr<capture::Recorder>> recorder = capture::Recorder::start(folder, *rig, options);
   if (!recorder) return forward(recorder);
+  std::shared_ptr<capture::SoundRecording> sounds;
   if (!sources.empty()) {
     Result<std::unique_ptr<capture::SoundRecording>> sound =
         capture::SoundRecording::start(TakeLayout(folder), config_.sounds, std::move(sources));
     if (!sound) return forward(sound);
-    sound_ = std::move(*sound);
+    sounds = std::move(*sound);
   }
   const std::shared_ptr<capture::Recorder> shared = std::move(*recorder);
   take_failed_ = false;
   hand_over(shared);
   std::lock_guard lock(mutex_);
   const double before = options.origin ? std::max(0.0, seconds(newest() - *options.origin)) : 0;
-  take_ = {shared, folder, Clock::now(), before, std::nullopt};
+  take_ = {shared, folder, Clock::now(), before, std::nullopt, std::move(sounds)};
   last_recording_.clear();
   return folder.filename().string();
 }
@@ -256,7 +257,12 @@ Result<void> CaptureNode::end_take() {
     route->recorder.reset();
   }
   // Before the take is complete, and so before it is sealed.
-  if (const std::unique_ptr<capture::SoundRecording> sound = std::move(sound_))
+  std::shared_ptr<capture::SoundRecording> sound;
+  {
+    std::lock_guard lock(mutex_);
+    sound = std::move(take_.sound);
+  }
+  if (sound)
     if (Result<void> ended = sound->finish(); !ended) log::error(ended.error().message);
   Result<capture::RecordingQuality> finished = recorder->finish();
   std::lock_guard lock(mutex_);
@@ -347,6 +353,9 @@ NodeStatus CaptureNode::status() const {
     recording.duplicates += camera.duplicates;
   }
   recording.complaints = quality.complaints;
+  if (take_.sound)
+    for (const capture::SoundLevel& level : take_.sound->levels())
+      recording.sounds.push_back({level.name, level.seconds, level.peak, level.ended});
   status.recording = std::move(recording);
   return status;
 }

@@ -86,6 +86,8 @@ class CaptureNode final : public StudioControl {
     std::chrono::steady_clock::time_point begun;
     double before = 0;                                 // seconds of pre-roll
     std::optional<capture::RecordingQuality> quality;  // when it is over
+    std::shared_ptr<capture::SoundRecording> sound =
+        nullptr;  // while it is recorded; none where it has no sound
   };
 
   explicit CaptureNode(CaptureConfig config) : config_(std::move(config)) {}
@@ -104,7 +106,6 @@ class CaptureNode final : public StudioControl {
   std::vector<std::unique_ptr<Route>> routes_;
   std::unique_ptr<SyncWatch> watch_;
   std::vector<Tap> taps_;
-  std::unique_ptr<capture::SoundRecording> sound_;  // of the take that is recorded, under control_
   std::atomic<bool> take_failed_{false};
   std::chrono::steady_clock::time_point looked_at_disk_, saved_quality_;
   mutable std::mutex presets_;  // over their file

@@ -44,6 +44,14 @@ TEST(CheckStudio, StartsEachCameraAndSaysWhatItDelivers) {
   EXPECT_FALSE(std::filesystem::exists(folder / "to")) << "it only looks";
 }
 
+TEST(CheckStudio, OpensItsSourcesOfSoundToo) {
+  const TempFolder folder;
+  const std::vector<Finding> found =
+      found_in(folder, "[[sound]]\nsource = \"tone:440\"\n[[sound]]\nsource = \"alsa:hw:77\"\n");
+  EXPECT_THAT(found, says(Verdict::Pass, "sound tone:440: 1 channels of 48000 samples a second"));
+  EXPECT_THAT(found, says(Verdict::Fail, "sound: cannot record from alsa:hw:77"));
+}
+
 TEST(CheckStudio, SaysWhyACameraDoesNotStartAndGoesOn) {
   const TempFolder folder;
   const std::vector<Finding> found = found_in(folder, R"([[camera]]

@@ -18,6 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     FLOATSTAGE_CHECK(is_usable_serial(c.serial), "an unusable serial");
     FLOATSTAGE_CHECK(!c.source.empty(), "a camera without a source");
   }
+  for (const std::string& sound : config->sounds) FLOATSTAGE_CHECK(!sound.empty(), "sound from nowhere");
   FLOATSTAGE_CHECK(std::isfinite(config->frame_rate) && config->frame_rate > 0, "a rate that is none");
   FLOATSTAGE_CHECK(std::isfinite(config->preroll_seconds) && config->preroll_seconds >= 0,
                    "a pre-roll that is none");

@@ -6,9 +6,12 @@
 
 #include "calib/formats/format_files.h"
 #include "capture/media_file.h"
+#include "capture/take.h"
+#include "core/file.h"
 #include "core/png.h"
 #include "tests/hostile/hostile_run.h"
 #include "tests/hostile/zoom_folder.h"
+#include "tests/pipeline/derive/sound_files.h"
 #include "tests/pipeline/import/import_support.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
@@ -96,6 +99,31 @@ TEST_P(ClipDecoder, OfAVideoWithoutATakeDoesNoMore) {
 }
 
 INSTANTIATE_TEST_SUITE_P(That, ClipDecoder, testing::Values("connect", "crash"));
+
+using SoundDecoder = HostileDecoder;
+
+TEST_P(SoundDecoder, OfAnotherRecordersFileDoesNoMore) {
+  capture::TakeWriterOptions options;
+  options.codec = capture::TakeCodec::Raw;
+  options.frame_rate = 25;
+  const auto writer = capture::TakeWriter::create(folder_ / "in/take", pipeline::test_rig(1), options);
+  ASSERT_THAT(writer, IsOk());
+  FrameInfo info;
+  info.camera = 0;
+  ASSERT_THAT((*writer)->write(make_frame(info, pipeline::test_picture(0, 0))), IsOk());
+  ASSERT_THAT((*writer)->finish(), IsOk());
+  ASSERT_THAT(write_file(folder_ / "in/rec.wav", pipeline::wav_file(std::vector<float>(800, 0.5f), 1, 8'000)),
+              IsOk());
+  const HostileRun ended = run({"take", "set-sound", folder_ / "in/take", folder_ / "in/rec.wav", "--at", "0",
+                                "-o", folder_ / "out/take"});
+  ASSERT_TRUE(WIFEXITED(ended.status)) << ended.said;
+  EXPECT_EQ(WEXITSTATUS(ended.status), kBadData) << ended.said;
+  EXPECT_THAT(ended.said, HasSubstr("rec.wav: "));
+  expect_nothing_left();
+}
+
+INSTANTIATE_TEST_SUITE_P(That, SoundDecoder,
+                         testing::Values("connect", "exec", "kill", "eat", "crash", "exit"));
 
 // Of photographs, which detail and matte-image read.
 class PhotoDecoder : public HostileDecoder {

@@ -7,6 +7,7 @@
 
 #include "calib/formats/format_files.h"
 #include "capture/media_file.h"
+#include "capture/take.h"
 #include "core/file.h"
 #include "core/jpeg.h"
 #include "core/png.h"
@@ -14,6 +15,7 @@
 #include "tests/hostile/hostile_run.h"
 #include "tests/hostile/traps.h"
 #include "tests/hostile/zoom_folder.h"
+#include "tests/pipeline/derive/sound_files.h"
 #include "tests/pipeline/import/import_support.h"
 #include "tests/support/matchers.h"
 #include "tests/support/places.h"
@@ -52,6 +54,26 @@ void add_film(const fs::path& file, int width = pipeline::kImportWidth,
   for (int f = 0; f < 3; ++f)
     ASSERT_THAT((*video)->write(pipeline::test_picture(0, f, width, height)), IsOk());
   ASSERT_THAT((*video)->finish(), IsOk());
+}
+
+/// A take of one camera, and what another recorder heard meanwhile.
+void add_take_and_sound(const fs::path& folder) {
+  capture::TakeWriterOptions options;
+  options.codec = capture::TakeCodec::Raw;
+  options.frame_rate = 25;
+  const auto writer = capture::TakeWriter::create(folder / "take", pipeline::test_rig(1), options);
+  ASSERT_THAT(writer, IsOk());
+  for (int f = 0; f < 5; ++f) {
+    FrameInfo info;
+    info.camera = 0;
+    info.sequence = static_cast<std::uint64_t>(f);
+    info.exposure_start = {f * 40'000'000};
+    ASSERT_THAT((*writer)->write(make_frame(info, pipeline::test_picture(0, f))), IsOk());
+  }
+  ASSERT_THAT((*writer)->finish(), IsOk());
+  std::vector<float> levels;
+  for (int i = 0; i < 4000; ++i) levels.push_back(0.25f * static_cast<float>(i % 100) / 100);
+  ASSERT_THAT(write_file(folder / "rec.wav", pipeline::wav_file(levels, 2, 8'000)), IsOk());
 }
 
 void add_middlebury(const fs::path& folder) {
@@ -266,6 +288,13 @@ const std::vector<Case>& cases() {
        "out.png",
        kZoomGraph,
        write_zoom_graph},
+      {"sound_of_another_recorder",
+       add_take_and_sound,
+       [](const fs::path& f, const fs::path& out) {
+         return Words{"take", "set-sound", f / "take", f / "rec.wav", "--at", "0", "-o", out};
+       },
+       {"rec.wav"},
+       {"rec.wav"}},
       {"synthesized",
        write_zoom_folder,
        [](const fs::path& f, const fs::path& out) {

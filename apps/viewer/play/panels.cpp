@@ -38,6 +38,12 @@ void draw_methods(PlayerState& state) {
   ImGui::ColorEdit3("background", state.renderer.background.data(), ImGuiColorEditFlags_NoInputs);
 }
 
+void draw_sound(PlayerState& state) {
+  ImGui::Checkbox("mute (V)", &state.muted);
+  ImGui::SliderFloat("volume", &state.volume, 0.05f, 2, "%.2f");
+  if (state.sounds.size() > 1) choose("track", state.sounds, state.sound);
+}
+
 // One drag of a slider is one step of undo.
 void one_step(PlayerState& state) {
   if (ImGui::IsItemActivated()) state.path.begin_gesture();
@@ -136,6 +142,8 @@ PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int 
     requests.home = ImGui::Button("home (H)");
     ImGui::TextDisabled("drag: orbit   shift: pan\nright: look   wheel: zoom\nWASD QE: fly");
   }
+  if (!state.sounds.empty() && ImGui::CollapsingHeader("Sound", ImGuiTreeNodeFlags_DefaultOpen))
+    draw_sound(state);
   if (ImGui::CollapsingHeader("Camera path", ImGuiTreeNodeFlags_DefaultOpen))
     draw_path(state, requests, film_pictures);
   ImGui::Separator();

@@ -86,7 +86,8 @@ class PlayWindow {
             .events = events_,
             .keys = keys_,
             .presses = presses_,
-            .renderer = options_.renderer.back_end == render::BackEnd::Gl ? "gl" : "cpu"};
+            .renderer = options_.renderer.back_end == render::BackEnd::Gl ? "gl" : "cpu",
+            .heard = player_ ? player_->shown_while_heard() : std::vector<ShownWhileHeard>()};
   }
 
  private:

@@ -10,7 +10,10 @@
 #include "apps/viewer/play/panels.h"
 #include "apps/viewer/play/path_strip.h"
 #include "apps/viewer/play/scene_cache.h"
+#include "apps/viewer/play/sound_lead.h"
 #include "apps/viewer/window/layout.h"
+#include "capture/sound/sound_record.h"
+#include "core/log.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
 #include "pipeline/orbit.h"
@@ -39,11 +42,12 @@ class WindowPlayer : public Player {
         home_(state.camera.key()),
         cache_(take),
         canvas_(rig, subject),
-        state_(std::move(state)) {}
+        state_(std::move(state)),
+        sound_(open_sound()),
+        lead_(sound_.get()) {}
 
   void frame(std::span<const InputEvent> input) override {
-    state_.time.advance(ImGui::GetIO().DeltaTime);
-    if (state_.follow_path && state_.time.playing) advance_path(ImGui::GetIO().DeltaTime);
+    move_on(ImGui::GetIO().DeltaTime);
     take_shortcuts(input, home_, state_);
     strip_.take(input, state_);
     load();
@@ -52,13 +56,19 @@ class WindowPlayer : public Player {
     finish_film();
   }
 
-  void frame_took(double seconds) override { canvas_.window_took(seconds); }
+  void frame_took(double seconds) override {
+    canvas_.window_took(seconds);
+    constexpr double kLast = 0.3, kMost = 0.25;
+    ahead_ += kLast * (std::min(seconds, kMost) - ahead_);
+    note_what_is_heard();
+  }
   void give_up_when(std::function<bool()> hand_waits) override {
     canvas_.give_up_when(std::move(hand_waits));
   }
   bool gave_up() const override { return canvas_.gave_up(); }
   bool stands() const override { return shown_ == state_.time.frame() && canvas_.has_full_picture(); }
   const CanvasTimes& times() const override { return canvas_.times(); }
+  const std::vector<ShownWhileHeard>& shown_while_heard() const override { return heard_; }
   bool busy() const override { return state_.time.playing || shown_ != state_.time.frame() || film_; }
   int frame_number() const override { return state_.time.frame(); }
   void go_to(int frame) override { state_.time.seek(frame); }
@@ -76,8 +86,65 @@ class WindowPlayer : public Player {
     state_.seek_by_path();
   }
 
+  // The output is opened when the take is, so that what is wrong with it is said once.
+  std::unique_ptr<SoundPlayer> open_sound() {
+    const Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(take_.layout());
+    if (!options_.sound || !tracks || tracks->empty()) return nullptr;
+    Result<std::unique_ptr<capture::SoundOutput>> output = capture::open_sound_output(options_.sound_output);
+    if (!output) {
+      without_sound(output.error().message);
+      return nullptr;
+    }
+    std::string problem;
+    std::unique_ptr<SoundPlayer> player = SoundPlayer::of_take(take_, std::move(*output), problem);
+    if (!problem.empty()) without_sound(problem);
+    if (!player) return nullptr;
+    state_.sounds = player->tracks();
+    const auto named = std::find(state_.sounds.begin(), state_.sounds.end(), options_.track);
+    if (named != state_.sounds.end()) state_.sound = static_cast<int>(named - state_.sounds.begin());
+    return player;
+  }
+
+  void without_sound(const std::string& why) {
+    log::warning(text("nothing is heard: ", why));
+    state_.status = text("nothing is heard: ", why);
+  }
+
+  void move_on(double elapsed) {
+    if (sound_) {
+      sound_->choose(state_.sound);
+      sound_->set_gain(state_.muted ? 0 : state_.volume);
+    }
+    const bool by_path =
+        state_.follow_path && state_.path.path().duration() > 0 && state_.path.path().has_take_times();
+    lead_.advance(state_.time, elapsed, ImGui::GetTime(), ahead_, by_path);
+    if (state_.follow_path && state_.time.playing) advance_path(elapsed);
+    if (sound_)
+      if (const std::optional<std::string> problem = sound_->take_problem()) without_sound(*problem);
+  }
+
+  void note_what_is_heard() {
+    constexpr std::size_t kMost = 20'000;
+    if (!lead_.heard() || shown_ == noted_ || heard_.size() >= kMost) return;
+    const std::optional<double> heard = sound_->heard();
+    if (!heard) return;
+    heard_.push_back({shown_, sound_->output_clock(), *heard});
+    noted_ = shown_;
+  }
+
   void load() {
-    const int frame = state_.time.frame();
+    int frame = state_.time.frame();
+    // Where loading takes longer than frames follow one another, the newest that is there is shown, and what
+    // is loaded is what will be due then.
+    if (state_.time.playing) {
+      const std::optional<int> newest = cache_.newest(shown_, frame);
+      const double later = cache_.load_seconds() * state_.time.rate() * state_.time.speed;
+      const int next = frame + std::max(newest == frame || shown_ == frame ? 1 : 0, static_cast<int>(later));
+      cache_.prefetch(state_.time.loop ? next % state_.time.frames()
+                                       : std::min(next, state_.time.frames() - 1));
+      if (!newest) return;
+      frame = *newest;
+    }
     Result<std::shared_ptr<const SceneFrame>> scene = cache_.get(frame);
     if (!scene) {
       state_.status = scene.error().message;
@@ -89,7 +156,6 @@ class WindowPlayer : public Player {
       state_.status = text("frame ", frame, ": ", ok.error().message);
     if (shown_ != frame) has_fields_ = false;
     shown_ = frame;
-    if (state_.time.playing) cache_.prefetch((frame + 1) % state_.time.frames());
   }
 
   // Those that lie beside the take, once the method that draws with them is chosen.
@@ -153,6 +219,11 @@ class WindowPlayer : public Player {
   std::optional<FilmJob> film_;
   int shown_ = -1;
   bool has_fields_ = false;  // of the shown instant, as far as there are any
+  const std::unique_ptr<SoundPlayer> sound_;  // null where nothing is heard
+  SoundLead lead_;
+  double ahead_ = 0;  // s from when a frame is chosen until it is seen
+  std::vector<ShownWhileHeard> heard_;
+  int noted_ = -1;
 };
 
 Result<PlayerState> initial_state(const PlayOptions& options, const capture::TakeReader& take,
@@ -200,6 +271,12 @@ Result<void> Player::check(const PlayOptions& options, const capture::TakeReader
   const Result<pipeline::Subject> subject = pipeline::find_subject(take);
   if (!subject) return forward(subject);
   if (const Result<Rig> rig = pipeline::rig_with_colors(take); !rig) return forward(rig);
+  if (options.sound && !options.track.empty()) {
+    const Result<std::vector<capture::SoundTrack>> tracks = capture::load_sound_tracks(take.layout());
+    if (!tracks) return forward(tracks);
+    if (const auto track = capture::sound_track_named(*tracks, options.track); !track)
+      return fail(track.error().code, text(options.take.string(), ": ", track.error().message));
+  }
   const Result<PlayerState> state = initial_state(options, take, *subject);
   return state ? Result<void>() : Result<void>(forward(state));
 }

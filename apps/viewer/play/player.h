@@ -3,9 +3,11 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "apps/viewer/play/canvas.h"
 #include "apps/viewer/play/play.h"
+#include "apps/viewer/play/sound_lead.h"
 #include "apps/viewer/window/input_event.h"
 #include "capture/take.h"
 
@@ -35,6 +37,8 @@ class Player {
   virtual void go_to(int frame) = 0;
   virtual void show_status(std::string status) = 0;
   virtual const CanvasTimes& times() const = 0;
+  /// Which pictures were shown while sound was heard, the first ones.
+  virtual const std::vector<ShownWhileHeard>& shown_while_heard() const = 0;
   /// Mattes have changed.
   virtual void forget_scenes() = 0;
 };

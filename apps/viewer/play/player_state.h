@@ -30,6 +30,11 @@ struct PlayerState {
   float render_scale = 1;  ///< pixels rendered per pixel shown, 0.25…1
   bool quick = false;      ///< coarser while something moves (PicturePace)
 
+  std::vector<std::string> sounds = {};  ///< names of the take's tracks that can be heard
+  int sound = 0;                         ///< which one is
+  float volume = 1;
+  bool muted = false;
+
   bool show_cameras = false;
   bool show_times = false;   ///< of the stages, in a corner
   bool follow_path = false;  ///< the camera rides the path instead of the mouse

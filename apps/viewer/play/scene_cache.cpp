@@ -32,12 +32,17 @@ void SceneCache::collect() {
   else
     entries_.push_front({loading_frame_, forward(scene)});
   if (entries_.size() > capacity_) entries_.pop_back();
+  constexpr double kLast = 0.3;
+  const double took =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - loading_since_).count();
+  load_seconds_ += (load_seconds_ > 0 ? kLast : 1) * (took - load_seconds_);
 }
 
 void SceneCache::prefetch(int frame) {
   collect();
   if (loading_.valid() || find(frame)) return;
   loading_frame_ = frame;
+  loading_since_ = std::chrono::steady_clock::now();
   loading_ = std::async(std::launch::async, [this, frame] {
     give_way();
     return loader_.load(frame);
@@ -49,6 +54,15 @@ Result<std::shared_ptr<const SceneFrame>> SceneCache::get(int frame) {
   if (const Entry* entry = find(frame)) return entry->scene;
   prefetch(frame);
   return std::shared_ptr<const SceneFrame>();
+}
+
+std::optional<int> SceneCache::newest(int shown, int frame) {
+  collect();
+  std::optional<int> best;
+  for (const Entry& entry : entries_)
+    if (entry.frame <= frame && (shown > frame || entry.frame > shown) && (!best || entry.frame > *best))
+      best = entry.frame;
+  return best;
 }
 
 void SceneCache::clear() {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <list>
 #include <memory>
+#include <optional>
 
 #include "pipeline/scene_loader.h"
 
@@ -16,6 +18,11 @@ class SceneCache {
 
   /// The scene if it is there, else null while it is being loaded (ask again), or the error that loading met.
   Result<std::shared_ptr<const SceneFrame>> get(int frame);
+  /// The newest scene that is there of the frames after `shown` up to `frame`, and its number; absent where
+  /// there is none. After the take has begun again `shown` is the larger.
+  std::optional<int> newest(int shown, int frame);
+  /// What loading takes, s: of the last few.
+  double load_seconds() const { return load_seconds_; }
   /// Begins to load `frame` if nothing is being loaded.
   void prefetch(int frame);
   /// What was loaded is loaded again when it is asked for.
@@ -33,6 +40,8 @@ class SceneCache {
   const std::size_t capacity_;
   std::list<Entry> entries_;  // most recently used first
   int loading_frame_ = -1;
+  double load_seconds_ = 0;
+  std::chrono::steady_clock::time_point loading_since_;
   std::future<Result<SceneFrame>> loading_;
 };
 

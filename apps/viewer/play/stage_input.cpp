@@ -98,6 +98,7 @@ void take_shortcuts(std::span<const InputEvent> input, const pipeline::PathKey& 
     if (e.key == 'K') state.add_key();
     if (e.key == 'C') state.show_cameras = !state.show_cameras;
     if (e.key == 'X') state.toggle_split();
+    if (e.key == 'V') state.muted = !state.muted;
     if (e.key == kKeyF3) state.show_times = !state.show_times;
     if (e.key == 'H') state.camera.set(home);
   }

@@ -27,8 +27,8 @@ class StageInput {
   double last_x_ = 0, last_y_ = 0;
 };
 
-/// Keys that work anywhere: space plays, arrows step, K sets a path key, C shows the cameras, X splits, F3
-/// shows times, H goes to `home`, 1…9 choose the method.
+/// Keys that work anywhere: space plays, arrows step, K sets a path key, C shows the cameras, X splits, V
+/// mutes, F3 shows times, H goes to `home`, 1…9 choose the method.
 void take_shortcuts(std::span<const InputEvent> input, const pipeline::PathKey& home, PlayerState& state);
 
 }  // namespace floatstage::apps

@@ -17,7 +17,13 @@ class TimeLine {
   double speed = 1;  ///< times the recorded rate
   bool loop = true;
 
-  void seek(int frame) { position_ = std::clamp(frame, 0, frames_ - 1); }
+  /// The frame with its fraction: what part of its time is over.
+  double position() const { return position_; }
+  /// Somebody else's clock says where it is.
+  void follow(double position) { position_ = std::clamp(position, 0.0, frames_ - 1e-6); }
+
+  void seek(int frame) { position_ = std::clamp(frame, 0, frames_ - 1), ++seeks_; }
+  long seeks() const { return seeks_; }  ///< so far
   void step(int frames) { playing = false, seek(frame() + frames); }
 
   /// `seconds` have passed on the wall.
@@ -37,6 +43,7 @@ class TimeLine {
   const int frames_;
   const double rate_;
   double position_ = 0;
+  long seeks_ = 0;
 };
 
 }  // namespace floatstage::apps

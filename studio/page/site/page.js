@@ -118,6 +118,17 @@ function setState(state, text) {
   put($('state'), text, 'state');
 }
 
+// The loudest track's level under full scale; one that is clipped, silent or gone is marked.
+function showSound(sounds) {
+  $('sound-figure').hidden = sounds.length === 0;
+  if (sounds.length === 0) return;
+  const ended = sounds.filter((s) => s.ended).length;
+  const peak = Math.max(...sounds.map((s) => s.peak));
+  const level = peak > 1e-4 ? Math.round(20 * Math.log10(peak)) + ' dB' : 'silent';
+  putFigure('sound', level, ended ? ended + ' of ' + sounds.length + ' ended' : sounds.length > 1 ? sounds.length + ' tracks' : '',
+            ended ? 'is-bad' : peak > 0.99 || peak <= 1e-4 ? 'is-warn' : '');
+}
+
 function show(status) {
   put($('node'), status.node);
   document.title = (status.recording ? '● ' : '') + status.node + ' – Floatstage';
@@ -134,6 +145,7 @@ function show(status) {
             minutes === undefined ? '' : bytes(status.disk_free_bytes) + ' free',
             minutes !== undefined && minutes < 5 ? 'is-bad' : minutes !== undefined && minutes < 20 ? 'is-warn' : '');
   putFigure('preroll', status.preroll_seconds ? status.preroll_seconds + ' s' : 'off');
+  showSound(status.recording && status.recording.sounds || []);
   showNotes(status);
 
   recording = !!status.recording;

@@ -10,7 +10,7 @@
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/import/import.h"
-#include "pipeline/import/onset_sync.h"
+#include "pipeline/onset_sync.h"
 #include "tests/pipeline/import/import_support.h"
 #include "tests/support/matchers.h"
 #include "tests/support/run_command.h"

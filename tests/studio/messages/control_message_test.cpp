@@ -53,6 +53,21 @@ TEST(ControlMessage, GivesBackAStatusWithAllItsNumbers) {
   EXPECT_EQ(again->cameras.at(1).temperature_c, std::nullopt);
 }
 
+TEST(ControlMessage, GivesBackTheSoundOfATake) {
+  ScriptedControl control;
+  ASSERT_THAT(answer({Ask::StartRecording, "duet"}, control), IsOk());
+  const NodeStatus status = control.status();
+  const Result<NodeStatus> again = parse_node_status(to_json(status));
+  ASSERT_THAT(again, IsOk());
+  EXPECT_EQ(to_json(*again), to_json(status));
+  ASSERT_EQ(again->recording->sounds.size(), 2u);
+  EXPECT_EQ(again->recording->sounds[0].peak, 0.25);
+  EXPECT_TRUE(again->recording->sounds[1].ended);
+  NodeStatus mute = status;
+  mute.recording->sounds.clear();
+  EXPECT_EQ(to_json(mute).find("sounds"), std::string::npos) << "programs of before read it";
+}
+
 TEST(ControlMessage, LeavesOutWhatADeviceDoesNotTell) {
   NodeStatus status = ScriptedControl().status();
   status.recording.reset();

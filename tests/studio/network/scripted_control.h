@@ -43,6 +43,7 @@ class ScriptedControl final : public StudioControl {
       status.recording->seconds = 2.5;
       status.recording->frames = 600;
       status.recording->complaints = {"camera 'cam1': 1 skip"};
+      status.recording->sounds = {{"sound", 2.5, 0.25, false}, {"sound2", 1.5, 0, true}};
     }
     return status;
   }

@@ -28,6 +28,10 @@ source = "v4l2:/dev/video0"
 [[camera]]
 serial = "right"
 source = "gige:A1?rate=30"
+[[sound]]
+source = "alsa:hw:1"
+[[sound]]
+source = "tone:1000?ppm=50"
 )";
 
 Result<CaptureConfig> parsed(const std::string& toml) {
@@ -52,6 +56,7 @@ TEST(CaptureConfig, SaysEverythingThatAStudioIs) {
   ASSERT_EQ(config->cameras.size(), 2u);
   EXPECT_EQ(config->cameras[1].serial, "right");
   EXPECT_EQ(config->cameras[1].source, "gige:A1?rate=30");
+  EXPECT_EQ(config->sounds, (std::vector<std::string>{"alsa:hw:1", "tone:1000?ppm=50"}));
 }
 
 TEST(CaptureConfig, HasDefaultsForAllButTheRateAndTheCameras) {
@@ -62,6 +67,9 @@ TEST(CaptureConfig, HasDefaultsForAllButTheRateAndTheCameras) {
   EXPECT_EQ(config->recorder.limits.skips, 0u);
   EXPECT_EQ(config->recorder.limits.spread_ms, 1);
   EXPECT_TRUE(config->rig.empty());
+  EXPECT_TRUE(config->sounds.empty());
+  EXPECT_THAT(parsed("sound = 1\n[studio]\nframe_rate = 25\n[[camera]]\nserial = 'a'\nsource = 'b'\n"),
+              FailsWith(ErrorCode::BadData, "line 1: 'sound' is not understood"));
 }
 
 TEST(CaptureConfig, RefusesWhatItDoesNotUnderstandWithItsLine) {
@@ -79,6 +87,11 @@ TEST(CaptureConfig, RefusesWhatItDoesNotUnderstandWithItsLine) {
       {"serial = \"right\"", "serial = \"left\"", "serial 'left' is there twice"},
       {"source = \"v4l2:/dev/video0\"", "", "[[camera]] 1: source is missing"},
       {"[limits]", "[limit]", "'limit' is not understood; there are [studio]"},
+      {"source = \"alsa:hw:1\"", "", "[[sound]] 1: source is missing, for example \"alsa:default\""},
+      {"source = \"alsa:hw:1\"", "source = 1", "[[sound]] 1: source must be a text"},
+      {"source = \"alsa:hw:1\"", "device = \"alsa:hw:1\"", "[[sound]] 1: source is missing"},
+      {"alsa:hw:1", "tone:1000?ppm=50", "[[sound]] 2: source 'tone:1000?ppm=50' is there twice"},
+      {"[[sound]]\nsource = \"alsa", "[sound]\nsource = \"alsa", "no TOML"},
       {"[studio]", "[studio", "no TOML"},
   };
   for (const auto& c : cases) {

@@ -104,6 +104,30 @@ TEST_F(ANodesPage, ShowsTheCamerasAndRecordsTakes) {
   EXPECT_EQ((*take)->rig().cameras.size(), 8u);
 }
 
+class ANodesPageWithSound : public ANodesPage {
+ protected:
+  CaptureConfig config() override {
+    CaptureConfig config = ANodesPage::config();
+    config.cameras.resize(2);
+    config.sounds = {"tone:1000"};
+    return config;
+  }
+};
+
+TEST_F(ANodesPageWithSound, ShowsHowLoudItIsWhileItIsRecorded) {
+  Browser browser(1280, 900);
+  browser.open(page_->url());
+  ASSERT_TRUE(browser.becomes_true(std::string(kTiles) + " === 2"));
+  EXPECT_TRUE(browser.becomes_true("document.getElementById('sound-figure').hidden"));
+  browser.click("#record");
+  // The tone is a quarter of full scale.
+  EXPECT_TRUE(browser.becomes_true("/^-12 dB/.test(document.getElementById('sound').textContent)"));
+  EXPECT_TRUE(browser.becomes_true("!document.getElementById('sound-figure').hidden"));
+  keep(browser, "sound");
+  browser.click("#record");
+  EXPECT_TRUE(browser.becomes_true("document.getElementById('sound-figure').hidden"));
+}
+
 TEST_F(ANodesPage, FitsATelephoneAndCanBeUsedWithoutAMouse) {
   Browser browser(390, 844);
   browser.resize(390, 844);

@@ -1,4 +1,4 @@
-#include "pipeline/import/onset_sync.h"
+#include "pipeline/onset_sync.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ double weight_of(const std::vector<Onset>& onsets) {
 // What two trains have in common when the second is moved back by `shift`: each onset meets one at most.
 struct Meeting {
   double score = 0;  // of the strength of both, each of which is 1 in all
-  std::vector<double> shifts;
+  std::vector<std::pair<double, double>> met;
 };
 
 Meeting meeting(const std::vector<Onset>& a, const std::vector<Onset>& b, double shift, double tolerance) {
@@ -47,16 +47,17 @@ Meeting meeting(const std::vector<Onset>& a, const std::vector<Onset>& b, double
       if (best == b.size() || b[k].strength > b[best].strength) best = k;
     if (best == b.size()) continue;
     met.score += std::sqrt(weight(one) / all_a * weight(b[best]) / all_b);
-    met.shifts.push_back(b[best].seconds - one.seconds);
+    met.met.emplace_back(one.seconds, b[best].seconds);
     j = best + 1;
   }
   return met;
 }
 
-struct PairShift {
-  OnsetShift shift;
-  double score = 0, second = 0, second_shift = 0;
-};
+std::string shown(double seconds) { return text(std::round(1000 * seconds) / 1000, " s"); }
+
+}  // namespace
+
+bool PairShift::is_ambiguous() const { return second > kAmbiguous * score; }
 
 PairShift pair_shift(const std::vector<Onset>& a, const std::vector<Onset>& b, const OnsetMatch& how) {
   std::vector<std::pair<double, double>> tried;  // shift, score
@@ -73,7 +74,9 @@ PairShift pair_shift(const std::vector<Onset>& a, const std::vector<Onset>& b, c
   for (const auto& [shift, score] : tried)
     if (std::abs(shift - best) > how.separation && score > found.second)
       found.second = score, found.second_shift = shift;
-  std::vector<double> shifts = meeting(a, b, best, how.tolerance).shifts;
+  found.met = meeting(a, b, best, how.tolerance).met;
+  std::vector<double> shifts;
+  for (const auto& [first, second] : found.met) shifts.push_back(second - first);
   found.shift.events = static_cast<int>(shifts.size());
   found.shift.seconds = median(shifts);
   double sum = 0;
@@ -81,10 +84,6 @@ PairShift pair_shift(const std::vector<Onset>& a, const std::vector<Onset>& b, c
   found.shift.spread = std::sqrt(sum / static_cast<double>(shifts.size()));
   return found;
 }
-
-std::string shown(double seconds) { return text(std::round(1000 * seconds) / 1000, " s"); }
-
-}  // namespace
 
 Result<std::vector<OnsetShift>> shifts_of(const std::vector<std::vector<Onset>>& onsets,
                                           const std::vector<std::string>& names, const OnsetMatch& how) {
@@ -115,7 +114,7 @@ Result<std::vector<OnsetShift>> shifts_of(const std::vector<std::vector<Onset>>&
       return fail(ErrorCode::BadData,
                   text("camera '", names[c], "': no ", how.event, " of camera '", names[root],
                        "' is in its video, too; leave it out with --cameras"));
-    if (pair.second > kAmbiguous * pair.score)
+    if (pair.is_ambiguous())
       return fail(ErrorCode::BadData,
                   text("camera '", names[c], "': could be ", shown(pair.shift.seconds), " or ",
                        shown(pair.second_shift), " behind camera '", names[root], "': its ", how.event,
@@ -127,7 +126,7 @@ Result<std::vector<OnsetShift>> shifts_of(const std::vector<std::vector<Onset>>&
     for (std::size_t b = a + 1; b < n; ++b) {
       if (a == root || b == root || pairs[a][b].score <= 0) continue;
       const double open = pairs[a][b].shift.seconds - (shifts[b].seconds - shifts[a].seconds);
-      if (std::abs(open) <= how.closure || pairs[a][b].second > kAmbiguous * pairs[a][b].score) continue;
+      if (std::abs(open) <= how.closure || pairs[a][b].is_ambiguous()) continue;
       const std::size_t doubtful = agreement[a] < agreement[b] ? a : b, other = doubtful == a ? b : a;
       return fail(
           ErrorCode::BadData,

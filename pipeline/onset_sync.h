@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -27,6 +28,18 @@ struct OnsetShift {
   int events = 0;     ///< that it shares with the recorder it was measured against
   double spread = 0;  ///< s: of their shifts around `seconds`, the root of the mean square; 0 of a single one
 };
+
+/// What the onsets of two recorders alone say of the second's shift against the first.
+struct PairShift {
+  OnsetShift shift;
+  double score = 0;                     ///< share of both trains' strength that meets under it; 0: none does
+  double second = 0, second_shift = 0;  ///< of the next best other one
+  std::vector<std::pair<double, double>> met = {};  ///< times of the onsets that met, of the first and second
+
+  bool is_ambiguous() const;  ///< the next best explains nearly as much
+};
+PairShift pair_shift(const std::vector<Onset>& first, const std::vector<Onset>& second,
+                     const OnsetMatch& how);
 
 /// Shifts of recorders by their whole trains of onsets: each is measured against the one that agrees most
 /// with all others, by the shift under which most of the strength of both meets (the correlation of the two
