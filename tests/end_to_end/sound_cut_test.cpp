@@ -13,9 +13,11 @@
 #include <unistd.h>
 
 #include "apps/viewer/play/sound_player.h"
+#include "capture/sound/play_out.h"
 #include "capture/sound/sound_reader.h"
 #include "capture/take.h"
 #include "core/file.h"
+#include "core/statistics.h"
 #include "core/text.h"
 #include "pipeline/film_sound.h"
 #include "tests/support/long_tests.h"
@@ -72,12 +74,14 @@ Timestamp record_and_kill(const TempFolder& folder, double seconds_long) {
   return killed;
 }
 
-/// How much later than it should be what is heard at sample `at` of the film is, s.
-double lateness(const std::vector<float>& film, double at, double expected_phase) {
+/// How much later than it should be what is heard at sample `at` of the film is, s; the sound begins at
+/// `begins` s.
+double lateness(const std::vector<float>& film, double begins, double at, double expected_phase) {
   constexpr auto kPeriod = static_cast<std::int64_t>(kPlayOutRate / kTone);
-  // The period of the tone before it, at the film's beginning after it.
+  // The period of the tone before it; where the sound has just begun (and a film fades it in) after that.
   const auto end = static_cast<std::int64_t>(at);
-  const std::int64_t first = std::max<std::int64_t>(end - kPeriod, kPlayOutRate / 100);
+  const std::int64_t first =
+      std::max<std::int64_t>(end - kPeriod, std::llround((std::max(begins, 0.0) + 0.01) * kPlayOutRate));
   double in_phase = 0, across = 0;
   for (std::int64_t i = first; i < first + kPeriod; ++i) {
     const double turn = 2 * std::numbers::pi * kTone * (static_cast<double>(i) - at) / kPlayOutRate;
@@ -116,7 +120,15 @@ TEST(ATakeCutByKill9, PlaysToTheCutWithSound) {
   EXPECT_LT(seconds(last - end), kMissing) << "of the last pictures' sound";
   EXPECT_LT(seconds(killed - last), 2 * kMissing + 1.0 / kFps) << "of the pictures";
 
-  // Every picture from when the sound began up to there has it.
+  const Timestamp first = take.rows(0).front().info.exposure_start;
+
+  // Every picture from when the sound began up to there has it: as `play` has them together, by the picture's
+  // own time, and in a film, which shows each for one rate's length whenever a busy camera took it.
+  const auto playing = capture::PlayOut::create(**sound, {0});
+  ASSERT_THAT(playing, IsOk());
+  (*playing)->seek(first);
+  std::vector<float> played(static_cast<std::size_t>((seconds(last - first) + 1) * kPlayOutRate));
+  ASSERT_THAT((*playing)->read(played), IsOk());
   std::vector<int> all;
   for (int f = 0; f < frames; ++f) all.push_back(f);
   const auto film = pipeline::FilmSounds::open(take, all, kFps, "");
@@ -125,18 +137,22 @@ TEST(ATakeCutByKill9, PlaysToTheCutWithSound) {
   std::vector<float> heard(static_cast<std::size_t>((*film)->sound().samples));
   ASSERT_THAT((*film)->sound().read(0, heard), IsOk());
   double worst = 0;
-  int checked = 0;
+  std::vector<double> in_film;
   for (int f = 0; f < frames; ++f) {
     const Timestamp shown = take.rows(0)[static_cast<std::size_t>(f)].info.exposure_start;
     // A take begins with a picture that was there already when it was asked for.
     EXPECT_LT(seconds(begin - shown), kMissing) << "picture " << f << " was there before the sound";
     if (shown < begin || shown > end) continue;
     const double phase = 2 * std::numbers::pi * kTone * (1 + kPpm * 1e-6) * seconds(shown - begin);
-    worst = std::max(worst, std::abs(lateness(heard, static_cast<double>(f) / kFps * kPlayOutRate, phase)));
-    ++checked;
+    worst = std::max(worst, std::abs(lateness(played, seconds(begin - first),
+                                              seconds(shown - first) * kPlayOutRate, phase)));
+    in_film.push_back(std::abs(
+        lateness(heard, seconds(begin - first), static_cast<double>(f) / kFps * kPlayOutRate, phase)));
   }
-  EXPECT_GE(checked, frames - 2 * static_cast<int>(kMissing * kFps) - 1);
+  EXPECT_GE(static_cast<int>(in_film.size()), frames - 2 * static_cast<int>(kMissing * kFps) - 1);
   EXPECT_LT(worst, kLate);
+  const double film_most = percentile(in_film, 0.95);
+  EXPECT_LT(film_most, kLate) << "in the film";
 
   // And so it plays.
   Timestamp clock{};
@@ -155,8 +171,10 @@ TEST(ATakeCutByKill9, PlaysToTheCutWithSound) {
   EXPECT_NEAR(reached, player->clock().length(), kNear);
   EXPECT_LT(seconds(killed - player->clock().begin()) - reached, 2 * kMissing + 1.0 / kFps);
   std::printf(
-      "%d pictures of %.1f s: worst %.3f ms, missing at the kill %.0f ms of sound, %.0f ms of pictures\n",
-      frames, seconds(last - begin), 1e3 * worst, 1e3 * seconds(killed - end), 1e3 * seconds(killed - last));
+      "%d pictures of %.1f s: off by %.3f ms at most (in a film by %.3f ms, 19 of 20 by %.3f ms), missing at "
+      "the kill %.0f ms of sound, %.0f ms of pictures\n",
+      frames, seconds(last - begin), 1e3 * worst, 1e3 * percentile(in_film, 1), 1e3 * film_most,
+      1e3 * seconds(killed - end), 1e3 * seconds(killed - last));
 }
 
 }  // namespace
