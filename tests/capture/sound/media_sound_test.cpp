@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "capture/media_file.h"
+#include "core/file.h"
 #include "tests/support/matchers.h"
+#include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::capture {
@@ -83,6 +85,24 @@ TEST_F(MediaSoundOf, NoChannelsOrAnImpossibleRateAreRefused) {
   EXPECT_THAT(open(wav(1, 20, 48'000, 16, some)), FailsWith(ErrorCode::BadData, "20 channels"));
   EXPECT_THAT(open(""), FailsWith(ErrorCode::BadData, "sound.wav"));
   EXPECT_THAT(MediaSound::open(folder_ / "none.wav"), FailsWith(ErrorCode::NotFound, "none.wav"));
+}
+
+TEST_F(MediaSoundOf, AFlacFileThatIsCutOffIsRefusedWhereverItIsCut) {
+  std::string samples;
+  for (int i = 0; i < 48'000; ++i) samples += bytes_of(static_cast<std::int16_t>(i * i % 20'011));
+  const auto from = folder_.write("whole.wav", wav(1, 1, 48'000, 16, samples)), to = folder_ / "whole.flac";
+  const Ended made = run_command("ffmpeg -v error -i " + from.string() + " " + to.string());
+  ASSERT_EQ(made.code, 0) << made.output;
+  const std::string whole = *read_file(to);
+  const auto last_word = [&](const std::string& bytes) -> Result<void> {
+    const auto sound = MediaSound::open(folder_.write("cut.flac", bytes));
+    if (!sound) return forward(sound);
+    for (;;)
+      if (const auto block = (*sound)->next(); !block) return forward(block);
+  };
+  EXPECT_THAT(last_word(whole), FailsWith(ErrorCode::EndOfStream, "no more sound"));
+  for (std::size_t bytes = 0; bytes < whole.size(); bytes += whole.size() / 60)
+    EXPECT_THAT(last_word(whole.substr(0, bytes)), FailsWith(ErrorCode::BadData, "cut.flac")) << bytes;
 }
 
 TEST_F(MediaSoundOf, AFilmOfPicturesAloneIsNone) {
