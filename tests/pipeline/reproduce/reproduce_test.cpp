@@ -1,8 +1,10 @@
 // The experiments that need no data, small.
 #include "pipeline/reproduce/reproduce.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -148,6 +150,13 @@ TEST(Experiments, HaveNamesOfTheirOwn) {
   EXPECT_THAT(compared_methods(true), testing::Contains("light-field"));
 }
 
+// Of the values of two pictures, how many are more than 12 steps apart.
+double share_apart(const Image& a, const Image& b) {
+  double apart = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) apart += std::abs(a.pixels[i] - b.pixels[i]) > 12;
+  return apart / static_cast<double>(a.pixels.size());
+}
+
 TEST(FillHidden, DrawsTheSameOnBothBackEnds) {
   const Result<std::unique_ptr<render::GlContext>> context = render::GlContext::headless();
   ASSERT_THAT(context, IsOk());
@@ -163,7 +172,9 @@ TEST(FillHidden, DrawsTheSameOnBothBackEnds) {
       ASSERT_THAT(views, IsOk());
       pictures[gl] = views->front().rendered.at("floating");
     }
-    EXPECT_GT(psnr(pictures[0], pictures[1], Image(200, 150, 1, 255)), 40) << fill;
+    // A flow that is led astray makes more of the last step in which the back-ends' images differ.
+    EXPECT_GT(psnr(pictures[0], pictures[1], Image(200, 150, 1, 255)), fill ? 40 : 33) << fill;
+    EXPECT_LT(share_apart(pictures[0], pictures[1]), 0.05) << fill;
     on_cpu[fill] = pictures[0];
   }
   EXPECT_LT(psnr(on_cpu[true], on_cpu[false], Image(200, 150, 1, 255)), 45) << "it makes a difference";
