@@ -51,7 +51,8 @@ std::vector<float> enlarged_box(const Read& read, int width, int height, const E
       for (int x = 0; x < box.width; ++x)
         for (int s = 0; s < scale; ++s) {
           const auto& wx = weights[static_cast<std::size_t>(s)];
-          const float* from = &mixed[static_cast<std::size_t>(x + 1 + before[static_cast<std::size_t>(s)]) * channels];
+          const float* from =
+              &mixed[static_cast<std::size_t>(x + 1 + before[static_cast<std::size_t>(s)]) * channels];
           for (int k = 0; k < channels; ++k)
             *to++ = wx[0] * from[k] + wx[1] * from[k + channels] + wx[2] * from[k + 2 * channels] +
                     wx[3] * from[k + 3 * channels];

@@ -62,9 +62,14 @@ nlohmann::json to_json(const Options& given, int frame, const pipeline::Detailed
                         {"why_not", s.why_not}});
     cameras.push_back({{"serial", c.serial}, {"zoom", c.zoom}, {"stills", stills}});
   }
-  for (const pipeline::RefusedStill& r : report.refused) refused.push_back({{"still", r.name}, {"why", r.why}});
-  return {{"take", given.detail.out.string()}, {"from", given.detail.take.string()}, {"frame", frame},
-          {"cameras", cameras},                {"refused", refused},                 {"notes", report.notes}};
+  for (const pipeline::RefusedStill& r : report.refused)
+    refused.push_back({{"still", r.name}, {"why", r.why}});
+  return {{"take", given.detail.out.string()},
+          {"from", given.detail.take.string()},
+          {"frame", frame},
+          {"cameras", cameras},
+          {"refused", refused},
+          {"notes", report.notes}};
 }
 
 Result<void> run(const Options& given) {
@@ -77,8 +82,7 @@ Result<void> run(const Options& given) {
   const Result<pipeline::DetailedTakeReport> report = pipeline::add_detail(options);
   if (!report) return forward(report);
   for (const std::string& note : report->notes) log::info(note);
-  for (const pipeline::RefusedStill& r : report->refused)
-    log::warning(text(r.name, " is not used: ", r.why));
+  for (const pipeline::RefusedStill& r : report->refused) log::warning(text(r.name, " is not used: ", r.why));
   int detailed = 0;
   for (const pipeline::DetailedCamera& c : report->cameras) {
     detailed += c.zoom > 1 ? 1 : 0;
@@ -87,7 +91,8 @@ Result<void> run(const Options& given) {
   }
   std::printf("%s: frame %d, %d of %zu cameras' photographs have details\n", options.out.c_str(), *frame,
               detailed, report->cameras.size());
-  return given.json.empty() ? Result<void>() : pipeline::save_json(to_json(given, *frame, *report), given.json);
+  return given.json.empty() ? Result<void>()
+                            : pipeline::save_json(to_json(given, *frame, *report), given.json);
 }
 
 }  // namespace
@@ -105,13 +110,15 @@ void add_take_add_detail(CLI::App& take, Chosen& chosen) {
       ->type_name("FOLDER");
   add_frames(*verb, options->frame, "the only one");
   add_out(*verb, options->detail.out, "The new take's folder")->required();
-  verb->add_option("--zoom", options->detail.zoom,
-                   "How many times photographs with details are enlarged (default: as the closest still, at most 4)")
+  verb->add_option(
+          "--zoom", options->detail.zoom,
+          "How many times photographs with details are enlarged (default: as the closest still, at most 4)")
       ->type_name("N")
       ->check(CLI::Range(1, 16));
-  verb->add_flag("--paint-provenance", options->detail.paint_provenance,
-                 "Paint pictures by where they come from: blue stills, green stills by way of the hull, grey the "
-                 "photograph alone");
+  verb->add_flag(
+      "--paint-provenance", options->detail.paint_provenance,
+      "Paint pictures by where they come from: blue stills, green stills by way of the hull, grey the "
+      "photograph alone");
   verb->add_option("--label", options->detail.label, "The new take's label (default: as it was)");
   add_threads(*verb, options->detail.threads);
   add_json(*verb, options->json);

@@ -26,7 +26,8 @@ using detail::Provenance;
 
 constexpr int kMostZoom = 16, kUsualZoom = 4;
 constexpr double kMostPixels = 32e6;
-constexpr int kOutline = 3;       // px of a photograph along the subject's outline, where no two cameras see the same
+constexpr int kOutline =
+    3;  // px of a photograph along the subject's outline, where no two cameras see the same
 constexpr double kMostTurn = 75;  // degrees between cameras that details are carried between
 
 // Straight from the homography.
@@ -104,8 +105,10 @@ class Detailing {
   Result<void> find_stills() {
     const fs::path scratch = to_.folder() / "scratch";
     if (Result<void> ok = make_folder(scratch); !ok) return ok;
-    Result<PlacedStills> placed = place_stills(
-        instant_, {.folder = options_.stills, .scratch = scratch, .threads = options_.threads, .progress = options_.progress});
+    Result<PlacedStills> placed = place_stills(instant_, {.folder = options_.stills,
+                                                          .scratch = scratch,
+                                                          .threads = options_.threads,
+                                                          .progress = options_.progress});
     std::error_code ignored;
     fs::remove_all(scratch, ignored);
     if (!placed) return forward(placed);
@@ -126,8 +129,10 @@ class Detailing {
       pixels = std::max(pixels, static_cast<double>(picture.width) * picture.height);
     const int allowed = std::max(1, static_cast<int>(std::sqrt(kMostPixels / pixels)));
     if (options_.zoom > allowed)
-      return fail(ErrorCode::InvalidArgument, text("--zoom ", options_.zoom, ": photographs would have more than 32 "
-                                                   "million pixels; ", allowed, " is the most"));
+      return fail(ErrorCode::InvalidArgument, text("--zoom ", options_.zoom,
+                                                   ": photographs would have more than 32 "
+                                                   "million pixels; ",
+                                                   allowed, " is the most"));
     zoom_ = options_.zoom > 0 ? options_.zoom
                               : std::min({static_cast<int>(std::ceil(closest)), kUsualZoom, allowed});
     return {};
@@ -139,7 +144,8 @@ class Detailing {
     // Closer ones replace what wider ones gave.
     std::vector<std::size_t> order(placed_.stills.size());
     for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return zoom_of(a) < zoom_of(b); });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return zoom_of(a) < zoom_of(b); });
     ProgressPart part(options_.progress, "details", order.size() * cameras);
     const SurfaceSights sights(inner_);
     for (const std::size_t still : order) {
@@ -180,8 +186,9 @@ class Detailing {
       if (is_cancelled(options_.progress)) return cancelled_unwritten();
       const Image& picture = placed_.stills[still].picture;
       Result<CarriedStill> carried =
-          photo_of(place.camera).carry(picture, place.zoom, direct_map(place, instant_.pictures[place.camera], picture),
-                                      Provenance::Real);
+          photo_of(place.camera)
+              .carry(picture, place.zoom, direct_map(place, instant_.pictures[place.camera], picture),
+                     Provenance::Real);
       if (!carried) return forward(carried);
       note(still, place.camera, true, place.zoom, *carried);
       if (carried->why_not.empty()) carriers.push_back({place.camera, std::move(carried->map)});
@@ -214,8 +221,10 @@ class Detailing {
     return {};
   }
 
-  // By way of the hull. `zoom`: mean, of the still's pixels in one of the photograph; 0: it shows nothing of it.
-  StillMap map_over(const Carrier& from, std::size_t camera, const SurfaceSights& sights, double& zoom) const {
+  // By way of the hull. `zoom`: mean, of the still's pixels in one of the photograph; 0: it shows nothing of
+  // it.
+  StillMap map_over(const Carrier& from, std::size_t camera, const SurfaceSights& sights,
+                    double& zoom) const {
     const RigCamera& to = instant_.rig.cameras[camera];
     const std::vector<float> depth = calib::depth_map(instant_.mesh, to);
     const Rigid3 world_from_cam = to.cam_from_world.inverse();
@@ -257,7 +266,8 @@ class Detailing {
     take.label = options_.label.empty() ? take_.manifest().label : options_.label;
     take.created = take_.manifest().created;
     take.is_claimed = true;
-    Result<std::unique_ptr<capture::TakeWriter>> writer = capture::TakeWriter::create(to_.folder(), rig, take);
+    Result<std::unique_ptr<capture::TakeWriter>> writer =
+        capture::TakeWriter::create(to_.folder(), rig, take);
     if (!writer) return forward(writer);
     for (const fs::path& folder : {to_.mattes(), to_.meshes(), to_.folder() / "detail"})
       if (Result<void> ok = make_folder(folder); !ok) return ok;
@@ -266,9 +276,10 @@ class Detailing {
     if (Result<void> ok = save_ply(instant_.mesh, to_.mesh(0)); !ok) return ok;
     if (Result<void> ok = (*writer)->finish(); !ok) return ok;
     if (Result<void> ok = seal_take(to_.folder(), options_.progress); !ok) return ok;
-    return capture::save_derivation({take_.layout().folder().string(),
-                                     text("add-detail ", options_.stills.string(), " of frame ", options_.frame)},
-                                    to_.folder());
+    return capture::save_derivation(
+        {take_.layout().folder().string(),
+         text("add-detail ", options_.stills.string(), " of frame ", options_.frame)},
+        to_.folder());
   }
 
   Result<void> write_camera(std::size_t c, capture::TakeWriter& writer) {
@@ -308,7 +319,8 @@ class Detailing {
 
 Result<DetailedTakeReport> add_detail(const DetailedTakeOptions& options) {
   if (options.zoom < 0 || options.zoom > kMostZoom)
-    return fail(ErrorCode::InvalidArgument, text("--zoom ", options.zoom, " is not between 1 and ", kMostZoom));
+    return fail(ErrorCode::InvalidArgument,
+                text("--zoom ", options.zoom, " is not between 1 and ", kMostZoom));
   std::vector<std::unique_ptr<capture::TakeReader>> takes;
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(options.take);
   if (!opened) return forward(opened);

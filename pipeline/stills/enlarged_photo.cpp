@@ -17,21 +17,27 @@ namespace floatstage::pipeline {
 namespace {
 
 constexpr std::uint8_t kSubject = 128;
-constexpr int kMargin = 4;        // px around what a still shows, for the flow
-constexpr int kLeastSide = 24;    // px of a photograph that a still must cover to be bent to it
-constexpr int kRounds = 2;        // of bending
-constexpr float kRoundTrip = 1;   // px by which the flow there and back may miss
-constexpr int kNear = 2;          // px to each side: the neighbourhood that is compared
-// Share of a neighbourhood's contrast that the still leaves unexplained: up to which it is believed whole, and
-// from which on not at all.
+constexpr int kMargin = 4;       // px around what a still shows, for the flow
+constexpr int kLeastSide = 24;   // px of a photograph that a still must cover to be bent to it
+constexpr int kRounds = 2;       // of bending
+constexpr float kRoundTrip = 1;  // px by which the flow there and back may miss
+constexpr int kNear = 2;         // px to each side: the neighbourhood that is compared
+// Share of a neighbourhood's contrast that the still leaves unexplained: up to which it is believed whole,
+// and from which on not at all.
 constexpr float kExplained = 0.15F, kUnexplained = 0.5F;
-constexpr float kNoise = 3;       // 8-bit steps: contrast below which there is nothing to compare
+constexpr float kNoise = 3;  // 8-bit steps: contrast below which there is nothing to compare
 constexpr double kLeastGain = 0.4, kMostGain = 2.5;  // of contrast, between two cameras
+// Details are carried where the same, an octave coarser, would have brought the photograph at half its size
+// nearer to itself: the part of what they add there that is true, below which none is added, and from which
+// on all. Over neighbourhoods of so many px each way.
+constexpr float kUntrue = 0.3F, kTrue = 0.7F;
+constexpr int kProven = 8;
 // The calmest share of what a still shows finer than the photograph is taken for its noise.
 constexpr double kCalm = 0.1;
-constexpr double kLeastUsed = 1e-4;                  // of the subject
+constexpr double kLeastUsed = 1e-4;  // of the subject
 
-const Eigen::Vector2f kNowhere(std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::quiet_NaN());
+const Eigen::Vector2f kNowhere(std::numeric_limits<float>::quiet_NaN(),
+                               std::numeric_limits<float>::quiet_NaN());
 
 bool is_there(const Eigen::Vector2f& place) { return std::isfinite(place.x()) && std::isfinite(place.y()); }
 
@@ -73,13 +79,27 @@ Eigen::Vector2f StillMap::between(double x, double y) const {
          (m(x0, y0 + 1) * (1 - fx) + m(x0 + 1, y0 + 1) * fx) * fy;
 }
 
+namespace {
+
+// Halves of a picture and of a map, for the rehearsal at half size.
+StillMap halved(const StillMap& map) {
+  StillMap half(map.width / 2, map.height / 2);
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < half.width; ++x)
+      half(x, y) =
+          (map(2 * x, 2 * y) + map(2 * x + 1, 2 * y) + map(2 * x, 2 * y + 1) + map(2 * x + 1, 2 * y + 1)) / 4;
+  return half;
+}
+
+}  // namespace
+
 // A still as the photograph's camera would see it, over a box of the photograph's pixels.
 struct EnlargedPhoto::Fine {
   int scale = 1;
   EnlargedBox box;
-  std::vector<std::array<float, 3>> pixels;  // scale times as fine as the photograph
-  std::vector<std::array<float, 3>> means;   // over each of the photograph's pixels
-  std::vector<std::uint8_t> known;           // by the photograph's pixel
+  std::vector<std::array<float, 3>> pixels;                    // scale times as fine as the photograph
+  std::vector<std::array<float, 3>> means;                     // over each of the photograph's pixels
+  std::vector<std::uint8_t> known;                             // by the photograph's pixel
   std::array<double, 3> gain = {1, 1, 1}, offset = {0, 0, 0};  // to the photograph's tones
 
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * box.width + x; }
@@ -112,8 +132,8 @@ EnlargedBox EnlargedPhoto::box_of(const StillMap& map) const {
   return {left, top, right - left, bottom - top};
 }
 
-EnlargedPhoto::Fine EnlargedPhoto::seen_through(const Image& still, const StillMap& map, const EnlargedBox& box,
-                                                int shrunk) const {
+EnlargedPhoto::Fine EnlargedPhoto::seen_through(const Image& still, const StillMap& map,
+                                                const EnlargedBox& box, int shrunk) const {
   Fine fine;
   fine.scale = scale_;
   fine.box = box;
@@ -128,7 +148,8 @@ EnlargedPhoto::Fine EnlargedPhoto::seen_through(const Image& still, const StillM
       bool known = true;
       for (int j = 0; j < scale_ && known; ++j)
         for (int i = 0; i < scale_; ++i) {
-          const Eigen::Vector2f place = map.between(box.x + x + (i + 0.5) / scale_, box.y + y + (j + 0.5) / scale_);
+          const Eigen::Vector2f place =
+              map.between(box.x + x + (i + 0.5) / scale_, box.y + y + (j + 0.5) / scale_);
           if (!(known = is_there(place))) break;
           auto& pixel = fine.pixels[static_cast<std::size_t>(y * scale_ + j) * width + x * scale_ + i];
           for (int k = 0; k < 3; ++k) {
@@ -180,7 +201,9 @@ Result<void> EnlargedPhoto::bend(const Fine& fine, const EnlargedBox& box, Still
   const std::size_t count = fine.means.size();
   std::vector<std::uint8_t> gray[2], state(count);
   for (auto& plane : gray) plane.resize(count);
-  const auto brightness = [](double r, double g, double b) { return rounded(0.299 * r + 0.587 * g + 0.114 * b); };
+  const auto brightness = [](double r, double g, double b) {
+    return rounded(0.299 * r + 0.587 * g + 0.114 * b);
+  };
   for (int y = 0; y < box.height; ++y)
     for (int x = 0; x < box.width; ++x) {
       const std::size_t i = fine.index(x, y);
@@ -293,7 +316,8 @@ void EnlargedPhoto::take_noise_off(const Fine& fine, const std::vector<float>& c
       if (fine.known[here] == 0) continue;
       for (int j = 0; j < scale_; ++j)
         for (int i = 0; i < scale_; ++i) {
-          const std::size_t at = static_cast<std::size_t>(y * scale_ + j) * width + static_cast<std::size_t>(x * scale_ + i);
+          const std::size_t at =
+              static_cast<std::size_t>(y * scale_ + j) * width + static_cast<std::size_t>(x * scale_ + i);
           for (std::size_t k = 0; k < 3; ++k) {
             const float d = fine.pixels[at][k] - coarse[3 * at + k];
             power[here] += d * d;
@@ -323,8 +347,8 @@ void EnlargedPhoto::add(const Fine& fine, const EnlargedBox& box, const std::vec
   const std::vector<float> photo = enlarged_box([&](int px, int py, int k) { return photo_.at(px, py)[k]; },
                                                 photo_.width, photo_.height, box, 3, scale_, threads_);
   const std::vector<float> coarse = enlarged_box(
-      [&](int px, int py, int k) { return fine.means[fine.index(px, py)][static_cast<std::size_t>(k)]; }, box.width,
-      box.height, whole, 3, scale_, threads_);
+      [&](int px, int py, int k) { return fine.means[fine.index(px, py)][static_cast<std::size_t>(k)]; },
+      box.width, box.height, whole, 3, scale_, threads_);
   std::vector<float> signal = trusted;
   take_noise_off(fine, coarse, box, signal);
   const auto opacity = [&](double x, double y) {  // of the box's pixels, between four
@@ -333,7 +357,8 @@ void EnlargedPhoto::add(const Fine& fine, const EnlargedBox& box, const std::vec
     const int x1 = std::min(x0 + 1, box.width - 1), y1 = std::min(y0 + 1, box.height - 1);
     const double fx = std::clamp(x - 0.5 - x0, 0.0, 1.0), fy = std::clamp(y - 0.5 - y0, 0.0, 1.0);
     const auto at = [&](int i, int j) { return static_cast<double>(signal[fine.index(i, j)]); };
-    return (at(x0, y0) * (1 - fx) + at(x1, y0) * fx) * (1 - fy) + (at(x0, y1) * (1 - fx) + at(x1, y1) * fx) * fy;
+    return (at(x0, y0) * (1 - fx) + at(x1, y0) * fx) * (1 - fy) +
+           (at(x0, y1) * (1 - fx) + at(x1, y1) * fx) * fy;
   };
   parallel_for(static_cast<std::size_t>(box.height) * scale_, threads_, [&](std::size_t row) {
     const int fy = static_cast<int>(row);
@@ -356,12 +381,71 @@ void EnlargedPhoto::add(const Fine& fine, const EnlargedBox& box, const std::vec
   });
 }
 
+// The rehearsal: the photograph at half its size gets the same still's details, which are compared with what
+// the photograph itself shows finer. Multiplies what is trusted by how much of it was true.
+Result<void> EnlargedPhoto::prove(const Image& still, double zoom, const StillMap& map,
+                                  const EnlargedBox& box, std::vector<float>& trusted) const {
+  const Image photo = shrunk_by(photo_, 2), matte = matte_.empty() ? matte_ : shrunk_by(matte_, 2);
+  EnlargedPhoto half(photo, matte, 2, threads_);
+  const Result<CarriedStill> carried =
+      half.carry(still, 2 * zoom, halved(map), detail::Provenance::Real, /*proven=*/false);
+  if (!carried) return forward(carried);
+  if (!carried->why_not.empty()) {
+    std::fill(trusted.begin(), trusted.end(), 0.F);
+    return {};
+  }
+  const Image plain = enlarged_picture(photo, 2, threads_);
+  const Image& made = half.picture();
+  const std::size_t columns = static_cast<std::size_t>(box.width) + 1;
+  std::vector<double> both(columns * (static_cast<std::size_t>(box.height) + 1), 0.0),
+      power(both);  // summed areas
+  for (int y = 0; y < box.height; ++y)
+    for (int x = 0; x < box.width; ++x) {
+      double product = 0, square = 0;
+      const int px = box.x + x, py = box.y + y;
+      if (px < made.width && py < made.height)
+        for (int k = 0; k < 3; ++k) {
+          const double added = made.at(px, py)[k] - plain.at(px, py)[k],
+                       missing = photo_.at(px, py)[k] - plain.at(px, py)[k];
+          product += added * missing, square += added * added;
+        }
+      const std::size_t at = (static_cast<std::size_t>(y) + 1) * columns + static_cast<std::size_t>(x) + 1;
+      both[at] = product + both[at - 1] + both[at - columns] - both[at - columns - 1];
+      power[at] = square + power[at - 1] + power[at - columns] - power[at - columns - 1];
+    }
+  const auto sum = [&](const std::vector<double>& area, int x0, int y0, int x1, int y1) {
+    const auto at = [&](int x, int y) {
+      return area[static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x)];
+    };
+    return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
+  };
+  const double all = sum(power, 0, 0, box.width, box.height);
+  const double usual = all > 0 ? sum(both, 0, 0, box.width, box.height) / all : 0;
+  for (int y = 0; y < box.height; ++y)
+    for (int x = 0; x < box.width; ++x) {
+      const int x0 = std::max(0, x - kProven), x1 = std::min(box.width, x + kProven + 1),
+                y0 = std::max(0, y - kProven), y1 = std::min(box.height, y + kProven + 1);
+      // Where next to nothing was added nothing was proven: what holds for the whole still counts there.
+      const double unknown = static_cast<double>(kNoise) * kNoise * (x1 - x0) * (y1 - y0);
+      const double share =
+          (sum(both, x0, y0, x1, y1) + unknown * usual) / (sum(power, x0, y0, x1, y1) + unknown);
+      trusted[static_cast<std::size_t>(y) * box.width + static_cast<std::size_t>(x)] *=
+          smooth_step(kUntrue, kTrue, static_cast<float>(share));
+    }
+  return {};
+}
+
 Result<CarriedStill> EnlargedPhoto::carry(const Image& still, double zoom, const StillMap& map,
                                           detail::Provenance as) {
+  return carry(still, zoom, map, as, /*proven=*/true);
+}
+
+Result<CarriedStill> EnlargedPhoto::carry(const Image& still, double zoom, const StillMap& map,
+                                          detail::Provenance as, bool proven) {
   CarriedStill carried;
   carried.map = map;
   const EnlargedBox box = box_of(map);
-  if (std::min(box.width, box.height) < kLeastSide) {
+  if (std::min(box.width, box.height) < (proven ? kLeastSide : kLeastSide / 2)) {
     carried.why_not = "it covers too little of the subject there";
     return carried;
   }
@@ -374,7 +458,9 @@ Result<CarriedStill> EnlargedPhoto::carry(const Image& still, double zoom, const
     fine = seen_through(picture, carried.map, box, shrunk);
     match_tones(fine, box);
   }
-  const std::vector<float> trusted = trust(fine, box);
+  std::vector<float> trusted = trust(fine, box);
+  if (proven)
+    if (Result<void> ok = prove(still, zoom, map, box, trusted); !ok) return forward(ok);
   double used = 0, moved = 0, subject = 0;
   for (int y = 0; y < photo_.height; ++y)
     for (int x = 0; x < photo_.width; ++x) subject += is_subject(x, y) ? 1 : 0;

@@ -30,16 +30,16 @@ struct StillMap {
 
 /// What became of a still in a photograph.
 struct CarriedStill {
-  double used = 0;   ///< share of the photograph's subject that got its details
-  double moved = 0;  ///< px of the photograph by which the still was bent to fit, mean of what is used
-  double gain = 1;   ///< of the still's contrast, to be the photograph's
-  StillMap map;      ///< where it lies in the end
+  double used = 0;      ///< share of the photograph's subject that got its details
+  double moved = 0;     ///< px of the photograph by which the still was bent to fit, mean of what is used
+  double gain = 1;      ///< of the still's contrast, to be the photograph's
+  StillMap map;         ///< where it lies in the end
   std::string why_not;  ///< why nothing of it is used; empty: some is
 };
 
 /// A photograph at a multiple of its size, into which stills are carried: what a still shows finer than the
-/// photograph is added to the photograph enlarged, so that its means over photograph's pixels stay those of the
-/// photograph (thesis ch. 4 asks that of details; docs/adr/0297). The subject alone gets details.
+/// photograph is added to the photograph enlarged, so that its means over photograph's pixels stay those of
+/// the photograph (thesis ch. 4 asks that of details; docs/adr/0297). The subject alone gets details.
 class EnlargedPhoto {
  public:
   /// `picture` RGB, `matte` of one channel (empty: all is subject); both outlive this. `scale` 1 or more.
@@ -56,6 +56,10 @@ class EnlargedPhoto {
 
  private:
   struct Fine;
+  Result<CarriedStill> carry(const Image& still, double zoom, const StillMap& map, detail::Provenance as,
+                             bool proven);
+  Result<void> prove(const Image& still, double zoom, const StillMap& map, const EnlargedBox& box,
+                     std::vector<float>& trusted) const;
   EnlargedBox box_of(const StillMap& map) const;
   Fine seen_through(const Image& still, const StillMap& map, const EnlargedBox& box, int shrunk) const;
   void match_tones(Fine& fine, const EnlargedBox& box) const;
@@ -63,7 +67,8 @@ class EnlargedPhoto {
   std::vector<float> trust(const Fine& fine, const EnlargedBox& box) const;
   void take_noise_off(const Fine& fine, const std::vector<float>& coarse, const EnlargedBox& box,
                       std::vector<float>& trusted) const;
-  void add(const Fine& fine, const EnlargedBox& box, const std::vector<float>& trusted, detail::Provenance as);
+  void add(const Fine& fine, const EnlargedBox& box, const std::vector<float>& trusted,
+           detail::Provenance as);
   bool is_subject(int x, int y) const;
 
   const Image& photo_;

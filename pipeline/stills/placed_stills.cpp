@@ -38,7 +38,8 @@ Image subject_alone(const Image& picture, const Image& matte) {
   for (std::size_t i = 0; i < matte.pixels.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint8_t& value = alone.pixels[3 * i + k];
-      value = static_cast<std::uint8_t>((value * matte.pixels[i] + kBackdrop * (255 - matte.pixels[i]) + 127) / 255);
+      value = static_cast<std::uint8_t>(
+          (value * matte.pixels[i] + kBackdrop * (255 - matte.pixels[i]) + 127) / 255);
     }
   return alone;
 }
@@ -181,7 +182,8 @@ Result<PlacedStills> read_places(const fs::path& folder, const Instant& instant)
     for (const json& name : report.at("stills")) {
       Result<Image> picture = load_png(folder / file_of(placed.stills.size()));
       if (!picture) return forward(picture);
-      if (picture->channels != 3) return fail(ErrorCode::BadData, text(name.get<std::string>(), ": is not RGB"));
+      if (picture->channels != 3)
+        return fail(ErrorCode::BadData, text(name.get<std::string>(), ": is not RGB"));
       index[name.get<std::string>()] = placed.stills.size();
       placed.stills.push_back({without_prefix(name.get<std::string>()), std::move(*picture)});
     }
@@ -197,7 +199,8 @@ Result<PlacedStills> read_places(const fs::path& folder, const Instant& instant)
       placed.places.push_back(place);
     }
     for (const json& r : report.at("refused"))
-      placed.refused.push_back({without_prefix(r.at("name").get<std::string>()), r.at("why").get<std::string>()});
+      placed.refused.push_back(
+          {without_prefix(r.at("name").get<std::string>()), r.at("why").get<std::string>()});
   } catch (const std::exception&) {
     return fail(ErrorCode::BadData, "what relates the stills gave a report that cannot be read");
   }

@@ -32,8 +32,8 @@ struct RefusedStill {
 };
 
 struct PlacedStills {
-  std::vector<Still> stills;        ///< those with a place, by name
-  std::vector<StillPlace> places;   ///< by still, then by camera
+  std::vector<Still> stills;          ///< those with a place, by name
+  std::vector<StillPlace> places;     ///< by still, then by camera
   std::vector<RefusedStill> refused;  ///< by name
 };
 
@@ -47,8 +47,8 @@ struct PlaceStillsOptions {
 /// Finds which stills show a part of which photograph of an instant (detail::relate_photos(),
 /// detail::choose_parents(): thesis 4.2), also by way of another still. The photographs' backdrops are not
 /// looked at: a still that was taken from beside a camera shows another part of them. Stills are decoded and
-/// related in a confined child (docs/adr/0268). Errors: NotFound when there is no such folder; BadData when no
-/// still can be read; Cancelled; Io.
+/// related in a confined child (docs/adr/0268). Errors: NotFound when there is no such folder; BadData when
+/// no still can be read; Cancelled; Io.
 Result<PlacedStills> place_stills(const Instant& instant, const PlaceStillsOptions& options);
 
 }  // namespace floatstage::pipeline

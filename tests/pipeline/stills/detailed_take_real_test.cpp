@@ -1,5 +1,5 @@
-// Details on recorded data, with real calibration and real surfaces. Truth: photographs as they were taken; the
-// take that gets details has them at a part of their size, and one camera's own crops are the stills.
+// Details on recorded data, with real calibration and real surfaces. Truth: photographs as they were taken;
+// the take that gets details has them at a part of their size, and one camera's own crops are the stills.
 #include <cstdio>
 
 #include <gtest/gtest.h>
@@ -73,16 +73,19 @@ class DetailOf : public testing::Test {
     const auto take = std::move(*capture::TakeReader::open(full()));
     const auto little = std::move(*capture::TakeReader::open(small()));
     const Image photo = *to_rgb(*take->frame(camera, 0));
-    const Image matte = *load_png(little->layout().matte(little->rig().cameras[static_cast<std::size_t>(camera)].serial, 0));
+    const Image matte =
+        *load_png(little->layout().matte(little->rig().cameras[static_cast<std::size_t>(camera)].serial, 0));
     int left = matte.width, right = 0, top = matte.height, bottom = 0;
     for (int y = 0; y < matte.height; ++y)
       for (int x = 0; x < matte.width; ++x)
         if (*matte.at(x, y) >= 128)
-          left = std::min(left, x), right = std::max(right, x + 1), top = std::min(top, y), bottom = std::max(bottom, y + 1);
+          left = std::min(left, x), right = std::max(right, x + 1), top = std::min(top, y),
+          bottom = std::max(bottom, y + 1);
     const fs::path folder = folder_ / "stills";
     fs::create_directories(folder);
     for (int half = 0; half < 2; ++half) {
-      const int y0 = by_ * (half == 0 ? top : (top + bottom) / 2), y1 = by_ * (half == 0 ? (top + bottom) / 2 : bottom);
+      const int y0 = by_ * (half == 0 ? top : (top + bottom) / 2),
+                y1 = by_ * (half == 0 ? (top + bottom) / 2 : bottom);
       Image still(by_ * (right - left), y1 - y0, 3);
       for (int y = 0; y < still.height; ++y)
         std::copy_n(photo.at(by_ * left, y0 + y), 3 * still.width, still.at(0, y));
@@ -96,7 +99,8 @@ class DetailOf : public testing::Test {
     const fs::path out = folder_ / "detailed";
     const auto report = add_detail({.take = small(), .out = out, .stills = stills_of(camera), .zoom = by_});
     ASSERT_THAT(report, IsOk());
-    const auto take = std::move(*capture::TakeReader::open(full())), made = std::move(*capture::TakeReader::open(out)),
+    const auto take = std::move(*capture::TakeReader::open(full())),
+               made = std::move(*capture::TakeReader::open(out)),
                little = std::move(*capture::TakeReader::open(small()));
     for (const DetailedCamera& c : report->cameras) {
       if (c.zoom == 1) continue;
@@ -108,20 +112,16 @@ class DetailOf : public testing::Test {
       for (int y = 0; y < truth.height; ++y) std::copy_n(whole.at(0, y), 3 * truth.width, truth.at(0, y));
       const Image origin = *load_png(out / "detail" / (c.serial + ".png"));
       for (std::size_t i = 0; i < mask.pixels.size(); ++i)
-        mask.pixels[i] = origin.pixels[3 * i] != origin.pixels[3 * i + 1] || origin.pixels[3 * i + 1] != origin.pixels[3 * i + 2] ? 255 : 0;
-      double at_ = 0, aa = 0, tt = 0, nn = 0;
-      for (std::size_t i = 0; i < mask.pixels.size(); ++i)
-        for (std::size_t k = 0; k < 3 && mask.pixels[i]; ++k) {
-          const double a = after.pixels[3 * i + k] - before.pixels[3 * i + k], t = truth.pixels[3 * i + k] - before.pixels[3 * i + k];
-          at_ += a * t, aa += a * a, tt += t * t, nn += 1;
-        }
-      std::printf("added %.2f missing %.2f rho %.3f best gain %.3f | ", std::sqrt(aa / nn), std::sqrt(tt / nn), at_ / std::sqrt(aa * tt), at_ / aa);
+        mask.pixels[i] = origin.pixels[3 * i] != origin.pixels[3 * i + 1] ||
+                                 origin.pixels[3 * i + 1] != origin.pixels[3 * i + 2]
+                             ? 255
+                             : 0;
       double direct = 0, used = 0;
       for (const StillInPhoto& s : c.stills) direct += s.direct ? 1 : 0, used += s.used;
-      std::printf("%s %s%s: used %.3f, psnr %.2f -> %.2f, cw-ssim %.4f -> %.4f, sharpness %.3f -> %.3f\n", name.c_str(),
-                  c.serial.c_str(), direct > 0 ? " (direct)" : "", used, psnr(before, truth, mask), psnr(after, truth, mask),
-                  cw_ssim(before, truth, mask), cw_ssim(after, truth, mask), sharpness(before, truth, mask),
-                  sharpness(after, truth, mask));
+      std::printf("%s %s%s: used %.3f, psnr %.2f -> %.2f, cw-ssim %.4f -> %.4f, sharpness %.3f -> %.3f\n",
+                  name.c_str(), c.serial.c_str(), direct > 0 ? " (direct)" : "", used,
+                  psnr(before, truth, mask), psnr(after, truth, mask), cw_ssim(before, truth, mask),
+                  cw_ssim(after, truth, mask), sharpness(before, truth, mask), sharpness(after, truth, mask));
       if (const char* folder = std::getenv("FLOATSTAGE_PICTURES")) {
         const fs::path to = fs::path(folder) / (name + "-" + c.serial);
         EXPECT_THAT(save_png(before, to.string() + "-before.png"), IsOk());
