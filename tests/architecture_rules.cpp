@@ -85,6 +85,7 @@ const std::map<std::string, int>& ranks() {
                                                    {"pipeline/export", 2},
                                                    {"pipeline/silhouettes", 2},
                                                    {"pipeline/matte", 3},
+                                                   {"pipeline/stills", 3},
                                                    {"pipeline/process", 4},
                                                    {"pipeline/calibrate", 4},
                                                    {"pipeline/evaluate", 4},

@@ -13,6 +13,7 @@
 #include "detail/compose.h"
 #include "detail/graph_json.h"
 #include "pipeline/confined_outputs.h"
+#include "pipeline/detail_watch.h"
 #include "pipeline/json_report.h"
 
 namespace floatstage::apps {
@@ -67,7 +68,7 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
   if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
   detail::ComposeOptions options = given.compose;
   options.steps = place(given.compose.steps);
-  options.watch = watched_by(progress);
+  options.watch = pipeline::watched_by(progress);
   const Result<detail::Composition> made = detail::compose(*graph, options);
   if (!made) return forward(made);
   if (made->photos.empty())

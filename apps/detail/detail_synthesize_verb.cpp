@@ -13,6 +13,7 @@
 #include "detail/synthesis/enlarge.h"
 #include "detail/synthesis/pyramid_tiff.h"
 #include "pipeline/confined_outputs.h"
+#include "pipeline/detail_watch.h"
 #include "pipeline/json_report.h"
 
 namespace floatstage::apps {
@@ -62,7 +63,7 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
   if (!graph) return forward(graph);
   if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
   detail::EnlargeOptions options = given.enlarge;
-  options.watch = watched_by(progress);
+  options.watch = pipeline::watched_by(progress);
   options.keep_provenance = !given.provenance.empty();
   const fs::path out = place(given.out);
   if (is_deep_zoom(given.out))

@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "detail/graph_json.h"
 #include "pipeline/confined_outputs.h"
+#include "pipeline/detail_watch.h"
 
 namespace floatstage::apps {
 namespace {
@@ -49,7 +50,7 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
   detail::GraphOptions options;
   options.root = given.root;
   options.relations.threads = given.threads;
-  options.relations.watch = watched_by(progress);
+  options.relations.watch = pipeline::watched_by(progress);
   options.relations.cache = given.cache;
   const Result<detail::PhotoGraph> graph = detail::build_photo_graph(given.folder, options);
   if (!graph) return forward(graph);

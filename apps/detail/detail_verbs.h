@@ -6,16 +6,8 @@
 #include "apps/terminal/verb.h"
 #include "core/image.h"
 #include "detail/photo_graph.h"
-#include "detail/watch.h"
-#include "pipeline/progress.h"
 
 namespace floatstage::apps {
-
-/// A job's progress as the stage `detail` watches its work; it must outlive that.
-inline detail::Watch watched_by(pipeline::Progress& job) {
-  return {[&job](const char* what, std::size_t total) { job.begin(what, total); }, [&job] { job.advance(1); },
-          [&job] { job.end(); }, [&job] { return job.cancelled(); }};
-}
 
 /// Whether this is the name of a .png or .jpg file, and the picture as one.
 bool is_picture_file(const std::filesystem::path& file);

@@ -13,6 +13,7 @@
 #include "detail/graph_json.h"
 #include "detail/zoom_layers.h"
 #include "pipeline/confined_job.h"
+#include "pipeline/detail_watch.h"
 #include "pipeline/json_report.h"
 
 namespace floatstage::apps {
@@ -123,7 +124,7 @@ Result<Prepared> prepare(const Options& given, pipeline::Progress& progress) {
     return fail(ErrorCode::InvalidArgument, text("--at ", given.at[0], ",", given.at[1], ": ", root.name,
                                                  " has ", root.width, "x", root.height, " px"));
   detail::ZoomLayersOptions making = given.layers;
-  making.watch = watched_by(progress);
+  making.watch = pipeline::watched_by(progress);
   Result<detail::ZoomLayers> layers = detail::zoom_layers(*graph, making);
   if (!layers) return forward(layers);
   return Prepared{root.name, std::move(*layers)};

@@ -178,6 +178,7 @@ void add_take_verb(CLI::App& app, Chosen& chosen) {
   add_take_set_time_code(*take, chosen);
   add_take_set_sound(*take, chosen);
   add_take_undistort(*take, chosen);
+  add_take_add_detail(*take, chosen);
   add_take_list(*take, chosen);
 }
 

@@ -19,6 +19,8 @@ void add_take_set_time_code(CLI::App& take, Chosen& chosen);
 void add_take_set_sound(CLI::App& take, Chosen& chosen);
 /// undistort: the same recording with straight pictures.
 void add_take_undistort(CLI::App& take, Chosen& chosen);
+/// add-detail: one instant with the details of close stills.
+void add_take_add_detail(CLI::App& take, Chosen& chosen);
 /// list: the takes of a folder.
 void add_take_list(CLI::App& take, Chosen& chosen);
 
