@@ -26,6 +26,7 @@ using detail::Provenance;
 
 constexpr int kMostZoom = 16, kUsualZoom = 4;
 constexpr double kMostPixels = 32e6;
+constexpr std::size_t kMostNamed = 10;  // stills in an error
 constexpr int kOutline =
     3;  // px of a photograph along the subject's outline, where no two cameras see the same
 constexpr double kMostTurn = 75;  // degrees between cameras that details are carried between
@@ -116,7 +117,10 @@ class Detailing {
     report_.refused = placed_.refused;
     if (!placed_.places.empty()) return {};
     std::string why;
-    for (const RefusedStill& r : placed_.refused) why += text("\n  ", r.name, ": ", r.why);
+    const std::size_t named = std::min(placed_.refused.size(), kMostNamed);
+    for (std::size_t i = 0; i < named; ++i)
+      why += text("\n  ", placed_.refused[i].name, ": ", placed_.refused[i].why);
+    if (placed_.refused.size() > named) why += text("\n  and ", placed_.refused.size() - named, " others");
     return fail(ErrorCode::NotFound,
                 text("no still in ", options_.stills.string(), " shows a part of a photograph of frame ",
                      options_.frame, "; is it of this performer and instant?", why));
