@@ -95,7 +95,6 @@ StillMap halved(const StillMap& map) {
 
 // A still as the photograph's camera would see it, over a box of the photograph's pixels.
 struct EnlargedPhoto::Fine {
-  int scale = 1;
   EnlargedBox box;
   std::vector<std::array<float, 3>> pixels;                    // scale times as fine as the photograph
   std::vector<std::array<float, 3>> means;                     // over each of the photograph's pixels
@@ -135,7 +134,6 @@ EnlargedBox EnlargedPhoto::box_of(const StillMap& map) const {
 EnlargedPhoto::Fine EnlargedPhoto::seen_through(const Image& still, const StillMap& map,
                                                 const EnlargedBox& box, int shrunk) const {
   Fine fine;
-  fine.scale = scale_;
   fine.box = box;
   const int width = box.width * scale_;
   fine.pixels.resize(static_cast<std::size_t>(width) * box.height * scale_);
@@ -474,7 +472,6 @@ Result<CarriedStill> EnlargedPhoto::carry(const Image& still, double zoom, const
     }
   carried.used = subject > 0 ? used / subject : 0;
   carried.moved = used > 0 ? moved / used : 0;
-  carried.gain = (fine.gain[0] + fine.gain[1] + fine.gain[2]) / 3;
   if (carried.used < kLeastUsed) {
     carried.why_not = "the photograph shows something else where it would lie";
     return carried;

@@ -32,7 +32,6 @@ struct StillMap {
 struct CarriedStill {
   double used = 0;      ///< share of the photograph's subject that got its details
   double moved = 0;     ///< px of the photograph by which the still was bent to fit, mean of what is used
-  double gain = 1;      ///< of the still's contrast, to be the photograph's
   StillMap map;         ///< where it lies in the end
   std::string why_not;  ///< why nothing of it is used; empty: some is
 };

@@ -1,5 +1,6 @@
 #include "render/gl/blend_renderer.h"
 
+#include "render/gl/blending_pass.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
 
@@ -49,15 +50,8 @@ class BlendRenderer : public ViewRenderer {
 }  // namespace
 
 Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera) {
-  Result<Projection> projection = Projection::create();
-  if (!projection) return forward(projection);
-  Result<Inspection> inspection = Inspection::create();
-  if (!inspection) return forward(inspection);
-  Result<gl::Program> blend = gl::make_program(
-      "fullscreen.vert", "blend.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
-  if (!blend) return forward(blend);
-  return std::unique_ptr<ViewRenderer>(std::make_unique<BlendRenderer>(
-      one_camera, std::move(*projection), std::move(*inspection), std::move(*blend)));
+  return make_blending_pass<BlendRenderer>(
+      "blend.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"}, one_camera);
 }
 
 }  // namespace floatstage::render

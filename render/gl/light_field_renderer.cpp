@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/footprint.h"
+#include "render/gl/blending_pass.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
 #include "render/light_field.h"
@@ -77,16 +78,8 @@ class LightFieldRenderer : public ViewRenderer {
 }  // namespace
 
 Result<std::unique_ptr<ViewRenderer>> make_light_field_renderer() {
-  Result<Projection> projection = Projection::create();
-  if (!projection) return forward(projection);
-  Result<Inspection> inspection = Inspection::create();
-  if (!inspection) return forward(inspection);
-  Result<gl::Program> blend =
-      gl::make_program("fullscreen.vert", "light_field.frag",
-                       {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
-  if (!blend) return forward(blend);
-  return std::unique_ptr<ViewRenderer>(std::make_unique<LightFieldRenderer>(
-      std::move(*projection), std::move(*inspection), std::move(*blend)));
+  return make_blending_pass<LightFieldRenderer>(
+      "light_field.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
 }
 
 }  // namespace floatstage::render

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/cpu/field_maker.h"
+#include "render/gl/blending_pass.h"
 #include "render/gl/field_textures.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
@@ -78,16 +79,8 @@ class StaticRenderer : public ViewRenderer {
 }  // namespace
 
 Result<std::unique_ptr<ViewRenderer>> make_static_renderer() {
-  Result<Projection> projection = Projection::create();
-  if (!projection) return forward(projection);
-  Result<Inspection> inspection = Inspection::create();
-  if (!inspection) return forward(inspection);
-  Result<gl::Program> blend =
-      gl::make_program("fullscreen.vert", "static.frag",
-                       {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl"});
-  if (!blend) return forward(blend);
-  return std::unique_ptr<ViewRenderer>(
-      std::make_unique<StaticRenderer>(std::move(*projection), std::move(*inspection), std::move(*blend)));
+  return make_blending_pass<StaticRenderer>(
+      "static.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl"});
 }
 
 }  // namespace floatstage::render
