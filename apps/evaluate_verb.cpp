@@ -36,7 +36,7 @@ struct Options {
   std::filesystem::path take, json_file, csv_file, sheet, path_file;
   std::vector<std::string> inputs, hold_out, methods = {"nearest", "linear", "floating"};
   std::string frames, proxy, scale = "1/1";
-  bool orbit = false;
+  bool orbit = false, classes = false;
   pipeline::OrbitOptions walk;
   int border = -1, steps = 200;
   bool mattes = false;
@@ -84,6 +84,7 @@ Result<pipeline::EvaluateOptions> evaluate_options(const Options& given) {
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
   options.balance = given.renderer.balance;
+  options.classes = given.classes;
   return options;
 }
 
@@ -170,7 +171,8 @@ Result<Ready> ready(const Options& given) {
       parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   options->frames = std::move(*frames);
-  suit_cameras(given.renderer, (*take)->rig(), options->renderer);
+  if (Result<void> ok = suit_cameras(given.renderer, (*take)->rig(), options->renderer); !ok)
+    return forward(ok);
   const Result<render::OpenBackEnd> drawing = render::open_back_end(options->renderer.back_end);
   if (!drawing) return forward(drawing);
   options->renderer.back_end = drawing->back_end;
@@ -294,6 +296,9 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
                  "Walk around instead, where the cameras stand, and say how steady the methods are");
   verb->add_option("--path", options->path_file, "The same along a camera path")->type_name("FILE");
   verb->add_option("--steps", options->steps, "Pictures of that walk")->capture_default_str();
+  verb->add_flag("--classes", options->classes,
+                 "Say of how many pixels plain blending makes blurred ones or ghosts: predicted from "
+                 "--uncertainty, and as the flow measures them");
   verb->add_flag("--mattes", options->mattes,
                  "Score the take's mattes against true ones instead of rendered views")
       ->group(kGroupMattes);

@@ -58,6 +58,10 @@ Result<void> run(const Options& given) {
   Result<render::RendererOptions> renderer = renderer_options(given.renderer);
   if (!renderer) return forward(renderer);
   options.renderer = *renderer;
+  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  if (!take) return forward(take);
+  if (Result<void> ok = suit_cameras(given.renderer, (*take)->rig(), options.renderer); !ok)
+    return forward(ok);
   options.balance = given.renderer.balance;
   options.view = static_cast<MatteView>(place_of(matte_view_names(), given.view));
   options.automatic = !given.by_hand;

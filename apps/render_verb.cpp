@@ -114,7 +114,7 @@ Result<void> run(const Options& given) {
   if (!film) return forward(film);
   Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
-  suit_cameras(given.renderer, (*take)->rig(), film->renderer);
+  if (Result<void> ok = suit_cameras(given.renderer, (*take)->rig(), film->renderer); !ok) return forward(ok);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
   film->frames = std::move(*frames);

@@ -23,7 +23,8 @@ json described(const render::FlowOptions& options) {
 
 json described(const render::RendererOptions& options) {
   const auto& [cameras, soft_radius, flow, positions, band_limit, nearest, farthest, uncertainty, motion_blur,
-               fill_hidden, sharp, soft_outlines, threads, back_end, background, output, given_up] = options;
+               fill_hidden, sharp, soft_outlines, threads, back_end, background, output, shown_camera,
+               towards_camera, given_up] = options;
   static_cast<void>(threads);      // pictures do not depend on it,
   static_cast<void>(fill_hidden);  // no film is without it,
   static_cast<void>(given_up);     // and those that are given up are in no film
@@ -33,7 +34,8 @@ json described(const render::RendererOptions& options) {
           farthest,        uncertainty,
           motion_blur,     sharp,
           soft_outlines,   static_cast<int>(back_end),
-          background,      static_cast<int>(output)};
+          background,      static_cast<int>(output),
+          shown_camera,    towards_camera};
 }
 
 json described(const FilmOptions& options) {

@@ -50,16 +50,6 @@ LightFieldPlane::Cell LightFieldPlane::cell(const std::array<float, 3>& way) con
   return cell;
 }
 
-Result<void> check_light_field(const RendererOptions& options) {
-  if (options.output == RenderOutput::Color || options.output == RenderOutput::Ghosting ||
-      options.output == RenderOutput::Depth || options.output == RenderOutput::Opacity)
-    return {};
-  return fail(
-      ErrorCode::InvalidArgument,
-      "a light field blends the four cameras around each ray and has no weights, visibility or flow to "
-      "show; choose color, ghosting, depth or opacity");
-}
-
 ShortList<int, kMostListed> strongest(const Scene::Impl& scene, const LightFieldPlane& plane,
                                       const View& view) {
   const Eigen::Vector3d ahead = view.view_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();

@@ -35,9 +35,6 @@ struct LightFieldPlane {
   std::vector<int> cameras;                ///< row after row: indices into Scene::Impl::cameras
 };
 
-/// Outputs that a light field has not are refused.
-Result<void> check_light_field(const RendererOptions& options);
-
 /// The four cameras in the middle of the view, strongest first, as RenderedView::cameras.
 ShortList<int, kMostListed> strongest(const Scene::Impl& scene, const LightFieldPlane& plane,
                                       const View& view);

@@ -48,6 +48,7 @@ Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::v
                                      const FlowOptions& options, int threads, Interruption* interruption) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
   fields_.resize(pairs);
+  confidence_.assign(keeps_confidence_ ? pairs : 0, {});
   if (options.backend == "none") {
     for (FlowField& field : fields_) make_zero(field, images);
     return {};
@@ -97,8 +98,12 @@ void PairwiseFlows::make_dependable(const ProjectedImages& images, std::size_t i
   field = raw_[place_[index]];
   const std::size_t home = place_[flow_index_of({pair.second, pair.first}, count)];
   const FlowField* back = home == kNotAsked ? nullptr : &raw_[home];
-  worker.fill.run(images.width, images.height, 2,
-                  worker.trust.run(images, pair.first, pair.second, field, back).data(), field.uv.data());
+  const std::vector<std::uint8_t>& believed = worker.trust.run(images, pair.first, pair.second, field, back);
+  if (keeps_confidence_) {
+    confidence_[index] = believed;
+    for (std::uint8_t& amount : confidence_[index]) amount = static_cast<std::uint8_t>(255 * amount);
+  }
+  worker.fill.run(images.width, images.height, 2, believed.data(), field.uv.data());
   drop_jitter(field);
 }
 

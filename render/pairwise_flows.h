@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -27,6 +28,12 @@ class PairwiseFlows {
 
   const std::vector<FlowField>& fields() const { return fields_; }
 
+  /// Whether the next estimates keep what they believed.
+  void keep_confidence(bool keep) { keeps_confidence_ = keep; }
+  /// As fields(): a byte a pixel, how far what an estimator said was believed there, 0…255; empty for pairs
+  /// that were not estimated.
+  const std::vector<std::vector<std::uint8_t>>& confidence() const { return confidence_; }
+
  private:
   /// What one thread works with.
   struct Worker {
@@ -41,6 +48,8 @@ class PairwiseFlows {
   std::vector<FlowPair> asked_;
   std::vector<std::size_t> place_;  // of a pair among those that are asked for
   std::vector<FlowField> raw_, fields_;
+  std::vector<std::vector<std::uint8_t>> confidence_;
+  bool keeps_confidence_ = false;
   std::vector<Worker> workers_;
 };
 

@@ -53,8 +53,10 @@ constexpr Entry kRenderers[] = {
 }  // namespace
 
 const std::vector<std::string>& render_output_names() {
-  static const std::vector<std::string> names = {"color", "weights",  "visibility", "soft-visibility",
-                                                 "flow",  "ghosting", "depth",      "opacity"};
+  static const std::vector<std::string> names = {
+      "color",   "weights",    "visibility", "soft-visibility", "flow",   "ghosting",         "depth",
+      "opacity", "projected",  "aliasing",   "predicted",       "warped", "position-weights", "color-weights",
+      "field",   "confidence", "measured"};
   return names;
 }
 

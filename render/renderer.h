@@ -23,10 +23,22 @@ enum class RenderOutput {
   Weights,         ///< final blending weights, one colour a chosen camera
   Visibility,      ///< binary visibility per chosen camera
   SoftVisibility,  ///< Eq. 11.5
-  Flow,            ///< the combined warp of the strongest camera, hue = direction (floating only)
-  Ghosting,        ///< per-pixel disagreement of the projections that are about to be blended
+  Flow,  ///< the combined warp, hue = direction: of the strongest camera, "floating" of the shown one if one
+         ///< is (floating, floating-static)
+  Ghosting,  ///< per-pixel disagreement of the projections that are about to be blended
   Depth,
-  Opacity,  ///< the view's alpha as grey
+  Opacity,    ///< the view's alpha as grey
+  Projected,  ///< the shown camera's photograph on the proxy (I_i^v), black where it does not see it
+  Aliasing,   ///< how large the photographs' pixels are in the view's (Eq. 9.7): spacing_color()
+  Predicted,  ///< what plain blending does to a proxy that is off by `uncertainty` (Eq. 9.9-9.12): green
+              ///< sharp, blue blurred, red ghosts
+  // floating only:
+  Warped,  ///< the shown camera's photograph where its warp puts it (Eq. 11.2), black where it does not count
+  PositionWeights,  ///< how much each camera's idea of a position counts, one colour a camera
+  ColorWeights,     ///< how much each camera's colour counts in the end, one colour a camera
+  Field,            ///< the flow from the shown camera's projected image to another's, hue = direction
+  Confidence,       ///< how far that flow is believed, as grey; what is not is filled in from around
+  Measured,         ///< as Predicted, by how far the flow finds the projected images apart
 };
 const std::vector<std::string>& render_output_names();  ///< "color", "weights", … in the enum's order
 
@@ -61,6 +73,9 @@ struct RendererOptions {
   BackEnd back_end = BackEnd::Auto;  ///< what callers ask make_renderer() for
   std::array<float, 3> background = {0, 0, 0};
   RenderOutput output = RenderOutput::Color;
+  int shown_camera = -1;    ///< whose photograph an output shows that shows one: an index into rig.cameras;
+                            ///< black where the view is not drawn from it. -1: the view's first
+  int towards_camera = -1;  ///< Field, Confidence: the other camera. -1: the first that is not the shown one
   /// Cpu: asked on the calling thread now and then while a picture is drawn; true gives it up, as Cancelled,
   /// and the next picture is as if this one had not been asked for. Empty: nobody gives up.
   std::function<bool()> given_up = {};
@@ -104,6 +119,9 @@ struct RendererInfo {
   bool needs_grid = false;  ///< draws only cameras on a camera_grid()
 };
 std::vector<RendererInfo> renderers();
+
+/// Whether a renderer has an output to show: with "floating" all, others none of what only flow knows.
+bool can_show(std::string_view renderer, RenderOutput output);
 
 /// The photographs that a view of this scene is drawn from, strongest first: `count` indices into
 /// rig.cameras. What a viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.

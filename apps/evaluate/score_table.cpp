@@ -19,12 +19,20 @@ struct Column {
   const char* name;
   double pipeline::Scores::*score;
 };
-constexpr Column kColumns[] = {
-    {"psnr_mask", &pipeline::Scores::psnr},       {"ssim_mask", &pipeline::Scores::ssim},
-    {"cw_ssim_mask", &pipeline::Scores::cw_ssim}, {"psnr_shift_mask", &pipeline::Scores::psnr_shift},
-    {"sharpness", &pipeline::Scores::sharpness},  {"psnr_full", &pipeline::Scores::psnr_full},
-    {"psnr_edge", &pipeline::Scores::psnr_edge},  {"psnr_color_mask", &pipeline::Scores::psnr_color},
-    {"ghosting", &pipeline::Scores::ghosting},    {"flicker", &pipeline::Scores::flicker}};
+constexpr Column kColumns[] = {{"psnr_mask", &pipeline::Scores::psnr},
+                               {"ssim_mask", &pipeline::Scores::ssim},
+                               {"cw_ssim_mask", &pipeline::Scores::cw_ssim},
+                               {"psnr_shift_mask", &pipeline::Scores::psnr_shift},
+                               {"sharpness", &pipeline::Scores::sharpness},
+                               {"psnr_full", &pipeline::Scores::psnr_full},
+                               {"psnr_edge", &pipeline::Scores::psnr_edge},
+                               {"psnr_color_mask", &pipeline::Scores::psnr_color},
+                               {"ghosting", &pipeline::Scores::ghosting},
+                               {"flicker", &pipeline::Scores::flicker},
+                               {"predicted_blurred", &pipeline::Scores::predicted_blurred},
+                               {"predicted_ghost", &pipeline::Scores::predicted_ghost},
+                               {"measured_blurred", &pipeline::Scores::measured_blurred},
+                               {"measured_ghost", &pipeline::Scores::measured_ghost}};
 
 json to_json(const pipeline::Scores& s) {
   json j;
@@ -99,14 +107,26 @@ Course course(const std::map<int, std::vector<ScoredView>>& frames, const std::s
   return out;
 }
 
+// The columns that some method has a score in: of classes nobody may have asked for.
+std::vector<Column> shown_columns(const std::vector<ScoredView>& rows,
+                                  const std::vector<std::string>& methods) {
+  std::vector<Column> columns;
+  for (const Column& c : kColumns)
+    if (std::any_of(methods.begin(), methods.end(),
+                    [&](const std::string& m) { return !std::isnan(mean(rows, m).*c.score); }))
+      columns.push_back(c);
+  return columns;
+}
+
 void print_table(const std::vector<ScoredView>& rows, const std::vector<std::string>& methods) {
+  const std::vector<Column> columns = shown_columns(rows, methods);
   std::printf("%-10s", "mean of");
-  for (const Column& c : kColumns) std::printf(" %15s", c.name);
+  for (const Column& c : columns) std::printf(" %17s", c.name);
   std::printf("\n");
   for (const std::string& m : methods) {
     const pipeline::Scores s = mean(rows, m);
     std::printf("%-10s", m.c_str());
-    for (const Column& c : kColumns) std::printf(" %15.4f", s.*c.score);
+    for (const Column& c : columns) std::printf(" %17.4f", s.*c.score);
     std::printf("\n");
   }
   const std::map<int, std::vector<ScoredView>> frames = by_frame(rows);

@@ -36,7 +36,7 @@ Result<void> run(const Options& given) {
   film.width = given.size.width, film.height = given.size.height;
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
   if (!take) return forward(take);
-  suit_cameras(given.renderer, (*take)->rig(), film.renderer);
+  if (Result<void> ok = suit_cameras(given.renderer, (*take)->rig(), film.renderer); !ok) return forward(ok);
   const Result<pipeline::Subject> subject = pipeline::find_subject(**take);
   if (!subject) return forward(subject);
   film.subject = subject->box;

@@ -56,6 +56,14 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
       ->capture_default_str()
       ->check(one_of(render::render_output_names()))
       ->group(kGroupPicture);
+  verb.add_option("--show-camera", flags.show_camera,
+                  "Whose photograph, warp or field --show shows (default: the view's first)")
+      ->type_name("SERIAL")
+      ->group(kGroupPicture);
+  verb.add_option("--show-towards", flags.show_towards,
+                  "--show field, confidence: of the flow from the shown camera to this one")
+      ->type_name("SERIAL")
+      ->group(kGroupPicture);
   const std::vector<CLI::Option*> filters = {
       verb.add_option("--band-limit", o.band_limit,
                       "band-limited: width of its filter, photograph pixels (0: by the depth range)")
@@ -66,8 +74,8 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
           ->type_name("NEAR:FAR"),
       verb.add_option(
           "--uncertainty", o.uncertainty,
-          "band-limited, filtered: how far the surface may lie before or behind the proxy, as a share "
-          "of the diagonal of the proxy's box"),
+          "band-limited, filtered, --show predicted: how far the surface may lie before or behind the proxy, "
+          "as a share of the diagonal of the proxy's box"),
       verb.add_option("--motion-blur", o.motion_blur,
                       "filtered: share of the pictures before that stays in each, 0 to 0.95")
           ->type_name("SHARE")};
@@ -112,9 +120,20 @@ Result<render::RendererOptions> renderer_options(const RendererFlags& flags) {
   return options;
 }
 
-void suit_cameras(const RendererFlags& flags, const Rig& rig, render::RendererOptions& options) {
+Result<void> suit_cameras(const RendererFlags& flags, const Rig& rig, render::RendererOptions& options) {
   constexpr int kCorners = 4;
   if (flags.blend->count() == 0 && render::camera_grid(rig.cameras)) options.cameras = kCorners;
+  for (const auto& [flag, serial, index] :
+       {std::tuple{"--show-camera", &flags.show_camera, &options.shown_camera},
+        std::tuple{"--show-towards", &flags.show_towards, &options.towards_camera}}) {
+    if (serial->empty()) continue;
+    *index = camera_index(rig, *serial);
+    if (*index < 0)
+      return fail(
+          ErrorCode::InvalidArgument,
+          text(flag, " '", *serial, "' is no camera of this take; `floatstage take info` lists them"));
+  }
+  return {};
 }
 
 std::string method_help() {

@@ -6,6 +6,7 @@
 #include "capture/added_file.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/evaluate/class_shares.h"
 #include "pipeline/evaluate/ghosting.h"
 #include "pipeline/evaluate/held_out_scene.h"
 #include "pipeline/film.h"
@@ -95,6 +96,38 @@ void score_method(const std::string& name, const Image& rgba, HeldOutView& view)
   view.rendered[name] = rgb;
 }
 
+// What the method's own picture of its pixels' classes says; NaN where it has none to show.
+Result<ClassShares> shares_of(render::ViewRenderer& renderer, const std::string& name, const Methods& methods,
+                              const View& from, render::RendererOptions options, render::RenderOutput output,
+                              const Image& mask) {
+  if (!render::can_show(name, output)) return class_shares({}, {});
+  options.output = output;
+  const Result<render::RenderedView> rendered = renderer.render(methods.scene, from, options);
+  if (!rendered) return forward(rendered);
+  return class_shares(render::download(*rendered), mask);
+}
+
+Result<void> score_classes(std::size_t method, const Methods& methods, const View& from,
+                           const EvaluateOptions& options, HeldOutView& view) {
+  const std::string& name = methods.names[method];
+  Scores& scores = view.scores[name];
+  struct Kind {
+    render::RenderOutput output;
+    double Scores::*blurred;
+    double Scores::*ghost;
+  };
+  for (const Kind& kind :
+       {Kind{render::RenderOutput::Predicted, &Scores::predicted_blurred, &Scores::predicted_ghost},
+        Kind{render::RenderOutput::Measured, &Scores::measured_blurred, &Scores::measured_ghost}}) {
+    const Result<ClassShares> shares =
+        shares_of(*methods.renderers[method], name, methods, from, options.renderer, kind.output, view.mask);
+    if (!shares) return forward(shares);
+    scores.*kind.blurred = shares->blurred;
+    scores.*kind.ghost = shares->ghost;
+  }
+  return {};
+}
+
 Result<void> draw_methods(const View& from, Methods& methods, const EvaluateOptions& options,
                           HeldOutView& view) {
   for (std::size_t m = 0; m < methods.names.size(); ++m) {
@@ -109,6 +142,8 @@ Result<void> draw_methods(const View& from, Methods& methods, const EvaluateOpti
     if (!rendered) return forward(rendered);
     score_method(methods.names[m], render::download(*rendered), view);
     view.scores[methods.names[m]].ghosting = ghosting_of(heat, view.mask);
+    if (!options.classes) continue;
+    if (Result<void> ok = score_classes(m, methods, from, options, view); !ok) return ok;
   }
   return {};
 }

@@ -28,6 +28,7 @@ struct EvaluateOptions {
   int scale = 1;    ///< pictures are drawn and compared at 1/scale of the photographs' size
   int border = -1;  ///< px of the compared picture that do not count along its sides; -1: none, or a twelfth
                     ///< of its width where nothing has mattes
+  bool classes = false;          ///< what plain blending does to each pixel is predicted and measured, too
   Progress* progress = nullptr;  ///< null: unwatched
 };
 

@@ -75,6 +75,8 @@ struct Scores {
   double psnr_color = kUnknown;  ///< dB, in the mask, after a gain and an offset a channel
   double ghosting = kUnknown;    ///< 8-bit levels: mean weighted distance of the colours that are blended
   double flicker = kUnknown;     ///< 8-bit levels: mean change of the error since the frame before
+  double predicted_blurred = kUnknown, predicted_ghost = kUnknown;  ///< shares of the mask (Eq. 9.11, 9.12)
+  double measured_blurred = kUnknown, measured_ghost = kUnknown;    ///< the same, by the flow
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "core/text.h"
-#include "render/cpu/picture.h"
+#include "render/cpu/inspection.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/row_mean.h"
 #include "render/renderer_checks.h"
@@ -18,16 +18,15 @@ class BlendRenderer : public ViewRenderer {
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
-    if (options.output == RenderOutput::Flow)
-      return fail(ErrorCode::InvalidArgument,
-                  "only the floating renderer has a flow to show; choose another output");
+    if (Result<void> ok = check_output(one_camera_ ? "nearest" : "linear", options.output); !ok)
+      return forward(ok);
     const Projection::Wanted wanted{
         .margin = 0, .one_camera = one_camera_, .mattes = has_soft_outline(options)};
     if (Result<void> ok = projection_.run(scene, view, options, wanted); !ok) return forward(ok);
     picture_.begin(view, options.background);
     if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output))
-        draw_intermediate(projection_, scene, view, options.output, picture_);
+        draw_intermediate(projection_, scene, view, options, picture_);
       else
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);

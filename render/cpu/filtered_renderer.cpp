@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "render/cpu/picture.h"
+#include "render/cpu/inspection.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/row_mean.h"
 #include "render/photo_pyramid.h"
@@ -23,9 +23,7 @@ class FilteredRenderer : public ViewRenderer {
  public:
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
-    if (options.output == RenderOutput::Flow)
-      return fail(ErrorCode::InvalidArgument,
-                  "only the floating renderer has a flow to show; choose another output");
+    if (Result<void> ok = check_output("filtered", options.output); !ok) return forward(ok);
     const Projection::Wanted wanted{.margin = 0, .levels = true, .mattes = has_soft_outline(options)};
     if (Result<void> ok = projection_.run(scene, view, options, wanted); !ok) return forward(ok);
     picture_.begin(view, options.background);
@@ -33,7 +31,7 @@ class FilteredRenderer : public ViewRenderer {
         static_cast<float>(options.uncertainty * static_cast<double>(scene.impl().box.diagonal().norm()));
     if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output)) {
-        draw_intermediate(projection_, scene, view, options.output, picture_);
+        draw_intermediate(projection_, scene, view, options, picture_);
       } else {
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);

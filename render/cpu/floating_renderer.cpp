@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/cpu/picture.h"
+#include "render/cpu/floating_inspection.h"
+#include "render/cpu/inspection.h"
 #include "render/cpu/position_shares.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/warp_kernels.h"
@@ -30,10 +31,11 @@ class FloatingRenderer : public ViewRenderer {
     parallax_ = options.positions == Positions::Parallax;
     if (!projection_.window().empty()) {
       if (intermediate) {
-        draw_intermediate(projection_, scene, view, options.output, picture_);
+        draw_intermediate(projection_, scene, view, options, picture_);
       } else {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         centers_ = centers_in_view(projection_);
+        shown_ = shown_slots(scene, projection_.choice(), options);
         projection_.for_rows([&](int y, RowMemory& memory) { float_row(y, options, memory); });
       }
       if (Result<void> ok = picture_.soften(projection_, options); !ok) return forward(ok);
@@ -60,6 +62,7 @@ class FloatingRenderer : public ViewRenderer {
   std::vector<bool> pulls_;
   PairwiseFlows pairwise_;
   CentersInView centers_{};
+  ShownSlots shown_;
   bool parallax_ = true;
 };
 
@@ -69,6 +72,7 @@ Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   for (std::size_t i = 0; i < count(); ++i) pulls_[i] = projection_.choice().fade[i] >= kLeastFade;
   if (std::find(pulls_.begin(), pulls_.end(), true) == pulls_.end()) pulls_.assign(count(), true);
   projection_.gray_images(options.flow.shrink, images_);
+  pairwise_.keep_confidence(options.output == RenderOutput::Confidence);
   return pairwise_.estimate(images_, pulls_, options.flow, options.threads, &projection_.interruption());
 }
 
@@ -164,28 +168,14 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
       total += used;
     }
     for (std::size_t c = 0; c < 3; ++c) mean[3 * k + c] = sum[c] / total;
-    std::array<float, 3> shown{};
-    if (options.output == RenderOutput::Flow) {
-      std::size_t strongest = 0;
-      for (std::size_t i = 1; i < count(); ++i)
-        if (lists.share.pull[i][k] > lists.share.pull[strongest][k]) strongest = i;
-      const float x = projection_.covered().x[row.list + k], line = static_cast<float>(y) + 0.5F;
-      shown = flow_color(x - lists.from_x[strongest][k], line - lists.from_y[strongest][k]);
-    } else if (options.output == RenderOutput::Ghosting) {
-      float apart = 0;
-      for (std::size_t i = 0; i < count(); ++i) {
-        const float* c = lists.rgba[i] + 4 * k;
-        if (lists.used[i][k] > 0)
-          apart += lists.used[i][k] / total *
-                   std::hypot(c[0] - mean[3 * k], c[1] - mean[3 * k + 1], c[2] - mean[3 * k + 2]) / 255;
-      }
-      shown = heat_color(3 * apart);
-    } else {
-      continue;
-    }
-    std::copy(shown.begin(), shown.end(), mean + 3 * k);
   }
-  picture_.write(projection_, y, mean, 3);
+  float* shown = mean;
+  if (is_floating_intermediate(options.output)) {
+    shown = memory.floats(3 * pixels);
+    const FloatedRow floated{lists.share, lists.rgba, lists.used, lists.from_x, lists.from_y, mean};
+    float_intermediate(projection_, pairwise_, options, shown_, y, floated, shown, memory);
+  }
+  picture_.write(projection_, y, shown, 3);
 }
 
 }  // namespace

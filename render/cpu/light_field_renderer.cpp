@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "render/cpu/footprint_kernels.h"
+#include "render/cpu/inspection.h"
 #include "render/cpu/photo_levels.h"
-#include "render/cpu/picture.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/row_mean.h"
 #include "render/light_field.h"
@@ -19,7 +19,7 @@ class LightFieldRenderer : public ViewRenderer {
  public:
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
-    if (Result<void> ok = check_light_field(options); !ok) return forward(ok);
+    if (Result<void> ok = check_output("light-field", options.output); !ok) return forward(ok);
     Result<CameraGrid> grid = camera_grid(scene.impl().cameras);
     if (!grid) return forward(grid);
     plane_ = LightFieldPlane(*grid, view.view_from_world.center());
@@ -29,7 +29,7 @@ class LightFieldRenderer : public ViewRenderer {
     take_photographs(scene.impl(), view);
     if (!projection_.window().empty()) {
       if (options.output == RenderOutput::Depth || options.output == RenderOutput::Opacity)
-        draw_intermediate(projection_, scene, view, options.output, picture_);
+        draw_intermediate(projection_, scene, view, options, picture_);
       else
         projection_.for_rows([&](int y, RowMemory& memory) {
           blend_row(y, options.output == RenderOutput::Ghosting, memory);

@@ -27,15 +27,6 @@ class Picture {
   Outline outline_;
 };
 
-/// The intermediates that all renderers share: weights, visibility, soft visibility, depth.
-bool is_shared_intermediate(RenderOutput output);
-void draw_intermediate(Projection& projection, const Scene& scene, const View& view, RenderOutput output,
-                       Picture& picture);
-
-// False colours, rgb 0…255.
-std::array<float, 3> flow_color(float u, float v);
-std::array<float, 3> heat_color(float amount);  ///< black, red, yellow, white over 0…1
-
 /// What render() returns once the picture is drawn.
 RenderedView rendered_view(const Scene& scene, const View& view, const Projection& projection,
                            const Picture& picture);

@@ -17,9 +17,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::render::cpu::HWY_NAMESPACE {
 
-constexpr int kBlock = 16;  // lists are padded to it
-constexpr float kGrazing =
-    0.1F;  // a camera that looks along the surface has no parallax beyond this cosine's
+constexpr int kBlock = 16;        // lists are padded to it
 constexpr float kSteady = 0.02F;  // of the trace: keeps weights finite where cameras stand on one line
 
 struct Block {

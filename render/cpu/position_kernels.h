@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "render/camera_choice.h"
 #include "render/cpu/photo_kernels.h"
@@ -8,6 +10,9 @@
 // How much each camera's idea of a position counts, over lists of pixels. Formulas:
 // render/gl/shaders/positions.glsl; derivation: docs/algorithms/floating-textures.md.
 namespace floatstage::render::cpu {
+
+/// A camera that looks along the surface has no parallax beyond this cosine's.
+inline constexpr float kGrazing = 0.1F;
 
 /// A row's list of pixels with the surface there. Lists are padded to Covered::kAlign.
 struct PositionRow {
@@ -23,6 +28,18 @@ struct PositionRow {
 /// Of each camera's centre the coordinates of the view.
 using CentersInView = std::array<std::array<float, 3>, kMostListed>;
 std::array<float, 3> center_in_view(const ViewRays& rays, const PhotoCamera& camera);
+
+/// Camera j's parallax u_j at one pixel, in units of the view's picture plane at z = 1: how its image of the
+/// surface is displaced where the proxy is wrong along the viewing ray `ray` (x, y, 1), but for a factor that
+/// all cameras share. z, `normal` and `center` in the view's coordinates.
+inline std::array<float, 2> parallax(const std::array<float, 2>& ray, float z,
+                                     const std::array<float, 3>& normal, const std::array<float, 3>& center) {
+  const float dx = ray[0] * z - center[0], dy = ray[1] * z - center[1], dz = z - center[2];
+  const float facing = normal[0] * dx + normal[1] * dy + normal[2] * dz;
+  const float least = -kGrazing * std::sqrt(dx * dx + dy * dy + dz * dz);
+  const float scale = 1 / std::min(facing, least);
+  return {(center[0] - ray[0] * center[2]) * scale, (center[1] - ray[1] * center[2]) * scale};
+}
 
 /// Where the proxy is wrong by some depth along the viewing ray, every camera's image of the surface is
 /// displaced by its parallax u_j. Weights nearest to the angular ones under which these displacements cancel:

@@ -12,7 +12,7 @@
 namespace floatstage::render::cpu {
 namespace {
 
-constexpr std::size_t kRowPieces = 144;  // of a row's length that one row's work may need
+constexpr std::size_t kRowPieces = 160;  // of a row's length that one row's work may need
 constexpr std::size_t kMostBands = 32;
 
 float f(double v) { return static_cast<float>(v); }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/cpu/picture.h"
+#include "render/cpu/false_color.h"
 
 namespace floatstage::render::cpu {
 

@@ -3,9 +3,10 @@
 #include <array>
 #include <span>
 
+#include "render/cpu/false_color.h"
 #include "render/cpu/field_kernels.h"
 #include "render/cpu/field_maker.h"
-#include "render/cpu/picture.h"
+#include "render/cpu/inspection.h"
 #include "render/cpu/position_shares.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/row_mean.h"
@@ -20,12 +21,13 @@ class StaticRenderer : public ViewRenderer {
  public:
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    if (Result<void> ok = check_output("floating-static", options.output); !ok) return forward(ok);
     if (Result<void> ok = projection_.run(scene, view, options, {.mattes = has_soft_outline(options)}); !ok)
       return forward(ok);
     picture_.begin(view, options.background);
     if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output)) {
-        draw_intermediate(projection_, scene, view, options.output, picture_);
+        draw_intermediate(projection_, scene, view, options, picture_);
       } else {
         Result<ChosenFields> fields = chosen_fields(scene, projection_.choice(), options, maker_);
         if (!fields) return forward(fields);

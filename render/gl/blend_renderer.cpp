@@ -19,14 +19,13 @@ class BlendRenderer : public ViewRenderer {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
-    if (options.output == RenderOutput::Flow)
-      return fail(ErrorCode::InvalidArgument,
-                  "only the floating renderer has a flow to show; choose another output");
+    if (Result<void> ok = check_output(one_camera_ ? "nearest" : "linear", options.output); !ok)
+      return forward(ok);
     projection_.run(**textures, view, options, 0, one_camera_);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
-      if (inspection_.shows(options.output)) {
-        inspection_.draw(projection_, **textures, view, target_);
+      if (is_shared_intermediate(options.output)) {
+        inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
         glUseProgram(blend_.id());
         glUniform2i(0, w.x, w.y);

@@ -62,16 +62,14 @@ class FilteredRenderer : public ViewRenderer {
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
-    if (options.output == RenderOutput::Flow)
-      return fail(ErrorCode::InvalidArgument,
-                  "only the floating renderer has a flow to show; choose another output");
+    if (Result<void> ok = check_output("filtered", options.output); !ok) return forward(ok);
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
     projection_.run(**textures, view, options, 0, false, true);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
-      if (inspection_.shows(options.output))
-        inspection_.draw(projection_, **textures, view, target_);
+      if (is_shared_intermediate(options.output))
+        inspection_.draw(projection_, **textures, scene, view, options, target_);
       else
         draw(scene.impl(), options, w);
       projection_.soften(**textures, options, target_);

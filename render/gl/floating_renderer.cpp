@@ -40,21 +40,24 @@ class FloatingRenderer : public ViewRenderer {
     const Window& w = projection_.window();
     target_.begin(view.model.width, view.model.height, options.background);
     if (!w.empty()) {
-      if (inspection_.shows(options.output)) {
-        inspection_.draw(projection_, **textures, view, target_);
+      if (is_shared_intermediate(options.output)) {
+        inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
         gl::StageTimes::enter("images");
         project_images(options.fill_hidden);
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
+        const ShownSlots shown = shown_slots(scene, projection_.choice(), options);
         gl::StageTimes::enter("blending");
         glUseProgram(float_.id());
         glUniform2i(0, w.x, w.y);
         glUniform1i(1, static_cast<GLint>(options.positions));
-        projection_.draw_at(
-            target_.framebuffer(), float_,
-            {projection_.surface(), projection_.weights(0), projection_.weights(1), images_.id(), flows_.id(),
-             projection_.angular(0), projection_.angular(1), projection_.soft(0), projection_.soft(1)},
-            w.x, w.y, w.width, w.height);
+        glUniform2i(2, shown.camera, shown.towards);
+        glUniform1i(3, options.shown_camera < 0 ? 1 : 0);
+        projection_.draw_at(target_.framebuffer(), float_,
+                            {projection_.surface(), projection_.weights(0), projection_.weights(1),
+                             images_.id(), flows_.id(), projection_.angular(0), projection_.angular(1),
+                             projection_.soft(0), projection_.soft(1), confidence_.id()},
+                            w.x, w.y, w.width, w.height);
       }
       projection_.soften(**textures, options, target_);
     }
@@ -104,7 +107,9 @@ class FloatingRenderer : public ViewRenderer {
   }
 
   Result<void> estimate_flows(const RendererOptions& options) {
-    if (flows_on_gpu(options.flow)) {
+    const bool keeps = options.output == RenderOutput::Confidence;  // which only fields of the CPU have
+    pairwise_.keep_confidence(keeps);
+    if (!keeps && flows_on_gpu(options.flow)) {
       const Result<void> made = make_computed();
       if (made) return compute_flows(options.flow);
       if (options.flow.place == FlowPlace::Gpu) return made;
@@ -122,7 +127,19 @@ class FloatingRenderer : public ViewRenderer {
     for (std::size_t pair = 0; pair < pairwise_.fields().size(); ++pair)
       glTextureSubImage3D(flows_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RG, GL_FLOAT,
                           pairwise_.fields()[pair].uv.data());
+    if (keeps) upload_confidence(width, height);
     return {};
+  }
+
+  void upload_confidence(int width, int height) {
+    confidence_.reserve(GL_R8, GL_NEAREST, width, height, std::max(count() * (count() - 1), 1));
+    const std::vector<std::uint8_t> unknown(static_cast<std::size_t>(width) *
+                                            static_cast<std::size_t>(height));
+    for (std::size_t pair = 0; pair < pairwise_.confidence().size(); ++pair) {
+      const std::vector<std::uint8_t>& known = pairwise_.confidence()[pair];
+      glTextureSubImage3D(confidence_.id(), 0, 0, 0, static_cast<GLint>(pair), width, height, 1, GL_RED,
+                          GL_UNSIGNED_BYTE, (known.empty() ? unknown : known).data());
+    }
   }
 
   Result<void> make_computed() {
@@ -141,7 +158,7 @@ class FloatingRenderer : public ViewRenderer {
   Projection projection_;
   Inspection inspection_;
   gl::Program project_, float_;
-  gl::Texture images_, flows_;
+  gl::Texture images_, flows_, confidence_;
   gl::Framebuffer images_target_;
   ViewTarget target_;
   bool software_;                         // what draws; or the flow does not run on what does

@@ -5,21 +5,16 @@ namespace floatstage::render {
 Result<Inspection> Inspection::create() {
   Inspection inspection;
   Result<gl::Program> program =
-      gl::make_program("fullscreen.vert", "inspect.frag", {"view.glsl", "camera.glsl", "false_color.glsl"});
+      gl::make_program("fullscreen.vert", "inspect.frag",
+                       {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl"});
   if (!program) return forward(program);
   inspection.program_ = std::move(*program);
   return inspection;
 }
 
-bool Inspection::shows(RenderOutput output) const {
-  return output == RenderOutput::Weights || output == RenderOutput::Visibility ||
-         output == RenderOutput::SoftVisibility || output == RenderOutput::Depth ||
-         output == RenderOutput::Opacity;
-}
-
-void Inspection::draw(const Projection& projection, const SceneTextures& scene, const View& view,
-                      const ViewTarget& target) const {
-  const Eigen::AlignedBox3f& box = scene.scene->box;
+void Inspection::draw(const Projection& projection, const SceneTextures& textures, const Scene& scene,
+                      const View& view, const RendererOptions& options, const ViewTarget& target) const {
+  const Eigen::AlignedBox3f& box = textures.scene->box;
   const float middle =
       static_cast<float>((view.view_from_world * Eigen::Vector3d(box.center().cast<double>())).z());
   const float radius = 0.5F * box.diagonal().norm() + 1e-6F;
@@ -27,6 +22,8 @@ void Inspection::draw(const Projection& projection, const SceneTextures& scene, 
   glUseProgram(program_.id());
   glUniform2i(0, w.x, w.y);
   glUniform2f(1, middle - radius, middle + radius);
+  glUniform1i(2, shown_slots(scene, projection.choice(), options).camera);
+  glUniform1f(3, static_cast<float>(options.uncertainty * static_cast<double>(box.diagonal().norm())));
   projection.draw_at(target.framebuffer(), program_,
                      {projection.surface(), projection.weights(0), projection.weights(1),
                       projection.visibility(), projection.soft(0), projection.soft(1)},

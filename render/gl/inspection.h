@@ -1,17 +1,17 @@
 #pragma once
 
 #include "render/gl/projection.h"
+#include "render/inspection.h"
 #include "render/renderer_checks.h"
 
 namespace floatstage::render {
 
-/// Draws the intermediates that all renderers share: weights, visibility, soft visibility, depth.
+/// Draws the intermediates that all renderers share (is_shared_intermediate()).
 class Inspection {
  public:
   static Result<Inspection> create();
-  bool shows(RenderOutput output) const;
-  void draw(const Projection& projection, const SceneTextures& scene, const View& view,
-            const ViewTarget& target) const;
+  void draw(const Projection& projection, const SceneTextures& textures, const Scene& scene, const View& view,
+            const RendererOptions& options, const ViewTarget& target) const;
 
  private:
   gl::Program program_;

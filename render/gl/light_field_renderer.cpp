@@ -18,7 +18,7 @@ class LightFieldRenderer : public ViewRenderer {
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
-    if (Result<void> ok = check_light_field(options); !ok) return forward(ok);
+    if (Result<void> ok = check_output("light-field", options.output); !ok) return forward(ok);
     const Result<CameraGrid> grid = camera_grid(scene.impl().cameras);
     if (!grid) return forward(grid);
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
@@ -27,8 +27,8 @@ class LightFieldRenderer : public ViewRenderer {
     projection_.run(**textures, view, options, 0, false);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
-      if (inspection_.shows(options.output)) {
-        inspection_.draw(projection_, **textures, view, target_);
+      if (is_shared_intermediate(options.output)) {
+        inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
         set_plane(plane);
         set_levels(**textures, plane, view);

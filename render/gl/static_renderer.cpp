@@ -25,13 +25,14 @@ class StaticRenderer : public ViewRenderer {
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
+    if (Result<void> ok = check_output("floating-static", options.output); !ok) return forward(ok);
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
     projection_.run(**textures, view, options, 0, false);
     target_.begin(view.model.width, view.model.height, options.background);
     if (const Window& w = projection_.window(); !w.empty()) {
-      if (inspection_.shows(options.output)) {
-        inspection_.draw(projection_, **textures, view, target_);
+      if (is_shared_intermediate(options.output)) {
+        inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
         if (Result<void> ok = find_fields(scene, options); !ok) return forward(ok);
         glProgramUniform2i(blend_.id(), 0, w.x, w.y);

@@ -17,11 +17,20 @@ ImTextureID texture_id(unsigned texture) {
   return reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(texture));
 }
 
-// The method that blends where one floats: the same photographs without their flow.
-int blended(const PlayerState& state, int method) {
-  if (method < 0 || state.methods[static_cast<std::size_t>(method)] != "floating") return method;
+// The method that blends where one floats: the same photographs without their flow, if it has what is shown.
+int blended(const PlayerState& state, int method, render::RenderOutput output) {
+  if (method < 0 || state.methods[static_cast<std::size_t>(method)] != "floating" ||
+      !render::can_show("linear", output))
+    return method;
   const auto linear = std::find(state.methods.begin(), state.methods.end(), "linear");
   return linear == state.methods.end() ? method : static_cast<int>(linear - state.methods.begin());
+}
+
+// What stands above a side of the split.
+std::string side_name(const PlayerState& state, int method, render::RenderOutput output) {
+  const std::string& name = state.methods[static_cast<std::size_t>(method)];
+  if (output == render::RenderOutput::Color) return name;
+  return name + ": " + render::render_output_names()[static_cast<std::size_t>(output)];
 }
 
 bool is_shown(const PlayerState& state, const char* method) {
@@ -36,7 +45,7 @@ bool same(const pipeline::PathKey& a, const pipeline::PathKey& b) {
 bool same(const render::RendererOptions& a, const render::RendererOptions& b) {
   return a.cameras == b.cameras && a.soft_radius == b.soft_radius && a.flow == b.flow &&
          a.positions == b.positions && a.sharp == b.sharp && a.background == b.background &&
-         a.output == b.output;
+         a.output == b.output && a.shown_camera == b.shown_camera && a.towards_camera == b.towards_camera;
 }
 
 }  // namespace
@@ -63,7 +72,8 @@ Result<void> Canvas::show(const studio::LiveScene& scene) {
 
 bool Canvas::stale(const Made& wanted) const {
   return !made_ || gave_up_ || made_->width != wanted.width || made_->height != wanted.height ||
-         made_->left != wanted.left || made_->right != wanted.right || made_->scene != wanted.scene ||
+         made_->left != wanted.left || made_->right != wanted.right ||
+         made_->right_output != wanted.right_output || made_->scene != wanted.scene ||
          !same(made_->key, wanted.key) || !same(made_->renderer, wanted.renderer);
 }
 
@@ -71,14 +81,19 @@ Canvas::Made Canvas::wanted(const PlayerState& state, const pipeline::PathKey& k
                             bool moving) const {
   const double scale = state.render_scale * (moving ? pace_.scale() : 1);
   const auto pixels = [&](float side) { return std::max(1, static_cast<int>(std::lround(side * scale))); };
-  Made made{pixels(width), pixels(height), state.left, state.split ? state.right : -1, shown_,
-            key,           state.renderer};
+  Made made{pixels(width),  pixels(height),
+            state.left,     state.split ? state.right : -1,
+            shown_,         key,
+            state.renderer, state.right_output.value_or(state.renderer.output)};
   if (moving) {
     // Fields that stay are not made twice, once of each size.
     if (!is_shown(state, "floating-static"))
       made.renderer.flow.shrink = std::max(2, made.renderer.flow.shrink);
     made.renderer.soft_radius *= pace_.scale();
-    if (pace_.without_flow()) made.left = blended(state, made.left), made.right = blended(state, made.right);
+    if (pace_.without_flow()) {
+      made.left = blended(state, made.left, made.renderer.output);
+      made.right = blended(state, made.right, made.right_output);
+    }
   }
   return made;
 }
@@ -92,9 +107,11 @@ bool Canvas::judge_motion(const PlayerState& state, const pipeline::PathKey& key
 }
 
 // Milliseconds that it took.
-Result<double> Canvas::render_side(Side& side, int method, const PlayerState& state, bool moving) {
+Result<double> Canvas::render_side(Side& side, int method, render::RenderOutput output,
+                                   const PlayerState& state, bool moving) {
   const auto begin = std::chrono::steady_clock::now();
   render::RendererOptions options = made_->renderer;
+  options.output = output;
   if (hand_waits_ && state.quick && left_.texture != 0)
     options.given_up = [this, moving] { return hand_waits_() && !moving; };
   Result<render::RenderedView> rendered =
@@ -107,12 +124,14 @@ Result<double> Canvas::render_side(Side& side, int method, const PlayerState& st
 }
 
 Result<void> Canvas::render_sides(const PlayerState& state, bool moving) {
-  const Result<double> left = render_side(left_, made_->left, state, moving);
+  const Result<double> left = render_side(left_, made_->left, made_->renderer.output, state, moving);
   if (!left) return forward(left);
   if (keep_pictures_) kept_ = render::download(left_.view);
-  const bool one = made_->left == made_->right;  // in motion both sides may be blended
-  const Result<double> right =
-      state.split && !one ? render_side(right_, made_->right, state, moving) : Result<double>(0.0);
+  const bool one = made_->left == made_->right &&  // in motion both sides may be blended
+                   made_->renderer.output == made_->right_output;
+  const Result<double> right = state.split && !one
+                                   ? render_side(right_, made_->right, made_->right_output, state, moving)
+                                   : Result<double>(0.0);
   if (!right) return forward(right);
   if (state.split && one) right_.view = left_.view, right_.texture = left_.texture;
   times_.left_ms = *left, times_.right_ms = *right;
@@ -167,10 +186,10 @@ void Canvas::list_pictures(const PlayerState& state, float x0, float y0, float x
   if (!state.split || right_.texture == 0) return;
   list->AddImage(texture_id(right_.texture), {x, y0}, {x1, y1}, {middle, 0}, {1, 1});
   list->AddLine({x, y0}, {x, y1}, IM_COL32(255, 190, 60, 255), 1.5f);
-  const std::string& name = state.methods[static_cast<std::size_t>(state.left)];
-  list->AddText({x - 10 - ImGui::CalcTextSize(name.c_str()).x, y0 + 8}, IM_COL32_WHITE, name.c_str());
+  const std::string left = side_name(state, state.left, state.renderer.output);
+  list->AddText({x - 10 - ImGui::CalcTextSize(left.c_str()).x, y0 + 8}, IM_COL32_WHITE, left.c_str());
   list->AddText({x + 10, y0 + 8}, IM_COL32_WHITE,
-                state.methods[static_cast<std::size_t>(state.right)].c_str());
+                side_name(state, state.right, state.right_output.value_or(state.renderer.output)).c_str());
 }
 
 /// Where the time goes, in the upper right corner.

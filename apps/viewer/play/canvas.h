@@ -85,6 +85,7 @@ class Canvas {
     std::uint64_t scene = 0;
     pipeline::PathKey key;
     render::RendererOptions renderer;
+    render::RenderOutput right_output = render::RenderOutput::Color;  // the left one's is the renderer's
   };
 
   bool stale(const Made& wanted) const;
@@ -93,7 +94,8 @@ class Canvas {
   bool judge_motion(const PlayerState& state, const pipeline::PathKey& key, double now);
   Result<void> render(const PlayerState& state, const Made& wanted, bool moving, double now);
   Result<void> render_sides(const PlayerState& state, bool moving);
-  Result<double> render_side(Side& side, int method, const PlayerState& state, bool moving);
+  Result<double> render_side(Side& side, int method, render::RenderOutput output, const PlayerState& state,
+                             bool moving);
   void fly(std::span<const InputEvent> input, PlayerState& state) const;
   void list_times(const PlayerState& state, float x1, float y0) const;
   void list_pictures(const PlayerState& state, float x0, float y0, float x1, float y1) const;

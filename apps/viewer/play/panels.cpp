@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -20,6 +21,47 @@ void choose(const char* label, const std::vector<std::string>& names, int& chose
   ImGui::EndCombo();
 }
 
+// What a side shows, of all that its method has; `first`: another choice before these, for which it is
+// absent.
+void choose_output(const char* label, const std::string& method, const char* first,
+                   std::optional<render::RenderOutput>& output) {
+  const std::vector<std::string>& names = render::render_output_names();
+  const char* now = output ? names[static_cast<std::size_t>(*output)].c_str() : first;
+  if (!ImGui::BeginCombo(label, now)) return;
+  if (first != nullptr && ImGui::Selectable(first, !output)) output.reset();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto one = static_cast<render::RenderOutput>(i);
+    if (render::can_show(method, one) && ImGui::Selectable(names[i].c_str(), output == one)) output = one;
+  }
+  ImGui::EndCombo();
+}
+
+// A camera of the take, or none: then the renderer chooses.
+void choose_camera(const char* label, const std::vector<std::string>& serials, int& camera) {
+  const char* now = camera < 0 ? "the view's first" : serials[static_cast<std::size_t>(camera)].c_str();
+  if (!ImGui::BeginCombo(label, now)) return;
+  if (ImGui::Selectable("the view's first", camera < 0)) camera = -1;
+  for (std::size_t i = 0; i < serials.size(); ++i)
+    if (ImGui::Selectable(serials[i].c_str(), camera == static_cast<int>(i))) camera = static_cast<int>(i);
+  ImGui::EndCombo();
+}
+
+void draw_outputs(PlayerState& state) {
+  const auto method = [&](int side) { return state.methods[static_cast<std::size_t>(side)]; };
+  std::optional<render::RenderOutput> left = state.renderer.output;
+  choose_output(state.split ? "left shows" : "show", method(state.left), nullptr, left);
+  state.renderer.output = *left;
+  if (!render::can_show(method(state.left), state.renderer.output))  // another method was chosen
+    state.renderer.output = render::RenderOutput::Color;
+  if (state.split) choose_output("right shows", method(state.right), "the same", state.right_output);
+  if (state.right_output && !render::can_show(method(state.right), *state.right_output))
+    state.right_output.reset();
+  if (state.split || state.renderer.output != render::RenderOutput::Color) {
+    choose_camera("camera", state.serials, state.renderer.shown_camera);
+    choose_camera("towards", state.serials, state.renderer.towards_camera);
+  }
+}
+
 void draw_methods(PlayerState& state) {
   choose(state.split ? "left" : "method", state.methods, state.left);
   bool split = state.split;
@@ -28,9 +70,7 @@ void draw_methods(PlayerState& state) {
     choose("right", state.methods, state.right);
     ImGui::SliderFloat("split at", &state.split_at, 0.02f, 0.98f, "%.2f");
   }
-  int output = static_cast<int>(state.renderer.output);
-  choose("show", render::render_output_names(), output);
-  state.renderer.output = static_cast<render::RenderOutput>(output);
+  draw_outputs(state);
   ImGui::SliderInt("photographs", &state.renderer.cameras, 1, 6);
   float radius = static_cast<float>(state.renderer.soft_radius);
   if (ImGui::SliderFloat("soft radius", &radius, 0, 32, "%.0f px")) state.renderer.soft_radius = radius;

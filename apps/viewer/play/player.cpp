@@ -218,7 +218,7 @@ class WindowPlayer : public Player {
   PathStrip strip_;
   std::optional<FilmJob> film_;
   int shown_ = -1;
-  bool has_fields_ = false;  // of the shown instant, as far as there are any
+  bool has_fields_ = false;                   // of the shown instant, as far as there are any
   const std::unique_ptr<SoundPlayer> sound_;  // null where nothing is heard
   SoundLead lead_;
   double ahead_ = 0;  // s from when a frame is chosen until it is seen
@@ -243,6 +243,7 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
               right = method_index(state.methods, options.compare.empty() ? options.method : options.compare);
   if (!left) return forward(left);
   if (!right) return forward(right);
+  for (const RigCamera& camera : take.rig().cameras) state.serials.push_back(camera.serial);
   state.left = *left;
   state.right = *right;
   state.split = !options.compare.empty();

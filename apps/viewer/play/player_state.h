@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct PlayerState {
   std::vector<std::string> methods = {};  ///< every renderer's name
   int left = 0, right = 0;                ///< methods shown; `right` only when split
   bool split = false;
+  std::optional<render::RenderOutput> right_output = {};  ///< what the right side shows; absent: as the left
+  std::vector<std::string> serials = {};                  ///< of the cameras, whose photographs can be shown
   /// Splits, or no longer: a first split compares linear with floating, and the method from before comes
   /// back.
   void toggle_split();

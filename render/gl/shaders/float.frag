@@ -8,8 +8,11 @@ layout(binding = 6) uniform sampler2D angular0;
 layout(binding = 7) uniform sampler2D angular1;
 layout(binding = 8) uniform sampler2D soft0;
 layout(binding = 9) uniform sampler2D soft1;
+layout(binding = 10) uniform sampler2DArray confidence;  // as flows; only where it is shown
 layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 1) uniform int positions;  // 0: parallax cancels, 1: the angular mean
+layout(location = 2) uniform ivec2 shown;    // slots of the camera to show and of the other one; -1: none
+layout(location = 3) uniform bool any;       // nobody said which camera to show
 layout(location = 0) out vec4 color;
 
 const int kInversions = 4;
@@ -18,14 +21,15 @@ const float kFaint = 1.0 / 1024.0, kLeastFade = 1e-4, kUnseen = 1e-4;
 float pull[kMaxListed];   // how much each camera counts: angular weights, visible or not
 float place[kMaxListed];  // how much its idea of a position counts
 
+int flow_layer(int i, int j) { return i * (view.counts.y - 1) + (j < i ? j : j - 1); }
+
 // W_i at p: where the combined warp moves what I_i shows at p.
 vec2 combined_warp(int i, vec2 p) {
   vec2 size = view.settings.w * vec2(textureSize(flows, 0).xy), sum = vec2(0.0);
   int n = view.counts.y;
   for (int j = 0; j < n; ++j) {
     if (j == i || place[j] < kFaint) continue;
-    int layer = i * (n - 1) + (j < i ? j : j - 1);
-    sum += place[j] * textureLod(flows, vec3(p / size, layer), 0.0).xy;
+    sum += place[j] * textureLod(flows, vec3(p / size, flow_layer(i, j)), 0.0).xy;
   }
   return view.settings.w * sum;
 }
@@ -60,6 +64,29 @@ bool image_at(int i, vec2 p, float area, out vec3 rgb) {
   }
   rgb = sum.rgb / max(sum.a, 1e-3);
   return sum.a >= 0.5;
+}
+
+// Of a pixel in the field from image i to image j.
+ivec3 flow_place(ivec2 at, int i, int j) {
+  return ivec3(min(at / int(view.settings.w), textureSize(flows, 0).xy - 1), flow_layer(i, j));
+}
+vec2 field_at(ivec2 at, int i, int j) { return view.settings.w * texelFetch(flows, flow_place(at, i, j), 0).xy; }
+float confidence_at(ivec2 at, int i, int j) { return texelFetch(confidence, flow_place(at, i, j), 0).x; }
+
+// What plain blending of `visible` photographs does to what is here, by how far the fields find it apart.
+vec3 measured(ivec2 at, vec4 here, float visible[kMaxListed]) {
+  int worst = kSharp;
+  float spacing[kMaxListed];
+  for (int i = 0; i < view.counts.y; ++i) {
+    spacing[i] = pixel_spacing(i, vec2(at) + 0.5, here);
+    if (visible[i] < kFaint) continue;
+    worst = max(worst, blend_class(0.0, spacing[i], spacing[i]));
+    for (int j = 0; j < i; ++j)
+      if (visible[j] >= kFaint)
+        worst = max(worst, blend_class(max(length(field_at(at, i, j)), length(field_at(at, j, i))), spacing[i],
+                                       spacing[j]));
+  }
+  return class_color(worst);
 }
 
 void main() {
@@ -109,20 +136,38 @@ void main() {
     used[i] = pull[i] * seen + kUnseen * visible[i];
     sum += used[i] * colors[i];
     total += used[i];
-    if (pull[i] > strongest) {
+    if (any ? pull[i] > strongest : i == shown.x) {
       strongest = pull[i];
       strongest_warp = warp;
     }
   }
   vec3 mean = sum / total;
   color = vec4(mean, 1.0);
-  if (view.counts.w == kFlow) {
-    float direction = atan(strongest_warp.y, strongest_warp.x) / 6.2831853;
-    color.rgb = mix(vec3(1.0), hue(direction), min(length(strongest_warp) / 8.0, 1.0));
-  } else if (view.counts.w == kGhosting) {
+  int wanted = view.counts.w;
+  if (wanted == kGhosting) {
     float apart = 0.0;
     for (int i = 0; i < n; ++i)
       if (used[i] > 0.0) apart += used[i] / total * distance(colors[i], mean);
     color.rgb = heat(3.0 * apart);
+  } else if (wanted == kFlow) {
+    color.rgb = any || shown.x >= 0 ? flow_color(strongest_warp) : vec3(0.0);
+  } else if (wanted == kWarped) {
+    color.rgb = shown.x >= 0 && used[shown.x] >= kFaint * total ? colors[shown.x] : vec3(0.0);
+  } else if (wanted == kPositionWeights || wanted == kColorWeights) {
+    float all = 0.0;
+    color.rgb = vec3(0.0);
+    for (int i = 0; i < n; ++i) {
+      float share = wanted == kColorWeights ? used[i] : place[i] < kFaint ? 0.0 : place[i];
+      color.rgb += share * camera_color(listed(i));
+      all += share;
+    }
+    color.rgb /= max(all, 1e-12);
+  } else if (wanted == kField || wanted == kConfidence) {
+    color.rgb = shown.x < 0 || shown.y < 0 ? vec3(0.0)
+                : wanted == kField         ? flow_color(field_at(at, shown.x, shown.y))
+                                           : vec3(confidence_at(at, shown.x, shown.y));
+  } else if (wanted == kMeasured) {
+    for (int i = 0; i < n; ++i) visible[i] = i < 4 ? w0[i] : w1[i - 4];
+    color.rgb = measured(at, here, visible);
   }
 }

@@ -20,6 +20,11 @@ float footprint(int index, vec2 window_pixel, vec3 normal, float z) {
   return det * det / max(larger, 1e-12);
 }
 
+// How wide a photograph's pixels are in the view, px: the longer axis of their projections (Eq. 9.4-9.6).
+float pixel_spacing(int slot, vec2 window_pixel, vec4 surface) {
+  return inversesqrt(max(footprint(listed(slot), window_pixel, surface.xyz, surface.w), 1e-12));
+}
+
 // The footprint in a listed photograph, 0 where no pixel of this view needs its smaller levels.
 float footprint_if_deep(int slot, vec2 window_pixel, vec4 surface) {
   if (view.camera_fade[slot].z == 0.0) return 0.0;

@@ -4,6 +4,12 @@
 const float kGrazing = 0.1;  // a camera that looks along the surface has no parallax beyond this cosine's
 const float kSteady = 0.02;  // of the trace: keeps weights finite where cameras stand on one line
 
+// u_j of the camera in a slot, in units of the view's picture plane at z = 1; `at`, n in the view's coordinates.
+vec2 parallax(int slot, vec3 ray, vec3 at, vec3 n, mat3 view_from_world) {
+  vec3 center = view_from_world * (cameras[listed(slot)].center.xyz - view.view_center.xyz), d = at - center;
+  return (center.xy - ray.xy * center.z) / min(dot(n, d), -kGrazing * length(d));
+}
+
 void cancel_parallax(vec2 pixel, vec4 surface, inout float share[kMaxListed]) {
   mat3 view_from_world = transpose(mat3(view.world_from_view));
   vec3 ray = view_ray(pixel), at = ray * surface.w, n = view_from_world * surface.xyz;
@@ -11,8 +17,7 @@ void cancel_parallax(vec2 pixel, vec4 surface, inout float share[kMaxListed]) {
   float xx = 0.0, xy = 0.0, yy = 0.0;
   int count = view.counts.y;
   for (int j = 0; j < count; ++j) {
-    vec3 center = view_from_world * (cameras[listed(j)].center.xyz - view.view_center.xyz), d = at - center;
-    u[j] = (center.xy - ray.xy * center.z) / min(dot(n, d), -kGrazing * length(d));
+    u[j] = parallax(j, ray, at, n, view_from_world);
     sum += share[j] * u[j];
     xx += share[j] * u[j].x * u[j].x;
     xy += share[j] * u[j].x * u[j].y;

@@ -90,8 +90,7 @@ void main() {
   vec3 mean = sum / max(total, 1e-12);
   color = vec4(mean, 1.0);
   if (view.counts.w == kFlow) {
-    float direction = atan(strongest_warp.y, strongest_warp.x) / 6.2831853;
-    color.rgb = mix(vec3(1.0), hue(direction), min(length(strongest_warp) / 8.0, 1.0));
+    color.rgb = flow_color(strongest_warp);
   } else if (view.counts.w == kGhosting) {
     float apart = 0.0;
     for (int i = 0; i < view.counts.x; ++i)

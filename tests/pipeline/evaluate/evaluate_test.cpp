@@ -68,6 +68,26 @@ TEST_F(Evaluate, FillsInEveryScore) {
   EXPECT_GT(view.scores.at("linear").ghosting, 1);
 }
 
+TEST_F(Evaluate, SaysOfHowManyPixelsBlendingMakesGhosts) {
+  options_.classes = true;
+  options_.methods = {"nearest", "linear", "floating"};
+  options_.renderer.uncertainty = 0.2;
+  const auto all = views();
+  ASSERT_THAT(all, IsOk());
+  const std::map<std::string, Scores>& scores = all->front().scores;
+  EXPECT_EQ(scores.at("nearest").predicted_ghost, 0) << "one photograph has no ghosts";
+  EXPECT_GT(scores.at("linear").predicted_ghost, 0.5) << "a fifth of the box is far";
+  EXPECT_LE(scores.at("linear").predicted_ghost + scores.at("linear").predicted_blurred, 1);
+  EXPECT_TRUE(std::isnan(scores.at("linear").measured_ghost)) << "it has no flow";
+  EXPECT_GE(scores.at("floating").measured_ghost, 0);
+  options_.renderer.uncertainty = 0;
+  const auto right = views();
+  ASSERT_THAT(right, IsOk());
+  EXPECT_EQ(right->front().scores.at("linear").predicted_ghost, 0) << "the proxy is said to be right";
+  EXPECT_EQ(right->front().scores.at("floating").measured_ghost, scores.at("floating").measured_ghost)
+      << "what is measured does not ask";
+}
+
 TEST_F(Evaluate, SaysHowMuchErrorsChangeFromFrameToFrame) {
   options_.frames = {0, 1, 2};
   const auto all = views();
