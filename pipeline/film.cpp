@@ -6,6 +6,7 @@
 #include <cstring>
 #include <future>
 
+#include "core/log.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
 #include "pipeline/label.h"
@@ -250,6 +251,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   SceneStream scenes(take, options, frames, views);
   render::Scene drawn;
   FilmReport report;
+  std::size_t without_camera = 0;
   ProgressPart progress(options.progress, "pictures", frames.size());
   for (std::size_t p = 0; p < frames.size(); ++p) {
     if (is_cancelled(options.progress)) return cancelled();
@@ -268,6 +270,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
       const View& view = views[p][i / options.methods.size()];
       Result<render::RenderedView> rendered = renderers[i]->render(drawn, view, options.renderer);
       if (!rendered) return in_frame(rendered.error());
+      without_camera += i == 0 && render::lacks_shown_camera(*rendered, options.renderer);
       picture.renders.push_back(render::download(*rendered));
     }
     report.render_seconds += since(drawing);
@@ -275,6 +278,10 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     ++report.pictures;
     progress.advance();
   }
+  if (without_camera > 0)
+    log::warning(text(without_camera, " of ", report.pictures,
+                      " pictures show nothing: their views are not drawn from a camera that was to be shown; "
+                      "--blend takes more in"));
   report.seconds = since(begin);
   return report;
 }

@@ -1,5 +1,7 @@
 #include "render/inspection.h"
 
+#include <algorithm>
+
 #include "core/text.h"
 #include "render/scene_impl.h"
 
@@ -38,6 +40,23 @@ Result<void> check_output(std::string_view renderer, RenderOutput output) {
   return fail(ErrorCode::InvalidArgument, text("the renderer '", renderer, "' has no '",
                                                render_output_names()[static_cast<std::size_t>(output)],
                                                "' to show, only ", others, "; 'floating' has all"));
+}
+
+bool lacks_shown_camera(const RenderedView& view, const RendererOptions& options) {
+  const auto lacks = [&](int camera) {
+    return camera >= 0 && std::find(view.cameras.begin(), view.cameras.end(), camera) == view.cameras.end();
+  };
+  switch (options.output) {
+    case RenderOutput::Field:
+    case RenderOutput::Confidence:
+      return lacks(options.shown_camera) || lacks(options.towards_camera);
+    case RenderOutput::Flow:
+    case RenderOutput::Projected:
+    case RenderOutput::Warped:
+      return lacks(options.shown_camera);
+    default:
+      return false;
+  }
 }
 
 ShownSlots shown_slots(const Scene& scene, const CameraChoice& choice, const RendererOptions& options) {

@@ -28,7 +28,7 @@ enum class BlendClass { Sharp, Blurred, Ghost };
 
 /// A photograph whose pixels are up to this much wider than the view's blurs nothing: as wide as a footprint
 /// that reads a level alone (kSharpArea) is narrow.
-inline constexpr float kSharpSpacing = 1.2247449F;
+inline constexpr float kSharpSpacing = 1.2247449F;  // the root of it
 
 /// Of two photographs that show it `apart` px from one another and whose pixels are `spacing` px of the view
 /// wide (half of the support w of Eq. 9.8); no filter makes a pixel narrower than the view's own.

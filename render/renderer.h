@@ -123,6 +123,10 @@ std::vector<RendererInfo> renderers();
 /// Whether a renderer has an output to show: with "floating" all, others none of what only flow knows.
 bool can_show(std::string_view renderer, RenderOutput output);
 
+/// Whether a picture is black, or has nothing to show, because its view is not drawn from a camera that
+/// `options` name.
+bool lacks_shown_camera(const RenderedView& view, const RendererOptions& options);
+
 /// The photographs that a view of this scene is drawn from, strongest first: `count` indices into
 /// rig.cameras. What a viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count);

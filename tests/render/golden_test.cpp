@@ -37,6 +37,19 @@ const Golden kGoldens[] = {
     {"floating_weights", "floating", RenderOutput::Weights, 0.4837, {139.5, 165.4, 111.2}},
     {"floating_soft_visibility", "floating", RenderOutput::SoftVisibility, 0.4837, {101.9, 89.1, 95.1}},
     {"linear_ghosting", "linear", RenderOutput::Ghosting, 0.4837, {142.8, 64.7, 24.7}},
+    {"linear_visibility", "linear", RenderOutput::Visibility, 0.4837, {0, 0, 0}},
+    {"linear_depth", "linear", RenderOutput::Depth, 0.4837, {0, 0, 0}},
+    {"linear_opacity", "linear", RenderOutput::Opacity, 0.4837, {0, 0, 0}},
+    {"linear_projected", "linear", RenderOutput::Projected, 0.4837, {0, 0, 0}},
+    {"linear_aliasing", "linear", RenderOutput::Aliasing, 0.4837, {0, 0, 0}},
+    {"linear_predicted", "linear", RenderOutput::Predicted, 0.4837, {0, 0, 0}},
+    {"floating_flow", "floating", RenderOutput::Flow, 0.4837, {0, 0, 0}},
+    {"floating_warped", "floating", RenderOutput::Warped, 0.4837, {0, 0, 0}},
+    {"floating_position_weights", "floating", RenderOutput::PositionWeights, 0.4837, {0, 0, 0}},
+    {"floating_color_weights", "floating", RenderOutput::ColorWeights, 0.4837, {0, 0, 0}},
+    {"floating_field", "floating", RenderOutput::Field, 0.4837, {0, 0, 0}},
+    {"floating_confidence", "floating", RenderOutput::Confidence, 0.4837, {0, 0, 0}},
+    {"floating_measured", "floating", RenderOutput::Measured, 0.4837, {0, 0, 0}},
 };
 
 std::filesystem::path golden_file(const Golden& golden) {

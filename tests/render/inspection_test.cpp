@@ -145,6 +145,22 @@ TEST(ShownCameras, ThatTheViewIsNotDrawnFromLeaveItBlack) {
   }
 }
 
+TEST(ShownCameras, ThatAreLackingAreSaid) {
+  RenderedView view;
+  for (const int camera : {3, 5}) view.cameras.push_back(camera);
+  RendererOptions options;
+  options.shown_camera = 5;
+  options.towards_camera = 4;
+  options.output = RenderOutput::Projected;
+  EXPECT_FALSE(lacks_shown_camera(view, options));
+  options.output = RenderOutput::Field;
+  EXPECT_TRUE(lacks_shown_camera(view, options)) << "the other one";
+  options.shown_camera = 4;
+  EXPECT_TRUE(lacks_shown_camera(view, options));
+  options.output = RenderOutput::Color;
+  EXPECT_FALSE(lacks_shown_camera(view, options)) << "it is about none";
+}
+
 TEST(Field, LeadsFromOneImageToTheOtherAndBack) {
   // The proxy is too large: the projected images are apart, each way the other's opposite.
   const Stage stage = photographed(arc(2, 20), ball(kRadius, 64), ball(1.08F * kRadius, 64));

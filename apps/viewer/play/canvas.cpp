@@ -183,6 +183,10 @@ void Canvas::list_pictures(const PlayerState& state, float x0, float y0, float x
   ImDrawList* list = ImGui::GetWindowDrawList();
   const float middle = state.split ? state.split_at : 1.f, x = x0 + (x1 - x0) * middle;
   if (left_.texture != 0) list->AddImage(texture_id(left_.texture), {x0, y0}, {x, y1}, {0, 0}, {middle, 1});
+  if (made_ && render::lacks_shown_camera(left_.view, made_->renderer))
+    list->AddText(
+        {x0 + 10, y1 - 24}, IM_COL32(255, 190, 60, 255),
+        "this view is not drawn from the shown camera: nearer to it, or with more photographs, it is");
   if (!state.split || right_.texture == 0) return;
   list->AddImage(texture_id(right_.texture), {x, y0}, {x1, y1}, {middle, 0}, {1, 1});
   list->AddLine({x, y0}, {x, y1}, IM_COL32(255, 190, 60, 255), 1.5f);
