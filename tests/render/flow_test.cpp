@@ -95,7 +95,7 @@ TEST(PictureFill, KeepsWhatIsKnownAndContinuesItSmoothly) {
   std::vector<std::uint8_t> known(kWidth * kHeight, 0);
   for (int y = 0; y < kHeight; ++y)
     for (int x : {0, 1, 31, 32}) {
-      known[static_cast<std::size_t>(y * kWidth + x)] = 1;
+      known[static_cast<std::size_t>(y * kWidth + x)] = 255;
       values[static_cast<std::size_t>(y * kWidth + x)] = x < 5 ? 10 : 20;
     }
   PictureFill().run(kWidth, kHeight, 1, known.data(), values.data());
