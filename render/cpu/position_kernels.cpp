@@ -21,7 +21,6 @@ constexpr int kBlock = 16;  // lists are padded to it
 constexpr float kGrazing =
     0.1F;  // a camera that looks along the surface has no parallax beyond this cosine's
 constexpr float kSteady = 0.02F;  // of the trace: keeps weights finite where cameras stand on one line
-constexpr int kRounds = 4;        // after which it is settled which cameras count
 
 struct Block {
   float v[kBlock];
@@ -55,59 +54,44 @@ HWY_INLINE void turn_normals(const ViewRays& rays, const Normals& n, int begin, 
   }
 }
 
-// What the weights follow from, v_j = w_j max(0, scale - q u_j), for the cameras that counted so far.
-struct Solution {
-  Block scale, qx, qy;
-};
-
-HWY_INLINE void solve(const PositionRow& row, int begin, const Block* ux, const Block* uy, bool first,
-                      Block& steady, Solution& s) {
-  Block total{}, sx{}, sy{}, xx{}, xy{}, yy{};
-  for (std::size_t j = 0; j < static_cast<std::size_t>(row.cameras); ++j) {
-    const float* share = row.share[j] + begin;
-    for (int k = 0; k < kBlock; ++k) {
-      const float x = ux[j].v[k], y = uy[j].v[k];
-      const bool counts = first || s.scale.v[k] - s.qx.v[k] * x - s.qy.v[k] * y > 0;
-      const float w = counts ? share[k] : 0;
-      total.v[k] += w;
-      sx.v[k] += w * x;
-      sy.v[k] += w * y;
-      xx.v[k] += w * x * x;
-      xy.v[k] += w * x * y;
-      yy.v[k] += w * y * y;
-    }
-  }
-  for (int k = 0; k < kBlock; ++k) {
-    if (first) steady.v[k] = kSteady * (xx.v[k] + yy.v[k]);
-    const float a = xx.v[k] + steady.v[k], b = yy.v[k] + steady.v[k];
-    const float determinant = a * b - xy.v[k] * xy.v[k], per = determinant > 0 ? 1 / determinant : 0;
-    const float qx = per * (b * sx.v[k] - xy.v[k] * sy.v[k]), qy = per * (a * sy.v[k] - xy.v[k] * sx.v[k]);
-    const float left = total.v[k] - qx * sx.v[k] - qy * sy.v[k];
-    s.scale.v[k] = left > 0 ? 1 / left : 1;
-    s.qx.v[k] = s.scale.v[k] * qx;
-    s.qy.v[k] = s.scale.v[k] * qy;
-  }
-}
-
 void PositionWeights(const ViewRays& rays, const CentersInView& centers, const PositionRow& row) {
   const auto cameras = static_cast<std::size_t>(row.cameras);
   Block nx, ny, nz, ux[kMostListed], uy[kMostListed];
   for (int begin = 0; begin < row.count; begin += kBlock) {
     turn_normals(rays, row.normals, begin, nx, ny, nz);
-    for (std::size_t j = 0; j < cameras; ++j)
+    Block sx{}, sy{}, xx{}, xy{}, yy{};
+    for (std::size_t j = 0; j < cameras; ++j) {
       parallax(rays, centers[j], row, begin, nx, ny, nz, ux[j], uy[j]);
-    Block steady, total{};
-    Solution s;
-    for (int round = 0; round < kRounds; ++round) solve(row, begin, ux, uy, round == 0, steady, s);
+      const float* w = row.share[j] + begin;
+      for (int k = 0; k < kBlock; ++k) {
+        const float wx = w[k] * ux[j].v[k], wy = w[k] * uy[j].v[k];
+        sx.v[k] += wx;
+        sy.v[k] += wy;
+        xx.v[k] += wx * ux[j].v[k];
+        xy.v[k] += wx * uy[j].v[k];
+        yy.v[k] += wy * uy[j].v[k];
+      }
+    }
+    Block qx, qy, total{};
+    for (int k = 0; k < kBlock; ++k) {
+      const float steady = kSteady * (xx.v[k] + yy.v[k]), a = xx.v[k] + steady, b = yy.v[k] + steady;
+      const float determinant = a * b - xy.v[k] * xy.v[k];
+      const float scale = determinant > 0 ? 1 / determinant : 0;
+      qx.v[k] = scale * (b * sx.v[k] - xy.v[k] * sy.v[k]);
+      qy.v[k] = scale * (a * sy.v[k] - xy.v[k] * sx.v[k]);
+    }
+    // None is negative; the others share what is left.
     for (std::size_t j = 0; j < cameras; ++j) {
       float* w = row.share[j] + begin;
       for (int k = 0; k < kBlock; ++k) {
-        w[k] *= std::max(0.F, s.scale.v[k] - s.qx.v[k] * ux[j].v[k] - s.qy.v[k] * uy[j].v[k]);
+        w[k] *= std::max(0.F, 1 - qx.v[k] * ux[j].v[k] - qy.v[k] * uy[j].v[k]);
         total.v[k] += w[k];
       }
     }
-    for (std::size_t j = 0; j < cameras; ++j)
-      for (int k = 0; k < kBlock; ++k) row.share[j][begin + k] /= total.v[k];
+    for (std::size_t j = 0; j < cameras; ++j) {
+      float* w = row.share[j] + begin;
+      for (int k = 0; k < kBlock; ++k) w[k] /= total.v[k];
+    }
   }
 }
 
