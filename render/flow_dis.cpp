@@ -41,7 +41,10 @@ class DisPicture {
   void continue_beyond_content(const FlowImage& image) {
     const std::size_t size = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     values_.assign(image.gray, image.gray + size);
-    fill_.run(image.width, image.height, 1, image.state, values_.data());
+    known_.resize(size);
+    std::transform(image.state, image.state + size, known_.begin(),
+                   [](std::uint8_t state) { return state != 0 ? std::uint8_t{255} : std::uint8_t{0}; });
+    fill_.run(image.width, image.height, 1, known_.data(), values_.data());
     std::uint8_t* gray = picture_.ptr<std::uint8_t>();
     for (std::size_t i = 0; i < size; ++i)
       if (image.state[i] == 0)
@@ -50,6 +53,7 @@ class DisPicture {
 
   cv::Mat picture_;
   PictureFill fill_;
+  std::vector<std::uint8_t> known_;
   std::vector<float> values_;
 };
 

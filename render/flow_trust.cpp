@@ -6,11 +6,15 @@
 namespace floatstage::render {
 namespace {
 
-constexpr float kLargestRoundTrip = 0.7F;  // px by which the way there and back may miss
-constexpr float kLargestResidual =
-    10;                           // 8-bit steps, mean over a neighbourhood: beyond it nothing was matched
-constexpr int kNeighborhood = 2;  // px to each side
+constexpr float kUsualRoundTrip = 0.7F;  // px by which the way there and back misses: believed half
+constexpr float kUsualResidual = 10;     // 8-bit steps, mean over a neighbourhood: the same
+constexpr int kNeighborhood = 2;         // px to each side
 constexpr int kAcross = 2 * kNeighborhood + 1;
+
+/// What is left of confidence: all without a fault, half where it is usual, nothing from twice that on.
+float share(float fault, float usual) {
+  return fault < 2 * usual ? 1 - fault / (2 * usual) : fault > 0 ? 0.F : 1.F;
+}
 
 float bilinear(const std::uint8_t* gray, int width, int height, float x, float y) {
   x = std::min(std::max(0.F, x), static_cast<float>(width - 1));
@@ -79,7 +83,7 @@ void FlowTrust::judge(const ProjectedImages& images, std::size_t from, std::size
     before[k] = row(before_, y - kNeighborhood + k);
     after[k] = row(after_, y - kNeighborhood + k);
   }
-  constexpr float kMost = kLargestResidual * kAcross * kAcross;
+  constexpr float kMost = kUsualResidual * kAcross * kAcross;
   for (int x = span.begin; x < span.end; ++x) {
     if (start[x] != ProjectedImages::kOwn || end[line + static_cast<std::size_t>(x)] != ProjectedImages::kOwn)
       continue;
@@ -88,7 +92,8 @@ void FlowTrust::judge(const ProjectedImages& images, std::size_t from, std::size
       still += before[k][x];
       moved += after[k][x];
     }
-    if (moved > std::min(kMost, still)) continue;
+    float confidence = share(moved, kMost) * share(moved, still);
+    if (confidence <= 0) continue;
     const std::size_t i = line + static_cast<std::size_t>(x);
     const float u = there.uv[2 * i], v = there.uv[2 * i + 1];
     const float tx = static_cast<float>(x) + u + 0.5F, ty = static_cast<float>(y) + v + 0.5F;
@@ -99,9 +104,9 @@ void FlowTrust::judge(const ProjectedImages& images, std::size_t from, std::size
     if (end[t] != ProjectedImages::kOwn) continue;
     if (back != nullptr) {
       const float home_u = u + back->uv[2 * t], home_v = v + back->uv[2 * t + 1];
-      if (!(home_u * home_u + home_v * home_v <= kLargestRoundTrip * kLargestRoundTrip)) continue;
+      confidence *= share(std::sqrt(home_u * home_u + home_v * home_v), kUsualRoundTrip);
     }
-    believed_[i] = 1;
+    believed_[i] = static_cast<std::uint8_t>(255 * confidence + 0.5F);
   }
 }
 

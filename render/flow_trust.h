@@ -12,9 +12,10 @@ namespace floatstage::render {
 /// Is a flow to be believed? Keeps its memory: use one for many pairs; one thread at a time.
 class FlowTrust {
  public:
-  /// Per pixel of image `from`, 1 or 0: is the flow `there` to image `to` to be believed? Both images must
-  /// have their own colour at both ends, `back` (may be null) must lead home, and the flow must make the
-  /// images agree: well, and better than no flow at all. Valid until the next call.
+  /// Per pixel of image `from`, 0 … 255: how far is the flow `there` to image `to` to be believed? Not at all
+  /// unless both images have their own colour at both ends; else the less, the farther from home `back` (may
+  /// be null) leads and the more the images differ along the flow, as such and against no flow at all: steady
+  /// as these change, so that what is followed does not come and go at once. Valid until the next call.
   const std::vector<std::uint8_t>& run(const ProjectedImages& images, std::size_t from, std::size_t to,
                                        const FlowField& there, const FlowField* back);
 

@@ -70,7 +70,7 @@ void PictureFill::run(int width, int height, int channels, const std::uint8_t* k
   for (int y = 0; y < height; ++y) {
     const std::uint8_t* row = known + static_cast<std::size_t>(y) * length;
     std::transform(row, row + length, base.row(base.weight, y),
-                   [](std::uint8_t is) { return is != 0 ? 1.F : 0.F; });
+                   [](std::uint8_t is) { return static_cast<float>(is) / 255; });
   }
   for (std::size_t c = 0; c < step; ++c) {
     for (int y = 0; y < height; ++y) {

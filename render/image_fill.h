@@ -11,8 +11,9 @@ namespace floatstage::render {
 /// many pictures; one thread at a time.
 class PictureFill {
  public:
-  /// `values`: `channels` interleaved floats a pixel. `known`: one entry a pixel, not 0 meaning known. Known
-  /// pixels stay as they are; with none known everything becomes 0.
+  /// `values`: `channels` interleaved floats a pixel. `known`: one entry a pixel, how far it is: those of 255
+  /// stay as they are, those of 0 become their surroundings, others lie between. With none known everything
+  /// becomes 0.
   void run(int width, int height, int channels, const std::uint8_t* known, float* values);
 
  private:
@@ -20,7 +21,7 @@ class PictureFill {
   struct Level {
     int width = 0, height = 0;
     std::size_t stride = 0;
-    std::vector<float> value, weight;  // weight 1: known, 0: unknown
+    std::vector<float> value, weight;  // weight: how far it is known, 0 … 1
     void reset(int w, int h);
     float* row(std::vector<float>& plane, int y) const {
       return plane.data() + static_cast<std::size_t>(y) * stride;

@@ -12,7 +12,6 @@
 #include "core/random.h"
 #include "core/statistics.h"
 #include "core/text.h"
-#include "pipeline/bicubic.h"
 #include "pipeline/evaluate/held_out_scene.h"
 #include "pipeline/subject.h"
 
@@ -23,6 +22,12 @@ constexpr int kPoints = 20000;
 constexpr double kTail = 0.999;
 constexpr double kFacing = 0.2;    // cosine: what is seen at a grazing angle is a mixture of neighbours
 constexpr double kNearer = 0.002;  // share of its depth by which a point may lie behind what is drawn there
+// Colours are read through a Gaussian: at the highest frequency that a picture has, 0.5 a pixel, it lets 0.7
+// % pass. What is read between pixels would otherwise change with where between them a point happens to lie.
+constexpr double kSigma = 1;      // px
+constexpr int kReach = 3;         // px
+constexpr double kJump = 0.0125;  // share of the proxy's diagonal: the renderers' surfaces end there, too
+constexpr int kWayPieces = 16;    // that a picture's way is measured in
 
 struct SurfacePoint {
   Eigen::Vector3d place, normal;
@@ -89,26 +94,67 @@ std::vector<double> depth_of(const Mesh& mesh, const View& view) {
   return depth;
 }
 
-// Where a point is seen in a view; absent where something is before it, or the mesh ends beside it.
-std::optional<Eigen::Vector2d> seen_at(const SurfacePoint& point, const View& view,
-                                       const std::vector<double>& depth, bool closed) {
+// Pixels that kReach reaches from to where the mesh ends or jumps to another depth: they show two surfaces.
+std::vector<bool> beside_edges(const std::vector<double>& depth, int width, int height, double jump) {
+  const auto at = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  };
+  std::vector<bool> edge(depth.size(), false), beside(depth.size(), false);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double d = depth[at(x, y)];
+      const bool right = x + 1 < width && !(std::abs(d - depth[at(x + 1, y)]) < jump),
+                 below = y + 1 < height && !(std::abs(d - depth[at(x, y + 1)]) < jump);
+      edge[at(x, y)] = right || below || x == 0 || y == 0 || x + 1 == width || y + 1 == height;
+    }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (!edge[at(x, y)]) continue;
+      for (int v = std::max(0, y - kReach); v <= std::min(height - 1, y + kReach); ++v)
+        for (int u = std::max(0, x - kReach); u <= std::min(width - 1, x + kReach); ++u)
+          beside[at(u, v)] = true;
+    }
+  return beside;
+}
+
+// What the proxy looks like in a view.
+struct Seen {
+  std::vector<double> depth;
+  std::vector<bool> beside_edge;
+};
+
+// Where a point is seen in a view; absent where something is before it, or an edge beside it.
+std::optional<Eigen::Vector2d> seen_at(const SurfacePoint& point, const View& view, const Seen& seen,
+                                       bool closed) {
   const CameraModel& m = view.model;
   const Eigen::Vector3d in = view.view_from_world * point.place;
   const std::optional<Eigen::Vector2d> p = project(m, in);
   if (!p) return std::nullopt;
   const double facing = point.normal.dot((view.view_from_world.center() - point.place).normalized());
   if ((closed ? facing : std::abs(facing)) < kFacing) return std::nullopt;
-  const int x = static_cast<int>(std::floor(p->x() - 0.5)), y = static_cast<int>(std::floor(p->y() - 0.5));
-  if (x < 1 || y < 1 || x + 2 >= m.width || y + 2 >= m.height) return std::nullopt;
-  // The spline reads sixteen pixels: none of them may show what lies beyond the surface's end.
-  for (int k = 0; k < 16; ++k)
-    if (!std::isfinite(depth[static_cast<std::size_t>(y - 1 + k / 4) * static_cast<std::size_t>(m.width) +
-                             static_cast<std::size_t>(x - 1 + k % 4)]))
-      return std::nullopt;
-  const double here = depth[static_cast<std::size_t>(std::floor(p->y())) * static_cast<std::size_t>(m.width) +
-                            static_cast<std::size_t>(std::floor(p->x()))];
-  if (here < in.z() * (1 - kNearer)) return std::nullopt;
+  const int x = static_cast<int>(std::floor(p->x())), y = static_cast<int>(std::floor(p->y()));
+  if (x < 0 || y < 0 || x >= m.width || y >= m.height) return std::nullopt;
+  const auto here =
+      static_cast<std::size_t>(y) * static_cast<std::size_t>(m.width) + static_cast<std::size_t>(x);
+  if (seen.beside_edge[here] || seen.depth[here] < in.z() * (1 - kNearer)) return std::nullopt;
   return p;
+}
+
+// The colour about a point of a picture that has kReach pixels around it.
+std::array<float, 3> read_smoothly(const Image& picture, const Eigen::Vector2d& p) {
+  const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
+  const auto weight = [](double d) { return std::exp(-d * d / (2 * kSigma * kSigma)); };
+  std::array<double, 3> sum{};
+  double total = 0;
+  for (int v = y - kReach; v <= y + kReach; ++v)
+    for (int u = x - kReach; u <= x + kReach; ++u) {
+      const double w = weight(u + 0.5 - p.x()) * weight(v + 0.5 - p.y());
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += w * picture.at(u, v)[c];
+      total += w;
+    }
+  std::array<float, 3> mean{};
+  for (std::size_t c = 0; c < 3; ++c) mean[c] = static_cast<float>(sum[c] / total);
+  return mean;
 }
 
 constexpr float kUnseen = -1e6F;
@@ -127,9 +173,7 @@ void note(const Image& rgba, const std::vector<std::optional<Eigen::Vector2d>>& 
   std::vector<float> first;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!places[i]) continue;
-    for (int c = 0; c < 3; ++c)
-      now[i][static_cast<std::size_t>(c)] =
-          static_cast<float>(read_bicubic(rgba, places[i]->x(), places[i]->y(), c));
+    now[i] = read_smoothly(rgba, *places[i]);
     if (course.last.empty() || course.last[i][0] == kUnseen) continue;
     const bool three = !course.before.empty() && course.before[i][0] != kUnseen;
     float change = 0, bend = 0;
@@ -181,6 +225,39 @@ Result<SubjectTrack> where_it_stands(const capture::TakeReader& take, const Came
   return SubjectTrack{{subject->track.centres[static_cast<std::size_t>(frame)]}, 0};
 }
 
+// Times of a path's pictures between which the box's corners turn by even angles, as the camera sees them: a
+// walk that slows down and rests would else be steady now and then. A path on which nothing turns: even
+// times.
+std::vector<double> even_times(const PathPictures& along, const SubjectTrack& standing,
+                               const CameraModel& size, const Eigen::AlignedBox3d& box) {
+  const int pieces = kWayPieces * (along.count - 1);
+  const double duration = along.path.duration();
+  std::array<Eigen::Vector3d, 8> before;
+  std::vector<double> way(1, 0.0);
+  for (int i = 0; i <= pieces; ++i) {
+    const PathKey key = sample(along.path, duration * i / pieces, standing);
+    const View view = view_of(key, size.width, size.height, box);
+    double turned = 0;
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector3d to =
+          (view.view_from_world * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k))).normalized();
+      if (i > 0) turned += (to - before[static_cast<std::size_t>(k)]).norm();
+      before[static_cast<std::size_t>(k)] = to;
+    }
+    if (i > 0) way.push_back(way.back() + turned);
+  }
+  std::vector<double> times;
+  for (int picture = 0; picture < along.count; ++picture) {
+    const double share = static_cast<double>(picture) / (along.count - 1), wanted = share * way.back();
+    const auto next = std::lower_bound(way.begin() + 1, way.end() - 1, wanted);
+    const double step = *next - *(next - 1), piece = static_cast<double>(next - way.begin() - 1);
+    times.push_back(duration * (way.back() > 0
+                                    ? (piece + (step > 0 ? (wanted - *(next - 1)) / step : 0)) / pieces
+                                    : share));
+  }
+  return times;
+}
+
 }  // namespace
 
 Result<std::map<std::string, TemporalScores>> evaluate_path(capture::TakeReader& take,
@@ -218,14 +295,17 @@ Result<std::map<std::string, TemporalScores>> evaluate_path(capture::TakeReader&
   std::vector<Course> courses(renderers.size());
   const Result<SubjectTrack> standing = where_it_stands(take, along.path, options.frames.front());
   if (!standing) return forward(standing);
+  const std::vector<double> times = even_times(along, *standing, size, box);
   ProgressPart progress(options.progress, "pictures", static_cast<std::size_t>(along.count));
   for (int picture = 0; picture < along.count; ++picture) {
     if (is_cancelled(options.progress)) return cancelled();
-    const PathKey key = sample(along.path, along.path.duration() * picture / (along.count - 1), *standing);
+    const PathKey key = sample(along.path, times[static_cast<std::size_t>(picture)], *standing);
     const View view = view_of(key, size.width / options.scale, size.height / options.scale, box);
-    const std::vector<double> depth = depth_of(*proxy, view);
+    Seen seen{depth_of(*proxy, view), {}};
+    seen.beside_edge =
+        beside_edges(seen.depth, view.model.width, view.model.height, kJump * box.diagonal().norm());
     std::vector<std::optional<Eigen::Vector2d>> places;
-    for (const SurfacePoint& point : points) places.push_back(seen_at(point, view, depth, closed));
+    for (const SurfacePoint& point : points) places.push_back(seen_at(point, view, seen, closed));
     for (std::size_t m = 0; m < renderers.size(); ++m) {
       const Result<render::RenderedView> rendered = renderers[m]->render(scene, view, options.renderer);
       if (!rendered) return forward(rendered);

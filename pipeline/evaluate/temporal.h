@@ -22,7 +22,7 @@ struct TemporalScores {
 
 struct PathPictures {
   CameraPath path;
-  int count = 200;  ///< pictures, evenly over the path
+  int count = 200;  ///< pictures, evenly over the way that the camera makes along the path
 };
 
 /// Walks around the first of options.frames and follows points of its proxy (options.proxy, nobody left out;

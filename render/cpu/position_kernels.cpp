@@ -70,28 +70,25 @@ void PositionWeights(const ViewRays& rays, const CentersInView& centers, const P
         yy.v[k] += wy * uy[j].v[k];
       }
     }
-    Block qx, qy, lambda, step;
+    Block qx, qy, total{};
     for (int k = 0; k < kBlock; ++k) {
       const float steady = kSteady * (xx.v[k] + yy.v[k]), a = xx.v[k] + steady, b = yy.v[k] + steady;
       const float determinant = a * b - xy.v[k] * xy.v[k];
       const float scale = determinant > 0 ? 1 / determinant : 0;
       qx.v[k] = scale * (b * sx.v[k] - xy.v[k] * sy.v[k]);
       qy.v[k] = scale * (a * sy.v[k] - xy.v[k] * sx.v[k]);
-      lambda.v[k] = 1 / (1 - qx.v[k] * sx.v[k] - qy.v[k] * sy.v[k]);
-      step.v[k] = 1;
     }
-    // From the angular weights towards these, as far as none is negative.
+    // None is negative; the others share what is left.
     for (std::size_t j = 0; j < cameras; ++j) {
-      const float* w = row.share[j] + begin;
+      float* w = row.share[j] + begin;
       for (int k = 0; k < kBlock; ++k) {
-        const float v = lambda.v[k] * w[k] * (1 - qx.v[k] * ux[j].v[k] - qy.v[k] * uy[j].v[k]);
-        ux[j].v[k] = v;
-        step.v[k] = std::min(step.v[k], v < 0 ? w[k] / (w[k] - v) : 1.F);
+        w[k] *= std::max(0.F, 1 - qx.v[k] * ux[j].v[k] - qy.v[k] * uy[j].v[k]);
+        total.v[k] += w[k];
       }
     }
     for (std::size_t j = 0; j < cameras; ++j) {
       float* w = row.share[j] + begin;
-      for (int k = 0; k < kBlock; ++k) w[k] += step.v[k] * (ux[j].v[k] - w[k]);
+      for (int k = 0; k < kBlock; ++k) w[k] /= total.v[k];
     }
   }
 }

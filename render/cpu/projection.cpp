@@ -6,6 +6,7 @@
 
 #include "core/check.h"
 #include "render/cpu/footprint_kernels.h"
+#include "render/cpu/row_mean.h"
 #include "render/cpu/weight_kernels.h"
 #include "render/depth_windows.h"
 
@@ -277,7 +278,6 @@ void Projection::weigh_row(int y, const Wanted& wanted, RowMemory& memory) {
   weights.listed = static_cast<int>(choice_.listed.size());
   weights.one_camera = wanted.one_camera;
   weights.visible = visible_.data() + row.list;
-  weights.best = memory.ints(static_cast<std::size_t>(row.count));
   for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
     weights.angular[slot] = angular_[slot].data() + row.list;
     weights.soft[slot] = soft_[slot].data() + row.list;
@@ -287,31 +287,33 @@ void Projection::weigh_row(int y, const Wanted& wanted, RowMemory& memory) {
   }
   blending_weights(weights);
   if (!wanted.images) return;
-  fill_row(y, weights.best, memory);
+  fill_row(y, memory);
   if (!wanted.fill) show_hidden(y, memory);
 }
 
-// Where a chosen camera sees nothing its image takes the colour of the strongest camera that does.
-void Projection::fill_row(int y, const std::int32_t* best, RowMemory& memory) {
+// Where a chosen camera sees nothing its image takes the blend of those that do: which of them is the
+// strongest changes at once as the view moves, how much each counts does not.
+void Projection::fill_row(int y, RowMemory& memory) {
   const Covered::Row& row = covered_.rows[static_cast<std::size_t>(y)];
   const auto count = static_cast<std::size_t>(row.count);
   const int chosen = (1 << choice_.chosen) - 1;
   std::int32_t* wanted = memory.ints(count);
   std::int32_t* inside = memory.ints(count);
   float *u = memory.floats(count), *v = memory.floats(count), *rgba = memory.floats(4 * count);
+  float* share = memory.floats(count);
   const std::uint8_t* visible = visible_.data() + row.list;
   const PixelList points{covered_.x.data() + row.list, nullptr, covered_.inverse_z.data() + row.list,
                          static_cast<float>(y) + 0.5F, row.count};
+  RowMean mean(count, kFaint, memory);
   for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot) {
-    std::int32_t any = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      wanted[i] = best[i] == static_cast<int>(slot) && (visible[i] & chosen) != chosen ? 1 : 0;
-      any |= wanted[i];
-    }
-    if (any == 0) continue;
+    const float* weight = weight_[slot].data() + row.list;
+    for (std::size_t i = 0; i < count; ++i) share[i] = (visible[i] & chosen) != chosen ? weight[i] : 0;
+    if (!mark_weighty(share, kFaint, count, wanted)) continue;
     project_points(camera(slot), rays_, points, u, v, inside);
     read(slot, row, u, v, wanted, rgba, memory);
+    mean.add({share, rgba});
   }
+  const float* fill = mean.finish(false, {});
   std::uint8_t* own = own_.data() + line(y);
   std::fill_n(own, window_.width, std::uint8_t{0});
   for (std::size_t slot = 0; slot < choice_.chosen; ++slot)
@@ -322,12 +324,11 @@ void Projection::fill_row(int y, const std::int32_t* best, RowMemory& memory) {
     const auto length = static_cast<std::size_t>(span.end - span.begin);
     for (std::size_t i = 0; i < length; ++i) {
       const int sees = visible[first + i] & chosen;
-      own[static_cast<std::size_t>(span.begin) + i] =
-          static_cast<std::uint8_t>((sees | 1 << best[first + i]) & chosen);
+      own[static_cast<std::size_t>(span.begin) + i] = static_cast<std::uint8_t>(sees);
       if (sees == chosen) continue;
-      const std::uint32_t fill = packed(rgba + 4 * (first + i));
+      const std::uint32_t color = packed(fill + 4 * (first + i));
       for (std::size_t slot = 0; slot < choice_.chosen; ++slot)
-        if ((sees >> slot & 1) == 0) images_[slot][at + i] = fill;
+        if ((sees >> slot & 1) == 0) images_[slot][at + i] = color;
     }
     for (std::size_t slot = 0; slot < choice_.chosen; ++slot)
       std::copy_n(soft_[slot].data() + span.list, length, soft_planes_[slot].data() + at);

@@ -121,7 +121,7 @@ class Projection {
   void see_row(int y, const Wanted& wanted, RowMemory& memory);
   void weigh_row(int y, const Wanted& wanted, RowMemory& memory);
   void soften_row(int y, RowMemory& memory);
-  void fill_row(int y, const std::int32_t* best, RowMemory& memory);
+  void fill_row(int y, RowMemory& memory);
   void show_hidden(int y, RowMemory& memory);
   std::size_t line(int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);

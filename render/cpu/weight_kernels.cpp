@@ -97,7 +97,6 @@ void BlendingWeights(const WeightRow& row) {
       hn::StoreU(soft, d, row.soft[s] + i);
       hn::StoreU(weight, d, row.weight[s] + i);
     }
-    hn::StoreU(best_slot, di, row.best + i);
     const auto share = hn::Div(one, sum);
     for (std::size_t s = 0; s < listed; ++s) {
       const auto chosen = hn::RebindMask(d, hn::Eq(best_slot, hn::Set(di, static_cast<std::int32_t>(s))));

@@ -33,7 +33,6 @@ struct WeightRow {
   std::array<float*, kMostListed> weight{};
   std::array<float, kMostListed> fade{}, stand_in_fade{};
   const std::uint8_t* visible = nullptr;  ///< a bit a camera
-  std::int32_t* best = nullptr;           ///< out: the camera with the largest weight
 };
 void blending_weights(const WeightRow& row);
 

@@ -95,7 +95,7 @@ TEST(PictureFill, KeepsWhatIsKnownAndContinuesItSmoothly) {
   std::vector<std::uint8_t> known(kWidth * kHeight, 0);
   for (int y = 0; y < kHeight; ++y)
     for (int x : {0, 1, 31, 32}) {
-      known[static_cast<std::size_t>(y * kWidth + x)] = 1;
+      known[static_cast<std::size_t>(y * kWidth + x)] = 255;
       values[static_cast<std::size_t>(y * kWidth + x)] = x < 5 ? 10 : 20;
     }
   PictureFill().run(kWidth, kHeight, 1, known.data(), values.data());
@@ -152,6 +152,31 @@ TEST(FlowTrust, BelievesARightFlowAndNotAWrongOne) {
   EXPECT_TRUE(FlowTrust().run(images, 0, 1, right, &back)[middle]);
   EXPECT_FALSE(FlowTrust().run(images, 0, 1, wrong, nullptr)[middle]) << "it makes the pictures differ more";
   EXPECT_FALSE(FlowTrust().run(images, 0, 1, right, &right)[middle]) << "the way back does not lead home";
+}
+
+TEST(FlowTrust, GoesDownSteadilyAsTheWayBackMissesMore) {
+  const ProjectedImages images = two_images(3);
+  render::FlowField there{160, 120, std::vector<float>(2 * 160 * 120, 0)}, back = there;
+  for (std::size_t i = 0; i < there.uv.size(); i += 2) there.uv[i] = 3;
+  const std::size_t middle = 60 * 160 + 80;
+  int before = 255;
+  for (float miss = 0; miss < 1.6F; miss += 0.02F) {
+    for (std::size_t i = 0; i < back.uv.size(); i += 2) back.uv[i] = miss - 3;
+    const int now = FlowTrust().run(images, 0, 1, there, &back)[middle];
+    ASSERT_LE(now, before) << miss;
+    ASSERT_GE(now, before - 5) << "it goes at once at " << miss;
+    before = now;
+  }
+  EXPECT_EQ(before, 0);
+}
+
+TEST(PictureFill, WhatIsKnownInPartLiesBetweenItselfAndItsSurroundings) {
+  std::vector<float> values(16 * 16, 10);
+  std::vector<std::uint8_t> known(16 * 16, 255);
+  known[8 * 16 + 8] = 51;
+  values[8 * 16 + 8] = 60;
+  PictureFill().run(16, 16, 1, known.data(), values.data());
+  EXPECT_NEAR(values[8 * 16 + 8], 10 + 0.2 * 50, 3) << "a fifth; it is among its own surroundings";
 }
 
 TEST(FlowTrust, BelievesNothingWhereAColorIsBorrowed) {

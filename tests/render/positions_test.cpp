@@ -109,6 +109,17 @@ TEST(PositionWeights, AreNeverNegativeAndChangeSteadily) {
   }
 }
 
+TEST(PositionWeights, OfACameraThatHardlyCountsDecideNothing) {
+  Corner corner;
+  for (float x = -0.9F; x < 0.9F;
+       x += 0.05F) {  // also far beyond the others, where its weight would be negative
+    corner.centers[2].x() = x;
+    const Weights without = corner.weights({0.6F, 0.4F, 0}), with = corner.weights({0.6F, 0.4F, 1e-5F});
+    for (std::size_t j = 0; j < kCameras; ++j)
+      ASSERT_NEAR(with[j], without[j], 1e-3) << "camera " << j << " at " << x;
+  }
+}
+
 TEST(PositionWeights, KnowCamerasAtTheViewAndCamerasThatSeeTheSurfaceFromBehind) {
   Corner corner;
   corner.centers = {Eigen::Vector3f(0, 0, 0), {0, 0, 0}, {0, 0, 0}};

@@ -1,6 +1,7 @@
 // How much each camera's idea of a position counts. Where the proxy is wrong by some depth along the viewing ray, camera
 // j's image of the surface is displaced by its parallax u_j; the weights nearest to the angular ones (with sum 1) under
-// which the displacements cancel: sum v_j u_j = 0. The twin of render/cpu/position_kernels.cpp.
+// which the displacements cancel: sum v_j u_j = 0. Those that would be negative are zero, the others share what is left.
+// The twin of render/cpu/position_kernels.cpp.
 const float kGrazing = 0.1;  // a camera that looks along the surface has no parallax beyond this cosine's
 const float kSteady = 0.02;  // of the trace: keeps weights finite where cameras stand on one line
 
@@ -26,10 +27,10 @@ void cancel_parallax(vec2 pixel, vec4 surface, inout float share[kMaxListed]) {
   float steady = kSteady * (xx + yy), a = xx + steady, b = yy + steady, determinant = a * b - xy * xy;
   if (determinant <= 0.0) return;
   vec2 q = vec2(b * sum.x - xy * sum.y, a * sum.y - xy * sum.x) / determinant;
-  float lambda = 1.0 / (1.0 - dot(q, sum)), v[kMaxListed], step = 1.0;
+  float total = 0.0;
   for (int j = 0; j < count; ++j) {
-    v[j] = lambda * share[j] * (1.0 - dot(q, u[j]));
-    if (v[j] < 0.0) step = min(step, share[j] / (share[j] - v[j]));
+    share[j] *= max(0.0, 1.0 - dot(q, u[j]));
+    total += share[j];
   }
-  for (int j = 0; j < count; ++j) share[j] += step * (v[j] - share[j]);
+  for (int j = 0; j < count; ++j) share[j] /= total;
 }
