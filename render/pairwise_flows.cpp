@@ -99,10 +99,7 @@ void PairwiseFlows::make_dependable(const ProjectedImages& images, std::size_t i
   const std::size_t home = place_[flow_index_of({pair.second, pair.first}, count)];
   const FlowField* back = home == kNotAsked ? nullptr : &raw_[home];
   const std::vector<std::uint8_t>& believed = worker.trust.run(images, pair.first, pair.second, field, back);
-  if (keeps_confidence_) {
-    confidence_[index] = believed;
-    for (std::uint8_t& amount : confidence_[index]) amount = static_cast<std::uint8_t>(255 * amount);
-  }
+  if (keeps_confidence_) confidence_[index] = believed;
   worker.fill.run(images.width, images.height, 2, believed.data(), field.uv.data());
   drop_jitter(field);
 }
