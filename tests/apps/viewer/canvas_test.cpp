@@ -64,8 +64,8 @@ class CanvasOnTheCpu : public testing::Test {
   const std::vector<InputEvent> drag_ = {at(Kind::Press, 100, 100), at(Kind::Move, 130, 100),
                                          at(Kind::Release, 130, 100)};
   std::unique_ptr<render::GlContext> context_;
-  const render::Stage stage_ = render::photographed(render::arc(4, 20), render::ball(0.25F, 24),
-                                                    render::ball(0.25F, 24));
+  const render::Stage stage_ =
+      render::photographed(render::arc(4, 20), render::ball(0.25F, 24), render::ball(0.25F, 24));
   PlayerState state_ = player();
   std::unique_ptr<Canvas> canvas_;
   int asked_ = 0, hand_comes_at_ = 0;
@@ -118,6 +118,30 @@ TEST_F(CanvasOnTheCpu, DrawsOnePictureForTwoSidesOfOneMethod) {
   EXPECT_GT(canvas_->times().right_ms, 0);
 }
 
+TEST_F(CanvasOnTheCpu, ShowsAnotherOutputOnEachSideOfOneMethod) {
+  state_.split = true;
+  state_.right_output = render::RenderOutput::Confidence;
+  frame(0.02);
+  EXPECT_GT(canvas_->times().left_ms, 0);
+  EXPECT_GT(canvas_->times().right_ms, 0) << "two pictures";
+  const long before = full();
+  state_.right_output = render::RenderOutput::Measured;
+  frame(1);
+  EXPECT_EQ(full(), before + 1) << "another output is another picture";
+  state_.renderer.shown_camera = 1;
+  frame(1);
+  EXPECT_EQ(full(), before + 2) << "and so is another camera";
+}
+
+TEST_F(CanvasOnTheCpu, KeepsFloatingInMotionWhereOnlyThatKnowsWhatIsShown) {
+  state_.renderer.output = render::RenderOutput::Warped;
+  for (int i = 0; i < 12; ++i) {
+    canvas_->window_took(0.5);  // no time is left for flow
+    frame(0.02, 0, drag_);      // draw() must not end with linear's refusal
+  }
+  EXPECT_GT(moving(), 0);
+}
+
 // As a film does: pipeline/film.cpp samples the same path at the second of each picture.
 TEST_F(CanvasOnTheCpu, SeesAPathFromWhereAFilmSeesIt) {
   pipeline::CameraPath path;
@@ -133,9 +157,9 @@ TEST_F(CanvasOnTheCpu, SeesAPathFromWhereAFilmSeesIt) {
     frame(1);
     ASSERT_TRUE(canvas_->view());
     const View& seen = *canvas_->view();
-    const View filmed = pipeline::view_of(pipeline::sample(path, second), seen.model.width, seen.model.height,
-                                          Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-0.25),
-                                                              Eigen::Vector3d::Constant(0.25)));
+    const View filmed = pipeline::view_of(
+        pipeline::sample(path, second), seen.model.width, seen.model.height,
+        Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-0.25), Eigen::Vector3d::Constant(0.25)));
     EXPECT_TRUE(seen.view_from_world.matrix() == filmed.view_from_world.matrix()) << second;
     EXPECT_EQ(seen.model.fy, filmed.model.fy) << second;
   }
