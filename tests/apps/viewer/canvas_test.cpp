@@ -133,15 +133,6 @@ TEST_F(CanvasOnTheCpu, ShowsAnotherOutputOnEachSideOfOneMethod) {
   EXPECT_EQ(full(), before + 2) << "and so is another camera";
 }
 
-TEST_F(CanvasOnTheCpu, KeepsFloatingInMotionWhereOnlyThatKnowsWhatIsShown) {
-  state_.renderer.output = render::RenderOutput::Warped;
-  for (int i = 0; i < 12; ++i) {
-    canvas_->window_took(0.5);  // no time is left for flow
-    frame(0.02, 0, drag_);      // draw() must not end with linear's refusal
-  }
-  EXPECT_GT(moving(), 0);
-}
-
 // As a film does: pipeline/film.cpp samples the same path at the second of each picture.
 TEST_F(CanvasOnTheCpu, SeesAPathFromWhereAFilmSeesIt) {
   pipeline::CameraPath path;
