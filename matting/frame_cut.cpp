@@ -16,6 +16,7 @@ namespace floatstage::matting {
 namespace {
 
 constexpr float kUnit = 1000;    // whole steps of the cut, which keep it exact and repeatable
+constexpr std::uint8_t kAsked = 1, kSubject = 2;
 constexpr float kFloor = 0.05f;  // of the smoothness: edges are never for nothing
 
 struct Step {
@@ -50,12 +51,14 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
           if (x + s.dx < 0 || x + s.dx >= w || y + s.dy >= h) continue;
           const std::size_t p = static_cast<std::size_t>(y) * w + x,
                             q = static_cast<std::size_t>(y + s.dy) * w + static_cast<std::size_t>(x + s.dx);
-          if (evidence.asked[p] || evidence.asked[q]) what(p, q, s.length);
+          if (evidence.asked[p] == kAsked || evidence.asked[q] == kAsked) what(p, q, s.length);
         }
   };
   for (std::size_t p = 0; p < node.size(); ++p)
-    if (evidence.asked[p]) node[p] = nodes++;
+    if (evidence.asked[p] == kAsked) node[p] = nodes++;
   Image out(w, h, 1);
+  for (std::size_t p = 0; p < node.size(); ++p)
+    if (evidence.asked[p] == kSubject) out.pixels[p] = 255;
   if (nodes == 0) return out;
   const auto colour = [&](std::size_t p) { return picture.pixels.data() + 3 * p; };
   each_pair(
@@ -72,8 +75,9 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
     const float weight = static_cast<float>(smooth) * std::max(alike, kFloor) / length;
     if (node[p] >= 0 && node[q] >= 0)
       graph.add_edge(node[p], node[q], whole(weight), whole(weight));
-    else
-      odds[static_cast<std::size_t>(std::max(node[p], node[q]))] -= weight;  // the other one is background
+    else  // the other one is settled
+      odds[static_cast<std::size_t>(std::max(node[p], node[q]))] +=
+          evidence.asked[node[p] >= 0 ? q : p] == kSubject ? weight : -weight;
   });
   for (int i = 0; i < nodes; ++i)
     graph.add_terminals(i, whole(std::max(0.0f, odds[static_cast<std::size_t>(i)])),
