@@ -81,6 +81,22 @@ Result<void> solve_edges(const Image& picture, State& state) {
   return {};
 }
 
+// Turns what a print turns; whether any pixel is another one for it.
+bool turn(const Image& picture, const SideColors& colors, const Image& print, std::uint8_t side,
+          const Image* within, State& state) {
+  const StrokeRegion region = stroke_region({picture, state.sides, state.said, colors}, print, side);
+  bool acted = false;
+  for (std::size_t p = 0; p < print.pixels.size(); ++p) {
+    const bool turns = region.turned.pixels[p] && (!within || region.whole || within->pixels[p]);
+    if (!turns && (within || !print.pixels[p])) continue;
+    acted = acted || state.matte.pixels[p] != side;
+    if (state.sides.pixels[p] != side) state.turned.pixels[p] = 255;
+    state.sides.pixels[p] = state.matte.pixels[p] = side;
+  }
+  if (acted) state.step = std::max(state.step, region.step);
+  return acted;
+}
+
 StrokeEffect apply(const Image& picture, const SideColors& colors, const MatteStroke& stroke,
                    const Image& fixed, State& state) {
   const std::uint8_t side = stroke.label == MatteLabel::Foreground ? 255 : 0;
@@ -94,27 +110,29 @@ StrokeEffect apply(const Image& picture, const SideColors& colors, const MatteSt
     if (marked) state.said.pixels[p] = side;
   }
   if (outside) return StrokeEffect::Outside;
-  const StrokeRegion region = stroke_region({picture, state.sides, state.said, colors}, print, side);
-  bool acted = false;
-  for (std::size_t p = 0; p < print.pixels.size(); ++p) {
-    if (!print.pixels[p] && !region.turned.pixels[p]) continue;
-    acted = acted || state.matte.pixels[p] != side;
-    if (state.sides.pixels[p] != side) state.turned.pixels[p] = 255;
-    state.sides.pixels[p] = state.matte.pixels[p] = side;
+  return turn(picture, colors, print, side, nullptr, state) ? StrokeEffect::Acted : StrokeEffect::Already;
+}
+
+void apply(const Image& picture, const SideColors& colors, const CarriedGuidance& carried, State& state) {
+  for (const int side : {255, 0}) {
+    Image print(picture.width, picture.height, 1);
+    for (std::size_t p = 0; p < print.pixels.size(); ++p)
+      print.pixels[p] = carried.said.pixels[p] == side && state.said.pixels[p] == 128 ? 255 : 0;
+    turn(picture, colors, print, static_cast<std::uint8_t>(side), &carried.within, state);
   }
-  if (acted) state.step = std::max(state.step, region.step);
-  return acted ? StrokeEffect::Acted : StrokeEffect::Already;
 }
 
 }  // namespace
 
 Result<GuidedMatte> guided_matte(const Image& picture, const Image& matte,
-                                 const std::vector<MatteStroke>& strokes, const Image& fixed) {
+                                 const std::vector<MatteStroke>& strokes, const Image& fixed,
+                                 const CarriedGuidance& carried) {
   const auto fits = [&](const Image& map) {
     return map.channels == 1 && map.width == picture.width && map.height == picture.height;
   };
   if (picture.channels != 3 || picture.width < 3 || picture.height < 3 || !fits(matte) ||
-      (!fixed.empty() && !fits(fixed)))
+      (!fixed.empty() && !fits(fixed)) ||
+      (!carried.said.empty() && !(fits(carried.said) && fits(carried.within))))
     return fail(ErrorCode::InvalidArgument,
                 text("a matte is guided with a picture of its size in RGB, 3x3 at least, not ", picture.width,
                      "x", picture.height, " with ", picture.channels, " channels"));
@@ -123,6 +141,7 @@ Result<GuidedMatte> guided_matte(const Image& picture, const Image& matte,
   for (std::uint8_t& v : state.sides.pixels) v = v >= 128 ? 255 : 0;
   const SideColors colors(picture, state.sides);
   GuidedMatte out;
+  if (!carried.said.empty()) apply(picture, colors, carried, state);
   for (const MatteStroke& stroke : strokes)
     out.effects.push_back(apply(picture, colors, stroke, fixed, state));
   if (Result<void> ok = solve_edges(picture, state); !ok) return forward(ok);

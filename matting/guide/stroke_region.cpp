@@ -255,10 +255,10 @@ StrokeRegion stroke_region(const StrokeScene& scene, const Image& print, std::ui
   bool any = false;
   for (std::size_t p = 0; p < print.pixels.size(); ++p)
     if (print.pixels[p] && scene.sides.pixels[p] != side) wrong.pixels[p] = 255, any = true;
-  if (!any) return {std::move(wrong)};
+  if (!any) return {std::move(wrong), 1, false};
   const long subject = area_of(scene.sides);
   const Piece piece = piece_of(scene, wrong, side);
-  if (turns_as_a_whole(piece, wrong, side, subject)) return {piece.mask};
+  if (turns_as_a_whole(piece, wrong, side, subject)) return {piece.mask, 1, true};
   const Window window = window_of(scene, piece, wrong, side);
   const Image turned = cut_window(scene, window, side);
   Image region = wrong;
@@ -268,7 +268,7 @@ StrokeRegion stroke_region(const StrokeScene& scene, const Image& print, std::ui
         *region.at(x, y) = 255;
   const long most = std::max(area_of(wrong), static_cast<long>(kFree * static_cast<double>(subject)));
   if (area_of(region) <= most || borne_out(window, turned) >= kBorne)
-    return {std::move(region), window.step};
+    return {std::move(region), window.step, false};
   // Only what is nearest to the stroke.
   cv::Mat far, away = as_mat(wrong) == 0;
   cv::distanceTransform(away, far, cv::DIST_L2, 3, CV_32F);
@@ -282,7 +282,7 @@ StrokeRegion stroke_region(const StrokeScene& scene, const Image& print, std::ui
   for (long sum = at[0]; last + 1 < at.size() && sum + at[last + 1] <= most; ++last) sum += at[last + 1];
   for (std::size_t p = 0; p < region.pixels.size(); ++p)
     if (region.pixels[p] && !wrong.pixels[p] && ring(p) > last) region.pixels[p] = 0;
-  return {std::move(region), window.step};
+  return {std::move(region), window.step, false};
 }
 
 }  // namespace floatstage::matting

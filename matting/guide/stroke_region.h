@@ -34,6 +34,7 @@ struct StrokeScene {
 struct StrokeRegion {
   Image turned;  ///< 255 where pixels turn
   int step = 1;  ///< px: how exact its outline is
+  bool whole = false;  ///< an island or hole as a whole
 };
 StrokeRegion stroke_region(const StrokeScene& scene, const Image& print, std::uint8_t side);
 
