@@ -36,7 +36,8 @@ bool CameraMatting::follows() const {
 }
 
 bool CameraMatting::leads_to(int frame, int first, int last) const {
-  return frame >= first_keyframe() ? frame <= last : frame >= first;
+  const int turn = first_keyframe();
+  return frame == turn || (frame > turn ? frame <= last : frame >= first);
 }
 
 void CameraMatting::follow(const std::function<bool()>& go_on,

@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
@@ -169,9 +170,11 @@ TEST_F(Editing, StopsFollowingWhereMattesComeOutAsTheyWere) {
   watch.made = [&](int) { ++visited; };
   EXPECT_THAT(edit(*camera, more, watch), IsOkAnd(IsEmpty()));
   EXPECT_EQ(visited, 0);
-  more.keyframes[1].strokes = {
-      on_dancer(), {MatteLabel::Background, 3, {{80, 70}}}};  // a hole for one frame, which does not last
-  EXPECT_THAT(edit(*camera, more), IsOkAnd(ElementsAre(3)));
+  more.keyframes[1].strokes = {on_dancer(), {MatteLabel::Background, 3, {{80, 70}}}};
+  const Result<std::vector<int>> changed = edit(*camera, more);
+  ASSERT_THAT(changed, IsOk());
+  EXPECT_THAT(*changed, testing::Contains(3));
+  for (const int f : *changed) EXPECT_GE(f, 3) << "it goes on from its frame, away from the first keyframe";
 }
 
 TEST_F(Editing, ChangesSpectralMattesBetweenKeyframesOnly) {
@@ -315,12 +318,16 @@ TEST_F(Editing, GoesOnWithMattesThatAreConsistentAcrossCameras) {
   EXPECT_THAT(edit(*camera, {}), IsOkAnd(ElementsAre(2))) << "taken back in its frame alone";
 }
 
-TEST_F(Editing, KeepsTheMattesWhenAKeyframeSaysNothing) {
-  const auto camera = open(options("spectral"));
+TEST_P(EditingBy, KeepsTheMattesAndSaysSoWhenAStrokeChangesNothing) {
+  const auto camera = open(options(GetParam(), GetParam() == "closed-form"));
   ASSERT_THAT(edit(*camera, {}), IsOk());
   const std::vector<Image> before = mattes_of(take_);
-  EXPECT_THAT(edit(*camera, {{{2, {{MatteLabel::Background, 3, {{-90, -90}}}}}}, {}}),
-              FailsWith(ErrorCode::InvalidArgument, "says nothing"));
+  const MatteStroke outside{MatteLabel::Background, 3, {{-90, -90}}},
+      already{MatteLabel::Background, 1, {{150, 110}}};
+  EXPECT_THAT(edit(*camera, {{{2, {outside, already}}}, {}}), IsOkAnd(IsEmpty()));
+  EXPECT_THAT(camera->idle(),
+              ElementsAre(testing::AllOf(HasSubstr("frame 2: stroke 1, background"), HasSubstr("outside")),
+                          testing::AllOf(HasSubstr("frame 2: stroke 2"), HasSubstr("already"))));
   EXPECT_EQ(mattes_of(take_), before);
   ASSERT_THAT(edit(*camera, {}), IsOk());
   EXPECT_EQ(mattes_of(take_), before);
