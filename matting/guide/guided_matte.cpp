@@ -49,11 +49,13 @@ struct State {
   int step = 1;  // of the least exact region
 };
 
+int margin_of(const State& state) { return kBand + (state.step > 1 ? state.step : 0); }
+
 // The new outline's edge.
 Result<void> solve_edges(const Image& picture, State& state) {
   cv::Rect box = cv::boundingRect(as_mat(state.turned));
   if (box.empty()) return {};
-  const int margin = kBand + (state.step > 1 ? state.step : 0);
+  const int margin = margin_of(state);
   box = cv::Rect(box.x - kApron, box.y - kApron, box.width + 2 * kApron, box.height + 2 * kApron) &
         cv::Rect(0, 0, picture.width, picture.height);
   if (box.width < 3 || box.height < 3) return {};
@@ -110,7 +112,11 @@ StrokeEffect apply(const Image& picture, const SideColors& colors, const MatteSt
     if (marked) state.said.pixels[p] = side;
   }
   if (outside) return StrokeEffect::Outside;
-  return turn(picture, colors, print, side, nullptr, state) ? StrokeEffect::Acted : StrokeEffect::Already;
+  // Beside what an earlier stroke has turned, it says where the edge is not.
+  const Image edges = grown(state.turned, margin_of(state));
+  bool acted = turn(picture, colors, print, side, nullptr, state);
+  for (std::size_t p = 0; p < print.pixels.size() && !acted; ++p) acted = print.pixels[p] && edges.pixels[p];
+  return acted ? StrokeEffect::Acted : StrokeEffect::Already;
 }
 
 void apply(const Image& picture, const SideColors& colors, const CarriedGuidance& carried, State& state) {

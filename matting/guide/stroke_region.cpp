@@ -27,7 +27,7 @@ constexpr int kTurns = 3;            // of colours and cut
 constexpr double kFree = 0.004;      // of the subject: what turns as a whole whatever its colours
 constexpr double kHole = 0.03;       // of the subject: a hole that is marked in its middle turns
 constexpr double kBorne = 0.5;       // of a region's border has contrast, or the region is not believed
-constexpr float kThicker = 2;         // times as thick as where the stroke lies: what turns with it
+constexpr float kThicker = 1.5f;         // times as thick as where the stroke lies: what turns with it
 constexpr std::size_t kSamples = 40'000;
 
 cv::Mat as_mat(const Image& image) {

@@ -199,7 +199,7 @@ TEST(RightStrokes, NeverMakeAMatteWorse) {
       ASSERT_THAT(made, IsOk());
       EXPECT_GE(overlap(made->matte, clip.truth[0]), overlap(now, clip.truth[0]) - 0.01)
           << "seed " << seed << ", stroke " << i;
-      EXPECT_EQ(made->effects.back() == StrokeEffect::Acted, made->matte != now);
+      EXPECT_TRUE(made->effects.back() == StrokeEffect::Acted || made->matte == now) << "said to change nothing";
       Image print(180, 120, 1, 128);
       paint_strokes({said.back()}, 1, print);
       for (std::size_t p = 0; p < print.pixels.size(); ++p)

@@ -177,6 +177,47 @@ TEST_F(Editing, StopsFollowingWhereMattesComeOutAsTheyWere) {
   for (const int f : *changed) EXPECT_GE(f, 3) << "it goes on from its frame, away from the first keyframe";
 }
 
+long subject_pixels(const Image& matte) {
+  return std::count_if(matte.pixels.begin(), matte.pixels.end(), [](int v) { return v >= 128; });
+}
+
+// A quarter of the dancer is missing in every matte; a click in the middle of it.
+TEST_F(Editing, AClickWithAKeyBringsMoreThanItsPixelsHereAndInTheNeighbours) {
+  const fs::path poor = folder_ / "poor";
+  fs::copy(TakeLayout(*shared_ / "take").truth().mattes(), poor, fs::copy_options::recursive);
+  for (int f = 0; f < kFrames; ++f) {
+    const fs::path file = poor / kSerial / TakeLayout("").matte(kSerial, f).filename();
+    Result<Image> matte = load_png(file);
+    ASSERT_THAT(matte, IsOk());
+    for (int y = 50; y < 75; ++y) std::fill_n(matte->at(0, y), matte->width, std::uint8_t{0});
+    ASSERT_THAT(save_png(*matte, file), IsOk());
+  }
+  EditedCameraOptions o = options("given");
+  o.guide = poor;
+  const auto camera = open(o);
+  ASSERT_THAT(edit(*camera, {}), IsOk());
+  const std::vector<Image> before = mattes_of(take_);
+  ASSERT_THAT(edit(*camera, {{{2, {on_dancer()}}}, {}}), IsOk());
+  EXPECT_THAT(camera->idle(), IsEmpty());
+  const std::vector<Image> after = mattes_of(take_);
+  for (int f = 0; f < kFrames; ++f)
+    EXPECT_GT(subject_pixels(after[f]), subject_pixels(before[f]) + 50) << "frame " << f;
+}
+
+TEST_F(Editing, AClickOnTheSubjectDropsNobodyAndOneOnTheOtherDropsHimInEveryFrame) {
+  const auto camera = open(options("closed-form", true));
+  ASSERT_THAT(edit(*camera, {}), IsOk());
+  const std::vector<Image> before = mattes_of(take_);
+  EXPECT_THAT(edit(*camera, {{{2, {on_dancer()}}}, {}}), IsOkAnd(IsEmpty()));
+  ASSERT_THAT(edit(*camera, {{{2, {on_dancer(), off_stranger()}}}, {}}), IsOk());
+  const std::vector<Image> after = mattes_of(take_);
+  for (int f = 0; f < kFrames; ++f) {
+    EXPECT_EQ(*after[f].at(14, 15), 0) << f;
+    for (int y = 0; y < 120; ++y)
+      for (int x = 40; x < 160; ++x) ASSERT_EQ(*after[f].at(x, y), *before[f].at(x, y)) << "frame " << f;
+  }
+}
+
 TEST_F(Editing, ChangesSpectralMattesBetweenKeyframesOnly) {
   const auto camera = open(options("spectral"));
   const CameraEdits two{{{1, {on_dancer()}}, {4, {on_dancer()}}}, {}};
