@@ -15,7 +15,7 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr float kUnit = 1000;    // whole steps of the cut, which keep it exact and repeatable
+constexpr float kUnit = 1000;  // whole steps of the cut, which keep it exact and repeatable
 constexpr std::uint8_t kSubject = 2;
 constexpr float kFloor = 0.05f;  // of the smoothness: edges are never for nothing
 

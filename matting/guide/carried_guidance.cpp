@@ -11,8 +11,8 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr double kReach = 0.03;        // of the longer side: room around a change for its motion
-constexpr double kWithin = 0.006;      // likewise, by how much a carried change may grow
+constexpr double kReach = 0.03;    // of the longer side: room around a change for its motion
+constexpr double kWithin = 0.006;  // likewise, by how much a carried change may grow
 constexpr int kWorkingPixels = 130'000;
 constexpr int kSure = 192;  // of 255: a carried pixel is in the change
 
@@ -31,10 +31,9 @@ Image part_of(const Image& image, const cv::Rect& box) {
 Image change_to(std::uint8_t side, const Image& base, const Image& matte) {
   Image raw(base.width, base.height, 1), out(base.width, base.height, 1);
   for (std::size_t p = 0; p < raw.pixels.size(); ++p)
-    raw.pixels[p] = (base.pixels[p] >= 128) != (matte.pixels[p] >= 128) &&
-                            (matte.pixels[p] >= 128) == (side == 255)
-                        ? 255
-                        : 0;
+    raw.pixels[p] =
+        (base.pixels[p] >= 128) != (matte.pixels[p] >= 128) && (matte.pixels[p] >= 128) == (side == 255) ? 255
+                                                                                                         : 0;
   cv::Mat to = as_mat(out);
   cv::morphologyEx(as_mat(raw), to, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
   return out;

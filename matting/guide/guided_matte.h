@@ -39,10 +39,10 @@ struct GuidedMatte {
 /// that by colour and contour turns over with it (stroke_region.h): missing parts come, and things that are
 /// not the subject go. Nothing else changes. Where an outline is new, closed form solves its edge.
 ///
-/// `picture`: RGB, at least 3x3. `matte`: one channel of its size. `fixed`: empty, or of its size: what is not
-/// 128 there is certain and stays (garbage and hold-out masks). `carried` is heard before the strokes, and any
-/// of them may overrule it. Deterministic, one thread; about 0.1 s a
-/// stroke at 1280x720. Errors: those of closed_form_matte(); InvalidArgument for sizes that do not fit.
+/// `picture`: RGB, at least 3x3. `matte`: one channel of its size. `fixed`: empty, or of its size: what is
+/// not 128 there is certain and stays (garbage and hold-out masks). `carried` is heard before the strokes,
+/// and any of them may overrule it. Deterministic, one thread; about 0.1 s a stroke at 1280x720. Errors:
+/// those of closed_form_matte(); InvalidArgument for sizes that do not fit.
 Result<GuidedMatte> guided_matte(const Image& picture, const Image& matte,
                                  const std::vector<MatteStroke>& strokes, const Image& fixed = {},
                                  const CarriedGuidance& carried = {});

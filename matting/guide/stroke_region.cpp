@@ -17,17 +17,17 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr double kReach = 0.15;      // of the longer side: how far from the stroke a region is looked for
-constexpr double kWindow = 40'000;   // working pixels of the window at most
-constexpr float kColor = 4;          // log-odds by colour at most
-constexpr float kStay = 1.0f;        // log-odds that the matte that stands is worth
-constexpr float kCertain = 1000;     // of what somebody said
+constexpr double kReach = 0.15;     // of the longer side: how far from the stroke a region is looked for
+constexpr double kWindow = 40'000;  // working pixels of the window at most
+constexpr float kColor = 4;         // log-odds by colour at most
+constexpr float kStay = 1.0f;       // log-odds that the matte that stands is worth
+constexpr float kCertain = 1000;    // of what somebody said
 constexpr double kSmooth = 3;
-constexpr int kTurns = 3;            // of colours and cut
-constexpr double kFree = 0.004;      // of the subject: what turns as a whole whatever its colours
-constexpr double kHole = 0.03;       // of the subject: a hole that is marked in its middle turns
-constexpr double kBorne = 0.5;       // of a region's border has contrast, or the region is not believed
-constexpr float kThicker = 1.5f;         // times as thick as where the stroke lies: what turns with it
+constexpr int kTurns = 3;         // of colours and cut
+constexpr double kFree = 0.004;   // of the subject: what turns as a whole whatever its colours
+constexpr double kHole = 0.03;    // of the subject: a hole that is marked in its middle turns
+constexpr double kBorne = 0.5;    // of a region's border has contrast, or the region is not believed
+constexpr float kThicker = 1.5f;  // times as thick as where the stroke lies: what turns with it
 constexpr std::size_t kSamples = 40'000;
 
 cv::Mat as_mat(const Image& image) {
@@ -56,7 +56,8 @@ Piece piece_of(const StrokeScene& scene, const Image& wrong, std::uint8_t side) 
       if (*wrong.at(x, y)) hit[static_cast<std::size_t>(labels.at<int>(y, x))] = 1;
   int largest = 0;
   for (int i = 1; i < count; ++i)
-    if (!largest || stats.at<int>(i, cv::CC_STAT_AREA) > stats.at<int>(largest, cv::CC_STAT_AREA)) largest = i;
+    if (!largest || stats.at<int>(i, cv::CC_STAT_AREA) > stats.at<int>(largest, cv::CC_STAT_AREA))
+      largest = i;
   for (int i = 1; i < count; ++i) {
     if (!hit[static_cast<std::size_t>(i)]) continue;
     const cv::Rect box(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
@@ -183,7 +184,8 @@ Image cut_window(const StrokeScene& scene, const Window& window, std::uint8_t si
   for (std::size_t p = 0; p < window.size(); ++p) turned.pixels[p] = window.sure[p] ? 255 : 0;
   for (int turn = 0; turn < kTurns; ++turn) {
     long marks = 0, others = 0;
-    for (std::size_t p = 0; p < window.size(); ++p) (window.sure[p] ? marks : others) += turned.pixels[p] != 0;
+    for (std::size_t p = 0; p < window.size(); ++p)
+      (window.sure[p] ? marks : others) += turned.pixels[p] != 0;
     ColorModel mine, theirs;
     for (std::size_t p = 0; p < window.size(); ++p) {
       if (window.sure[p])
@@ -198,7 +200,8 @@ Image cut_window(const StrokeScene& scene, const Window& window, std::uint8_t si
     CutEvidence evidence{std::vector<float>(window.size()), window.kind, {}};
     for (std::size_t p = 0; p < window.size(); ++p) {
       const std::uint8_t* rgb = window.rgb(p);
-      const float odds = std::log(2 * mine.likelihood(rgb) / (theirs.likelihood(rgb) + frame.likelihood(rgb)));
+      const float odds =
+          std::log(2 * mine.likelihood(rgb) / (theirs.likelihood(rgb) + frame.likelihood(rgb)));
       evidence.odds[p] = window.sure[p] ? kCertain : std::clamp(odds, -kColor, kColor) - kStay;
     }
     Image cut = cut_frame(window.picture, evidence, kSmooth);
@@ -264,7 +267,8 @@ StrokeRegion stroke_region(const StrokeScene& scene, const Image& print, std::ui
   Image region = wrong;
   for (int y = window.box.y; y < window.box.br().y; ++y)
     for (int x = window.box.x; x < window.box.br().x; ++x)
-      if (*piece.mask.at(x, y) && *turned.at((x - window.box.x) / window.step, (y - window.box.y) / window.step))
+      if (*piece.mask.at(x, y) &&
+          *turned.at((x - window.box.x) / window.step, (y - window.box.y) / window.step))
         *region.at(x, y) = 255;
   const long most = std::max(area_of(wrong), static_cast<long>(kFree * static_cast<double>(subject)));
   if (area_of(region) <= most || borne_out(window, turned) >= kBorne)

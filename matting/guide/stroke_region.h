@@ -32,8 +32,8 @@ struct StrokeScene {
 /// is larger than a hundredth of the subject is not believed beyond the hundredth nearest to the stroke.
 /// Nothing turns when the print is on its side already. Deterministic.
 struct StrokeRegion {
-  Image turned;  ///< 255 where pixels turn
-  int step = 1;  ///< px: how exact its outline is
+  Image turned;        ///< 255 where pixels turn
+  int step = 1;        ///< px: how exact its outline is
   bool whole = false;  ///< an island or hole as a whole
 };
 StrokeRegion stroke_region(const StrokeScene& scene, const Image& print, std::uint8_t side);

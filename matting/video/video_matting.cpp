@@ -129,7 +129,8 @@ Result<MatteConstraint> VideoMatting::Impl::likelihood(int frame) const {
 Result<VideoMatting::Impl::Step> VideoMatting::Impl::step(int frame, const Image& picture,
                                                           std::vector<FrameEvidence::Carried> carried) const {
   const auto found = keyframes.find(frame);
-  return step(frame, picture, std::move(carried), found == keyframes.end() ? MatteConstraint() : found->second);
+  return step(frame, picture, std::move(carried),
+              found == keyframes.end() ? MatteConstraint() : found->second);
 }
 
 Result<VideoMatting::Impl::Step> VideoMatting::Impl::step(int frame, const Image& picture,
@@ -351,9 +352,8 @@ Result<Image> VideoMatting::matte_alone(int frame, const MatteConstraint& opinio
     return fail(ErrorCode::NotFound, text("frame ", frame, " has no matting components"));
   const auto photograph = impl_->photograph(frame);
   if (!photograph) return forward(photograph);
-  const auto made =
-      impl_->step(frame, matting::scaled(*photograph, impl_->small_width, impl_->small_height), {},
-                  scaled(opinion, impl_->small_width, impl_->small_height));
+  const auto made = impl_->step(frame, matting::scaled(*photograph, impl_->small_width, impl_->small_height),
+                                {}, scaled(opinion, impl_->small_width, impl_->small_height));
   if (!made) return forward(made);
   return guided_upsample(made->matte, *photograph);
 }

@@ -39,9 +39,9 @@ class CameraKey {
   /// subject; absent: the keyer's own number.
   static Result<CameraKey> plate(capture::TakeReader& take, int camera,
                                  std::optional<double> deviations = std::nullopt);
-  /// Followed from the seed of `edits` (seed_of()) through a cluttered place (matting/video/segment_clip.h), as a
-  /// whole, by ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop
-  /// that (Cancelled) and must live as long.
+  /// Followed from the seed of `edits` (seed_of()) through a cluttered place (matting/video/segment_clip.h),
+  /// as a whole, by ready() or the first key(): where all mattes are there it is never needed. `go_on` may
+  /// stop that (Cancelled) and must live as long.
   static Result<CameraKey> cut(capture::TakeReader& take, int camera, const CameraEdits& edits,
                                const std::function<bool()>& go_on);
   /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot;

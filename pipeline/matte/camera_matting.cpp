@@ -12,7 +12,7 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr int kAutoSpots = 4;    // places in the take where auto compares, two photographs each
+constexpr int kAutoSpots = 4;  // places in the take where auto compares, two photographs each
 
 // Writes what is known over a matte.
 void overrule(const Image& known, Image& matte) {
@@ -136,12 +136,12 @@ Result<CameraMatting::Link> CameraMatting::guided(int frame, const Image& rgb, I
                                                   const matting::CarriedGuidance& carried) const {
   const std::vector<MatteStroke> said = strokes(frame);
   if (said.empty() && carried.said.empty()) return Link{frame, base, base};
-  Result<matting::GuidedMatte> made =
-      matting::guided_matte(rgb, base, said, fixed, carried);
+  Result<matting::GuidedMatte> made = matting::guided_matte(rgb, base, said, fixed, carried);
   if (!made) return forward(made);
   Link link{frame, std::move(made->matte), std::move(base)};
   for (std::size_t i = 0; i < said.size(); ++i)
-    if (made->effects[i] != matting::StrokeEffect::Acted) link.idle.push_back(idle(frame, i, made->effects[i]));
+    if (made->effects[i] != matting::StrokeEffect::Acted)
+      link.idle.push_back(idle(frame, i, made->effects[i]));
   std::erase(link.idle, "");
   return link;
 }

@@ -26,9 +26,9 @@ class CameraMatting {
 
   /// A matte on the way from frame to frame.
   struct Link {
-    int frame = -1;  ///< -1: none
-    Image matte;     ///< empty for a gap
-    Image base = {}; ///< what it was before strokes, or empty: matte() makes it again where it is needed
+    int frame = -1;   ///< -1: none
+    Image matte;      ///< empty for a gap
+    Image base = {};  ///< what it was before strokes, or empty: matte() makes it again where it is needed
     bool changed = false;  ///< whether it differs from the one that was there before, for those who make only
                            ///< some again
     std::vector<std::string> idle = {};  ///< sentences: strokes that change nothing in it
@@ -52,7 +52,6 @@ class CameraMatting {
   /// `go_on()` is false.
   void follow(const std::function<bool()>& go_on,
               const std::function<Link(int frame, const Link& previous)>& visit) const;
-
 
   int camera() const { return camera_; }
   const CameraEdits& edits() const { return edits_; }

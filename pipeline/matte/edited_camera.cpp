@@ -150,8 +150,8 @@ Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch&
     if (Result<void> ok = key->ready(); !ok) return ok;
     key_.emplace(std::move(*key));
     key_edits_ = edits;
-    const bool other = key_->kind() == CameraKey::Kind::Cut && made_for_ &&
-                       seed_of(*made_for_) != seed_of(edits);
+    const bool other =
+        key_->kind() == CameraKey::Kind::Cut && made_for_ && seed_of(*made_for_) != seed_of(edits);
     if (other) made_for_.reset(), mine.method.clear();
     if (mine.key != key_->spec())
       made_for_.reset(), mine.method.clear();  // a plate was shot since, or there were no mattes

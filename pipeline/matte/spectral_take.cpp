@@ -70,8 +70,7 @@ Result<void> SpectralTake::say(const CameraMatting& matting, const MatteKeyframe
 
 std::vector<std::string> SpectralTake::idle() const {
   std::vector<std::string> all;
-  for (const auto& [frame, said] : said_)
-    all.insert(all.end(), said.made.idle.begin(), said.made.idle.end());
+  for (const auto& [frame, said] : said_) all.insert(all.end(), said.made.idle.begin(), said.made.idle.end());
   return all;
 }
 

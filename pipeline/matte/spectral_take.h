@@ -13,9 +13,9 @@ namespace floatstage::pipeline {
 
 /// One camera's mattes by spectral video matting: the key is the likelihood; a keyframe is the matte that the
 /// key, or without one its first stroke on the subject, chooses in that frame by itself, guided by its
-/// strokes (guided_matte()); masks outrank all. `cache` keeps the components, so that a second run only propagates. What was propagated is
-/// kept too: after other edits only what lies between the keyframes concerned is made again. `take` outlives
-/// it. Calls come from one thread.
+/// strokes (guided_matte()); masks outrank all. `cache` keeps the components, so that a second run only
+/// propagates. What was propagated is kept too: after other edits only what lies between the keyframes
+/// concerned is made again. `take` outlives it. Calls come from one thread.
 class SpectralTake {
  public:
   /// With `threads` workers of about 0.4 GB each. Errors: those of VideoMatting::create().
@@ -24,8 +24,8 @@ class SpectralTake {
 
   /// Components of all frames; `done` as in VideoMatting::prepare().
   Result<void> prepare(const std::function<bool(int frame)>& done) { return video_.prepare(done); }
-  /// What is said now, after prepare(); another call replaces it. Errors: those of VideoMatting::matte_alone()
-  /// and guided_matte().
+  /// What is said now, after prepare(); another call replaces it. Errors: those of
+  /// VideoMatting::matte_alone() and guided_matte().
   Result<void> say(const CameraMatting& matting);
   /// Makes the mattes from `first` to `last` that are stale.
   Result<void> propagate(const std::function<bool(int frame)>& done, int first, int last);

@@ -66,7 +66,8 @@ class StrokeDrawer {
       const std::size_t p = places[static_cast<std::size_t>(random_.uniform() * places.size())];
       const int x = static_cast<int>(p % truth_.width), y = static_cast<int>(p / truth_.width);
       MatteStroke stroke{truth_.pixels[p] >= 128 ? MatteLabel::Foreground : MatteLabel::Background,
-                         std::max(0.5, truth_.width / 240.0), {{x + 0.5, y + 0.5}}};
+                         std::max(0.5, truth_.width / 240.0),
+                         {{x + 0.5, y + 0.5}}};
       if (tries == 0) best = stroke, best.radius = 0.4;
       if (!right(stroke)) continue;
       best = stroke;

@@ -20,8 +20,9 @@
 #include "tests/support/places.h"
 #include "tests/support/real_data.h"
 
-// Right strokes on recordings and clips: 200 sequences of four strokes in the long form, a fifth of them in the
-// short one. The rule was found on the clips and green-dome, and looked at on green-dome-wd and the street.
+// Right strokes on recordings and clips: 200 sequences of four strokes in the long form, a fifth of them in
+// the short one. The rule was found on the clips and green-dome, and looked at on green-dome-wd and the
+// street.
 namespace floatstage::matting {
 namespace {
 
@@ -100,6 +101,49 @@ TEST(RightStrokesReal, OnClips) {
   draw_all(scenes, 60);
 }
 
+// What the editor waits for in the frame that it shows: 0.3 s at 1280x720 is what an artist does not notice.
+// Printed, not asserted: CPU time of one machine is no property of the code.
+TEST(RightStrokesReal, TakeATimeThatIsPrinted) {
+  const MatteClip clip = make_clip(studio_cutout(3, 720, 720), green_cloth(1280, 720, 3),
+                                   {.width = 1280, .height = 720, .frames = 1, .seed = 3, .scale = 0.8});
+  Random random(3);
+  const Image base = doubtful_matte(clip.frames[0], clip.truth[0], random);
+  const Operator person(clip.truth[0]);
+  std::vector<MatteStroke> said;
+  Image now = base;
+  for (int i = 0; i < 5; ++i) {
+    said.push_back(person.next(now, i % 2 == 1));
+    const std::clock_t began = std::clock();
+    now = guided_matte(clip.frames[0], base, said)->matte;
+    std::printf("  1280x720, %d strokes: %.0f ms CPU, IoU %.4f\n", i + 1,
+                1000.0 * static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC,
+                overlap(now, clip.truth[0]));
+  }
+  const std::clock_t began = std::clock();
+  EXPECT_THAT(refine_matte(clip.frames[0], now, key_refinement()), IsOk());
+  std::printf("  1280x720, closed form of the whole outline: %.0f ms CPU\n",
+              1000.0 * static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
+}
+
+TEST(RightStrokesReal, OnACourtThatNothingWasChosenOn) {
+  const auto folder = real_data("dynamic-basketball");
+  FLOATSTAGE_NEEDS_DATA(folder);
+  std::vector<Scene> scenes;
+  for (const char* camera : {"01", "07", "13", "19", "25"})
+    for (const int frame : {45, 70}) {
+      const Result<std::string> bytes = read_file(folder / "images" / camera / text("0", frame, ".jpg"));
+      const Result<Image> mask = load_png(folder / "masks" / camera / text("0", frame, ".png"));
+      if (!bytes || !mask) continue;
+      const Result<Image> picture = decode_jpeg(std::as_bytes(std::span(*bytes)), 640, 360);
+      ASSERT_THAT(picture, IsOk());
+      Scene scene = small(text("court ", camera, " ", frame), *picture, *mask);
+      Random random(static_cast<std::uint64_t>(frame));
+      scene.base = doubtful_matte(scene.picture, scene.truth, random);
+      scenes.push_back(std::move(scene));
+    }
+  draw_all(scenes, 40);
+}
+
 class Dome : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override { FLOATSTAGE_NEEDS_DATA(real_data(GetParam())); }
@@ -128,23 +172,41 @@ class Dome : public testing::TestWithParam<std::string> {
 TEST_P(Dome, WithTheKey) { draw_all(scenes(true), 20); }
 TEST_P(Dome, WithoutAKey) { draw_all(scenes(false), 25); }
 INSTANTIATE_TEST_SUITE_P(RightStrokesReal, Dome, testing::Values("green-dome", "green-dome-wd"),
-                         [](const auto& suite) { return suite.param == "green-dome" ? "Green" : "BlackWalls"; });
+                         [](const auto& suite) {
+                           return suite.param == "green-dome" ? "Green" : "BlackWalls";
+                         });
 
-// What is wanted is 0.97 and 0.95: see the bounds' comment in the test.
+// Likewise, without what lies within 2 px of the outline of `truth`.
+double overlap_beside_outline(const Image& matte, const Image& truth) {
+  Image a = matte, b = truth;
+  for (int y = 0; y < truth.height; ++y)
+    for (int x = 0; x < truth.width; ++x) {
+      bool outline = false;
+      for (int v = std::max(0, y - 2); v <= std::min(truth.height - 1, y + 2); ++v)
+        for (int u = std::max(0, x - 2); u <= std::min(truth.width - 1, x + 2); ++u)
+          outline = outline || (*truth.at(u, v) >= 128) != (*truth.at(x, y) >= 128);
+      if (outline) *a.at(x, y) = *b.at(x, y) = 0;
+    }
+  return overlap(a, b);
+}
+
+// What it gives today; 0.97 in the mean and 0.95 at worst are wanted with a click, 0.97 with five scribbles.
+// The given mattes are 1 to 2 px wider than the person along arms and feet, which no stroke says.
 TEST(AnOperatorBeforeBlackWalls, NeedsAClickOrFiveScribblesACamera) {
   const auto folder = real_data("green-dome-wd");
   FLOATSTAGE_NEEDS_DATA(folder);
-  double none = 0, click = 0, five = 0, worst_click = 1, worst_five = 1;
+  double none = 0, click = 0, five = 0, beside_rim = 0, worst_click = 1, worst_five = 1;
   int cameras = 0;
   const int step = wants_long_tests() ? 1 : 5;
   for (int camera = 0; camera < 20; camera += step, ++cameras) {
     const std::string name = text(camera < 10 ? "0" : "", camera, ".png");
-    const Result<Image> photograph = load_png(folder / "images" / name), given = load_png(folder / "mattes" / name);
+    const Result<Image> photograph = load_png(folder / "images" / name),
+                        given = load_png(folder / "mattes" / name);
     ASSERT_TRUE(photograph && given) << name;
     const auto keyer = make_keyer("chroma", {*photograph});
     ASSERT_THAT(keyer, IsOk());
-    const Image base = *refine_matte(
-        *photograph, to_image(*(*keyer)->key(make_frame({}, *photograph))), key_refinement());
+    const Image base =
+        *refine_matte(*photograph, to_image(*(*keyer)->key(make_frame({}, *photograph))), key_refinement());
     const Operator person(*given);
     const Image clicked = guided_matte(*photograph, base, {person.next(base, false)})->matte;
     std::vector<MatteStroke> said;
@@ -160,17 +222,16 @@ TEST(AnOperatorBeforeBlackWalls, NeedsAClickOrFiveScribblesACamera) {
     EXPECT_GE(c, a - 0.01);
     none += a, click += b, five += c;
     worst_click = std::min(worst_click, b), worst_five = std::min(worst_five, c);
-    if (!::getenv("SHOW")) continue;
-    Image out(photograph->width, photograph->height, 3);
-    for (std::size_t p = 0; p < now.pixels.size(); ++p)
-      for (int j = 0; j < 3; ++j) {
-        const bool m = now.pixels[p] >= 128, t = given->pixels[p] >= 128;
-        out.pixels[3 * p + j] = m != t ? (j == (m ? 0 : 2) ? 255 : 0) : m ? photograph->pixels[3 * p + j] : photograph->pixels[3 * p + j] / 3;
-      }
-    (void)save_png(out, text("/tmp/guide/wd", camera, ".png"));
+    beside_rim += overlap_beside_outline(now, *given);
   }
-  std::printf("  mean %.4f, a click %.4f (worst %.4f), five scribbles %.4f (worst %.4f)\n", none / cameras,
-              click / cameras, worst_click, five / cameras, worst_five);
+  std::printf(
+      "  mean %.4f, a click %.4f (worst %.4f), five scribbles %.4f (worst %.4f; without 2 px of outline, "
+      "mean %.4f)\n",
+      none / cameras, click / cameras, worst_click, five / cameras, worst_five, beside_rim / cameras);
+  EXPECT_GE(click / cameras, 0.945);
+  EXPECT_GE(worst_click, 0.91);
+  EXPECT_GE(five / cameras, 0.96);
+  EXPECT_GE(worst_five, 0.945);
 }
 
 TEST(RightStrokesReal, OnTwoPeopleInAStreet) {

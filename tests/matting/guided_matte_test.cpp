@@ -47,7 +47,9 @@ Scene person() {
 void fill(Image& matte, const Scene::Box& box, std::uint8_t value) {
   for (int y = box.y0; y < box.y1; ++y) std::fill_n(matte.at(box.x0, y), box.x1 - box.x0, value);
 }
-MatteStroke click(MatteLabel label, double x, double y, double radius = 2) { return {label, radius, {{x, y}}}; }
+MatteStroke click(MatteLabel label, double x, double y, double radius = 2) {
+  return {label, radius, {{x, y}}};
+}
 
 TEST(GuidedMatte, IsTheMatteWhenNobodySaysAnything) {
   const Scene s = person();
@@ -111,10 +113,10 @@ TEST(GuidedMatte, ChangesNothingFarFromWhatTurns) {
 
 TEST(GuidedMatte, SaysWhatCannotAct) {
   const Scene s = person();
-  const auto made = guided_matte(
-      s.picture, s.truth,
-      {click(MatteLabel::Foreground, 80, 70), click(MatteLabel::Background, -50, 70),
-       click(MatteLabel::Background, 20, 20), click(MatteLabel::Background, 80, 70)});
+  const auto made =
+      guided_matte(s.picture, s.truth,
+                   {click(MatteLabel::Foreground, 80, 70), click(MatteLabel::Background, -50, 70),
+                    click(MatteLabel::Background, 20, 20), click(MatteLabel::Background, 80, 70)});
   ASSERT_THAT(made, IsOk());
   EXPECT_EQ(made->effects, (std::vector{StrokeEffect::Already, StrokeEffect::Outside, StrokeEffect::Already,
                                         StrokeEffect::Acted}));
@@ -199,7 +201,8 @@ TEST(RightStrokes, NeverMakeAMatteWorse) {
       ASSERT_THAT(made, IsOk());
       EXPECT_GE(overlap(made->matte, clip.truth[0]), overlap(now, clip.truth[0]) - 0.01)
           << "seed " << seed << ", stroke " << i;
-      EXPECT_TRUE(made->effects.back() == StrokeEffect::Acted || made->matte == now) << "said to change nothing";
+      EXPECT_TRUE(made->effects.back() == StrokeEffect::Acted || made->matte == now)
+          << "said to change nothing";
       Image print(180, 120, 1, 128);
       paint_strokes({said.back()}, 1, print);
       for (std::size_t p = 0; p < print.pixels.size(); ++p)

@@ -10,8 +10,8 @@
 
 namespace floatstage::matting {
 
-/// What a careful person draws next who sees the truth: into the largest fault of a matte, along it (`scribble`)
-/// or with one click in its middle, as broad as it stays right.
+/// What a careful person draws next who sees the truth: into the largest fault of a matte, along it
+/// (`scribble`) or with one click in its middle, as broad as it stays right.
 class Operator {
  public:
   explicit Operator(const Image& truth) : truth_(truth) {}
@@ -85,8 +85,8 @@ class Operator {
     return best;
   }
   // The shortest way within the fault to what is farthest from `from`.
-  std::vector<std::size_t> walk(const std::vector<std::uint8_t>& in, const std::vector<float>& deep, float least,
-                                std::size_t from) const {
+  std::vector<std::size_t> walk(const std::vector<std::uint8_t>& in, const std::vector<float>& deep,
+                                float least, std::size_t from) const {
     std::vector<std::size_t> before(in.size(), in.size());
     std::queue<std::size_t> open;
     open.push(from), before[from] = from;
