@@ -28,6 +28,7 @@ constexpr double kFree = 0.004;   // of the subject: what turns as a whole whate
 constexpr double kHole = 0.03;    // of the subject: a hole that is marked in its middle turns
 constexpr double kBorne = 0.5;    // of a region's border has contrast, or the region is not believed
 constexpr float kThicker = 1.5f;  // times as thick as where the stroke lies: what turns with it
+constexpr double kOneKind = 0.8;  // of a piece has the colours of what marks it
 constexpr std::size_t kSamples = 40'000;
 
 cv::Mat as_mat(const Image& image) {
@@ -93,14 +94,6 @@ bool in_the_middle(const Piece& piece, const Image& wrong) {
   return 2 * there >= deepest;
 }
 
-bool turns_as_a_whole(const Piece& piece, const Image& wrong, std::uint8_t side, long subject) {
-  if (piece.kept) return false;
-  const double share = static_cast<double>(piece.area) / static_cast<double>(std::max(1L, subject));
-  if (share <= kFree) return true;
-  const bool island = side == 0 && !piece.largest, hole = side == 255 && !piece.at_border && share <= kHole;
-  return (island || hole) && in_the_middle(piece, wrong);
-}
-
 // The window around a stroke, each pixel the mean of `step` by `step`.
 struct Window {
   cv::Rect box;
@@ -112,12 +105,13 @@ struct Window {
   const std::uint8_t* rgb(std::size_t p) const { return picture.pixels.data() + 3 * p; }
 };
 
-Window window_of(const StrokeScene& scene, const Piece& piece, const Image& wrong, std::uint8_t side) {
-  const int w = wrong.width, h = wrong.height,
-            reach = std::max(8, static_cast<int>(std::lround(kReach * std::max(w, h))));
-  cv::Rect box = cv::boundingRect(as_mat(wrong));
-  box = cv::Rect(box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach) &
-        cv::Rect(0, 0, w, h);
+cv::Rect grown(const cv::Rect& box, int by, const Image& within) {
+  return cv::Rect(box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by) &
+         cv::Rect(0, 0, within.width, within.height);
+}
+
+Window window_of(const StrokeScene& scene, const Piece& piece, const Image& wrong, std::uint8_t side,
+                 const cv::Rect& box) {
   Window out;
   out.step = std::max(1, static_cast<int>(std::ceil(std::sqrt(box.area() / kWindow))));
   const int nx = (box.width + out.step - 1) / out.step, ny = (box.height + out.step - 1) / out.step;
@@ -243,6 +237,39 @@ double borne_out(const Window& window, const Image& turned) {
   return border > 0 ? edge / border : 1;
 }
 
+// Whether a piece has the colours of what marks it throughout.
+bool of_one_kind(const Window& window, const Image& mask) {
+  ColorModel mine, all;
+  for (std::size_t p = 0; p < window.size(); ++p) {
+    if (window.sure[p]) mine.add(window.rgb(p));
+    if (mask.pixels[p]) all.add(window.rgb(p));
+  }
+  mine.finish();
+  all.finish();
+  long alike = 0, area = 0;
+  for (std::size_t p = 0; p < window.size(); ++p)
+    if (mask.pixels[p]) ++area, alike += 2 * mine.likelihood(window.rgb(p)) >= all.likelihood(window.rgb(p));
+  return alike >= kOneKind * static_cast<double>(area);
+}
+
+// An island or a hole that is a thing of its own: its outline is in the picture, or it is of one kind. A
+// person with a piece of floor is neither.
+bool turns_as_a_whole(const StrokeScene& scene, const Piece& piece, const Image& wrong, std::uint8_t side,
+                      long subject) {
+  if (piece.kept) return false;
+  const double share = static_cast<double>(piece.area) / static_cast<double>(std::max(1L, subject));
+  if (share <= kFree) return true;
+  const bool island = side == 0 && !piece.largest, hole = side == 255 && !piece.at_border && share <= kHole;
+  if (!(island || hole) || !in_the_middle(piece, wrong)) return false;
+  Window window = window_of(scene, piece, wrong, side, grown(piece.box, 4, wrong));
+  Image mask(window.picture.width, window.picture.height, 1);
+  for (std::size_t p = 0; p < window.size(); ++p) {
+    mask.pixels[p] = window.kind[p] == 1 ? 255 : 0;
+    window.kind[p] = window.kind[p] == 1 ? 1 : 0;  // its border to the other side counts
+  }
+  return borne_out(window, mask) >= kBorne || of_one_kind(window, mask);
+}
+
 }  // namespace
 
 SideColors::SideColors(const Image& picture, const Image& sides) {
@@ -261,8 +288,10 @@ StrokeRegion stroke_region(const StrokeScene& scene, const Image& print, std::ui
   if (!any) return {std::move(wrong), 1, false};
   const long subject = area_of(scene.sides);
   const Piece piece = piece_of(scene, wrong, side);
-  if (turns_as_a_whole(piece, wrong, side, subject)) return {piece.mask, 1, true};
-  const Window window = window_of(scene, piece, wrong, side);
+  if (turns_as_a_whole(scene, piece, wrong, side, subject)) return {piece.mask, 1, true};
+  const int reach = std::max(8, static_cast<int>(std::lround(kReach * std::max(wrong.width, wrong.height))));
+  const Window window =
+      window_of(scene, piece, wrong, side, grown(cv::boundingRect(as_mat(wrong)), reach, wrong));
   const Image turned = cut_window(scene, window, side);
   Image region = wrong;
   for (int y = window.box.y; y < window.box.br().y; ++y)

@@ -125,7 +125,7 @@ TEST(RightStrokesReal, TakeATimeThatIsPrinted) {
               1000.0 * static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
 }
 
-TEST(RightStrokesReal, OnACourtThatNothingWasChosenOn) {
+TEST(RightStrokesReal, OnABasketballCourt) {
   const auto folder = real_data("dynamic-basketball");
   FLOATSTAGE_NEEDS_DATA(folder);
   std::vector<Scene> scenes;
