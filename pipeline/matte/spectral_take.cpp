@@ -54,7 +54,11 @@ Result<void> SpectralTake::say(const CameraMatting& matting, const MatteKeyframe
   Result<Image> rgb = to_rgb(*photograph);
   if (!rgb) return forward(rgb);
   const MatteKeyframe seed = seed_of({{keyframe}, {}});
-  const bool seeded = matting.key().kind() == CameraKey::Kind::None && !seed.strokes.empty();
+  const bool none = matting.key().kind() == CameraKey::Kind::None, seeded = none && !seed.strokes.empty();
+  if (none && !seeded) {  // nothing to choose components by: it guides what is carried here
+    said_[frame] = {keyframe, {}};
+    return {};
+  }
   Result<Image> base = video_.matte_alone(
       frame, seeded ? opinion_of(seed, video_.width(), video_.height()) : matting::MatteConstraint());
   if (!base) return forward(base);
@@ -86,6 +90,13 @@ Result<Image> SpectralTake::matte(const CameraMatting& matting, int frame) const
   const auto said = said_.find(frame);
   const bool own = said != said_.end() && said->second.made.matte != said->second.made.base;
   Result<Image> matte = own ? said->second.made.matte : video_.matte(frame);
+  if (matte && said != said_.end() && said->second.made.matte.empty()) {
+    const Result<Image> rgb = to_rgb(*photograph);
+    if (!rgb) return forward(rgb);
+    Result<CameraMatting::Link> guided = matting.guided(frame, *rgb, std::move(*matte));
+    if (!guided) return forward(guided);
+    matte = std::move(guided->matte);
+  }
   if (matte) matting.mask(frame, *matte);
   return matte;
 }
