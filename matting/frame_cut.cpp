@@ -15,7 +15,8 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr float kUnit = 1000;    // whole steps of the cut, which keep it exact and repeatable
+constexpr float kUnit = 1000;  // whole steps of the cut, which keep it exact and repeatable
+constexpr std::uint8_t kSubject = 2;
 constexpr float kFloor = 0.05f;  // of the smoothness: edges are never for nothing
 
 struct Step {
@@ -28,6 +29,10 @@ float difference(const std::uint8_t* a, const std::uint8_t* b) {
   const float r = static_cast<float>(a[0] - b[0]), g = static_cast<float>(a[1] - b[1]),
               u = static_cast<float>(a[2] - b[2]);
   return r * r + g * g + u * u;
+}
+
+bool is_asked(const CutEvidence& evidence, std::size_t p) {
+  return evidence.asked[p] != 0 && evidence.asked[p] != kSubject;
 }
 
 int whole(float v) { return static_cast<int>(std::lround(kUnit * v)); }
@@ -50,12 +55,14 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
           if (x + s.dx < 0 || x + s.dx >= w || y + s.dy >= h) continue;
           const std::size_t p = static_cast<std::size_t>(y) * w + x,
                             q = static_cast<std::size_t>(y + s.dy) * w + static_cast<std::size_t>(x + s.dx);
-          if (evidence.asked[p] || evidence.asked[q]) what(p, q, s.length);
+          if (is_asked(evidence, p) || is_asked(evidence, q)) what(p, q, s.length);
         }
   };
   for (std::size_t p = 0; p < node.size(); ++p)
-    if (evidence.asked[p]) node[p] = nodes++;
+    if (is_asked(evidence, p)) node[p] = nodes++;
   Image out(w, h, 1);
+  for (std::size_t p = 0; p < node.size(); ++p)
+    if (evidence.asked[p] == kSubject) out.pixels[p] = 255;
   if (nodes == 0) return out;
   const auto colour = [&](std::size_t p) { return picture.pixels.data() + 3 * p; };
   each_pair(
@@ -72,8 +79,9 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
     const float weight = static_cast<float>(smooth) * std::max(alike, kFloor) / length;
     if (node[p] >= 0 && node[q] >= 0)
       graph.add_edge(node[p], node[q], whole(weight), whole(weight));
-    else
-      odds[static_cast<std::size_t>(std::max(node[p], node[q]))] -= weight;  // the other one is background
+    else  // the other one is settled
+      odds[static_cast<std::size_t>(std::max(node[p], node[q]))] +=
+          evidence.asked[node[p] >= 0 ? q : p] == kSubject ? weight : -weight;
   });
   for (int i = 0; i < nodes; ++i)
     graph.add_terminals(i, whole(std::max(0.0f, odds[static_cast<std::size_t>(i)])),

@@ -10,7 +10,8 @@ namespace floatstage::matting {
 /// The evidence of one frame, to be cut.
 struct CutEvidence {
   std::vector<float> odds;          ///< a pixel: log of how much likelier subject is than background
-  std::vector<std::uint8_t> asked;  ///< a pixel: 0 is background without being asked, which costs nothing
+  std::vector<std::uint8_t> asked;  ///< a pixel: 0 is background without being asked, which costs nothing, 2
+                                    ///< likewise subject; any other is asked
   std::vector<float> calm;  ///< a pixel: 1; towards 0 where the backdrop itself has an edge, which says
                             ///< nothing about the subject's
 };

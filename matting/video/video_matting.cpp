@@ -93,6 +93,8 @@ struct VideoMatting::Impl {
   Result<Image> small(int frame) const;
   Result<MatteConstraint> likelihood(int frame) const;
   Result<Step> step(int frame, const Image& picture, std::vector<FrameEvidence::Carried> carried) const;
+  Result<Step> step(int frame, const Image& picture, std::vector<FrameEvidence::Carried> carried,
+                    const MatteConstraint& keyframe) const;
   Result<FrameEvidence::Carried> carry(int from, const Step& before, const Image& before_picture, int to,
                                        const Image& picture) const;
   Result<void> walk(int first, int last, int direction, std::map<int, Step>& steps) const;
@@ -126,12 +128,19 @@ Result<MatteConstraint> VideoMatting::Impl::likelihood(int frame) const {
 
 Result<VideoMatting::Impl::Step> VideoMatting::Impl::step(int frame, const Image& picture,
                                                           std::vector<FrameEvidence::Carried> carried) const {
+  const auto found = keyframes.find(frame);
+  return step(frame, picture, std::move(carried),
+              found == keyframes.end() ? MatteConstraint() : found->second);
+}
+
+Result<VideoMatting::Impl::Step> VideoMatting::Impl::step(int frame, const Image& picture,
+                                                          std::vector<FrameEvidence::Carried> carried,
+                                                          const MatteConstraint& keyframe) const {
   const auto components = store->load(frame);
   if (!components) return forward(components);
   auto said = likelihood(frame);
   if (!said) return forward(said);
-  FrameEvidence evidence{{}, std::move(*said), std::move(carried)};
-  if (const auto found = keyframes.find(frame); found != keyframes.end()) evidence.keyframe = found->second;
+  FrameEvidence evidence{keyframe, std::move(*said), std::move(carried)};
   const bool alone = evidence.likelihood.empty() && evidence.carried.empty();
   Result<Selection> selection = fail(ErrorCode::InvalidArgument, "");
   if (alone && evidence.keyframe.empty()) {
@@ -336,6 +345,17 @@ Result<void> VideoMatting::set_keyframe(int frame, const MatteConstraint& opinio
   impl_->keyframes[frame] = scaled(opinion, impl_->small_width, impl_->small_height);
   impl_->make_stale(frame);
   return {};
+}
+
+Result<Image> VideoMatting::matte_alone(int frame, const MatteConstraint& opinion) const {
+  if (frame < 0 || frame >= impl_->usable)
+    return fail(ErrorCode::NotFound, text("frame ", frame, " has no matting components"));
+  const auto photograph = impl_->photograph(frame);
+  if (!photograph) return forward(photograph);
+  const auto made = impl_->step(frame, matting::scaled(*photograph, impl_->small_width, impl_->small_height),
+                                {}, scaled(opinion, impl_->small_width, impl_->small_height));
+  if (!made) return forward(made);
+  return guided_upsample(made->matte, *photograph);
 }
 
 void VideoMatting::remove_keyframe(int frame) {

@@ -94,6 +94,11 @@ class VideoMatting {
   Result<void> set_keyframe(int frame, const MatteConstraint& opinion);
   void remove_keyframe(int frame);
 
+  /// The matte of a frame below usable(), of the photograph's size, from its own components, its likelihood
+  /// and `opinion` (may be empty, of any size) alone, whatever the keyframes; by guess_selection() without
+  /// either. Sets nothing. Errors: those of components() and the clip's callbacks; InvalidArgument as above.
+  Result<Image> matte_alone(int frame, const MatteConstraint& opinion) const;
+
   /// Makes the stale mattes and returns their frames in order. Without keyframes and likelihood the first
   /// frame starts from guess_selection(). Errors: InvalidArgument when the first keyframe marks no subject
   /// and nothing else does; those of components() and the clip's callbacks. Frames made before an error stay.

@@ -39,6 +39,13 @@ void mark(std::vector<bool>& frames, int first, int last) {
 
 bool same_strokes(const CameraEdits& a, const CameraEdits& b) { return strokes_of(a) == strokes_of(b); }
 
+MatteKeyframe seed_of(const CameraEdits& edits) {
+  for (const MatteKeyframe& k : edits.keyframes)
+    for (const MatteStroke& s : k.strokes)
+      if (s.label == MatteLabel::Foreground) return {k.frame, {s}};
+  return {};
+}
+
 std::vector<bool> edited_frames(const CameraEdits& before, const CameraEdits& after, int frames) {
   const Strokes a = strokes_of(before), b = strokes_of(after);
   std::vector<bool> out(static_cast<std::size_t>(frames));
@@ -69,6 +76,10 @@ std::vector<bool> frames_between_keyframes(const CameraEdits& before, const Came
 std::vector<bool> frames_chosen_otherwise(const CameraEdits& before, const CameraEdits& after, int frames) {
   const Strokes a = strokes_of(before), b = strokes_of(after);
   std::vector<bool> out = edited_frames(before, after, frames);
+  // What is carried on from a frame is what strokes have made of what its masks leave.
+  if (!b.empty())
+    for (int f = 0; f < frames; ++f)
+      if (masks_in(before, f) != masks_in(after, f)) mark(out, f - 1, f + 1);
   if (a.empty() != b.empty()) mark(out, 0, frames - 1);
   // Between the two first keyframes the direction turns.
   if (!a.empty() && !b.empty() && a.begin()->first != b.begin()->first)
@@ -78,8 +89,8 @@ std::vector<bool> frames_chosen_otherwise(const CameraEdits& before, const Camer
 
 std::vector<bool> frames_made_otherwise(const std::string& method, const std::string& key,
                                         const CameraEdits& before, const CameraEdits& after, int frames) {
-  // What was cut out from strokes as a whole, other strokes cut out as a whole.
-  if (key == "cut" && !same_strokes(before, after))
+  // What was cut out from a stroke as a whole, another one cuts out as a whole.
+  if (key == "cut" && seed_of(before) != seed_of(after))
     return std::vector<bool>(static_cast<std::size_t>(frames), true);
   if (method == "spectral") return frames_between_keyframes(before, after, frames);
   return method == "consistent" ? edited_frames(before, after, frames)

@@ -10,6 +10,11 @@ namespace floatstage::pipeline {
 /// Whether both say the same by strokes, frame by frame, whatever their masks.
 bool same_strokes(const CameraEdits& a, const CameraEdits& b);
 
+/// The one stroke that a subject is cut out from, or spectral components of a camera without a key are chosen
+/// by: the first that marks subject in the first frame that has one. What is said beyond it guides the mattes
+/// that it makes, so that a stroke more never makes others. No strokes where nothing marks subject.
+MatteKeyframe seed_of(const CameraEdits& edits);
+
 /// For each frame, whether what a person says in that very frame differs: its strokes, or the masks that hold
 /// there.
 std::vector<bool> edited_frames(const CameraEdits& before, const CameraEdits& after, int frames);

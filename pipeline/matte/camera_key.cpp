@@ -15,6 +15,7 @@
 #include "pipeline/camera_still.h"
 #include "pipeline/import/matte_files.h"
 #include "pipeline/keying.h"
+#include "pipeline/matte/affected_frames.h"
 #include "pipeline/matte/camera_plate.h"
 #include "pipeline/matte/matte_how.h"
 #include "pipeline/matte/quick_keyer.h"
@@ -38,12 +39,7 @@ std::vector<fs::path> plate_files(const capture::TakeReader& take, int camera) {
   return files;
 }
 
-bool clicked(const CameraEdits& edits) {
-  for (const MatteKeyframe& k : edits.keyframes)
-    for (const MatteStroke& s : k.strokes)
-      if (s.label == MatteLabel::Foreground) return true;
-  return false;
-}
+bool clicked(const CameraEdits& edits) { return !seed_of(edits).strokes.empty(); }
 
 Result<std::vector<Image>> plates_of(const capture::TakeReader& take, int camera) {
   std::vector<Image> plates;
@@ -164,8 +160,8 @@ Result<CameraKey> CameraKey::cut(capture::TakeReader& take, int camera, const Ca
                                  const std::function<bool()>& go_on) {
   const CameraModel& model = take.rig().cameras[static_cast<std::size_t>(camera)].model;
   std::map<int, matting::MatteConstraint> strokes;
-  for (const MatteKeyframe& k : edits.keyframes)
-    if (!k.strokes.empty()) strokes[k.frame] = opinion_of(k, model.width, model.height);
+  if (const MatteKeyframe seed = seed_of(edits); !seed.strokes.empty())
+    strokes[seed.frame] = opinion_of(seed, model.width, model.height);
   const auto make = [&take, camera, strokes, go_on]() -> Result<std::vector<Image>> {
     Result<std::vector<Image>> mattes =
         matting::segment_clip(clip_of(take, camera), strokes, {}, [&](int, int) { return go_on(); });

@@ -39,9 +39,9 @@ class CameraKey {
   /// subject; absent: the keyer's own number.
   static Result<CameraKey> plate(capture::TakeReader& take, int camera,
                                  std::optional<double> deviations = std::nullopt);
-  /// Followed from the clicks in `edits` through a cluttered place (matting/video/segment_clip.h), as a
-  /// whole, by ready() or the first key(): where all mattes are there it is never needed. `go_on` may stop
-  /// that (Cancelled) and must live as long.
+  /// Followed from the seed of `edits` (seed_of()) through a cluttered place (matting/video/segment_clip.h),
+  /// as a whole, by ready() or the first key(): where all mattes are there it is never needed. `go_on` may
+  /// stop that (Cancelled) and must live as long.
   static Result<CameraKey> cut(capture::TakeReader& take, int camera, const CameraEdits& edits,
                                const std::function<bool()>& go_on);
   /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot;
@@ -59,7 +59,7 @@ class CameraKey {
   Kind kind() const { return kind_; }
   /// How it was made, for reports: "chroma:#2f7a45", "plate:6", "guide", "cut", "none".
   const std::string& spec() const { return spec_; }
-  /// Whether other strokes would make another key.
+  /// Whether another seed would make another key.
   bool uses_strokes() const { return uses_strokes_; }
   /// Null without one.
   const matting::Plate* known_plate() const { return plate_ ? plate_.get() : nullptr; }

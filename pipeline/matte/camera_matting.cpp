@@ -7,22 +7,17 @@
 #include "core/text.h"
 #include "matting/closed_form.h"
 #include "matting/method_selection.h"
-#include "matting/select_connected_components.h"
+#include "pipeline/matte/affected_frames.h"
 
 namespace floatstage::pipeline {
 namespace {
 
-constexpr int kAutoSpots = 4;    // places in the take where auto compares, two photographs each
-constexpr double kReach = 0.04;  // of the picture's longer side: how far parts move from frame to frame
+constexpr int kAutoSpots = 4;  // places in the take where auto compares, two photographs each
 
 // Writes what is known over a matte.
 void overrule(const Image& known, Image& matte) {
   for (std::size_t p = 0; p < known.pixels.size(); ++p)
     if (known.pixels[p] != 128) matte.pixels[p] = known.pixels[p];
-}
-
-bool nothing_known(const Image& map) {
-  return std::all_of(map.pixels.begin(), map.pixels.end(), [](int v) { return v == 128; });
 }
 
 }  // namespace
@@ -36,16 +31,20 @@ CameraMatting::CameraMatting(capture::TakeReader& take, int camera, CameraKey ke
       method_(std::move(method)) {}
 
 bool CameraMatting::follows() const {
-  return key_.kind() != CameraKey::Kind::Cut &&
-         std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(),
+  return std::any_of(edits_.keyframes.begin(), edits_.keyframes.end(),
                      [](const MatteKeyframe& k) { return !k.strokes.empty(); });
+}
+
+bool CameraMatting::leads_to(int frame, int first, int last) const {
+  const int turn = first_keyframe();
+  return frame == turn || (frame > turn ? frame <= last : frame >= first);
 }
 
 void CameraMatting::follow(const std::function<bool()>& go_on,
                            const std::function<Link(int frame, const Link& previous)>& visit) const {
   const int count = take_->frame_count();
-  // Later keyframes choose anew among the parts, but what nobody touches there goes on as it was.
-  const int first = std::clamp(follows() ? first_keyframe() : 0, 0, std::max(0, count - 1));
+  // What is said in later keyframes is added to what comes from the first.
+  const int first = std::clamp(first_keyframe(), 0, std::max(0, count - 1));
   Link previous, at_first;
   const auto step = [&](int frame) {
     Link made = visit(frame, previous);
@@ -66,12 +65,16 @@ int CameraMatting::first_keyframe() const {
   return 0;
 }
 
-Image CameraMatting::said(int frame, int width, int height, bool strokes, bool masks) const {
-  Image map(width, height, 1, 128);
-  for (const MatteKeyframe& k : edits_.keyframes)
-    if (strokes && k.frame == frame) paint_strokes(k.strokes, 1, map);
-  if (masks) paint_masks(edits_.masks, frame, 1, map);
+Image CameraMatting::masks(int frame, const Image& rgb) const {
+  Image map(rgb.width, rgb.height, 1, 128);
+  paint_masks(edits_.masks, frame, 1, map);
   return map;
+}
+
+std::vector<MatteStroke> CameraMatting::strokes(int frame) const {
+  for (const MatteKeyframe& k : edits_.keyframes)
+    if (k.frame == frame) return k.strokes;
+  return {};
 }
 
 Result<Image> CameraMatting::finished(const std::string& method, const Image& rgb, const Image& key,
@@ -88,30 +91,76 @@ Result<Image> CameraMatting::finished(const std::string& method, const Image& rg
   return matte;
 }
 
-Result<Image> CameraMatting::matte(int frame, const Image& previous) const {
-  if (const auto made = compared_.find(frame); made != compared_.end() && edits_ == CameraEdits())
-    return decode_png(std::as_bytes(std::span(made->second)), text("frame ", frame));
+Result<CameraMatting::Shot> CameraMatting::shot(int frame) const {
   Result<Frame> photograph = take_->frame(camera_, frame);
   if (!photograph) return forward(photograph);
-  if (photograph->empty()) return Image();
+  if (photograph->empty()) return Shot();
   Result<Image> rgb = to_rgb(*photograph);
   if (!rgb) return forward(rgb);
+  if (const auto made = compared_.find(frame); made != compared_.end() && edits_.masks.empty()) {
+    Result<Image> base = decode_png(std::as_bytes(std::span(made->second)), text("frame ", frame));
+    if (!base) return forward(base);
+    return Shot{std::move(*rgb), std::move(*base)};
+  }
   Result<Image> key = key_.key(*photograph, frame);
   if (!key) return forward(key);
-  if (key->empty()) return Image();
-  overrule(said(frame, rgb->width, rgb->height, false, true), *key);
-  if (follows()) {
-    Image strokes = said(frame, rgb->width, rgb->height, true, false);
-    if (nothing_known(strokes)) strokes = {};
-    const bool fits = previous.width == key->width && previous.height == key->height;
-    *key = matting::select_connected_components(*key, fits ? previous : Image(), strokes,
-                                                static_cast<int>(kReach * std::max(key->width, key->height)));
-  }
-  return finished(method_, *rgb, *key, said(frame, rgb->width, rgb->height, true, true));
+  if (key->empty()) return Shot();
+  const Image known = masks(frame, *rgb);
+  overrule(known, *key);
+  Result<Image> base = finished(method_, *rgb, *key, known);
+  if (!base) return forward(base);
+  return Shot{std::move(*rgb), std::move(*base)};
 }
 
-void CameraMatting::mask(int frame, Image& matte) const {
-  overrule(said(frame, matte.width, matte.height, true, true), matte);
+Result<CameraMatting::Link> CameraMatting::matte(int frame, const Link& previous) const {
+  Result<Shot> now = shot(frame);
+  if (!now) return forward(now);
+  if (now->base.empty() || !follows()) return Link{frame, std::move(now->base)};
+  matting::CarriedGuidance carried;
+  const Image& base = now->base;
+  const bool fits = previous.matte.width == base.width && previous.matte.height == base.height;
+  if (fits && (previous.base.empty() || previous.base != previous.matte)) {
+    Result<Shot> neighbour = shot(previous.frame);
+    if (!neighbour) return forward(neighbour);
+    if (!neighbour->base.empty())
+      carried = matting::carried_guidance(neighbour->rgb, neighbour->base, previous.matte, now->rgb, base);
+  }
+  return guided(frame, now->rgb, base, masks(frame, now->rgb), carried);
+}
+
+Result<CameraMatting::Link> CameraMatting::guided(int frame, const Image& rgb, Image base) const {
+  return guided(frame, rgb, std::move(base), {}, {});
+}
+
+Result<CameraMatting::Link> CameraMatting::guided(int frame, const Image& rgb, Image base, const Image& fixed,
+                                                  const matting::CarriedGuidance& carried) const {
+  const std::vector<MatteStroke> said = strokes(frame);
+  if (said.empty() && carried.said.empty()) return Link{frame, base, base};
+  Result<matting::GuidedMatte> made = matting::guided_matte(rgb, base, said, fixed, carried);
+  if (!made) return forward(made);
+  Link link{frame, std::move(made->matte), std::move(base)};
+  for (std::size_t i = 0; i < said.size(); ++i)
+    if (made->effects[i] != matting::StrokeEffect::Acted)
+      link.idle.push_back(idle(frame, i, made->effects[i]));
+  std::erase(link.idle, "");
+  return link;
+}
+
+void CameraMatting::mask(int frame, Image& matte) const { overrule(masks(frame, matte), matte); }
+
+// The stroke that a key was made from has acted before.
+std::string CameraMatting::idle(int frame, std::size_t stroke, matting::StrokeEffect effect) const {
+  const std::vector<MatteStroke> all = strokes(frame);
+  const MatteStroke& said = all[stroke];
+  const MatteKeyframe seed = seed_of({{{frame, all}}, {}});
+  const bool seeds = key_.kind() == CameraKey::Kind::None ||
+                     (key_.kind() == CameraKey::Kind::Cut && frame == seed_of(edits_).frame);
+  if (seeds && !seed.strokes.empty() && said == seed.strokes.front()) return {};
+  const char* side = said.label == MatteLabel::Foreground ? "subject" : "background";
+  return text("frame ", frame, ": stroke ", stroke + 1, ", ", side, ", changes nothing: ",
+              effect == matting::StrokeEffect::Outside
+                  ? "it lies outside of the photograph"
+                  : text("all that it marks is ", side, " already, or under a mask"));
 }
 
 Result<std::string> CameraMatting::chosen_method() {

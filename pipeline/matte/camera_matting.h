@@ -8,6 +8,7 @@
 #include "capture/take.h"
 #include "core/matte_edits.h"
 #include "core/result.h"
+#include "matting/guide/guided_matte.h"
 #include "pipeline/matte/camera_key.h"
 
 namespace floatstage::pipeline {
@@ -23,27 +24,34 @@ class CameraMatting {
   /// What it made for that is kept for matte(), packed.
   Result<std::string> chosen_method();
 
-  /// The matte of a frame; empty for a gap. `previous`: the matte of the neighbouring frame that was made
-  /// before, or empty.
-  Result<Image> matte(int frame, const Image& previous) const;
-
-  /// Whether matte() needs the neighbour's: a person has chosen among parts, and the choice is followed; not
-  /// where the key has followed it already.
-  bool follows() const;
-  /// A matte on the way, and whether it differs from the one that was there before (for those who make only
-  /// some again).
+  /// A matte on the way from frame to frame.
   struct Link {
-    Image matte;
-    bool changed = false;
+    int frame = -1;   ///< -1: none
+    Image matte;      ///< empty for a gap
+    Image base = {};  ///< what it was before strokes, or empty: matte() makes it again where it is needed
+    bool changed = false;  ///< whether it differs from the one that was there before, for those who make only
+                           ///< some again
+    std::vector<std::string> idle = {};  ///< sentences: strokes that change nothing in it
   };
+
+  /// The matte of a frame; empty for a gap. `previous`: the neighbouring frame that was made before, or none:
+  /// what strokes have changed there is followed into this one.
+  Result<Link> matte(int frame, const Link& previous) const;
+  /// A matte that was made otherwise, of the photograph's size, with what strokes say about its frame. Masks
+  /// have no say in it.
+  Result<Link> guided(int frame, const Image& rgb, Image base) const;
+  /// Writes the frame's masks over a matte.
+  void mask(int frame, Image& matte) const;
+
+  /// Whether matte() needs the neighbour's: somebody has drawn strokes.
+  bool follows() const;
+  /// Whether the mattes of frames `first` to `last` follow from that of `frame`.
+  bool leads_to(int frame, int first, int last) const;
   /// Goes from the first keyframe to the end and then from it back to the beginning. `visit(frame, previous)`
   /// gets what it returned for the neighbour; a frame without a matte (a gap) is bridged. Stops when
   /// `go_on()` is false.
   void follow(const std::function<bool()>& go_on,
               const std::function<Link(int frame, const Link& previous)>& visit) const;
-
-  /// Writes the frame's masks and strokes over a matte.
-  void mask(int frame, Image& matte) const;
 
   int camera() const { return camera_; }
   const CameraEdits& edits() const { return edits_; }
@@ -53,10 +61,18 @@ class CameraMatting {
   void set_method(std::string method) { method_ = std::move(method); }
 
  private:
+  struct Shot {
+    Image rgb, base;  // empty for a gap
+  };
+  Result<Shot> shot(int frame) const;
+  Result<Link> guided(int frame, const Image& rgb, Image base, const Image& fixed,
+                      const matting::CarriedGuidance& carried) const;
   Result<Image> finished(const std::string& method, const Image& rgb, const Image& key,
                          const Image& known) const;
   int first_keyframe() const;
-  Image said(int frame, int width, int height, bool strokes, bool masks) const;
+  Image masks(int frame, const Image& rgb) const;
+  std::vector<MatteStroke> strokes(int frame) const;
+  std::string idle(int frame, std::size_t stroke, matting::StrokeEffect effect) const;
 
   capture::TakeReader* take_;
   int camera_;

@@ -140,7 +140,7 @@ Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch&
     mine.method = mine.key = how_;
     return {};
   }
-  if (key_ && key_->uses_strokes() && !same_strokes(key_edits_, edits))
+  if (key_ && key_->uses_strokes() && seed_of(key_edits_) != seed_of(edits))
     key_.reset(), spectral_.reset(), prepared_ = false;
   if (!key_) {
     watch.progress("key", 0, 1);
@@ -150,7 +150,8 @@ Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch&
     if (Result<void> ok = key->ready(); !ok) return ok;
     key_.emplace(std::move(*key));
     key_edits_ = edits;
-    const bool other = key_->kind() == CameraKey::Kind::Cut && made_for_ && !same_strokes(*made_for_, edits);
+    const bool other =
+        key_->kind() == CameraKey::Kind::Cut && made_for_ && seed_of(*made_for_) != seed_of(edits);
     if (other) made_for_.reset(), mine.method.clear();
     if (mine.key != key_->spec())
       made_for_.reset(), mine.method.clear();  // a plate was shot since, or there were no mattes
@@ -212,6 +213,7 @@ Result<void> EditedCamera::begin(const CameraEdits& edits, const std::vector<boo
 
 Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const RemakeWatch& watch) {
   failures_.clear();
+  idle_.clear();
   if (const std::vector<bool> wanted = stale(edits);
       std::find(wanted.begin(), wanted.end(), true) == wanted.end() && record().edits == edits)
     return std::vector<int>();
@@ -282,12 +284,12 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
   const int all = static_cast<int>(std::count(wanted.begin(), wanted.end(), true));
   int done = 0;
   const auto go_on = [&] { return !failure && !watch.stopped(); };
-  const auto make = [&](int frame, const Image& previous) -> CameraMatting::Link {
-    Result<Image> matte = matting.matte(frame, previous);
-    CameraMatting::Link link;
-    if (matte) link.matte = *matte;
+  const auto make = [&](int frame, const CameraMatting::Link& previous) -> CameraMatting::Link {
+    Result<CameraMatting::Link> made = matting.matte(frame, previous);
+    CameraMatting::Link link = made ? std::move(*made) : CameraMatting::Link{frame, {}};
     std::lock_guard lock(mutex);
-    const Result<bool> other = put(frame, std::move(matte));
+    idle_.insert(idle_.end(), link.idle.begin(), link.idle.end());
+    const Result<bool> other = put(frame, made ? Result<Image>(link.matte) : forward(made));
     if (!other) failure = failure ? failure : other.error();
     link.changed = other && *other;
     if (link.changed) changed.push_back(frame), watch.made(frame);
@@ -314,12 +316,12 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
       return at(frame - 1) || at(frame + 1);
     };
     matting.follow(go_on, [&](int frame, const CameraMatting::Link& previous) -> CameraMatting::Link {
-      if (forced[static_cast<std::size_t>(frame)] || previous.changed) return make(frame, previous.matte);
+      if (forced[static_cast<std::size_t>(frame)] || previous.changed) return make(frame, previous);
       record().stale.erase(frame);
       if (wanted[static_cast<std::size_t>(frame)]) watch.progress("mattes", ++done, all);
       if (!any_wanted_beyond(frame) || !is_there(file(frame))) return {};
       Result<Image> matte = load_png(file(frame));
-      return {matte ? std::move(*matte) : Image(), false};
+      return {frame, matte ? std::move(*matte) : Image()};
     });
   }
   if (failure) return Unexpected{*failure};
@@ -349,6 +351,7 @@ Result<std::vector<int>> EditedCamera::spectral(const CameraMatting& matting, co
     prepared_ = true;
   }
   if (Result<void> ok = spectral_->say(matting); !ok) return forward(ok);
+  idle_ = spectral_->idle();
   std::vector<int> changed;
   const int all = static_cast<int>(std::count(stale.begin(), stale.end(), true));
   int done = 0;

@@ -55,6 +55,8 @@ class EditedCamera {
   /// cannot be matted are in failures() and have no matte.
   Result<std::vector<int>> remake(const CameraEdits& edits, const RemakeWatch& watch);
   const std::vector<std::string>& failures() const { return failures_; }
+  /// Sentences on the strokes that change nothing in the mattes that the last remake() made.
+  const std::vector<std::string>& idle() const { return idle_; }
   /// From now on mattes of unknown origin may be replaced; their originals are kept in mattes/given/.
   void allow_replacing() { options_.replace = true; }
 
@@ -103,7 +105,7 @@ class EditedCamera {
   CameraEdits key_edits_;  // that it was made for
   std::optional<SpectralTake> spectral_;
   bool prepared_ = false;
-  std::vector<std::string> failures_;
+  std::vector<std::string> failures_, idle_;
 };
 
 }  // namespace floatstage::pipeline

@@ -65,24 +65,29 @@ class Run {
 };
 
 // Makes one matte, or reads it where it is needed and there. Nothing for a gap or a failure.
-Image make(Run& run, MatteJob& job, int frame, const Image& previous) {
+CameraMatting::Link make(Run& run, MatteJob& job, int frame, const CameraMatting::Link& previous) {
+  using Link = CameraMatting::Link;
   const std::size_t f = static_cast<std::size_t>(frame);
   const bool follows = job.matting->follows();
   if (!job.todo[f] && !follows) return {};
   if (!job.todo[f]) {
     // Only what leads to a matte that is made; what nobody asked for is made to be followed, not kept.
-    if (const auto [first, last] = job.reach(); frame < first || frame > last) return {};
-    Result<Image> matte = job.there[f] ? load_png(run.store.layout().matte(job.serial, frame))
-                                       : job.matting->matte(frame, previous);
-    return matte ? std::move(*matte) : Image();
+    if (const auto [first, last] = job.reach(); !job.matting->leads_to(frame, first, last)) return {};
+    if (job.there[f]) {
+      Result<Image> matte = load_png(run.store.layout().matte(job.serial, frame));
+      return matte ? Link{frame, std::move(*matte)} : Link();
+    }
+    Result<Link> matte = job.matting->matte(frame, previous);
+    return matte ? std::move(*matte) : Link();
   }
-  Result<Image> matte = job.matting->matte(frame, previous);
-  if (!matte) return run.failed(job, frame, matte.error()), Image();
-  if (matte->empty()) return run.count(job.report.gaps), Image();
-  if (Result<bool> ok = run.store.put(job.serial, frame, *matte); !ok)
-    return run.failed(job, frame, ok.error()), Image();
-  run.made(job, frame, *matte);
-  return std::move(*matte);
+  Result<Link> made = job.matting->matte(frame, previous);
+  if (!made) return run.failed(job, frame, made.error()), Link();
+  if (made->matte.empty()) return run.count(job.report.gaps), Link();
+  if (Result<bool> ok = run.store.put(job.serial, frame, made->matte); !ok)
+    return run.failed(job, frame, ok.error()), Link();
+  run.made(job, frame, made->matte);
+  job.report.idle.insert(job.report.idle.end(), made->idle.begin(), made->idle.end());
+  return std::move(*made);
 }
 
 // Spectral matting works through a camera as a whole and uses all threads for it.
@@ -93,9 +98,10 @@ Result<void> make_spectral(capture::TakeReader& take, Run& run, MatteJob& job, i
   Result<SpectralTake> spectral = SpectralTake::create(take, job.camera, job.matting->key(),
                                                        spectral_cache(take.layout(), job.serial), threads);
   if (!spectral) return forward(spectral);
-  if (Result<void> ok = spectral->say(*job.matting); !ok) return ok;
   const auto go_on = [&](int) { return !is_cancelled(run.progress); };
   if (Result<void> ok = spectral->prepare(go_on); !ok) return ok;
+  if (Result<void> ok = spectral->say(*job.matting); !ok) return ok;
+  job.report.idle = spectral->idle();
   if (Result<void> ok = spectral->propagate(go_on, first, last); !ok) return ok;
   for (int frame = first; frame <= last && !is_cancelled(run.progress); ++frame) {
     progress.advance();
@@ -156,7 +162,7 @@ void make_items(const capture::TakeReader& take, Run& run, std::vector<MatteJob>
     job.matting->follow([&] { return !run.stopped(); },
                         [&](int frame, const CameraMatting::Link& previous) {
                           progress.advance();
-                          return CameraMatting::Link{make(run, job, frame, previous.matte)};
+                          return make(run, job, frame, previous);
                         });
   });
 }
@@ -275,6 +281,9 @@ Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions
   std::vector<std::string> known;
   for (const MatteJob& job : *jobs)
     if (job.matting && !job.shapes.empty()) note_doubts(job, (*store)->camera(job.serial));
+  for (const MatteJob& job : *jobs)
+    for (const std::string& idle : job.report.idle)
+      report.remarks.push_back(text("camera '", job.serial, "', ", idle));
   for (const MatteJob& job : *jobs)
     if (job.report.made > 0) known.push_back(job.serial);
   if (Result<void> ok = known.empty() ? Result<void>() : (*store)->save(known); !ok && made) made = ok;

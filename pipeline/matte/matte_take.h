@@ -43,7 +43,9 @@ struct CameraMattes {
   double flicker = 0;                    ///< mean |opacity - that of the frame before| over frames in a row
   std::optional<double> hull_agreement;  ///< mean IoU with the hull of the others
   std::optional<ConsistentView> consistent;  ///< means over the instants, of the method of that name
-  std::vector<std::string> failures;         ///< one sentence each, in the order of the frames
+  std::vector<std::string>
+      idle;  ///< strokes that change nothing in the mattes that were made, a sentence each
+  std::vector<std::string> failures;  ///< one sentence each, in the order of the frames
 };
 
 /// Mattes that are not to be trusted, of cameras for which the same is wrong.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pipeline/matte/affected_frames.h"
 #include "pipeline/matte/take_clip.h"
 
 namespace floatstage::pipeline {
@@ -27,23 +28,54 @@ Result<SpectralTake> SpectralTake::create(capture::TakeReader& take, int camera,
 }
 
 Result<void> SpectralTake::say(const CameraMatting& matting) {
-  std::vector<MatteKeyframe> wanted;
+  std::map<int, MatteKeyframe> wanted;
   for (const MatteKeyframe& k : matting.edits().keyframes)
-    if (!k.strokes.empty()) wanted.push_back(k);
-  const auto has = [](const std::vector<MatteKeyframe>& all, const auto& fits) {
-    return std::any_of(all.begin(), all.end(), fits);
-  };
-  for (const MatteKeyframe& old : said_)
-    if (!has(wanted, [&](const MatteKeyframe& k) { return k.frame == old.frame; }))
-      video_.remove_keyframe(old.frame);
-  std::vector<MatteKeyframe> before = std::exchange(said_, {});
-  for (const MatteKeyframe& k : wanted) {
-    if (!has(before, [&](const MatteKeyframe& old) { return old == k; }))
-      if (Result<void> ok = video_.set_keyframe(k.frame, opinion_of(k, video_.width(), video_.height())); !ok)
-        return ok;
-    said_.push_back(k);
+    if (!k.strokes.empty() && k.frame < usable()) wanted[k.frame] = k;
+  for (auto old = said_.begin(); old != said_.end();) {
+    const auto now = wanted.find(old->first);
+    if (now != wanted.end() && now->second == old->second.keyframe) {
+      wanted.erase(now);
+      ++old;
+    } else {
+      video_.remove_keyframe(old->first);
+      old = said_.erase(old);
+    }
   }
+  for (const auto& [frame, keyframe] : wanted)
+    if (Result<void> ok = say(matting, keyframe); !ok) return ok;
   return {};
+}
+
+Result<void> SpectralTake::say(const CameraMatting& matting, const MatteKeyframe& keyframe) {
+  const int frame = keyframe.frame;
+  Result<Frame> photograph = take_->frame(camera_, frame);
+  if (!photograph) return forward(photograph);
+  if (photograph->empty()) return {};
+  Result<Image> rgb = to_rgb(*photograph);
+  if (!rgb) return forward(rgb);
+  const MatteKeyframe seed = seed_of({{keyframe}, {}});
+  const bool none = matting.key().kind() == CameraKey::Kind::None, seeded = none && !seed.strokes.empty();
+  if (none && !seeded) {  // nothing to choose components by: it guides what is carried here
+    said_[frame] = {keyframe, {}};
+    return {};
+  }
+  Result<Image> base = video_.matte_alone(
+      frame, seeded ? opinion_of(seed, video_.width(), video_.height()) : matting::MatteConstraint());
+  if (!base) return forward(base);
+  Result<CameraMatting::Link> made = matting.guided(frame, *rgb, std::move(*base));
+  if (!made) return forward(made);
+  const auto [low, high] = std::minmax_element(made->matte.pixels.begin(), made->matte.pixels.end());
+  const bool says = seeded || made->matte != made->base, tells_apart = *low < 128 && *high >= 128;
+  if (says && tells_apart)
+    if (Result<void> ok = video_.set_keyframe(frame, {made->matte, {}}); !ok) return ok;
+  if (says || !made->idle.empty()) said_[frame] = {keyframe, std::move(*made)};
+  return {};
+}
+
+std::vector<std::string> SpectralTake::idle() const {
+  std::vector<std::string> all;
+  for (const auto& [frame, said] : said_) all.insert(all.end(), said.made.idle.begin(), said.made.idle.end());
+  return all;
 }
 
 Result<void> SpectralTake::propagate(const std::function<bool(int)>& done, int first, int last) {
@@ -55,7 +87,16 @@ Result<Image> SpectralTake::matte(const CameraMatting& matting, int frame) const
   Result<Frame> photograph = take_->frame(camera_, frame);
   if (!photograph) return forward(photograph);
   if (photograph->empty()) return Image();
-  Result<Image> matte = video_.matte(frame);
+  const auto said = said_.find(frame);
+  const bool own = said != said_.end() && said->second.made.matte != said->second.made.base;
+  Result<Image> matte = own ? said->second.made.matte : video_.matte(frame);
+  if (matte && said != said_.end() && said->second.made.matte.empty()) {
+    const Result<Image> rgb = to_rgb(*photograph);
+    if (!rgb) return forward(rgb);
+    Result<CameraMatting::Link> guided = matting.guided(frame, *rgb, std::move(*matte));
+    if (!guided) return forward(guided);
+    matte = std::move(guided->matte);
+  }
   if (matte) matting.mask(frame, *matte);
   return matte;
 }

@@ -2,16 +2,20 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "matting/video/video_matting.h"
 #include "pipeline/matte/camera_matting.h"
 
 namespace floatstage::pipeline {
 
-/// One camera's mattes by spectral video matting: the key is the likelihood, strokes are keyframes, masks
-/// outrank both. `cache` keeps the components, so that a second run only propagates. What was propagated is
-/// kept too: after other edits only what lies between the keyframes concerned is made again. `take` outlives
-/// it. Calls come from one thread.
+/// One camera's mattes by spectral video matting: the key is the likelihood; a keyframe is the matte that the
+/// key, or without one its first stroke on the subject, chooses in that frame by itself, guided by its
+/// strokes (guided_matte()); masks outrank all. `cache` keeps the components, so that a second run only
+/// propagates. What was propagated is kept too: after other edits only what lies between the keyframes
+/// concerned is made again. `take` outlives it. Calls come from one thread.
 class SpectralTake {
  public:
   /// With `threads` workers of about 0.4 GB each. Errors: those of VideoMatting::create().
@@ -20,13 +24,16 @@ class SpectralTake {
 
   /// Components of all frames; `done` as in VideoMatting::prepare().
   Result<void> prepare(const std::function<bool(int frame)>& done) { return video_.prepare(done); }
-  /// What is said now; another call replaces it.
+  /// What is said now, after prepare(); another call replaces it. Errors: those of
+  /// VideoMatting::matte_alone() and guided_matte().
   Result<void> say(const CameraMatting& matting);
   /// Makes the mattes from `first` to `last` that are stale.
   Result<void> propagate(const std::function<bool(int frame)>& done, int first, int last);
-  /// In the photograph's size, masks and strokes written over it; empty for a gap.
+  /// In the photograph's size, masks written over it; empty for a gap.
   Result<Image> matte(const CameraMatting& matting, int frame) const;
 
+  /// Sentences on strokes that change nothing, of what is said now.
+  std::vector<std::string> idle() const;
   int usable() const { return video_.usable(); }
   Result<matting::MattingComponents> components(int frame) const { return video_.components(frame); }
 
@@ -37,7 +44,13 @@ class SpectralTake {
   capture::TakeReader* take_;
   int camera_;
   matting::VideoMatting video_;
-  std::vector<MatteKeyframe> said_;  // those with strokes
+  Result<void> say(const CameraMatting& matting, const MatteKeyframe& keyframe);
+
+  struct Said {
+    MatteKeyframe keyframe;
+    CameraMatting::Link made;
+  };
+  std::map<int, Said> said_;  // keyframes with strokes
 };
 
 /// Where the matting components of a camera are kept.

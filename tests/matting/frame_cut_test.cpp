@@ -70,6 +70,13 @@ TEST(FrameCut, WhoIsNotAskedIsBackground) {
   EXPECT_EQ(cut_frame(Image(4, 4, 3, 90), e, 1), Image(4, 4, 1)) << "nobody is asked";
 }
 
+TEST(FrameCut, WhoIsSettledPullsThoseWhoAreAsked) {
+  CutEvidence e{std::vector<float>(16, -0.2f), std::vector<std::uint8_t>(16, 1), {}};
+  EXPECT_EQ(cut_frame(Image(4, 4, 3, 90), e, 2), Image(4, 4, 1));
+  for (std::size_t p = 0; p < 16; p += 4) e.asked[p] = 2;
+  EXPECT_EQ(cut_frame(Image(4, 4, 3, 90), e, 2), Image(4, 4, 1, 255));
+}
+
 TEST(FrameCut, TheBackdropsOwnEdgesDoNotAttractTheOutline) {
   // Columns 0-3 dark, 4-7 bright; certain background at the left, certain subject at the right, the rest is
   // open.

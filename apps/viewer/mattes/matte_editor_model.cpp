@@ -153,6 +153,7 @@ void MatteEditorModel::end_job() {
     if (made) {
       state_->stale = edited_->stale(last_edits_);
       state_->status = text(serial(), ": ", made->size(), " mattes changed in ", rounded(seconds), " s");
+      if (!edited_->idle().empty()) state_->status += text("; ", edited_->idle().front());
       if (!edited_->failures().empty()) state_->status = edited_->failures().front();
       options_.say(state_->status);
     } else if (made.error().code == ErrorCode::AlreadyExists) {

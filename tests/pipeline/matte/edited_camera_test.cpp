@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
@@ -169,9 +170,52 @@ TEST_F(Editing, StopsFollowingWhereMattesComeOutAsTheyWere) {
   watch.made = [&](int) { ++visited; };
   EXPECT_THAT(edit(*camera, more, watch), IsOkAnd(IsEmpty()));
   EXPECT_EQ(visited, 0);
-  more.keyframes[1].strokes = {
-      on_dancer(), {MatteLabel::Background, 3, {{80, 70}}}};  // a hole for one frame, which does not last
-  EXPECT_THAT(edit(*camera, more), IsOkAnd(ElementsAre(3)));
+  more.keyframes[1].strokes = {on_dancer(), {MatteLabel::Background, 3, {{80, 70}}}};
+  const Result<std::vector<int>> changed = edit(*camera, more);
+  ASSERT_THAT(changed, IsOk());
+  EXPECT_THAT(*changed, testing::Contains(3));
+  for (const int f : *changed) EXPECT_GE(f, 3) << "it goes on from its frame, away from the first keyframe";
+}
+
+long subject_pixels(const Image& matte) {
+  return std::count_if(matte.pixels.begin(), matte.pixels.end(), [](int v) { return v >= 128; });
+}
+
+// A quarter of the dancer is missing in every matte; a click in the middle of it.
+TEST_F(Editing, AClickWithAKeyBringsMoreThanItsPixelsHereAndInTheNeighbours) {
+  const fs::path poor = folder_ / "poor";
+  fs::copy(TakeLayout(*shared_ / "take").truth().mattes(), poor, fs::copy_options::recursive);
+  for (int f = 0; f < kFrames; ++f) {
+    const fs::path file = poor / kSerial / TakeLayout("").matte(kSerial, f).filename();
+    Result<Image> matte = load_png(file);
+    ASSERT_THAT(matte, IsOk());
+    for (int y = 50; y < 75; ++y) std::fill_n(matte->at(0, y), matte->width, std::uint8_t{0});
+    ASSERT_THAT(save_png(*matte, file), IsOk());
+  }
+  EditedCameraOptions o = options("given");
+  o.guide = poor;
+  const auto camera = open(o);
+  ASSERT_THAT(edit(*camera, {}), IsOk());
+  const std::vector<Image> before = mattes_of(take_);
+  ASSERT_THAT(edit(*camera, {{{2, {on_dancer()}}}, {}}), IsOk());
+  EXPECT_THAT(camera->idle(), IsEmpty());
+  const std::vector<Image> after = mattes_of(take_);
+  for (int f = 0; f < kFrames; ++f)
+    EXPECT_GT(subject_pixels(after[f]), subject_pixels(before[f]) + 50) << "frame " << f;
+}
+
+TEST_F(Editing, AClickOnTheSubjectDropsNobodyAndOneOnTheOtherDropsHimInEveryFrame) {
+  const auto camera = open(options("closed-form", true));
+  ASSERT_THAT(edit(*camera, {}), IsOk());
+  const std::vector<Image> before = mattes_of(take_);
+  EXPECT_THAT(edit(*camera, {{{2, {on_dancer()}}}, {}}), IsOkAnd(IsEmpty()));
+  ASSERT_THAT(edit(*camera, {{{2, {on_dancer(), off_stranger()}}}, {}}), IsOk());
+  const std::vector<Image> after = mattes_of(take_);
+  for (int f = 0; f < kFrames; ++f) {
+    EXPECT_EQ(*after[f].at(14, 15), 0) << f;
+    for (int y = 0; y < 120; ++y)
+      for (int x = 40; x < 160; ++x) ASSERT_EQ(*after[f].at(x, y), *before[f].at(x, y)) << "frame " << f;
+  }
 }
 
 TEST_F(Editing, ChangesSpectralMattesBetweenKeyframesOnly) {
@@ -315,12 +359,16 @@ TEST_F(Editing, GoesOnWithMattesThatAreConsistentAcrossCameras) {
   EXPECT_THAT(edit(*camera, {}), IsOkAnd(ElementsAre(2))) << "taken back in its frame alone";
 }
 
-TEST_F(Editing, KeepsTheMattesWhenAKeyframeSaysNothing) {
-  const auto camera = open(options("spectral"));
+TEST_P(EditingBy, KeepsTheMattesAndSaysSoWhenAStrokeChangesNothing) {
+  const auto camera = open(options(GetParam(), GetParam() == "closed-form"));
   ASSERT_THAT(edit(*camera, {}), IsOk());
   const std::vector<Image> before = mattes_of(take_);
-  EXPECT_THAT(edit(*camera, {{{2, {{MatteLabel::Background, 3, {{-90, -90}}}}}}, {}}),
-              FailsWith(ErrorCode::InvalidArgument, "says nothing"));
+  const MatteStroke outside{MatteLabel::Background, 3, {{-90, -90}}},
+      already{MatteLabel::Background, 1, {{150, 110}}};
+  EXPECT_THAT(edit(*camera, {{{2, {outside, already}}}, {}}), IsOkAnd(IsEmpty()));
+  EXPECT_THAT(camera->idle(),
+              ElementsAre(testing::AllOf(HasSubstr("frame 2: stroke 1, background"), HasSubstr("outside")),
+                          testing::AllOf(HasSubstr("frame 2: stroke 2"), HasSubstr("already"))));
   EXPECT_EQ(mattes_of(take_), before);
   ASSERT_THAT(edit(*camera, {}), IsOk());
   EXPECT_EQ(mattes_of(take_), before);

@@ -1,9 +1,14 @@
 // Where a click makes the key, every stroke makes another one: the editor must make what the verb would.
 
+#include <algorithm>
+#include <cstdio>
+
 #include "core/file.h"
+#include "core/matte.h"
 #include "core/png.h"
 #include "pipeline/matte/edited_camera.h"
 #include "pipeline/matte/matte_take.h"
+#include "tests/matting/operator_strokes.h"
 #include "tests/support/clip_take.h"
 
 namespace floatstage::pipeline {
@@ -60,6 +65,56 @@ TEST(EditingACut, MakesTheBytesOfTheVerbAfterEveryStrokeAndMask) {
     EXPECT_EQ(mattes_of(take, kFrames), mattes_of(replay, kFrames)) << "step " << i;
   }
 }
+
+double mean_overlap(const std::vector<Image>& mattes, const std::vector<Image>& truth) {
+  double sum = 0;
+  for (std::size_t f = 0; f < truth.size(); ++f)
+    sum += iou(make_matte({}, mattes[f]), make_matte({}, truth[f]));
+  return sum / static_cast<double>(truth.size());
+}
+
+// The first click cuts the dancer out, or chooses components; each that is right after it may only help, in
+// its frame and in all of them.
+class ClicksWithoutAKey : public testing::TestWithParam<std::string> {};
+
+TEST_P(ClicksWithoutAKey, NeverMakeTheMattesWorse) {
+  constexpr int kFrames = 6;
+  const MatteClip clip = make_clip(studio_cutout(3, 240, 240), cluttered_place(180, 120, 3),
+                                   {.width = 180, .height = 120, .frames = kFrames, .seed = 3, .scale = 0.7});
+  TempFolder folder;
+  const fs::path take = clip_take(folder, clip);
+  Result<std::unique_ptr<EditedCamera>> camera =
+      EditedCamera::open({.take = take, .serial = "cam0", .how = GetParam(), .threads = 2});
+  ASSERT_THAT(camera, IsOk());
+  std::vector<Image> now(kFrames, Image(180, 120, 1));
+  CameraEdits edits;
+  for (const int frame : {2, 2, 2, 4, 4, 3}) {
+    const matting::Operator person(clip.truth[static_cast<std::size_t>(frame)]);
+    const MatteStroke stroke = person.next(now[static_cast<std::size_t>(frame)], false);
+    if (stroke.points.empty()) continue;
+    const auto at = std::find_if(edits.keyframes.begin(), edits.keyframes.end(),
+                                 [&](const MatteKeyframe& k) { return k.frame >= frame; });
+    if (at != edits.keyframes.end() && at->frame == frame)
+      at->strokes.push_back(stroke);
+    else
+      edits.keyframes.insert(at, {frame, {stroke}});
+    ASSERT_THAT(make_folder(TakeLayout(take).mattes()), IsOk());
+    ASSERT_THAT(save_matte_edits({{{"cam0", edits}}}, TakeLayout(take).edits()), IsOk());
+    ASSERT_THAT((*camera)->remake(edits, {}), IsOk());
+    std::vector<Image> made = mattes_of(take, kFrames);
+    const std::size_t f = static_cast<std::size_t>(frame);
+    EXPECT_NE(made[f], now[f]) << "it acts where it was given";
+    EXPECT_GE(mean_overlap({made[f]}, {clip.truth[f]}), mean_overlap({now[f]}, {clip.truth[f]}) - 0.01);
+    EXPECT_GE(mean_overlap(made, clip.truth), mean_overlap(now, clip.truth) - 0.01);
+    std::printf("  %s, frame %d: %.4f\n", GetParam().c_str(), frame, mean_overlap(made, clip.truth));
+    now = std::move(made);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, ClicksWithoutAKey, testing::Values("closed-form", "spectral"),
+                         [](const auto& suite) {
+                           return suite.param == "spectral" ? "Spectral" : "ClosedForm";
+                         });
 
 }  // namespace
 }  // namespace floatstage::pipeline
