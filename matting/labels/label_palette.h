@@ -21,7 +21,7 @@ class LabelPalette {
   /// In nats, by how much each label's colours fit better than those of all labels in the mean, within
   /// ±kMost; `out` has one number a label. 0 for all where nothing was learnt.
   void odds(const std::uint8_t* rgb, std::span<float> out) const;
-  static constexpr float kMost = 2;
+  static constexpr float kMost = 3;
   /// How alike two labels' colours are: the Bhattacharyya coefficient, 1 for the same, 0 for no colour in
   /// common. 0 where nothing was learnt of one.
   double alike(int label, int other) const;

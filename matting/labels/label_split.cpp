@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "matting/labels/label_colors.h"
 #include "matting/labels/label_cut.h"
@@ -17,9 +18,10 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr float kMostSteps = 5;     // halves of the slack: what is further off is no surer
+constexpr float kMostAway = 15;     // nats: what is further off is no unlikelier
+constexpr float kMostOdds = 2;      // nats by which a place's colours speak
 constexpr int kSmallestWindow = 8;  // px to each side of windows of colours …
-constexpr float kWindow = 0.06F;    // … and of the picture's smaller side
+constexpr float kWindow = 0.15F;    // … and of the picture's smaller side
 constexpr float kNever = 1000;      // nats: what a label costs where it may not be
 
 struct Box {
@@ -80,20 +82,24 @@ class Split {
     return evidence_.costs.data() + node_[p] * static_cast<std::size_t>(evidence_.count);
   }
 
+  // Where a label is not, by how far off it is; where it is hidden, by how far inside what hides it.
   void add_hint() {
-    std::vector<std::vector<float>> away;
-    for (int l = 1; l <= split_.labels; ++l)
+    std::vector<std::vector<float>> away, within;
+    for (int l = 1; l <= split_.labels; ++l) {
+      const Image where = crop(split_.where[static_cast<std::size_t>(l - 1)], box_);
       away.push_back(
-          distance_to(box_.width, box_.height, [&](int x, int y) { return *hint_.at(x, y) == l; }));
+          distance_to(box_.width, box_.height, [&](int x, int y) { return *where.at(x, y) != 0; }));
+      within.push_back(
+          distance_to(box_.width, box_.height, [&](int x, int y) { return *where.at(x, y) == 0; }));
+    }
+    const auto slack = static_cast<float>(split_.slack);
     for (std::size_t p = 0; p < matte_.pixels.size(); ++p) {
       if (!evidence_.asked[p]) continue;
+      const std::size_t front = hint_.pixels[p];
       for (std::size_t l = 0; l < away.size(); ++l) {
-        float others = kFarAway;  // to the nearest of another label
-        for (std::size_t k = 0; k < away.size(); ++k)
-          if (k != l) others = std::min(others, away[k][p]);
-        const float d = away[l][p] > 0 ? away[l][p] : -others,
-                    steps = std::clamp(2 * d / static_cast<float>(split_.slack), -kMostSteps, kMostSteps);
-        costs(p)[l] += std::log1p(std::exp(steps));
+        const float off = 2 * away[l][p] / slack,
+                    hidden = front > 0 && front != l + 1 ? within[front - 1][p] / slack : 0;
+        costs(p)[l] += std::min(off + hidden * hidden / 2, kMostAway);
       }
     }
   }
@@ -121,8 +127,11 @@ class Split {
         const std::size_t p = matte_.offset(x, y);
         if (!evidence_.asked[p]) continue;
         colors.odds(x, y, picture_.at(x, y), odds);
+        // A label that was not at this place has no colours there, which says little.
+        const float mean = std::accumulate(odds.begin(), odds.end(), 0.F) / static_cast<float>(odds.size());
         for (std::size_t l = 0; l < odds.size(); ++l)
-          costs(p)[l] -= static_cast<float>(options_.color) * odds[l];
+          costs(p)[l] -=
+              static_cast<float>(options_.color) * std::clamp(odds[l] - mean, -kMostOdds, kMostOdds);
       }
   }
 

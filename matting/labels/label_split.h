@@ -13,8 +13,11 @@ struct LabelSplit {
   const Image& picture;  ///< RGB
   const Image& matte;    ///< one channel: all of them together
   const Image& hint;     ///< of each pixel who is probably seen there, 1 … `labels`; 0: not known
-  double slack = 3;      ///< px by which edges in `hint` are off, as a rule
-  int labels = 2;        ///< 1 to 31
+  /// Of each label where it is, seen or behind others: what `hint` says of a pixel may be wrong in favour of
+  /// labels that are there, too, the more the nearer it is to the edge of the one in front.
+  const std::vector<Image>& where;
+  double slack = 3;  ///< px by which edges in those are off, as a rule
+  int labels = 2;    ///< 1 to 31
   /// Of each pixel, which labels may be there: bit l - 1 for label l. Empty, or 0: any.
   const std::vector<std::uint32_t>& may;
   const LabelPalette& palette;

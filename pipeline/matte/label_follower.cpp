@@ -1,10 +1,10 @@
+#include <cstdio>
+#include <cstdlib>
 // Method:  labels of several subjects, followed in space and cut in pictures, in turns
 // Paper:   Y. Boykov, O. Veksler, R. Zabih, PAMI 2001, for the energies; X. Bai et al., SIGGRAPH 2009, for
 //          colours in local windows
 // Differs: the hint of where a label is comes from voxels of the hull, which know who hides whom
 // ADR:     0298
-
-#include "pipeline/matte/label_follower.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "matting/labels/label_split.h"
+#include "pipeline/matte/label_follower.h"
 #include "pipeline/scene_loader.h"
 
 namespace floatstage::pipeline {
@@ -21,12 +22,12 @@ namespace {
 
 using Costs = recon::LabelVolume::Costs;
 
-constexpr int kVoxels = 150'000;   // in the bounding volume of the first frame
-constexpr float kStep = 2;         // edges that a label's surface moves unforeseen, as a rule: one nat
-constexpr float kMostAway = 6;     // nats: what is further off is no unlikelier
-constexpr float kNobody = 3;       // nats that it costs to be nobody's
+constexpr int kVoxels = 400'000;  // in the bounding volume of the first frame
+constexpr float kStep = 2;        // edges that a label's surface moves unforeseen, as a rule: one nat
+constexpr float kMostAway = 6;    // nats: what is further off is no unlikelier
+constexpr float kNobody = 3;      // nats that it costs to be nobody's
 constexpr float kConfirms = 1, kDenies = 3;  // nats by which a pixel's label speaks for a voxel, or against
-constexpr double kSmooth = 0.7;    // nats, two neighbours of different labels
+constexpr double kSmooth = 0.7;              // nats, two neighbours of different labels
 constexpr int kBeginRounds = 4, kStepRounds = 2, kLooks = 3;
 constexpr double kFade = 0.9;          // of colours, a frame
 constexpr double kInertia = 0.5;       // of motion
@@ -118,6 +119,7 @@ Result<LabelInstant> LabelFollower::open(int frame) const {
   instant.pictures.resize(cameras);
   instant.mattes.resize(cameras);
   instant.labels.resize(cameras);
+  instant.sure.resize(cameras);
   std::vector<Result<void>> read(cameras);
   parallel_for(cameras, threads_, [&](std::size_t c) {
     if ((*mattes)[c].empty()) return;
@@ -244,6 +246,18 @@ void LabelFollower::split(const recon::LabelVolume& volume, const std::vector<st
     if (instant.mattes[c].empty()) return;
     const int camera = static_cast<int>(c);
     const Image hint = volume.picture(camera, voxels);
+    std::vector<Image> where;
+    for (std::size_t l = 1; l <= names_.size(); ++l) {
+      std::vector<std::uint8_t> only = voxels;
+      for (std::uint8_t& v : only) v = v == l;
+      where.push_back(volume.picture(camera, only));
+    }
+    instant.sure[c] = Image(hint.width, hint.height, 1);
+    for (std::size_t p = 0; p < hint.pixels.size(); ++p) {
+      const auto there =
+          std::count_if(where.begin(), where.end(), [&](const Image& w) { return w.pixels[p] != 0; });
+      if (there == 1) instant.sure[c].pixels[p] = hint.pixels[p];
+    }
     const LabelsAllowed* may = nullptr;
     if (given != givens_.end())
       if (const auto of = given->second.find(camera); of != given->second.end()) may = &of->second;
@@ -251,6 +265,7 @@ void LabelFollower::split(const recon::LabelVolume& volume, const std::vector<st
     instant.labels[c] = matting::split_labels({.picture = instant.pictures[c],
                                                .matte = instant.mattes[c],
                                                .hint = hint,
+                                               .where = where,
                                                .slack = std::max(3.0, 1.0 * volume.cell(camera)),
                                                .labels = static_cast<int>(names_.size()),
                                                .may = may ? *may : anything_,
@@ -275,8 +290,7 @@ std::vector<std::uint8_t> LabelFollower::settle(const recon::LabelVolume& volume
     if (near) continue;
     palette_ = matting::LabelPalette(static_cast<int>(names_.size()));
     for (std::size_t c = 0; c < instant.labels.size(); ++c)
-      if (!instant.labels[c].empty())
-        palette_.learn(instant.pictures[c], instant.mattes[c], instant.labels[c]);
+      if (!instant.sure[c].empty()) palette_.learn(instant.pictures[c], instant.mattes[c], instant.sure[c]);
   }
   return voxels;
 }
@@ -304,9 +318,14 @@ void LabelFollower::split_alone(const LabelInstant& from, LabelInstant& instant)
     if (instant.mattes[c].empty()) continue;
     const bool known = !from.labels[c].empty();
     const Image nothing(instant.mattes[c].width, instant.mattes[c].height, 1);
+    const Image& hint = known ? from.labels[c] : nothing;
+    std::vector<Image> where(names_.size(), nothing);
+    for (std::size_t p = 0; p < hint.pixels.size(); ++p)
+      if (hint.pixels[p] > 0) where[hint.pixels[p] - 1U].pixels[p] = 255;
     instant.labels[c] = matting::split_labels({.picture = instant.pictures[c],
                                                .matte = instant.mattes[c],
-                                               .hint = known ? from.labels[c] : nothing,
+                                               .hint = hint,
+                                               .where = where,
                                                .labels = static_cast<int>(names_.size()),
                                                .may = anything_,
                                                .palette = palette_,
@@ -339,13 +358,15 @@ void LabelFollower::finish(const recon::LabelVolume& volume, const std::vector<s
     std::vector<long> n(names_.size() + 1);
     for (const std::uint8_t v : voxels) ++n[v];
     const auto m = volume.merged(voxels, kNear);
-    std::fprintf(stderr, "frame %d voxels %zu edge %.3f none %ld first %ld second %ld merged %.2f %.2f alike %.2f\n", instant.frame, voxels.size(), volume.voxel(), n[0], n[1], n[2], m[1], m[2], palette_.alike(1, 2));
+    std::fprintf(
+        stderr, "frame %d voxels %zu edge %.3f none %ld first %ld second %ld merged %.2f %.2f alike %.2f\n",
+        instant.frame, voxels.size(), volume.voxel(), n[0], n[1], n[2], m[1], m[2], palette_.alike(1, 2));
   }
   for (const double share : volume.merged(voxels, kNear)) instant.merged = std::max(instant.merged, share);
   if (!from || instant.merged > kApart) return;
   palette_.fade(kFade);
   for (std::size_t c = 0; c < instant.labels.size(); ++c)
-    if (!instant.labels[c].empty()) palette_.learn(instant.pictures[c], instant.mattes[c], instant.labels[c]);
+    if (!instant.sure[c].empty()) palette_.learn(instant.pictures[c], instant.mattes[c], instant.sure[c]);
 }
 
 void LabelFollower::doubt(const std::string& why, const std::string& serial, int frame) {

@@ -22,6 +22,7 @@ namespace floatstage::pipeline {
 struct LabelInstant {
   int frame = -1;
   std::vector<Image> pictures, mattes;  ///< by camera: RGB and the sum; empty where there is none
+  std::vector<Image> sure;              ///< labels of the pixels whose rays meet voxels of no other, else 0
   std::vector<Image> labels;            ///< by camera, of its pixels: 0 nobody; empty where there is no sum
   std::vector<std::vector<Eigen::Vector3i>> places;  ///< by label - 1: its voxels
   std::vector<Eigen::Vector3d> motion;               ///< by label - 1: voxels a frame
