@@ -11,8 +11,8 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr int kVoxels = 150'000;  // in the bounding volume, as label_follower.cpp
-constexpr double kSmooth = 0.7;   // likewise, nats
+constexpr int kVoxels = 150'000;  // in the bounding volume: pixels of others are all that they decide
+constexpr double kSmooth = 0.7;   // nats, two neighbours of different labels
 constexpr float kNobody = 0.5F;   // nats: cameras that contradict one another speak of nobody
 
 class ChosenTake final : public capture::TakeReader {

@@ -99,7 +99,7 @@ class Split {
       for (std::size_t l = 0; l < away.size(); ++l) {
         const float off = 2 * away[l][p] / slack,
                     hidden = front > 0 && front != l + 1 ? within[front - 1][p] / slack : 0;
-        costs(p)[l] += std::min(off + hidden * hidden / 2, kMostAway);
+        costs(p)[l] += std::min(off + hidden * hidden / 4, kMostAway);
       }
     }
   }

@@ -29,7 +29,7 @@ struct LabelSplit {
 struct LabelSplitOptions {
   double color = 1;    ///< how much colours of the place count
   double palette = 1;  ///< how much those of a label anywhere count
-  double smooth = 3;   ///< how much edges cost
+  double smooth = 2;   ///< how much edges cost
 };
 
 /// The label of every pixel with any opacity, 0 of the others: the cut of one energy of the distance to the

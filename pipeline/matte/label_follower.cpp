@@ -1,10 +1,10 @@
-#include <cstdio>
-#include <cstdlib>
 // Method:  labels of several subjects, followed in space and cut in pictures, in turns
 // Paper:   Y. Boykov, O. Veksler, R. Zabih, PAMI 2001, for the energies; X. Bai et al., SIGGRAPH 2009, for
 //          colours in local windows
 // Differs: the hint of where a label is comes from voxels of the hull, which know who hides whom
 // ADR:     0298
+
+#include "pipeline/matte/label_follower.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,7 +14,6 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "matting/labels/label_split.h"
-#include "pipeline/matte/label_follower.h"
 #include "pipeline/scene_loader.h"
 
 namespace floatstage::pipeline {
@@ -353,14 +352,6 @@ void LabelFollower::finish(const recon::LabelVolume& volume, const std::vector<s
     }
     const Eigen::Vector3d now = middle(instant.places[l]) - middle(from->places[l]);
     instant.motion[l] = kInertia * from->motion[l] + (1 - kInertia) * now;
-  }
-  if (std::getenv("LAB_DEBUG")) {
-    std::vector<long> n(names_.size() + 1);
-    for (const std::uint8_t v : voxels) ++n[v];
-    const auto m = volume.merged(voxels, kNear);
-    std::fprintf(
-        stderr, "frame %d voxels %zu edge %.3f none %ld first %ld second %ld merged %.2f %.2f alike %.2f\n",
-        instant.frame, voxels.size(), volume.voxel(), n[0], n[1], n[2], m[1], m[2], palette_.alike(1, 2));
   }
   for (const double share : volume.merged(voxels, kNear)) instant.merged = std::max(instant.merged, share);
   if (!from || instant.merged > kApart) return;
