@@ -11,7 +11,7 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr int kVoxels = 150'000;  // in the bounding volume: pixels of others are all that they decide
+constexpr int kVoxels = 150'000;  // in the box of the hull: pixels of others are all that they decide
 constexpr double kSmooth = 0.7;   // nats, two neighbours of different labels
 constexpr float kNobody = 0.5F;   // nats: cameras that contradict one another speak of nobody
 

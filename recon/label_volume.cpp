@@ -15,7 +15,8 @@
 #include "core/label_energy.h"
 #include "core/parallel.h"
 #include "core/text.h"
-#include "recon/bounding_volume.h"
+#include "recon/hull_input.h"
+#include "recon/stage_volume.h"
 
 namespace floatstage::recon {
 namespace {
@@ -66,6 +67,14 @@ class SubjectSums {
   std::vector<std::uint32_t> sums_;
 };
 
+// Where the hull is sought, and how many cameras see every point of it; nothing where it is not bounded.
+std::optional<StageVolume> stage_of(const Rig& rig, std::span<const Matte> mattes) {
+  StageFinder finder;
+  StageVolume stage;
+  if (!finder.find(rig, HullInput(rig, mattes, 1), stage)) return std::nullopt;
+  return stage;
+}
+
 double focal(const CameraModel& m) { return std::max(m.fx, m.fy); }
 
 struct Step {
@@ -99,21 +108,23 @@ bool LabelVolume::inside(const Vector3i& place) const {
 }
 
 double LabelVolume::edge_for(const Rig& rig, std::span<const Matte> mattes, int voxels) {
-  const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, mattes);
-  if (!box || box->isEmpty()) return 0;
-  return std::cbrt(box->sizes().prod() / voxels);
+  const std::optional<StageVolume> stage = stage_of(rig, mattes);
+  if (!stage || stage->box.isEmpty()) return 0;
+  return std::cbrt(stage->box.sizes().prod() / voxels);
 }
 
 Result<LabelVolume> LabelVolume::carve(const Rig& rig, std::span<const Matte> mattes, double voxel,
                                        int labels, int threads) {
-  const std::optional<Eigen::AlignedBox3d> box = bounding_volume(rig, mattes);
-  if (!box) return fail(ErrorCode::BadData, "the silhouettes bound nothing");
+  const std::optional<StageVolume> stage = stage_of(rig, mattes);
+  if (!stage) return fail(ErrorCode::BadData, "the silhouettes bound nothing");
   LabelVolume volume(rig, voxel, labels);
-  if (box->isEmpty()) return volume;
-  if (const double many = (box->sizes() / voxel).prod(); !(many < kMostVoxels))
+  const Eigen::AlignedBox3d& box = stage->box;
+  if (box.isEmpty()) return volume;
+  const int least = std::max(2, stage->cameras);
+  if (const double many = (box.sizes() / voxel).prod(); !(many < kMostVoxels))
     return fail(ErrorCode::BadData, text("the silhouettes bound ", many, " voxels, which are too many"));
-  volume.low_ = (box->min() / voxel).array().floor().cast<int>();
-  volume.count_ = (box->max() / voxel).array().floor().cast<int>().matrix() - volume.low_ + Vector3i::Ones();
+  volume.low_ = (box.min() / voxel).array().floor().cast<int>();
+  volume.count_ = (box.max() / voxel).array().floor().cast<int>().matrix() - volume.low_ + Vector3i::Ones();
   std::vector<SubjectSums> sums;
   for (const Matte& m : mattes) sums.emplace_back(m);
   std::vector<std::vector<Vector3i>> slices(static_cast<std::size_t>(volume.count_.z()));
@@ -133,7 +144,7 @@ Result<LabelVolume> LabelVolume::carve(const Rig& rig, std::span<const Matte> ma
           ++seen;
           denied += !sums[c].any(*at, voxel / there.z() * focal(camera.model));
         }
-        if (seen - denied >= 2 && denied * kMayDeny <= seen) slices[z].push_back(place);
+        if (seen - denied >= least && denied * kMayDeny <= seen) slices[z].push_back(place);
       }
   });
   for (const std::vector<Vector3i>& slice : slices)

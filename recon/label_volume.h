@@ -21,13 +21,13 @@ class LabelVolume {
   /// Costs of each voxel, labels + 1 numbers each, in nats: what a label costs it.
   using Costs = std::vector<float>;
 
-  /// The voxels of edge `voxel` (metres) in the bounding volume of the mattes into whose footprint some
-  /// subject (alpha >= 128) falls in every camera that sees them, of at least two; one camera in ten may deny
-  /// it. Empty mattes are of cameras that do not know. BadData where the silhouettes bound nothing, or so
-  /// much that it takes more than 64 million voxels.
+  /// The voxels of edge `voxel` (metres) in the box in which visual_hull() looks, into whose footprint some
+  /// subject (alpha >= 128) falls in every camera that sees them, of as many as bear witness there; one
+  /// camera in ten may deny it. Empty mattes are of cameras that do not know. BadData where the silhouettes
+  /// bound nothing, or so much that it takes more than 64 million voxels.
   static Result<LabelVolume> carve(const Rig& rig, std::span<const Matte> mattes, double voxel, int labels,
                                    int threads);
-  /// An edge with which the bounding volume of these mattes has about `voxels` voxels, metres; 0 where they
+  /// An edge with which the box of these mattes has about `voxels` voxels, metres; 0 where they
   /// bound nothing.
   static double edge_for(const Rig& rig, std::span<const Matte> mattes, int voxels);
 

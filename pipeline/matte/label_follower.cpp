@@ -21,7 +21,7 @@ namespace {
 
 using Costs = recon::LabelVolume::Costs;
 
-constexpr int kVoxels = 400'000;  // in the bounding volume of the first frame
+constexpr int kVoxels = 400'000;  // in the box of the first hull
 constexpr float kStep = 2;        // edges that a label's surface moves unforeseen, as a rule: one nat
 constexpr float kMostAway = 6;    // nats: what is further off is no unlikelier
 constexpr float kNobody = 3;      // nats that it costs to be nobody's

@@ -91,8 +91,9 @@ TEST_F(TwoBalls, TakesTheLabelsThatItsCamerasSee) {
   const std::vector<std::uint8_t> labels = volume.label(costs, 0.5);
   for (std::size_t v = 0; v < volume.size(); ++v)
     for (int ball = 0; ball < 2; ++ball)
-      if ((middle(volume, v) - Vector3d(kAt[ball], 0, 1)).norm() < kRadius - 0.05)
+      if ((middle(volume, v) - Vector3d(kAt[ball], 0, 1)).norm() < kRadius - 0.05) {
         ASSERT_EQ(labels[v], ball + 1) << middle(volume, v).transpose();
+      }
 }
 
 TEST_F(TwoBalls, IsSeenWithWhatIsInFrontHidingTheRest) {
