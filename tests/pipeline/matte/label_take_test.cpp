@@ -55,6 +55,9 @@ LabelClick click_on(const fs::path& take, const std::string& label, const std::s
   return click;
 }
 
+LabelChoice only(const std::string& label) { return {{label}, {}}; }
+LabelChoice without(std::vector<std::string> labels) { return {{}, std::move(labels)}; }
+
 // IoU over all cameras of these frames.
 double iou_of(const fs::path& take, const std::string& label, int first, int end) {
   const TakeLayout layout(take);
@@ -150,10 +153,9 @@ TEST_F(TwoApart, AreMadeAnewWhenAMatteHasChanged) {
   Image sum = *load_png(layout_.matte("cam01", 1));
   *sum.at(0, 0) = 255;
   ASSERT_THAT(save_png(sum, layout_.matte("cam01", 1)), IsOk());
-  EXPECT_THAT(open_chosen(take_, {.only = {"first"}}),
-              FailsWith(ErrorCode::NotFound, "older than the matte"));
+  EXPECT_THAT(open_chosen(take_, only("first")), FailsWith(ErrorCode::NotFound, "older than the matte"));
   EXPECT_EQ(label_take(take_, {})->made, 32);
-  EXPECT_THAT(open_chosen(take_, {.only = {"first"}}), IsOk());
+  EXPECT_THAT(open_chosen(take_, only("first")), IsOk());
 }
 
 TEST_F(TwoApart, LeaveSomebodysLabelMattesAlone) {
@@ -181,8 +183,8 @@ TEST_F(TwoApart, HaveHullsOfTheirOwn) {
     for (const Eigen::Vector3f& p : scene->mesh.positions) box.extend(p);
     return box;
   };
-  const Eigen::AlignedBox3f all = size_of({}), first = size_of({.only = {"first"}}),
-                            rest = size_of({.without = {"first"}});
+  const Eigen::AlignedBox3f all = size_of({}), first = size_of(only("first")),
+                            rest = size_of(without({"first"}));
   EXPECT_GT(all.sizes().x(), 2);
   EXPECT_LT(first.sizes().x(), 1.2);
   EXPECT_LT(rest.sizes().x(), 1.2);
@@ -212,9 +214,9 @@ TEST_F(TwoApart, AreRefusedWithASentence) {
               FailsWith(ErrorCode::NotFound, "is no folder"));
   EXPECT_FALSE(fs::exists(layout_.label_record())) << "nothing was kept of what was refused";
   ASSERT_THAT(say(good), IsOk());
-  EXPECT_THAT(open_chosen(take_, {.only = {"third"}}),
+  EXPECT_THAT(open_chosen(take_, only("third")),
               FailsWith(ErrorCode::NotFound, "has no label 'third'; it has first, second"));
-  EXPECT_THAT(open_chosen(take_, {.without = {"first", "second"}}),
+  EXPECT_THAT(open_chosen(take_, without({"first", "second"})),
               FailsWith(ErrorCode::InvalidArgument, "nobody is left"));
 }
 
