@@ -8,6 +8,7 @@
 #include "apps/terminal/flags.h"
 #include "apps/terminal/hull_flags.h"
 #include "apps/terminal/interrupt.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/mesh_io.h"
@@ -24,6 +25,7 @@ namespace {
 struct Options {
   std::filesystem::path take, out, json_file;
   std::vector<std::string> cameras;
+  pipeline::LabelChoice labels;
   HullFlags hull;
   int frame = 0, threads = 0, repeat = 1;
 };
@@ -34,13 +36,15 @@ struct Input {
 };
 
 Result<Input> load(const Options& given) {
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(given.take, given.labels);
   if (!take) return forward(take);
   if (given.frame < 0 || given.frame >= (*take)->frame_count()) {
     return fail(ErrorCode::InvalidArgument, text("--frame ", given.frame, ": ", given.take.string(),
                                                  " has frames 0 to ", (*take)->frame_count() - 1));
   }
   Result<std::vector<Matte>> mattes = pipeline::load_mattes(**take, given.frame);
+  if (mattes)
+    mattes = pipeline::silhouettes_of_labels(**take, given.frame, std::move(*mattes), given.threads);
   if (!mattes) return forward(mattes);
   if (given.cameras.empty()) return Input{(*take)->rig(), std::move(*mattes)};
   Input input;
@@ -235,6 +239,7 @@ void add_hull(CLI::App& app, Chosen& chosen) {
   verb->add_option("--frame", options->frame, "Which frame")->capture_default_str()->type_name("N");
   add_out(*verb, options->out, "Write the mesh: .ply or .glb");
   add_cameras(*verb, options->cameras);
+  add_label_choice(*verb, options->labels);
   add_hull_flags(*verb, options->hull);
   verb->add_option("--repeat", options->repeat, "Compute it this often and report the times")
       ->capture_default_str()

@@ -6,6 +6,7 @@
 #include "apps/plan/planned.h"
 #include "apps/terminal/flags.h"
 #include "apps/terminal/hull_flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "apps/verbs.h"
 #include "core/log.h"
@@ -198,6 +199,9 @@ Planned planned(const Options& given) {
           .make = [given](int chunk) -> Result<pipeline::Plan> {
             const Result<pipeline::ProcessOptions> options = options_of(given);
             if (!options) return forward(options);
+            if (!options->labels.everybody())
+              return fail(ErrorCode::InvalidArgument,
+                          "--plan makes the meshes of all together; make those of labels without it");
             return pipeline::plan_process(*options, chunk);
           },
           .made_from = [given] { return pipeline::plan_inputs(given.process.take); },
@@ -209,15 +213,16 @@ Planned planned(const Options& given) {
 
 void add_process(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(app, chosen, "process",
-                            "Every offline stage on a take: mattes, then meshes; does only what is missing",
-                            {"floatstage process take --matte chroma --frames 12",
-                             "floatstage process take --votes strict --redo -j 4"});
+  CLI::App* verb = add_verb(
+      app, chosen, "process", "Every offline stage on a take: mattes, then meshes; does only what is missing",
+      {"floatstage process take --matte chroma --frames 12", "floatstage process take --without man",
+       "floatstage process take --votes strict --redo -j 4"});
   add_take(*verb, options->process.take);
   add_matte_how(*verb, options->how, kUsualMattes);
   add_guide(*verb, options->process.guide);
   add_frames(*verb, options->frames, "all");
   add_cameras(*verb, options->process.cameras, "Only the mattes of these cameras: serials");
+  add_label_choice(*verb, options->process.labels);
   add_added(*verb, options->process.hide_added);
   add_redo(*verb, options->process.redo);
   add_hull_flags(*verb, options->hull);

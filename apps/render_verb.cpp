@@ -4,6 +4,7 @@
 
 #include "apps/plan/planned.h"
 #include "apps/terminal/flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/orbit_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "apps/terminal/renderer_options.h"
@@ -31,6 +32,7 @@ struct Options {
   Size size;
   bool orbit = false, keep_spill = false, exr = false;
   double seconds = 0;
+  pipeline::LabelChoice labels;
   pipeline::FilmOptions film;
   RendererFlags renderer;
   pipeline::OrbitOptions walk;
@@ -112,7 +114,7 @@ Result<void> run(const Options& given) {
     return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
   Result<pipeline::FilmOptions> film = film_options(given);
   if (!film) return forward(film);
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(given.take, given.labels);
   if (!take) return forward(take);
   if (Result<void> ok = suit_cameras(given.renderer, (*take)->rig(), film->renderer); !ok) return forward(ok);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
@@ -162,7 +164,7 @@ Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
     return fail(ErrorCode::InvalidArgument, "--plan makes the whole film; leave out --pictures");
   Result<pipeline::FilmOptions> film = film_options(given);
   if (!film) return forward(film);
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(given.take, given.labels);
   if (!take) return forward(take);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);
@@ -205,8 +207,10 @@ void add_render(CLI::App& app, Chosen& chosen) {
       add_verb(app, chosen, "render", "A camera path through a processed take → H.264 video or stills",
                {"floatstage render take --orbit --turns 2 --height 0.5 -o orbit.mp4",
                 "floatstage render take --path path.json --method linear,floating --size 1280x720 "
-                "-o compare.mp4"});
+                "-o compare.mp4",
+                "floatstage render take --without man --orbit -o woman.mp4"});
   add_take(*verb, options->take);
+  add_label_choice(*verb, options->labels);
   verb->add_flag("--orbit", options->orbit, "Walk around the performer where the cameras stand");
   verb->add_option("--path", options->path_file, "A camera path, of `play` or `path import`")
       ->type_name("FILE");

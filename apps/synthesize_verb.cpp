@@ -15,7 +15,7 @@ namespace {
 struct Options {
   pipeline::SynthesizeOptions synthesize;
   std::filesystem::path json_file;
-  std::string shape = "ring", stage = "green";
+  std::string shape = "ring", stage = "green", cast = "one";
   Size size;
 };
 
@@ -25,6 +25,9 @@ Result<void> run(const Options& given) {
   options.rig.height = given.size.height;
   options.rig.shape = given.shape == "ring" ? RigShape::Ring : RigShape::QuarterDome;
   options.studio.stage = *synthetic_stage(given.stage);
+  options.studio.cast = given.cast == "two"     ? SyntheticCast::Two
+                        : given.cast == "alike" ? SyntheticCast::Alike
+                                                : SyntheticCast::One;
   ProgressBar bar;
   options.progress = &bar;
   if (Result<void> ok = pipeline::synthesize_take(options); !ok) return ok;
@@ -84,6 +87,11 @@ void add_synthesize(CLI::App& app, Chosen& chosen) {
     stages.emplace_back(known.name);
   }
   verb->add_option("--stage", options->stage, stage_help)->capture_default_str()->check(one_of(stages));
+  verb->add_option("--cast", options->cast,
+                   "Who performs: one; two in different clothes who cross; two alike who walk through one "
+                   "another")
+      ->capture_default_str()
+      ->check(one_of({"one", "two", "alike"}));
   verb->add_flag("--depth", s.depth, "Write the true depth maps too");
   add_codec(*verb, s.take.codec);
   add_defect_flags(*verb, s.studio.defects);

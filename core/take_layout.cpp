@@ -101,6 +101,38 @@ std::filesystem::path TakeLayout::matte(std::string_view serial, int frame) cons
   return mattes() / serial / frame_name(frame, ".png");
 }
 
+std::filesystem::path TakeLayout::label_matte(std::string_view serial, std::string_view label,
+                                              int frame) const {
+  return mattes() / serial / label / frame_name(frame, ".png");
+}
+
+TakeLayout TakeLayout::with_labels(std::vector<std::string> labels) const {
+  TakeLayout layout = *this;
+  layout.labels_ = std::move(labels);
+  return layout;
+}
+
+std::vector<std::filesystem::path> TakeLayout::matte_files(std::string_view serial, int frame) const {
+  if (labels_.empty()) return {matte(serial, frame)};
+  std::vector<std::filesystem::path> files;
+  for (const std::string& label : labels_) files.push_back(label_matte(serial, label, frame));
+  return files;
+}
+
+std::filesystem::path TakeLayout::meshes() const {
+  if (labels_.empty()) return folder_ / "meshes";
+  std::string name;
+  for (const std::string& label : labels_) name += (name.empty() ? "" : "+") + label;
+  return folder_ / "meshes" / "labels" / name;
+}
+
+bool is_usable_label(std::string_view name) {
+  constexpr std::size_t kLongest = 64;
+  return !name.empty() && name.size() <= kLongest && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  });
+}
+
 std::filesystem::path TakeLayout::mesh(int frame) const { return meshes() / frame_name(frame, ".ply"); }
 
 std::vector<int> TakeLayout::frames_with_mattes(std::string_view serial) const {

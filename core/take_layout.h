@@ -17,7 +17,9 @@ namespace floatstage {
 ///   take.json  rig.json  <serial>.mkv  <serial>.frames.csv  the recording, never changed again
 ///   quality.json                                            the recorder's verdict
 ///   mattes/<serial>/<frame>.png  meshes/<frame>.ply  renders/  derived by `process`, may be deleted
+///   mattes/<serial>/<label>/<frame>.png                     of several subjects, each one's
 ///   mattes/made.json  meshes/hull.json                      how they were made, from what
+///   mattes/labels.json  mattes/labels/<label>/<serial>/…     how those were made, and from which masks
 ///   mattes/edits.json                                       a person's corrections, never removed
 ///   mattes/given/<serial>/<frame>.png                       a person's mattes that the editor works on
 ///   truth/…                                                 ground truth of a synthetic take, laid out alike
@@ -36,11 +38,22 @@ class TakeLayout {
   }
   std::filesystem::path mattes() const { return folder_ / "mattes"; }
   std::filesystem::path matte(std::string_view serial, int frame) const;
+  /// That of one label alone.
+  std::filesystem::path label_matte(std::string_view serial, std::string_view label, int frame) const;
   std::filesystem::path made_mattes() const { return mattes() / "made.json"; }
   std::filesystem::path mattes_journal() const { return mattes() / "made.log"; }
   std::filesystem::path given_mattes(std::string_view serial) const { return mattes() / "given" / serial; }
   std::filesystem::path edits() const { return mattes() / "edits.json"; }
-  std::filesystem::path meshes() const { return folder_ / "meshes"; }
+  /// How labels were made, and the masks that somebody gave: <label>/<serial>/<frame>.png.
+  std::filesystem::path label_record() const { return mattes() / "labels.json"; }
+  std::filesystem::path label_masks() const { return mattes() / "labels"; }
+  /// The same take with nothing but these labels in it, in the order of the record: meshes lie apart, in
+  /// meshes/labels/<label>+<label>. Whoever reads mattes adds those of the labels up (load_mattes()).
+  TakeLayout with_labels(std::vector<std::string> labels) const;
+  /// What makes the matte of a camera: the sum's file, or, with labels, theirs.
+  std::vector<std::filesystem::path> matte_files(std::string_view serial, int frame) const;
+  const std::vector<std::string>& labels() const { return labels_; }  ///< empty: everything
+  std::filesystem::path meshes() const;
   std::filesystem::path mesh(int frame) const;
   /// The frames whose matte or mesh lies there, ascending, by one look into the folder: a recording's length
   /// says nothing about how many there are. No folder is no frames.
@@ -57,7 +70,12 @@ class TakeLayout {
 
  private:
   std::filesystem::path folder_;
+  std::vector<std::string> labels_;
 };
+
+/// A label's name is that of a folder and a word of the command line: letters, digits, '-' and '_', at most
+/// 64.
+bool is_usable_label(std::string_view name);
 
 /// take.json. `complete` is false while recording: a take cut off by a crash still opens and says so.
 struct TakeManifest {

@@ -84,12 +84,24 @@ Result<MeshState> state_of_mesh(const TakeLayout& layout, const Rig& rig, const 
   return known->second.mattes == *mattes ? MeshState::Kept : MeshState::ToMake;
 }
 
+std::string hash_of_parts(const std::vector<std::string>& hashes) {
+  if (hashes.size() == 1) return hashes.front();
+  std::string all;
+  for (const std::string& hash : hashes) all += hash;
+  return capture::sha256(all);
+}
+
 Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, int frame) {
   MatteHashes all;
   for (const RigCamera& camera : rig.cameras) {
-    const Result<std::optional<std::string>> hash = hash_of(layout.matte(camera.serial, frame));
-    if (!hash) return forward(hash);
-    if (*hash) all[camera.serial] = **hash;
+    std::vector<std::string> hashes;
+    const std::vector<std::filesystem::path> files = layout.matte_files(camera.serial, frame);
+    for (const std::filesystem::path& file : files) {
+      const Result<std::optional<std::string>> hash = hash_of(file);
+      if (!hash) return forward(hash);
+      if (*hash) hashes.push_back(**hash);
+    }
+    if (hashes.size() == files.size()) all[camera.serial] = hash_of_parts(hashes);
   }
   return all;
 }

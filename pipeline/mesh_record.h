@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -45,6 +46,8 @@ enum class MeshState { ToMake, Kept, Others };
 Result<MeshState> state_of_mesh(const TakeLayout& layout, const Rig& rig, const MeshRecord& record,
                                 const std::string& inputs, int frame);
 
+/// Of a matte that is the sum of files: of one file its own.
+std::string hash_of_parts(const std::vector<std::string>& hashes);
 /// Of an instant's mattes as they lie on disk.
 Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, int frame);
 

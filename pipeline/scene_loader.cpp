@@ -17,10 +17,9 @@ namespace floatstage::pipeline {
 namespace {
 
 // Nothing for a camera without a matte.
-Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera, int frame, bool decode,
-                         std::string& hash) {
+Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera,
+                         const std::filesystem::path& file, bool decode, std::string& hash) {
   const RigCamera& of = take.rig().cameras[camera];
-  const std::filesystem::path file = take.layout().matte(of.serial, frame);
   const Result<std::string> bytes = read_file(file);
   if (!bytes && bytes.error().code == ErrorCode::NotFound) return Matte();
   if (!bytes) return forward(bytes);
@@ -37,7 +36,56 @@ Result<Matte> load_matte(const capture::TakeReader& take, std::size_t camera, in
   return make_matte(source, *alpha);
 }
 
+// Of several files, which add up; nothing where one is missing. Its hash is that of theirs, one after the
+// other (mesh_record.h has the same).
+Result<Matte> load_sum(const capture::TakeReader& take, std::size_t camera,
+                       const std::vector<std::filesystem::path>& files, bool decode, std::string& hash) {
+  std::optional<Image> sum;
+  std::vector<std::string> hashes;
+  Matte first;
+  for (const std::filesystem::path& file : files) {
+    std::string one;
+    Result<Matte> matte = load_matte(take, camera, file, decode, one);
+    if (!matte) return matte;
+    if (one.empty()) return Matte();
+    hashes.push_back(std::move(one));
+    if (matte->empty()) continue;
+    if (!sum) {
+      first = *matte;
+      sum = to_image(*matte);
+      continue;
+    }
+    const Image more = to_image(*matte);
+    for (std::size_t p = 0; p < sum->pixels.size(); ++p)
+      sum->pixels[p] = static_cast<std::uint8_t>(std::min(255, sum->pixels[p] + more.pixels[p]));
+  }
+  hash = hash_of_parts(hashes);
+  return sum && files.size() > 1 ? make_matte(first.source, *sum) : first;
+}
+
+// What makes the meshes of these labels.
+std::string process_command(const TakeLayout& layout) {
+  std::string command = "floatstage process " + layout.folder().string();
+  for (const std::string& label : layout.labels())
+    command += (&label == &layout.labels().front() ? " --label " : ",") + label;
+  return command;
+}
+
 }  // namespace
+
+Result<std::vector<Matte>> load_sums(const capture::TakeReader& take, int frame) {
+  std::vector<Result<Matte>> read(take.rig().cameras.size(), Matte());
+  parallel_for(read.size(), 0, [&](std::size_t i) {
+    std::string hash;
+    read[i] = load_matte(take, i, take.layout().matte(take.rig().cameras[i].serial, frame), true, hash);
+  });
+  std::vector<Matte> mattes;
+  for (Result<Matte>& one : read) {
+    if (!one) return forward(one);
+    mattes.push_back(std::move(*one));
+  }
+  return mattes;
+}
 
 Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int frame, MatteHashes* hashes,
                                        const std::vector<bool>& cameras) {
@@ -45,7 +93,8 @@ Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int fram
   std::vector<Result<Matte>> read(rig.cameras.size(), Matte());
   std::vector<std::string> read_hashes(read.size());
   parallel_for(read.size(), 0, [&](std::size_t i) {
-    read[i] = load_matte(take, i, frame, cameras.empty() || cameras[i], read_hashes[i]);
+    const std::vector<std::filesystem::path> files = take.layout().matte_files(rig.cameras[i].serial, frame);
+    read[i] = load_sum(take, i, files, cameras.empty() || cameras[i], read_hashes[i]);
   });
   std::vector<Matte> mattes;
   for (std::size_t i = 0; i < read.size(); ++i) {
@@ -118,7 +167,7 @@ Result<void> SceneLoader::check_age(int frame, const MatteHashes& mattes) {
   const std::string folder = layout.folder().string();
   return fail(ErrorCode::NotFound,
               text("the mesh of frame ", frame, " of ", folder, " is older than the matte of camera '",
-                   *newer, "'; run `floatstage process ", folder, "`"));
+                   *newer, "'; run `", process_command(layout), "`"));
 }
 
 // Of `cameras`; of all, and `cameras` says so, when not every camera has one.
@@ -162,8 +211,8 @@ Result<SceneFrame> SceneLoader::load(int frame, const Choose& choose, bool* chos
   Result<Mesh> mesh = load_ply(take_.layout().mesh(frame));
   const std::string folder = take_.layout().folder().string();
   if (!mesh && mesh.error().code == ErrorCode::NotFound)
-    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", folder,
-                                          " has no mesh yet; run `floatstage process ", folder, "`"));
+    return fail(ErrorCode::NotFound, text("frame ", frame, " of ", folder, " has no mesh yet; run `",
+                                          process_command(take_.layout()), "`"));
   if (!mesh) return forward(mesh);
   scene.mesh = std::move(*mesh);
   std::vector<bool> cameras = choose && !scene.mesh.empty() ? choose(scene.mesh) : std::vector<bool>();

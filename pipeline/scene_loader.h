@@ -25,6 +25,10 @@ namespace floatstage::pipeline {
 Result<std::vector<Matte>> load_mattes(const capture::TakeReader& take, int frame,
                                        MatteHashes* hashes = nullptr, const std::vector<bool>& cameras = {});
 
+/// The mattes of all subjects together, also of a take that labels were chosen from (chosen_take.h), of which
+/// load_mattes() gives theirs alone.
+Result<std::vector<Matte>> load_sums(const capture::TakeReader& take, int frame);
+
 /// Photographs, mattes and mesh of instants of a processed take. What is the same for all of them (the
 /// records of meshes and mattes, the keyers that take the cloth's cast off) is read or made once, and again
 /// when its files have changed. Thread safe; the cameras of an instant are worked on by all cores.

@@ -18,6 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kRoomForTwo = 4.5;                     // metres from the middle to a camera
+constexpr const char* kLabels[] = {"first", "second"};  // of two performers
+
 // Portable float map: grey, little-endian, bottom row first as the format wants it.
 std::string to_pfm(const std::vector<float>& depth, int width, int height) {
   std::string bytes = text("Pf\n", width, " ", height, "\n-1.0\n");
@@ -32,17 +35,25 @@ Result<void> write_truth(const SyntheticShot& shot, const TakeLayout& truth, con
   const fs::path matte = truth.matte(serial, frame);
   if (shot.frame.empty()) return {};
   if (Result<void> ok = save_png(to_image(shot.matte), matte); !ok) return ok;
+  for (std::size_t i = 0; i < shot.matte_of.size(); ++i)
+    if (Result<void> ok = save_png(to_image(shot.matte_of[i]), truth.label_matte(serial, kLabels[i], frame));
+        !ok)
+      return ok;
   if (!depth) return {};
   const fs::path file = truth.folder() / "depth" / serial / matte.filename().replace_extension(".pfm");
   return write_file(file, to_pfm(shot.depth, shot.matte.width, shot.matte.height));
 }
 
-Result<void> write_stage(const SyntheticStudio& studio, const TakeLayout& layout, bool depth) {
+Result<void> write_stage(const SyntheticStudio& studio, const TakeLayout& layout, SyntheticCast cast,
+                         bool depth) {
   if (Result<void> ok = make_folder(layout.truth().meshes()); !ok) return ok;
   if (Result<void> ok = save_rig(studio.true_rig(), layout.truth().rig()); !ok) return ok;
   for (std::size_t i = 0; i < studio.true_rig().cameras.size(); ++i) {
     const std::string& serial = studio.true_rig().cameras[i].serial;
     if (Result<void> ok = make_folder(layout.truth().mattes() / serial); !ok) return ok;
+    for (const char* label : kLabels)
+      if (cast != SyntheticCast::One)
+        if (Result<void> ok = make_folder(layout.truth().mattes() / serial / label); !ok) return ok;
     if (Result<void> ok = make_folder(layout.plate(serial).parent_path()); !ok) return ok;
     if (depth)
       if (Result<void> ok = make_folder(layout.truth().folder() / "depth" / serial); !ok) return ok;
@@ -53,7 +64,12 @@ Result<void> write_stage(const SyntheticStudio& studio, const TakeLayout& layout
 
 }  // namespace
 
-Rig true_rig(const SynthesizeOptions& options) { return synthetic_rig(options.rig); }
+Rig true_rig(const SynthesizeOptions& options) {
+  SyntheticRigOptions rig = options.rig;
+  rig.cast = options.studio.cast;
+  if (rig.cast != SyntheticCast::One) rig.distance = std::max(rig.distance, kRoomForTwo);
+  return synthetic_rig(rig);
+}
 
 Result<void> synthesize_take(const SynthesizeOptions& options) {
   if (options.frames < 1) return fail(ErrorCode::InvalidArgument, "a take needs at least one frame");
@@ -65,7 +81,7 @@ Result<void> synthesize_take(const SynthesizeOptions& options) {
       capture::TakeWriter::create(options.out, studio->published_rig(), take_options);
   if (!writer) return forward(writer);
   const TakeLayout layout(options.out);
-  if (Result<void> ok = write_stage(*studio, layout, options.depth); !ok) return ok;
+  if (Result<void> ok = write_stage(*studio, layout, options.studio.cast, options.depth); !ok) return ok;
 
   const std::vector<RigCamera>& cameras = studio->published_rig().cameras;
   ProgressPart progress(options.progress, "synthesize",

@@ -21,7 +21,8 @@ struct SynthesizeOptions {
 };
 
 /// Writes a take of the synthetic studio: the published rig, photographs, clean plates, and below truth/ the
-/// true rig, mattes, meshes and (on request) depth as PFM (metres, infinity where there is no performer).
+/// true rig, mattes (of two performers also each one's, under the labels "first" and "second"), meshes and
+/// (on request) depth as PFM (metres, infinity where there is no performer).
 Result<void> synthesize_take(const SynthesizeOptions& options);
 
 /// The rig of `options` with the lens defect built in: what SyntheticStudio::create wants.

@@ -4,6 +4,7 @@
 
 #include "apps/export/export_verbs.h"
 #include "apps/terminal/flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "pipeline/export/export_mesh.h"
 #include "pipeline/json_report.h"
@@ -47,6 +48,7 @@ void add_export_mesh(CLI::App& parent, Chosen& chosen) {
                             {"floatstage export mesh take -o take.glb",
                              "floatstage export mesh take --frames 0:50 --up z -o meshes"});
   add_take(*verb, options->mesh.take);
+  add_label_choice(*verb, options->mesh.labels);
   add_out(*verb, options->mesh.out, "A .glb for one animated file, or a new folder for one file a frame")
       ->required();
   add_frames(*verb, options->frames, "all");

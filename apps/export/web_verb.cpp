@@ -4,6 +4,7 @@
 
 #include "apps/export/export_verbs.h"
 #include "apps/terminal/flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "apps/terminal/text_options.h"
 #include "pipeline/export/export_web.h"
@@ -57,6 +58,7 @@ void add_export_web(CLI::App& parent, Chosen& chosen) {
                {"floatstage export web take -o page",
                 "floatstage export web take --frames 0:100:2 --path path.json -o page"});
   add_take(*verb, options->web.take);
+  add_label_choice(*verb, options->web.labels);
   add_out(*verb, options->web.out, "A new folder; open its index.html")->required();
   add_frames(*verb, options->frames, "all");
   verb->add_option("--path", options->path, "A camera path written by `floatstage play`, for a button")

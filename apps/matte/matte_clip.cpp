@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/matte/label_words.h"
 #include "apps/terminal/flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "core/take_layout.h"
@@ -35,23 +36,23 @@ json to_json(const pipeline::MatteClipReport& report) {
 Result<std::vector<pipeline::ClipGuide>> guides_of(const fs::path& guide, const ClipFlags& flags) {
   std::vector<pipeline::ClipGuide> guides;
   if (!guide.empty()) guides.push_back({"subject", guide});
-  for (const std::string& word : flags.labels) {
-    const std::size_t equals = word.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == word.size())
-      return fail(ErrorCode::InvalidArgument,
-                  text("--label '", word, "' names no masks; write woman=mask.png or woman=folder"));
-    guides.push_back({word.substr(0, equals), word.substr(equals + 1)});
-  }
+  const Result<std::vector<NamedPath>> named = named_paths(flags.labels);
+  if (!named) return forward(named);
+  for (const NamedPath& n : *named) guides.push_back({n.name, n.path});
   return guides;
 }
 
 }  // namespace
 
 void add_clip_flags(CLI::App& verb, ClipFlags& clip) {
-  verb.add_option("--label", clip.labels,
-                  "Of a clip: a subject and its masks, a PNG of the first frame or a folder of PNGs; may be "
-                  "given again")
+  verb.add_option(
+          "--label", clip.labels,
+          "A subject and its masks; may be given again. Of a clip: a PNG of the first frame or a folder "
+          "of PNGs; of a take: a folder of <serial>/<frame>.png, of a few cameras and frames")
       ->type_name("NAME=PATH");
+  verb.add_option("--label-click", clip.clicks,
+                  "Of a take: a subject and a place on it, in pixels of a photograph; may be given again")
+      ->type_name("NAME@SERIAL:FRAME:X,Y");
   add_out(verb, clip.out, "Of a clip: a new folder for <label>/<frame>.png");
 }
 
@@ -59,11 +60,15 @@ Result<bool> is_clip(const fs::path& media, const fs::path& guide, const ClipFla
   std::error_code error;
   const bool take = fs::exists(TakeLayout(media).manifest(), error),
              asked = !flags.out.empty() || !flags.labels.empty();
-  if (take && asked)
+  if (take && !flags.out.empty())
     return fail(ErrorCode::InvalidArgument,
                 text(media.string(),
-                     " is a take, whose mattes lie in it; --label and --out are for a video or a "
-                     "folder of pictures"));
+                     " is a take, whose mattes lie in it; --out is for a video or a folder of "
+                     "pictures"));
+  if (!take && !flags.clicks.empty())
+    return fail(
+        ErrorCode::InvalidArgument,
+        text(media.string(), " is no take; --label-click is for one, give a clip masks with --label"));
   const bool clip =
       !take && (asked || fs::is_regular_file(media, error) || fs::is_regular_file(guide, error));
   if (clip && flags.out.empty())

@@ -14,6 +14,7 @@ namespace floatstage::apps {
 struct ClipFlags {
   std::filesystem::path out;
   std::vector<std::string> labels;  ///< "woman=mask.png"
+  std::vector<std::string> clicks;  ///< of a take: "woman@cam00:12:310,200"
 };
 
 void add_clip_flags(CLI::App& verb, ClipFlags& clip);

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/matte/label_words.h"
 #include "apps/matte/matte_clip.h"
 #include "apps/matte/matte_doubts.h"
 #include "apps/matte/matte_verbs.h"
@@ -14,6 +15,7 @@
 #include "core/text.h"
 #include "pipeline/json_report.h"
 #include "pipeline/matte/export_layers.h"
+#include "pipeline/matte/label_take.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/plan/process_plan.h"
 
@@ -80,6 +82,32 @@ Result<pipeline::MatteTakeOptions> options_of(const Options& given) {
   return options;
 }
 
+// The mattes divided among labels, where somebody asked for it, now or before. Returns what is in doubt.
+Result<std::vector<pipeline::MatteDoubt>> matte_labels(const Options& given, ProgressBar& bar) {
+  pipeline::LabelTakeOptions options{
+      .threads = given.matte.threads, .redo = given.matte.redo, .progress = &bar};
+  if (!given.clip.labels.empty() || !given.clip.clicks.empty()) {
+    const Result<std::vector<NamedPath>> masks = named_paths(given.clip.labels);
+    if (!masks) return forward(masks);
+    Result<std::vector<pipeline::LabelClick>> clicks = label_clicks(given.clip.clicks);
+    if (!clicks) return forward(clicks);
+    options.said = {{}, std::move(*clicks)};
+    for (const NamedPath& m : *masks) options.said->masks.push_back({m.name, m.path});
+  }
+  Result<pipeline::LabelTakeReport> report = pipeline::label_take(given.matte.take, options);
+  if (!report) return forward(report);
+  if (report->labels.empty()) return report->doubts;
+  std::string names;
+  for (const std::string& label : report->labels) names += (names.empty() ? "" : ", ") + label;
+  std::printf("%s: from %d photographs that were given; %d mattes made, %d kept", names.c_str(),
+              report->given, report->made, report->kept);
+  if (report->others > 0) std::printf("; %d of unknown origin, used as masks", report->others);
+  std::printf("; %.1f s\n", report->seconds);
+  for (const pipeline::MatteDoubt& d : report->doubts)
+    std::fprintf(stderr, "floatstage: %s\n", sentence(d).c_str());
+  return std::move(report->doubts);
+}
+
 Result<void> run(const Options& given) {
   Result<bool> clip = is_clip(given.matte.take, given.matte.guide, given.clip);
   if (!clip) return forward(clip);
@@ -108,8 +136,6 @@ Result<void> run(const Options& given) {
     std::printf("worst: %s frame %d, IoU %.3f, %.1f %% outside\n", report->worst[i].serial.c_str(),
                 report->worst[i].frame, report->worst[i].iou, 100 * report->worst[i].surplus);
   std::printf("%d mattes in %.1f s, %.3f s each\n", report->made, report->seconds, report->seconds_per_frame);
-  if (!given.json_file.empty())
-    if (Result<void> ok = pipeline::save_json(to_json(*report), given.json_file); !ok) return ok;
   if (!given.layers.out.empty()) {
     pipeline::ExportOptions layers = given.layers;
     layers.take = options.take;
@@ -121,6 +147,11 @@ Result<void> run(const Options& given) {
     if (!written) return forward(written);
     std::printf("%s: %d pictures with straight alpha\n", layers.out.c_str(), *written);
   }
+  Result<std::vector<pipeline::MatteDoubt>> labels = matte_labels(given, bar);
+  if (!labels) return forward(labels);
+  report->doubts.insert(report->doubts.end(), labels->begin(), labels->end());
+  if (!given.json_file.empty())
+    if (Result<void> ok = pipeline::save_json(to_json(*report), given.json_file); !ok) return ok;
   if (failures)
     return fail(ErrorCode::BadData,
                 text(failures, " photographs could not be matted; the mattes of the others are there"));
@@ -170,6 +201,7 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       "Mattes of all cameras of a take, refined and checked against one another; resumable. Of a video or a "
       "folder of pictures: mattes of all frames from masks of a few",
       {"floatstage matte take --matte luminance:30 --frames 12 --json mattes.json",
+       "floatstage matte take --label-click her@cam00:0:310,200 --label-click him@cam00:0:420,210",
        "floatstage matte clip.mp4 --label woman=woman.png --label man=masks -o mattes"});
   add_take(*verb, options->matte.take,
            "The take's folder; its mattes/edits.json is replayed. Or a video, or a folder of pictures");

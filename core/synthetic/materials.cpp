@@ -174,10 +174,28 @@ bool of_the_cloth(const SurfacePoint& p) {
   return p.material == Material::Shirt && p.rest.y() > 0 && p.rest.z() < 0.20f;
 }
 
+// The same patterns in other colours.
+Vector3f other_dress(Material material, const Vector3f& usual) {
+  switch (material) {
+    case Material::Shirt:
+    case Material::Sleeve:
+      return usual.cwiseProduct(Vector3f(0.58f, 0.14f, 0.20f));
+    case Material::Trousers:
+    case Material::Hips:
+      return Vector3f(0.93f, 0.88f, 0.84f) - 0.5f * usual;
+    case Material::Shoe:
+    case Material::Hair:
+      return 0.35f * usual;
+    default:
+      return usual;
+  }
+}
+
 }  // namespace
 
 Vector3f albedo(const SurfacePoint& p, std::uint32_t seed, Dress dress) {
   if (dress == Dress::OfTheCloth && of_the_cloth(p)) return kGreenCloth * weave(p.rest, p.footprint, seed);
+  if (dress == Dress::Other) return other_dress(p.material, albedo(p, seed));
   switch (p.material) {
     case Material::Face:
       return face_albedo(p.rest, p.footprint, seed);

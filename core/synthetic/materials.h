@@ -7,8 +7,8 @@
 namespace floatstage::synthetic {
 
 /// Parts of the clothes may have the colour of the stage's green cloth: the right sleeve, and the lower shirt
-/// in front.
-enum class Dress { Usual, OfTheCloth };
+/// in front. Other: a wine-red shirt, light trousers, dark shoes and hair.
+enum class Dress { Usual, OfTheCloth, Other };
 
 /// What a part of the performer is painted with.
 enum class Material { Face, Skin, Hair, Shirt, Sleeve, Trousers, Hips, Shoe, Strand };

@@ -4,10 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/random.h"
+
 namespace floatstage::synthetic {
 namespace {
 
 using Eigen::Vector3d;
+
+constexpr double kWay = 0.8, kWayTakes = 2;  // metres to each side of the middle; seconds
+constexpr double kApart = 0.7;               // metres between the lines that two walk along
 
 double gauss(double x, double width) { return std::exp(-(x * x) / (width * width)); }
 double smooth(double t) {
@@ -41,21 +46,28 @@ Shell hair_shell() {
 
 }  // namespace
 
-Performer::Performer(std::uint64_t seed) : dance_(choreography(seed)) {
-  add_torso_and_head();
-  for (int side : {1, -1}) add_arm(side);
-  for (int side : {1, -1}) add_leg(side);
+Performer::Performer(std::uint64_t seed, SyntheticCast cast) : cast_(cast), dances_{choreography(seed)} {
+  if (cast != SyntheticCast::One) dances_.push_back(choreography(mix(seed)));
+  for (adding_ = 0; adding_ < bodies(); ++adding_) {
+    add_torso_and_head();
+    for (int side : {1, -1}) add_arm(side);
+    for (int side : {1, -1}) add_leg(side);
+  }
   shell_triangles_ = triangles_.size() / 3;
   shell_vertices_ = rest_.size();
+  for (adding_ = 0; adding_ < bodies(); ++adding_) add_strands(adding_ == 0 ? seed : mix(seed));
+}
 
-  strands_ = loose_strands(seed);
+void Performer::add_strands(std::uint64_t seed) {
   const std::vector<std::uint32_t> prism = strand_triangles();
-  for (const Strand& strand : strands_) {
+  for (const Strand& strand : loose_strands(seed)) {
+    strands_.emplace_back(adding_, strand);
     const auto first = static_cast<std::uint32_t>(rest_.size());
     parts_.push_back({.material = Material::Strand,
                       .variant = strand.color,
                       .first_vertex = first,
-                      .vertices = kStrandVertices});
+                      .vertices = kStrandVertices,
+                      .body = adding_});
     for (int node = 0; node < kStrandNodes; ++node) {
       const double along = strand.length * node / (kStrandNodes - 1);
       for (int k = 0; k < kStrandSides; ++k) rest_.push_back(Vector3d(strand.shade, 0, along).cast<float>());
@@ -67,6 +79,7 @@ Performer::Performer(std::uint64_t seed) : dance_(choreography(seed)) {
 }
 
 void Performer::add(const Shell& shell, Part part) {
+  part.body = adding_;
   part.first_vertex = static_cast<std::uint32_t>(rest_.size());
   part.vertices = static_cast<std::uint32_t>(shell.rest.size());
   for (const Vector3d& p : shell.rest) rest_.push_back(p.cast<float>());
@@ -187,12 +200,25 @@ void Performer::add_leg(int side) {
       {.material = Material::Shoe, .variant = side, .near_bone = foot, .far_bone = foot});
 }
 
+// Of two, each on a line along x of its own, which it faces along when it starts.
+SkeletonPose Performer::pose(int body, double seconds) const {
+  SkeletonPose posed = pose_at(dances_[static_cast<std::size_t>(body)], body_, seconds);
+  if (cast_ == SyntheticCast::One) return posed;
+  const double side = body == 0 ? 1 : -1, apart = alike() ? 0.1 : kApart;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(-side * std::numbers::pi / 2, Vector3d::UnitZ()));
+  const Vector3d place(-side * kWay * std::cos(std::numbers::pi * seconds / kWayTakes), side * apart / 2, 0);
+  for (BonePose& bone : posed.bones) bone = {turn * bone.world_from_bone, turn * bone.origin + place};
+  return posed;
+}
+
 std::vector<Eigen::Vector3f> Performer::positions(double seconds) const {
-  const SkeletonPose pose = pose_at(dance_, body_, seconds);
+  std::vector<SkeletonPose> poses;
+  for (int body = 0; body < bodies(); ++body) poses.push_back(pose(body, seconds));
   std::vector<Eigen::Vector3f> world(rest_.size());
   for (const Part& part : parts_) {
     if (part.material == Material::Strand) continue;
-    const BonePose &from = pose[part.near_bone], &to = pose[part.far_bone];
+    const SkeletonPose& posed = poses[static_cast<std::size_t>(part.body)];
+    const BonePose &from = posed[part.near_bone], &to = posed[part.far_bone];
     for (std::uint32_t i = part.first_vertex; i < part.first_vertex + part.vertices; ++i) {
       const Vector3d p = rest_[i].cast<double>();
       if (part.blend == 0) {
@@ -204,11 +230,12 @@ std::vector<Eigen::Vector3f> Performer::positions(double seconds) const {
       }
     }
   }
-  const std::vector<SkeletonPose> trail =
-      strand_trail([&](double t) { return pose_at(dance_, body_, t); }, seconds);
+  std::vector<std::vector<SkeletonPose>> trails;
+  for (int body = 0; body < bodies(); ++body)
+    trails.push_back(strand_trail([&](double t) { return pose(body, t); }, seconds));
   std::size_t vertex = shell_vertices_;
-  for (const Strand& strand : strands_) {
-    place_strand(strand, trail, seconds, world.data() + vertex);
+  for (const auto& [body, strand] : strands_) {
+    place_strand(strand, trails[static_cast<std::size_t>(body)], seconds, world.data() + vertex);
     vertex += kStrandVertices;
   }
   return world;

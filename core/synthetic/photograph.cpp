@@ -53,7 +53,7 @@ class RowTracer {
 
   struct Pixel {
     Vector3f sum = Vector3f::Zero();
-    int hits = 0;
+    int hits = 0, of_second = 0;
     float depth = std::numeric_limits<float>::infinity();
   };
 
@@ -112,6 +112,7 @@ class RowTracer {
       pixel.sum += scene_.shade(hit, hit.t * metres_per_depth_, options_.spill, options_.seed, options_.dress)
                        .cwiseMin(1.0f);
       ++pixel.hits;
+      pixel.of_second += scene_.performer().part_of_triangle(hit.triangle).body;
     }
     count_ = 0;
   }
@@ -179,8 +180,13 @@ Exposure photograph(const TracingCamera& camera, const StageScene& scene, const 
                     const PhotographOptions& options) {
   const int w = camera.model().width, h = camera.model().height;
   const std::size_t count = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-  Exposure out{w, h, std::vector<Vector3f>(count), std::vector<std::uint8_t>(count, 0),
+  Exposure out{w,
+               h,
+               std::vector<Vector3f>(count),
+               std::vector<std::uint8_t>(count, 0),
+               {},
                std::vector<float>(count, std::numeric_limits<float>::infinity())};
+  if (scene.performer().bodies() > 1) out.alpha_of.assign(2, std::vector<std::uint8_t>(count, 0));
   const std::vector<std::uint8_t> touched = touched_pixels(camera, scene);
   const float rays = static_cast<float>(options.samples_across * options.samples_across);
   RowTracer tracer(camera, scene, options);
@@ -198,6 +204,9 @@ Exposure photograph(const TracingCamera& camera, const StageScene& scene, const 
       const float coverage = static_cast<float>(pixel->hits) / rays;
       out.color[i] = pixel->sum / rays + (1 - coverage) * background;
       out.alpha[i] = static_cast<std::uint8_t>(std::lround(255 * coverage));
+      for (std::size_t body = 0; body < out.alpha_of.size(); ++body)
+        out.alpha_of[body][i] = static_cast<std::uint8_t>(std::lround(
+            255 * static_cast<float>(body == 0 ? pixel->hits - pixel->of_second : pixel->of_second) / rays));
       out.depth[i] = pixel->depth;
       ++pixel;
     }

@@ -20,6 +20,14 @@ enum class SyntheticStage {
   GreenClothes,   ///< Green, and one sleeve and parts of the shirt have the cloth's colour
 };
 
+/// Who is on the stage. Two walk to and fro along x, every two seconds once past one another: side by side
+/// for most cameras of a ring, one hidden by the other for some.
+enum class SyntheticCast {
+  One,    ///< a dancer in the middle
+  Two,    ///< two in different clothes, who pass at 0.7 m
+  Alike,  ///< two in the same clothes, who pass through one another: nothing says who is who afterwards
+};
+
 struct SyntheticStageName {
   SyntheticStage stage;
   std::string_view name, help;

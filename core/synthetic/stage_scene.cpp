@@ -202,7 +202,8 @@ Vector3f StageScene::shade(const Hit& hit, float footprint, float spill, std::ui
     light += w[k] * light_[corner[k]];
     cloth += w[k] * cloth_[corner[k]];
   }
-  const Vector3f color = albedo(point, seed, dress);
+  const bool other = part.body > 0 && !performer_->alike();
+  const Vector3f color = albedo(point, seed, other ? Dress::Other : dress);
   // Square root: albedo is in gamma space, where half the light is not half the value.
   const Vector3f lit = color * (0.10f + 1.12f * std::sqrt(light));
   if (spill == 0) return lit;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 const Eigen::Vector3d kMiddle(0, 0, 1.0);                // of the performer
 constexpr double kHalfHeight = 1.06, kHalfWidth = 0.95;  // metres around the middle that every picture shows
+constexpr double kStep = 0.85;                           // metres that two walk away from the middle
 
 Eigen::Vector3d eye(const SyntheticRigOptions& o, int i) {
   if (o.shape == RigShape::Ring) {
@@ -37,13 +38,16 @@ Eigen::Vector3d eye(const SyntheticRigOptions& o, int i) {
 
 Rig synthetic_rig(const SyntheticRigOptions& o) {
   FLOATSTAGE_CHECK(o.cameras > 0 && o.width > 0 && o.height > 0, "a rig without cameras or pixels");
-  FLOATSTAGE_CHECK(std::isfinite(o.distance) && o.distance > 1 && std::isfinite(o.height_above_floor),
+  FLOATSTAGE_CHECK(std::isfinite(o.distance) && o.distance > (o.cast == SyntheticCast::One ? 1 : 2) &&
+                       std::isfinite(o.height_above_floor),
                    "cameras inside the performer");
   Rig rig;
   for (int i = 0; i < o.cameras; ++i) {
     const Eigen::Vector3d from = eye(o, i);
-    const double distance = (from - kMiddle).norm() - 0.25;  // an arm reaches towards the camera
-    const double focal = distance * std::min(o.height / 2.0 / kHalfHeight, o.width / 2.0 / kHalfWidth);
+    const double step = o.cast == SyntheticCast::One ? 0 : kStep;
+    const double distance = (from - kMiddle).norm() - 0.25 - step;  // an arm reaches towards the camera
+    const double focal =
+        distance * std::min(o.height / 2.0 / kHalfHeight, o.width / 2.0 / (kHalfWidth + step));
     char serial[16];
     std::snprintf(serial, sizeof serial, "cam%02d", i);
     RigCamera camera;

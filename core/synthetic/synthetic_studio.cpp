@@ -58,10 +58,16 @@ bool has_green_cloth(SyntheticStage stage) {
          stage == GreenClothes;
 }
 
-Matte matte_of(const FrameInfo& info, const Exposure& exposure) {
+// A shot's truth.
+void add_truth(const Exposure& exposure, const FrameInfo& info, SyntheticShot& shot) {
   Image alpha(exposure.width, exposure.height, 1);
+  for (const std::vector<std::uint8_t>& of : exposure.alpha_of) {
+    alpha.pixels = of;
+    shot.matte_of.push_back(make_matte(info, alpha));
+  }
   alpha.pixels = exposure.alpha;
-  return make_matte(info, alpha);
+  shot.matte = make_matte(info, alpha);
+  shot.depth = exposure.depth;
 }
 
 }  // namespace
@@ -72,7 +78,7 @@ struct SyntheticStudio::Impl {
         true_rig(rig),
         published(synthetic::with_calibration_error(rig, o.defects.calibration_error, o.seed)),
         sensor{o.seed, o.defects, o.frame_rate},
-        performer(o.seed),
+        performer(o.seed, o.cast),
         room(rig, o.stage, o.seed),
         device(rtcNewDevice("threads=1,set_affinity=0")) {
     for (const RigCamera& c : rig.cameras) {
@@ -182,8 +188,7 @@ SyntheticShot SyntheticStudio::shoot(int camera, int frame) const {
   shot.frame = make_frame(
       info, synthetic::develop(exposure, impl_->sensor.gain(camera), impl_->options.defects.noise,
                                synthetic::key(impl_->options.seed, synthetic::kNoiseKey, camera, frame)));
-  shot.matte = matte_of(info, exposure);
-  shot.depth = exposure.depth;
+  add_truth(exposure, info, shot);
   return shot;
 }
 
@@ -198,8 +203,7 @@ SyntheticShot SyntheticStudio::shoot_view(const View& view, int frame) const {
                             synthetic::photograph_room(camera, impl_->room), impl_->photograph_options());
   SyntheticShot shot;
   shot.frame = make_frame(info, synthetic::develop(exposure, Eigen::Vector3f::Ones(), 0, 0));
-  shot.matte = matte_of(info, exposure);
-  shot.depth = exposure.depth;
+  add_truth(exposure, info, shot);
   return shot;
 }
 

@@ -27,6 +27,7 @@ struct SyntheticRigOptions {
   int width = 640, height = 480;  ///< px
   double distance = 3.0;          ///< metres from the performer's axis
   double height_above_floor = 1.3;
+  SyntheticCast cast = SyntheticCast::One;  ///< pictures show all of it; two need a distance of 4 or more
 };
 
 /// A rig of pinholes around the performer, z up, floor at z = 0, all cameras looking at the middle of the
@@ -52,6 +53,7 @@ struct SyntheticStudioOptions {
   double frame_rate = 25;  ///< of the instants that `frame` numbers
   int samples = 16;        ///< rays a pixel (a square number up to 1024): partial coverage is their mean
   SyntheticStage stage = SyntheticStage::Green;
+  SyntheticCast cast = SyntheticCast::One;
   Defects defects = {};
   /// Asked while pictures are rendered, on the threads that render; once it says yes they are left
   /// unfinished.
@@ -61,8 +63,9 @@ struct SyntheticStudioOptions {
 /// One photograph and its exact truth, all in the camera's own (distorted) pixels. Colour is
 /// alpha * performer + (1 - alpha) * plate. Of a dropped frame there is neither picture nor truth.
 struct SyntheticShot {
-  Frame frame;  ///< Rgb8; status Lost and no pixels when the defect dropped it
-  Matte matte;  ///< share of the pixel's rays that meet the performer, strands included
+  Frame frame;                  ///< Rgb8; status Lost and no pixels when the defect dropped it
+  Matte matte;                  ///< share of the pixel's rays that meet a performer, strands included
+  std::vector<Matte> matte_of;  ///< of each performer, where there are two; they add up to `matte`, ±1
   std::vector<float>
       depth;  ///< width*height, metres along z of the centre ray's first performer hit; +infinity elsewhere
 };
@@ -101,7 +104,8 @@ class SyntheticStudio {
   Image plate(int camera) const;
 
   /// The performer's surface at frame number `frame`: closed, outward-oriented shells that may run through
-  /// one another at joints (strands not included). Topology is the same in all frames.
+  /// one another at joints (strands not included); of two performers one after the other. Topology is the
+  /// same in all frames.
   Mesh performer(int frame) const;
 
  private:

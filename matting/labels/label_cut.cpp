@@ -1,6 +1,5 @@
-// Method:  labels of least energy: expansion moves, each a minimum cut
-// Paper:   Y. Boykov, O. Veksler, R. Zabih, "Fast Approximate Energy Minimization via Graph Cuts", PAMI 2001;
-//          contrast as in Y. Boykov, M.-P. Jolly, "Interactive graph cuts", 2001
+// Method:  labels of least energy, which core/label_energy.h finds
+// Paper:   contrast as in Y. Boykov, M.-P. Jolly, "Interactive graph cuts", 2001
 // Differs: pixels that were not asked are fixed and cost nothing
 // ADR:     0274
 
@@ -10,14 +9,13 @@
 #include <cmath>
 
 #include "core/check.h"
-#include "core/graph_cut.h"
+#include "core/label_energy.h"
 
 namespace floatstage::matting {
 namespace {
 
 constexpr float kUnit = 1000;    // whole steps of the cut, which keep it exact and repeatable
 constexpr float kFloor = 0.05f;  // of the smoothness: edges are never for nothing
-constexpr int kRounds = 3;       // of expansions of all labels; the second hardly changes anything
 
 struct Pair {
   std::size_t p, q;  // at least one of them is asked
@@ -62,54 +60,6 @@ std::vector<Pair> pairs_of(const Image& picture, const std::vector<std::uint8_t>
   return out;
 }
 
-// One move: every asked pixel keeps its label or takes `alpha`, whichever is cheapest for all together.
-// Whether anything changed.
-bool expand(int alpha, const LabelEvidence& e, const std::vector<Pair>& pairs, const std::vector<int>& node,
-            int nodes, GraphCut& graph, Image& labels) {
-  graph.reset(nodes);
-  std::vector<std::int64_t> keep(static_cast<std::size_t>(nodes)), take(static_cast<std::size_t>(nodes));
-  for (std::size_t p = 0; p < node.size(); ++p) {
-    if (node[p] < 0) continue;
-    const std::size_t n = static_cast<std::size_t>(node[p]);
-    const float* costs = e.costs.data() + n * static_cast<std::size_t>(e.count);
-    keep[n] += std::lround(kUnit * costs[labels.pixels[p]]);
-    take[n] += std::lround(kUnit * costs[alpha]);
-  }
-  for (const Pair& pair : pairs) {
-    const int a = labels.pixels[pair.p], b = labels.pixels[pair.q], np = node[pair.p], nq = node[pair.q];
-    // What the pair costs when (p, q) keep or take: 00, 01, 10; both taking costs nothing.
-    const int c00 = a != b ? pair.weight : 0, c01 = a != alpha ? pair.weight : 0,
-              c10 = b != alpha ? pair.weight : 0;
-    if (np >= 0 && nq >= 0) {
-      // c00 + (c10 - c00) p + (0 - c10) q + (c01 + c10 - c00) (1 - p) q, of which the last is an edge.
-      take[static_cast<std::size_t>(np)] += c10 - c00;
-      take[static_cast<std::size_t>(nq)] -= c10;
-      if (const int edge = c01 + c10 - c00; edge > 0) graph.add_edge(nq, np, edge, 0);
-    } else if (np >= 0) {
-      keep[static_cast<std::size_t>(np)] += c00;
-      take[static_cast<std::size_t>(np)] += b != alpha ? pair.weight : 0;
-    } else {
-      keep[static_cast<std::size_t>(nq)] += c00;
-      take[static_cast<std::size_t>(nq)] += a != alpha ? pair.weight : 0;
-    }
-  }
-  // The source's side takes: cut off the source a pixel pays for keeping.
-  for (int n = 0; n < nodes; ++n) {
-    const std::int64_t k = keep[static_cast<std::size_t>(n)], t = take[static_cast<std::size_t>(n)],
-                       least = std::min(k, t);
-    graph.add_terminals(n, static_cast<std::int32_t>(std::min<std::int64_t>(k - least, 1'000'000'000)),
-                        static_cast<std::int32_t>(std::min<std::int64_t>(t - least, 1'000'000'000)));
-  }
-  graph.solve();
-  bool changed = false;
-  for (std::size_t p = 0; p < node.size(); ++p)
-    if (node[p] >= 0 && labels.pixels[p] != alpha && graph.on_source_side(node[p])) {
-      labels.pixels[p] = static_cast<std::uint8_t>(alpha);
-      changed = true;
-    }
-  return changed;
-}
-
 }  // namespace
 
 Image cut_labels(const Image& picture, const LabelEvidence& evidence, double smooth) {
@@ -124,14 +74,29 @@ Image cut_labels(const Image& picture, const LabelEvidence& evidence, double smo
       "evidence of the picture's size");
   Image labels = evidence.labels;
   if (nodes == 0) return labels;
-  const std::vector<Pair> pairs = pairs_of(picture, evidence.asked, smooth);
-  GraphCut graph(nodes, pairs.size());
-  for (int round = 0; round < kRounds; ++round) {
-    bool changed = false;
-    for (int alpha = 0; alpha < evidence.count; ++alpha)
-      changed |= expand(alpha, evidence, pairs, node, nodes, graph, labels);
-    if (!changed) break;
+  LabelEnergy energy{evidence.count, {}, {}};
+  energy.costs.reserve(evidence.costs.size());
+  for (const float cost : evidence.costs) energy.costs.push_back(std::lround(kUnit * cost));
+  std::vector<std::uint8_t> found(static_cast<std::size_t>(nodes));
+  for (std::size_t p = 0; p < node.size(); ++p)
+    if (node[p] >= 0) found[static_cast<std::size_t>(node[p])] = labels.pixels[p];
+  const auto beside = [&](std::size_t p, std::size_t fixed, int weight) {
+    for (int l = 0; l < evidence.count; ++l)
+      if (l != labels.pixels[fixed])
+        energy.costs[static_cast<std::size_t>(node[p]) * static_cast<std::size_t>(evidence.count) +
+                     static_cast<std::size_t>(l)] += weight;
+  };
+  for (const Pair& pair : pairs_of(picture, evidence.asked, smooth)) {
+    if (node[pair.p] >= 0 && node[pair.q] >= 0)
+      energy.pairs.push_back({node[pair.p], node[pair.q], pair.weight});
+    else if (node[pair.p] >= 0)
+      beside(pair.p, pair.q, pair.weight);
+    else
+      beside(pair.q, pair.p, pair.weight);
   }
+  minimize(energy, found);
+  for (std::size_t p = 0; p < node.size(); ++p)
+    if (node[p] >= 0) labels.pixels[p] = found[static_cast<std::size_t>(node[p])];
   return labels;
 }
 

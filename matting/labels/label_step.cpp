@@ -9,41 +9,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-
-#include <opencv2/imgproc.hpp>
 
 #include "matting/labels/label_colors.h"
 #include "matting/labels/label_cut.h"
+#include "matting/labels/label_distance.h"
 
 namespace floatstage::matting {
 namespace {
 
 constexpr int kSmallestWindow = 8;   // px to each side …
 constexpr float kWindowBands = 3;    // … and as a rule: things move that far between two frames
-constexpr float kFar = 1e4f;         // px
 constexpr float kSteps = 30;         // distance that counts, in halves of the slack …
 constexpr float kDoubtfulSteps = 3;  // … and where nothing is known from before
 constexpr float kDoubtfulBands = 4;  // how much further from edges labels are asked again there
-
-// px from each pixel to the nearest one that is `there`; kFar without any.
-std::vector<float> distance_to(int width, int height, const std::function<bool(int x, int y)>& there) {
-  cv::Mat away(height, width, CV_8U);
-  bool any = false;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const bool in = there(x, y);
-      away.at<std::uint8_t>(y, x) = in ? 0 : 255;
-      any |= in;
-    }
-  std::vector<float> out(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), kFar);
-  if (!any) return out;
-  cv::Mat distance;
-  cv::distanceTransform(away, distance, cv::DIST_L2, 3);
-  for (int y = 0; y < height; ++y)
-    std::copy_n(distance.ptr<float>(y), width, out.begin() + static_cast<std::ptrdiff_t>(y) * width);
-  return out;
-}
 
 // px from each pixel's middle to the nearest edge between labels.
 std::vector<float> distance_to_edges(const Image& labels) {

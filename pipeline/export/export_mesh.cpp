@@ -54,7 +54,7 @@ Result<ColoredMesh> colored(const Instant& instant, double spacing, double& metr
 // Calls `use` with each frame's coloured mesh, in order.
 Result<ExportMeshReport> each_frame(const ExportMeshOptions& options,
                                     const std::function<Result<void>(int, double, ColoredMesh)>& use) {
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = open_chosen(options.take, options.labels);
   if (!take) return forward(take);
   const double rate = (*take)->manifest().frame_rate > 0 ? (*take)->manifest().frame_rate : 25;
   SceneLoader loader(**take, true);

@@ -5,12 +5,14 @@
 
 #include "core/glb_scene.h"
 #include "core/result.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
 
 struct ExportMeshOptions {
   std::filesystem::path take;
+  LabelChoice labels = {};    ///< who of it
   std::filesystem::path out;  ///< "*.glb": one animated file; a name without extension: a new folder with a
                               ///< file for each frame, 000000.glb, …
   std::vector<int> frames;    ///< at least one

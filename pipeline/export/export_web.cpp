@@ -143,7 +143,7 @@ std::uintmax_t bytes_below(const fs::path& folder) {
 
 Result<ExportWebReport> export_web(const ExportWebOptions& options) {
   if (Result<void> ok = check(options); !ok) return forward(ok);
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = open_chosen(options.take, options.labels);
   if (!take) return forward(take);
   Result<UnfinishedFolder> out = UnfinishedFolder::begin(options.out);
   if (!out) return forward(out);

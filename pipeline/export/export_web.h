@@ -9,12 +9,14 @@
 
 #include "core/result.h"
 #include "pipeline/camera_path.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
 
 struct ExportWebOptions {
   std::filesystem::path take;
+  LabelChoice labels = {};                      ///< who of it
   std::filesystem::path out;                    ///< a folder that is not there yet, or empty
   std::vector<int> frames;                      ///< at least one
   int quality = 90;                             ///< of the photographs' JPEG, 1 … 100

@@ -15,6 +15,7 @@
 #include "pipeline/json_report.h"
 #include "pipeline/matte/clip_pictures.h"
 #include "pipeline/matte/doubt_picture.h"
+#include "pipeline/matte/mask_of.h"
 #include "pipeline/matte/matte_doubts.h"
 #include "pipeline/unfinished_folder.h"
 
@@ -36,16 +37,6 @@ std::string file_name(int frame) {
   return name;
 }
 
-// One channel: alpha, or brightness.
-Image mask_of(Image picture) {
-  if (picture.channels == 1) return picture;
-  Image out(picture.width, picture.height, 1);
-  const auto channels = static_cast<std::size_t>(picture.channels);
-  for (std::size_t p = 0; p < out.pixels.size(); ++p)
-    out.pixels[p] = picture.pixels[p * channels + (channels == 4 ? 3 : 1)];
-  return out;
-}
-
 Result<void> check(const MatteClipOptions& options) {
   if (options.guides.empty())
     return fail(ErrorCode::InvalidArgument,
@@ -65,7 +56,7 @@ using Keys = std::map<int, matting::LabelMasks>;
 Result<void> add_mask(const fs::path& file, int frame, int label, Keys& keys) {
   Result<Image> mask = load_png(file);
   if (!mask) return forward(mask);
-  keys[frame][label] = mask_of(std::move(*mask));
+  keys[frame][label] = mask_of(*mask);
   return {};
 }
 

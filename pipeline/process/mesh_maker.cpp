@@ -11,6 +11,7 @@
 #include "core/mesh_io.h"
 #include "core/parallel.h"
 #include "core/text.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/made_files.h"
 #include "pipeline/matte/contradiction.h"
@@ -193,6 +194,9 @@ class MeshMaker {
   }
 
  private:
+  // What is left of a sum is nothing to mend.
+  bool everybody() const { return take_.layout().labels().empty(); }
+
   Result<void> work(int frame, std::optional<FrameHull>& hull, char& others) {
     const fs::path file = take_.layout().mesh(frame);
     const Result<MeshState> state = state_of_mesh(take_.layout(), take_.rig(), record_, inputs_, frame);
@@ -205,11 +209,13 @@ class MeshMaker {
   Result<void> make(int frame, const fs::path& file, std::optional<FrameHull>& hull) {
     FrameHull made;
     Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &made.entry.mattes);
+    if (mattes) mattes = silhouettes_of_labels(take_, frame, std::move(*mattes), hull_.threads);
     if (!mattes) return forward(mattes);
     const fs::path whole = temporary_name(file);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
     Result<json> report = make_mesh(take_.rig(), *mattes, added_, hull_, *slot, whole);
-    if (report && !report->at("empty")) report = heal(frame, *mattes, *slot, whole, std::move(*report), made);
+    if (report && !report->at("empty") && everybody())
+      report = heal(frame, *mattes, *slot, whole, std::move(*report), made);
     if (report && report->contains("silhouettes")) evidence_.note(frame, slot->report, *mattes);
     workspaces_.give_back(std::move(slot));
     if (!report) return forward(report);

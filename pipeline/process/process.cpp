@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/hull_record.h"
+#include "pipeline/matte/label_take.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/matte/settle_added.h"
 #include "pipeline/mesh_record.h"
@@ -18,11 +19,10 @@
 namespace floatstage::pipeline {
 namespace {
 
-Result<StageReport> make_mattes(capture::TakeReader& take, const ProcessOptions& options,
-                                ProcessReport& report) {
+Result<void> make_mattes(capture::TakeReader& take, const ProcessOptions& options, ProcessReport& report) {
   Result<MatteReport> made = matte_take(take, matte_options(options));
   if (!made) return forward(made);
-  StageReport stage;
+  StageReport& stage = report.mattes;
   for (CameraMattes& camera : made->cameras) {
     stage.made += camera.made, stage.kept += camera.kept;
     stage.others += camera.others, stage.gaps += camera.gaps;
@@ -31,7 +31,27 @@ Result<StageReport> make_mattes(capture::TakeReader& take, const ProcessOptions&
   report.remarks = std::move(made->remarks);
   report.distrusted = made->distrusted;
   report.doubts = std::move(made->doubts);
-  return stage;
+  return {};
+}
+
+// Mattes that have changed, divided among the take's labels anew.
+Result<void> divide(capture::TakeReader& take, const ProcessOptions& options, ProcessReport& report) {
+  Result<LabelTakeReport> labels =
+      label_take(take, {.threads = options.threads, .redo = false, .progress = options.progress});
+  if (!labels) return forward(labels);
+  std::move(labels->doubts.begin(), labels->doubts.end(), std::back_inserter(report.doubts));
+  return {};
+}
+
+// The take with nobody in it but the chosen labels, whose mattes are made first.
+Result<void> choose_divided(Result<std::unique_ptr<capture::TakeReader>>& take, const ProcessOptions& options,
+                            ProcessReport& report) {
+  if (Result<void> ok = make_mattes(**take, options, report); !ok) return ok;
+  if (Result<void> ok = divide(**take, options, report); !ok) return ok;
+  Result<std::unique_ptr<capture::TakeReader>> chosen = choose(std::move(*take), options.labels);
+  if (!chosen) return forward(chosen);
+  take = std::move(chosen);
+  return {};
 }
 
 // A matte that the key refused to make is no failure any more when the others' evidence made it.
@@ -81,29 +101,32 @@ Result<ProcessReport> process_take(const ProcessOptions& options) {
   if (!claim) return forward(claim);
   const Result<std::vector<std::string>> added = settle_added(*opened, options.hide_added, options.threads);
   if (!added) return forward(added);
+  if (options.fields && !options.labels.everybody())
+    return fail(ErrorCode::InvalidArgument,
+                "fields are made of a take with everybody in it; leave out the labels");
+  ProcessReport report;
+  if (!options.labels.everybody())
+    if (Result<void> ok = choose_divided(opened, options, report); !ok) return forward(ok);
   capture::TakeReader& take = **opened;
   std::vector<int> frames = options.frames;
   for (int f = 0; options.frames.empty() && f < take.frame_count(); ++f) frames.push_back(f);
-  ProcessReport report{.frames = static_cast<int>(frames.size()),
-                       .cameras = static_cast<int>(options.cameras.empty() ? take.rig().cameras.size()
-                                                                           : options.cameras.size()),
-                       .mattes = {},
-                       .meshes = {},
-                       .remarks = {}};
-
+  report.frames = static_cast<int>(frames.size());
+  report.cameras =
+      static_cast<int>(options.cameras.empty() ? take.rig().cameras.size() : options.cameras.size());
   sweep_temporaries(take.layout().meshes());
   Result<MeshRecord> record = load_mesh_record(take.layout());
   if (!record) return forward(record);
   const Result<recon::HullOptions> hull = settle_hull_options(take, options, *record);
   if (!hull) return forward(hull);
-  Result<StageReport> mattes = make_mattes(take, options, report);
-  if (!mattes) return forward(mattes);
-  report.mattes = std::move(*mattes);
+  if (options.labels.everybody())
+    if (Result<void> ok = make_mattes(take, options, report); !ok) return forward(ok);
   report.remarks.insert(report.remarks.begin(), added->begin(), added->end());
   if (Result<void> ok = make_meshes(take, options, *hull, std::move(*record), frames, report); !ok)
     return forward(ok);
   forget_failures(report);
-  if (report.meshes.made > 0 || options.gathered) {
+  if (options.labels.everybody())
+    if (Result<void> ok = divide(take, options, report); !ok) return forward(ok);
+  if (options.labels.everybody() && (report.meshes.made > 0 || options.gathered)) {
     Result<std::vector<std::string>> doubts = pose_doubts(take, frames, options.threads, options.progress);
     if (!doubts) return forward(doubts);
     report.pose_doubts = *std::move(doubts);

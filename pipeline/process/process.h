@@ -7,6 +7,7 @@
 
 #include "capture/take.h"
 #include "core/result.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/mesh_record.h"
 #include "pipeline/process/heal_mattes.h"
@@ -30,7 +31,8 @@ struct ProcessOptions {
   bool redo = false;      ///< make again what we made, with these options; others' files stay
   std::optional<bool> hide_added = {};  ///< MatteTakeOptions::hide_added
   bool fields = false;                  ///< make_fields(), too
-  Progress* progress = nullptr;         ///< null: unwatched
+  LabelChoice labels = {};       ///< whose meshes are made, in place of those of all; not with `fields`
+  Progress* progress = nullptr;  ///< null: unwatched
 };
 
 /// What one stage did. made + kept + gaps + failures = items.
@@ -73,7 +75,8 @@ MatteTakeOptions matte_options(const ProcessOptions& options);
 /// independent and run in parallel. One bad frame does not stop the others: it is reported, and the result is
 /// an error only when nothing can go on (unwritable, disk full, other options than before without `redo`).
 /// Mattes of ours that the others contradict are cut anew by the others' evidence (MatteHealer); silhouettes
-/// that they contradict still are named, with pictures in meshes/faults.
+/// that they contradict still are named, with pictures in meshes/faults. Where labels were given, mattes are
+/// divided among them anew when they have changed (label_take()).
 Result<ProcessReport> process_take(const ProcessOptions& options);
 
 }  // namespace floatstage::pipeline

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "pipeline/label_record.h"
+
+namespace floatstage::apps {
+
+/// A word "NAME=PATH".
+struct NamedPath {
+  std::string name;
+  std::filesystem::path path;
+};
+
+/// What --label says. InvalidArgument for a word without a name or a path.
+Result<std::vector<NamedPath>> named_paths(const std::vector<std::string>& words);
+
+/// What --label-click says: NAME@SERIAL:FRAME:X,Y. InvalidArgument for any other word.
+Result<std::vector<pipeline::LabelClick>> label_clicks(const std::vector<std::string>& words);
+
+}  // namespace floatstage::apps

@@ -1,0 +1,317 @@
+#include "pipeline/matte/label_take.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "capture/sha256.h"
+#include "core/file.h"
+#include "core/file_presence.h"
+#include "core/png.h"
+#include "core/text.h"
+#include "matting/labels/label_split.h"
+#include "pipeline/derived_files.h"
+#include "pipeline/made_files.h"
+#include "pipeline/matte/doubt_picture.h"
+#include "pipeline/matte/label_follower.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostLabels = 31;  // bits of LabelsAllowed, and one to spare
+constexpr int kDoubtWidth = 960;         // px
+
+// The labels that were named, in the order in which they were.
+Result<std::vector<std::string>> names_in(const LabelsSaid& said) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& label) {
+    if (std::find(names.begin(), names.end(), label) == names.end()) names.push_back(label);
+  };
+  for (const LabelMasks& m : said.masks) add(m.label);
+  for (const LabelClick& c : said.clicks) add(c.label);
+  for (const std::string& label : names)
+    if (!is_usable_label(label))
+      return fail(
+          ErrorCode::InvalidArgument,
+          text("'", label,
+               "' cannot be a label: letters, digits, '-' and '_', at most 64, since it names a folder"));
+  if (names.size() < 2 || names.size() > kMostLabels)
+    return fail(ErrorCode::InvalidArgument,
+                text("a take's mattes are divided among 2 to ", kMostLabels, " labels, and ", names.size(),
+                     names.size() == 1 ? " was given; give one to everybody on stage" : " were given"));
+  return names;
+}
+
+// The folder in which work is done, beside what it is for; gone when it is.
+class Scratch {
+ public:
+  explicit Scratch(const TakeLayout& layout) : folder_(layout.mattes() / ".labels.tmp") { clear(); }
+  ~Scratch() { clear(); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  void clear() const {
+    std::error_code error;
+    fs::remove_all(folder_, error);
+  }
+  const fs::path folder_;
+};
+
+// A folder by another, or by none where that is not there.
+Result<void> replace(const fs::path& folder, const fs::path& by) {
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (!error && is_there(by)) fs::rename(by, folder, error);
+  if (!error) return {};
+  return fail(ErrorCode::Io, text("cannot write ", folder.string(), ": ", error.message()));
+}
+
+// What is said now: masks, copied to `folder`, and the rest, in the record.
+Result<void> note(const capture::TakeReader& take, const LabelsSaid& said, const fs::path& folder,
+                  LabelRecord& record) {
+  Result<std::vector<std::string>> names = names_in(said);
+  if (!names) return forward(names);
+  for (const LabelMasks& masks : said.masks) {
+    const auto each = [&](int camera, int frame, const Image& mask) -> Result<void> {
+      const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
+      const fs::path file = folder / masks.label / serial / take.layout().matte(serial, frame).filename();
+      if (Result<void> ok = make_folder(file.parent_path()); !ok) return ok;
+      return save_png(mask, file);
+    };
+    if (Result<void> ok = read_label_masks(take, masks, each); !ok) return ok;
+  }
+  record.labels = std::move(*names);
+  record.clicks = said.clicks;
+  return {};
+}
+
+Result<LabelRecord::Hashes> sums_of(const capture::TakeReader& take) {
+  LabelRecord::Hashes sums;
+  for (const RigCamera& c : take.rig().cameras)
+    for (const int frame : take.layout().frames_with_mattes(c.serial)) {
+      if (frame >= take.frame_count()) break;
+      const Result<std::optional<std::string>> hash = hash_of(take.layout().matte(c.serial, frame));
+      if (!hash) return forward(hash);
+      if (*hash) sums[c.serial][frame] = **hash;
+    }
+  if (!sums.empty()) return sums;
+  return fail(ErrorCode::NotFound,
+              text(take.layout().folder().string(),
+                   " has no mattes to divide among labels; run `floatstage matte` first"));
+}
+
+std::string hash_of_inputs(const capture::TakeReader& take, const LabelRecord& record,
+                           std::vector<std::string> masks) {
+  std::string all = take.manifest().rig_sha256;
+  for (const std::string& label : record.labels) all += "\n" + label;
+  for (const LabelClick& c : record.clicks)
+    all += text("\n", c.label, " ", c.serial, " ", c.frame, " ", c.x, " ", c.y);
+  std::sort(masks.begin(), masks.end());
+  for (const std::string& m : masks) all += "\n" + m;
+  return capture::sha256(all);
+}
+
+class LabelJob {
+ public:
+  LabelJob(capture::TakeReader& take, const LabelTakeOptions& options, LabelRecord before, fs::path scratch)
+      : take_(take),
+        options_(options),
+        layout_(take.layout()),
+        before_(std::move(before)),
+        scratch_(std::move(scratch)) {}
+
+  Result<LabelTakeReport> run(LabelRecord record, const LabelGivens& givens) {
+    record_ = std::move(record);
+    report_.labels = record_.labels;
+    for (const auto& [frame, cameras] : givens) report_.given += static_cast<int>(cameras.size());
+    const Result<bool> there = all_there();
+    if (!there) return forward(there);
+    if (*there && !options_.redo) {
+      report_.kept = count(record_.files) + report_.others;
+    } else {
+      if (Result<void> ok = make(givens); !ok) return forward(ok);
+    }
+    if (Result<void> ok = speak(); !ok) return forward(ok);
+    return std::move(report_);
+  }
+
+ private:
+  static int count(const std::map<std::string, LabelRecord::Hashes>& files) {
+    int n = 0;
+    for (const auto& [label, cameras] : files)
+      for (const auto& [serial, frames] : cameras) n += static_cast<int>(frames.size());
+    return n;
+  }
+
+  Result<bool> others(const std::string& label, const std::string& serial, int frame) const {
+    return is_others_label_matte(layout_, before_, label, serial, frame);
+  }
+
+  // Whether every label matte is there, and was made from what is there now.
+  Result<bool> all_there() {
+    bool all =
+        before_.inputs == record_.inputs && before_.sums == record_.sums && before_.labels == record_.labels;
+    for (const auto& [serial, frames] : record_.sums)
+      for (const auto& [frame, hash] : frames)
+        for (const std::string& label : record_.labels) {
+          const Result<bool> theirs = others(label, serial, frame);
+          if (!theirs) return theirs;
+          report_.others += *theirs;
+          all = all && (*theirs || is_there(layout_.label_matte(serial, label, frame)));
+        }
+    if (all) record_.files = before_.files, record_.doubts = before_.doubts;
+    return all;
+  }
+
+  Result<void> make(const LabelGivens& givens) {
+    LabelFollower follower(take_, record_, givens, options_.threads);
+    record_.files.clear();
+    {
+      ProgressPart part(options_.progress, "labels", static_cast<std::size_t>(take_.frame_count()));
+      const auto done = [&](const LabelInstant& instant) -> Result<void> {
+        if (is_cancelled(options_.progress)) return cancelled();
+        part.advance();
+        return write(instant);
+      };
+      if (Result<void> ok = follower.run(done); !ok) return ok;
+    }
+    record_.doubts = follower.doubts();
+    for (std::size_t i = 0; i < record_.doubts.size(); ++i) {
+      LabelDoubt& doubt = record_.doubts[i];
+      doubt.picture = text("label-", doubt.serial, "-", doubt.frame, "-", i, ".png");
+      if (Result<void> ok = show(doubt); !ok) return ok;
+    }
+    return place();
+  }
+
+  // Into the scratch folder.
+  Result<void> write(const LabelInstant& instant) {
+    for (std::size_t c = 0; c < instant.mattes.size(); ++c) {
+      if (instant.mattes[c].empty()) continue;
+      const std::string& serial = take_.rig().cameras[c].serial;
+      const std::vector<Image> mattes =
+          matting::share_matte(instant.mattes[c], instant.labels[c], static_cast<int>(record_.labels.size()));
+      for (std::size_t l = 0; l < mattes.size(); ++l) {
+        const std::string& label = record_.labels[l];
+        const Result<bool> theirs = others(label, serial, instant.frame);
+        if (!theirs) return forward(theirs);
+        if (*theirs) continue;
+        const fs::path file = scratched(label, serial, instant.frame);
+        if (Result<void> ok = make_folder(file.parent_path()); !ok) return ok;
+        const Result<std::string> bytes = encode_png_of_runs(mattes[l]);
+        if (!bytes) return forward(bytes);
+        if (Result<void> ok = write_file(file, *bytes); !ok) return ok;
+        record_.files[label][serial][instant.frame] = capture::sha256(*bytes);
+        ++report_.made;
+      }
+    }
+    return {};
+  }
+
+  fs::path scratched(const std::string& label, const std::string& serial, int frame) const {
+    return scratch_ / "mattes" / serial / label / layout_.matte(serial, frame).filename();
+  }
+
+  // A label in doubt, drawn into its photograph.
+  Result<void> show(const LabelDoubt& doubt) const {
+    const int camera = camera_index(take_.rig(), doubt.serial);
+    Result<Frame> frame = take_.frame(camera, doubt.frame);
+    if (!frame) return forward(frame);
+    if (frame->empty()) return {};
+    Result<Image> rgb = to_rgb(*frame);
+    if (!rgb) return forward(rgb);
+    std::vector<Image> tiles;
+    for (const std::string& label : record_.labels) {
+      const fs::path file = scratched(label, doubt.serial, doubt.frame);
+      const Result<Image> matte =
+          load_png(is_there(file) ? file : layout_.label_matte(doubt.serial, label, doubt.frame));
+      if (!matte) continue;
+      tiles.push_back(doubt_tile(*rgb, make_matte({}, *matte), std::nullopt, kDoubtWidth));
+    }
+    if (tiles.empty()) return {};
+    if (Result<void> ok = make_folder(doubts_folder(layout_)); !ok) return ok;
+    return save_png(contact_sheet(tiles), doubts_folder(layout_) / doubt.picture);
+  }
+
+  // What we made before goes, and what was made now takes its place. They are ours before they are there.
+  Result<void> place() {
+    for (const auto& [label, cameras] : before_.files)
+      for (const auto& [serial, frames] : cameras)
+        for (const auto& [frame, hash] : frames) {
+          const Result<bool> theirs = others(label, serial, frame);
+          if (!theirs) return forward(theirs);
+          std::error_code error;
+          if (!*theirs) fs::remove(layout_.label_matte(serial, label, frame), error);
+        }
+    if (options_.said)
+      if (Result<void> ok = replace(layout_.label_masks(), scratch_ / "labels"); !ok) return ok;
+    if (Result<void> ok = save_label_record(record_, layout_); !ok) return ok;
+    for (const auto& [label, cameras] : record_.files)
+      for (const auto& [serial, frames] : cameras)
+        for (const auto& [frame, hash] : frames)
+          if (Result<void> ok =
+                  move_file(scratched(label, serial, frame), layout_.label_matte(serial, label, frame));
+              !ok)
+            return ok;
+    return {};
+  }
+
+  Result<void> speak() {
+    for (const LabelDoubt& d : record_.doubts) {
+      MatteDoubt doubt{
+          .why = d.why, .cameras = {d.serial}, .frames = d.frames, .worst = d.frame, .picture = {}};
+      if (const fs::path file = doubts_folder(layout_) / d.picture; !d.picture.empty() && is_there(file))
+        doubt.picture = file;
+      report_.doubts.push_back(std::move(doubt));
+    }
+    return {};
+  }
+
+  capture::TakeReader& take_;
+  const LabelTakeOptions& options_;
+  const TakeLayout layout_;
+  const LabelRecord before_;
+  const fs::path scratch_;
+  LabelRecord record_;
+  LabelTakeReport report_;
+};
+
+}  // namespace
+
+Result<LabelTakeReport> label_take(capture::TakeReader& take, const LabelTakeOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  Result<LabelRecord> before = load_label_record(take.layout());
+  if (!before) return forward(before);
+  LabelRecord record = *before;
+  Result<LabelRecord::Hashes> sums = LabelRecord::Hashes();
+  if (options.said || !record.labels.empty()) sums = sums_of(take);
+  if (!sums) return forward(sums);
+  const Scratch scratch(take.layout());
+  const fs::path masks = options.said ? scratch.folder() / "labels" : take.layout().label_masks();
+  if (options.said)
+    if (Result<void> ok = note(take, *options.said, masks, record); !ok) return forward(ok);
+  if (record.labels.empty()) return LabelTakeReport();
+  record.sums = std::move(*sums);
+  std::vector<std::string> hashes;
+  const Result<LabelGivens> givens = label_givens(take, record, masks, hashes);
+  if (!givens) return forward(givens);
+  record.inputs = hash_of_inputs(take, record, std::move(hashes));
+  Result<LabelTakeReport> report =
+      LabelJob(take, options, std::move(*before), scratch.folder()).run(std::move(record), *givens);
+  if (report)
+    report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+Result<LabelTakeReport> label_take(const fs::path& take, const LabelTakeOptions& options) {
+  Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(take);
+  if (!opened) return forward(opened);
+  const Result<Claim> claim = claim_take(take, options.progress);
+  if (!claim) return forward(claim);
+  return label_take(**opened, options);
+}
+
+}  // namespace floatstage::pipeline
