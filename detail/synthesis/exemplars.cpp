@@ -137,15 +137,15 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
     l.width = colors[i].region.width();
     l.height = colors[i].region.height();
     l.usable = Grid<std::uint8_t>(colors[i].region, 0);
-    // A level's neighbourhood lies within 3 x 3 pixels of the coarser one, which refined() looks at, too.
+    // refined() looks at 5 x 5 pixels of the coarser level, in which the neighbourhood lies, too.
     const Grid<std::uint8_t>& cover = covered[t == 0 ? 0 : i - 1];
-    const int reach = t == 0 ? Neighbourhoods::kReach : 1;
+    constexpr int kReach = 2;
     for (int y = 0; y < l.height; ++y)
       for (int x = 0; x < l.width; ++x) {
         const int u = t == 0 ? x : x / 2, v = t == 0 ? y : y / 2;
         bool whole = covered[i].at(x, y);
-        for (int b = v - reach; b <= v + reach && whole; ++b)
-          for (int a = u - reach; a <= u + reach && whole; ++a)
+        for (int b = v - kReach; b <= v + kReach && whole; ++b)
+          for (int a = u - kReach; a <= u + kReach && whole; ++a)
             whole = cover.region.contains(a, b) && cover.at(a, b);
         l.usable.at(x, y) = whole;
       }

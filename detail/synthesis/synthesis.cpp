@@ -37,7 +37,7 @@ SynthesisTile Synthesis::tile(const Region& region, int level) const {
     return out;
   }
   const SynthesisLevel step(*this, level);
-  return step.make(region, tile(step.needed(region), level - 1).colors);
+  return step.make(region, tile(step.needed(region), level - 1));
 }
 
 }  // namespace floatstage::detail
