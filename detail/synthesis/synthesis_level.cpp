@@ -109,19 +109,26 @@ void SynthesisLevel::color(Work& w, const Region& region) const {
   for (int y = cells.y0; y < cells.y1; ++y)
     for (int x = cells.x0; x < cells.x1; ++x) {
       std::array<Color, 4> detail{};
-      Color mean{};
       for (std::size_t i = 0; i < 4; ++i) {
         const Place p = w.places.at(2 * x + static_cast<int>(i % 2), 2 * y + static_cast<int>(i / 2));
         if (p != Exemplars::kNowhere) detail[i] = w.here->detail.values[p];
-        for (std::size_t c = 0; c < 3; ++c) mean[c] += detail[i][c] / 4;
+      }
+      const Strengths::Gains gains = s_.strengths_->gains(level_, x, y, w.places.at(2 * x, 2 * y));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float a = detail[0][c], b = detail[1][c], d = detail[2][c], e = detail[3][c];
+        const float across = gains[0] * (a - b + d - e) / 4, down = gains[1] * (a + b - d - e) / 4,
+                    cross = gains[2] * (a - b - d + e) / 4;
+        detail[0][c] = across + down + cross;
+        detail[1][c] = down - across - cross;
+        detail[2][c] = across - down - cross;
+        detail[3][c] = cross - across - down;
       }
       for (std::size_t i = 0; i < 4; ++i) {
         const int u = 2 * x + static_cast<int>(i % 2), v = 2 * y + static_cast<int>(i / 2);
         const float o = w.opacity.at(u, v);
         const Color &base = w.base.at(u, v), &layer = w.layer.at(u, v);
         Color& to = w.colors.at(u, v);
-        for (std::size_t c = 0; c < 3; ++c)
-          to[c] = o * layer[c] + (1 - o) * (base[c] + detail[i][c] - mean[c]);
+        for (std::size_t c = 0; c < 3; ++c) to[c] = o * layer[c] + (1 - o) * (base[c] + detail[i][c]);
       }
     }
 }
