@@ -18,36 +18,51 @@ constexpr int kMostCycles = 30, kSweeps = 2, kCoarsest = 4;
 struct Grid {
   int width = 0, height = 0;
   std::vector<std::uint8_t> fixed;
-  std::vector<Light> u, f;  // neighbours' sum - 4 u = f where not fixed
+  std::vector<Light> u, f;  // neighbours' sum - 4 u = f where not fixed; empty: 0 (the finest grid)
   std::vector<Light> step;  // a correction; zero where fixed
 
-  Grid(int w, int h)
-      : width(w), height(h), fixed(size()), u(size(), Light{}), f(size(), Light{}), step(size(), Light{}) {}
+  Grid(int w, int h, std::vector<std::uint8_t> known, std::vector<Light> values)
+      : width(w), height(h), fixed(std::move(known)), u(std::move(values)), step(size(), Light{}) {}
+  Grid(int w, int h) : width(w), height(h), fixed(size()), u(size()), f(size()), step(size()) {}
   std::size_t size() const { return static_cast<std::size_t>(width) * height; }
+  const Light& force(std::size_t i) const {
+    static constexpr Light kNone{};
+    return f.empty() ? kNone : f[i];
+  }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
 
-// Calls visit(place, left, right, up, down) for free cells; beyond the edge lies the cell itself.
+// Calls visit(place, left, right, up, down) for the free cells of a row whose x + y has the parity 0 or 1, or
+// any (-1); beyond the edge lies the cell itself.
 template <class Visit>
-void each_free(const Grid& g, int parity, const Visit& visit) {
-  for (int y = 0; y < g.height; ++y) {
-    const std::size_t row = g.at(0, y), up = g.at(0, std::max(y - 1, 0)),
-                      down = g.at(0, std::min(y + 1, g.height - 1));
-    const int step = parity < 0 ? 1 : 2, first = parity < 0 ? 0 : (y + parity) & 1;
-    for (int x = first; x < g.width; x += step) {
-      const auto c = static_cast<std::size_t>(x);
-      if (g.fixed[row + c] == 0)
-        visit(row + c, row + (x > 0 ? c - 1 : c), row + (x + 1 < g.width ? c + 1 : c), up + c, down + c);
-    }
+void each_free_of_row(const Grid& g, int y, int parity, const Visit& visit) {
+  const std::size_t row = g.at(0, y), up = g.at(0, std::max(y - 1, 0)),
+                    down = g.at(0, std::min(y + 1, g.height - 1));
+  const int step = parity < 0 ? 1 : 2, first = parity < 0 ? 0 : (y + parity) & 1;
+  for (int x = first; x < g.width; x += step) {
+    const auto c = static_cast<std::size_t>(x);
+    if (g.fixed[row + c] == 0)
+      visit(row + c, row + (x > 0 ? c - 1 : c), row + (x + 1 < g.width ? c + 1 : c), up + c, down + c);
   }
 }
 
+template <class Visit>
+void each_free(const Grid& g, const Visit& visit) {
+  for (int y = 0; y < g.height; ++y) each_free_of_row(g, y, -1, visit);
+}
+
+// Gauss and Seidel, red and black. Every half sweep follows the one before a row behind it, so that the grid
+// goes through the cache once for all of them; what a cell sees is the same as in whole sweeps.
 void smooth(Grid& g, int sweeps) {
-  for (int s = 0; s < 2 * sweeps; ++s)
-    each_free(g, s & 1, [&](std::size_t i, std::size_t l, std::size_t r, std::size_t a, std::size_t b) {
-      for (std::size_t k = 0; k < 4; ++k)
-        g.u[i][k] = 0.25F * (g.u[l][k] + g.u[r][k] + g.u[a][k] + g.u[b][k] - g.f[i][k]);
-    });
+  const auto relax = [&](std::size_t i, std::size_t l, std::size_t r, std::size_t a, std::size_t b) {
+    const Light& f = g.force(i);
+    for (std::size_t k = 0; k < 4; ++k)
+      g.u[i][k] = 0.25F * (g.u[l][k] + g.u[r][k] + g.u[a][k] + g.u[b][k] - f[k]);
+  };
+  const int halves = 2 * sweeps;
+  for (int front = 0; front < g.height + halves - 1; ++front)
+    for (int half = std::max(0, front - g.height + 1); half <= std::min(halves - 1, front); ++half)
+      each_free_of_row(g, front - half, half & 1, relax);
 }
 
 // The coarse values at the fine free cells, bilinearly.
@@ -69,10 +84,11 @@ void prolong(const Grid& coarse, const Grid& fine, std::vector<Light>& to) {
 // corrections are too long or too short near them.
 float take_step(Grid& g) {
   double gain[4] = {}, cost[4] = {};
-  each_free(g, -1, [&](std::size_t i, std::size_t l, std::size_t r, std::size_t a, std::size_t b) {
+  each_free(g, [&](std::size_t i, std::size_t l, std::size_t r, std::size_t a, std::size_t b) {
+    const Light& f = g.force(i);
     for (std::size_t k = 0; k < 4; ++k) {
       const float e = g.step[i][k];
-      const float residual = g.u[l][k] + g.u[r][k] + g.u[a][k] + g.u[b][k] - 4 * g.u[i][k] - g.f[i][k];
+      const float residual = g.u[l][k] + g.u[r][k] + g.u[a][k] + g.u[b][k] - 4 * g.u[i][k] - f[k];
       const float bend = 4 * e - g.step[l][k] - g.step[r][k] - g.step[a][k] - g.step[b][k];
       gain[k] += static_cast<double>(e * residual);
       cost[k] += static_cast<double>(e * bend);
@@ -82,7 +98,7 @@ float take_step(Grid& g) {
   for (std::size_t k = 0; k < 4; ++k)
     length[k] = cost[k] > 0 ? static_cast<float>(std::clamp(gain[k] / cost[k], 0.0, 2.0)) : 0;
   float most = 0;
-  each_free(g, -1, [&](std::size_t i, auto...) {
+  each_free(g, [&](std::size_t i, auto...) {
     for (std::size_t k = 0; k < 4; ++k) {
       const float move = length[k] * g.step[i][k];
       g.u[i][k] += move;
@@ -96,10 +112,11 @@ void restrict_residual(const Grid& fine, Grid& coarse) {
   std::fill(coarse.u.begin(), coarse.u.end(), Light{});
   std::fill(coarse.f.begin(), coarse.f.end(), Light{});
   const auto w = static_cast<std::size_t>(fine.width);
-  each_free(fine, -1, [&](std::size_t i, std::size_t l, std::size_t r, std::size_t a, std::size_t b) {
+  each_free(fine, [&](std::size_t i, std::size_t l, std::size_t r, std::size_t a, std::size_t b) {
     Light& to = coarse.f[coarse.at(static_cast<int>(i % w) / 2, static_cast<int>(i / w) / 2)];
+    const Light& f = fine.force(i);
     for (std::size_t k = 0; k < 4; ++k)
-      to[k] += fine.f[i][k] - (fine.u[l][k] + fine.u[r][k] + fine.u[a][k] + fine.u[b][k] - 4 * fine.u[i][k]);
+      to[k] += f[k] - (fine.u[l][k] + fine.u[r][k] + fine.u[a][k] + fine.u[b][k] - 4 * fine.u[i][k]);
   });
 }
 
@@ -144,9 +161,7 @@ int fill_harmonically(LightPicture& picture, const std::vector<std::uint8_t>& fi
     if (fixed[i] == 0) picture.pixels[i] = {};
   if (std::all_of(fixed.begin(), fixed.end(), [](auto f) { return f == 0; })) return 0;
   std::vector<Grid> grids;
-  grids.emplace_back(picture.width, picture.height);
-  grids[0].fixed = fixed;
-  grids[0].u = picture.pixels;
+  grids.emplace_back(picture.width, picture.height, fixed, std::move(picture.pixels));
   while (std::min(grids.back().width, grids.back().height) > kCoarsest)
     grids.push_back(coarser(grids.back()));
   smooth(grids.back(), 32);

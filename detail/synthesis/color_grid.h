@@ -66,10 +66,10 @@ Image to_picture(const ColorGrid& colors);
 /// Means of 2 x 2 pixels; the region's corners are even.
 ColorGrid halved(const ColorGrid& fine);
 
-/// A level twice as fine on `region`, whose 2 x 2 means are exactly the coarse pixels: quadratic
-/// interpolation of means (D. Donoho, "Smooth wavelet decompositions with blocky coefficient kernels", 1993),
-/// along x and y. Looks one coarse pixel further than halved(region); at the grid's border the border's
-/// pixel.
+/// A level twice as fine on `region`, whose 2 x 2 means are exactly the coarse pixels: interpolation of means
+/// by polynomials of the fourth degree (D. Donoho, "Smooth wavelet decompositions with blocky coefficient
+/// kernels", 1993), along x and y. Looks two coarse pixels further than halved(region); at the grid's border
+/// the border's pixel.
 ColorGrid refined(const ColorGrid& coarse, const Region& region);
 
 }  // namespace floatstage::detail

@@ -43,6 +43,25 @@ void halve(const ColorGrid& colors, const Grid<float>& opacity, ColorGrid& to_co
     }
 }
 
+// Where nothing is opaque, the mean of opaque pixels beside: refined() looks one pixel beyond what is used.
+void spread(ColorGrid& colors, const Grid<float>& opacity) {
+  const Region& r = opacity.region;
+  for (int y = r.y0; y < r.y1; ++y)
+    for (int x = r.x0; x < r.x1; ++x) {
+      if (opacity.at(x, y) > 0) continue;
+      const Region around = common({x - 1, y - 1, x + 2, y + 2}, r);
+      Color sum{};
+      float count = 0;
+      for (int v = around.y0; v < around.y1; ++v)
+        for (int u = around.x0; u < around.x1; ++u) {
+          if (opacity.at(u, v) == 0) continue;
+          ++count;
+          for (std::size_t c = 0; c < 3; ++c) sum[c] += colors.at(u, v)[c];
+        }
+      for (std::size_t c = 0; c < 3 && count > 0; ++c) colors.at(x, y)[c] = sum[c] / count;
+    }
+}
+
 // Opacity rises from a layer's border over kRim pixels of every level, the fine details' over less of the
 // picture than the coarse ones' (P. Burt and E. Adelson, 1983): what stands beside it is not cut off.
 void soften(Grid<float>& opacity) {
@@ -84,6 +103,7 @@ LayerPyramid::LayerPyramid(const DetailLayer& layer, int levels)
   for (std::size_t t = levels_.size() - 1; t > 0; --t)
     halve(levels_[t].colors, levels_[t].opacity, levels_[t - 1].colors, levels_[t - 1].opacity);
   for (Level& level : levels_) {
+    spread(level.colors, level.opacity);
     level.whole = Grid<std::uint8_t>(level.opacity.region, 0);
     for (std::size_t i = 0; i < level.whole.values.size(); ++i)
       level.whole.values[i] = level.opacity.values[i] > kOpaque;
@@ -120,13 +140,17 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
     Grid<std::uint8_t>& cover = covered[static_cast<std::size_t>(t)];
     to = ColorGrid(whole);
     cover = Grid<std::uint8_t>(whole, 0);
+    if (t > 0) levels_[static_cast<std::size_t>(t)].detail = ColorGrid(whole);
     for (std::size_t i = 0; i < layers.size(); ++i) {
       const Region from{parts_[i].from.x0 >> down, parts_[i].from.y0 >> down, parts_[i].from.x1 >> down,
                         parts_[i].from.y1 >> down};
+      const ColorGrid base = t > 0 ? refined(layers[i].colors(t - 1), from) : ColorGrid();
       const int dx = (parts_[i].x >> down) - from.x0, dy = (parts_[i].y >> down) - from.y0;
       for (int y = from.y0; y < from.y1; ++y)
         for (int x = from.x0; x < from.x1; ++x) {
-          to.at(x + dx, y + dy) = layers[i].colors(t).at(x, y);
+          const Color& here = to.at(x + dx, y + dy) = layers[i].colors(t).at(x, y);
+          for (std::size_t c = 0; c < 3 && t > 0; ++c)
+            levels_[static_cast<std::size_t>(t)].detail.at(x + dx, y + dy)[c] = here[c] - base.at(x, y)[c];
           cover.at(x + dx, y + dy) = t <= layers[i].finest() && layers[i].covers(t, x, y);
         }
     }
@@ -137,7 +161,7 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
     l.width = colors[i].region.width();
     l.height = colors[i].region.height();
     l.usable = Grid<std::uint8_t>(colors[i].region, 0);
-    // A level's neighbourhood lies within 3 x 3 pixels of the coarser one, which refined() looks at, too.
+    // A level's neighbourhood lies within 3 x 3 pixels of the coarser one.
     const Grid<std::uint8_t>& cover = covered[t == 0 ? 0 : i - 1];
     const int reach = t == 0 ? Neighbourhoods::kReach : 1;
     for (int y = 0; y < l.height; ++y)
@@ -149,12 +173,6 @@ Exemplars::Exemplars(const std::vector<LayerPyramid>& layers, int levels, std::s
             whole = cover.region.contains(a, b) && cover.at(a, b);
         l.usable.at(x, y) = whole;
       }
-    if (t > 0) {
-      l.detail = refined(colors[i - 1], colors[i].region);
-      for (std::size_t k = 0; k < l.detail.values.size(); ++k)
-        for (std::size_t c = 0; c < 3; ++c)
-          l.detail.values[k][c] = colors[i].values[k][c] - l.detail.values[k][c];
-    }
   });
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     Level& l = levels_[i];

@@ -25,6 +25,7 @@ Result<Synthesis> Synthesis::make(const Image& root, const std::vector<DetailLay
   }
   out.exemplars_ =
       std::make_shared<const Exemplars>(out.layers_, options.levels, options.most, options.threads);
+  out.strengths_ = std::make_shared<const Strengths>(out.root_, out.layers_, *out.exemplars_, options.levels);
   return out;
 }
 
@@ -37,7 +38,7 @@ SynthesisTile Synthesis::tile(const Region& region, int level) const {
     return out;
   }
   const SynthesisLevel step(*this, level);
-  return step.make(region, tile(step.needed(region), level - 1).colors);
+  return step.make(region, tile(step.needed(region), level - 1));
 }
 
 }  // namespace floatstage::detail

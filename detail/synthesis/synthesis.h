@@ -9,6 +9,7 @@
 #include "detail/synthesis/color_grid.h"
 #include "detail/synthesis/exemplars.h"
 #include "detail/synthesis/provenance.h"
+#include "detail/synthesis/strengths.h"
 #include "detail/watch.h"
 
 namespace floatstage::detail {
@@ -57,6 +58,7 @@ class Synthesis {
   ColorGrid root_;
   std::vector<LayerPyramid> layers_;
   std::shared_ptr<const Exemplars> exemplars_;
+  std::shared_ptr<const Strengths> strengths_;
 };
 
 }  // namespace floatstage::detail

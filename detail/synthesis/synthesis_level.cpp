@@ -15,7 +15,8 @@
 namespace floatstage::detail {
 namespace {
 
-constexpr int kMatches = 3;  // the thesis' n
+constexpr int kFound = 3;  // nearest neighbourhoods, the thesis' n
+constexpr int kMatches = kFound + 1;
 constexpr float kOpaque = 0.999F;
 
 using Matches = std::array<Exemplars::Place, kMatches>;
@@ -46,8 +47,10 @@ Region SynthesisLevel::needed(const Region& wanted) const {
                s_.whole(level_ - 1));
 }
 
-// The nearest neighbourhoods of the coarser level; of what a layer shows, the layer's own.
-void SynthesisLevel::find_matches(Work& w, const ColorGrid& coarse) const {
+// Of what a layer shows, the layer's own place. Else where the coarser level's details came from, whose finer
+// ones go with them; and the nearest neighbourhoods there are. The finest level looks for none: most of the
+// work would be there, and what is found is nearly always what was carried on.
+void SynthesisLevel::find_matches(Work& w, const SynthesisTile& coarse) const {
   w.matches = Grid<Matches>(grown(halved(w.all), 1, s_.whole(level_ - 1)));
   std::array<float, Neighbourhoods::kMost> feature{};
   const Region& r = w.matches.region;
@@ -59,11 +62,15 @@ void SynthesisLevel::find_matches(Work& w, const ColorGrid& coarse) const {
         if (s_.layers_[i].finest() >= level_ && s_.layers_[i].covers(level_ - 1, x, y))
           m[0] = s_.exemplars_->place_of(i, level_ - 1, x, y);
       if (m[0] != Exemplars::kNowhere || w.coarser->tree.count() == 0) continue;
-      w.coarser->basis.project(coarse, x, y, feature.data());
-      std::array<NearestPoints::Found, kMatches> found;
-      const int count = w.coarser->tree.find(feature.data(), kMatches, s_.options_.slack, found.data());
-      for (int k = 0; k < count; ++k)
-        m[static_cast<std::size_t>(k)] = w.coarser->tree_places[found[static_cast<std::size_t>(k)].index];
+      std::size_t known = 0;
+      const Place carried = coarse.places.at(x, y);
+      if (carried != Exemplars::kNowhere && w.coarser->usable.values[carried]) m[known++] = carried;
+      if (known > 0 && level_ == s_.options_.levels) continue;
+      w.coarser->basis.project(coarse.colors, x, y, feature.data());
+      std::array<NearestPoints::Found, kFound> found;
+      const auto count = static_cast<std::size_t>(
+          w.coarser->tree.find(feature.data(), kFound, s_.options_.slack, found.data()));
+      for (std::size_t k = 0; k < count; ++k) m[known + k] = w.coarser->tree_places[found[k].index];
     }
 }
 
@@ -102,19 +109,26 @@ void SynthesisLevel::color(Work& w, const Region& region) const {
   for (int y = cells.y0; y < cells.y1; ++y)
     for (int x = cells.x0; x < cells.x1; ++x) {
       std::array<Color, 4> detail{};
-      Color mean{};
       for (std::size_t i = 0; i < 4; ++i) {
         const Place p = w.places.at(2 * x + static_cast<int>(i % 2), 2 * y + static_cast<int>(i / 2));
         if (p != Exemplars::kNowhere) detail[i] = w.here->detail.values[p];
-        for (std::size_t c = 0; c < 3; ++c) mean[c] += detail[i][c] / 4;
+      }
+      const Strengths::Gains gains = s_.strengths_->gains(level_, x, y, w.places.at(2 * x, 2 * y));
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float a = detail[0][c], b = detail[1][c], d = detail[2][c], e = detail[3][c];
+        const float across = gains[0] * (a - b + d - e) / 4, down = gains[1] * (a + b - d - e) / 4,
+                    cross = gains[2] * (a - b - d + e) / 4;
+        detail[0][c] = across + down + cross;
+        detail[1][c] = down - across - cross;
+        detail[2][c] = across - down - cross;
+        detail[3][c] = cross - across - down;
       }
       for (std::size_t i = 0; i < 4; ++i) {
         const int u = 2 * x + static_cast<int>(i % 2), v = 2 * y + static_cast<int>(i / 2);
         const float o = w.opacity.at(u, v);
         const Color &base = w.base.at(u, v), &layer = w.layer.at(u, v);
         Color& to = w.colors.at(u, v);
-        for (std::size_t c = 0; c < 3; ++c)
-          to[c] = o * layer[c] + (1 - o) * (base[c] + detail[i][c] - mean[c]);
+        for (std::size_t c = 0; c < 3; ++c) to[c] = o * layer[c] + (1 - o) * (base[c] + detail[i][c]);
       }
     }
 }
@@ -176,14 +190,14 @@ void SynthesisLevel::improve(Work& w, const Region& region, bool first) const {
   std::swap(w.next, w.places);
 }
 
-SynthesisTile SynthesisLevel::make(const Region& wanted, const ColorGrid& coarse) const {
+SynthesisTile SynthesisLevel::make(const Region& wanted, const SynthesisTile& coarse) const {
   FLOATSTAGE_CHECK(coarse.region.contains(needed(wanted)), "the coarser level is too small");
   Work w;
   w.coarser = &s_.exemplars_->level(level_ - 1);
   w.here = &s_.exemplars_->level(level_);
   w.all = worked_on(wanted, s_.options_.iterations);
   find_matches(w, coarse);
-  w.base = refined(coarse, w.all);
+  w.base = refined(coarse.colors, w.all);
   w.colors = ColorGrid(w.all);
   w.places = Grid<Place>(w.all, Exemplars::kNowhere);
   const auto width = static_cast<Place>(w.coarser->width), fine_width = static_cast<Place>(w.here->width);

@@ -11,15 +11,15 @@ class SynthesisLevel {
 
   /// The part of the coarser level that `wanted` depends on.
   Region needed(const Region& wanted) const;
-  /// `coarse`: colours there.
-  SynthesisTile make(const Region& wanted, const ColorGrid& coarse) const;
+  /// `coarse`: that part.
+  SynthesisTile make(const Region& wanted, const SynthesisTile& coarse) const;
 
  private:
   struct Work;
   using Place = Exemplars::Place;
 
   Region worked_on(const Region& wanted, int iterations) const;
-  void find_matches(Work& work, const ColorGrid& coarse) const;
+  void find_matches(Work& work, const SynthesisTile& coarse) const;
   void place_layers(Work& work) const;
   void color(Work& work, const Region& region) const;
   void improve(Work& work, const Region& region, bool first) const;

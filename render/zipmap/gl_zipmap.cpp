@@ -17,16 +17,8 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr std::size_t kTexel = 4;  // bytes, RGBA
+constexpr std::size_t kRootTexel = 3, kTexel = 4;  // bytes: three layers of one, RGBA
 
-struct PlaneKind {
-  static GLuint create() {
-    GLuint id = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &id);
-    return id;
-  }
-  static void destroy(GLuint id) { glDeleteTextures(1, &id); }
-};
 struct ArrayKind {
   static GLuint create() {
     GLuint id = 0;
@@ -49,10 +41,10 @@ int levels_of(int width, int height) {
   while ((std::max(width, height) >> levels) > 0) ++levels;
   return levels;
 }
-std::size_t bytes_of_levels(int width, int height) {
+std::size_t bytes_of_levels(int width, int height, std::size_t texel) {
   std::size_t bytes = 0;
   for (int l = 0; l < levels_of(width, height); ++l)
-    bytes += kTexel * static_cast<std::size_t>(std::max(1, width >> l)) *
+    bytes += texel * static_cast<std::size_t>(std::max(1, width >> l)) *
              static_cast<std::size_t>(std::max(1, height >> l));
   return bytes;
 }
@@ -77,7 +69,7 @@ class Drawer : public GlZipmap {
         program_(std::move(program)),
         no_vertices_(gl::VertexArray::create()),
         framebuffer_(gl::Framebuffer::create()),
-        root_(gl::Object<PlaneKind>::create()),
+        root_(gl::Object<ArrayKind>::create()),
         layers_(gl::Object<ArrayKind>::create()),
         cache_(*zipmap_, layers) {
     load_root();
@@ -117,22 +109,33 @@ class Drawer : public GlZipmap {
   const Zipmap& zipmap() const override { return *zipmap_; }
 
  private:
+  // A layer each for red, green and blue: drivers store a texel of three bytes in four.
   void load_root() {
     const std::vector<Image>& levels = zipmap_->root().levels();
-    glTextureStorage2D(root_.id(), static_cast<GLsizei>(levels.size()), GL_RGBA8, levels[0].width,
-                       levels[0].height);
+    glTextureStorage3D(root_.id(), static_cast<GLsizei>(levels.size()), GL_R8, levels[0].width,
+                       levels[0].height, 3);
     set_sampling(root_.id(), GL_LINEAR_MIPMAP_LINEAR);
-    for (std::size_t l = 0; l < levels.size(); ++l)
-      glTextureSubImage2D(root_.id(), static_cast<GLint>(l), 0, 0, levels[l].width, levels[l].height, GL_RGBA,
-                          GL_UNSIGNED_BYTE, levels[l].pixels.data());
-    allocated_ = bytes_of_levels(levels[0].width, levels[0].height);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    std::vector<std::uint8_t> one;
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      const Image& level = levels[l];
+      const auto channels = static_cast<std::size_t>(level.channels);
+      one.resize(level.pixels.size() / channels);
+      for (int c = 0; c < 3; ++c) {
+        for (std::size_t i = 0; i < one.size(); ++i)
+          one[i] = level.pixels[channels * i + static_cast<std::size_t>(c)];
+        glTextureSubImage3D(root_.id(), static_cast<GLint>(l), 0, 0, c, level.width, level.height, 1, GL_RED,
+                            GL_UNSIGNED_BYTE, one.data());
+      }
+    }
+    allocated_ = bytes_of_levels(levels[0].width, levels[0].height, kRootTexel);
   }
 
   void make_layers(int layers, int width, int height) {
     const int levels = levels_of(width, height), depth = std::max(1, layers);
     glTextureStorage3D(layers_.id(), levels, GL_RGBA8, width, height, depth);
     set_sampling(layers_.id(), GL_NEAREST_MIPMAP_NEAREST);
-    allocated_ += static_cast<std::size_t>(depth) * bytes_of_levels(width, height);
+    allocated_ += static_cast<std::size_t>(depth) * bytes_of_levels(width, height, kTexel);
   }
 
   std::size_t copy(const LayerLoad& load) {
@@ -199,7 +202,7 @@ class Drawer : public GlZipmap {
   gl::Program program_;
   gl::VertexArray no_vertices_;
   gl::Framebuffer framebuffer_;
-  gl::Object<PlaneKind> root_;
+  gl::Object<ArrayKind> root_;
   gl::Object<ArrayKind> layers_;
   gl::Texture target_;
   gl::Buffer buffer_;
@@ -222,7 +225,8 @@ Result<std::unique_ptr<GlZipmap>> GlZipmap::make(std::shared_ptr<const Zipmap> z
     return fail(ErrorCode::InvalidArgument,
                 text("a zipmap of ", std::max(root.width, width), "x", std::max(root.height, height),
                      " px: this OpenGL driver draws ", most, " px a side; make its photographs smaller"));
-  const std::size_t needed = bytes_of_levels(root.width, root.height), layer = bytes_of_levels(width, height);
+  const std::size_t needed = bytes_of_levels(root.width, root.height, kRootTexel),
+                    layer = bytes_of_levels(width, height, kTexel);
   const std::size_t pictures = zipmap->pictures().size();
   std::size_t layers = std::min(pictures, static_cast<std::size_t>(limit(GL_MAX_ARRAY_TEXTURE_LAYERS)));
   if (options.most_layers > 0) layers = std::min(layers, static_cast<std::size_t>(options.most_layers));

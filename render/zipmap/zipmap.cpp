@@ -41,11 +41,11 @@ Level level_of(const Image& picture) {
   return level;
 }
 
-Image image_of(const Level& level) {
-  Image image(level.width, level.height, 4);
+Image image_of(const Level& level, int channels) {
+  Image image(level.width, level.height, channels);
   for (std::size_t i = 0; i < level.texels.size(); ++i)
-    for (int c = 0; c < 4; ++c)
-      image.pixels[4 * i + c] =
+    for (int c = 0; c < channels; ++c)
+      image.pixels[static_cast<std::size_t>(channels) * i + static_cast<std::size_t>(c)] =
           static_cast<std::uint8_t>(std::lround(255 * std::clamp(level.texels[i][c], 0.0F, 1.0F)));
   return image;
 }
@@ -103,7 +103,7 @@ Vector4f bilinear(const Image& level, const Vector2d& uv) {
   const auto at = [&](double u, double v) {
     const std::uint8_t* t = level.at(static_cast<int>(std::clamp(u, 0.0, level.width - 1.0)),
                                      static_cast<int>(std::clamp(v, 0.0, level.height - 1.0)));
-    return Vector4f(Vector4f(t[0], t[1], t[2], t[3]) / 255);
+    return Vector4f(Vector4f(t[0], t[1], t[2], level.channels == 4 ? t[3] : 255) / 255);
   };
   return (1 - b) * ((1 - a) * at(left, top) + a * at(left + 1, top)) +
          b * ((1 - a) * at(left, top + 1) + a * at(left + 1, top + 1));
@@ -131,7 +131,7 @@ MipPyramid::MipPyramid(const Image& picture, bool clear_border) {
   FLOATSTAGE_CHECK(!picture.empty() && picture.channels >= 3, "a pyramid is made of an RGB or RGBA picture");
   Level level = level_of(picture);
   for (;; level = halved(level)) {
-    levels_.push_back(image_of(level));
+    levels_.push_back(image_of(level, clear_border ? 4 : picture.channels));
     if (clear_border) clear_border_of(levels_.back());
     if (level.width == 1 && level.height == 1) break;
   }

@@ -11,9 +11,9 @@
 
 namespace floatstage::render {
 
-/// A picture and its ever smaller copies, RGBA of 8 bits: each level half as large, rounded down, at least 1
-/// (OpenGL 4.5, 8.14.3), down to 1 x 1. Means over the area that a texel covers, so that odd sizes do not
-/// drift; colours weigh as much as they are opaque.
+/// A picture and its ever smaller copies, RGBA of 8 bits, or RGB where it is opaque: each level half as
+/// large, rounded down, at least 1 (OpenGL 4.5, 8.14.3), down to 1 x 1. Means over the area that a texel
+/// covers, so that odd sizes do not drift; colours weigh as much as they are opaque.
 class MipPyramid {
  public:
   /// `picture`: 3 or 4 channels, not empty. `clear_border`: the outermost texels of every level have an
@@ -21,7 +21,7 @@ class MipPyramid {
   /// shows nothing at all (thesis 5.2.3).
   MipPyramid(const Image& picture, bool clear_border);
 
-  const std::vector<Image>& levels() const { return levels_; }  ///< 4 channels
+  const std::vector<Image>& levels() const { return levels_; }  ///< 4 channels; 3: opaque, no clear border
   std::size_t bytes() const;
   /// Straight RGBA, 0 to 1, at (u, v) in [0, 1] and beyond (clamped to the edge), linear within two levels
   /// and between them, at level of detail `lod` (clamped to the levels there are).

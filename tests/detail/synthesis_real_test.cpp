@@ -16,9 +16,8 @@
 namespace floatstage::detail::test {
 namespace {
 
-// Two gates are not passed yet (ADR 250): how strong details are in windows of 64 px (0.40 is asked), and the
-// step across the children's borders (0.05 is asked).
-constexpr double kSubBandsReached = 0.55, kSeamReached = 0.08;
+// One gate is not passed yet (ADR 250, 309, 310): how strong details are in windows of 64 px (0.40 is asked).
+constexpr double kSubBandsReached = 0.5;
 
 DetailLayer layer_of(const SynthesisProtocol& p, const Region& r) {
   const Image rgb = cut_out(p.truth, r);
@@ -28,7 +27,7 @@ DetailLayer layer_of(const SynthesisProtocol& p, const Region& r) {
   return out;
 }
 
-TEST(ASynthesisOfFur, PassesFiveGatesAndComesNearTheOtherTwo) {
+TEST(ASynthesisOfFur, PassesSixGatesAndComesNearTheOther) {
   FLOATSTAGE_NEEDS_DATA(real_data("detail/panda"));
   if (!wants_long_tests()) GTEST_SKIP() << "30 s; FLOATSTAGE_LONG=1 runs it";
   const Result<SynthesisProtocol> p = panda_protocol();
@@ -52,8 +51,7 @@ TEST(ASynthesisOfFur, PassesFiveGatesAndComesNearTheOtherTwo) {
   });
   const SynthesisFigures f = SynthesisJudge(*p).measure(picture, 256, places);
   RecordProperty("figures", to_text(f));
-  EXPECT_THAT(failed_gates(f), testing::IsSubsetOf({"G3", "G5"})) << to_text(f);
-  EXPECT_LT(f.seam, kSeamReached) << to_text(f);
+  EXPECT_THAT(failed_gates(f), testing::IsSubsetOf({"G3"})) << to_text(f);
   EXPECT_LT(f.sub_bands, kSubBandsReached) << to_text(f);
   for (const Region& r : p->children)  // inside the softened rim the real pixels
     EXPECT_EQ(cut_out(picture, {r.x0 + 8, r.y0 + 8, r.x1 - 8, r.y1 - 8}),

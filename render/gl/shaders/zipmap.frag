@@ -9,7 +9,7 @@ layout(location = 4) uniform vec4 root_tint;  // rgb, and how much of the pictur
 layout(location = 5) uniform vec3 rim_tint;   // of what is not opaque
 layout(location = 6) uniform int plain_from;  // columns from this one on show the root alone
 
-layout(binding = 0) uniform sampler2D root;
+layout(binding = 0) uniform sampler2DArray root;      // red, green, blue
 layout(binding = 1) uniform sampler2DArray pictures;  // level l of a picture lies in the corner of level l
 
 struct Patch {
@@ -67,7 +67,8 @@ void main() {
   vec2 dv = (uv_from_pixel[1].xy - uv * uv_from_pixel[1].z) / p.z;
   vec3 inside = vec3(wrapped(uv.x), wrapped(uv.y), 1.0);
   if (with_root) {
-    color.rgb = textureLod(root, inside.xy, level_of_detail(vec2(textureSize(root, 0)), du, dv)).rgb;
+    float lod = level_of_detail(vec2(textureSize(root, 0).xy), du, dv);
+    for (int c = 0; c < 3; ++c) color[c] = textureLod(root, vec3(inside.xy, c), lod).r;
     if (gl_FragCoord.x < plain_from) color.rgb = mix(color.rgb, root_tint.rgb, root_tint.a);
   }
   if (gl_FragCoord.x >= plain_from) return;
