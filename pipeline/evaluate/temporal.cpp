@@ -95,16 +95,21 @@ std::vector<double> depth_of(const Mesh& mesh, const View& view) {
 }
 
 // Pixels that kReach reaches from to where the mesh ends or jumps to another depth: they show two surfaces.
-std::vector<bool> beside_edges(const std::vector<double>& depth, int width, int height, double jump) {
+std::vector<bool> beside_edges(const std::vector<double>& depth, const CameraModel& model, double jump) {
+  const int width = model.width, height = model.height;
+  const double steepest = std::sqrt(1 / (kFacing * kFacing) - 1) / model.fx;  // a pixel, of the depth
   const auto at = [&](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  };
+  const auto apart = [&](double a, double b) {
+    return !(std::abs(a - b) < std::max(jump, steepest * std::min(a, b)));
   };
   std::vector<bool> edge(depth.size(), false), beside(depth.size(), false);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const double d = depth[at(x, y)];
-      const bool right = x + 1 < width && !(std::abs(d - depth[at(x + 1, y)]) < jump),
-                 below = y + 1 < height && !(std::abs(d - depth[at(x, y + 1)]) < jump);
+      const bool right = x + 1 < width && apart(d, depth[at(x + 1, y)]),
+                 below = y + 1 < height && apart(d, depth[at(x, y + 1)]);
       edge[at(x, y)] = right || below || x == 0 || y == 0 || x + 1 == width || y + 1 == height;
     }
   for (int y = 0; y < height; ++y)
@@ -302,8 +307,7 @@ Result<std::map<std::string, TemporalScores>> evaluate_path(capture::TakeReader&
     const PathKey key = sample(along.path, times[static_cast<std::size_t>(picture)], *standing);
     const View view = view_of(key, size.width / options.scale, size.height / options.scale, box);
     Seen seen{depth_of(*proxy, view), {}};
-    seen.beside_edge =
-        beside_edges(seen.depth, view.model.width, view.model.height, kJump * box.diagonal().norm());
+    seen.beside_edge = beside_edges(seen.depth, view.model, kJump * box.diagonal().norm());
     std::vector<std::optional<Eigen::Vector2d>> places;
     for (const SurfacePoint& point : points) places.push_back(seen_at(point, view, seen, closed));
     for (std::size_t m = 0; m < renderers.size(); ++m) {

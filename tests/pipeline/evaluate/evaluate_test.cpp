@@ -166,9 +166,20 @@ TEST_F(Evaluate, SaysHowSteadyMethodsAre) {
   EXPECT_GT(linear.pop, 1);
   EXPECT_GE(linear.set_changes, 3) << "six cameras in a turn";
   EXPECT_GT(nearest.jitter, linear.jitter) << "it jumps from photograph to photograph";
+  EXPECT_GT(nearest.pop, 1.5 * linear.pop) << "and stands still in between";
   EXPECT_THAT(steadiness(3), FailsWith(ErrorCode::InvalidArgument, "four pictures"));
   EXPECT_THAT(evaluate_path(*take_, options_, {CameraPath{{PathKey{}}}, 9}),
               FailsWith(ErrorCode::InvalidArgument, "one key"));
+}
+
+TEST_F(Evaluate, FloatingNeitherPopsNorTremblesMuchMoreThanLinear) {
+  options_.methods = {"linear", "floating"};
+  const auto scores = steadiness(48);
+  ASSERT_THAT(scores, IsOk());
+  const TemporalScores &linear = scores->at("linear"), &floating = scores->at("floating");
+  EXPECT_LE(floating.jitter, 1.3 * linear.jitter) << "fields between cameras 60 degrees apart tremble";
+  EXPECT_LE(floating.jitter_p999, 1.5 * linear.jitter_p999);
+  EXPECT_LE(floating.pop, 1.25 * linear.pop);
 }
 
 TEST(PlaneBefore, CoversWhatTheCamerasSee) {
