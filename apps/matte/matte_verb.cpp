@@ -201,7 +201,6 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       "Mattes of all cameras of a take, refined and checked against one another; resumable. Of a video or a "
       "folder of pictures: mattes of all frames from masks of a few",
       {"floatstage matte take --matte luminance:30 --frames 12 --json mattes.json",
-       "floatstage matte take --label-click her@cam00:0:310,200 --label-click him@cam00:0:420,210",
        "floatstage matte clip.mp4 --label woman=woman.png --label man=masks -o mattes"});
   add_take(*verb, options->matte.take,
            "The take's folder; its mattes/edits.json is replayed. Or a video, or a folder of pictures");

@@ -180,11 +180,7 @@ Exposure photograph(const TracingCamera& camera, const StageScene& scene, const 
                     const PhotographOptions& options) {
   const int w = camera.model().width, h = camera.model().height;
   const std::size_t count = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-  Exposure out{w,
-               h,
-               std::vector<Vector3f>(count),
-               std::vector<std::uint8_t>(count, 0),
-               {},
+  Exposure out{w, h, std::vector<Vector3f>(count), std::vector<std::uint8_t>(count, 0),
                std::vector<float>(count, std::numeric_limits<float>::infinity())};
   if (scene.performer().bodies() > 1) out.alpha_of.assign(2, std::vector<std::uint8_t>(count, 0));
   const std::vector<std::uint8_t> touched = touched_pixels(camera, scene);

@@ -40,8 +40,8 @@ struct Exposure {
   int width = 0, height = 0;
   std::vector<Eigen::Vector3f> color;  ///< gamma space, 0…1
   std::vector<std::uint8_t> alpha;
-  std::vector<std::vector<std::uint8_t>> alpha_of;  ///< of each performer, where there are two
-  std::vector<float> depth;                         ///< metres; +infinity off the performer
+  std::vector<float> depth;                              ///< metres; +infinity off the performer
+  std::vector<std::vector<std::uint8_t>> alpha_of = {};  ///< of each performer, where there are two
 };
 
 struct PhotographOptions {

@@ -145,7 +145,8 @@ class MeshMaker {
     record_.options = describe(hull_);
     if (Result<void> ok = save_mesh_record(record_, take_.layout()); !ok) return forward(ok);
     journal_.remove();
-    hull_.quality_step = 4;                                    // the rows between tell the same
+    hull_.quality_step = 4;                   // the rows between tell the same
+    if (!everybody()) hull_.quality = false;  // silhouettes with what may be hidden are no measure
     hull_.threads = frames.size() > 1 ? 1 : options_.threads;  // over frames, or inside the one
     Result<std::unique_ptr<MatteHealer>> healer = MatteHealer::open(take_);
     if (!healer) return forward(healer);
