@@ -213,10 +213,10 @@ Planned planned(const Options& given) {
 
 void add_process(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
-      app, chosen, "process", "Every offline stage on a take: mattes, then meshes; does only what is missing",
-      {"floatstage process take --matte chroma --frames 12", "floatstage process take --without man",
-       "floatstage process take --votes strict --redo -j 4"});
+  CLI::App* verb = add_verb(app, chosen, "process",
+                            "Every offline stage on a take: mattes, then meshes; does only what is missing",
+                            {"floatstage process take --matte chroma --frames 12",
+                             "floatstage process take --votes strict --redo -j 4"});
   add_take(*verb, options->process.take);
   add_matte_how(*verb, options->how, kUsualMattes);
   add_guide(*verb, options->process.guide);

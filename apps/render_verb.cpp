@@ -207,8 +207,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
       add_verb(app, chosen, "render", "A camera path through a processed take → H.264 video or stills",
                {"floatstage render take --orbit --turns 2 --height 0.5 -o orbit.mp4",
                 "floatstage render take --path path.json --method linear,floating --size 1280x720 "
-                "-o compare.mp4",
-                "floatstage render take --without man --orbit -o woman.mp4"});
+                "-o compare.mp4"});
   add_take(*verb, options->take);
   add_label_choice(*verb, options->labels);
   verb->add_flag("--orbit", options->orbit, "Walk around the performer where the cameras stand");
