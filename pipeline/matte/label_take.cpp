@@ -88,6 +88,19 @@ Result<void> note(const capture::TakeReader& take, const LabelsSaid& said, const
   return {};
 }
 
+// mattes/labels is ours to replace only if a record says that it is.
+Result<void> check_room(const capture::TakeReader& take, const LabelRecord& before) {
+  const fs::path masks = take.layout().label_masks();
+  if (camera_index(take.rig(), masks.filename().string()) >= 0)
+    return fail(
+        ErrorCode::InvalidArgument,
+        text("a camera of ", take.layout().folder().string(), " is called '", masks.filename().string(),
+             "', and its mattes lie where masks of labels do; such a take's mattes cannot be divided"));
+  if (!before.labels.empty() || !is_there(masks)) return {};
+  return fail(ErrorCode::AlreadyExists,
+              text(masks.string(), " is there, and nothing says that it was made here; move it away"));
+}
+
 Result<LabelRecord::Hashes> sums_of(const capture::TakeReader& take) {
   LabelRecord::Hashes sums;
   for (const RigCamera& c : take.rig().cameras)
@@ -287,6 +300,8 @@ Result<LabelTakeReport> label_take(capture::TakeReader& take, const LabelTakeOpt
   if (!before) return forward(before);
   LabelRecord record = *before;
   Result<LabelRecord::Hashes> sums = LabelRecord::Hashes();
+  if (options.said)
+    if (Result<void> ok = check_room(take, *before); !ok) return forward(ok);
   if (options.said || !record.labels.empty()) sums = sums_of(take);
   if (!sums) return forward(sums);
   const Scratch scratch(take.layout());

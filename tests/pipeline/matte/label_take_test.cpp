@@ -220,6 +220,15 @@ TEST_F(TwoApart, AreRefusedWithASentence) {
               FailsWith(ErrorCode::InvalidArgument, "nobody is left"));
 }
 
+TEST_F(TwoApart, LeaveAFolderOfUnknownOriginWhereItIs) {
+  const fs::path theirs = layout_.label_masks() / "notes.txt";
+  fs::create_directories(theirs.parent_path());
+  ASSERT_THAT(write_file(theirs, "mine"), IsOk());
+  EXPECT_THAT(say(both_clicked()), FailsWith(ErrorCode::AlreadyExists, "move it away"));
+  EXPECT_TRUE(fs::exists(theirs));
+  EXPECT_FALSE(fs::exists(layout_.label_record()));
+}
+
 TEST(LabelRecord, IsTheSameAfterwards) {
   const TempFolder folder;
   const TakeLayout layout(folder.path());
