@@ -14,6 +14,7 @@
 #include "core/text.h"
 #include "matting/band_solver.h"
 #include "matting/half_trimap.h"
+#include "matting/image_mat.h"
 #include "matting/picture_scale.h"
 
 namespace floatstage::matting {
@@ -95,11 +96,6 @@ Result<Image> solve_box(const Image& picture, const Image& trimap, const ClosedF
     if (active[p])
       out.pixels[p] = static_cast<std::uint8_t>(std::lround(255 * std::clamp((*alpha)[p], 0.0, 1.0)));
   return out;
-}
-
-cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                 const_cast<std::uint8_t*>(image.pixels.data()));
 }
 
 }  // namespace

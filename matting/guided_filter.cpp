@@ -11,6 +11,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "matting/image_mat.h"
 #include "matting/picture_scale.h"
 
 namespace floatstage::matting {
@@ -21,8 +22,7 @@ constexpr double kSmooth = 1e-4;  // regularisation of the models, colours in 0.
 
 cv::Mat as_float(const Image& image) {
   cv::Mat out;
-  cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data()))
-      .convertTo(out, CV_32F, 1 / 255.0);
+  as_mat(image).convertTo(out, CV_32F, 1 / 255.0);
   return out;
 }
 

@@ -5,16 +5,16 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "matting/image_mat.h"
+
 namespace floatstage::matting {
 
 Image scaled(const Image& picture, int width, int height) {
   if (picture.width == width && picture.height == height) return picture;
   Image out(width, height, picture.channels);
-  const cv::Mat from(picture.height, picture.width, CV_8UC(picture.channels),
-                     const_cast<std::uint8_t*>(picture.pixels.data()));
-  cv::Mat to(height, width, CV_8UC(picture.channels), out.pixels.data());
+  cv::Mat to = as_mat(out);
   const bool shrinks = width <= picture.width && height <= picture.height;
-  cv::resize(from, to, to.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
+  cv::resize(as_mat(picture), to, to.size(), 0, 0, shrinks ? cv::INTER_AREA : cv::INTER_CUBIC);
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/check.h"
 #include "matting/guide/guided_matte.h"
+#include "matting/image_mat.h"
 #include "matting/picture_scale.h"
 #include "matting/video/flow_carry.h"
 
@@ -15,17 +16,6 @@ constexpr double kReach = 0.03;    // of the longer side: room around a change f
 constexpr double kWithin = 0.006;  // likewise, by how much a carried change may grow
 constexpr int kWorkingPixels = 130'000;
 constexpr int kSure = 192;  // of 255: a carried pixel is in the change
-
-cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                 const_cast<std::uint8_t*>(image.pixels.data()));
-}
-
-Image part_of(const Image& image, const cv::Rect& box) {
-  Image out(box.width, box.height, image.channels);
-  as_mat(image)(box).copyTo(as_mat(out));
-  return out;
-}
 
 // Where a person turned pixels to `side`, but for what is thinner than an outline's doubt.
 Image change_to(std::uint8_t side, const Image& base, const Image& matte) {

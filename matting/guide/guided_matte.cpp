@@ -7,30 +7,13 @@
 #include "core/text.h"
 #include "matting/closed_form.h"
 #include "matting/guide/stroke_region.h"
+#include "matting/image_mat.h"
 
 namespace floatstage::matting {
 namespace {
 
 constexpr int kBand = 3;    // px on either side of a new outline that closed form solves …
 constexpr int kApron = 24;  // … in a picture that reaches so far beyond what changed
-
-cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                 const_cast<std::uint8_t*>(image.pixels.data()));
-}
-
-Image grown(const Image& mask, int radius) {
-  Image out(mask.width, mask.height, 1);
-  cv::Mat to = as_mat(out);
-  cv::dilate(as_mat(mask), to, cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1}));
-  return out;
-}
-
-Image part_of(const Image& image, const cv::Rect& box) {
-  Image out(box.width, box.height, image.channels);
-  as_mat(image)(box).copyTo(as_mat(out));
-  return out;
-}
 
 // 255 within `margin` of where the two sides meet.
 Image rim_of(const Image& sides, int margin) {

@@ -13,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "matting/frame_cut.h"
+#include "matting/image_mat.h"
 
 namespace floatstage::matting {
 namespace {
@@ -30,11 +31,6 @@ constexpr double kBorne = 0.5;    // of a region's border has contrast, or the r
 constexpr float kThicker = 1.5f;  // times as thick as where the stroke lies: what turns with it
 constexpr double kOneKind = 0.8;  // of a piece has the colours of what marks it
 constexpr std::size_t kSamples = 40'000;
-
-cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                 const_cast<std::uint8_t*>(image.pixels.data()));
-}
 
 struct Piece {  // pixels of the other side that hang together with the stroke's wrong ones
   Image mask;   // 255

@@ -7,6 +7,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "core/check.h"
+#include "matting/image_mat.h"
 
 namespace floatstage::matting {
 namespace {
@@ -14,11 +15,6 @@ namespace {
 constexpr float kLoop = 1.5f;  // px by which there and back may miss
 constexpr float kColour =
     40;  // 8-bit steps, summed over channels' mean, by which a followed pixel may change
-
-cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                 const_cast<std::uint8_t*>(image.pixels.data()));
-}
 
 cv::Mat grey(const Image& rgb) {
   cv::Mat out;

@@ -14,6 +14,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "matting/image_mat.h"
+
 namespace floatstage::matting {
 namespace {
 
@@ -21,15 +23,10 @@ constexpr int kSmallestForDis = 32;  // px: DIS needs a few of its 8 px patches
 constexpr double kAgreement = 12;    // 8-bit steps of colour within which a carried pixel explains another
 constexpr double kLeastConfidence = 0.1;
 
-cv::Mat view(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                 const_cast<std::uint8_t*>(image.pixels.data()));
-}
-
 cv::Mat grey(const Image& image) {
-  if (image.channels == 1) return view(image);
+  if (image.channels == 1) return as_mat(image);
   cv::Mat out;
-  cv::cvtColor(view(image), out, cv::COLOR_RGB2GRAY);
+  cv::cvtColor(as_mat(image), out, cv::COLOR_RGB2GRAY);
   return out;
 }
 
@@ -65,8 +62,8 @@ FrameFlow flow_between(const Image& from, const Image& to) {
 
 Image carried(const Image& from, const FrameFlow& flow) {
   Image out(flow.width, flow.height, from.channels);
-  cv::Mat to = view(out);
-  cv::remap(view(from), to, lookup(flow), {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::Mat to = as_mat(out);
+  cv::remap(as_mat(from), to, lookup(flow), {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return out;
 }
 

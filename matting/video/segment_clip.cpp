@@ -14,6 +14,7 @@
 #include "core/text.h"
 #include "matting/color_model.h"
 #include "matting/frame_cut.h"
+#include "matting/image_mat.h"
 #include "matting/keyers/backdrop_memory.h"
 #include "matting/keyers/plate.h"
 #include "matting/picture_scale.h"
@@ -35,18 +36,6 @@ constexpr float kStill = 7;           // … to so many 8-bit steps a channel
 constexpr float kStillOdds = -1.5f;   // log-odds of a still place whose backdrop is unknown
 constexpr float kStillColors = 0.1f;  // share of the subject's still pixels in its colours
 constexpr int kFirstCuts = 4;
-
-cv::Mat as_mat(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                 const_cast<std::uint8_t*>(image.pixels.data()));
-}
-
-Image grown(const Image& matte, int radius) {
-  Image out(matte.width, matte.height, 1);
-  cv::Mat to = as_mat(out);
-  cv::dilate(as_mat(matte), to, cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1}));
-  return out;
-}
 
 bool marks(const MatteConstraint& o, std::size_t p) { return o.weight.empty() || o.weight.pixels[p] > 0; }
 
