@@ -37,9 +37,10 @@ Result<void> check_output(std::string_view renderer, RenderOutput output) {
   for (std::size_t i = 0; i < render_output_names().size(); ++i)
     if (can_show(renderer, static_cast<RenderOutput>(i)))
       others += text(others.empty() ? "" : ", ", render_output_names()[i]);
-  return fail(ErrorCode::InvalidArgument, text("the renderer '", renderer, "' has no '",
-                                               render_output_names()[static_cast<std::size_t>(output)],
-                                               "' to show, only ", others, "; 'floating' has all"));
+  return fail(
+      ErrorCode::InvalidArgument,
+      text("the renderer '", renderer, "' has no '", render_output_names()[static_cast<std::size_t>(output)],
+           "' to show; choose ", others, ", or the renderer 'floating', which has all"));
 }
 
 bool lacks_shown_camera(const RenderedView& view, const RendererOptions& options) {
