@@ -1,6 +1,7 @@
 #include "apps/manual/bash_completion.h"
 
 #include "apps/terminal/flags.h"
+#include "apps/terminal/joined.h"
 #include "apps/terminal/verb_tree.h"
 #include "core/text.h"
 
@@ -25,12 +26,6 @@ constexpr const char* kTail = R"(  if [[ $cur == -* ]]; then
 complete -o filenames -F _floatstage floatstage
 )";
 
-std::string listed(const std::vector<std::string>& words, const char* separator) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : separator) + word;
-  return out;
-}
-
 // What comes behind an option that takes a value: its words, a path, or something that nobody can guess.
 std::string values_line(const std::string& path, const OptionWords& option) {
   std::vector<std::string> patterns;
@@ -38,10 +33,10 @@ std::string values_line(const std::string& path, const OptionWords& option) {
   std::string reply = "return";
   if (!option.values.empty())
     reply =
-        text("mapfile -t COMPREPLY < <(compgen -W \"", listed(option.values, " "), "\" -- \"$cur\"); return");
+        text("mapfile -t COMPREPLY < <(compgen -W \"", joined(option.values, " "), "\" -- \"$cur\"); return");
   else if (takes_a_path(option))
     reply = "mapfile -t COMPREPLY < <(compgen -f -- \"$cur\"); return";
-  return text("    ", listed(patterns, " | "), ") ", reply, " ;;\n");
+  return text("    ", joined(patterns, " | "), ") ", reply, " ;;\n");
 }
 
 }  // namespace
@@ -58,7 +53,7 @@ std::string bash_completion(const CLI::App& program) {
         options.insert(options.end(), option.names.begin(), option.names.end());
         if (!option.type.empty()) values += values_line(path, option);
       }
-    words += text("    \"", path, "\") verbs=\"", listed(verbs, " "), "\" options=\"", listed(options, " "),
+    words += text("    \"", path, "\") verbs=\"", joined(verbs, " "), "\" options=\"", joined(options, " "),
                   "\" ;;\n");
   }
   return text(kHead, paths, "    esac\n  done\n  case \"$path $prev\" in\n", values,

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "apps/terminal/flags.h"
+#include "apps/terminal/joined.h"
 #include "apps/terminal/verb_tree.h"
 #include "apps/version.h"
 #include "core/text.h"
@@ -45,14 +46,15 @@ std::string sentences(const std::string& help) {
 }
 
 std::string entry(const OptionWords& option) {
+  constexpr std::size_t kLine = 60;  // columns that a tag may take: it is never broken
+  const bool many = joined(option.values, "|").size() > kLine;
   std::string out = ".TP\n";
   for (const std::string& name : option.names) out += (out.ends_with("\n") ? "" : ", ") + bold(name);
   if (option.names.empty()) out += slanted(option.word);
-  std::string value = option.type;
-  for (const std::string& word : option.values) value += (word == option.values.front() ? "" : "|") + word;
-  if (!option.values.empty()) value.erase(0, option.type.size());
+  const std::string value = option.values.empty() || many ? option.type : joined(option.values, "|");
   if (!option.names.empty() && !value.empty()) out += " " + slanted(value);
   out += "\n" + sentences(option.help);
+  if (many) out += text(".br\nOne of: ", plain(joined(option.values, ", ")), "\n");
   if (!option.usual.empty()) out += text(".br\nWithout it: ", plain(option.usual), "\n");
   return out;
 }

@@ -136,7 +136,8 @@ Result<void> run(const Options& given) {
     std::printf("worst: %s frame %d, IoU %.3f, %.1f %% outside\n", report->worst[i].serial.c_str(),
                 report->worst[i].frame, report->worst[i].iou, 100 * report->worst[i].surplus);
   if (report->made > 0)
-    std::printf("%d mattes in %.1f s, %.3f s each\n", report->made, report->seconds, report->seconds_per_frame);
+    std::printf("%d mattes in %.1f s, %.3f s each\n", report->made, report->seconds,
+                report->seconds_per_frame);
   else
     std::printf("no matte had to be made\n");
   if (!given.layers.out.empty()) {

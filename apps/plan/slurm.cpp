@@ -14,6 +14,7 @@
 
 #include "apps/plan/planned.h"
 #include "apps/terminal/interrupt.h"
+#include "apps/terminal/joined.h"
 #include "apps/terminal/progress_bar.h"
 #include "core/file.h"
 #include "core/file_presence.h"
@@ -54,12 +55,6 @@ std::string quoted(const std::string& word) {
   std::string out = "'";
   for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
-}
-
-std::string joined(const std::vector<std::string>& words, const char* between) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : between) + word;
-  return out;
 }
 
 // One job array: task k is the k-th item.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/terminal/did_you_mean.h"
+#include "apps/terminal/joined.h"
 #include "apps/terminal/text_options.h"
 #include "core/text.h"
 #include "matting/keyers/keyer.h"
@@ -21,16 +22,10 @@ const std::vector<std::string>& codec_names() {
 constexpr capture::TakeCodec kCodecs[] = {capture::TakeCodec::Ffv1, capture::TakeCodec::Raw,
                                           capture::TakeCodec::H264};
 
-std::string listed(const std::vector<std::string>& words, const char* separator) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : separator) + word;
-  return out;
-}
-
 // Why `word` is none of `words`, or nothing.
 std::string fault_of(const std::string& word, const std::vector<std::string>& words) {
   if (std::find(words.begin(), words.end(), word) != words.end()) return "";
-  return text("'", word, "' is none of ", listed(words, ", "), did_you_mean(word, words));
+  return text("'", word, "' is none of ", joined(words, ", "), did_you_mean(word, words));
 }
 
 }  // namespace
@@ -203,12 +198,12 @@ CLI::Option* add_list(CLI::App& verb, const std::string& name, std::vector<std::
         throw CLI::ValidationError(name, fault);
   };
   CLI::Option* option = verb.add_option_function<std::string>(name, set, help)->type_name("A,B,C");
-  return list.empty() ? option : option->default_str(listed(list, ","));
+  return list.empty() ? option : option->default_str(joined(list, ","));
 }
 
 CLI::Validator one_of(const std::vector<std::string>& words) {
   return CLI::Validator([words](std::string& word) { return fault_of(word, words); },
-                        text("{", listed(words, ","), "}"));
+                        text("{", joined(words, ","), "}"));
 }
 
 std::size_t place_of(const std::vector<std::string>& words, const std::string& word) {

@@ -52,13 +52,9 @@ void add_renderer_flags(CLI::App& verb, RendererFlags& flags) {
                 "Bring the cameras' colours to one another by what they see of the subject, where "
                 "`calibrate color` did not: for cameras of unequal exposure")
       ->group(kGroupPicture);
-  std::string shown;
-  for (const std::string& name : render::render_output_names()) shown += (shown.empty() ? "" : ", ") + name;
-  verb.add_option("--show", flags.show,
-                  "What the picture shows: the colours, or an intermediate (" + shown + ")")
-      ->type_name("NAME")
+  verb.add_option("--show", flags.show, "What the picture shows: the colours, or an intermediate")
       ->capture_default_str()
-      ->check(one_of(render::render_output_names()).description(""))
+      ->check(one_of(render::render_output_names()))
       ->group(kGroupPicture);
   verb.add_option("--show-camera", flags.show_camera,
                   "Whose photograph, warp or field --show shows (default: the view's first)")
