@@ -15,7 +15,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct CaptureArguments {
   std::filesystem::path config, json;
   std::vector<std::string> sounds;
   studio::CaptureOptions capture;
@@ -87,7 +87,7 @@ void show(const studio::CaptureReport& report) {
   std::fprintf(stderr, "\r\033[K%s", line.c_str());
 }
 
-Result<void> run(const Options& options) {
+Result<void> run_capture(const CaptureArguments& options) {
   Result<studio::CaptureConfig> config = studio::load_capture_config(options.config);
   if (!config) return forward(config);
   config->sounds.insert(config->sounds.end(), options.sounds.begin(), options.sounds.end());
@@ -116,7 +116,7 @@ Result<void> run(const Options& options) {
 }  // namespace
 
 void add_capture(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CaptureArguments>();
   CLI::App* verb =
       add_verb(app, chosen, "capture", "Streams a studio's cameras and records a take",
                {"floatstage capture --config studio.toml",
@@ -133,7 +133,7 @@ void add_capture(CLI::App& app, Chosen& chosen) {
       ->type_name("SOURCE");
   add_seconds(*verb, options->capture.seconds, "How long (default: until Ctrl-C)");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_capture(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -58,7 +58,7 @@ Finding look_at_video() {
   return {Verdict::Pass, "video: H.264 can be written"};
 }
 
-struct Options {
+struct CheckArguments {
   fs::path folder = ".", config, json;
 };
 
@@ -80,7 +80,7 @@ std::vector<Finding> look_at_usual_studio(const fs::path& folder) {
           look_at_disk(folder, kNeeded, "eight 640x480 cameras at 25 a second")};
 }
 
-Result<void> run(const Options& options) {
+Result<void> run_check(const CheckArguments& options) {
   constexpr const char* kNames[] = {"PASS", "WARN", "FAIL"};
   std::vector<Finding> findings = look_at_machine();
   Result<std::vector<Finding>> studio = options.config.empty() ? look_at_usual_studio(options.folder)
@@ -106,7 +106,7 @@ Result<void> run(const Options& options) {
 }  // namespace
 
 void add_check(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckArguments>();
   CLI::App* verb = add_verb(app, chosen, "check", "Is this machine ready? Each line says what to do",
                             {"floatstage check --folder /takes", "floatstage check --config studio.toml"});
   verb->add_option("--folder", options->folder, "Where takes will be recorded")
@@ -116,7 +116,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
                    "A studio (TOML): starts its cameras once and measures what they need")
       ->type_name("FILE");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_check(*options); }; });
 }
 
 }  // namespace floatstage::apps

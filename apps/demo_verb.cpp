@@ -11,7 +11,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct DemoArguments {
   pipeline::DemoOptions demo = pipeline::default_demo();
   std::filesystem::path json;
 };
@@ -35,7 +35,7 @@ nlohmann::json to_json(const pipeline::DemoOptions& options, const pipeline::Dem
   return json;
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_demo(const DemoArguments& given) {
   pipeline::DemoOptions options = given.demo;
   ProgressBar bar;
   options.progress = &bar;
@@ -56,7 +56,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_demo(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DemoArguments>();
   pipeline::DemoOptions& demo = options->demo;
   CLI::App* verb =
       add_verb(app, chosen, "demo", "The embedded synthetic studio through the whole main job",
@@ -67,7 +67,7 @@ void add_demo(CLI::App& app, Chosen& chosen) {
   verb->add_option("--seed", demo.studio.studio.seed, "Same seed, same performance")->capture_default_str();
   add_blend(*verb, demo.blend);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_demo(*options); }; });
 }
 
 }  // namespace floatstage::apps

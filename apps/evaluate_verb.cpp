@@ -10,6 +10,7 @@
 #include "apps/plan/planned.h"
 #include "apps/terminal/flags.h"
 #include "apps/terminal/hull_flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/orbit_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "apps/terminal/renderer_options.h"
@@ -32,7 +33,7 @@ namespace {
 
 using nlohmann::json;
 
-struct Options {
+struct EvaluateArguments {
   std::filesystem::path take, json_file, csv_file, sheet, path_file;
   std::vector<std::string> inputs, hold_out, methods = {"nearest", "linear", "floating"};
   std::string frames, proxy, scale = "1/1";
@@ -41,6 +42,7 @@ struct Options {
   int border = -1, steps = 200;
   bool mattes = false;
   std::filesystem::path truth;
+  pipeline::LabelChoice labels;
   RendererFlags renderer;
   HullFlags hull;
   PlanFlags plan;
@@ -61,7 +63,7 @@ Result<int> parse_scale(const std::string& words) {
 }
 
 // What is asked for, without the take.
-Result<pipeline::EvaluateOptions> evaluate_options(const Options& given) {
+Result<pipeline::EvaluateOptions> evaluate_options(const EvaluateArguments& given) {
   const Result<recon::HullOptions> hull = hull_options(given.hull);
   if (!hull) return forward(hull);
   pipeline::EvaluateOptions options{.inputs = given.inputs,
@@ -94,7 +96,7 @@ json to_json(const pipeline::TemporalScores& s) {
           {"steps", s.steps},   {"points", s.points}};
 }
 
-Result<pipeline::CameraPath> path_of(const Options& given, capture::TakeReader& take,
+Result<pipeline::CameraPath> path_of(const EvaluateArguments& given, capture::TakeReader& take,
                                      const pipeline::EvaluateOptions& options) {
   if (!given.orbit) return pipeline::load_path(given.path_file);
   Result<pipeline::Instant> instant = pipeline::load_instant(take, options.frames.front(), options.proxy);
@@ -109,7 +111,7 @@ Result<pipeline::CameraPath> path_of(const Options& given, capture::TakeReader& 
   return pipeline::orbit_around(take.rig(), subject, walk).path;
 }
 
-Result<void> run_path(const Options& given, capture::TakeReader& take,
+Result<void> run_path(const EvaluateArguments& given, capture::TakeReader& take,
                       const pipeline::EvaluateOptions& options) {
   const Result<pipeline::CameraPath> path = path_of(given, take, options);
   if (!path) return forward(path);
@@ -127,7 +129,7 @@ Result<void> run_path(const Options& given, capture::TakeReader& take,
   return given.json_file.empty() ? Result<void>() : pipeline::save_json(j, given.json_file);
 }
 
-Result<std::vector<ScoredView>> held_out_rows(const Options& given, capture::TakeReader& take,
+Result<std::vector<ScoredView>> held_out_rows(const EvaluateArguments& given, capture::TakeReader& take,
                                               const pipeline::EvaluateOptions& options, ProgressBar& bar) {
   const Result<pipeline::Inputs> inputs =
       pipeline::choose_inputs(take.rig(), options.inputs, options.hold_out);
@@ -150,7 +152,7 @@ Result<std::vector<ScoredView>> held_out_rows(const Options& given, capture::Tak
   return rows;
 }
 
-Result<void> report(const Options& given, const std::vector<ScoredView>& views) {
+Result<void> report(const EvaluateArguments& given, const std::vector<ScoredView>& views) {
   return report_scores(given.take, views, given.methods, {given.json_file, given.csv_file});
 }
 
@@ -160,12 +162,12 @@ struct Ready {
   pipeline::EvaluateOptions options;
 };
 
-Result<Ready> ready(const Options& given) {
+Result<Ready> ready(const EvaluateArguments& given) {
   if (given.orbit && !given.path_file.empty())
     return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
   Result<pipeline::EvaluateOptions> options = evaluate_options(given);
   if (!options) return forward(options);
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(given.take, given.labels);
   if (!take) return forward(take);
   Result<std::vector<int>> frames =
       parse_frames(given.frames.empty() ? "0" : given.frames, (*take)->frame_count());
@@ -179,10 +181,11 @@ Result<Ready> ready(const Options& given) {
   return Ready{std::move(*take), std::move(*options)};
 }
 
-bool walks(const Options& given) { return given.orbit || !given.path_file.empty(); }
+bool walks(const EvaluateArguments& given) { return given.orbit || !given.path_file.empty(); }
 
-Result<void> run(const Options& given) {
-  if (given.mattes) return report_mattes({given.take, given.truth, given.frames, given.json_file});
+Result<void> run_evaluate(const EvaluateArguments& given) {
+  if (given.mattes)
+    return report_mattes({given.take, given.labels, given.truth, given.frames, given.json_file});
   Result<Ready> scene = ready(given);
   if (!scene) return forward(scene);
   ProgressBar bar;
@@ -192,7 +195,7 @@ Result<void> run(const Options& given) {
   return rows ? report(given, *rows) : forward(rows);
 }
 
-Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
+Result<pipeline::Plan> make_plan(const EvaluateArguments& given, int chunk) {
   if (given.mattes || walks(given))
     return fail(ErrorCode::InvalidArgument,
                 "--plan divides held-out views by frames; --mattes, --orbit and --path are one piece");
@@ -214,7 +217,8 @@ int last_before(const pipeline::Plan& plan, const pipeline::PlanItem& item) {
 }
 
 // A piece's rows, or the table of all.
-Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const pipeline::PlanItem& item) {
+Result<ItemEnd> run_item(const EvaluateArguments& given, const pipeline::Plan& plan,
+                         const pipeline::PlanItem& item) {
   ItemEnd end;
   if (item.count > 0) {
     Result<Ready> scene = ready(given);
@@ -247,7 +251,7 @@ Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const
   return end;
 }
 
-Planned planned(const Options& given) {
+Planned planned(const EvaluateArguments& given) {
   return {.folder = plan_beside(given.take, "evaluate"),
           .threads = 0,
           .make = [given](int chunk) { return make_plan(given, chunk); },
@@ -259,13 +263,14 @@ Planned planned(const Options& given) {
 }  // namespace
 
 void add_evaluate(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateArguments>();
   CLI::App* verb =
       add_verb(app, chosen, "evaluate",
                "Scores: renderers on a processed take, leave-one-out; or its mattes against true ones",
                {"floatstage evaluate take --hold-out cam02,cam05 --frames 0:50:10 --json scores.json",
                 "floatstage evaluate take --orbit --methods linear,floating --json steadiness.json"});
   add_take(*verb, options->take);
+  add_label_choice(*verb, options->labels);
 
   add_list(*verb, "--inputs", options->inputs,
            "Cameras to draw from: serials, or every:N for every N-th, on a grid every N-th "
@@ -310,7 +315,7 @@ void add_evaluate(CLI::App& app, Chosen& chosen) {
   add_orbit_flags(*verb, options->walk, verb->get_option("--orbit"));
   add_renderer_flags(*verb, options->renderer);
   add_json(*verb, options->json_file);
-  add_planned_run(*verb, chosen, options, run, planned);
+  add_planned_run(*verb, chosen, options, run_evaluate, planned);
 }
 
 }  // namespace floatstage::apps

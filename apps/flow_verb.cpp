@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct FlowArguments {
   fs::path first, second, truth, out, picture, json_file;
   std::string backend = "variational", preset = "quality";
   int finest_scale = 0;
@@ -29,7 +29,7 @@ struct Estimate {
 };
 
 // DIS has no "quality"; its most careful preset is "medium".
-render::FlowOptions flow_options(const Options& given) {
+render::FlowOptions flow_options(const FlowArguments& given) {
   render::FlowOptions options;
   options.backend = given.backend;
   options.preset = given.backend == "dis" && given.preset == "quality" ? "medium" : given.preset;
@@ -37,7 +37,7 @@ render::FlowOptions flow_options(const Options& given) {
   return options;
 }
 
-Result<Estimate> estimate(const Options& given, const render::FlowField* truth) {
+Result<Estimate> estimate(const FlowArguments& given, const render::FlowField* truth) {
   const auto estimator = render::make_flow_estimator(flow_options(given));
   if (!estimator) return forward(estimator);
   const Result<Image> first = load_png(given.first);
@@ -61,7 +61,7 @@ Result<Estimate> estimate(const Options& given, const render::FlowField* truth) 
   return Estimate{std::move(*field), static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_flow(const FlowArguments& given) {
   std::optional<render::FlowField> truth;
   if (!given.truth.empty()) {
     Result<render::FlowField> loaded = render::load_flo(given.truth);
@@ -89,7 +89,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_flow(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FlowArguments>();
   CLI::App* verb = add_verb(
       app, chosen, "flow", "Optical flow from one picture to another, scored where the truth is known",
       {"floatstage flow first.png second.png --truth truth.flo --json scores.json",
@@ -114,7 +114,7 @@ void add_flow(CLI::App& app, Chosen& chosen) {
       ->capture_default_str()
       ->group(kGroupTuning);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_flow(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -22,7 +22,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct HullArguments {
   std::filesystem::path take, out, json_file;
   std::vector<std::string> cameras;
   pipeline::LabelChoice labels;
@@ -35,7 +35,7 @@ struct Input {
   std::vector<Matte> mattes;
 };
 
-Result<Input> load(const Options& given) {
+Result<Input> load(const HullArguments& given) {
   Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(given.take, given.labels);
   if (!take) return forward(take);
   if (given.frame < 0 || given.frame >= (*take)->frame_count()) {
@@ -205,7 +205,7 @@ nlohmann::json to_json(const Rig& rig, const recon::HullOptions& options, const 
           {"cleanup", cleanup_json(rig, hull)}};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_hull(const HullArguments& given) {
   if (Result<void> ok = check_name_of_mesh(given.out); !ok) return ok;
   Result<recon::HullOptions> options = pipeline::hull_options(given.hull);
   if (!options) return forward(options);
@@ -230,7 +230,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_hull(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HullArguments>();
   CLI::App* verb = add_verb(app, chosen, "hull",
                             "The visual hull of one frame of a take that has mattes, timed and checked",
                             {"floatstage hull take --frame 12 -o hull.glb",
@@ -248,7 +248,7 @@ void add_hull(CLI::App& app, Chosen& chosen) {
       ->group(kGroupRun);
   add_threads(*verb, options->threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_hull(*options); }; });
 }
 
 }  // namespace floatstage::apps

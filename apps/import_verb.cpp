@@ -15,7 +15,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct ImportArguments {
   pipeline::ImportOptions import;
   std::string other_size = "refuse", contour_origin = "corner", frames, sync;
   double frame_rate = 0, plane = 0;  // 0: not given
@@ -28,11 +28,12 @@ nlohmann::json to_json(const pipeline::ImportReport& report, const std::filesyst
     sync.push_back(
         {{"serial", c.serial}, {"began_before_s", c.seconds}, {"events", c.events}, {"spread_s", c.spread}});
   return {{"take", take.string()},     {"frames", report.frames}, {"gaps", report.gaps},
-          {"cameras", report.serials}, {"mattes", report.mattes}, {"sounds", report.sounds},
-          {"sync", std::move(sync)},   {"notes", report.notes},   {"world", report.world}};
+          {"cameras", report.serials}, {"mattes", report.mattes}, {"plates", report.plates},
+          {"sounds", report.sounds},   {"sync", std::move(sync)}, {"notes", report.notes},
+          {"world", report.world}};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_import(const ImportArguments& given) {
   pipeline::ImportOptions options = given.import;
   options.other_size = given.other_size == "scaled"    ? pipeline::OtherSize::Scaled
                        : given.other_size == "cropped" ? pipeline::OtherSize::Cropped
@@ -55,8 +56,8 @@ Result<void> run(const Options& given) {
   for (const std::string& note : report->notes) log::info(note);
   log::info(report->world);
   std::printf(
-      "%s: %d frames of %zu cameras%s%s\n", options.out.c_str(), report->frames, report->serials.size(),
-      report->mattes ? ", with mattes" : "",
+      "%s: %d frames of %zu cameras%s%s%s\n", options.out.c_str(), report->frames, report->serials.size(),
+      report->mattes ? ", with mattes" : "", report->plates > 0 ? ", with plates" : "",
       report->sounds > 0
           ? text(", with ", report->sounds, report->sounds == 1 ? " sound track" : " sound tracks").c_str()
           : "");
@@ -71,7 +72,7 @@ struct Reads {
 };
 
 void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ImportArguments>();
   pipeline::ImportOptions& import = options->import;
   import.calibration.format = format.name;
   const std::string begin = "floatstage import " + format.name + " ";
@@ -92,6 +93,11 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
                   "Polygons of other programs in the place of mattes: COCO's JSON file, or a folder of "
                   "labelme's named like the pictures (SERIAL/NAME.json)")
       ->type_name("PATH");
+  app->add_option(
+         "--plates", import.plates,
+         "Folder with a picture of the empty stage for each camera, named like the pictures; or a video "
+         "or a folder of them, for the noise of each pixel")
+      ->type_name("FOLDER");
   app->add_option("--contour-origin", options->contour_origin,
                   "Where (0, 0) is for that program: the picture's corner (labelme, CVAT), or the first "
                   "pixel's centre (OpenCV, scikit-image)")
@@ -128,7 +134,7 @@ void add_format(CLI::App& verb, const Reads& format, Chosen& chosen) {
         ->check(CLI::PositiveNumber);
   add_threads(*app, import.threads);
   add_json(*app, options->json);
-  app->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  app->callback([options, &chosen] { chosen.run = [options] { return run_import(*options); }; });
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include <cstdio>
 #include <exception>
 
+#include <malloc.h>
+
 #include "apps/command_line.h"
 #include "apps/plan/planned.h"
 #include "apps/terminal/exit_codes.h"
@@ -8,6 +10,14 @@
 #include "core/log.h"
 
 namespace {
+
+// Pictures come and go by the megabyte, on all threads. What they leave is used by the next ones, and not
+// given back to the system to be asked for again, page by page (docs/adr/0319).
+void keep_freed_memory() {
+  constexpr int kOfItsOwn = 32 << 20, kKept = 256 << 20;  // bytes: of one block, and free ones in all
+  ::mallopt(M_MMAP_THRESHOLD, kOfItsOwn);
+  ::mallopt(M_TRIM_THRESHOLD, kKept);
+}
 
 int run(const std::vector<std::string>& words) {
   using namespace floatstage;
@@ -32,6 +42,7 @@ int run(const std::vector<std::string>& words) {
 
 int main(int argc, char** argv) {
   try {
+    keep_freed_memory();
     return run({argv + (argc > 0), argv + argc});
   } catch (
       const std::exception& e) {  // CheckFailure, out of memory: nothing that a user's input should cause

@@ -15,7 +15,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct PathArguments {
   std::filesystem::path path, take, out, json;
   double fps = 25;
   Size size{1280, 720};
@@ -36,7 +36,7 @@ std::string described(const pipeline::CameraPath& path, std::size_t index) {
   return words;
 }
 
-Result<void> show(const Options& given) {
+Result<void> show(const PathArguments& given) {
   const Result<pipeline::CameraPath> path = pipeline::load_path(given.path);
   if (!path) return forward(path);
   std::printf("%s: %zu keys, %.2f s\n", given.path.c_str(), path->keys.size(), path->duration());
@@ -54,7 +54,7 @@ Result<void> show(const Options& given) {
                              given.json);
 }
 
-Result<pipeline::SubjectTrack> track_of(const Options& given) {
+Result<pipeline::SubjectTrack> track_of(const PathArguments& given) {
   if (given.take.empty())
     return fail(ErrorCode::InvalidArgument,
                 text(given.path.string(), " follows a take's subject; name the take with --take"));
@@ -65,7 +65,7 @@ Result<pipeline::SubjectTrack> track_of(const Options& given) {
   return std::move(subject->track);
 }
 
-Result<void> write(const Options& given) {
+Result<void> write(const PathArguments& given) {
   const Result<pipeline::CameraPath> path = pipeline::load_path(given.path);
   if (!path) return forward(path);
   const Result<pipeline::SubjectTrack> track =
@@ -84,7 +84,7 @@ Result<void> write(const Options& given) {
       {{"out", given.out.string()}, {"cameras", cameras.size()}, {"seconds", path->duration()}}, given.json);
 }
 
-Result<void> read(const Options& given) {
+Result<void> read(const PathArguments& given) {
   const Result<pipeline::CameraPath> path = pipeline::import_path(
       {.from = given.path, .frame_rate = given.fps, .z_up = given.up == "z", .camera = given.camera});
   if (!path) return forward(path);
@@ -105,7 +105,7 @@ void add_up(CLI::App& verb, std::string& up) {
 }
 
 void add_show(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PathArguments>();
   CLI::App* verb =
       add_verb(parent, chosen, "show", "What a camera path's keys say",
                {"floatstage path show path.json", "floatstage path show path.json --json path-report.json"});
@@ -117,7 +117,7 @@ void add_show(CLI::App& parent, Chosen& chosen) {
 }
 
 void add_write(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PathArguments>();
   CLI::App* verb = add_verb(parent, chosen, "export", "A camera path as a glTF camera, or as COLMAP's images",
                             {"floatstage path export path.json -o camera.glb",
                              "floatstage path export path.json --size 1920x1080 --fps 50 -o cameras"});
@@ -135,7 +135,7 @@ void add_write(CLI::App& parent, Chosen& chosen) {
 }
 
 void add_read(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PathArguments>();
   CLI::App* verb =
       add_verb(parent, chosen, "import", "The moving camera of a glTF, or COLMAP's images → path",
                {"floatstage path import camera.glb -o path.json",

@@ -4,6 +4,7 @@
 
 #include "apps/terminal/flags.h"
 #include "apps/terminal/interrupt.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/renderer_options.h"
 #include "apps/verbs.h"
 #include "apps/viewer/play/play.h"
@@ -14,7 +15,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct PlayArguments {
   PlayOptions play;
   std::string view = "checker";
   Size size{1280, 800};
@@ -51,7 +52,7 @@ nlohmann::json to_json(const PlayReport& report) {
           {"heard", std::move(heard)}};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_play(const PlayArguments& given) {
   PlayOptions options = given.play;
   options.width = given.size.width;
   options.height = given.size.height;
@@ -75,7 +76,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_play(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlayArguments>();
   PlayOptions& play = options->play;
   options->renderer.background = "292b30";
   CLI::App* verb = add_verb(
@@ -83,6 +84,7 @@ void add_play(CLI::App& app, Chosen& chosen) {
       "The interactive player: time line, orbit camera, comparison, camera path; and the matte editor",
       {"floatstage play take --compare linear", "floatstage play take --mattes --camera cam02 --frame 40"});
   add_take(*verb, play.take);
+  add_label_choice(*verb, play.labels);
   verb->add_option("--method", play.method, method_help())
       ->capture_default_str()
       ->check(one_of(renderer_names()));
@@ -121,7 +123,7 @@ void add_play(CLI::App& app, Chosen& chosen) {
       verb->add_flag("--by-hand", options->by_hand,
                      "Make mattes when Enter is pressed, not after every edit")};
   for (CLI::Option* option : mattes) option->group(kGroupMattes);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_play(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -19,7 +19,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct ProcessArguments {
   pipeline::ProcessOptions process;
   std::string how, frames;
   std::filesystem::path json_file;
@@ -44,17 +44,6 @@ nlohmann::json to_json(const std::vector<pipeline::SilhouetteFault>& faults) {
                  {"lost", fault.lost},
                  {"gained", fault.gained},
                  {"picture", fault.picture.string()}});
-  return j;
-}
-
-nlohmann::json to_json(const std::vector<pipeline::HealedCamera>& healed) {
-  nlohmann::json j = nlohmann::json::array();
-  for (const pipeline::HealedCamera& camera : healed)
-    j.push_back({{"camera", camera.serial},
-                 {"frames", camera.frames},
-                 {"worst_frame", camera.worst},
-                 {"lost", camera.lost},
-                 {"gained", camera.gained}});
   return j;
 }
 
@@ -83,7 +72,7 @@ nlohmann::json to_json(const std::filesystem::path& take, const pipeline::Proces
           {"remarks", report.remarks},
           {"distrusted", report.distrusted},
           {"doubts", doubts_json(report.doubts)},
-          {"healed", to_json(report.healed)},
+          {"healed", healed_json(report.healed)},
           {"silhouettes", to_json(report.faults)},
           {"poses", report.pose_doubts},
           {"contradictory_frames", report.contradictory_frames},
@@ -131,7 +120,7 @@ void say(const std::filesystem::path& take, const pipeline::ProcessReport& repor
                 report.meshes.others);
 }
 
-Result<pipeline::ProcessOptions> options_of(const Options& given) {
+Result<pipeline::ProcessOptions> options_of(const ProcessArguments& given) {
   pipeline::ProcessOptions options = given.process;
   if (!given.how.empty()) options.matte = given.how;
   if (!given.frames.empty()) {
@@ -145,7 +134,7 @@ Result<pipeline::ProcessOptions> options_of(const Options& given) {
   return options;
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_process(const ProcessArguments& given) {
   Result<pipeline::ProcessOptions> read = options_of(given);
   if (!read) return forward(read);
   pipeline::ProcessOptions options = std::move(*read);
@@ -179,7 +168,8 @@ Result<void> run(const Options& given) {
 }
 
 // The verb's work by items; what it says, it says of all when they are done.
-Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const pipeline::PlanItem& item) {
+Result<ItemEnd> run_item(const ProcessArguments& given, const pipeline::Plan& plan,
+                         const pipeline::PlanItem& item) {
   Result<pipeline::ProcessOptions> options = options_of(given);
   if (!options) return forward(options);
   ProgressBar bar;
@@ -187,21 +177,18 @@ Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const
   const Result<std::uint64_t> bytes = pipeline::run_process_item(plan, item, *options);
   if (!bytes) return forward(bytes);
   if (&item != &plan.items.back()) return ItemEnd{*bytes, {}};
-  Options rest = given;
+  ProcessArguments rest = given;
   rest.process.redo = false;
   rest.process.gathered = true;
-  return end_of(run(rest));
+  return end_of(run_process(rest));
 }
 
-Planned planned(const Options& given) {
+Planned planned(const ProcessArguments& given) {
   return {.folder = plan_beside(given.process.take, "process"),
           .threads = given.process.threads,
           .make = [given](int chunk) -> Result<pipeline::Plan> {
             const Result<pipeline::ProcessOptions> options = options_of(given);
             if (!options) return forward(options);
-            if (!options->labels.everybody())
-              return fail(ErrorCode::InvalidArgument,
-                          "--plan makes the meshes of all together; make those of labels without it");
             return pipeline::plan_process(*options, chunk);
           },
           .made_from = [given] { return pipeline::plan_inputs(given.process.take); },
@@ -212,7 +199,7 @@ Planned planned(const Options& given) {
 }  // namespace
 
 void add_process(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ProcessArguments>();
   CLI::App* verb = add_verb(app, chosen, "process",
                             "Every offline stage on a take: mattes, then meshes; does only what is missing",
                             {"floatstage process take --matte chroma --frames 12",
@@ -230,7 +217,7 @@ void add_process(CLI::App& app, Chosen& chosen) {
                  "Also estimate the flow between neighbouring photographs, for --method floating-static");
   add_threads(*verb, options->process.threads);
   add_json(*verb, options->json_file);
-  add_planned_run(*verb, chosen, options, run, planned);
+  add_planned_run(*verb, chosen, options, run_process, planned);
 }
 
 }  // namespace floatstage::apps

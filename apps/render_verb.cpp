@@ -24,7 +24,7 @@ namespace {
 
 constexpr const char* kNoBackground = "none";
 
-struct Options {
+struct RenderArguments {
   std::filesystem::path take, path_file, out, json_file;
   std::vector<std::string> methods = {"floating"};
   std::string frames, pictures, sound;
@@ -42,7 +42,7 @@ struct Options {
 constexpr double kPictureSeconds = 0.1;  // before the plan has measured it
 
 // The pictures of the film that --pictures names.
-Result<std::vector<int>> parts_asked_for(const Options& given, const capture::TakeReader& take,
+Result<std::vector<int>> parts_asked_for(const RenderArguments& given, const capture::TakeReader& take,
                                          const pipeline::CameraPath& path,
                                          const pipeline::FilmOptions& film) {
   if (given.pictures.empty()) return std::vector<int>();
@@ -51,7 +51,8 @@ Result<std::vector<int>> parts_asked_for(const Options& given, const capture::Ta
   return parse_frames(given.pictures, static_cast<int>(whole->size()));
 }
 
-void say(const Options& given, const pipeline::FilmOptions& film, const pipeline::FilmFileReport& report) {
+void say(const RenderArguments& given, const pipeline::FilmOptions& film,
+         const pipeline::FilmFileReport& report) {
   const std::string kept = report.kept > 0 ? text(", ", report.kept, " of them made before") : "";
   const double drawing = report.film.render_seconds;
   std::printf("%s: %d pictures of %dx%d%s in %.1f s (%.1f a second in the renderer)\n", given.out.c_str(),
@@ -67,10 +68,10 @@ void say(const Options& given, const pipeline::FilmOptions& film, const pipeline
 }
 
 // Opacity in the place of a background.
-bool is_transparent(const Options& given) { return given.renderer.background == kNoBackground; }
+bool is_transparent(const RenderArguments& given) { return given.renderer.background == kNoBackground; }
 
 // What is said of the film and does not need the take.
-Result<pipeline::FilmOptions> film_options(const Options& given) {
+Result<pipeline::FilmOptions> film_options(const RenderArguments& given) {
   pipeline::FilmOptions film = given.film;
   film.width = given.size.width;
   film.height = given.size.height;
@@ -91,7 +92,7 @@ Result<pipeline::FilmOptions> film_options(const Options& given) {
 }
 
 // Where the camera goes; an orbit's subject is the film's.
-Result<pipeline::CameraPath> path_of(const Options& given, const capture::TakeReader& take,
+Result<pipeline::CameraPath> path_of(const RenderArguments& given, const capture::TakeReader& take,
                                      pipeline::FilmOptions& film) {
   if (!given.orbit) {
     Result<pipeline::CameraPath> path = pipeline::load_path(given.path_file);
@@ -109,7 +110,7 @@ Result<pipeline::CameraPath> path_of(const Options& given, const capture::TakeRe
   return std::move(orbit.path);
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_render(const RenderArguments& given) {
   if (given.orbit == !given.path_file.empty())
     return fail(ErrorCode::InvalidArgument, "say where the camera goes: either --orbit or --path FILE");
   Result<pipeline::FilmOptions> film = film_options(given);
@@ -159,7 +160,7 @@ Result<void> run(const Options& given) {
 }
 
 // Parts of the film, so many that there are `chunk` pictures in an item, or one part.
-Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
+Result<pipeline::Plan> make_plan(const RenderArguments& given, int chunk) {
   if (!given.pictures.empty())
     return fail(ErrorCode::InvalidArgument, "--plan makes the whole film; leave out --pictures");
   Result<pipeline::FilmOptions> film = film_options(given);
@@ -183,14 +184,14 @@ Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
 }
 
 // Parts, or the film of them.
-Result<ItemEnd> run_item(Options given, const pipeline::Plan&, const pipeline::PlanItem& item) {
+Result<ItemEnd> run_item(RenderArguments given, const pipeline::Plan&, const pipeline::PlanItem& item) {
   if (item.count > 0) given.pictures = text(item.first, ":", item.first + item.count);
   if (item.count > 0) given.json_file.clear();
-  if (Result<void> ok = run(given); !ok) return forward(ok);
+  if (Result<void> ok = run_render(given); !ok) return forward(ok);
   return ItemEnd();
 }
 
-Planned planned(const Options& given) {
+Planned planned(const RenderArguments& given) {
   return {.folder = plan_beside(given.out, "render"),
           .threads = 0,
           .make = [given](int chunk) { return make_plan(given, chunk); },
@@ -202,7 +203,7 @@ Planned planned(const Options& given) {
 }  // namespace
 
 void add_render(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderArguments>();
   CLI::App* verb =
       add_verb(app, chosen, "render", "A camera path through a processed take → H.264 video or stills",
                {"floatstage render take --orbit --turns 2 --height 0.5 -o orbit.mp4",
@@ -250,7 +251,7 @@ void add_render(CLI::App& app, Chosen& chosen) {
       ->description(
           "Colour behind the performer; none: opacity instead, in stills and in a .mov (ProRes 4444)");
   add_json(*verb, options->json_file);
-  add_planned_run(*verb, chosen, options, run, planned);
+  add_planned_run(*verb, chosen, options, run_render, planned);
 }
 
 }  // namespace floatstage::apps

@@ -14,13 +14,13 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct ReproduceArguments {
   pipeline::ReproduceOptions reproduce;
   std::string back_end = "auto";
   std::filesystem::path json;
 };
 
-nlohmann::json to_json(const Options& given, const pipeline::ReproduceReport& report) {
+nlohmann::json to_json(const ReproduceArguments& given, const pipeline::ReproduceReport& report) {
   nlohmann::json json = {{"out", given.reproduce.out.string()},
                          {"made", report.made},
                          {"kept", report.kept},
@@ -30,7 +30,7 @@ nlohmann::json to_json(const Options& given, const pipeline::ReproduceReport& re
   return json;
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_reproduce(const ReproduceArguments& given) {
   pipeline::ReproduceOptions options = given.reproduce;
   const Result<render::BackEnd> back_end = render::parse_back_end(given.back_end);
   if (!back_end) return forward(back_end);
@@ -48,7 +48,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_reproduce(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReproduceArguments>();
   pipeline::ReproduceOptions& o = options->reproduce;
   CLI::App* verb = add_verb(
       app, chosen, "reproduce", "The thesis' experiments on renderers: a table and a picture sheet each",
@@ -63,7 +63,7 @@ void add_reproduce(CLI::App& app, Chosen& chosen) {
   add_redo(*verb, o.redo);
   add_back_end_flag(*verb, options->back_end);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_reproduce(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -12,14 +12,14 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct SynthesizeArguments {
   pipeline::SynthesizeOptions synthesize;
   std::filesystem::path json_file;
   std::string shape = "ring", stage = "green", cast = "one";
   Size size;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_synthesize(const SynthesizeArguments& given) {
   pipeline::SynthesizeOptions options = given.synthesize;
   options.rig.width = given.size.width;
   options.rig.height = given.size.height;
@@ -65,7 +65,7 @@ void add_defect_flags(CLI::App& verb, Defects& d) {
 }  // namespace
 
 void add_synthesize(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SynthesizeArguments>();
   pipeline::SynthesizeOptions& s = options->synthesize;
   CLI::App* verb =
       add_verb(app, chosen, "synthesize", "Writes a take with ground truth from the synthetic studio",
@@ -101,7 +101,7 @@ void add_synthesize(CLI::App& app, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::Range(1, 256))
       ->group(kGroupTuning);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_synthesize(*options); }; });
 }
 
 }  // namespace floatstage::apps

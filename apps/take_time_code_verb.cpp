@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct TakeTimeCodeArguments {
   fs::path take, out, json;
   std::string code, rate = "25", ltc;
 };
 
 // At the first picture, as a person says it.
-Result<capture::TimeCode> by_hand(const Options& given, const capture::TakeReader& take) {
+Result<capture::TimeCode> by_hand(const TakeTimeCodeArguments& given, const capture::TakeReader& take) {
   const std::optional<capture::TimeCodeRate> rate = capture::time_code_rate_named(given.rate);
   const std::optional<std::int64_t> frames = rate ? capture::frames_of(given.code, *rate) : std::nullopt;
   if (!frames)
@@ -34,7 +34,7 @@ Result<capture::TimeCode> by_hand(const Options& given, const capture::TakeReade
 }
 
 // "sound:1": a track and a channel, counted from 0.
-Result<capture::TimeCode> from_ltc(const Options& given, const capture::TakeReader& take) {
+Result<capture::TimeCode> from_ltc(const TakeTimeCodeArguments& given, const capture::TakeReader& take) {
   const std::size_t colon = given.ltc.rfind(':');
   int channel = 0;
   if (colon != std::string::npos) {
@@ -53,7 +53,7 @@ Result<capture::TimeCode> from_ltc(const Options& given, const capture::TakeRead
   return capture::read_ltc(**sound, channel);
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_take_time_code(const TakeTimeCodeArguments& given) {
   if (given.code.empty() == given.ltc.empty())
     return fail(ErrorCode::InvalidArgument, "say where the time code comes from: either --code or --ltc");
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
@@ -80,7 +80,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_take_set_time_code(CLI::App& take, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TakeTimeCodeArguments>();
   CLI::App* verb = add_verb(take, chosen, "set-time-code",
                             "The same recording with time code, as a new take: by hand or from LTC",
                             {"floatstage take set-time-code T --code 10:00:00:00 --rate 25 -o coded",
@@ -95,7 +95,7 @@ void add_take_set_time_code(CLI::App& take, Chosen& chosen) {
                    "The sound track, and its channel from 0 on, that has linear time code")
       ->type_name("TRACK:CHANNEL");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_take_time_code(*options); }; });
 }
 
 }  // namespace floatstage::apps

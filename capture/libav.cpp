@@ -60,6 +60,21 @@ const char* muxer_of(const std::filesystem::path& film) {
   return is_matroska(film) ? "matroska" : film.extension() == ".mov" ? "mov" : "mp4";
 }
 
+Format new_muxer(const char* name, const std::filesystem::path& file) {
+  AVFormatContext* made = nullptr;
+  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, name, file_url(file).c_str()) >= 0,
+                   "libavformat without MP4, MOV and Matroska");
+  made->flags |= AVFMT_FLAG_BITEXACT;
+  return Format(made);
+}
+
+int finish_file(AVFormatContext& muxer) {
+  int error = av_write_trailer(&muxer);
+  if (error >= 0) error = muxer.pb->error;
+  const int closed = avio_closep(&muxer.pb);
+  return error >= 0 ? closed : error;
+}
+
 void be_quiet() {
   if (av_log_get_level() != AV_LOG_QUIET) av_log_set_level(AV_LOG_QUIET);
 }

@@ -66,6 +66,13 @@ std::string file_url(const std::filesystem::path& file);
 bool is_matroska(const std::filesystem::path& film);
 const char* muxer_of(const std::filesystem::path& film);
 
+/// A muxer of the container `name` that will write `file`, with the same bytes for the same pictures (no
+/// random identifiers). The file is not open yet.
+Format new_muxer(const char* name, const std::filesystem::path& file);
+/// Ends the file of `muxer` with what belongs behind its packets, and closes it. libav's error, or 0 and
+/// above.
+int finish_file(AVFormatContext& muxer);
+
 /// libav writes to standard error by itself; our sentences say what matters, so it is told to be quiet.
 void be_quiet();
 

@@ -164,12 +164,7 @@ Result<void> MatroskaTrack::open(const std::string& serial, double frame_rate) {
   FLOATSTAGE_CHECK(av_frame_get_buffer(picture_.get(), 0) >= 0, "out of memory");
   packet_ = libav::new_packet();
 
-  AVFormatContext* made = nullptr;
-  const std::string url = libav::file_url(file_);
-  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, "matroska", url.c_str()) >= 0,
-                   "libavformat without Matroska");
-  muxer_.reset(made);
-  muxer_->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers: the same pictures make the same bytes
+  muxer_ = libav::new_muxer("matroska", file_);
   stream_ = avformat_new_stream(muxer_.get(), nullptr);
   FLOATSTAGE_CHECK(stream_ != nullptr, "out of memory");
   coder_.describe(*stream_->codecpar);
@@ -177,7 +172,7 @@ Result<void> MatroskaTrack::open(const std::string& serial, double frame_rate) {
   stream_->avg_frame_rate = rate;
   av_dict_set(&muxer_->metadata, "title", serial.c_str(), 0);  // tells a renamed file's camera
 
-  if (const int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0)
+  if (const int error = avio_open(&muxer_->pb, muxer_->url, AVIO_FLAG_WRITE); error < 0)
     return io_failure(error);
   // FFV1 has its own checksums, and a second pass over raw pictures costs more than writing them.
   libav::Options options;
@@ -211,11 +206,7 @@ Result<void> MatroskaTrack::write(const Frame& frame) {
 }
 
 Result<void> MatroskaTrack::finish() {
-  int error = av_write_trailer(muxer_.get());
-  if (error >= 0) error = muxer_->pb->error;
-  const int closed = avio_closep(&muxer_->pb);
-  if (error >= 0) error = closed;
-  if (error < 0) return io_failure(error);
+  if (const int error = libav::finish_file(*muxer_); error < 0) return io_failure(error);
   return {};
 }
 

@@ -62,11 +62,7 @@ class Joined {
   Result<void> finish() {
     if (sound_)
       if (Result<void> ok = sound_->finish(); !ok) return ok;
-    int error = av_write_trailer(muxer_.get());
-    if (error >= 0) error = muxer_->pb->error;
-    const int closed = avio_closep(&muxer_->pb);
-    if (error >= 0) error = closed;
-    if (error < 0) return io_failure(error);
+    if (const int error = libav::finish_file(*muxer_); error < 0) return io_failure(error);
     if (Result<void> ok = rename_new(temporary_, file_); !ok) return forward(ok);
     finished_ = true;
     return {};
@@ -77,12 +73,7 @@ class Joined {
     Result<Claim> claim = claim_temporary_file(file_);
     if (!claim) return forward(claim);
     claim_ = std::move(*claim);
-    AVFormatContext* made = nullptr;
-    const std::string url = libav::file_url(temporary_);
-    FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, libav::muxer_of(file_), url.c_str()) >= 0,
-                     "libavformat without MP4, MOV and Matroska");
-    muxer_.reset(made);
-    muxer_->flags |= AVFMT_FLAG_BITEXACT;
+    muxer_ = libav::new_muxer(libav::muxer_of(file_), temporary_);
     if (libav::is_matroska(file_)) muxer_->avoid_negative_ts = 0;  // its times are when pictures are shown
     stream_ = avformat_new_stream(muxer_.get(), nullptr);
     FLOATSTAGE_CHECK(stream_ != nullptr && avcodec_parameters_copy(stream_->codecpar, like.codecpar) >= 0,
@@ -91,7 +82,7 @@ class Joined {
     stream_->avg_frame_rate = rate_;
     if (sound_)
       if (Result<void> ok = sound_->open(*muxer_, file_); !ok) return ok;
-    int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE);
+    int error = avio_open(&muxer_->pb, muxer_->url, AVIO_FLAG_WRITE);
     if (error < 0) return io_failure(error);
     libav::Options options;
     if (!libav::is_matroska(file_)) options.set("movflags", "+faststart");

@@ -145,12 +145,7 @@ Result<void> FileWriter::open(double frame_rate) {
   Result<Claim> claim = claim_temporary_file(file_, IfThere::Replace);
   if (!claim) return forward(claim);
   claim_ = std::move(*claim);
-  AVFormatContext* made = nullptr;
-  const std::string url = libav::file_url(temporary_);
-  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, libav::muxer_of(file_), url.c_str()) >= 0,
-                   "libavformat without MP4, MOV and Matroska");
-  muxer_.reset(made);
-  muxer_->flags |= AVFMT_FLAG_BITEXACT;
+  muxer_ = libav::new_muxer(libav::muxer_of(file_), temporary_);
   if (libav::is_matroska(file_)) muxer_->avoid_negative_ts = 0;  // its times are when pictures are shown
   stream_ = avformat_new_stream(muxer_.get(), nullptr);
   FLOATSTAGE_CHECK(
@@ -158,7 +153,7 @@ Result<void> FileWriter::open(double frame_rate) {
       "out of memory");
   stream_->time_base = encoder_->time_base;
   stream_->avg_frame_rate = encoder_->framerate;
-  if (const int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0)
+  if (const int error = avio_open(&muxer_->pb, muxer_->url, AVIO_FLAG_WRITE); error < 0)
     return fail(ErrorCode::Io, text("cannot write ", file_.string(), ": ", libav::reason(error)));
   state_ = State::Open;
   libav::Options options;
@@ -215,10 +210,7 @@ Result<void> FileWriter::close_file() {
   int error = avcodec_send_frame(encoder_.get(), nullptr);
   if (error < 0) return io_failure(error);
   if (Result<void> ok = drain(); !ok) return ok;
-  error = av_write_trailer(muxer_.get());
-  if (error >= 0) error = muxer_->pb->error;
-  const int closed = avio_closep(&muxer_->pb);
-  if (error >= 0) error = closed;
+  error = libav::finish_file(*muxer_);
   if (error < 0) return io_failure(error);
   return {};
 }

@@ -93,12 +93,20 @@ ImageLayout packed_layout(PixelFormat format, int width, int height) {
 }
 
 Frame make_frame(FrameInfo info, const Image& image) {
-  FLOATSTAGE_CHECK(image.channels == 1 || image.channels == 3,
-                   text("a frame of ", image.channels, " channels"));
+  Frame frame = borrowed_frame(info, image);
   auto bytes = std::make_shared<std::byte[]>(image.pixels.size());
   std::memcpy(bytes.get(), image.pixels.data(), image.pixels.size());
+  frame.pixels = std::move(bytes);
+  return frame;
+}
+
+Frame borrowed_frame(FrameInfo info, const Image& image) {
+  FLOATSTAGE_CHECK(image.channels == 1 || image.channels == 3,
+                   text("a frame of ", image.channels, " channels"));
   const PixelFormat format = image.channels == 1 ? PixelFormat::Gray8 : PixelFormat::Rgb8;
-  return {info, packed_layout(format, image.width, image.height), std::move(bytes)};
+  const auto* bytes = reinterpret_cast<const std::byte*>(image.pixels.data());
+  return {info, packed_layout(format, image.width, image.height),
+          std::shared_ptr<const std::byte[]>(std::shared_ptr<void>(), bytes)};  // owns nothing
 }
 
 Result<void> check_readable(const Frame& frame) {
@@ -115,13 +123,19 @@ Result<void> check_readable(const Frame& frame) {
 }
 
 Result<Image> to_rgb(const Frame& frame) {
-  if (Result<void> ok = check_readable(frame); !ok) return forward(ok);
+  Image rgb;
+  if (Result<void> ok = to_rgb(frame, rgb); !ok) return forward(ok);
+  return rgb;
+}
+
+Result<void> to_rgb(const Frame& frame, Image& rgb) {
+  if (Result<void> ok = check_readable(frame); !ok) return ok;
   const ImageLayout& l = frame.layout;
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(frame.pixels.get());
-  Image rgb(l.width, l.height, 3);
+  rgb.resize(l.width, l.height, 3);
   if (l.format == PixelFormat::BayerRggb8) {
     demosaic(bytes, l.stride, rgb);
-    return rgb;
+    return {};
   }
   for (int y = 0; y < l.height; ++y) {
     const std::uint8_t* row = bytes + static_cast<std::size_t>(y) * l.stride;
@@ -150,7 +164,7 @@ Result<Image> to_rgb(const Frame& frame) {
         break;
     }
   }
-  return rgb;
+  return {};
 }
 
 }  // namespace floatstage

@@ -70,11 +70,15 @@ struct FrameSet {
 
 /// A Frame that owns a copy of `image` (1 channel: Gray8, 3: Rgb8).
 Frame make_frame(FrameInfo info, const Image& image);
+/// The same without a copy: `image` outlives the frame and all that is cropped from it.
+Frame borrowed_frame(FrameInfo info, const Image& image);
 
 /// The frame's pixels as RGB (3 channels, tightly packed). Yuyv and Nv12 are read as BT.601 limited range;
 /// Bayer is demosaiced bilinearly. Errors: NotFound for an empty frame, Unsupported for Mjpeg (the capture
 /// source decodes it), BadData when the buffer is shorter than its layout says.
 Result<Image> to_rgb(const Frame& frame);
+/// The same into a picture whose memory is used again. Errors leave it as it was.
+Result<void> to_rgb(const Frame& frame, Image& rgb);
 
 /// The frame at a fraction of its size, without making the whole picture first: each pixel is the mean of the
 /// factor x factor sensor pixels below it (fewer at the right and bottom border), so ceil(size / factor)
@@ -82,6 +86,9 @@ Result<Image> to_rgb(const Frame& frame);
 /// it was measured, chroma where it was sampled. Errors as to_rgb(), and InvalidArgument for a factor
 /// below 1.
 Result<Image> shrink(const Frame& frame, int factor);
+/// The same into a picture whose memory is used again, as is that of `sums`, which it works in. Errors leave
+/// the picture as it was.
+Result<void> shrink(const Frame& frame, int factor, std::vector<std::uint32_t>& sums, Image& small);
 
 /// A rectangle of a frame's pixels, px.
 struct PixelBox {

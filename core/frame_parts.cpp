@@ -17,10 +17,10 @@ struct Source {
 };
 
 /// Interleaved bytes, whatever they mean: rows are summed first, which compilers vectorise.
-void shrink_packed(const Source& in, int factor, Image& out) {
+void shrink_packed(const Source& in, int factor, std::vector<std::uint32_t>& sums, Image& out) {
   const int channels = out.channels, whole = in.layout.width / factor;
   const auto line = static_cast<std::size_t>(in.layout.width) * static_cast<std::size_t>(channels);
-  std::vector<std::uint32_t> sums(line);
+  sums.resize(line);
   for (int y = 0; y < out.height; ++y) {
     const int first = y * factor, rows = std::min(factor, in.layout.height - first);
     std::copy_n(in.row(first), line, sums.begin());
@@ -99,30 +99,37 @@ void shrink_yuv(const Source& in, int factor, Image& out) {
 }  // namespace
 
 Result<Image> shrink(const Frame& frame, int factor) {
-  if (Result<void> ok = check_readable(frame); !ok) return forward(ok);
+  std::vector<std::uint32_t> sums;
+  Image small;
+  if (Result<void> ok = shrink(frame, factor, sums, small); !ok) return forward(ok);
+  return small;
+}
+
+Result<void> shrink(const Frame& frame, int factor, std::vector<std::uint32_t>& sums, Image& small) {
+  if (Result<void> ok = check_readable(frame); !ok) return ok;
   if (factor < 1)
     return fail(ErrorCode::InvalidArgument, text("a frame cannot be shrunk by ", factor, "; give 1 or more"));
   const ImageLayout& l = frame.layout;
   const bool gray = l.format == PixelFormat::Gray8;
-  if (factor == 1 && !gray) return to_rgb(frame);
+  if (factor == 1 && !gray) return to_rgb(frame, small);
   const Source in{reinterpret_cast<const std::uint8_t*>(frame.pixels.get()), l};
-  Image out((l.width + factor - 1) / factor, (l.height + factor - 1) / factor, gray ? 1 : 3);
+  small.resize((l.width + factor - 1) / factor, (l.height + factor - 1) / factor, gray ? 1 : 3);
   switch (l.format) {
     case PixelFormat::Gray8:
     case PixelFormat::Rgb8:
-      shrink_packed(in, factor, out);
+      shrink_packed(in, factor, sums, small);
       break;
     case PixelFormat::BayerRggb8:
-      shrink_bayer(in, factor, out);
+      shrink_bayer(in, factor, small);
       break;
     case PixelFormat::Yuyv:
     case PixelFormat::Nv12:
-      shrink_yuv(in, factor, out);
+      shrink_yuv(in, factor, small);
       break;
     case PixelFormat::Mjpeg:
       break;
   }
-  return out;
+  return {};
 }
 
 Result<Frame> crop(const Frame& frame, PixelBox& box) {

@@ -17,6 +17,13 @@ struct Image {
       : width(w), height(h), channels(c), pixels(static_cast<std::size_t>(w) * h * c, fill) {}
 
   bool empty() const { return pixels.empty(); }
+  /// Keeps the memory. What the pixels are then is not said.
+  void resize(int w, int h, int c) {
+    width = w;
+    height = h;
+    channels = c;
+    pixels.resize(static_cast<std::size_t>(w) * h * c);
+  }
   std::size_t offset(int x, int y) const { return (static_cast<std::size_t>(y) * width + x) * channels; }
   std::uint8_t* at(int x, int y) { return pixels.data() + offset(x, y); }
   const std::uint8_t* at(int x, int y) const { return pixels.data() + offset(x, y); }

@@ -24,8 +24,12 @@ Image to_image(const Matte& matte) {
 double coverage(const Matte& matte) {
   if (matte.empty()) return 0;
   std::size_t subject = 0;
-  for (int y = 0; y < matte.height; ++y)
-    for (int x = 0; x < matte.width; ++x) subject += matte.row(y)[x] >= 128;
+  for (int y = 0; y < matte.height; ++y) {
+    const std::uint8_t* const row = matte.row(y);
+    unsigned in_row = 0;
+    for (int x = 0; x < matte.width; ++x) in_row += row[x] >> 7;
+    subject += in_row;
+  }
   return static_cast<double>(subject) / (static_cast<double>(matte.width) * matte.height);
 }
 
@@ -33,11 +37,14 @@ double iou(const Matte& a, const Matte& b) {
   FLOATSTAGE_CHECK(a.width == b.width && a.height == b.height, "IoU of mattes of different sizes");
   std::size_t both = 0, either = 0;
   for (int y = 0; y < a.height; ++y) {
+    const std::uint8_t *const row_a = a.row(y), *const row_b = b.row(y);
+    unsigned both_in_row = 0, either_in_row = 0;
     for (int x = 0; x < a.width; ++x) {
-      const bool in_a = a.row(y)[x] >= 128, in_b = b.row(y)[x] >= 128;
-      both += in_a && in_b;
-      either += in_a || in_b;
+      both_in_row += (row_a[x] & row_b[x]) >> 7;
+      either_in_row += (row_a[x] | row_b[x]) >> 7;
     }
+    both += both_in_row;
+    either += either_in_row;
   }
   return either == 0 ? 1.0 : static_cast<double>(both) / static_cast<double>(either);
 }

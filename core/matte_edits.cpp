@@ -5,6 +5,7 @@
 
 #include "core/file.h"
 #include "core/json_fields.h"
+#include "core/take_layout.h"
 #include "core/text.h"
 
 namespace floatstage {
@@ -13,7 +14,7 @@ namespace {
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2, kWithoutSubjects = 1;
 constexpr double kFarthest = 1e6;  // px: no photograph is larger
 
 const char* name_of(MatteLabel label) {
@@ -52,25 +53,38 @@ int read_frame(JsonFields& fields, const char* key, JsonProblem& problem) {
   return frame;
 }
 
-MatteStroke read_stroke(const json& value, const std::string& where, JsonProblem& problem) {
+std::string read_subject(JsonFields& fields, MatteLabel label, JsonProblem& problem) {
+  std::string name = fields.string("subject");
+  if (!is_usable_label(name))
+    problem.note(fields.where(),
+                 text("'", name, "' cannot be a subject: letters, digits, '-' and '_', at most 64"));
+  if (label == MatteLabel::Background)
+    problem.note(fields.where(), text("the subject '", name, "' is marked as background"));
+  return name;
+}
+
+MatteStroke read_stroke(const json& value, int version, const std::string& where, JsonProblem& problem) {
   JsonFields fields(value, where, problem);
   MatteStroke stroke;
   stroke.label = read_label(fields, problem);
   stroke.radius = fields.number("radius", stroke.radius);
   if (!(stroke.radius > 0 && stroke.radius <= kFarthest)) problem.note(where, "the radius must be positive");
   stroke.points = read_points(fields, "points", 1, problem);
+  if (version > kWithoutSubjects && fields.has("subject"))
+    stroke.subject = read_subject(fields, stroke.label, problem);
   fields.refuse_others();
   return stroke;
 }
 
-MatteKeyframe read_keyframe(const json& value, const std::string& where, JsonProblem& problem) {
+MatteKeyframe read_keyframe(const json& value, int version, const std::string& where, JsonProblem& problem) {
   JsonFields fields(value, where, problem);
   MatteKeyframe keyframe;
   keyframe.frame = read_frame(fields, "frame", problem);
   const std::string here = text(where, ", frame ", keyframe.frame);
   if (const json* strokes = fields.list("strokes"))
     for (const json& s : *strokes)
-      keyframe.strokes.push_back(read_stroke(s, text(here, ", stroke ", keyframe.strokes.size()), problem));
+      keyframe.strokes.push_back(
+          read_stroke(s, version, text(here, ", stroke ", keyframe.strokes.size()), problem));
   fields.refuse_others();
   return keyframe;
 }
@@ -93,12 +107,12 @@ MatteMask read_mask(const json& value, const std::string& where, JsonProblem& pr
   return mask;
 }
 
-CameraEdits read_camera(const json& value, const std::string& where, JsonProblem& problem) {
+CameraEdits read_camera(const json& value, int version, const std::string& where, JsonProblem& problem) {
   JsonFields fields(value, where, problem);
   CameraEdits edits;
   if (const json* keyframes = fields.has("keyframes") ? fields.list("keyframes") : nullptr)
     for (const json& k : *keyframes) {
-      edits.keyframes.push_back(read_keyframe(k, where, problem));
+      edits.keyframes.push_back(read_keyframe(k, version, where, problem));
       const std::size_t n = edits.keyframes.size();
       if (n > 1 && edits.keyframes[n - 1].frame <= edits.keyframes[n - 2].frame)
         problem.note(where, text("the keyframes are not in the order of their frames at ",
@@ -115,6 +129,14 @@ ordered_json points_json(const std::vector<Eigen::Vector2d>& points) {
   ordered_json list = ordered_json::array();
   for (const Eigen::Vector2d& p : points) list.push_back({p.x(), p.y()});
   return list;
+}
+
+bool has_subjects(const MatteEdits& edits) {
+  for (const auto& [serial, camera] : edits.cameras)
+    for (const MatteKeyframe& k : camera.keyframes)
+      for (const MatteStroke& s : k.strokes)
+        if (!s.subject.empty()) return true;
+  return false;
 }
 
 double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -146,22 +168,29 @@ MatteEffort effort_of(const CameraEdits& edits) {
   return effort;
 }
 
+CameraEdits without_subjects(CameraEdits edits) {
+  for (MatteKeyframe& k : edits.keyframes)
+    for (MatteStroke& s : k.strokes) s.subject.clear();
+  return edits;
+}
+
 Result<MatteEdits> parse_matte_edits(std::string_view bytes, std::string_view name) {
   const Result<json> document = parse_json(bytes, name);
   if (!document) return forward(document);
   JsonProblem problem;
   JsonFields fields(*document, std::string(name), problem);
   const int version = fields.integer("floatstage_edits");
-  if (!problem.first && version != kVersion)
-    return fail(ErrorCode::Unsupported, text(name, ": edits format ", version,
-                                             " is not known here; this program reads format ", kVersion));
+  if (!problem.first && version != kVersion && version != kWithoutSubjects)
+    return fail(ErrorCode::Unsupported,
+                text(name, ": edits format ", version, " is not known here; this program reads formats ",
+                     kWithoutSubjects, " and ", kVersion));
   MatteEdits edits;
   if (const json* cameras = fields.child("cameras")) {
     if (!cameras->is_object())
       problem.note(std::string(name), "'cameras' must be an object of serials");
     else
       for (const auto& [serial, value] : cameras->items())
-        edits.cameras[serial] = read_camera(value, text(name, ": camera '", serial, "'"), problem);
+        edits.cameras[serial] = read_camera(value, version, text(name, ": camera '", serial, "'"), problem);
   }
   fields.refuse_others();
   if (problem.first) return fail(ErrorCode::BadData, *problem.first);
@@ -169,14 +198,18 @@ Result<MatteEdits> parse_matte_edits(std::string_view bytes, std::string_view na
 }
 
 std::string to_json(const MatteEdits& edits) {
-  ordered_json j = {{"floatstage_edits", kVersion}, {"cameras", ordered_json::object()}};
+  ordered_json j = {{"floatstage_edits", has_subjects(edits) ? kVersion : kWithoutSubjects},
+                    {"cameras", ordered_json::object()}};
   for (const auto& [serial, camera] : edits.cameras) {
     ordered_json out = {{"keyframes", ordered_json::array()}, {"masks", ordered_json::array()}};
     for (const MatteKeyframe& k : camera.keyframes) {
       ordered_json strokes = ordered_json::array();
-      for (const MatteStroke& s : k.strokes)
-        strokes.push_back(
-            {{"label", name_of(s.label)}, {"radius", s.radius}, {"points", points_json(s.points)}});
+      for (const MatteStroke& s : k.strokes) {
+        ordered_json stroke = {
+            {"label", name_of(s.label)}, {"radius", s.radius}, {"points", points_json(s.points)}};
+        if (!s.subject.empty()) stroke["subject"] = s.subject;
+        strokes.push_back(std::move(stroke));
+      }
       out["keyframes"].push_back({{"frame", k.frame}, {"strokes", strokes}});
     }
     for (const MatteMask& m : camera.masks) {

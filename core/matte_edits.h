@@ -23,6 +23,9 @@ struct MatteStroke {
   double radius = 3;  ///< px, positive
   std::vector<Eigen::Vector2d>
       points;  ///< px of the camera's photographs, the picture's corner at (0, 0); at least one
+  /// Of several subjects which one it marks, a name for which is_usable_label() holds; empty: not said, and
+  /// always so of background. It says nothing of opacity.
+  std::string subject = {};
   bool operator==(const MatteStroke&) const = default;
 };
 
@@ -63,9 +66,13 @@ struct MatteEffort {
 };
 MatteEffort effort_of(const CameraEdits& edits);
 
+/// What of the edits concerns opacity: the same without subjects.
+CameraEdits without_subjects(CameraEdits edits);
+
 /// Reads strictly; the sentence names the camera and what is wrong. Unsupported for a version that is not
 /// known.
 Result<MatteEdits> parse_matte_edits(std::string_view json, std::string_view name_for_errors);
+/// In the lowest format that holds them: 2 where a stroke has a subject, else 1.
 std::string to_json(const MatteEdits& edits);
 
 /// No file is no edits.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 
 #include <suitesparse/cholmod.h>
 
 #include "core/text.h"
 #include "matting/blas.h"
+#include "matting/held_solver.h"
 
 namespace floatstage::matting {
 namespace {
@@ -54,6 +56,8 @@ struct Cholmod {
 Result<std::vector<double>> solve_band(const LaplacianStencil& stencil,
                                        const std::vector<std::uint8_t>& active,
                                        const std::vector<double>& weight, const std::vector<double>& value) {
+  if (std::optional<std::vector<double>> held = solve_held_band(stencil, active, weight, value))
+    return *std::move(held);
   const std::size_t pixels = stencil.pixels();
   std::vector<int> unknown_of(pixels, -1), pixel_of;
   for (std::size_t p = 0; p < pixels; ++p)

@@ -2,14 +2,26 @@
 // Paper:   A. Levin, D. Lischinski, Y. Weiss, "A closed-form solution to natural image matting", 2008, eq.
 //          12
 // Differs: made from thin QRs of the windows' colours, never through an inverse of their covariance
-// ADR:     0090
+//          The arithmetic of windows is compiled for every instruction set that Highway knows here, in one
+//          order and without contraction: the same bits on all
+// ADR:     0090, 0318
 
 #include "matting/laplacian_stencil.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace floatstage::matting {
+#include "core/instruction_sets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "matting/laplacian_stencil.cpp"
+#include <hwy/foreach_target.h>  // NOLINT: includes this file again
+#include <hwy/highway.h>
+
+#include "core/kernel_tables.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace floatstage::matting::HWY_NAMESPACE {
 namespace {
 
 constexpr int kLanes = 8;    // windows side by side, so that compilers vectorise the arithmetic
@@ -84,8 +96,6 @@ bool all_known(const Image& known, int x, int y) {
   return true;
 }
 
-int plane_of(int dx, int dy) { return dy == 0 ? dx : dy == 1 ? dx + 5 : dx + 10; }
-
 // Adds the off-diagonal entries of the blocks of `count` windows, the first of them centred at (x, y).
 void add_blocks(const Columns& q, const Lane& weight, int x, int y, int count, LaplacianStencil& stencil) {
   for (int i = 0; i < kMembers; ++i) {
@@ -95,7 +105,7 @@ void add_blocks(const Columns& q, const Lane& weight, int x, int y, int count, L
       for (int l = 0; l < kLanes; ++l)
         block[l] = -weight[l] * (1.0 / kMembers + q.upper[0][i][l] * q.upper[0][j][l] +
                                  q.upper[1][i][l] * q.upper[1][j][l] + q.upper[2][i][l] * q.upper[2][j][l]);
-      double* out = stencil.planes[plane_of(j % 3 - i % 3, j / 3 - i / 3)].data() + first;
+      double* out = stencil.planes[LaplacianStencil::plane_of(j % 3 - i % 3, j / 3 - i / 3)].data() + first;
       if (count == kLanes)
         for (int l = 0; l < kLanes; ++l) out[l] += block[l];
       else
@@ -104,18 +114,55 @@ void add_blocks(const Columns& q, const Lane& weight, int x, int y, int count, L
   }
 }
 
-// The diagonal is minus the sum of the rest of its row, so that L 1 = 0 whatever rounding did to the blocks.
-void reset_diagonal(LaplacianStencil& stencil) {
-  const std::size_t n = stencil.pixels();
-  std::vector<double>& diagonal = stencil.planes[0];
-  for (int k = 1; k < LaplacianStencil::kSteps; ++k) {
-    const auto [dx, dy] = LaplacianStencil::step(k);
-    const std::size_t reach = static_cast<std::size_t>(dy) * stencil.width + dx;
-    const double* plane = stencil.planes[k].data();
-    for (std::size_t p = 0; p + reach < n; ++p) diagonal[p] -= plane[p];
-    for (std::size_t p = 0; p + reach < n; ++p) diagonal[p + reach] -= plane[p];
+// All windows of a picture that have an unknown pixel.
+void add_windows(const Image& picture, double epsilon, const Image& known, LaplacianStencil& stencil) {
+  Columns q;
+  for (int y = 1; y + 1 < picture.height; ++y) {
+    for (int x = 1; x + 1 < picture.width; x += kLanes) {
+      const int count = std::min(kLanes, picture.width - 1 - x);
+      Lane weight{};
+      bool any = false;
+      for (int l = 0; l < count; ++l) {
+        weight[l] = !known.empty() && all_known(known, x + l, y) ? 0 : 1;
+        any = any || weight[l] != 0;
+      }
+      if (!any) continue;
+      load_centred(picture, x, y, count, q);
+      orthonormalize(epsilon, q);
+      add_blocks(q, weight, x, y, count, stencil);
+    }
   }
 }
+
+// The diagonal is minus the sum of the rest of its row, so that L 1 = 0 whatever rounding did to the blocks.
+void reset_diagonal(LaplacianStencil& stencil) {
+  const std::size_t n = stencil.pixels(), row = static_cast<std::size_t>(stencil.width);
+  double* diagonal = stencil.planes[0].data();
+  for (std::size_t from = 0; from < n; from += row) {
+    for (int k = 1; k < LaplacianStencil::kSteps; ++k) {
+      const auto [dx, dy] = LaplacianStencil::step(k);
+      const std::size_t reach = static_cast<std::size_t>(dy) * row + dx, to = from + row;
+      const double* plane = stencil.planes[k].data();
+      for (std::size_t p = from; p < std::min(to, n - reach); ++p) diagonal[p] -= plane[p];
+      for (std::size_t p = std::max(from, reach); p < to; ++p) diagonal[p] -= plane[p - reach];
+    }
+  }
+}
+
+void table(StencilKernels* out) { *out = {hwy::TargetName(HWY_TARGET), add_windows, reset_diagonal}; }
+
+}  // namespace
+}  // namespace floatstage::matting::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace floatstage::matting {
+
+HWY_EXPORT(table);
+
+namespace {
+
+void fill_table(StencilKernels* out) { HWY_DYNAMIC_DISPATCH(table)(out); }
 
 }  // namespace
 
@@ -134,23 +181,12 @@ void build_stencil(const Image& picture, double epsilon, const Image& known, Lap
   stencil.width = picture.width;
   stencil.height = picture.height;
   for (std::vector<double>& plane : stencil.planes) plane.assign(stencil.pixels(), 0.0);
-  Columns q;
-  for (int y = 1; y + 1 < picture.height; ++y) {
-    for (int x = 1; x + 1 < picture.width; x += kLanes) {
-      const int count = std::min(kLanes, picture.width - 1 - x);
-      Lane weight{};
-      bool any = false;
-      for (int l = 0; l < count; ++l) {
-        weight[l] = !known.empty() && all_known(known, x + l, y) ? 0 : 1;
-        any = any || weight[l] != 0;
-      }
-      if (!any) continue;
-      load_centred(picture, x, y, count, q);
-      orthonormalize(epsilon, q);
-      add_blocks(q, weight, x, y, count, stencil);
-    }
-  }
-  reset_diagonal(stencil);
+  static const StencilKernels best = native_kernels(fill_table);
+  best.add_windows(picture, epsilon, known, stencil);
+  best.reset_diagonal(stencil);
 }
 
+std::vector<StencilKernels> all_stencil_kernels() { return kernels_of_all_sets(fill_table); }
+
 }  // namespace floatstage::matting
+#endif

@@ -18,6 +18,7 @@ struct LaplacianStencil {
     int dx, dy;
   };
   static constexpr Step step(int k) { return k < 3 ? Step{k, 0} : k < 8 ? Step{k - 5, 1} : Step{k - 10, 2}; }
+  static constexpr int plane_of(int dx, int dy) { return dy == 0 ? dx : dy == 1 ? dx + 5 : dx + 10; }
 
   int width = 0, height = 0;
   std::array<std::vector<double>, kSteps> planes;
@@ -31,5 +32,14 @@ struct LaplacianStencil {
 /// pixels. `known` is empty or a one-channel mask of the picture's size: windows whose nine pixels are all
 /// not 0 are left out.
 void build_stencil(const Image& picture, double epsilon, const Image& known, LaplacianStencil& stencil);
+
+/// What build_stencil() is made of, compiled for one instruction set.
+struct StencilKernels {
+  const char* name;
+  /// Adds every window that has an unknown pixel, but for its diagonal.
+  void (*add_windows)(const Image& picture, double epsilon, const Image& known, LaplacianStencil& stencil);
+  void (*reset_diagonal)(LaplacianStencil& stencil);
+};
+std::vector<StencilKernels> all_stencil_kernels();  ///< of all sets that this processor has, for tests
 
 }  // namespace floatstage::matting

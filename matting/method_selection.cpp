@@ -24,6 +24,15 @@ constexpr double kTells = 0.1;   // of a score: on clips with exact truth smalle
 constexpr int kConfident = 128;  // of Plate::confidence
 constexpr double kSigmas[] = {2, 6, 18, 54};  // px: how far colours are extended, first as near as possible
 
+// Where pixels are that an 8-bit mask marks, and as far around them as a Gaussian of `sigma` reaches in
+// OpenCV's kernel.
+cv::Rect felt_around(const cv::Mat& marked, double sigma) {
+  const int reach = cvRound(sigma * 4) + 1;
+  cv::Rect box = cv::boundingRect(marked);
+  box = {box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach};
+  return box & cv::Rect({}, marked.size());
+}
+
 // Colours of the chosen pixels extended over those that are asked for, and as many others as come with them:
 // normalised convolution with ever wider Gaussians, the narrowest that finds anything.
 cv::Mat extended(const cv::Mat& picture, const cv::Mat& chosen, const cv::Mat& asked) {
@@ -33,16 +42,18 @@ cv::Mat extended(const cv::Mat& picture, const cv::Mat& chosen, const cv::Mat& a
   weighted.setTo(cv::Scalar::all(0), ~chosen);
   cv::Mat done = cv::Mat::zeros(picture.size(), CV_8U);
   for (const double sigma : kSigmas) {
-    if (cv::countNonZero(asked & ~done) == 0) break;  // wide ones cost most
+    const cv::Mat missing = asked & ~done;
+    if (cv::countNonZero(missing) == 0) break;
+    const cv::Rect box = felt_around(missing, sigma);
     cv::Mat sum, total;
-    cv::GaussianBlur(weighted, sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
-    cv::GaussianBlur(weight, total, {}, sigma, sigma, cv::BORDER_CONSTANT);
-    for (int y = 0; y < out.rows; ++y)
-      for (int x = 0; x < out.cols; ++x) {
+    cv::GaussianBlur(weighted(box), sum, {}, sigma, sigma, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED);
+    cv::GaussianBlur(weight(box), total, {}, sigma, sigma, cv::BORDER_CONSTANT | cv::BORDER_ISOLATED);
+    for (int y = 0; y < box.height; ++y)
+      for (int x = 0; x < box.width; ++x) {
         const float t = total.at<float>(y, x);
-        if (done.at<std::uint8_t>(y, x) || t < 0.02f) continue;
-        out.at<cv::Vec3f>(y, x) = sum.at<cv::Vec3f>(y, x) / t;
-        done.at<std::uint8_t>(y, x) = 255;
+        if (!missing.at<std::uint8_t>(y + box.y, x + box.x) || t < 0.02f) continue;
+        out.at<cv::Vec3f>(y + box.y, x + box.x) = sum.at<cv::Vec3f>(y, x) / t;
+        done.at<std::uint8_t>(y + box.y, x + box.x) = 255;
       }
   }
   return out;

@@ -8,7 +8,7 @@ namespace floatstage::matting {
 
 struct PyramidOptions {
   ClosedFormOptions solve;  ///< of each level; its `prior` is not used: `hold` is
-  double hold = 1e-2;       ///< how hard a level is held to the one above it; 0 … 1e3
+  double hold = 1.5e-2;     ///< how hard a level is held to the one above it; 0 … 1e3
   int smallest_side = 20;   ///< px: no level has a shorter side than this; at least 3
 
   Result<void> check() const;

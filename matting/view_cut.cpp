@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <queue>
+#include <utility>
 
 #include "core/check.h"
 #include "core/graph_cut.h"
@@ -69,6 +70,27 @@ void each_pair(const Image& picture, const What& what) {
       }
 }
 
+bool is_light(std::uint8_t plate_class) {
+  return plate_class == static_cast<std::uint8_t>(PlateClass::Shadow) ||
+         plate_class == static_cast<std::uint8_t>(PlateClass::Reflex);
+}
+
+// A pixel that shows a little of the subject is unlike the empty stage, too: at the rim only colours tell.
+std::vector<float> without_rim(const std::vector<float>& odds, int w, int h) {
+  std::vector<float> inner = odds;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      float& here = inner[static_cast<std::size_t>(y) * w + static_cast<std::size_t>(x)];
+      if (here <= 0) continue;
+      for (const auto& [dx, dy] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+        const int u = std::clamp(x + dx, 0, w - 1), v = std::clamp(y + dy, 0, h - 1);
+        here = std::min(here,
+                        std::max(0.0f, odds[static_cast<std::size_t>(v) * w + static_cast<std::size_t>(u)]));
+      }
+    }
+  return inner;
+}
+
 }  // namespace
 
 Image shrunk(const Image& picture, int width, int height) { return scaled(picture, width, height); }
@@ -126,34 +148,52 @@ std::vector<float> edges_to_border(const Image& photograph) {
   return out;
 }
 
-Result<StillBackdrop> StillBackdrop::learn(std::span<const Image> pictures) {
+Result<StillBackdrop> StillBackdrop::learn(std::span<const Image> pictures, std::span<const Image> subjects) {
   if (pictures.size() < 2)
     return fail(ErrorCode::InvalidArgument, "a backdrop is learnt from two pictures or more");
-  Result<Plate> plate = learn_plate({pictures.begin(), pictures.end()});
+  Result<Plate> plate =
+      learn_plate({pictures.begin(), pictures.end()}, {}, {subjects.begin(), subjects.end()});
   if (!plate) return forward(plate);
   StillBackdrop out;
   out.changed_.assign(pixels(plate->color), 0);
+  out.seen_.assign(out.changed_.size(), subjects.empty());
+  for (const Image& subject : subjects)
+    for (std::size_t p = 0; p < out.seen_.size(); ++p) out.seen_[p] |= subject.pixels[p] == 0;
   for (const Image& picture : pictures)
     for (std::size_t p = 0; p < out.changed_.size(); ++p)
       for (int c = 0; c < 3; ++c)
         if (std::abs(colour(picture, p)[c] - colour(plate->color, p)[c]) > kChange) out.changed_[p] = 1;
-  out.color_ = std::move(plate->color);
-  out.noise_ = std::move(plate->noise);
-  out.confidence_ = std::move(plate->confidence);
+  out.plate_ = std::move(*plate);
+  return out;
+}
+
+Result<StillBackdrop> StillBackdrop::of_empty_stage(const std::vector<Image>& photographs) {
+  Result<Plate> plate = learn_plate(photographs);
+  if (!plate) return forward(plate);
+  StillBackdrop out;
+  out.seen_.assign(pixels(plate->color), 1);
+  out.changed_ = out.seen_;
+  out.plate_ = std::move(*plate);
+  out.empty_stage_ = true;
   return out;
 }
 
 std::vector<float> StillBackdrop::odds(const Image& picture) const {
-  FLOATSTAGE_CHECK(picture.width == color_.width && picture.height == color_.height, "a picture of its size");
+  FLOATSTAGE_CHECK(picture.width == plate_.color.width && picture.height == plate_.color.height,
+                   "a picture of its size");
   std::vector<float> odds(changed_.size());
+  const Image classes = empty_stage_ ? classify(plate_, picture) : Image();
   for (std::size_t p = 0; p < odds.size(); ++p) {
-    const double sigma = std::max(kStillNoise, noise_.pixels[p] / 16.0);
-    const double z = squared(colour(picture, p), colour(color_, p)) / (3 * sigma * sigma);
-    const double here = confidence_.pixels[p] / 255.0 * std::exp(-0.5 * z) * kSpread / sigma + kSomethingElse;
+    if (!knows(p)) continue;
+    const double sigma = std::max(kStillNoise, plate_.noise.pixels[p] / 16.0);
+    const double z = squared(colour(picture, p), colour(plate_.color, p)) / (3 * sigma * sigma);
+    const double here =
+        plate_.confidence.pixels[p] / 255.0 * std::exp(-0.5 * z) * kSpread / sigma + kSomethingElse;
     const float most = changed_[p] ? kMostStill : kNeverChanged;
     odds[p] = std::clamp(static_cast<float>(-std::log(here)), -most, kMostStill);
+    if (empty_stage_ && is_light(classes.pixels[p])) odds[p] = std::min(odds[p], 0.0f);
   }
-  return odds;
+  return empty_stage_ ? without_rim(odds, picture.width, picture.height) : odds;
 }
 
 Image cut_view(const Image& photograph, std::span<const float> odds, std::span<const Certain> certain,

@@ -5,6 +5,7 @@
 
 #include "core/image.h"
 #include "core/result.h"
+#include "matting/keyers/plate.h"
 
 namespace floatstage::matting {
 
@@ -22,20 +23,30 @@ std::vector<float> edges_to_border(const Image& picture);
 /// of neighbours, which shows noise wherever more than half of the picture is calm. At least 1.
 double noise_of(const Image& picture);
 
-/// What a still camera sees at each place when the subject is elsewhere, learnt from a clip: a colour, how
-/// often it was there, and whether anything else ever was.
+/// What a still camera sees at each place when the subject is elsewhere, learnt from a clip or from the empty
+/// stage: a colour, how often it was there, and whether anything else ever was.
 class StillBackdrop {
  public:
-  /// `pictures`: RGB, of one size, spread over a clip; at least two. Errors: InvalidArgument.
-  static Result<StillBackdrop> learn(std::span<const Image> pictures);
+  /// `pictures`: RGB, of one size, spread over a clip; at least two. `subjects`: empty, or of each picture
+  /// where somebody is or may be (one channel, not 0), which is left out. Errors: InvalidArgument.
+  static Result<StillBackdrop> learn(std::span<const Image> pictures, std::span<const Image> subjects = {});
 
+  /// From photographs of the empty stage (RGB, of one size, at least one): every place was seen without the
+  /// subject, so what looks like it is as surely backdrop as what does not is not. Light is what a subject
+  /// changes, too: his shadow and his reflex (PlateClass) tell nothing. Errors: InvalidArgument.
+  static Result<StillBackdrop> of_empty_stage(const std::vector<Image>& photographs);
+
+  /// Whether the place was ever seen without the subject.
+  bool knows(std::size_t pixel) const { return seen_[pixel] > 0; }
   /// Of each pixel the log of how much likelier its colour is if something stands before the place. A place
-  /// that never changed speaks softly against it: the subject may have stood there all the time.
+  /// that never changed speaks softly against it: the subject may have stood there all the time. 0 where
+  /// nothing is known.
   std::vector<float> odds(const Image& picture) const;
 
  private:
-  Image color_, noise_, confidence_;  // as of a Plate
-  std::vector<std::uint8_t> changed_;
+  Plate plate_;
+  std::vector<std::uint8_t> changed_, seen_;
+  bool empty_stage_ = false;
 };
 
 /// What is known of a pixel when a picture is cut.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <future>
+#include <utility>
 
 #include "core/log.h"
 #include "core/text.h"
@@ -81,10 +82,11 @@ double screen_distance(const View& view, const Eigen::AlignedBox3d& subject) {
   return std::max(middle, view.near_plane);
 }
 
-// One instant of the take; of the photographs that are needed only, where `chosen`.
-struct Instant {
+// One instant of the take; of the photographs that are needed what is needed of them only, where `chosen`.
+struct FilmInstant {
   struct Picture {
     int camera;
+    PixelBox part;
     Image photograph, matte;
   };
   SceneFrame scene;
@@ -92,12 +94,25 @@ struct Instant {
   std::vector<Picture> pictures;  // with chosen
 };
 
-Result<void> set_scene(const Rig& rig, const Instant& instant, render::Scene& to) {
+Result<void> set_scene(const Rig& rig, const FilmInstant& instant, render::Scene& to) {
   if (!instant.chosen) return to.set(rig, instant.scene);
-  std::vector<render::PictureTile> whole;
-  for (const Instant::Picture& picture : instant.pictures)
-    whole.push_back({picture.camera, 0, 0, &picture.photograph, &picture.matte});
-  return to.set(rig, instant.scene.mesh, whole);
+  std::vector<render::PictureTile> tiles;
+  for (const FilmInstant::Picture& p : instant.pictures)
+    tiles.push_back({p.camera, p.part.x, p.part.y, &p.photograph, &p.matte});
+  return to.set(rig, instant.scene.mesh, tiles);
+}
+
+// Of what was decoded of a camera the part, which is grown where pixels come in pairs or cells.
+Result<FilmInstant::Picture> cut(const SceneFrame& scene, std::size_t camera, PixelBox part) {
+  const Result<Frame> frame = crop(scene.images.frames[camera], part);
+  if (!frame) return forward(frame);
+  Result<Image> photograph = to_rgb(*frame);
+  if (!photograph) return forward(photograph);
+  const Matte& matte = scene.mattes[camera];
+  Image alpha(part.width, part.height, 1);
+  for (int y = 0; y < part.height; ++y)
+    std::copy_n(matte.row(part.y + y) + part.x, part.width, alpha.at(0, y));
+  return FilmInstant::Picture{static_cast<int>(camera), part, std::move(*photograph), std::move(alpha)};
 }
 
 // Decodes the next instant while the present one is drawn: of the photographs that its views are drawn from.
@@ -106,15 +121,15 @@ class SceneStream {
   SceneStream(capture::TakeReader& take, const FilmOptions& options, const std::vector<int>& schedule,
               const std::vector<std::vector<View>>& views)
       : rig_(take.rig()),
-        blended_(options.renderer.cameras),
+        options_(options),
         choosy_(options.renderer.output == render::RenderOutput::Color),
         loader_(take, options.suppress_spill),
         schedule_(schedule),
         views_(views),
         next_(load(0)) {}
 
-  Result<Instant> at(std::size_t picture) {
-    Result<Instant> scene = next_.get();
+  Result<FilmInstant> at(std::size_t picture) {
+    Result<FilmInstant> scene = next_.get();
     if (const std::size_t later = end_of(picture); later < schedule_.size()) next_ = load(later);
     return scene;
   }
@@ -125,41 +140,59 @@ class SceneStream {
     while (later < schedule_.size() && schedule_[later] == schedule_[picture]) ++later;
     return later;
   }
-  std::vector<bool> drawn_in(const Mesh& mesh, std::size_t first) const {
-    std::vector<bool> cameras(rig_.cameras.size(), false);
+  std::vector<View> views_from(std::size_t first) const {
+    std::vector<View> views;
     for (std::size_t p = first; p < end_of(first); ++p)
-      for (const View& view : views_[p])
-        for (const int camera : render::drawn_from(rig_, mesh, view, blended_))
-          cameras[static_cast<std::size_t>(camera)] = true;
+      views.insert(views.end(), views_[p].begin(), views_[p].end());
+    return views;
+  }
+  std::vector<bool> drawn_in(const Mesh& mesh, const std::vector<View>& views) const {
+    std::vector<bool> cameras(rig_.cameras.size(), false);
+    for (const View& view : views)
+      for (const int camera : render::drawn_from(rig_, mesh, view, options_.renderer.cameras))
+        cameras[static_cast<std::size_t>(camera)] = true;
     return cameras;
   }
-  std::future<Result<Instant>> load(std::size_t picture) {
-    return std::async(std::launch::async, [this, picture]() -> Result<Instant> {
+  PixelBox drawn_of(const RigCamera& camera, const Mesh& mesh, const std::vector<View>& views) const {
+    const PixelBox whole{0, 0, camera.model.width, camera.model.height};
+    if (options_.renderer.back_end != render::BackEnd::Cpu) return whole;
+    Eigen::AlignedBox2i box;
+    for (const std::string& method : options_.methods) {
+      const PixelBox part = render::part_drawn_from(camera, mesh, views, method);
+      box.extend(Eigen::Vector2i(part.x, part.y));
+      box.extend(Eigen::Vector2i(part.x + part.width, part.y + part.height));
+    }
+    return {box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y()};
+  }
+  std::future<Result<FilmInstant>> load(std::size_t picture) {
+    return std::async(std::launch::async, [this, picture]() -> Result<FilmInstant> {
+      const std::vector<View> views = views_from(picture);
       SceneLoader::Choose choose;
-      if (choosy_) choose = [&](const Mesh& mesh) { return drawn_in(mesh, picture); };
-      Instant instant;
+      if (choosy_) choose = [&](const Mesh& mesh) { return drawn_in(mesh, views); };
+      FilmInstant instant;
       Result<SceneFrame> scene = loader_.load(schedule_[picture], choose, &instant.chosen);
       if (!scene) return forward(scene);
       instant.scene = std::move(*scene);
       if (!instant.chosen) return instant;
       for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
         if (instant.scene.images.frames[i].empty()) continue;
-        Result<Image> photograph = to_rgb(instant.scene.images.frames[i]);
-        if (!photograph) return forward(photograph);
-        instant.pictures.push_back(
-            {static_cast<int>(i), std::move(*photograph), to_image(instant.scene.mattes[i])});
+        Result<FilmInstant::Picture> picture_of =
+            cut(instant.scene, i, drawn_of(rig_.cameras[i], instant.scene.mesh, views));
+        if (!picture_of) return forward(picture_of);
+        instant.pictures.push_back(std::move(*picture_of));
+        instant.scene.images.frames[i] = {};  // what was cut out is a copy
       }
       return instant;
     });
   }
 
   const Rig& rig_;
-  const int blended_;
+  const FilmOptions& options_;
   const bool choosy_;  // pictures of weights and the like have colours by the number of cameras there are
   SceneLoader loader_;
   const std::vector<int>& schedule_;
   const std::vector<std::vector<View>>& views_;  // of a picture's eyes
-  std::future<Result<Instant>> next_;
+  std::future<Result<FilmInstant>> next_;
 };
 
 }  // namespace
@@ -182,14 +215,13 @@ Result<Rig> film_rig(capture::TakeReader& take, const FilmOptions& options) {
 Image over(const Image& rgba, const std::array<float, 3>& background) {
   Image rgb(rgba.width, rgba.height, 3);
   const std::size_t pixels = rgba.pixels.size() / 4;
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const int a = rgba.pixels[4 * i + 3];
-    for (std::size_t c = 0; c < 3; ++c) {
-      const int under = static_cast<int>(std::lround(background[c] * 255.f));
-      rgb.pixels[3 * i + c] =
-          static_cast<std::uint8_t>((rgba.pixels[4 * i + c] * a + under * (255 - a) + 127) / 255);
-    }
-  }
+  std::array<int, 3> under;
+  for (std::size_t c = 0; c < 3; ++c) under[c] = static_cast<int>(std::lround(background[c] * 255.f));
+  const std::uint8_t* from = rgba.pixels.data();
+  std::uint8_t* to = rgb.pixels.data();
+  for (std::size_t i = 0; i < pixels; ++i, from += 4, to += 3)
+    for (std::size_t c = 0; c < 3; ++c)
+      to[c] = static_cast<std::uint8_t>((from[c] * from[3] + under[c] * (255 - from[3]) + 127) / 255);
   return rgb;
 }
 
@@ -258,7 +290,7 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
     auto in_frame = [&](const Error& e) { return fail(e.code, text("frame ", frames[p], ": ", e.message)); };
     const Watch::time_point drawing = Watch::now();
     if (p == 0 || frames[p] != frames[p - 1]) {
-      Result<Instant> scene = scenes.at(p);
+      Result<FilmInstant> scene = scenes.at(p);
       if (!scene) return forward(scene);
       if (Result<void> ok = set_scene(*rig, *scene, drawn); !ok) return in_frame(ok.error());
       if (with_fields)

@@ -70,14 +70,21 @@ LabelDoubt doubt_of(const json& j) {
   return doubt;
 }
 
+std::vector<std::string> labels_of(const json& names) {
+  std::vector<std::string> labels;
+  for (const json& name : names) {
+    const std::string label = label_of(name);
+    if (std::find(labels.begin(), labels.end(), label) != labels.end())
+      throw std::invalid_argument("label '" + label + "' twice");
+    labels.push_back(label);
+  }
+  return labels;
+}
+
 LabelRecord record_of(const json& j) {
   LabelRecord record;
-  for (const json& name : j.at("labels")) {
-    const std::string label = label_of(name);
-    if (std::find(record.labels.begin(), record.labels.end(), label) != record.labels.end())
-      throw std::invalid_argument("label '" + label + "' twice");
-    record.labels.push_back(label);
-  }
+  record.labels = labels_of(j.at("labels"));
+  record.drawn = labels_of(j.value("drawn", json::array()));
   for (const json& click : j.at("clicks")) record.clicks.push_back(click_of(click));
   record.inputs = j.at("inputs").get<std::string>();
   record.sums = hashes_of(j.at("sums"));
@@ -119,13 +126,14 @@ Result<void> save_label_record(const LabelRecord& record, const TakeLayout& layo
                       {"frame", d.frame},
                       {"frames", d.frames},
                       {"picture", d.picture}});
-  const json whole = {{"floatstage_labels", kVersion},
-                      {"labels", record.labels},
-                      {"clicks", clicks},
-                      {"inputs", record.inputs},
-                      {"sums", to_json(record.sums)},
-                      {"files", files},
-                      {"doubts", doubts}};
+  json whole = {{"floatstage_labels", kVersion},
+                {"labels", record.labels},
+                {"clicks", clicks},
+                {"inputs", record.inputs},
+                {"sums", to_json(record.sums)},
+                {"files", files},
+                {"doubts", doubts}};
+  if (!record.drawn.empty()) whole["drawn"] = record.drawn;
   return write_file(layout.label_record(), whole.dump(1) + "\n");
 }
 

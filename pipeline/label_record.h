@@ -31,8 +31,9 @@ struct LabelRecord {
   using Hashes = std::map<std::string, std::map<int, std::string>>;  ///< by serial and frame, SHA-256
 
   std::vector<std::string> labels;  ///< in order; empty: nobody asked for any
+  std::vector<std::string> drawn;   ///< those of them that strokes of mattes/edits.json alone name
   std::vector<LabelClick> clicks;
-  std::string inputs;  ///< SHA-256 of what is the same for all frames: rig, names, clicks, masks
+  std::string inputs;  ///< SHA-256 of what is the same for all frames: rig, names, clicks, strokes, masks
   Hashes sums;         ///< of the mattes that were divided
   std::map<std::string, Hashes> files;  ///< by label, of the mattes that were made
   std::vector<LabelDoubt> doubts;

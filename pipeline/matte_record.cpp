@@ -42,9 +42,12 @@ CameraRecord camera_of(const json& j, const std::string& name) {
   for (const auto& f : kFields) record.*f.field = j.at(f.name).get<std::string>();
   for (const auto& [frame, hash] : j.at("files").items()) record.files[std::stoi(frame)] = hash;
   record.stale = j.value("stale", std::set<int>());
+  record.guided = j.value("guided", std::set<int>());
   const json healed = j.value("healed", json::object());
   for (const auto& [frame, h] : healed.items())
     record.healed[std::stoi(frame)] = {h.at("lost"), h.at("gained"), h.at("by")};
+  const json compared = j.value("compared", json::object());
+  for (const auto& [frame, hash] : compared.items()) record.compared[std::stoi(frame)] = hash;
   const json doubts = j.value("doubts", json::object());
   for (const auto& [why, frames] : doubts.items())
     if (std::set<int> of = frames; !of.empty()) record.doubts[why] = std::move(of);
@@ -60,7 +63,9 @@ CameraRecord camera_of(const json& j, const std::string& name) {
 
 void CameraRecord::forget(int frame) {
   stale.erase(frame);
+  guided.erase(frame);
   healed.erase(frame);
+  compared.erase(frame);
   for (auto of = doubts.begin(); of != doubts.end();) {
     of->second.erase(frame);
     of = of->second.empty() ? doubts.erase(of) : std::next(of);
@@ -109,8 +114,10 @@ Result<void> save_matte_record(const MatteRecord& record, const TakeLayout& layo
     j["files"] = json::object();
     for (const auto& [frame, hash] : camera.files) j["files"][std::to_string(frame)] = hash;
     if (!camera.stale.empty()) j["stale"] = camera.stale;
+    if (!camera.guided.empty()) j["guided"] = camera.guided;
     for (const auto& [frame, h] : camera.healed)
       j["healed"][std::to_string(frame)] = {{"lost", h.lost}, {"gained", h.gained}, {"by", h.by}};
+    for (const auto& [frame, hash] : camera.compared) j["compared"][std::to_string(frame)] = hash;
     for (const auto& [why, frames] : camera.doubts) j["doubts"][why] = frames;
     if (camera.edits != CameraEdits()) j["edits"] = to_json(camera.edits);
   }

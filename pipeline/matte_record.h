@@ -25,10 +25,14 @@ struct CameraRecord {
   std::string key;     ///< what first told the subject: "chroma:#2f7a45", "plate:6", "cut", "guide", "none"
   std::string guide;   ///< the folder of others' mattes to start from, or nothing
   std::string inputs;  ///< SHA-256 of what they were made from, but for the edits
-  CameraEdits edits;   ///< that they were made with
+  CameraEdits edits;   ///< that they were made with, without_subjects()
   std::map<int, std::string> files;    ///< SHA-256 of every matte that was made, by frame
   std::set<int> stale;                 ///< frames whose mattes are to be made again
   std::map<int, Healing> healed = {};  ///< of those files, by frame
+  /// Frames whose mattes were compared with those of all cameras, changed by that or not, and the hash of the
+  /// instant's mattes afterwards (hash_of_instant()): they are compared again only when one is another.
+  std::map<int, std::string> compared = {};
+  std::set<int> guided = {};  ///< frames whose files strokes, their own or carried ones, made others
   /// Why mattes of those files are not to be trusted, a sentence, and which frames'.
   std::map<std::string, std::set<int>> doubts = {};
 

@@ -106,6 +106,12 @@ Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, i
   return all;
 }
 
+std::string hash_of_instant(const MatteHashes& mattes) {
+  std::string all;
+  for (const auto& [serial, hash] : mattes) all += serial + " " + hash + "\n";
+  return capture::sha256(all);
+}
+
 std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options,
                                 const capture::AddedFile& added) {
   json bars = json::object();

@@ -51,6 +51,9 @@ std::string hash_of_parts(const std::vector<std::string>& hashes);
 /// Of an instant's mattes as they lie on disk.
 Result<MatteHashes> hashes_of_mattes(const TakeLayout& layout, const Rig& rig, int frame);
 
+/// Of an instant's mattes, all of them.
+std::string hash_of_instant(const MatteHashes& mattes);
+
 /// Of what is the same for every frame: the rig's bytes and the options.
 std::string hash_of_hull_inputs(const std::string& rig_sha256, const recon::HullOptions& options,
                                 const capture::AddedFile& added);

@@ -27,6 +27,28 @@ std::vector<Eigen::Vector3f> directions() {
   return out;
 }
 
+// Around so many vertices after one another, which lie close together: what no direction can find in a ball
+// is not looked for.
+constexpr std::size_t kInABall = 64;
+
+struct Ball {
+  Eigen::Vector3f center;
+  float radius;  // with room for rounding
+};
+
+std::vector<Ball> balls_around(const std::vector<Eigen::Vector3f>& positions) {
+  std::vector<Ball> balls;
+  for (std::size_t first = 0; first < positions.size(); first += kInABall) {
+    const std::size_t end = std::min(positions.size(), first + kInABall);
+    Eigen::AlignedBox3f box;
+    for (std::size_t v = first; v < end; ++v) box.extend(positions[v]);
+    const Eigen::Vector3f center = box.center();
+    const float size = box.diagonal().norm() / 2;
+    balls.push_back({center, size + 1e-5f * (size + center.norm())});
+  }
+  return balls;
+}
+
 // Standard deviation of the Gaussian that smooths a track, seconds: a step of a walk takes half a second, and
 // the camera should go with the walker and not with the steps.
 constexpr double kSmoothing = 0.25;
@@ -46,6 +68,13 @@ Eigen::Vector3d middle_of(const Mesh& mesh) {
   const Eigen::Vector3d middle = box + moment / volume;
   const Eigen::AlignedBox3d within = bounding_box(mesh).cast<double>();
   return middle.allFinite() && within.contains(middle) ? middle : box;
+}
+
+// What `process` is to be told so that it makes the meshes of these labels.
+std::string chosen_words(const TakeLayout& layout) {
+  std::string words;
+  for (const std::string& label : layout.labels()) words += (words.empty() ? " --label " : ",") + label;
+  return words;
 }
 
 }  // namespace
@@ -87,10 +116,16 @@ SubjectTrack smoothed_track(const std::vector<std::optional<Eigen::Vector3d>>& m
 void add(const Mesh& mesh, Subject& subject) {
   if (mesh.empty()) return;
   subject.box.extend(bounding_box(mesh).cast<double>());
+  const std::vector<Ball> balls = balls_around(mesh.positions);
   for (const Eigen::Vector3f& d : directions()) {
     std::size_t farthest = 0;
-    for (std::size_t v = 1; v < mesh.positions.size(); ++v)
-      if (mesh.positions[v].dot(d) > mesh.positions[farthest].dot(d)) farthest = v;
+    float reached = mesh.positions[0].dot(d);
+    for (std::size_t b = 0; b < balls.size(); ++b) {
+      if (balls[b].center.dot(d) + balls[b].radius < reached) continue;
+      const std::size_t first = b * kInABall, end = std::min(mesh.positions.size(), first + kInABall);
+      for (std::size_t v = first; v < end; ++v)
+        if (const float reach = mesh.positions[v].dot(d); reach > reached) farthest = v, reached = reach;
+    }
     subject.outermost.push_back(mesh.positions[farthest].cast<double>());
   }
 }
@@ -116,9 +151,10 @@ Result<Subject> find_subject(const capture::TakeReader& take) {
     all.outermost.insert(all.outermost.end(), of->outermost.begin(), of->outermost.end());
   }
   if (all.box.isEmpty())
-    return fail(ErrorCode::NotFound,
-                text(take.layout().folder().string(), " has no mesh with a subject; run `floatstage process ",
-                     take.layout().folder().string(), "` and look at its mattes"));
+    return fail(
+        ErrorCode::NotFound,
+        text(take.layout().folder().string(), " has no mesh with a subject; run `floatstage process ",
+             take.layout().folder().string(), chosen_words(take.layout()), "` and look at its mattes"));
   all.track = smoothed_track(middles, take.manifest().frame_rate);
   return all;
 }

@@ -7,7 +7,6 @@
 #include "core/text.h"
 #include "recon/bounding_volume.h"
 #include "recon/outline.h"
-#include "recon/silhouette.h"
 
 namespace floatstage::recon {
 namespace {
@@ -15,7 +14,7 @@ namespace {
 constexpr std::size_t kMostPoints = 20000;  // of one outline, as SilhouetteOptions::most_points
 
 /// Empty, or what is wrong with an outline.
-std::string flaw(const Silhouette& outline, const CameraModel& model) {
+std::string flaw(const Silhouette& outline, const CameraModel& model, PolygonBounds& memory) {
   const auto& starts = outline.starts;
   if (outline.points.empty() && starts.size() <= 1) return {};
   if (starts.size() < 2 || starts.front() != 0 || starts.back() != static_cast<int>(outline.points.size()))
@@ -30,14 +29,14 @@ std::string flaw(const Silhouette& outline, const CameraModel& model) {
     if (!(p.x() >= -reach && p.y() >= -reach && p.x() <= 2 * reach && p.y() <= 2 * reach))
       return "it has points far outside the picture";
   }
-  if (!tells_sides(outline))
+  if (!tells_sides(outline, memory))
     return "its polygons do not tell subject from background: subject has to be right of every edge";
   return {};
 }
 
 }  // namespace
 
-Result<void> HullInput::check() const {
+Result<void> HullInput::check(PolygonBounds& memory) const {
   if (count_ != rig_.cameras.size())
     return fail(ErrorCode::InvalidArgument,
                 text(count_, outlines_.empty() ? " mattes" : " outlines", " for ", rig_.cameras.size(),
@@ -52,7 +51,7 @@ Result<void> HullInput::check() const {
                      "; key the images the rig was calibrated for"));
   }
   for (std::size_t c = 0; c < outlines_.size(); ++c) {
-    const std::string what = flaw(outlines_[c], rig_.cameras[c].model);
+    const std::string what = flaw(outlines_[c], rig_.cameras[c].model, memory);
     if (what.empty()) continue;
     return fail(ErrorCode::BadData, text("camera '", rig_.cameras[c].serial, "': its outline is of no use: ",
                                          what, "; leave it out, and look at what sends it"));

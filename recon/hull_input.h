@@ -7,6 +7,7 @@
 #include "core/result.h"
 #include "core/rig.h"
 #include "core/silhouette.h"
+#include "recon/silhouette.h"
 
 namespace floatstage::recon {
 
@@ -19,7 +20,7 @@ class HullInput {
       : rig_(rig), outlines_(outlines), threads_(threads), count_(outlines.size()) {}
 
   /// Counts and sizes, and of outlines what a sender could have got wrong; sentences name the camera.
-  Result<void> check() const;
+  Result<void> check(PolygonBounds& memory) const;
 
   /// False: nothing is known of this camera.
   bool knows(std::size_t camera) const;

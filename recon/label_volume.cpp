@@ -196,33 +196,36 @@ void LabelVolume::look(const Rig& rig, int threads) {
 }
 
 std::vector<float> LabelVolume::distance_to(std::span<const Vector3i> places) const {
-  // On the box, and what lies around it by its own distance to the box.
-  std::vector<float> away(index_.size(), kFar);
+  // On the box, with a rim from which no way leads, and what lies around it by its own distance to the box.
+  const std::ptrdiff_t row = count_.x() + 2, slice = row * (count_.y() + 2);
+  const auto cell = [&](const Vector3i& place) {
+    const Vector3i p = place - low_;
+    return static_cast<std::size_t>((p.z() + 1) * slice + (p.y() + 1) * row + p.x() + 1);
+  };
+  std::vector<float> away(static_cast<std::size_t>(slice) * static_cast<std::size_t>(count_.z() + 2), kFar);
   for (const Vector3i& p : places) {
     const Vector3i in = p.cwiseMax(low_).cwiseMin(low_ + count_ - Vector3i::Ones());
-    float& there = away[at(in)];
+    float& there = away[cell(in)];
     there = std::min(there, (p - in).cast<float>().norm());
   }
-  const std::vector<Step> all = steps();
-  const auto pass = [&](bool onward) {
-    const std::int64_t total = static_cast<std::int64_t>(away.size());
-    for (std::int64_t i = 0; i < total; ++i) {
-      const std::int64_t n = onward ? i : total - 1 - i;
-      const Vector3i place(low_.x() + static_cast<int>(n % count_.x()),
-                           low_.y() + static_cast<int>(n / count_.x() % count_.y()),
-                           low_.z() + static_cast<int>(n / count_.x() / count_.y()));
-      float& here = away[static_cast<std::size_t>(n)];
-      for (std::size_t s = 0; s < all.size() / 2; ++s) {
-        const Step& step = onward ? all[s] : all[all.size() - 1 - s];
-        if (const Vector3i from = place + step.by; inside(from))
-          here = std::min(here, away[at(from)] + step.length);
+  std::vector<std::pair<std::ptrdiff_t, float>> before;  // neighbours that come first, and how far they are
+  for (const Step& step : steps()) {
+    const std::ptrdiff_t offset = step.by.z() * slice + step.by.y() * row + step.by.x();
+    if (offset < 0) before.emplace_back(offset, step.length);
+  }
+  const auto pass = [&](std::ptrdiff_t way) {  // onward 1, back -1
+    for (int k = 0; k < count_.z(); ++k)
+      for (int j = 0; j < count_.y(); ++j) {
+        const std::ptrdiff_t z = way > 0 ? k : count_.z() - 1 - k, y = way > 0 ? j : count_.y() - 1 - j;
+        float* here = away.data() + (z + 1) * slice + (y + 1) * row + (way > 0 ? 1 : count_.x());
+        for (int i = 0; i < count_.x(); ++i, here += way)
+          for (const auto& [offset, length] : before) *here = std::min(*here, here[way * offset] + length);
       }
-    }
   };
-  pass(true);
-  pass(false);
+  pass(1);
+  pass(-1);
   std::vector<float> out(places_.size());
-  for (std::size_t v = 0; v < out.size(); ++v) out[v] = std::min(away[at(places_[v])], kFar);
+  for (std::size_t v = 0; v < out.size(); ++v) out[v] = std::min(away[cell(places_[v])], kFar);
   return out;
 }
 
@@ -366,13 +369,32 @@ Image LabelVolume::picture(int camera, std::span<const std::uint8_t> labels) con
   return out;
 }
 
-std::size_t LabelVolume::seen_at(int camera, int x, int y) const {
+std::vector<std::size_t> LabelVolume::piece_of(std::size_t voxel,
+                                               std::span<const std::uint8_t> labels) const {
+  std::vector<std::size_t> piece{voxel};
+  std::vector<bool> met(places_.size());
+  met[voxel] = true;
+  const std::vector<Step> all = steps();
+  for (std::size_t i = 0; i < piece.size(); ++i)
+    for (const Step& step : all) {
+      const Vector3i to = places_[piece[i]] + step.by;
+      if (!inside(to) || index_[at(to)] < 0) continue;
+      const auto n = static_cast<std::size_t>(index_[at(to)]);
+      if (met[n] || labels[n] != labels[voxel]) continue;
+      met[n] = true;
+      piece.push_back(n);
+    }
+  return piece;
+}
+
+std::size_t LabelVolume::seen_at(int camera, int x, int y, std::span<const std::uint8_t> labels) const {
   const View& view = views_[static_cast<std::size_t>(camera)];
   std::size_t best = size();
   for (std::size_t v = 0; v < places_.size(); ++v) {
     const Seen& s = view.seen[v];
     const int cx = x / view.cell, cy = y / view.cell;
     if (s.depth < 0 || cx < s.x0 || cx > s.x1 || cy < s.y0 || cy > s.y1) continue;
+    if (!labels.empty() && labels[v] == 0) continue;
     if (best == size() || s.depth < view.seen[best].depth) best = v;
   }
   return best;

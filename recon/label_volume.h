@@ -59,8 +59,11 @@ class LabelVolume {
   /// coarse as voxels are, cell() px.
   Image picture(int camera, std::span<const std::uint8_t> labels) const;
   int cell(int camera) const { return views_[static_cast<std::size_t>(camera)].cell; }
-  /// The nearest voxel that a pixel sees; size() where none is.
-  std::size_t seen_at(int camera, int x, int y) const;
+  /// The nearest voxel that a pixel sees, of those of a label > 0 where `labels` of all voxels is not empty;
+  /// size() where none is.
+  std::size_t seen_at(int camera, int x, int y, std::span<const std::uint8_t> labels = {}) const;
+  /// The voxels that hang together with one through voxels of its own label, itself included.
+  std::vector<std::size_t> piece_of(std::size_t voxel, std::span<const std::uint8_t> labels) const;
 
   /// How deep labels are in one another: of each, the share of its voxels with one of another label no
   /// further than `reach` edges away.

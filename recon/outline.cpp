@@ -44,8 +44,8 @@ void rebuild(const PointOf& point_of, Silhouette& outline) {
 }
 
 /// Points that fell together, as rounding on the way here may do, become one, and so do spikes without width.
-void drop_repeated(Silhouette& outline) {
-  Silhouette given;
+/// `given` is memory.
+void drop_repeated(Silhouette& given, Silhouette& outline) {
   do {
     given = outline;
     int k = 0;
@@ -167,7 +167,7 @@ OutlineDetail simplify_for_lens(const CameraModel& model, double bend, const Sil
     if (is_simple(straight, scratch)) return detail;
     if (round == 4 || tolerance <= 0) {
       drop_conflicts(scratch, straight);
-      detail.torn = !tells_sides(straight);
+      detail.torn = !tells_sides(straight, scratch.polygons);
       return detail;
     }
   }
@@ -213,9 +213,10 @@ bool is_simple(const Silhouette& outline) {
   return is_simple(outline, scratch);
 }
 
-bool tells_sides(const Silhouette& outline) {
-  std::vector<Eigen::AlignedBox2d> boxes(static_cast<std::size_t>(outline.polygons()));
-  std::vector<double> areas(boxes.size(), 0);
+bool tells_sides(const Silhouette& outline, PolygonBounds& memory) {
+  auto& [boxes, areas] = memory;
+  boxes.assign(static_cast<std::size_t>(outline.polygons()), {});
+  areas.assign(boxes.size(), 0);
   for (int k = 0; k < outline.polygons(); ++k) {
     const int begin = outline.starts[k], end = outline.starts[k + 1];
     for (int i = begin; i < end; ++i) {
@@ -242,7 +243,7 @@ OutlineDetail undistorted_outline(const Silhouette& outline, const CameraModel& 
                                   const SilhouetteOptions& options, SilhouetteScratch& scratch,
                                   Silhouette& out) {
   scratch.traced = outline;
-  if (!outline.empty()) drop_repeated(scratch.traced);
+  if (!outline.empty()) drop_repeated(scratch.given, scratch.traced);
   if (options.unknown_beyond) make_beyond_unknown(model, bend, scratch.traced);
   return simplify_for_lens(model, bend, options, true, scratch, scratch.bent, out);
 }

@@ -19,10 +19,17 @@ namespace floatstage::recon {
 /// without a lens. Depends on the calibration only: found once, used for every frame.
 double lens_bend(const CameraModel& model);
 
+/// What tells_sides() works in: of each polygon of an outline.
+struct PolygonBounds {
+  std::vector<Eigen::AlignedBox2d> boxes;
+  std::vector<double> areas;  ///< px²; holes count negative
+};
+
 /// Memory for one outline at a time, kept from frame to frame.
 struct SilhouetteScratch {
   std::vector<std::uint64_t> bits, visited;
-  Silhouette traced, kept, bent;
+  Silhouette traced, given, kept, bent;
+  PolygonBounds polygons;
   EdgeGrid grid, moved_grid;
   std::vector<char> keep, back;
   std::vector<int> origin, previous, conflicts;
@@ -61,7 +68,7 @@ bool is_simple(const Silhouette& outline);
 
 /// True when subject is right of all edges: outer polygons and holes, and beyond_counts, fit into each other.
 /// For outlines that are simple.
-bool tells_sides(const Silhouette& outline);
+bool tells_sides(const Silhouette& outline, PolygonBounds& memory);
 
 /// All of the above, then the lens removed from the points: the outline as the ideal pinhole camera would see
 /// it, with simplicity checked again. Points that the lens cannot undo are dropped. `bend` is

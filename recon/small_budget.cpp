@@ -11,7 +11,7 @@
 #include "core/text.h"
 #include "recon/mask_distance.h"
 #include "recon/mesh/hull_cleanup.h"
-#include "recon/mesh/mesh_mask.h"
+#include "recon/mesh/mesh_silhouettes.h"
 
 namespace floatstage::recon {
 namespace {
@@ -74,9 +74,10 @@ void measure(const Rig& rig, std::span<const Matte> mattes, const Mesh& raw, con
   done.triangles_before = raw.triangle_count();
   done.iou_loss.assign(mattes.size(), 0);
   done.silhouette_shift.assign(mattes.size(), 0);
+  const MeshSilhouettes of_raw(raw), of_mesh(mesh);
   parallel_for(mattes.size(), threads, [&](std::size_t c) {
     if (mattes[c].empty()) return;
-    const Matte before = mesh_mask(rig.cameras[c], raw), after = mesh_mask(rig.cameras[c], mesh);
+    const Matte before = of_raw.of(rig.cameras[c]), after = of_mesh.of(rig.cameras[c]);
     done.iou_loss[c] = iou(before, mattes[c]) - iou(after, mattes[c]);
     done.silhouette_shift[c] = mask_distance(before, after);
   });

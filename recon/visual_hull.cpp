@@ -11,8 +11,7 @@
 #include "recon/hull_input.h"
 #include "recon/mesh/hull_cleanup.h"
 #include "recon/mesh/mesh_cleanup.h"
-#include "recon/mesh/mesh_mask.h"
-#include "recon/mesh/mesh_rows.h"
+#include "recon/mesh/mesh_silhouettes.h"
 #include "recon/octree/octree_carve.h"
 #include "recon/octree/octree_surface.h"
 #include "recon/small_budget.h"
@@ -107,7 +106,7 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
   report.clear();
   if (Result<void> ok = check(options); !ok) return forward(ok);
   if (Result<void> ok = check(rig); !ok) return forward(ok);
-  if (Result<void> ok = input.check(); !ok) return forward(ok);
+  if (Result<void> ok = input.check(workspace.impl().polygons); !ok) return forward(ok);
   if (Result<void> ok = check_cameras(rig, input, options); !ok) return forward(ok);
   Result<std::vector<std::string>> remarks = remark_on_subjects(rig, input);
   if (!remarks) return forward(remarks);
@@ -146,12 +145,10 @@ Result<void> hull_of(const Rig& rig, HullInput input, const HullOptions& options
   report.silhouette_iou.assign(rig.cameras.size(), std::numeric_limits<double>::quiet_NaN());
   if (options.quality) {
     const std::span<const Matte> mattes = input.mattes();
+    const MeshSilhouettes silhouettes(report.mesh);
     parallel_for(mattes.size(), options.threads, [&](std::size_t i) {
       if (!mattes[i].empty())
-        report.silhouette_iou[i] =
-            options.quality_step > 1
-                ? compare_rows(rig.cameras[i], report.mesh, mattes[i], options.quality_step).iou()
-                : iou(mesh_mask(rig.cameras[i], report.mesh), mattes[i]);
+        report.silhouette_iou[i] = silhouettes.iou(rig.cameras[i], mattes[i], options.quality_step);
     });
   }
   const auto end = std::chrono::steady_clock::now();

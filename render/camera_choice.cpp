@@ -10,7 +10,9 @@ namespace floatstage::render {
 namespace {
 
 constexpr int kStandIns = 3;
-constexpr std::size_t kRankingSamples = 96;
+constexpr double kAsNear =
+    1.75;  // times the nearest one's angle: below 2, where a ring's second neighbours stand
+constexpr double kLeastFade = 1e-6;  // where all of a list are as far as the next one, somebody has to count
 
 /// 1 in the middle of the picture, falling smoothly outside it: what the view shows decides.
 double importance(const View& view, const Eigen::Vector3d& world) {
@@ -29,9 +31,9 @@ double fade(double angle, double threshold) {
 
 }  // namespace
 
-CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
-                            const std::vector<Eigen::Vector3f>& samples, const View& view, int count,
-                            const std::vector<bool>& pictured, CameraRanking& memory) {
+CameraChoice choose_cameras(const std::vector<RigCamera>& cameras, const RankingSamples& samples,
+                            const View& view, int count, const std::vector<bool>& pictured,
+                            CameraRanking& memory) {
   const Eigen::Vector3d eye = view.view_from_world.center();
   std::vector<double>& angle = memory.angle;
   angle.assign(cameras.size(), 0.0);
@@ -67,28 +69,36 @@ CameraChoice choose_cameras(const std::vector<RigCamera>& cameras,
     if (pictured.empty() || pictured[static_cast<std::size_t>(order[rank])]) usable.push_back(rank);
 
   CameraChoice choice;
-  choice.chosen = std::min<std::size_t>(static_cast<std::size_t>(count), usable.size());
+  auto angle_of = [&](std::size_t rank) { return angle[static_cast<std::size_t>(order[rank])]; };
+  const auto blended = static_cast<std::size_t>(count), asked = std::min(blended, usable.size()),
+             most = std::min({usable.size(), 2 * blended, static_cast<std::size_t>(kMostListed)});
+  const double as_near = count > 1 && !order.empty() ? kAsNear * angle_of(0) : 0;
+  choice.chosen = asked;
+  while (choice.chosen < most && angle_of(usable[choice.chosen]) < as_near) ++choice.chosen;
   const std::size_t listed =
       std::min({usable.size(), choice.chosen + kStandIns, static_cast<std::size_t>(kMostListed)});
   // A fade ends at the camera that follows the last of its list, with a picture or without.
   auto end_of_fade = [&](std::size_t members) -> std::optional<double> {
     const std::size_t rank = members == 0 ? 0 : usable[members - 1] + 1;
     if (rank >= order.size()) return std::nullopt;
-    return angle[static_cast<std::size_t>(order[rank])];
+    return angle_of(rank);
   };
-  const std::optional<double> chosen_end = end_of_fade(choice.chosen), listed_end = end_of_fade(listed);
+  const std::optional<double> listed_end = end_of_fade(listed);
+  std::optional<double> chosen_end = end_of_fade(choice.chosen);
+  if (choice.chosen > asked) chosen_end = std::min(as_near, chosen_end.value_or(as_near));
   for (std::size_t i = 0; i < listed; ++i) {
     const int camera = order[usable[i]];
     const double a = angle[static_cast<std::size_t>(camera)];
     choice.listed.push_back(camera);
     choice.fade.push_back(static_cast<float>(i >= choice.chosen ? 0 : chosen_end ? fade(a, *chosen_end) : 1));
-    choice.stand_in_fade.push_back(static_cast<float>(listed_end ? fade(a, *listed_end) : 1));
+    choice.stand_in_fade.push_back(
+        static_cast<float>(listed_end ? std::max(kLeastFade, fade(a, *listed_end)) : 1));
   }
   return choice;
 }
 
-std::vector<Eigen::Vector3f> ranking_samples(const Mesh& mesh) {
-  std::vector<Eigen::Vector3f> samples;
+RankingSamples ranking_samples(const Mesh& mesh) {
+  RankingSamples samples;
   const std::size_t stride = std::max<std::size_t>(1, mesh.triangle_count() / kRankingSamples);
   for (std::size_t t = 0; t < mesh.triangle_count(); t += stride)
     samples.push_back(mesh.positions[mesh.triangles[3 * t]]);

@@ -89,7 +89,7 @@ View field_view(const RigCamera& camera, const Eigen::AlignedBox3f& box) {
   view.model.cx = -bounds.min().x() * view.model.fx;
   view.model.cy = -bounds.min().y() * view.model.fy;
   view.view_from_world = camera.cam_from_world;
-  const DepthWindow depth = depth_windows({camera}, box).front();
+  const DepthWindow depth = depth_window(camera, box);
   view.near_plane = static_cast<double>(depth.near_plane);
   view.far_plane = static_cast<double>(depth.far_plane);
   return view;
@@ -98,7 +98,7 @@ View field_view(const RigCamera& camera, const Eigen::AlignedBox3f& box) {
 std::vector<CameraPair> field_pairs(const Rig& rig, const Mesh& mesh, int neighbors,
                                     const std::vector<bool>& usable) {
   std::vector<CameraPair> pairs;
-  const std::vector<Eigen::Vector3f> samples = ranking_samples(mesh);
+  const RankingSamples samples = ranking_samples(mesh);
   const auto count = static_cast<int>(rig.cameras.size());
   for (int i = 0; i < count; ++i) {
     if (!usable.empty() && !usable[static_cast<std::size_t>(i)]) continue;

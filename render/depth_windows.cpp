@@ -14,28 +14,23 @@ constexpr double kToleranceShare = 0.0125;  // of the proxy's diagonal
 
 }  // namespace
 
-std::vector<DepthWindow> depth_windows(const std::vector<RigCamera>& cameras,
-                                       const Eigen::AlignedBox3f& box) {
-  std::vector<DepthWindow> windows(cameras.size());
+DepthWindow depth_window(const RigCamera& camera, const Eigen::AlignedBox3f& box) {
   const Eigen::Vector3d middle = box.center().cast<double>();
   const double radius = 0.5 * static_cast<double>(box.diagonal().norm()) + 1e-6;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    const RigCamera& camera = cameras[i];
-    const Eigen::AlignedBox2d bounds = pinhole_bounds(camera, box, kGuardPixels);
-    const Eigen::Vector2d extent = bounds.sizes();
-    const double scale = std::min(
-        {std::max(camera.model.fx, camera.model.fy), kLargestSide / extent.x(), kLargestSide / extent.y()});
-    DepthWindow& w = windows[i];
-    w.width = std::max(2, static_cast<int>(std::ceil(extent.x() * scale)));
-    w.height = std::max(2, static_cast<int>(std::ceil(extent.y() * scale)));
-    const Eigen::Vector2d offset = -bounds.min() * scale;
-    w.place = {static_cast<float>(scale), static_cast<float>(scale), static_cast<float>(offset.x()),
-               static_cast<float>(offset.y())};
-    const double z = (camera.cam_from_world * middle).z();
-    w.far_plane = static_cast<float>(std::max(z + radius, radius));
-    w.near_plane = static_cast<float>(std::max(z - radius, 1e-3 * radius));
-  }
-  return windows;
+  const Eigen::AlignedBox2d bounds = pinhole_bounds(camera, box, kGuardPixels);
+  const Eigen::Vector2d extent = bounds.sizes();
+  const double scale = std::min(
+      {std::max(camera.model.fx, camera.model.fy), kLargestSide / extent.x(), kLargestSide / extent.y()});
+  DepthWindow w;
+  w.width = std::max(2, static_cast<int>(std::ceil(extent.x() * scale)));
+  w.height = std::max(2, static_cast<int>(std::ceil(extent.y() * scale)));
+  const Eigen::Vector2d offset = -bounds.min() * scale;
+  w.place = {static_cast<float>(scale), static_cast<float>(scale), static_cast<float>(offset.x()),
+             static_cast<float>(offset.y())};
+  const double z = (camera.cam_from_world * middle).z();
+  w.far_plane = static_cast<float>(std::max(z + radius, radius));
+  w.near_plane = static_cast<float>(std::max(z - radius, 1e-3 * radius));
+  return w;
 }
 
 double depth_tolerance(const Eigen::AlignedBox3f& box) {

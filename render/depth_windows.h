@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -16,9 +15,9 @@ struct DepthWindow {
   float near_plane = 0, far_plane = 0;
 };
 
-/// Every camera's depth map over the part of its picture that `box` can cover, one texel a photograph pixel:
+/// A camera's depth map over the part of its picture that `box` can cover, one texel a photograph pixel:
 /// finer shows nothing that the photograph has, coarser blurs occlusion borders.
-std::vector<DepthWindow> depth_windows(const std::vector<RigCamera>& cameras, const Eigen::AlignedBox3f& box);
+DepthWindow depth_window(const RigCamera& camera, const Eigen::AlignedBox3f& box);
 
 /// How far behind a depth map a point of a proxy with this box is still seen, metres.
 double depth_tolerance(const Eigen::AlignedBox3f& box);

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <span>
+#include <string_view>
 #include <vector>
 
+#include "core/frame.h"
 #include "core/mesh.h"
 #include "core/rig.h"
 #include "core/view.h"
@@ -11,7 +14,13 @@ namespace floatstage::render {
 /// All photographs that a picture of this view is made from with `count` of them blended: those, and the ones
 /// that stand in where none of them sees the proxy; indices into rig.cameras, strongest first. A scene of
 /// these photographs alone gives the view of the scene of all, bit by bit, where each of them has a picture.
-/// What needed_cameras() names are the first `count`. Any thread.
+/// What needed_cameras() names are the first of them. Any thread.
 std::vector<int> drawn_from(const Rig& rig, const Mesh& mesh, const View& view, int count);
+
+/// The part of a camera's photograph that the native back-end reads for these views with `method`: a scene of
+/// the parts gives the views of the scene of whole photographs, bit by bit. All of it for methods that look
+/// beyond the proxy, and where the proxy reaches behind the camera. Never empty. Any thread.
+PixelBox part_drawn_from(const RigCamera& camera, const Mesh& mesh, std::span<const View> views,
+                         std::string_view method);
 
 }  // namespace floatstage::render

@@ -30,7 +30,7 @@ void drop_jitter(FlowField& field) {
 void make_zero(FlowField& field, const ProjectedImages& images) {
   field.width = images.width;
   field.height = images.height;
-  field.uv.assign(2 * images.gray.front().size(), 0);
+  field.uv.assign(2 * images.gray[0].size(), 0);
 }
 
 }  // namespace
@@ -47,10 +47,11 @@ std::size_t flow_index_of(FlowPair pair, std::size_t images) {
 Result<void> PairwiseFlows::estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
                                      const FlowOptions& options, int threads, Interruption* interruption) {
   const std::size_t count = images.gray.size(), pairs = count * (count - 1);
-  fields_.resize(pairs);
+  pairs_ = pairs;
+  fields_.resize(std::max(fields_.size(), pairs));
   confidence_.assign(keeps_confidence_ ? pairs : 0, {});
   if (options.backend == "none") {
-    for (FlowField& field : fields_) make_zero(field, images);
+    for (std::size_t index = 0; index < pairs; ++index) make_zero(fields_[index], images);
     return {};
   }
   if (options_ != options) estimator_.reset();

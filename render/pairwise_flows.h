@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "render/flow_trust.h"
@@ -26,7 +27,7 @@ class PairwiseFlows {
   Result<void> estimate(const ProjectedImages& images, const std::vector<bool>& wanted,
                         const FlowOptions& options, int threads, Interruption* interruption = nullptr);
 
-  const std::vector<FlowField>& fields() const { return fields_; }
+  std::span<const FlowField> fields() const { return {fields_.data(), pairs_}; }
 
   /// Whether the next estimates keep what they believed.
   void keep_confidence(bool keep) { keeps_confidence_ = keep; }
@@ -47,6 +48,7 @@ class PairwiseFlows {
   std::vector<FlowImage> pictures_;
   std::vector<FlowPair> asked_;
   std::vector<std::size_t> place_;  // of a pair among those that are asked for
+  std::size_t pairs_ = 0;           // of the last estimate; of others, the memory is kept
   std::vector<FlowField> raw_, fields_;
   std::vector<std::vector<std::uint8_t>> confidence_;
   bool keeps_confidence_ = false;

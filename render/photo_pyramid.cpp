@@ -42,7 +42,8 @@ const PhotoPyramid& PhotoPyramid::of(const Scene::Impl& scene, std::span<const i
     kept->made.assign(scene.cameras.size(), false);
     kept->version = scene.version;
   }
-  std::vector<std::size_t> missing;
+  std::vector<std::size_t>& missing = kept->missing;
+  missing.clear();
   for (int camera : cameras) {
     const auto i = static_cast<std::size_t>(camera);
     if (kept->made[i]) continue;

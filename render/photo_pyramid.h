@@ -22,6 +22,7 @@ struct PhotoPyramid {
   std::uint64_t version = 0;
   std::vector<std::vector<SceneTile>> levels;  ///< [level - 1][camera], of the cameras that are `made`
   std::vector<bool> made;
+  std::vector<std::size_t> missing;  ///< what of() makes; its memory
 };
 
 /// The level at which a filter `width` px wide is no wider than kWidestFilter (Eq. 10.4), and at most

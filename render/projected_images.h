@@ -3,14 +3,18 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/camera_choice.h"
+
 namespace floatstage::render {
 
-/// The intermediate images I_i^v on the CPU, as the flow needs them.
+/// The intermediate images I_i^v on the CPU, as the flow needs them. Views that blend fewer images keep the
+/// memory of the others.
 struct ProjectedImages {
   enum State : std::uint8_t { kNoProxy = 0, kFilled = 128, kOwn = 255 };
   int width = 0, height = 0;
-  std::vector<std::vector<std::uint8_t>> gray;   ///< per image, width * height
-  std::vector<std::vector<std::uint8_t>> state;  ///< per image and pixel: where the colour comes from
+  using Pictures = ShortList<std::vector<std::uint8_t>, kMostListed>;
+  Pictures gray;   ///< per image, width * height
+  Pictures state;  ///< per image and pixel: where the colour comes from
 };
 
 /// Reads `layers` RGBA pictures as render/gl/shaders/project.frag writes them (alpha: where the colour comes

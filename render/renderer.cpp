@@ -1,6 +1,9 @@
 #include "render/renderer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <optional>
 
 #include <epoxy/gl.h>
 
@@ -9,6 +12,7 @@
 #include "render/camera_choice.h"
 #include "render/cpu/renderers.h"
 #include "render/drawn_from.h"
+#include "render/footprint.h"
 #include "render/gl/blend_renderer.h"
 #include "render/gl/filtered_renderer.h"
 #include "render/gl/floating_renderer.h"
@@ -23,6 +27,8 @@ constexpr double kMostBlur = 0.95;      // more would outlast any walk
 constexpr double kWidestFilter = 512;   // px
 constexpr double kMostUncertain = 0.5;  // of the diagonal: the subject's own size
 constexpr double kLargestRadius = 64;   // px; distances are stored in bytes
+constexpr double kAround = 4;           // px: edges are straight between corners, what the lens bends is not
+constexpr double kSpline = 2;           // pixels to each side that it looks at
 
 // The table of renderers: one line each.
 using Maker = Result<std::unique_ptr<ViewRenderer>> (*)();
@@ -31,14 +37,15 @@ struct Entry {
   const char* help;
   Maker cpu, gl;
   bool needs_grid = false;
+  bool reads_proxy_alone = false;  ///< of photographs: the points where the proxy projects
 };
 constexpr Entry kRenderers[] = {
     {"nearest", "the best camera per pixel, no blending", [] { return cpu::make_blend_renderer(true); },
-     [] { return make_blend_renderer(true); }},
+     [] { return make_blend_renderer(true); }, false, true},
     {"linear", "Unstructured Lumigraph: photographs blended by viewing angle",
-     [] { return cpu::make_blend_renderer(false); }, [] { return make_blend_renderer(false); }},
+     [] { return cpu::make_blend_renderer(false); }, [] { return make_blend_renderer(false); }, false, true},
     {"floating", "Floating Textures: photographs aligned by optical flow, then blended",
-     cpu::make_floating_renderer, make_floating_renderer},
+     cpu::make_floating_renderer, make_floating_renderer, false, true},
     {"floating-static", "Floating Textures by fields between the cameras' own pictures, estimated once",
      cpu::make_static_renderer, make_static_renderer},
     {"band-limited", "photographs filtered beforehand until ghosts run together, then linear",
@@ -109,6 +116,36 @@ std::vector<int> drawn_from(const Rig& rig, const Mesh& mesh, const View& view, 
   CameraRanking memory;
   const CameraChoice choice = choose_cameras(rig.cameras, ranking_samples(mesh), view, count, {}, memory);
   return {choice.listed.begin(), choice.listed.end()};
+}
+
+PixelBox part_drawn_from(const RigCamera& camera, const Mesh& mesh, std::span<const View> views,
+                         std::string_view method) {
+  const CameraModel& m = camera.model;
+  const PixelBox whole{0, 0, m.width, m.height};
+  const auto* entry = std::find_if(std::begin(kRenderers), std::end(kRenderers),
+                                   [&](const Entry& e) { return method == e.name; });
+  if (entry == std::end(kRenderers) || !entry->reads_proxy_alone || mesh.empty()) return whole;
+  int deepest = 0;
+  const Eigen::AlignedBox3f bounds = bounding_box(mesh);
+  for (const View& view : views) deepest = std::max(deepest, deepest_level(camera, view, bounds));
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    const std::optional<Eigen::Vector2d> pixel = project(m, camera.cam_from_world * p.cast<double>());
+    if (!pixel) return whole;
+    box.extend(*pixel);
+  }
+  // Whole pixels of the coarsest level that is read, and of them those that a spline looks at.
+  const double cell = 1 << deepest;
+  const auto low = [&](double v, int size) {
+    return static_cast<int>(cell *
+                            std::clamp(std::floor((v - kAround) / cell) - kSpline, 0.0, (size - 1) / cell));
+  };
+  const auto high = [&](double v, int first, int size) {
+    const double end = cell * (std::ceil((v + kAround) / cell) + kSpline);
+    return static_cast<int>(std::clamp<double>(end, first + 1, size));
+  };
+  const int x = low(box.min().x(), m.width), y = low(box.min().y(), m.height);
+  return {x, y, high(box.max().x(), x, m.width) - x, high(box.max().y(), y, m.height) - y};
 }
 
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count) {

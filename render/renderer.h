@@ -50,7 +50,7 @@ enum class Positions {
 const std::vector<std::string>& position_names();  ///< "parallax", "mean": in the enum's order
 
 struct RendererOptions {
-  int cameras = 3;                            ///< k: photographs blended per view
+  int cameras = 3;                            ///< k: photographs blended per view; more if as near
   double soft_radius = 8;                     ///< px: r of Eq. 11.5
   FlowOptions flow;                           ///< floating only
   Positions positions = Positions::Parallax;  ///< floating only
@@ -128,7 +128,8 @@ bool can_show(std::string_view renderer, RenderOutput output);
 bool lacks_shown_camera(const RenderedView& view, const RendererOptions& options);
 
 /// The photographs that a view of this scene is drawn from, strongest first: `count` indices into
-/// rig.cameras. What a viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
+/// rig.cameras, and at most as many again where more are about as near as the nearest (ADR 315). What a
+/// viewer asks camera nodes for (thesis §11.5: only these textures travel). Any thread.
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count);
 
 /// A copy of a rendered view, from wherever it is: RGBA, rows top first.

@@ -92,14 +92,15 @@ Result<void> check_tiles(const Rig& rig, std::span<const PictureTile> tiles) {
   if (tiles.empty())
     return fail(ErrorCode::InvalidArgument,
                 "no camera with a picture is left to draw from; keep at least one");
-  std::vector<bool> seen(rig.cameras.size());
-  for (const PictureTile& tile : tiles) {
-    if (tile.camera < 0 || tile.camera >= static_cast<int>(seen.size()) ||
-        seen[static_cast<std::size_t>(tile.camera)])
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const PictureTile& tile = tiles[i];
+    const auto same = [&](const PictureTile& other) { return other.camera == tile.camera; };
+    const auto before = tiles.first(i);
+    if (tile.camera < 0 || tile.camera >= static_cast<int>(rig.cameras.size()) ||
+        std::any_of(before.begin(), before.end(), same))
       return fail(ErrorCode::InvalidArgument,
-                  text("a tile of camera ", tile.camera, ", which is not in the rig of ", seen.size(),
+                  text("a tile of camera ", tile.camera, ", which is not in the rig of ", rig.cameras.size(),
                        " cameras or has one already"));
-    seen[static_cast<std::size_t>(tile.camera)] = true;
     const RigCamera& camera = rig.cameras[static_cast<std::size_t>(tile.camera)];
     const Image *picture = tile.picture, *matte = tile.matte;
     const bool whole = picture != nullptr && matte != nullptr && !picture->empty() &&
@@ -159,7 +160,7 @@ Result<void> Scene::set(const Rig& rig, const SceneFrame& scene, const std::vect
     if (!ok) return ok;
 
   Impl& s = *impl_;
-  s.begin(rig, scene.mesh);
+  s.begin(used->size(), scene.mesh);
   s.tiles = std::move(tiles);
   for (int camera : *used) s.add(rig.cameras[static_cast<std::size_t>(camera)], camera);
   s.ranked = s.cameras;
@@ -174,7 +175,7 @@ Result<void> Scene::set(const Rig& rig, const Mesh& mesh, std::span<const Pictur
   if (Result<void> ok = check_mesh(mesh); !ok) return ok;
   if (Result<void> ok = check_tiles(rig, tiles); !ok) return ok;
   Impl& s = *impl_;
-  s.begin(rig, mesh);
+  s.begin(tiles.size(), mesh);
   s.ranked = rig.cameras;
   s.slot.assign(rig.cameras.size(), -1);
   s.tiles.resize(std::max(s.tiles.size(), tiles.size()));
@@ -209,9 +210,8 @@ CameraChoice Scene::Impl::choose(const View& view, int count) const {
   return choice;
 }
 
-void Scene::Impl::begin(const Rig& rig, const Mesh& source) {
-  cameras.clear();
-  cameras.reserve(rig.cameras.size());
+void Scene::Impl::begin(std::size_t count, const Mesh& source) {
+  cameras.resize(count);
   rig_index.clear();
   given_fields.reset();
   fields.clear();
@@ -223,14 +223,18 @@ void Scene::Impl::begin(const Rig& rig, const Mesh& source) {
 }
 
 void Scene::Impl::add(const RigCamera& camera, int index) {
+  const std::size_t place = rig_index.size();
   rig_index.push_back(index);
-  blocks.push_back(camera_block(camera, static_cast<int>(cameras.size())));
-  cameras.push_back(camera);
+  blocks.push_back(camera_block(camera, static_cast<int>(place)));
+  cameras[place] = camera;
 }
 
 void Scene::Impl::finish() {
-  depth_windows = render::depth_windows(cameras, box);
-  for (std::size_t i = 0; i < cameras.size(); ++i) blocks[i].depth = depth_windows[i].place;
+  depth_windows.resize(cameras.size());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    depth_windows[i] = depth_window(cameras[i], box);
+    blocks[i].depth = depth_windows[i].place;
+  }
   ++version;
 }
 

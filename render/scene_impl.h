@@ -47,7 +47,7 @@ struct Scene::Impl {
   std::vector<RigCamera> ranked;  ///< those whose angles say how the others' weights fade: these, or all
   std::vector<int> slot;          ///< of each ranked camera in `cameras`; -1: it has no picture
   Mesh mesh;
-  std::vector<Eigen::Vector3f> samples;  ///< a few of its corners, spread over it, for ranking cameras
+  RankingSamples samples;  ///< a few of its corners, spread over it, for ranking cameras
   Eigen::AlignedBox3f box;
   std::uint64_t version = 0;                     ///< counts what was set
   std::shared_ptr<const FieldSet> given_fields;  ///< precomputed ones; null: none
@@ -60,9 +60,9 @@ struct Scene::Impl {
   mutable std::vector<FieldSet> fields;        ///< those and what was made since, one a FlowOptions
   mutable std::shared_ptr<void> band_limited;  ///< the scene with filtered photographs, of a version
 
-  void begin(const Rig& rig, const Mesh& mesh);
-  void add(const RigCamera& camera, int index);  ///< its tile's size and place come after
-  void finish();                                 ///< once all cameras and their tiles are there
+  void begin(std::size_t count, const Mesh& mesh);  ///< `count` cameras will be added
+  void add(const RigCamera& camera, int index);     ///< its tile's size and place come after
+  void finish();                                    ///< once all cameras and their tiles are there
 };
 
 }  // namespace floatstage::render

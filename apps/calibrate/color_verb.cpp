@@ -23,7 +23,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct ColorArguments {
   std::filesystem::path take, rig, out, report, json;
   std::string reference;
   bool chart = false;
@@ -183,7 +183,7 @@ std::vector<std::array<Eigen::Vector3d, 3>> swatches(const std::vector<calib::Co
   return out;
 }
 
-Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows) {
+Result<void> finish(const ColorArguments& given, Rig rig, const std::vector<Row>& rows) {
   nlohmann::json cameras = nlohmann::json::array();
   bool pass = true;
   for (const Row& r : rows) {
@@ -220,7 +220,7 @@ Result<void> finish(const Options& given, Rig rig, const std::vector<Row>& rows)
   return save_rig(rig, given.out);
 }
 
-Result<void> run_chart(const Options& given, capture::TakeReader& take, Rig rig) {
+Result<void> run_chart(const ColorArguments& given, capture::TakeReader& take, Rig rig) {
   std::vector<Row> rows;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const Result<ChartFound> found = look_for_chart(take, static_cast<int>(c), 4 * given.frame_count);
@@ -240,7 +240,7 @@ Result<void> run_chart(const Options& given, capture::TakeReader& take, Rig rig)
   return finish(given, std::move(rig), rows);
 }
 
-Result<void> run(Options given) {
+Result<void> run_color(ColorArguments given) {
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   if (given.out.empty()) given.out = (*take)->layout().colors();
@@ -280,7 +280,7 @@ Result<void> run(Options given) {
 }  // namespace
 
 void add_calibrate_color(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ColorArguments>();
   CLI::App* verb =
       add_verb(calibrate, chosen, "color",
                "Cameras' colours made to agree, by a chart or by the surfaces that several of them see",
@@ -304,7 +304,7 @@ void add_calibrate_color(CLI::App& calibrate, Chosen& chosen) {
   verb->add_option("--bar", options->bar, "CIEDE2000 that every camera must reach, on average")
       ->capture_default_str()
       ->group(kGroupTuning);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_color(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kFewestPatches = 12;
 
-struct Options {
+struct DriftArguments {
   std::filesystem::path take, reference, make, json;
   double every = 2, alarm = 0.1;
 };
@@ -39,7 +39,7 @@ Result<Image> still(capture::TakeReader& take, int camera) {
               text("camera '", serial, "' has no picture in ", take.layout().folder().string()));
 }
 
-Result<void> make_reference(capture::TakeReader& take, const Options& given) {
+Result<void> make_reference(capture::TakeReader& take, const DriftArguments& given) {
   std::vector<Image> images;
   for (int c = 0; c < static_cast<int>(take.rig().cameras.size()); ++c) {
     Result<Image> image = still(take, c);
@@ -80,7 +80,7 @@ Result<void> add_to_quality(const std::filesystem::path& file, nlohmann::json dr
 }
 
 // One camera's pictures, `every` so many seconds.
-Result<nlohmann::json> watch_camera(capture::TakeReader& take, int camera, const Options& given,
+Result<nlohmann::json> watch_camera(capture::TakeReader& take, int camera, const DriftArguments& given,
                                     calib::DriftWatch& drift, pipeline::ProgressPart& progress,
                                     nlohmann::json& alarms) {
   const std::vector<FrameRow>& rows = take.rows(camera);
@@ -124,7 +124,7 @@ Result<nlohmann::json> watch_camera(capture::TakeReader& take, int camera, const
   return out;
 }
 
-Result<void> watch(capture::TakeReader& take, const Options& given) {
+Result<void> watch(capture::TakeReader& take, const DriftArguments& given) {
   Result<calib::DriftReference> reference = calib::load_drift_reference(given.reference);
   if (!reference) return forward(reference);
   Result<calib::DriftWatch> drift =
@@ -147,7 +147,7 @@ Result<void> watch(capture::TakeReader& take, const Options& given) {
   return add_to_quality(take.layout().quality(), report);
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_drift(const DriftArguments& given) {
   if (given.reference.empty() == given.make.empty())
     return fail(ErrorCode::InvalidArgument,
                 "give either --reference FILE to compare with, or --make-reference FILE to write one");
@@ -160,7 +160,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DriftArguments>();
   CLI::App* verb = add_verb(calibrate, chosen, "drift",
                             "Has a camera turned since the calibration? Written to the take's quality.json",
                             {"floatstage calibrate drift monday --make-reference studio.drift",
@@ -175,7 +175,7 @@ void add_calibrate_drift(CLI::App& calibrate, Chosen& chosen) {
   verb->add_option("--every", options->every, "Seconds from one check to the next")
       ->capture_default_str()
       ->group(kGroupTuning);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_drift(*options); }; });
 }
 
 }  // namespace floatstage::apps

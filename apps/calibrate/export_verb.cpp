@@ -19,7 +19,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct ExportArguments {
   std::filesystem::path rig, out, json;
   std::string format, pictures = "png";
   double largest_residual = 1e-3;  // px: below it nothing that is measured in pictures shows a difference
@@ -55,7 +55,7 @@ nlohmann::json state_residuals(const calib::FittedRig& fitted, const std::string
   return out;
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_export(const ExportArguments& given) {
   const auto formats = calib::rig_formats();
   const auto format = std::find_if(formats.begin(), formats.end(), [&](const calib::RigFormat& f) {
     return f.write && f.name == given.format;
@@ -91,7 +91,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_export(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportArguments>();
   CLI::App* verb = add_verb(calibrate, chosen, "export", "Writes a rig in another program's format",
                             {"floatstage calibrate export rig.json --format colmap -o model",
                              "floatstage calibrate export take --format kalibr -o camchain.yaml"});
@@ -107,7 +107,7 @@ void add_calibrate_export(CLI::App& calibrate, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_export(*options); }; });
 }
 
 }  // namespace floatstage::apps

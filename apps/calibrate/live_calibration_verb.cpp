@@ -14,7 +14,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct LiveCalibrationArguments {
   std::filesystem::path config, out, report, json, observations, from, screenshot;
   std::string target, lens = "brown-conrady";
   Size size{1280, 800};
@@ -50,7 +50,7 @@ void watch(const LiveRun& run) {
 }
 
 // What was seen becomes a rig, once nothing more comes.
-Result<void> solve(LiveRun& live, const LiveOptions& options, const Options& given) {
+Result<void> solve(LiveRun& live, const LiveOptions& options, const LiveCalibrationArguments& given) {
   live.stop();
   if (Result<void> ok = live.outcome(); !ok) return ok;
   if (given.floor_at_end) live.set_floor(0);
@@ -73,7 +73,7 @@ Result<void> solve(LiveRun& live, const LiveOptions& options, const Options& giv
       {given.config.string(), given.out, given.report, given.json, given.keep_failed, {}});
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_live_calibration(const LiveCalibrationArguments& given) {
   Result<studio::CaptureConfig> config = studio::load_capture_config(given.config);
   if (!config) return forward(config);
   Result<calib::TargetDesign> design = calib::parse_target(given.target);
@@ -118,7 +118,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_live(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveCalibrationArguments>();
   CLI::App* verb = add_verb(
       calibrate, chosen, "live",
       "Wave a target before running cameras: coverage, errors, and what to show next",
@@ -165,7 +165,7 @@ void add_calibrate_live(CLI::App& calibrate, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber)
       ->group(kGroupTuning);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_live_calibration(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -19,7 +19,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct NewSessionArguments {
   std::filesystem::path folder, out, json;
   std::string target;
   double square_mm = 0, distance_mm = 0;
@@ -49,7 +49,7 @@ Result<void> write_new(const std::filesystem::path& file, const std::string& byt
   return renamed;
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_new_session(const NewSessionArguments& given) {
   const std::filesystem::path out = given.out.empty() ? given.folder / "session.toml" : given.out;
   if (is_there(out))
     return fail(ErrorCode::AlreadyExists,
@@ -83,7 +83,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_new(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<NewSessionArguments>();
   CLI::App* verb = add_verb(calibrate, chosen, "new",
                             "Looks at a folder of pictures and writes a session that can be run as it is",
                             {"floatstage calibrate new pictures",
@@ -106,7 +106,7 @@ void add_calibrate_new(CLI::App& calibrate, Chosen& chosen) {
       ->excludes(alone);
   add_threads(*verb, options->threads);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_new_session(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -21,14 +21,14 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct SessionArguments {
   std::filesystem::path session, out, report, json, cache, observations, from, workspace;
   int threads = 0;
   bool keep_failed = false;
 };
 
 // The session's file, and the rig of before where one is given.
-Result<pipeline::Session> open_session(const Options& given) {
+Result<pipeline::Session> open_session(const SessionArguments& given) {
   Result<pipeline::Session> session = pipeline::load_session(given.session);
   if (!session) return forward(session);
   session->options.threads = given.threads;
@@ -44,7 +44,8 @@ Result<pipeline::Session> open_session(const Options& given) {
 }
 
 // What the session's pictures show: the target, and without one what COLMAP finds in the scene.
-Result<pipeline::SessionObservations> observe(const pipeline::Session& session, const Options& given) {
+Result<pipeline::SessionObservations> observe(const pipeline::Session& session,
+                                              const SessionArguments& given) {
   ProgressBar bar;
   Result<pipeline::SessionObservations> collected =
       pipeline::collect(session, given.cache, given.threads, &bar);
@@ -100,7 +101,7 @@ Result<void> compare_with_known(const pipeline::Session& session, const Rig& sol
   return {};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_session(const SessionArguments& given) {
   if (given.session.empty())
     return fail(ErrorCode::InvalidArgument,
                 "calibrate: give a session (a .toml file; docs/calibrating.md), or 'target' to print one");
@@ -139,7 +140,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_session(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SessionArguments>();
   calibrate.add_option(
       "session", options->session,
       "The session (.toml): which pictures are of which camera, what they show, what is known");
@@ -165,7 +166,7 @@ void add_calibrate_session(CLI::App& calibrate, Chosen& chosen) {
       ->type_name("FOLDER")
       ->group(kGroupTuning);
   calibrate.callback([options, &calibrate, &chosen] {
-    if (calibrate.get_subcommands().empty()) chosen.run = [options] { return run(*options); };
+    if (calibrate.get_subcommands().empty()) chosen.run = [options] { return run_session(*options); };
   });
 }
 

@@ -23,7 +23,7 @@ using nlohmann::json;
 
 constexpr int kInstants = 4;  // where none are named: three reach a hundredth of a degree in the studio
 
-struct Options {
+struct SilhouettesArguments {
   std::filesystem::path take, out, reference, json_file;
   std::string frames;
   double alarm = 0.1;
@@ -145,7 +145,7 @@ Result<void> save_corrected(const pipeline::SilhouetteCheck& check, const std::f
   return save_rig(check.corrected, file);
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_silhouettes(const SilhouettesArguments& given) {
   if (!(given.alarm > 0)) return fail(ErrorCode::InvalidArgument, "--alarm must be positive");
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
@@ -181,7 +181,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_silhouettes(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SilhouettesArguments>();
   CLI::App* verb =
       add_verb(calibrate, chosen, "silhouettes",
                "Do the cameras' poses agree with their mattes? Names a camera that has turned",
@@ -197,7 +197,7 @@ void add_calibrate_silhouettes(CLI::App& calibrate, Chosen& chosen) {
   verb->add_option("--alarm", options->alarm, "Degrees that a camera is named for")->capture_default_str();
   add_threads(*verb, options->threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_silhouettes(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -11,12 +11,12 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct TargetArguments {
   std::vector<std::string> words;
   std::filesystem::path out, json;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_target(const TargetArguments& given) {
   std::string line;
   for (const std::string& word : given.words) line += (line.empty() ? "" : " ") + word;
   const Result<calib::TargetDesign> target = calib::parse_target(line);
@@ -36,7 +36,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_target(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TargetArguments>();
   CLI::App* verb = add_verb(
       calibrate, chosen, "target", "Prints a calibration target, true to scale, to PDF or SVG",
       {"floatstage calibrate target charuco columns=5 rows=7 square=40mm marker=30mm dictionary=5x5_100 -o "
@@ -50,7 +50,7 @@ void add_calibrate_target(CLI::App& calibrate, Chosen& chosen) {
       ->required();
   add_out(*verb, options->out, "The .pdf or .svg to write")->required();
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_target(*options); }; });
 }
 
 }  // namespace floatstage::apps

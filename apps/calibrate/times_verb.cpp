@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-struct Options {
+struct TimesArguments {
   std::filesystem::path take, out, json_file;
   std::string frames;
   int threads = 0;
@@ -44,7 +44,7 @@ json to_json(const Rig& rig, const pipeline::TakeTimes& times, double rate) {
       {"warnings", times.warnings}};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_times(const TimesArguments& given) {
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   const Result<std::vector<int>> frames = frames_of_take(given.take, given.frames);
@@ -80,7 +80,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_calibrate_times(CLI::App& calibrate, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TimesArguments>();
   CLI::App* verb = add_verb(calibrate, chosen, "times",
                             "By what part of a frame free-running cameras are apart, from moving silhouettes",
                             {"floatstage calibrate times rehearsal --frames 100:160",
@@ -90,7 +90,7 @@ void add_calibrate_times(CLI::App& calibrate, Chosen& chosen) {
   add_frames(*verb, options->frames, "all");
   add_threads(*verb, options->threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_times(*options); }; });
 }
 
 }  // namespace floatstage::apps

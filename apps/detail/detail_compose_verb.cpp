@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr int kJpegQuality = 95;
 
-struct Options {
+struct DetailComposeArguments {
   fs::path graph, out, json_file;
   std::string root;
   detail::ComposeOptions compose;
@@ -62,7 +62,8 @@ void print(const detail::Composition& made) {
 
 bool is_jpeg(const fs::path& file) { return file.extension() == ".jpg" || file.extension() == ".jpeg"; }
 
-Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline::Progress& progress) {
+Result<void> make(const DetailComposeArguments& given, const pipeline::PlaceOf& place,
+                  pipeline::Progress& progress) {
   Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
   if (!graph) return forward(graph);
   if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
@@ -80,7 +81,7 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
                                  : pipeline::save_json(to_json(*made), place(given.json_file));
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_detail_compose(const DetailComposeArguments& given) {
   if (!is_picture_file(given.out))
     return fail(ErrorCode::InvalidArgument,
                 text("--out ", given.out.string(), ": a picture is a .png or a .jpg file"));
@@ -108,7 +109,7 @@ Result<void> take_root(detail::PhotoGraph& graph, const std::string& name) {
 }
 
 void add_detail_compose(CLI::App& detail, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DetailComposeArguments>();
   CLI::App* verb =
       add_verb(detail, chosen, "compose", "Carries close photographs into the wide one they belong to",
                {"floatstage detail compose graph.json -o zoom.png",
@@ -131,7 +132,7 @@ void add_detail_compose(CLI::App& detail, Chosen& chosen) {
       ->type_name("FOLDER");
   add_threads(*verb, options->compose.threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_detail_compose(*options); }; });
 }
 
 }  // namespace floatstage::apps

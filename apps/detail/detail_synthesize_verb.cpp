@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct DetailSynthesizeArguments {
   fs::path graph, out, json_file, provenance;
   std::string root;
   detail::EnlargeOptions enlarge;
@@ -58,7 +58,8 @@ void print(const detail::Enlargement& made) {
 bool is_deep_zoom(const fs::path& file) { return file.extension() == ".dzi"; }
 bool is_tiff(const fs::path& file) { return file.extension() == ".tif" || file.extension() == ".tiff"; }
 
-Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline::Progress& progress) {
+Result<void> make(const DetailSynthesizeArguments& given, const pipeline::PlaceOf& place,
+                  pipeline::Progress& progress) {
   Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
   if (!graph) return forward(graph);
   if (Result<void> ok = take_root(*graph, given.root); !ok) return ok;
@@ -83,7 +84,7 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
                                  : pipeline::save_json(to_json(*made), place(given.json_file));
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_detail_synthesize(const DetailSynthesizeArguments& given) {
   if (!is_deep_zoom(given.out) && !is_tiff(given.out) && !is_picture_file(given.out))
     return fail(ErrorCode::InvalidArgument,
                 text("--out ", given.out.string(),
@@ -102,7 +103,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_detail_synthesize(CLI::App& detail, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DetailSynthesizeArguments>();
   CLI::App* verb =
       add_verb(detail, chosen, "synthesize",
                "Enlarges a photograph, with details made up of those that close ones show",
@@ -130,7 +131,7 @@ void add_detail_synthesize(CLI::App& detail, Chosen& chosen) {
       ->type_name("FILE");
   add_threads(*verb, options->enlarge.threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_detail_synthesize(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct DetailArguments {
   fs::path folder, json_file, dot_file, cache;
   std::string root;
   int threads = 0;
@@ -46,7 +46,8 @@ void print(const detail::PhotoGraph& graph) {
               graph.photos.size(), related, alone, graph.unread.size());
 }
 
-Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline::Progress& progress) {
+Result<void> make(const DetailArguments& given, const pipeline::PlaceOf& place,
+                  pipeline::Progress& progress) {
   detail::GraphOptions options;
   options.root = given.root;
   options.relations.threads = given.threads;
@@ -66,7 +67,7 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place, pipeline
   return write_file(place(given.dot_file), detail::graph_to_dot(*graph));
 }
 
-Result<void> run(Options given) {
+Result<void> run_detail(DetailArguments given) {
   std::error_code error;
   if (!fs::is_directory(given.folder, error))
     return fail(ErrorCode::NotFound, text(given.folder.string(), " is no folder of photographs"));
@@ -79,7 +80,7 @@ Result<void> run(Options given) {
 }
 
 void add_graph(CLI::App& detail, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DetailArguments>();
   CLI::App* verb =
       add_verb(detail, chosen, "graph", "Finds which photographs show details of which",
                {"floatstage detail graph photos/ --json graph.json",
@@ -98,7 +99,7 @@ void add_graph(CLI::App& detail, Chosen& chosen) {
       ->type_name("FOLDER");
   add_threads(*verb, options->threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_detail(*options); }; });
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ const std::vector<std::string>& overlay_names() {
   return names;
 }
 
-struct Options {
+struct DetailViewArguments {
   std::filesystem::path graph, json_file;
   std::string root, overlay = "color";
   std::vector<double> at;
@@ -114,7 +114,7 @@ void from_json(const nlohmann::json& json, Prepared& prepared) {
   }
 }
 
-Result<Prepared> prepare(const Options& given, pipeline::Progress& progress) {
+Result<Prepared> prepare(const DetailViewArguments& given, pipeline::Progress& progress) {
   Result<detail::PhotoGraph> graph = detail::load_graph(given.graph);
   if (!graph) return forward(graph);
   if (Result<void> ok = take_root(*graph, given.root); !ok) return forward(ok);
@@ -130,7 +130,7 @@ Result<Prepared> prepare(const Options& given, pipeline::Progress& progress) {
   return Prepared{root.name, std::move(*layers)};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_detail_view(const DetailViewArguments& given) {
   ProgressBar bar;
   const Result<Prepared> prepared = pipeline::run_confined_job<Prepared>(
       {.what = given.graph.string()}, &bar, [&](pipeline::Progress* told) { return prepare(given, *told); });
@@ -159,7 +159,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_detail_view(CLI::App& detail, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DetailViewArguments>();
   ZoomWindowOptions& window = options->window;
   CLI::App* verb =
       add_verb(detail, chosen, "view", "Zooms from a photograph into the close ones below it, in a window",
@@ -197,7 +197,7 @@ void add_detail_view(CLI::App& detail, Chosen& chosen) {
       ->group(kGroupWindow);
   add_threads(*verb, options->layers.threads);
   add_json(*verb, options->json_file);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_detail_view(*options); }; });
 }
 
 }  // namespace floatstage::apps

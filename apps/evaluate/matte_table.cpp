@@ -64,7 +64,7 @@ pipeline::CameraMatteScores mean(const std::vector<pipeline::CameraMatteScores>&
 }  // namespace
 
 Result<void> report_mattes(const MatteTruth& given) {
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(given.take, given.labels);
   if (!take) return forward(take);
   Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
   if (!frames) return forward(frames);

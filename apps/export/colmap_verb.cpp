@@ -4,6 +4,7 @@
 
 #include "apps/export/export_verbs.h"
 #include "apps/terminal/flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "pipeline/export/export_colmap.h"
 #include "pipeline/json_report.h"
@@ -11,13 +12,13 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct ColmapArguments {
   pipeline::ExportColmapOptions colmap;
   std::string frames;
   std::filesystem::path json;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_colmap(const ColmapArguments& given) {
   pipeline::ExportColmapOptions options = given.colmap;
   Result<std::vector<int>> frames = frames_of_take(options.take, given.frames.empty() ? "0" : given.frames);
   if (!frames) return forward(frames);
@@ -40,20 +41,21 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_export_colmap(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ColmapArguments>();
   CLI::App* verb =
       add_verb(parent, chosen, "colmap",
                "Instants for COLMAP, Gaussian splats and NeRFs: pictures, masks, cameras, points",
                {"floatstage export colmap take -o project",
                 "floatstage export colmap take --frames 0:50:10 -o projects"});
   add_take(*verb, options->colmap.take);
+  add_label_choice(*verb, options->colmap.labels);
   add_out(*verb, options->colmap.out, "A new folder; of several frames it holds one for each")->required();
   add_frames(*verb, options->frames, "the first");
   add_cameras(*verb, options->colmap.cameras);
   verb->add_flag("--alpha", options->colmap.alpha,
                  "Pictures carry their mattes as alpha too, which some trainers read in the place of masks");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_colmap(*options); }; });
 }
 
 }  // namespace floatstage::apps

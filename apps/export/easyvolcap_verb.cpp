@@ -5,6 +5,7 @@
 
 #include "apps/export/export_verbs.h"
 #include "apps/terminal/flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "pipeline/export/export_easyvolcap.h"
 #include "pipeline/json_report.h"
@@ -12,13 +13,13 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct EasyvolcapArguments {
   pipeline::ExportEasyVolcapOptions easyvolcap;
   std::string frames;
   std::filesystem::path json;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_easyvolcap(const EasyvolcapArguments& given) {
   pipeline::ExportEasyVolcapOptions options = given.easyvolcap;
   Result<std::vector<int>> frames = frames_of_take(options.take, given.frames);
   if (!frames) return forward(frames);
@@ -43,17 +44,18 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_export_easyvolcap(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EasyvolcapArguments>();
   CLI::App* verb =
       add_verb(parent, chosen, "easyvolcap", "A sequence for EasyVolcap: pictures, masks, cameras, hulls",
                {"floatstage export easyvolcap take -o sequence",
                 "floatstage export easyvolcap take --frames 0:50 --cameras cam01,cam04 -o sequence"});
   add_take(*verb, options->easyvolcap.take);
+  add_label_choice(*verb, options->easyvolcap.labels);
   add_out(*verb, options->easyvolcap.out, "A new folder")->required();
   add_frames(*verb, options->frames, "all");
   add_cameras(*verb, options->easyvolcap.cameras);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_easyvolcap(*options); }; });
 }
 
 }  // namespace floatstage::apps

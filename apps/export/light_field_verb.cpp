@@ -4,6 +4,7 @@
 
 #include "apps/export/export_verbs.h"
 #include "apps/terminal/flags.h"
+#include "apps/terminal/label_flags.h"
 #include "apps/terminal/progress_bar.h"
 #include "apps/terminal/renderer_options.h"
 #include "pipeline/export/export_light_field.h"
@@ -15,7 +16,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct LightFieldArguments {
   pipeline::ExportLightFieldOptions field;
   std::string method = "floating";
   int frame = 0;
@@ -24,7 +25,7 @@ struct Options {
   std::filesystem::path path, json;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_light_field(const LightFieldArguments& given) {
   pipeline::ExportLightFieldOptions options = given.field;
   pipeline::FilmOptions& film = options.film;
   const Result<render::RendererOptions> renderer = renderer_options(given.renderer);
@@ -34,7 +35,8 @@ Result<void> run(const Options& given) {
   film.frames = {given.frame};
   film.methods = {given.method};
   film.width = given.size.width, film.height = given.size.height;
-  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  const Result<std::unique_ptr<capture::TakeReader>> take =
+      pipeline::open_chosen(options.take, options.labels);
   if (!take) return forward(take);
   if (Result<void> ok = suit_cameras(given.renderer, (*take)->rig(), film.renderer); !ok) return forward(ok);
   const Result<pipeline::Subject> subject = pipeline::find_subject(**take);
@@ -66,7 +68,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_export_light_field(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LightFieldArguments>();
   CLI::App* verb =
       add_verb(parent, chosen, "lightfield", "A plane of views of one instant, with their calibration",
                {"floatstage export lightfield take -o field",
@@ -74,6 +76,7 @@ void add_export_light_field(CLI::App& parent, Chosen& chosen) {
                 "-o field"});
   pipeline::ExportLightFieldOptions& field = options->field;
   add_take(*verb, field.take);
+  add_label_choice(*verb, field.labels);
   add_out(*verb, field.out, "A new folder: views, sparse/0, transforms.json")->required();
   verb->add_option("--frame", options->frame, "The instant")->capture_default_str()->type_name("N");
   verb->add_option("--rows", field.rows, "Of views, from above")->capture_default_str()->type_name("N");
@@ -94,7 +97,7 @@ void add_export_light_field(CLI::App& parent, Chosen& chosen) {
   add_size(*verb, options->size, "Size of a view");
   add_renderer_flags(*verb, options->renderer);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_light_field(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -12,13 +12,13 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct MeshArguments {
   pipeline::ExportMeshOptions mesh;
   std::string frames, up = "y";
   std::filesystem::path json;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_mesh(const MeshArguments& given) {
   pipeline::ExportMeshOptions options = given.mesh;
   options.up = given.up == "z" ? GlbUp::Z : GlbUp::Y;
   Result<std::vector<int>> frames = frames_of_take(options.take, given.frames);
@@ -42,7 +42,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_export_mesh(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MeshArguments>();
   CLI::App* verb = add_verb(parent, chosen, "mesh",
                             "Hulls in the photographs' colours as GLB: one animated, or one a frame",
                             {"floatstage export mesh take -o take.glb",
@@ -61,7 +61,7 @@ void add_export_mesh(CLI::App& parent, Chosen& chosen) {
       ->capture_default_str()
       ->check(one_of({"y", "z"}));
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_mesh(*options); }; });
 }
 
 }  // namespace floatstage::apps

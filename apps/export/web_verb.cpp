@@ -13,14 +13,14 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct WebArguments {
   pipeline::ExportWebOptions web;
   std::string frames, background = "000000";
   std::filesystem::path path, json;
   bool no_sound = false;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_web(const WebArguments& given) {
   pipeline::ExportWebOptions options = given.web;
   Result<std::vector<int>> frames = frames_of_take(options.take, given.frames);
   if (!frames) return forward(frames);
@@ -52,7 +52,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_export_web(CLI::App& parent, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WebArguments>();
   CLI::App* verb =
       add_verb(parent, chosen, "web", "A page that plays the take in any browser, from a disk or any server",
                {"floatstage export web take -o page",
@@ -74,7 +74,7 @@ void add_export_web(CLI::App& parent, Chosen& chosen) {
       ->type_name("NAME")
       ->excludes("--no-sound");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_web(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -12,12 +12,12 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct LiveReconArguments {
   studio::LiveReconOptions recon;
   std::filesystem::path json;
 };
 
-Result<void> run(const Options& o) {
+Result<void> run_live_recon(const LiveReconArguments& o) {
   const Result<studio::LiveReconReport> report = studio::run_live_recon(o.recon, interrupted);
   if (!report) return forward(report);
   const studio::ReconCounters& counters = report->counters;
@@ -33,7 +33,7 @@ Result<void> run(const Options& o) {
 }  // namespace
 
 void add_live_recon(CLI::App& live, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveReconArguments>();
   studio::LiveReconOptions& recon = options->recon;
   CLI::App* verb = add_verb(
       live, chosen, "recon", "The machine of a studio that makes surfaces of what capture nodes see; no view",
@@ -51,7 +51,7 @@ void add_live_recon(CLI::App& live, Chosen& chosen) {
       ->type_name("MS")
       ->check(CLI::NonNegativeNumber)
       ->group(kGroupTuning);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_live_recon(*options); }; });
 }
 
 }  // namespace floatstage::apps

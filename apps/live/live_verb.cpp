@@ -12,7 +12,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct LiveArguments {
   std::filesystem::path source, config, plates;
   double rate = 0;
   studio::TakePlayerOptions player;
@@ -21,7 +21,7 @@ struct Options {
 };
 
 // A take that plays, or the cameras of a studio's file.
-Result<std::unique_ptr<studio::LiveSource>> open_live_source(const Options& o) {
+Result<std::unique_ptr<studio::LiveSource>> open_live_source(const LiveArguments& o) {
   if (o.source.empty() == o.config.empty())
     return fail(ErrorCode::InvalidArgument,
                 "say where pictures come from: --source TAKE or --config STUDIO.toml; for scenes of another "
@@ -46,7 +46,7 @@ Result<std::unique_ptr<studio::LiveSource>> open_live_source(const Options& o) {
   return std::unique_ptr<studio::LiveSource>(std::move(*take));
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_live(const LiveArguments& given) {
   LiveViewing viewing = given.viewing;
   if (Result<void> ok = settle(viewing); !ok) return ok;
   Result<std::unique_ptr<studio::LiveSource>> source = open_live_source(given);
@@ -60,7 +60,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_live(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveArguments>();
   CLI::App* verb =
       add_verb(app, chosen, "live", "Cameras, or a take in their place, as a scene that one walks around now",
                {"floatstage live --source take", "floatstage live --config studio.toml --size 1920x1080"});
@@ -81,7 +81,7 @@ void add_live(CLI::App& app, Chosen& chosen) {
   add_live_view(*verb, chosen);
   verb->require_subcommand(0, 1);
   verb->callback([options, verb, &chosen] {
-    if (verb->get_subcommands().empty()) chosen.run = [options] { return run(*options); };
+    if (verb->get_subcommands().empty()) chosen.run = [options] { return run_live(*options); };
   });
 }
 

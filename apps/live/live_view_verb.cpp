@@ -5,12 +5,12 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct LiveViewArguments {
   studio::LiveRemoteOptions remote;
   LiveViewing viewing;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_live_view(const LiveViewArguments& given) {
   LiveViewing viewing = given.viewing;
   if (Result<void> ok = settle(viewing); !ok) return ok;
   const Result<studio::LiveRemote> remote = studio::open_live_remote(given.remote);
@@ -23,7 +23,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_live_view(CLI::App& live, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveViewArguments>();
   studio::LiveRemoteOptions& remote = options->remote;
   CLI::App* verb = add_verb(
       live, chosen, "view", "The machine of a studio that shows the scenes of the one with `live recon`",
@@ -37,7 +37,7 @@ void add_live_view(CLI::App& live, Chosen& chosen) {
   verb->add_option("--rig", remote.rig, "The studio's rig.json")->required()->type_name("FILE");
   verb->add_option("--keys", remote.keys, "The studio's keys, see `floatstage keys`")->type_name("FILE");
   add_viewing_flags(*verb, options->viewing);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_live_view(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -12,11 +12,11 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct KeysArguments {
   std::filesystem::path file, json;
 };
 
-Result<void> run(const Options& given) {
+Result<void> run_keys(const KeysArguments& given) {
   const Result<studio::wire::StudioKeys> keys = studio::wire::make_keys();
   if (!keys) return forward(keys);
   if (Result<void> saved = studio::wire::save_keys(*keys, given.file); !saved) return saved;
@@ -28,13 +28,13 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_keys(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<KeysArguments>();
   CLI::App* verb =
       add_verb(app, chosen, "keys", "Makes the keys with which a studio's machines know one another",
                {"floatstage keys -o studio.keys", "floatstage keys --out /media/stick/studio.keys"});
   add_out(*verb, options->file, "A new file; only its owner can read it")->required();
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_keys(*options); }; });
 }
 
 }  // namespace floatstage::apps

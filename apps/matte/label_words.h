@@ -6,6 +6,7 @@
 
 #include "core/result.h"
 #include "pipeline/label_record.h"
+#include "pipeline/matte/matte_clip.h"
 
 namespace floatstage::apps {
 
@@ -20,5 +21,7 @@ Result<std::vector<NamedPath>> named_paths(const std::vector<std::string>& words
 
 /// What --label-click says: NAME@SERIAL:FRAME:X,Y. InvalidArgument for any other word.
 Result<std::vector<pipeline::LabelClick>> label_clicks(const std::vector<std::string>& words);
+/// The same of a clip, which has one camera: NAME@FRAME:X,Y.
+Result<std::vector<pipeline::ClipClick>> clip_clicks(const std::vector<std::string>& words);
 
 }  // namespace floatstage::apps

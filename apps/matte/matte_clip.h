@@ -14,7 +14,8 @@ namespace floatstage::apps {
 struct ClipFlags {
   std::filesystem::path out;
   std::vector<std::string> labels;  ///< "woman=mask.png"
-  std::vector<std::string> clicks;  ///< of a take: "woman@cam00:12:310,200"
+  std::vector<std::string> clicks;  ///< of a take: "woman@cam00:12:310,200"; of a clip: "woman@12:310,200"
+  std::filesystem::path edits;      ///< of a clip: strokes
 };
 
 void add_clip_flags(CLI::App& verb, ClipFlags& clip);
@@ -24,8 +25,8 @@ void add_clip_flags(CLI::App& verb, ClipFlags& clip);
 Result<bool> is_clip(const std::filesystem::path& media, const std::filesystem::path& guide,
                      const ClipFlags& flags);
 
-/// `matte` of a clip: `guide` (empty, or the masks of the label "subject") and the labels. BadData, after
-/// everything is written, when mattes cannot be trusted; else as pipeline::matte_clip().
+/// `matte` of a clip: `guide` (empty, or the masks of the label "subject"), labels and strokes. BadData,
+/// after everything is written, when mattes cannot be trusted; else as pipeline::matte_clip().
 Result<void> matte_clip(const std::filesystem::path& media, const std::filesystem::path& guide,
                         const ClipFlags& flags, const std::filesystem::path& json);
 

@@ -20,6 +20,17 @@ nlohmann::json doubts_json(const std::vector<pipeline::MatteDoubt>& doubts) {
   return j;
 }
 
+nlohmann::json healed_json(const std::vector<pipeline::HealedCamera>& healed) {
+  nlohmann::json j = nlohmann::json::array();
+  for (const pipeline::HealedCamera& camera : healed)
+    j.push_back({{"camera", camera.serial},
+                 {"frames", camera.frames},
+                 {"worst_frame", camera.worst},
+                 {"lost", camera.lost},
+                 {"gained", camera.gained}});
+  return j;
+}
+
 Result<void> check_trusted(const std::filesystem::path& take,
                            const std::vector<pipeline::MatteDoubt>& doubts) {
   if (doubts.empty()) return {};

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct MatteImageArguments {
   std::string how = "auto";
   fs::path image, trimap, scribbles, out, foreground, json;
   std::vector<std::string> subject, background;
@@ -86,7 +86,7 @@ double share_of(const Image& matte) {
   return matte.pixels.empty() ? 0 : sum / static_cast<double>(matte.pixels.size());
 }
 
-Result<void> make(const Options& given, const pipeline::PlaceOf& place_of) {
+Result<void> make(const MatteImageArguments& given, const pipeline::PlaceOf& place_of) {
   Result<Image> picture = detail::load_photo(given.image);
   if (!picture) return forward(picture);
   pipeline::MatteImageOptions options{
@@ -122,7 +122,7 @@ Result<void> make(const Options& given, const pipeline::PlaceOf& place_of) {
                              place_of(given.json));
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_matte_image(const MatteImageArguments& given) {
   ProgressBar bar;
   return pipeline::make_confined(
       {.what = given.image.string(), .outputs = {given.out, given.foreground, given.json}}, &bar,
@@ -132,7 +132,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_matte_image(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MatteImageArguments>();
   CLI::App* verb = add_verb(
       app, chosen, "matte-image", "The matte of one picture, from scribbles, a trimap, clicks, or its cloth",
       {"floatstage matte-image portrait.jpg --trimap trimap.png -o matte.png",
@@ -157,7 +157,7 @@ void add_matte_image(CLI::App& app, Chosen& chosen) {
                    "Write the subject's own colours with straight alpha (PNG)")
       ->type_name("FILE");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_matte_image(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -26,7 +26,7 @@ using nlohmann::json;
 
 constexpr std::size_t kWorstShown = 5;
 
-struct Options {
+struct MatteArguments {
   pipeline::MatteTakeOptions matte;
   std::string how, frames;
   std::filesystem::path json_file;
@@ -67,11 +67,12 @@ json to_json(const pipeline::MatteReport& report) {
           {"remarks", report.remarks},
           {"distrusted", report.distrusted},
           {"doubts", doubts_json(report.doubts)},
+          {"healed", healed_json(report.healed)},
           {"worst", worst}};
 }
 
 // What is asked for of a take.
-Result<pipeline::MatteTakeOptions> options_of(const Options& given) {
+Result<pipeline::MatteTakeOptions> options_of(const MatteArguments& given) {
   pipeline::MatteTakeOptions options = given.matte;
   if (!given.how.empty()) options.how = given.how;
   if (!given.frames.empty()) {
@@ -83,7 +84,7 @@ Result<pipeline::MatteTakeOptions> options_of(const Options& given) {
 }
 
 // The mattes divided among labels, where somebody asked for it, now or before. Returns what is in doubt.
-Result<std::vector<pipeline::MatteDoubt>> matte_labels(const Options& given, ProgressBar& bar) {
+Result<std::vector<pipeline::MatteDoubt>> matte_labels(const MatteArguments& given, ProgressBar& bar) {
   pipeline::LabelTakeOptions options{
       .threads = given.matte.threads, .redo = given.matte.redo, .progress = &bar};
   if (!given.clip.labels.empty() || !given.clip.clicks.empty()) {
@@ -108,7 +109,7 @@ Result<std::vector<pipeline::MatteDoubt>> matte_labels(const Options& given, Pro
   return std::move(report->doubts);
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_matte(const MatteArguments& given) {
   Result<bool> clip = is_clip(given.matte.take, given.matte.guide, given.clip);
   if (!clip) return forward(clip);
   if (*clip) return matte_clip(given.matte.take, given.matte.guide, given.clip, given.json_file);
@@ -117,6 +118,7 @@ Result<void> run(const Options& given) {
   pipeline::MatteTakeOptions options = std::move(*read);
   ProgressBar bar;
   options.progress = &bar;
+  options.heal = true;
   Result<pipeline::MatteReport> report = pipeline::matte_take(options);
   if (!report) return forward(report);
   std::size_t failures = 0;
@@ -132,6 +134,8 @@ Result<void> run(const Options& given) {
   for (const std::string& r : report->remarks) log::warning(r);
   for (const pipeline::MatteDoubt& d : report->doubts)
     std::fprintf(stderr, "floatstage: %s\n", sentence(d).c_str());
+  for (const pipeline::HealedCamera& healed : report->healed)
+    std::fprintf(stderr, "floatstage: %s\n", sentence(healed).c_str());
   for (std::size_t i = 0; i < std::min(kWorstShown, report->worst.size()); ++i)
     std::printf("worst: %s frame %d, IoU %.3f, %.1f %% outside\n", report->worst[i].serial.c_str(),
                 report->worst[i].frame, report->worst[i].iou, 100 * report->worst[i].surplus);
@@ -140,6 +144,9 @@ Result<void> run(const Options& given) {
                 report->seconds_per_frame);
   else
     std::printf("no matte had to be made\n");
+  Result<std::vector<pipeline::MatteDoubt>> labels = matte_labels(given, bar);
+  if (!labels) return forward(labels);
+  report->doubts.insert(report->doubts.end(), labels->begin(), labels->end());
   if (!given.layers.out.empty()) {
     pipeline::ExportOptions layers = given.layers;
     layers.take = options.take;
@@ -151,9 +158,6 @@ Result<void> run(const Options& given) {
     if (!written) return forward(written);
     std::printf("%s: %d pictures with straight alpha\n", layers.out.c_str(), *written);
   }
-  Result<std::vector<pipeline::MatteDoubt>> labels = matte_labels(given, bar);
-  if (!labels) return forward(labels);
-  report->doubts.insert(report->doubts.end(), labels->begin(), labels->end());
   if (!given.json_file.empty())
     if (Result<void> ok = pipeline::save_json(to_json(*report), given.json_file); !ok) return ok;
   if (failures)
@@ -163,7 +167,8 @@ Result<void> run(const Options& given) {
 }
 
 // The verb's work by items; what it says, it says of all when they are done.
-Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const pipeline::PlanItem& item) {
+Result<ItemEnd> run_item(const MatteArguments& given, const pipeline::Plan& plan,
+                         const pipeline::PlanItem& item) {
   Result<pipeline::MatteTakeOptions> options = options_of(given);
   if (!options) return forward(options);
   ProgressBar bar;
@@ -171,12 +176,12 @@ Result<ItemEnd> run_item(const Options& given, const pipeline::Plan& plan, const
   const Result<std::uint64_t> bytes = pipeline::run_matte_item(plan, item, *options);
   if (!bytes) return forward(bytes);
   if (&item != &plan.items.back()) return ItemEnd{*bytes, {}};
-  Options rest = given;
+  MatteArguments rest = given;
   rest.matte.redo = false;
-  return end_of(run(rest));
+  return end_of(run_matte(rest));
 }
 
-Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
+Result<pipeline::Plan> make_plan(const MatteArguments& given, int chunk) {
   Result<bool> clip = is_clip(given.matte.take, given.matte.guide, given.clip);
   if (!clip) return forward(clip);
   if (*clip)
@@ -187,7 +192,7 @@ Result<pipeline::Plan> make_plan(const Options& given, int chunk) {
   return pipeline::plan_mattes(*options, chunk);
 }
 
-Planned planned(const Options& given) {
+Planned planned(const MatteArguments& given) {
   return {.folder = plan_beside(given.matte.take, "matte"),
           .threads = given.matte.threads,
           .make = [given](int chunk) { return make_plan(given, chunk); },
@@ -199,13 +204,13 @@ Planned planned(const Options& given) {
 }  // namespace
 
 void add_matte(CLI::App& app, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MatteArguments>();
   CLI::App* verb = add_verb(
       app, chosen, "matte",
       "Mattes of all cameras of a take, refined and checked against one another; resumable. Of a video or a "
       "folder of pictures: mattes of all frames from masks of a few",
       {"floatstage matte take --matte luminance:30 --frames 12 --json mattes.json",
-       "floatstage matte clip.mp4 --label woman=woman.png --label man=masks -o mattes"});
+       "floatstage matte clip.mp4 --label woman=woman.png --label-click woman@40:310,200 -o mattes"});
   add_take(*verb, options->matte.take,
            "The take's folder; its mattes/edits.json is replayed. Or a video, or a folder of pictures");
   add_matte_how(*verb, options->how, kUsualMattes);
@@ -216,7 +221,8 @@ void add_matte(CLI::App& app, Chosen& chosen) {
   add_added(*verb, options->matte.hide_added);
   add_redo(*verb, options->matte.redo);
   verb->add_option("--export", options->layers.out,
-                   "Write the subject with straight alpha to this folder: <serial>/<frame>")
+                   "Write the subject with straight alpha to this folder: <serial>/<frame>; of labels, each "
+                   "one's opacity in the EXR, or PNGs in <serial>/<label>")
       ->type_name("FOLDER");
   verb->add_option("--export-format", options->layers.format,
                    "8 or 16 bits RGBA in sRGB, or half floats in linear light")
@@ -229,7 +235,7 @@ void add_matte(CLI::App& app, Chosen& chosen) {
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber)
       ->group(kGroupTuning);
-  add_planned_run(*verb, chosen, options, run, planned);
+  add_planned_run(*verb, chosen, options, run_matte, planned);
 }
 
 }  // namespace floatstage::apps

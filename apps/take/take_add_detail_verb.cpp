@@ -16,7 +16,7 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct TakeAddDetailArguments {
   pipeline::DetailedTakeOptions detail;
   std::string frame;
   std::filesystem::path json;
@@ -33,7 +33,7 @@ std::string sentence(const pipeline::StillInPhoto& still) {
 }
 
 // The instant that is meant: the only one, or the one that is named.
-Result<int> instant_of(const Options& given) {
+Result<int> instant_of(const TakeAddDetailArguments& given) {
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.detail.take);
   if (!take) return forward(take);
   if (given.frame.empty() && (*take)->frame_count() == 1) return 0;
@@ -49,7 +49,8 @@ Result<int> instant_of(const Options& given) {
   return frames->front();
 }
 
-nlohmann::json to_json(const Options& given, int frame, const pipeline::DetailedTakeReport& report) {
+nlohmann::json to_json(const TakeAddDetailArguments& given, int frame,
+                       const pipeline::DetailedTakeReport& report) {
   nlohmann::json cameras = nlohmann::json::array(), refused = nlohmann::json::array();
   for (const pipeline::DetailedCamera& c : report.cameras) {
     nlohmann::json stills = nlohmann::json::array();
@@ -72,7 +73,7 @@ nlohmann::json to_json(const Options& given, int frame, const pipeline::Detailed
           {"notes", report.notes}};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_take_add_detail(const TakeAddDetailArguments& given) {
   pipeline::DetailedTakeOptions options = given.detail;
   const Result<int> frame = instant_of(given);
   if (!frame) return forward(frame);
@@ -98,7 +99,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_take_add_detail(CLI::App& take, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TakeAddDetailArguments>();
   CLI::App* verb = add_verb(take, chosen, "add-detail",
                             "One instant whose photographs have the details of close stills, as a new take",
                             {"floatstage take add-detail T --stills stills/ --frames 12 -o close",
@@ -122,7 +123,7 @@ void add_take_add_detail(CLI::App& take, Chosen& chosen) {
   verb->add_option("--label", options->detail.label, "The new take's label (default: as it was)");
   add_threads(*verb, options->detail.threads);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_take_add_detail(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -18,14 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct TakeDeriveArguments {
   fs::path take, out, json;
   calib::RigFile rig;
   std::vector<fs::path> takes;
   std::string frames, label;
 };
 
-Result<void> say(const pipeline::DerivedReport& report, const Options& given) {
+Result<void> say(const pipeline::DerivedReport& report, const TakeDeriveArguments& given) {
   for (const std::string& note : report.notes) log::info(note);
   std::printf("%s: %d frames, %.1f MB of media shared with %s, %.1f MB copied\n", given.out.c_str(),
               report.frames, static_cast<double>(report.shared) / 1e6, given.take.c_str(),
@@ -40,7 +40,7 @@ Result<void> say(const pipeline::DerivedReport& report, const Options& given) {
                              given.json);
 }
 
-Result<void> set_rig(const Options& given) {
+Result<void> set_rig(const TakeDeriveArguments& given) {
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   const Result<calib::ForeignRig> known = calib::read_rig(given.rig);
@@ -54,7 +54,7 @@ Result<void> set_rig(const Options& given) {
   return report ? say(*report, given) : Result<void>(forward(report));
 }
 
-Result<void> trim(const Options& given) {
+Result<void> trim(const TakeDeriveArguments& given) {
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
   const Result<std::vector<int>> frames = parse_frames(given.frames, (*take)->frame_count());
@@ -72,7 +72,7 @@ Result<void> trim(const Options& given) {
   return report ? say(*report, given) : Result<void>(forward(report));
 }
 
-Result<void> join(const Options& given) {
+Result<void> join(const TakeDeriveArguments& given) {
   ProgressBar progress;
   const Result<pipeline::JoinReport> report = pipeline::join_takes(given.takes, given.out, &progress);
   if (!report) return forward(report);
@@ -89,7 +89,7 @@ Result<void> join(const Options& given) {
 }  // namespace
 
 void add_take_derivations(CLI::App& take, Chosen& chosen) {
-  auto rig = std::make_shared<Options>();
+  auto rig = std::make_shared<TakeDeriveArguments>();
   CLI::App* verb =
       add_verb(take, chosen, "set-rig", "The same recording with another calibration, as a new take",
                {"floatstage take set-rig T rig.json -o calibrated",
@@ -111,7 +111,7 @@ void add_take_derivations(CLI::App& take, Chosen& chosen) {
   add_json(*verb, rig->json);
   verb->callback([rig, &chosen] { chosen.run = [rig] { return set_rig(*rig); }; });
 
-  auto part = std::make_shared<Options>();
+  auto part = std::make_shared<TakeDeriveArguments>();
   verb = add_verb(take, chosen, "trim", "A part of a recording as a new take",
                   {"floatstage take trim T --frames 100:350 -o scene2",
                    "floatstage take trim T --frames :250 -o begin --label rehearsal"});
@@ -122,7 +122,7 @@ void add_take_derivations(CLI::App& take, Chosen& chosen) {
   add_json(*verb, part->json);
   verb->callback([part, &chosen] { chosen.run = [part] { return trim(*part); }; });
 
-  auto several = std::make_shared<Options>();
+  auto several = std::make_shared<TakeDeriveArguments>();
   verb = add_verb(take, chosen, "join", "Recordings of the same cameras, one after the other, as one take",
                   {"floatstage take join scene1 scene2 -o both",
                    "floatstage take join scene1 scene2 scene3 -o all --json J.json"});

@@ -15,14 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct TakeListArguments {
   fs::path folder, thumbnails, json;
 };
 
 constexpr int kThumbnailWidth = 320;
 
 // A picture for each take that has one; where it has none, nothing is said that the table does not say.
-Result<void> save_thumbnails(const Options& given, const std::vector<pipeline::ListedTake>& takes) {
+Result<void> save_thumbnails(const TakeListArguments& given, const std::vector<pipeline::ListedTake>& takes) {
   if (Result<void> ok = make_folder(given.thumbnails); !ok) return ok;
   for (const pipeline::ListedTake& take : takes) {
     if (!take.opens) continue;
@@ -41,7 +41,7 @@ Result<void> save_thumbnails(const Options& given, const std::vector<pipeline::L
   return {};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_take_list(const TakeListArguments& given) {
   const Result<std::vector<pipeline::ListedTake>> takes = pipeline::list_takes(given.folder);
   if (!takes) return forward(takes);
   std::printf("%-28s %-20s %7s %7s %8s %9s %7s %7s  %s\n", "take", "recorded", "frames", "cameras", "seconds",
@@ -75,7 +75,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_take_list(CLI::App& take, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TakeListArguments>();
   CLI::App* verb = add_verb(take, chosen, "list", "The takes of a folder: what they hold and their verdicts",
                             {"floatstage take list recordings/",
                              "floatstage take list recordings/ --thumbnails pictures/ --json L.json"});
@@ -83,7 +83,7 @@ void add_take_list(CLI::App& take, Chosen& chosen) {
   verb->add_option("--thumbnails", options->thumbnails, "Write a small picture of each take to this folder")
       ->type_name("FOLDER");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_take_list(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct TakeSoundArguments {
   fs::path json;
   pipeline::SetSoundOptions sound;
   std::string at, clap;
@@ -40,7 +40,7 @@ Result<pipeline::SoundPlace> said_place(const std::string& at) {
   return pipeline::SoundPlace(pipeline::SoundAt{seconds});
 }
 
-Result<pipeline::SoundPlace> place_of(const Options& given) {
+Result<pipeline::SoundPlace> place_of(const TakeSoundArguments& given) {
   const int said = (given.at.empty() ? 0 : 1) + (given.clap.empty() ? 0 : 1) + (given.stamp ? 1 : 0) +
                    (given.ltc >= 0 ? 1 : 0);
   if (said != 1)
@@ -52,7 +52,7 @@ Result<pipeline::SoundPlace> place_of(const Options& given) {
   return pipeline::SoundPlace(pipeline::SoundByLtc{given.ltc});
 }
 
-std::string signs_of(const Options& given, const pipeline::SetSoundReport& report) {
+std::string signs_of(const TakeSoundArguments& given, const pipeline::SetSoundReport& report) {
   if (report.signs == 0) return "";
   const std::string sign = given.ltc >= 0          ? "frames of time code"
                            : given.clap == "flash" ? "claps that met flashes"
@@ -66,7 +66,7 @@ std::string signs_of(const Options& given, const pipeline::SetSoundReport& repor
   return said;
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_take_sound(const TakeSoundArguments& given) {
   pipeline::SetSoundOptions options = given.sound;
   const Result<pipeline::SoundPlace> place = place_of(given);
   if (!place) return forward(place);
@@ -100,7 +100,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_take_set_sound(CLI::App& take, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TakeSoundArguments>();
   CLI::App* verb =
       add_verb(take, chosen, "set-sound", "The same recording with another recorder's sound, as a new take",
                {"floatstage take set-sound T recorder.wav --clap sound -o with-sound",
@@ -125,7 +125,7 @@ void add_take_set_sound(CLI::App& take, Chosen& chosen) {
       ->type_name("NAME");
   verb->add_option("--label", options->sound.label, "The new take's label (default: as it was)");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_take_sound(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -15,14 +15,14 @@
 namespace floatstage::apps {
 namespace {
 
-struct Options {
+struct TakeUndistortArguments {
   pipeline::UndistortOptions undistort;
   std::filesystem::path json;
 };
 
 std::string percent(double share) { return text(std::round(1000 * share) / 10, " %"); }
 
-Result<void> run(const Options& given) {
+Result<void> run_take_undistort(const TakeUndistortArguments& given) {
   pipeline::UndistortOptions options = given.undistort;
   ProgressBar bar;
   options.progress = &bar;
@@ -55,7 +55,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_take_undistort(CLI::App& take, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TakeUndistortArguments>();
   CLI::App* verb = add_verb(
       take, chosen, "undistort",
       "The same recording with straight pictures, as a new take of cameras without lenses",
@@ -65,7 +65,7 @@ void add_take_undistort(CLI::App& take, Chosen& chosen) {
   verb->add_option("--label", options->undistort.label, "The new take's label (default: as it was)");
   add_threads(*verb, options->undistort.threads);
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_take_undistort(*options); }; });
 }
 
 }  // namespace floatstage::apps

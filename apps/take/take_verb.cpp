@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-struct Options {
+struct TakeArguments {
   fs::path take, json;
 };
 
@@ -54,7 +54,7 @@ json say(const std::vector<pipeline::SoundFacts>& sounds) {
   return list;
 }
 
-Result<void> info(const Options& given) {
+Result<void> info(const TakeArguments& given) {
   Result<std::unique_ptr<capture::TakeReader>> opened = capture::TakeReader::open(given.take);
   if (!opened) return forward(opened);
   const capture::TakeReader& take = **opened;
@@ -113,7 +113,7 @@ Result<void> info(const Options& given) {
                              given.json);
 }
 
-Result<void> verify(const Options& given) {
+Result<void> verify(const TakeArguments& given) {
   ProgressBar progress;
   const Result<capture::TakeCheck> check = pipeline::check_take(given.take, &progress);
   if (!check) return forward(check);
@@ -136,7 +136,7 @@ Result<void> verify(const Options& given) {
   return {};
 }
 
-Result<void> seal(const Options& given) {
+Result<void> seal(const TakeArguments& given) {
   ProgressBar progress;
   const Result<capture::TakeCheck> check = pipeline::check_take(given.take, &progress);
   if (!check) return forward(check);
@@ -148,11 +148,11 @@ Result<void> seal(const Options& given) {
   return pipeline::save_json({{"take", given.take.string()}, {"sealed", true}}, given.json);
 }
 
-using Run = Result<void> (*)(const Options&);
+using Run = Result<void> (*)(const TakeArguments&);
 
 void add_one(CLI::App& take, Chosen& chosen, const char* name, const char* help, Run run,
              const std::vector<std::string>& examples) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TakeArguments>();
   CLI::App* verb = add_verb(take, chosen, name, help, examples);
   add_take(*verb, options->take);
   add_json(*verb, options->json);

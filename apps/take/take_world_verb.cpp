@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct TakeWorldArguments {
   fs::path take, out, json, board;
   pipeline::WorldOptions world;
   int frame = 0;
@@ -50,7 +50,7 @@ Result<std::vector<pipeline::Sighting>> parse_sightings(const std::string& words
   return seen;
 }
 
-Result<double> scale_of(const Options& given, const Rig& rig, std::string& said) {
+Result<double> scale_of(const TakeWorldArguments& given, const Rig& rig, std::string& said) {
   const Result<std::vector<pipeline::Sighting>> from = parse_sightings(given.from, rig, "--from");
   if (!from) return forward(from);
   const Result<std::vector<pipeline::Sighting>> to = parse_sightings(given.to, rig, "--to");
@@ -67,7 +67,8 @@ Result<double> scale_of(const Options& given, const Rig& rig, std::string& said)
   return given.length / was;
 }
 
-Result<pipeline::WorldChange> by_board(const Options& given, capture::TakeReader& take, std::string& said) {
+Result<pipeline::WorldChange> by_board(const TakeWorldArguments& given, capture::TakeReader& take,
+                                       std::string& said) {
   const Result<calib::TargetDesign> board = calib::load_target(given.board);
   if (!board) return forward(board);
   const Result<pipeline::BoardWorld> world =
@@ -78,7 +79,8 @@ Result<pipeline::WorldChange> by_board(const Options& given, capture::TakeReader
   return world->change;
 }
 
-Result<pipeline::WorldChange> change_of(const Options& given, capture::TakeReader& take, std::string& said) {
+Result<pipeline::WorldChange> change_of(const TakeWorldArguments& given, capture::TakeReader& take,
+                                        std::string& said) {
   if (!given.board.empty()) return by_board(given, take, said);
   pipeline::WorldOptions world = given.world;
   if (given.length > 0) {
@@ -89,7 +91,7 @@ Result<pipeline::WorldChange> change_of(const Options& given, capture::TakeReade
   return pipeline::world_change(take.rig(), world);
 }
 
-Result<void> check(const Options& given) {
+Result<void> check(const TakeWorldArguments& given) {
   const bool marks = !given.from.empty() || !given.to.empty() || given.length > 0;
   if (marks && (given.from.empty() || given.to.empty() || given.length <= 0))
     return fail(ErrorCode::InvalidArgument, "a marked length is --length M with --from and --to, all three");
@@ -104,7 +106,7 @@ Result<void> check(const Options& given) {
   return {};
 }
 
-Result<void> run(const Options& given) {
+Result<void> run_take_world(const TakeWorldArguments& given) {
   if (Result<void> ok = check(given); !ok) return ok;
   const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(given.take);
   if (!take) return forward(take);
@@ -136,7 +138,7 @@ Result<void> run(const Options& given) {
 }  // namespace
 
 void add_take_set_world(CLI::App& take, Chosen& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TakeWorldArguments>();
   CLI::App* verb = add_verb(take, chosen, "set-world",
                             "The same recording in a world with up, floor and scale, as a new take",
                             {"floatstage take set-world T --board board.txt --frame 12 -o upright",
@@ -162,7 +164,7 @@ void add_take_set_world(CLI::App& take, Chosen& chosen) {
   verb->add_option("--to", options->to, "The other end")->type_name("MARKS");
   verb->add_option("--label", options->label, "The new take's label (default: as it was)");
   add_json(*verb, options->json);
-  verb->callback([options, &chosen] { chosen.run = [options] { return run(*options); }; });
+  verb->callback([options, &chosen] { chosen.run = [options] { return run_take_world(*options); }; });
 }
 
 }  // namespace floatstage::apps

@@ -110,7 +110,7 @@ CLI::Option* add_seconds(CLI::App& verb, double& seconds, const std::string& hel
 }
 
 CLI::Option* add_blend(CLI::App& verb, int& photographs) {
-  return verb.add_option("--blend", photographs, "Photographs blended in a view")
+  return verb.add_option("--blend", photographs, "Photographs blended in a view, and others that are as near")
       ->capture_default_str()
       ->type_name("K")
       ->group(kGroupPicture);

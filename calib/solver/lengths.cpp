@@ -53,7 +53,8 @@ std::optional<Vector3d> meet(const std::vector<Sight>& sights) {
     Projected projected;
     for (const Sight& s : sights) {
       const Rigid3& pose = s.cam_from_world;
-      if (!project(s.camera->intrinsics, s.camera->lens, pose * x, projected)) return std::nullopt;
+      if (!project<Slopes::ByPoint>(s.camera->intrinsics, s.camera->lens, pose * x, projected))
+        return std::nullopt;
       const double weight = 1 / (s.sigma * s.camera->noise);
       const Eigen::Matrix<double, 2, 3> j = weight * projected.by_point * pose.rotation.toRotationMatrix();
       normal += j.transpose() * j;

@@ -97,7 +97,9 @@ std::optional<double> fill_rows(const SceneCamera& camera, const Target& target,
     if (!p.kept) continue;
     const Vector3d in_camera =
         turn * target.points[static_cast<std::size_t>(p.index)].position + from_target.translation;
-    if (!project(camera.intrinsics, camera.lens, in_camera, projected)) return std::nullopt;
+    if (!(with_rows ? project(camera.intrinsics, camera.lens, in_camera, projected)
+                    : project<Slopes::None>(camera.intrinsics, camera.lens, in_camera, projected)))
+      return std::nullopt;
     const double weight = 1 / (p.sigma * camera.noise);
     const Vector2d residual = (projected.pixel - p.pixel) * weight;
     const Robust r = robust(loss, residual.squaredNorm());

@@ -24,20 +24,23 @@ bool is_before_pole(const Intrinsics& in, double r2) {
   return true;
 }
 
+template <Slopes kSlopes>
 Bent brown(const Intrinsics& in, double x, double y) {
   const double k1 = in[4], k2 = in[5], p1 = in[6], p2 = in[7], k3 = in[8], k4 = in[9], k5 = in[10],
                k6 = in[11];
   const double r2 = x * x + y * y, r4 = r2 * r2;
   const double below = 1 + r2 * (k4 + r2 * (k5 + r2 * k6)), by_k = 1 / below;
   const double radial = by_k * (1 + r2 * (k1 + r2 * (k2 + r2 * k3)));
-  const double slope = by_k * (k1 + r2 * (2 * k2 + 3 * r2 * k3) -
-                               radial * (k4 + r2 * (2 * k5 + 3 * r2 * k6)));  // of radial by r2
   Bent b;
   b.point = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
              y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  if (kSlopes == Slopes::None) return b;
+  const double slope = by_k * (k1 + r2 * (2 * k2 + 3 * r2 * k3) -
+                               radial * (k4 + r2 * (2 * k5 + 3 * r2 * k6)));  // of radial by r2
   const double cross = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
   b.by_point << radial + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x, cross, cross,
       radial + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x;
+  if (kSlopes == Slopes::ByPoint) return b;
   const double by_below = -radial * by_k;
   const Eigen::Matrix<double, 1, 3> powers = Eigen::RowVector3d(r2, r4, r4 * r2);
   const Eigen::Vector2d p(x, y);
@@ -48,10 +51,11 @@ Bent brown(const Intrinsics& in, double x, double y) {
   return b;
 }
 
+template <Slopes kSlopes>
 Bent fisheye(const Intrinsics& in, double x, double y) {
   const double r = std::hypot(x, y);
   Bent b;
-  b.by_lens.setZero();
+  if (kSlopes == Slopes::All) b.by_lens.setZero();
   if (r < 1e-9) {  // the limit: no bending on the axis
     b.point = {x, y};
     b.by_point.setIdentity();
@@ -59,11 +63,13 @@ Bent fisheye(const Intrinsics& in, double x, double y) {
   }
   const double theta = std::atan(r), q = theta * theta;
   const double bent = theta * (1 + q * (in[4] + q * (in[5] + q * (in[6] + q * in[7]))));
-  const double slope =
-      (1 + q * (3 * in[4] + q * (5 * in[5] + q * (7 * in[6] + q * 9 * in[7])))) / (1 + r * r);  // by r
   const Eigen::Vector2d n(x / r, y / r);
   b.point = bent * n;
+  if (kSlopes == Slopes::None) return b;
+  const double slope =
+      (1 + q * (3 * in[4] + q * (5 * in[5] + q * (7 * in[6] + q * 9 * in[7])))) / (1 + r * r);  // by r
   b.by_point = (bent / r) * Eigen::Matrix2d::Identity() + (slope - bent / r) * n * n.transpose();
+  if (kSlopes == Slopes::ByPoint) return b;
   double power = theta * q;
   for (int i = 0; i < 4; ++i, power *= q) b.by_lens.col(i) = power * n;
   return b;
@@ -103,6 +109,7 @@ CameraModel unpack(const Intrinsics& v, LensKind lens, int width, int height) {
   return m;
 }
 
+template <Slopes kSlopes>
 bool project(const Intrinsics& in, LensKind lens, const Eigen::Vector3d& p, Projected& out) {
   constexpr double kNearest = 1e-6;  // metres
   if (!(p.z() > kNearest)) return false;
@@ -110,24 +117,30 @@ bool project(const Intrinsics& in, LensKind lens, const Eigen::Vector3d& p, Proj
   Bent bent;
   if (lens == LensKind::BrownConrady) {
     if (!is_before_pole(in, x * x + y * y)) return false;
-    bent = brown(in, x, y);
+    bent = brown<kSlopes>(in, x, y);
   } else if (lens == LensKind::KannalaBrandt) {
-    bent = fisheye(in, x, y);
+    bent = fisheye<kSlopes>(in, x, y);
   } else {
     bent.point = {x, y};
     bent.by_point.setIdentity();
-    bent.by_lens.setZero();
+    if (kSlopes == Slopes::All) bent.by_lens.setZero();
   }
   Eigen::Matrix2d k;
   k << in[0], in[kSkewRow], 0, in[1];
   out.pixel = k * bent.point + Eigen::Vector2d(in[2], in[3]);
+  if (kSlopes == Slopes::None) return true;
   Eigen::Matrix<double, 2, 3> plane_by_point;
   plane_by_point << inverse, 0, -x * inverse, 0, inverse, -y * inverse;
   out.by_point = k * bent.by_point * plane_by_point;
+  if (kSlopes == Slopes::ByPoint) return true;
   out.by_intrinsics.leftCols<4>() << bent.point.x(), 0, 1, 0, 0, bent.point.y(), 0, 1;
   out.by_intrinsics.middleCols<kLensRows>(kLensRow) = k * bent.by_lens;
   out.by_intrinsics.col(kSkewRow) << bent.point.y(), 0;
   return true;
 }
+
+template bool project<Slopes::None>(const Intrinsics&, LensKind, const Eigen::Vector3d&, Projected&);
+template bool project<Slopes::ByPoint>(const Intrinsics&, LensKind, const Eigen::Vector3d&, Projected&);
+template bool project<Slopes::All>(const Intrinsics&, LensKind, const Eigen::Vector3d&, Projected&);
 
 }  // namespace floatstage::calib::solver

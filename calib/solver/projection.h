@@ -34,7 +34,15 @@ struct Projected {
   Eigen::Matrix<double, 2, kIntrinsics> by_intrinsics;
 };
 
+/// What of a Projected is wanted; the rest is left as it is.
+enum class Slopes { None, ByPoint, All };
+
 /// False where the point is not in front of the camera, or lies beyond a pole of the lens.
+template <Slopes = Slopes::All>
 bool project(const Intrinsics& intrinsics, LensKind lens, const Eigen::Vector3d& in_camera, Projected& out);
+extern template bool project<Slopes::None>(const Intrinsics&, LensKind, const Eigen::Vector3d&, Projected&);
+extern template bool project<Slopes::ByPoint>(const Intrinsics&, LensKind, const Eigen::Vector3d&,
+                                              Projected&);
+extern template bool project<Slopes::All>(const Intrinsics&, LensKind, const Eigen::Vector3d&, Projected&);
 
 }  // namespace floatstage::calib::solver

@@ -243,7 +243,7 @@ std::vector<Eigen::Vector2d> errors_of(const Scene& scene, const SceneView& v) {
       in_camera = camera.cam_from_world * x;
     }
     Projected projected;
-    if (project(camera.intrinsics, camera.lens, in_camera, projected))
+    if (project<Slopes::None>(camera.intrinsics, camera.lens, in_camera, projected))
       errors.push_back(projected.pixel - p.pixel);
     else
       errors.push_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity()));

@@ -75,9 +75,9 @@ void refine_alone(Scene& scene, int camera, const std::vector<const SceneView*>&
     Projected ignored;
     for (ScenePoint& p : copy.points) {
       const Target& target = scene.targets[static_cast<std::size_t>(board.target)];
-      p.kept = project(c.intrinsics, c.lens,
-                       board.world_from_target * target.points[static_cast<std::size_t>(p.index)].position,
-                       ignored);
+      p.kept = project<Slopes::None>(
+          c.intrinsics, c.lens,
+          board.world_from_target * target.points[static_cast<std::size_t>(p.index)].position, ignored);
     }
     alone.boards.push_back(board);
     alone.views.push_back(std::move(copy));

@@ -22,6 +22,16 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+// Two equations a point in 9 or 12 unknowns. Of sizes that are known when they are made: for each that g++
+// knows itself it takes many seconds.
+using Equations = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, 12>;
+using Normal = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
+using Unknowns = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
+
+Unknowns smallest_eigenvector(const Normal& normal) {
+  return Eigen::SelfAdjointEigenSolver<Normal>(normal).eigenvectors().col(0);
+}
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The plane through a target's points: an orthonormal frame with z across it, and whether they lie in it.
@@ -78,16 +88,15 @@ std::optional<Matrix3d> fit_homography(const std::vector<Vector2d>& from, const 
   Matrix3d h;
   constexpr int kRounds = 6;
   for (int round = 0; round < kRounds; ++round) {
-    Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
+    Normal normal = Normal::Zero(9, 9);
+    Equations rows(2, 9);
     for (std::size_t i = 0; i < from.size(); ++i) {
       const Vector3d x = ((from[i] - a.shift) * a.scale).homogeneous();
       const Vector2d y = (to[i] - b.shift) * b.scale;
-      Eigen::Matrix<double, 2, 9> rows;
       rows << x.transpose(), 0, 0, 0, -y.x() * x.transpose(), 0, 0, 0, x.transpose(), -y.y() * x.transpose();
       normal += weights[i] * rows.transpose() * rows;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(normal);
-    const Eigen::Matrix<double, 9, 1> v = eigen.eigenvectors().col(0);
+    const Unknowns v = smallest_eigenvector(normal);
     Matrix3d n;
     n << v.head<3>().transpose(), v.segment<3>(3).transpose(), v.tail<3>().transpose();
     h = b.matrix().inverse() * n * a.matrix();
@@ -129,17 +138,16 @@ std::optional<Rigid3> pose_of_flat(const Plane& plane, const std::vector<Vector3
 std::optional<Rigid3> pose_of_solid(const Plane& plane, const std::vector<Vector3d>& positions,
                                     const std::vector<Vector2d>& rays) {
   if (positions.size() < 6) return std::nullopt;
-  Eigen::Matrix<double, 12, 12> normal = Eigen::Matrix<double, 12, 12>::Zero();
+  Normal normal = Normal::Zero(12, 12);
+  Equations rows = Equations::Zero(2, 12);
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const Eigen::Vector4d x = (positions[i] - plane.center).homogeneous();
-    Eigen::Matrix<double, 2, 12> rows = Eigen::Matrix<double, 2, 12>::Zero();
     rows.block<1, 4>(0, 0) = x.transpose();
     rows.block<1, 4>(1, 4) = x.transpose();
     rows.rightCols<4>() = -rays[i] * x.transpose();
     normal += rows.transpose() * rows;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> eigen(normal);
-  const Eigen::Matrix<double, 12, 1> v = eigen.eigenvectors().col(0);
+  const Unknowns v = smallest_eigenvector(normal);
   Eigen::Matrix<double, 3, 4> p;
   p << v.head<4>().transpose(), v.segment<4>(4).transpose(), v.tail<4>().transpose();
   if (p(2, 3) < 0) p = -p;
@@ -154,8 +162,9 @@ double median_error(const Intrinsics& in, LensKind lens, const std::vector<Corre
   std::vector<double> errors;
   Projected projected;
   for (const Correspondence& c : points)
-    errors.push_back(project(in, lens, pose * c.position, projected) ? (projected.pixel - c.pixel).norm()
-                                                                     : kInfinity);
+    errors.push_back(project<Slopes::None>(in, lens, pose * c.position, projected)
+                         ? (projected.pixel - c.pixel).norm()
+                         : kInfinity);
   return errors.empty() ? kInfinity : median(std::move(errors));
 }
 
@@ -190,7 +199,8 @@ ViewPose refine_pose(const Intrinsics& in, LensKind lens, const std::vector<Corr
     Projected projected;
     for (const Correspondence& c : points) {
       const Vector3d x = p * c.position;
-      if (!project(in, lens, x, projected)) {
+      if (!(normal ? project<Slopes::ByPoint>(in, lens, x, projected)
+                   : project<Slopes::None>(in, lens, x, projected))) {
         cost += std::log1p(1e6);
         continue;
       }

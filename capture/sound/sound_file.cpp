@@ -15,25 +15,17 @@ Unexpected io_failure(const fs::path& file, int error) {
 }
 
 Result<void> mux(const FilmSound& sound, const fs::path& file, const fs::path& temporary) {
-  AVFormatContext* made = nullptr;
-  const std::string url = libav::file_url(temporary);
-  FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, libav::muxer_of(file), url.c_str()) >= 0,
-                   "libavformat without MP4, MOV and Matroska");
-  const libav::Format muxer(made);
-  muxer->flags |= AVFMT_FLAG_BITEXACT;
+  const libav::Format muxer = libav::new_muxer(libav::muxer_of(file), temporary);
   FilmSoundTrack track(sound);
   if (Result<void> ok = track.open(*muxer, file); !ok) return ok;
-  int error = avio_open(&muxer->pb, url.c_str(), AVIO_FLAG_WRITE);
+  int error = avio_open(&muxer->pb, muxer->url, AVIO_FLAG_WRITE);
   if (error < 0) return io_failure(file, error);
   libav::Options options;
   if (!libav::is_matroska(file)) options.set("movflags", "+faststart");
   error = avformat_write_header(muxer.get(), options.get());
   if (error < 0) return io_failure(file, error);
   if (Result<void> ok = track.finish(); !ok) return ok;
-  error = av_write_trailer(muxer.get());
-  if (error >= 0) error = muxer->pb->error;
-  const int closed = avio_closep(&muxer->pb);
-  if (error >= 0) error = closed;
+  error = libav::finish_file(*muxer);
   return error < 0 ? io_failure(file, error) : Result<void>();
 }
 

@@ -25,12 +25,7 @@ class FlacFile {
 
   Result<void> open() {
     if (Result<void> ok = open_encoder(); !ok) return ok;
-    AVFormatContext* made = nullptr;
-    const std::string url = libav::file_url(file_);
-    FLOATSTAGE_CHECK(avformat_alloc_output_context2(&made, nullptr, "matroska", url.c_str()) >= 0,
-                     "libavformat without Matroska");
-    muxer_.reset(made);
-    muxer_->flags |= AVFMT_FLAG_BITEXACT;
+    muxer_ = libav::new_muxer("matroska", file_);
     stream_ = avformat_new_stream(muxer_.get(), nullptr);
     FLOATSTAGE_CHECK(
         stream_ != nullptr && avcodec_parameters_from_context(stream_->codecpar, encoder_.get()) >= 0,
@@ -41,7 +36,7 @@ class FlacFile {
     const FileDescriptor ours(::open(file_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
     if (ours.get() < 0)
       return fail(ErrorCode::Io, text("cannot create ", file_.string(), ": ", std::strerror(errno)));
-    if (const int error = avio_open(&muxer_->pb, url.c_str(), AVIO_FLAG_WRITE); error < 0)
+    if (const int error = avio_open(&muxer_->pb, muxer_->url, AVIO_FLAG_WRITE); error < 0)
       return io_failure(error);
     libav::Options options;
     options.set("write_crc32", "0");  // FLAC has checksums of its own
@@ -80,11 +75,7 @@ class FlacFile {
 
   Result<void> finish() {
     if (Result<void> ok = code(nullptr); !ok) return ok;
-    int error = av_write_trailer(muxer_.get());
-    if (error >= 0) error = muxer_->pb->error;
-    const int closed = avio_closep(&muxer_->pb);
-    if (error >= 0) error = closed;
-    if (error < 0) return io_failure(error);
+    if (const int error = libav::finish_file(*muxer_); error < 0) return io_failure(error);
     return {};
   }
 

@@ -29,6 +29,24 @@ Image change_to(std::uint8_t side, const Image& base, const Image& matte) {
   return out;
 }
 
+// Writes `side` over what is 128 in `followed` where `change` has pixels of pieces that touch no pixel which
+// is written already, grown by `reach`: these were not found again.
+void stay_where_lost(const Image& change, std::uint8_t side, int reach, Image& followed) {
+  cv::Mat pieces, near;
+  const int count = cv::connectedComponents(as_mat(change), pieces, 8, CV_32S);
+  cv::dilate(as_mat(followed) == side, near,
+             cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1}));
+  std::vector<bool> found(static_cast<std::size_t>(count));
+  for (int y = 0; y < change.height; ++y)
+    for (int x = 0; x < change.width; ++x)
+      if (near.at<std::uint8_t>(y, x)) found[static_cast<std::size_t>(pieces.at<int>(y, x))] = true;
+  for (int y = 0; y < change.height; ++y)
+    for (int x = 0; x < change.width; ++x) {
+      const int piece = pieces.at<int>(y, x);
+      if (piece > 0 && !found[static_cast<std::size_t>(piece)]) *followed.at(x, y) = side;
+    }
+}
+
 }  // namespace
 
 CarriedGuidance carried_guidance(const Image& neighbour, const Image& neighbours_base,
@@ -41,7 +59,10 @@ CarriedGuidance carried_guidance(const Image& neighbour, const Image& neighbours
     const Image change = change_to(static_cast<std::uint8_t>(side), neighbours_base, neighbours_matte);
     cv::Rect box = cv::boundingRect(as_mat(change));
     if (box.empty()) continue;
-    if (out.said.empty()) out.said = Image(w, h, 1, 128), out.within = Image(w, h, 1);
+    if (out.said.empty()) {
+      out.said = out.followed = Image(w, h, 1, 128);
+      out.within = Image(w, h, 1);
+    }
     const int reach = std::max(16, static_cast<int>(std::lround(kReach * longer)));
     box = cv::Rect(box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach) &
           cv::Rect(0, 0, w, h);
@@ -51,6 +72,7 @@ CarriedGuidance carried_guidance(const Image& neighbour, const Image& neighbours
     const auto small = [&](const Image& image) { return scaled(part_of(image, box), sw, sh); };
     const Carried carried = carry_matte(small(neighbour), small(change), small(picture));
     Image sure(sw, sh, 1), near = carried.matte;
+    const Image there = carried.matte;
     for (std::size_t p = 0; p < sure.pixels.size(); ++p)
       sure.pixels[p] = carried.matte.pixels[p] >= kSure && !carried.doubt.pixels[p] ? 255 : 0;
     cv::Mat core;
@@ -65,8 +87,10 @@ CarriedGuidance carried_guidance(const Image& neighbour, const Image& neighbours
                   v = std::min(sh - 1, static_cast<int>((y + 0.5) * sh / box.height));
         const bool fault = (*base.at(box.x + x, box.y + y) >= 128) != (side == 255);
         if (*sure.at(u, v) && fault) *out.said.at(box.x + x, box.y + y) = static_cast<std::uint8_t>(side);
+        if (*there.at(u, v) >= 128) *out.followed.at(box.x + x, box.y + y) = static_cast<std::uint8_t>(side);
         if (*near.at(u, v) >= 128) *out.within.at(box.x + x, box.y + y) = 255;
       }
+    stay_where_lost(change, static_cast<std::uint8_t>(side), reach, out.followed);
   }
   return out;
 }

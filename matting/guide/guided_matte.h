@@ -19,6 +19,9 @@ enum class StrokeEffect {
 struct CarriedGuidance {
   Image said;    ///< 1 channel: 255 and 0 where it is said, 128 elsewhere; empty: nothing was
   Image within;  ///< 255 where it may act
+  /// Where the neighbour's change lies now, or, where flow does not find it again, lay: 255 and 0 as somebody
+  /// said there, 128 elsewhere.
+  Image followed;
 };
 
 /// Follows along dense flow what a person has changed in the neighbour's matte: `matte` is what became of
@@ -26,6 +29,20 @@ struct CarriedGuidance {
 /// again and this frame's own `base` has the same fault. All pictures have one size, 16x16 at least.
 CarriedGuidance carried_guidance(const Image& neighbour, const Image& neighbours_base,
                                  const Image& neighbours_matte, const Image& picture, const Image& base);
+
+/// What a person changed in the neighbouring frame and what is not so in this one, though the same fault is
+/// there.
+struct EndedChange {
+  MatteLabel said;
+  Eigen::Vector2d at;  ///< a pixel of it in this frame, in its middle
+  double area;         ///< px
+};
+
+/// The pieces of what was carried of whose faulty pixels in `base` three tenths, and more than a hundredth of
+/// the subject, are faulty in `matte` as well. Where `said` (as paint_strokes(): 0, 128 or 255, of this
+/// frame) says otherwise, a change has not ended but been taken back. Largest first.
+std::vector<EndedChange> ended_changes(const CarriedGuidance& carried, const Image& base, const Image& matte,
+                                       const Image& said);
 
 struct GuidedMatte {
   Image matte;

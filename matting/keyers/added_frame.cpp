@@ -25,7 +25,9 @@ class InsideKeyer : public Keyer {
     return make_matte(frame.info, alpha);
   }
 
-  Result<Image> suppress_spill(const Frame& frame) const override { return keyer_->suppress_spill(frame); }
+  Result<void> suppress_spill(const Frame& frame, Image& rgb) const override {
+    return keyer_->suppress_spill(frame, rgb);
+  }
   std::string spec() const override { return keyer_->spec(); }
   CleanupOptions cleanup() const override { return keyer_->cleanup(); }
 

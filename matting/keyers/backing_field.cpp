@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kCells = 160;       // along the longer side: texture of cloth and noise average out in a cell
 constexpr int kRounds = 6;        // of growing, at most
-constexpr float kQuantum = 0.5f;  // 8-bit steps: what a mean of rounded values may be off by
+constexpr float kRounding = 0.5f;  // 8-bit steps: what a mean of rounded values may be off by
 constexpr double kLargestHole = 0.03;  // of the subject; larger ones are open
 constexpr double kSharp = 0.85;        // of the sharpest outline
 
@@ -108,7 +108,7 @@ Statistics statistics_of(const std::vector<Cells>& pictures, int radius, bool pi
         cv::Mat& m = (*spread)[q];
         if (m.empty()) continue;
         m = m / per - mean[i].mul(mean[j]);
-        if (i == j) m = cv::max(m, 0.0f) + kQuantum * kQuantum;
+        if (i == j) m = cv::max(m, 0.0f) + kRounding * kRounding;
       }
   cv::merge(mean.data(), 3, s.mean);
   return s;
@@ -251,7 +251,7 @@ class Growth {
         }
     cv::Mat mean = spread_out(sum, radius_) / cv::max(spread_out(count, radius_), 1e-6f);
     cv::sqrt(mean, mean);
-    return mean + kQuantum;
+    return mean + kRounding;
   }
 
   // From the rim over cells that look like the backing there, never across an edge of the picture's own.

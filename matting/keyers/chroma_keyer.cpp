@@ -68,11 +68,10 @@ class ChromaKeyer : public Keyer {
     walls_ = Walls::learn(samples, cloth);
   }
 
-  Result<Image> suppress_spill(const Frame& frame) const override {
-    auto rgb = to_rgb(frame);
-    if (!rgb) return forward(rgb);
-    despill(*rgb, backing_);
-    return rgb;
+  Result<void> suppress_spill(const Frame& frame, Image& rgb) const override {
+    if (Result<void> ok = to_rgb(frame, rgb); !ok) return ok;
+    despill(rgb, backing_);
+    return {};
   }
 
   std::string spec() const override {

@@ -59,7 +59,7 @@ class DifferenceKeyer : public Keyer {
     return make_matte(frame.info, alpha);
   }
 
-  Result<Image> suppress_spill(const Frame& frame) const override { return to_rgb(frame); }
+  Result<void> suppress_spill(const Frame& frame, Image& rgb) const override { return to_rgb(frame, rgb); }
   std::string spec() const override { return text("difference:", threshold_); }
   CleanupOptions cleanup() const override { return cleanup_; }
 

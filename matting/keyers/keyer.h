@@ -42,7 +42,13 @@ class Keyer {
   virtual Result<Matte> key(const Frame& frame) const = 0;
   /// The photograph with the backing's colour cast removed where the keyer knows one; else the photograph as
   /// RGB.
-  virtual Result<Image> suppress_spill(const Frame& frame) const = 0;
+  Result<Image> suppress_spill(const Frame& frame) const {
+    Image rgb;
+    if (Result<void> ok = suppress_spill(frame, rgb); !ok) return forward(ok);
+    return rgb;
+  }
+  /// The same into a picture whose memory is used again. Errors leave it as it was.
+  virtual Result<void> suppress_spill(const Frame& frame, Image& rgb) const = 0;
   /// One line that makes the same keyer again through make_keyer() with the same samples and clean-up.
   virtual std::string spec() const = 0;
   /// What it does to a raw key: its default, or what it was made with.

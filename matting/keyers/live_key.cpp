@@ -11,6 +11,7 @@
 #include <cstring>
 #include <functional>
 
+#include "core/reused.h"
 #include "matting/keyers/bit_clean_up.h"
 #include "matting/keyers/bit_edges.h"
 #include "matting/keyers/cloth_kernels.h"
@@ -31,13 +32,11 @@ struct Rows {
   }
 };
 
-// A matte's memory, which is used again when nobody else has it any more.
+// A matte's memory.
 struct Sheet {
-  std::shared_ptr<std::uint8_t[]> alpha;
+  std::vector<std::uint8_t> alpha;
   int width = 0, height = 0;
   BitBox drawn;  // outside it is 0
-
-  bool free() const { return alpha.use_count() == 1; }
 };
 
 }  // namespace
@@ -48,7 +47,7 @@ struct LiveKey::Impl {
   void classify(const Rows& rgb, int width, int height);
   void crop();
   double rim_share(int width, int height) const;
-  Sheet& blank(int width, int height);
+  std::shared_ptr<Sheet> blank(int width, int height);
   void draw(const Rows& rgb, Sheet& sheet);
   void measure_row(const Rows& rgb, int y, int x0, int x1, std::int32_t* out);
 
@@ -61,7 +60,8 @@ struct LiveKey::Impl {
   BitRows subject, faint, doubt;
   BitCleanUp cleaner;
   BitEdges edges;
-  std::vector<Sheet> sheets;
+  Reused<Sheet> sheets;
+  Image converted;  // of a frame that is not RGB
 };
 
 LiveKey::LiveKey(const Keyer& keyer) : impl_(std::make_unique<Impl>(keyer)) {}
@@ -123,20 +123,21 @@ double LiveKey::Impl::rim_share(int width, int height) const {
 }
 
 // A matte of nothing.
-Sheet& LiveKey::Impl::blank(int width, int height) {
-  std::erase_if(sheets, [&](const Sheet& s) { return s.width != width || s.height != height; });
-  auto found = std::find_if(sheets.begin(), sheets.end(), [](const Sheet& s) { return s.free(); });
-  if (found == sheets.end()) {
-    const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    sheets.push_back({std::make_shared<std::uint8_t[]>(size), width, height, {}});
-    return sheets.back();
+std::shared_ptr<Sheet> LiveKey::Impl::blank(int width, int height) {
+  std::shared_ptr<Sheet> sheet = sheets.take();
+  const std::size_t row = static_cast<std::size_t>(width);
+  if (sheet->width != width || sheet->height != height) {
+    sheet->alpha.assign(row * static_cast<std::size_t>(height), 0);
+    sheet->width = width;
+    sheet->height = height;
+  } else {
+    const BitBox& box = sheet->drawn;
+    for (int y = box.y0; y < box.y1; ++y)
+      std::memset(sheet->alpha.data() + row * static_cast<std::size_t>(y) + box.x0, 0,
+                  static_cast<std::size_t>(box.x1 - box.x0));
   }
-  const BitBox& box = found->drawn;
-  for (int y = box.y0; y < box.y1; ++y)
-    std::memset(found->alpha.get() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + box.x0,
-                0, static_cast<std::size_t>(box.x1 - box.x0));
-  found->drawn = {};
-  return *found;
+  sheet->drawn = {};
+  return sheet;
 }
 
 void LiveKey::Impl::measure_row(const Rows& rgb, int y, int x0, int x1, std::int32_t* out) {
@@ -193,17 +194,14 @@ Result<Matte> LiveKey::key(const Frame& frame) {
   Impl& own = *impl_;
   const ImageLayout& layout = frame.layout;
   if (!own.fast() || frame.empty() || layout.format == PixelFormat::Gray8) return own.keyer.key(frame);
-  Image converted;
   Rows rgb{reinterpret_cast<const std::uint8_t*>(frame.pixels.get()), layout.stride};
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(layout.width);
   const bool as_it_is =
       layout.format == PixelFormat::Rgb8 && layout.height > 0 && layout.stride >= row_bytes &&
       layout.size_bytes >= layout.stride * static_cast<std::size_t>(layout.height - 1) + row_bytes;
   if (!as_it_is) {
-    Result<Image> image = to_rgb(frame);
-    if (!image) return forward(image);
-    converted = std::move(*image);
-    rgb = {converted.pixels.data(), 3 * static_cast<std::size_t>(converted.width)};
+    if (Result<void> ok = to_rgb(frame, own.converted); !ok) return forward(ok);
+    rgb = {own.converted.pixels.data(), 3 * static_cast<std::size_t>(own.converted.width)};
   }
   const int width = layout.width, height = layout.height;
   if (width <= 0 || height <= 0) return own.keyer.key(frame);
@@ -212,9 +210,10 @@ Result<Matte> LiveKey::key(const Frame& frame) {
   own.cleaner.run(own.cleanup, own.subject, own.faint);
   if (Result<void> ok = check_rim(own.rim_share(width, height), frame.info, "green or blue cloth"); !ok)
     return forward(ok);
-  Sheet& sheet = own.blank(width, height);
-  own.draw(rgb, sheet);
-  return Matte{frame.info, width, height, static_cast<std::size_t>(width), sheet.alpha};
+  const std::shared_ptr<Sheet> sheet = own.blank(width, height);
+  own.draw(rgb, *sheet);
+  return Matte{frame.info, width, height, static_cast<std::size_t>(width),
+               std::shared_ptr<const std::uint8_t[]>(sheet, sheet->alpha.data())};
 }
 
 }  // namespace floatstage::matting

@@ -14,8 +14,8 @@ namespace floatstage::matting {
 /// ClothMeasure (chroma without walls); else it is key() itself. Every picture stands for itself: what was
 /// keyed before does not matter. One thread at a time.
 ///
-/// In RGB frames of one size nothing is allocated once subjects as large were seen and the mattes before were
-/// given back.
+/// Where it is fast() nothing is allocated for colour frames of one size once subjects as large were seen and
+/// the mattes before were given back.
 class LiveKey {
  public:
   /// `keyer` outlives it.

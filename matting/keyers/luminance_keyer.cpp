@@ -102,7 +102,7 @@ class LuminanceKeyer : public Keyer {
     return make_matte(frame.info, alpha);
   }
 
-  Result<Image> suppress_spill(const Frame& frame) const override { return to_rgb(frame); }
+  Result<void> suppress_spill(const Frame& frame, Image& rgb) const override { return to_rgb(frame, rgb); }
   std::string spec() const override {
     return threshold_ ? text("luminance:", *threshold_) : std::string("luminance");
   }

@@ -72,7 +72,7 @@ class PlateKeyer : public Keyer {
     return make_matte(frame.info, alpha);
   }
 
-  Result<Image> suppress_spill(const Frame& frame) const override { return to_rgb(frame); }
+  Result<void> suppress_spill(const Frame& frame, Image& rgb) const override { return to_rgb(frame, rgb); }
   std::string spec() const override { return text("plate:", options_.sigmas); }
   CleanupOptions cleanup() const override { return cleanup_; }
 

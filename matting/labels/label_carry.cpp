@@ -14,7 +14,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/check.h"
-#include "matting/video/frame_flow.h"
 
 namespace floatstage::matting {
 namespace {
@@ -86,13 +85,25 @@ void mark_lost(const Image& colors, const Image& to, const FrameFlow& back, cons
   }
 }
 
+// Of each label, the share of its pixels that are marked.
+std::vector<double> shares(const Image& labels, const Image& marked, int count) {
+  std::vector<double> out(static_cast<std::size_t>(count)), all(out.size());
+  for (std::size_t p = 0; p < labels.pixels.size(); ++p) {
+    all[labels.pixels[p]] += 1;
+    out[labels.pixels[p]] += marked.pixels[p] ? 1 : 0;
+  }
+  for (std::size_t l = 0; l < out.size(); ++l) out[l] = all[l] > 0 ? out[l] / all[l] : 0;
+  return out;
+}
+
 }  // namespace
 
 CarriedLabels carry_labels(const Image& from, const Image& labels, int count, int reach, const Image& to) {
   FLOATSTAGE_CHECK(from.width == to.width && from.height == to.height && labels.width == to.width &&
                        labels.height == to.height && labels.channels == 1,
                    "frames and labels of one size");
-  const FrameFlow back = flow_between(from, to), there = flow_between(to, from);
+  FrameFlow back = flow_between(from, to);
+  const FrameFlow there = flow_between(to, from);
   CarriedLabels out;
   out.labels = out.dense = out.doubtful = Image(to.width, to.height, 1);
   std::vector<std::uint8_t> best(out.labels.pixels.size(), 127);
@@ -110,8 +121,10 @@ CarriedLabels carry_labels(const Image& from, const Image& labels, int count, in
     }
   }
   mark_lost(carried(from, back), to, back, there, out);
+  out.unfound = shares(out.dense, out.doubtful, count);
   for (std::size_t p = 0; p < best.size(); ++p)
     if (out.dense.pixels[p] != out.labels.pixels[p]) out.doubtful.pixels[p] = 255;
+  out.back = std::move(back);
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/image.h"
+#include "matting/video/frame_flow.h"
 
 // Private to the stage.
 namespace floatstage::matting {
@@ -11,6 +12,8 @@ struct CarriedLabels {
   Image dense;     ///< the same along dense flow
   Image doubtful;  ///< 255 where the flow there and back do not meet, colours changed, or what moves there
                    ///< does not move as the label does
+  FrameFlow back;  ///< where each pixel of the new frame was
+  std::vector<double> unfound;  ///< of each label along dense flow, the share that flow does not find again
 };
 
 /// `from`, `to`: RGB of one size, at least 32x32; `labels` of theirs, 0 … `count` - 1. A label goes where its

@@ -6,6 +6,7 @@
 
 #include "core/image.h"
 #include "core/result.h"
+#include "matting/labels/label_strokes.h"
 
 // Labels that somebody gave in some frames of a clip, followed through all of them: camera and subjects may
 // move.
@@ -43,6 +44,13 @@ struct LabelReturn {
   int key = 0, end = 0;      ///< frames; end may lie before key
   std::vector<double> lost;  ///< by label, 0 is the background's: 1 - IoU in the key frame; of labels that
                              ///< are not in it 0
+  /// By label: the most of it that flow did not find again from a frame to the next on the way there, and the
+  /// later of the two: where the clip jumps, nearly all.
+  struct Jump {
+    double share = 0;
+    int frame = 0;
+  };
+  std::vector<Jump> jumps;
 };
 
 /// The labels 1 … `labels` of all frames from those of the key frames. They are carried along dense flow
@@ -56,6 +64,25 @@ struct LabelReturn {
 Result<std::vector<LabelReturn>> follow_labels(const LabelClip& clip, const std::map<int, LabelMasks>& keys,
                                                int labels, const LabelDone& done,
                                                const LabelClipOptions& options = {});
+
+/// What somebody marked in frames of a clip, in the order in which it holds.
+using LabelStrokes = std::map<int, std::vector<LabelStroke>>;
+
+struct LabelsFollowed {
+  std::vector<LabelReturn> returns;
+  /// By frame with strokes, what became of them: effects and pixels that turned; without the labels.
+  std::map<int, StrokedLabels> heard;
+};
+
+/// The same with strokes, of frames with masks or without. They correct what the labels of their frame are
+/// without them (stroke_labels()). A frame whose labels they change is a key frame from then on, of all
+/// labels, from which the frames to either side are followed anew, up to the next key frames; strokes that
+/// change nothing change no frame. What frames on the way were given holds again afterwards. Without any mask
+/// labels begin with what turns in the first frame that has strokes. Each stroke that changes a frame costs
+/// the frames between its key frames once more.
+Result<LabelsFollowed> follow_labels(const LabelClip& clip, const std::map<int, LabelMasks>& keys,
+                                     const LabelStrokes& strokes, int labels, const LabelDone& done,
+                                     const LabelClipOptions& options = {});
 
 /// A matte for each label from the labels of a picture: the edges by closed form, what overlaps shared so
 /// that all together are never more than opaque. Errors: those of refine_matte().

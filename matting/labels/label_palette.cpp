@@ -37,6 +37,11 @@ void LabelPalette::learn(const Image& picture, const Image& matte, const Image& 
   }
 }
 
+void LabelPalette::take_unknown(const LabelPalette& other) {
+  for (std::size_t l = 0; l < bins_.size(); ++l)
+    if (total_[l] == 0) bins_[l] = other.bins_[l], total_[l] = other.total_[l];
+}
+
 float LabelPalette::share(std::size_t label, std::size_t bin) const {
   const double seen = total_[label] > 0 ? bins_[label][bin] / total_[label] : 0;
   return static_cast<float>((1 - kBlind) * seen + kBlind / kBins);

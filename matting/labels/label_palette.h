@@ -18,6 +18,9 @@ class LabelPalette {
   void fade(double keep);
   /// Learns from the pixels that bear a label, 0 is none, and that are opaque in `matte` (alpha above 191).
   void learn(const Image& picture, const Image& matte, const Image& labels);
+  bool knows(int label) const { return total_[static_cast<std::size_t>(label - 1)] > 0; }
+  /// Of labels of which nothing was learnt, what `other` knows of them; of as many labels.
+  void take_unknown(const LabelPalette& other);
   /// In nats, by how much each label's colours fit better than those of all labels in the mean, within
   /// ±kMost; `out` has one number a label. 0 for all where nothing was learnt.
   void odds(const std::uint8_t* rgb, std::span<float> out) const;

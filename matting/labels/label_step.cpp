@@ -3,7 +3,7 @@
 // Paper:   X. Bai, J. Wang, D. Simons, G. Sapiro, "Video SnapCut: Robust Video Object Cutout Using Localized
 //          Classifiers", SIGGRAPH 2009, sections 3 and 4
 // Differs: any number of labels at once; what comes to light beside an edge is held to be surroundings
-// ADR:     0274
+// ADR:     0274, 0333
 
 #include "matting/labels/label_step.h"
 
@@ -59,6 +59,12 @@ class Step {
 
  private:
   float band() const { return static_cast<float>(options_.band * std::min(picture_.width, picture_.height)); }
+  static bool doubtful(const LabelHint& hint, std::size_t p) {
+    return hint.doubtful.pixels[p] || fresh(hint, p);
+  }
+  static bool fresh(const LabelHint& hint, std::size_t p) {
+    return !hint.fresh.empty() && hint.fresh.pixels[p];
+  }
   float& cost(std::size_t p, int label) {
     return evidence_
         .costs[node_[p] * static_cast<std::size_t>(evidence_.count) + static_cast<std::size_t>(label)];
@@ -68,7 +74,7 @@ class Step {
     for (const LabelHint& hint : hints_) {
       edges_.push_back(distance_to_edges(hint.labels));
       for (std::size_t p = 0; p < pixels_; ++p)
-        if (edges_.back()[p] <= (hint.doubtful.pixels[p] ? kDoubtfulBands : 1) * band() ||
+        if (edges_.back()[p] <= (doubtful(hint, p) ? kDoubtfulBands : 1) * band() ||
             hint.labels.pixels[p] != evidence_.labels.pixels[p])
           evidence_.asked[p] = 1;
     }
@@ -89,10 +95,12 @@ class Step {
           if (!evidence_.asked[p]) continue;
           const float share = hint.share.empty() ? equal : hint.share[p];
           const float d = away[p] > 0 ? away[p] - 0.5f : -edges_[i][p],
-                      most = hint.doubtful.pixels[p] ? kDoubtfulSteps : kSteps,
+                      most = fresh(hint, p)            ? 0
+                             : hint.doubtful.pixels[p] ? kDoubtfulSteps
+                                                       : kSteps,
                       steps = std::clamp(2 * d / static_cast<float>(options_.slack), -most, most);
           cost(p, l) += share * std::log1p(std::exp(steps));
-          if (l > 0 && hint.doubtful.pixels[p]) cost(p, l) += share * static_cast<float>(options_.uncovered);
+          if (l > 0 && doubtful(hint, p)) cost(p, l) += share * static_cast<float>(options_.uncovered);
         }
       }
     }

@@ -12,6 +12,8 @@ namespace floatstage::matting {
 struct LabelHint {
   Image labels, doubtful;    ///< as carry_labels() gives them
   std::vector<float> share;  ///< of each pixel, all hints together 1; empty: all hints the same
+  Image fresh = {};  ///< 255 where what a label is said to have came to light lately: the carried edge
+                     ///< says nothing of it; empty: nowhere
 };
 
 /// A picture of about this place whose labels are known, to learn colours from; labels from `count` on are

@@ -1,5 +1,7 @@
 #include "pipeline/evaluate/evaluate_mattes.h"
 
+#include <algorithm>
+
 #include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
@@ -10,11 +12,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<Image> load_matte(const fs::path& file) {
-  Result<Image> picture = load_png(file);
-  if (!picture) return forward(picture);
-  if (picture->channels != 1) return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture"));
-  return picture;
+// What files add up to: one, or one a label. Empty where one is missing.
+Result<Image> load_matte(const std::vector<fs::path>& files) {
+  Image sum;
+  for (const fs::path& file : files) {
+    if (!is_there(file)) return Image();
+    Result<Image> picture = load_png(file);
+    if (!picture) return forward(picture);
+    if (picture->channels != 1)
+      return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture"));
+    if (sum.empty()) {
+      sum = std::move(*picture);
+      continue;
+    }
+    if (sum.width != picture->width || sum.height != picture->height)
+      return fail(ErrorCode::BadData, text(file.string(), " has another size than ", files.front().string()));
+    for (std::size_t p = 0; p < sum.pixels.size(); ++p)
+      sum.pixels[p] = static_cast<std::uint8_t>(std::min(255, sum.pixels[p] + picture->pixels[p]));
+  }
+  return sum;
+}
+
+// Where the truth of a frame lies: as mattes do in a take.
+std::vector<fs::path> truth_files(const capture::TakeReader& take, const fs::path& truth,
+                                  const std::string& serial, int frame) {
+  std::vector<fs::path> files;
+  for (const fs::path& matte : take.layout().matte_files(serial, frame))
+    files.push_back(truth / matte.lexically_relative(take.layout().mattes()));
+  return files;
 }
 
 struct Pair {
@@ -45,14 +70,14 @@ Result<std::vector<CameraMatteScores>> evaluate_mattes(const capture::TakeReader
     int pairs = 0;
     for (const int frame : frames) {
       progress.advance();
-      const fs::path matte_file = take.layout().matte(camera.serial, frame),
-                     truth_file = truth / camera.serial / matte_file.filename();
-      if (!is_there(matte_file) || !is_there(truth_file)) continue;
-      Result<Image> matte = load_matte(matte_file), real = load_matte(truth_file);
+      const std::vector<fs::path> files = take.layout().matte_files(camera.serial, frame);
+      Result<Image> matte = load_matte(files),
+                    real = load_matte(truth_files(take, truth, camera.serial, frame));
       if (!matte) return forward(matte);
       if (!real) return forward(real);
+      if (matte->empty() || real->empty()) continue;
       if (matte->width != real->width || matte->height != real->height)
-        return fail(ErrorCode::BadData, text(matte_file.string(), " is ", matte->width, "x", matte->height,
+        return fail(ErrorCode::BadData, text(files.front().string(), " is ", matte->width, "x", matte->height,
                                              " but its truth is ", real->width, "x", real->height));
       Pair now{frame, std::move(*matte), std::move(*real)};
       const MatteScores s = score_matte(now.matte, now.truth);

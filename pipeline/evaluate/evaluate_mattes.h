@@ -23,7 +23,8 @@ struct CameraMatteScores {
   MatteEffort effort;  ///< from mattes/edits.json
 };
 
-/// Mattes of a take against true ones. `truth` holds <serial>/<frame>.png like mattes/; a camera or frame
+/// Mattes of a take, or of the labels that are chosen from it, against true ones. `truth` holds
+/// <serial>/<frame>.png, or <serial>/<label>/<frame>.png of each, like mattes/; a camera or frame
 /// without a truth is left out, NotFound when none is left. BadData for a matte of another size than its
 /// truth.
 Result<std::vector<CameraMatteScores>> evaluate_mattes(const capture::TakeReader& take,

@@ -8,6 +8,7 @@
 #include "core/file_presence.h"
 #include "core/mesh_io.h"
 #include "core/text.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/light_field.h"
 #include "pipeline/mesh_record.h"
@@ -70,7 +71,10 @@ namespace {
 
 Result<Mesh> hull_without(const capture::TakeReader& take, const Instant& instant, int held,
                           const std::vector<bool>& input, const Proxy& proxy) {
-  std::vector<Matte> mattes = instant.mattes;
+  Result<std::vector<Matte>> silhouettes =
+      silhouettes_of_labels(take, instant.frame, instant.mattes, proxy.hull.threads);
+  if (!silhouettes) return forward(silhouettes);
+  std::vector<Matte> mattes = std::move(*silhouettes);
   for (std::size_t i = 0; i < mattes.size(); ++i)
     if (!input[i] || static_cast<int>(i) == held) mattes[i] = {};
   recon::HullOptions options = proxy.hull;

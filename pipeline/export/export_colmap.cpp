@@ -28,7 +28,7 @@ Image with_alpha(const Image& rgb, const Image& alpha) {
   return out;
 }
 
-Result<PicturePaths> save_pictures(const Instant& instant, bool alpha, const fs::path& folder) {
+Result<PicturePaths> save_pictures(const StraightInstant& instant, bool alpha, const fs::path& folder) {
   for (const char* name : {"images", "masks"})
     if (Result<void> ok = make_folder(folder / name); !ok) return forward(ok);
   PicturePaths paths;
@@ -50,7 +50,7 @@ Result<PicturePaths> save_pictures(const Instant& instant, bool alpha, const fs:
   return paths;
 }
 
-std::vector<calib::ColmapPoint> points_of(const Instant& instant) {
+std::vector<calib::ColmapPoint> points_of(const StraightInstant& instant) {
   const SurfaceSights sights(instant);
   const std::vector<Rgb> colors = colors_of_vertices(instant, sights, instant.mesh);
   std::vector<calib::ColmapPoint> points;
@@ -75,7 +75,7 @@ std::string ply_of(const std::vector<calib::ColmapPoint>& points) {
   return ply;
 }
 
-Result<void> write_instant(const Instant& instant, bool alpha, const fs::path& folder,
+Result<void> write_instant(const StraightInstant& instant, bool alpha, const fs::path& folder,
                            ExportColmapReport& report) {
   const Result<PicturePaths> paths = save_pictures(instant, alpha, folder);
   if (!paths) return forward(paths);
@@ -98,7 +98,7 @@ Result<void> write_instant(const Instant& instant, bool alpha, const fs::path& f
 
 Result<ExportColmapReport> export_colmap(const ExportColmapOptions& options) {
   if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "there is no frame to export");
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = open_chosen(options.take, options.labels);
   if (!take) return forward(take);
   Result<UnfinishedFolder> out = UnfinishedFolder::begin(options.out);
   if (!out) return forward(out);
@@ -107,7 +107,7 @@ Result<ExportColmapReport> export_colmap(const ExportColmapOptions& options) {
   ProgressPart progress(options.progress, "frames", options.frames.size());
   for (const int frame : options.frames) {
     if (is_cancelled(options.progress)) return cancelled_unwritten();
-    const Result<Instant> instant = load_instant(**take, loader, frame, options.cameras);
+    const Result<StraightInstant> instant = load_straight_instant(**take, loader, frame, options.cameras);
     if (!instant) return forward(instant);
     char name[16] = "";
     if (options.frames.size() > 1) std::snprintf(name, sizeof name, "%06d", frame);

@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "core/result.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
 
 struct ExportColmapOptions {
   std::filesystem::path take;
+  LabelChoice labels = {};    ///< who of it: masks and points are theirs
   std::filesystem::path out;  ///< a folder that is not there yet, or empty
   std::vector<int> frames;    ///< at least one; of several each gets a folder, named by its number
   std::vector<std::string> cameras = {};  ///< serials; empty: all
@@ -33,7 +35,7 @@ struct ExportColmapReport {
 ///   transforms.json                the same cameras for nerfstudio and instant-ngp
 ///
 /// The points are the hull's vertices that at least two cameras see. Errors: of opening and of
-/// load_instant(); whole or not at all.
+/// load_straight_instant(); whole or not at all.
 Result<ExportColmapReport> export_colmap(const ExportColmapOptions& options);
 
 }  // namespace floatstage::pipeline

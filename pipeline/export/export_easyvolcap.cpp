@@ -23,7 +23,7 @@ std::string numbered(int instant, const char* extension) {
   return text(name, extension);
 }
 
-Result<void> make_folders(const Instant& instant, const fs::path& folder) {
+Result<void> make_folders(const StraightInstant& instant, const fs::path& folder) {
   if (Result<void> ok = make_folder(folder / "vhulls"); !ok) return ok;
   for (std::size_t c = 0; c < instant.rig.cameras.size(); ++c) {
     const std::string& serial = instant.rig.cameras[c].serial;
@@ -34,7 +34,8 @@ Result<void> make_folders(const Instant& instant, const fs::path& folder) {
   return {};
 }
 
-Result<void> write_instant(const Instant& instant, const fs::path& folder, ExportEasyVolcapReport& report) {
+Result<void> write_instant(const StraightInstant& instant, const fs::path& folder,
+                           ExportEasyVolcapReport& report) {
   if (Result<void> ok = make_folders(instant, folder); !ok) return ok;
   const std::string name = numbered(report.frames, ".png");
   std::vector<Result<void>> saved(instant.pictures.size());
@@ -66,7 +67,7 @@ Result<void> write_cameras(const Rig& rig, const fs::path& folder) {
 
 Result<ExportEasyVolcapReport> export_easyvolcap(const ExportEasyVolcapOptions& options) {
   if (options.frames.empty()) return fail(ErrorCode::InvalidArgument, "there is no frame to export");
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  Result<std::unique_ptr<capture::TakeReader>> take = open_chosen(options.take, options.labels);
   if (!take) return forward(take);
   Result<UnfinishedFolder> out = UnfinishedFolder::begin(options.out);
   if (!out) return forward(out);
@@ -75,7 +76,7 @@ Result<ExportEasyVolcapReport> export_easyvolcap(const ExportEasyVolcapOptions& 
   ProgressPart progress(options.progress, "frames", options.frames.size());
   for (const int frame : options.frames) {
     if (is_cancelled(options.progress)) return cancelled_unwritten();
-    const Result<Instant> instant = load_instant(**take, loader, frame, options.cameras);
+    const Result<StraightInstant> instant = load_straight_instant(**take, loader, frame, options.cameras);
     if (!instant) return forward(instant);
     progress.advance();
     if (instant->pictures.size() < cameras_of(**take, options.cameras)) {

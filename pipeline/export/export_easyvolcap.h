@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "core/result.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
 
 struct ExportEasyVolcapOptions {
   std::filesystem::path take;
+  LabelChoice labels = {};                ///< who of it: masks and points are theirs
   std::filesystem::path out;              ///< a folder that is not there yet, or empty
   std::vector<int> frames;                ///< at least one, in the order they are to have
   std::vector<std::string> cameras = {};  ///< serials; empty: all
@@ -30,7 +32,8 @@ struct ExportEasyVolcapReport {
 ///   vhulls/000000.ply              the hull of each, in metres
 ///
 /// Such a sequence has a picture of each camera at each instant: frames where one is missing are left out.
-/// Errors: of opening and of load_instant(); NotFound where no frame has all cameras; whole or not at all.
+/// Errors: of opening and of load_straight_instant(); NotFound where no frame has all cameras; whole or not
+/// at all.
 Result<ExportEasyVolcapReport> export_easyvolcap(const ExportEasyVolcapOptions& options);
 
 }  // namespace floatstage::pipeline

@@ -68,7 +68,7 @@ Result<void> check(const ExportLightFieldOptions& o) {
 
 Result<ExportLightFieldReport> export_light_field(const ExportLightFieldOptions& options) {
   if (Result<void> ok = check(options); !ok) return forward(ok);
-  const Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options.take);
+  const Result<std::unique_ptr<capture::TakeReader>> take = open_chosen(options.take, options.labels);
   if (!take) return forward(take);
   Result<UnfinishedFolder> out = UnfinishedFolder::begin(options.out);
   if (!out) return forward(out);

@@ -4,12 +4,14 @@
 
 #include "capture/take.h"
 #include "core/result.h"
+#include "pipeline/chosen_take.h"
 #include "pipeline/film.h"
 
 namespace floatstage::pipeline {
 
 struct ExportLightFieldOptions {
   std::filesystem::path take, out;  ///< `out`: a folder that is not there yet, or empty
+  LabelChoice labels = {};          ///< who of it
   int rows = 5, columns = 5;        ///< of views, 2 at least
   double baseline = 0.05;           ///< metres from each view to the next, along rows and columns
   PathKey middle;                   ///< where the grid's middle stands and looks, in the world

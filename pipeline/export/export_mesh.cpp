@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // How wide a pixel of the photograph that shows the subject largest is on it, metres.
-double finest_pixel(const Instant& instant) {
+double finest_pixel(const StraightInstant& instant) {
   const Eigen::Vector3d middle = bounding_box(instant.mesh).center().cast<double>();
   double finest = std::numeric_limits<double>::infinity();
   for (const RigCamera& camera : instant.rig.cameras)
@@ -37,7 +37,7 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-Result<ColoredMesh> colored(const Instant& instant, double spacing, double& metres) {
+Result<ColoredMesh> colored(const StraightInstant& instant, double spacing, double& metres) {
   if (instant.mesh.empty()) return ColoredMesh{};
   metres = spacing * finest_pixel(instant);
   // Triangles of halved sides are at least a quarter of the largest that fits.
@@ -63,7 +63,7 @@ Result<ExportMeshReport> each_frame(const ExportMeshOptions& options,
   ProgressPart progress(options.progress, "meshes", options.frames.size());
   for (const int frame : options.frames) {
     if (is_cancelled(options.progress)) return cancelled_unwritten();
-    const Result<Instant> instant = load_instant(**take, loader, frame);
+    const Result<StraightInstant> instant = load_straight_instant(**take, loader, frame);
     if (!instant) return forward(instant);
     double metres = report.spacing;
     Result<ColoredMesh> mesh = colored(*instant, options.spacing, metres);

@@ -28,8 +28,8 @@ struct ExportMeshReport {
 };
 
 /// Hulls with colours of the photographs at their vertices, cut fine enough to show what the photographs do
-/// (docs/adr/0244). Errors: of opening and of load_instant(); InvalidArgument for another extension, a
-/// spacing that is not above 0, or one that makes more than kMostTriangles of a frame; AlreadyExists. Whole
+/// (docs/adr/0244). Errors: of opening and of load_straight_instant(); InvalidArgument for another extension,
+/// a spacing that is not above 0, or one that makes more than kMostTriangles of a frame; AlreadyExists. Whole
 /// or not at all.
 Result<ExportMeshReport> export_mesh(const ExportMeshOptions& options);
 

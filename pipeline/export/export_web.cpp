@@ -155,7 +155,7 @@ Result<ExportWebReport> export_web(const ExportWebOptions& options) {
     ProgressPart progress(options.progress, "frames", options.frames.size());
     for (const int frame : options.frames) {
       if (is_cancelled(options.progress)) return cancelled_unwritten();
-      const Result<Instant> instant = load_instant(**take, loader, frame);
+      const Result<StraightInstant> instant = load_straight_instant(**take, loader, frame);
       if (!instant) return forward(instant);
       for (const Eigen::Vector3f& p : instant->mesh.positions) subject.extend(p.cast<double>());
       char name[24] = "";

@@ -37,7 +37,7 @@ struct ExportWebReport {
 /// A take as a page that any browser with WebGL 2 plays, from a disk or any server: meshes in 16 bits,
 /// photographs cut to the subject on a sheet a frame, drawn as `linear` does (docs/adr/0245), with its sound
 /// (docs/adr/0289). Frames at even distances play at the take's own speed. The folder holds all that it
-/// needs and asks for nothing else. Errors: of opening, of load_instant() and of FilmSounds::open();
+/// needs and asks for nothing else. Errors: of opening, of load_straight_instant() and of FilmSounds::open();
 /// InvalidArgument. Whole or not at all.
 Result<ExportWebReport> export_web(const ExportWebOptions& options);
 

@@ -25,8 +25,8 @@ Result<void> check_serials(const Rig& rig, const std::vector<std::string>& seria
 
 }  // namespace
 
-Result<Instant> load_instant(capture::TakeReader& take, SceneLoader& loader, int frame,
-                             const std::vector<std::string>& serials) {
+Result<StraightInstant> load_straight_instant(capture::TakeReader& take, SceneLoader& loader, int frame,
+                                              const std::vector<std::string>& serials) {
   if (Result<void> ok = check_serials(take.rig(), serials); !ok) return forward(ok);
   const Result<Rig> rig = rig_with_colors(take);
   if (!rig) return forward(rig);
@@ -40,7 +40,7 @@ Result<Instant> load_instant(capture::TakeReader& take, SceneLoader& loader, int
   if (used.empty())
     return fail(ErrorCode::NotFound, text("no camera has a picture of frame ", frame, " of ",
                                           take.layout().folder().string(), "; name others with --frames"));
-  Instant instant;
+  StraightInstant instant;
   instant.mesh = std::move(scene->mesh);
   instant.rig.cameras.resize(used.size());
   instant.pictures.resize(used.size());

@@ -86,7 +86,7 @@ void draw(const Image& photograph, const Image& matte, const SheetTile& tile, Im
 
 }  // namespace
 
-PhotoSheet photo_sheet(const Instant& instant, int longest) {
+PhotoSheet photo_sheet(const StraightInstant& instant, int longest) {
   PhotoSheet sheet;
   std::vector<std::optional<PixelBox>> parts;
   for (const RigCamera& camera : instant.rig.cameras) parts.push_back(part_of(camera, instant.mesh));

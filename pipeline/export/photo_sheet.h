@@ -22,6 +22,6 @@ struct PhotoSheet {
 };
 
 /// No side of a sheet is longer than `longest`: photographs are halved until they fit.
-PhotoSheet photo_sheet(const Instant& instant, int longest = 4096);
+PhotoSheet photo_sheet(const StraightInstant& instant, int longest = 4096);
 
 }  // namespace floatstage::pipeline

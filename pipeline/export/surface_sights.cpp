@@ -21,7 +21,7 @@ struct Shown {
   double density;
 };
 
-std::vector<Shown> photographs_of(const Instant& instant, const SurfaceSights& sights,
+std::vector<Shown> photographs_of(const StraightInstant& instant, const SurfaceSights& sights,
                                   const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
   std::vector<Shown> shown;
   for (std::size_t c = 0; c < instant.rig.cameras.size(); ++c) {
@@ -38,7 +38,7 @@ std::vector<Shown> photographs_of(const Instant& instant, const SurfaceSights& s
   return shown;
 }
 
-std::optional<Eigen::Vector3d> blended(const Instant& instant, const std::vector<Shown>& shown) {
+std::optional<Eigen::Vector3d> blended(const StraightInstant& instant, const std::vector<Shown>& shown) {
   const double last = shown.size() > kBlended ? shown[kBlended].density : 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double total = 0;
@@ -80,7 +80,8 @@ Rgb to_rgb8(const Eigen::Vector3d& color) {
 
 }  // namespace
 
-SurfaceSights::SurfaceSights(const Instant& instant) : instant_(instant), depth_(instant.rig.cameras.size()) {
+SurfaceSights::SurfaceSights(const StraightInstant& instant)
+    : instant_(instant), depth_(instant.rig.cameras.size()) {
   if (!instant.mesh.positions.empty())
     tolerance_ = kToleranceShare * static_cast<double>(bounding_box(instant.mesh).diagonal().norm());
   parallel_for(depth_.size(), 0,
@@ -125,7 +126,8 @@ std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh) {
   return normals;
 }
 
-std::vector<Rgb> colors_of_vertices(const Instant& instant, const SurfaceSights& sights, const Mesh& mesh) {
+std::vector<Rgb> colors_of_vertices(const StraightInstant& instant, const SurfaceSights& sights,
+                                    const Mesh& mesh) {
   const std::vector<Eigen::Vector3f> normals = vertex_normals(mesh);
   std::vector<std::optional<Eigen::Vector3d>> colors(mesh.positions.size());
   constexpr std::size_t kBlock = 1024;

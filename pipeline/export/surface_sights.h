@@ -18,7 +18,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 class SurfaceSights {
  public:
   /// `instant` outlives this. Draws one depth map a camera.
-  explicit SurfaceSights(const Instant& instant);
+  explicit SurfaceSights(const StraightInstant& instant);
 
   /// Where camera `camera` sees the point; nothing where it does not.
   std::optional<Eigen::Vector2d> see(std::size_t camera, const Eigen::Vector3d& point) const;
@@ -26,7 +26,7 @@ class SurfaceSights {
  private:
   bool is_nearest(std::size_t camera, const Eigen::Vector2d& pixel, double z) const;
 
-  const Instant& instant_;
+  const StraightInstant& instant_;
   std::vector<std::vector<float>> depth_;
   double tolerance_ = 0;  ///< metres
 };
@@ -38,6 +38,7 @@ std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh);
 /// that show most pixels of the place count, each by how many more pixels it has than the fourth, so that
 /// colours change without a step where one camera takes another's place. Where nobody sees the surface, the
 /// nearest colours along it.
-std::vector<Rgb> colors_of_vertices(const Instant& instant, const SurfaceSights& sights, const Mesh& mesh);
+std::vector<Rgb> colors_of_vertices(const StraightInstant& instant, const SurfaceSights& sights,
+                                    const Mesh& mesh);
 
 }  // namespace floatstage::pipeline

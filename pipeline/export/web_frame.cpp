@@ -39,7 +39,7 @@ std::string mesh_bytes(const Mesh& mesh, const Eigen::AlignedBox3f& box) {
   return out;
 }
 
-json tiles_of(const PhotoSheet& sheet, const Instant& instant, const Rig& rig) {
+json tiles_of(const PhotoSheet& sheet, const StraightInstant& instant, const Rig& rig) {
   json tiles = json::array();
   for (const RigCamera& camera : rig.cameras) {
     const int index = camera_index(instant.rig, camera.serial);
@@ -74,7 +74,7 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-std::string web_frame(const Instant& instant, const Rig& rig, int number, int quality) {
+std::string web_frame(const StraightInstant& instant, const Rig& rig, int number, int quality) {
   const Eigen::AlignedBox3f box = instant.mesh.positions.empty()
                                       ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero())
                                       : bounding_box(instant.mesh);

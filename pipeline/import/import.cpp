@@ -14,6 +14,7 @@
 #include "pipeline/import/contour_files.h"
 #include "pipeline/import/import_sound.h"
 #include "pipeline/import/matte_files.h"
+#include "pipeline/import/plate_files.h"
 #include "pipeline/light_field.h"
 #include "pipeline/progress.h"
 #include "pipeline/recorded_take.h"
@@ -370,6 +371,25 @@ Result<std::unique_ptr<GivenMattes>> given_mattes(const ImportOptions& options, 
   return std::unique_ptr<GivenMattes>(new MatteFiles(*std::move(found)));
 }
 
+// Photographs of the empty stage, in a take that has its pictures.
+Result<void> add_plates(const PlateFiles& plates, const ImportOptions& options, const Rig& rig,
+                        const fs::path& folder, ImportReport& report) {
+  std::vector<Result<void>> saved(rig.cameras.size());
+  ProgressPart progress(options.progress, "plates", rig.cameras.size());
+  parallel_for(rig.cameras.size(), options.threads, [&](std::size_t i) {
+    saved[i] = plates.save(i, rig.cameras[i], folder);
+    progress.advance();
+  });
+  for (std::size_t i = 0; i < saved.size(); ++i)
+    if (!saved[i])
+      return fail(saved[i].error().code,
+                  text("camera '", rig.cameras[i].serial, "': ", saved[i].error().message));
+  report.plates = static_cast<int>(rig.cameras.size() - plates.without().size());
+  for (const std::string& serial : plates.without())
+    report.notes.push_back(text("camera '", serial, "' has no plate"));
+  return {};
+}
+
 // Sensors' pixels are square, and a calibration that had too little to tell both focal lengths from makes up
 // others. Lenses and converters that squeeze pictures exist, so it is said and not refused.
 void note_odd_pixels(const Rig& rig, std::vector<std::string>& notes) {
@@ -411,6 +431,12 @@ Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
   if (options.label.empty()) options.label = plan->format;
   const Result<std::unique_ptr<GivenMattes>> mattes = given_mattes(options, *plan);
   if (!mattes) return forward(mattes);
+  std::optional<PlateFiles> plates;
+  if (!options.plates.empty()) {
+    Result<PlateFiles> found = PlateFiles::find(options.plates, plan->foreign);
+    if (!found) return forward(found);
+    plates = *std::move(found);
+  }
   Result<std::vector<PictureStream>> streams = open_streams(*plan, options.frames, options.threads);
   if (!streams) return forward(streams);
   ImportReport report;
@@ -433,6 +459,8 @@ Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
                       describe_world(*rig));
   report.mattes = *mattes != nullptr;
   for (const RigCamera& c : rig->cameras) report.serials.push_back(c.serial);
+  if (plates)
+    if (Result<void> ok = add_plates(*plates, options, *rig, folder, report); !ok) return forward(ok);
   if (options.sync) {
     if (Result<void> ok = write_synced(options, *plan, *rig, folder, report); !ok) return forward(ok);
     return report;
@@ -447,8 +475,8 @@ Result<ImportReport> fill(ImportOptions options, const fs::path& folder) {
 }  // namespace
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraSync, serial, seconds, events, spread)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImportReport, serials, frames, gaps, mattes, sounds, sync, notes, world,
-                                   format)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImportReport, serials, frames, gaps, mattes, plates, sounds, sync, notes,
+                                   world, format)
 
 Result<ImportReport> import_take(const ImportOptions& options) {
   if (!options.mattes.empty() && !options.contours.empty())

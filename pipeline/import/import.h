@@ -32,6 +32,7 @@ struct ImportOptions {
                                    ///< where `pictures` is empty and none are beside the calibration
   std::filesystem::path contours;  ///< others' contours instead (ContourFiles); empty: none
   ContourOptions contour_options;
+  std::filesystem::path plates;      ///< photographs of the empty stage (PlateFiles); empty: none
   std::filesystem::path out;         ///< the new take's folder
   std::vector<std::string> cameras;  ///< serials to take; empty: all
   OtherSize other_size = OtherSize::Refuse;
@@ -54,6 +55,7 @@ struct ImportReport {
   int frames = 0;                    ///< instants
   int gaps = 0;                      ///< frames missing because a camera has fewer than the others
   bool mattes = false;
+  int plates = 0;                  ///< cameras with photographs of the empty stage
   int sounds = 0;                  ///< sound tracks
   std::vector<CameraSync> sync;    ///< with `sync`: what was measured, one a camera
   std::vector<std::string> notes;  ///< sentences about what was left out or assumed

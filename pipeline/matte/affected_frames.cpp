@@ -8,9 +8,10 @@ namespace {
 
 using Strokes = std::map<int, std::vector<MatteStroke>>;
 
+// Whose a stroke is says nothing of opacity.
 Strokes strokes_of(const CameraEdits& edits) {
   Strokes all;
-  for (const MatteKeyframe& k : edits.keyframes)
+  for (const MatteKeyframe& k : without_subjects(edits).keyframes)
     if (!k.strokes.empty()) all[k.frame] = k.strokes;
   return all;
 }
@@ -40,7 +41,7 @@ void mark(std::vector<bool>& frames, int first, int last) {
 bool same_strokes(const CameraEdits& a, const CameraEdits& b) { return strokes_of(a) == strokes_of(b); }
 
 MatteKeyframe seed_of(const CameraEdits& edits) {
-  for (const MatteKeyframe& k : edits.keyframes)
+  for (const MatteKeyframe& k : without_subjects(edits).keyframes)
     for (const MatteStroke& s : k.strokes)
       if (s.label == MatteLabel::Foreground) return {k.frame, {s}};
   return {};

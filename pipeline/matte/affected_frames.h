@@ -7,6 +7,8 @@
 
 namespace floatstage::pipeline {
 
+// None of these asks whose a stroke is: that concerns labels, not mattes.
+
 /// Whether both say the same by strokes, frame by frame, whatever their masks.
 bool same_strokes(const CameraEdits& a, const CameraEdits& b);
 

@@ -18,8 +18,10 @@
 #include "pipeline/matte/affected_frames.h"
 #include "pipeline/matte/camera_plate.h"
 #include "pipeline/matte/matte_how.h"
+#include "pipeline/matte/plate_correction.h"
 #include "pipeline/matte/quick_keyer.h"
 #include "pipeline/matte/take_clip.h"
+#include "pipeline/take_plates.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -27,34 +29,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMostSubject = 0.6;  // of a picture that was taken before cloth
-std::vector<fs::path> plate_files(const capture::TakeReader& take, int camera) {
-  const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
-  std::vector<fs::path> files;
-  const fs::path one = take.layout().plate(serial), folder = one.parent_path() / serial;
-  if (is_there(one)) files.push_back(one);
-  std::error_code none;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none))
-    if (entry.path().extension() == ".png") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 bool clicked(const CameraEdits& edits) { return !seed_of(edits).strokes.empty(); }
 
-Result<std::vector<Image>> plates_of(const capture::TakeReader& take, int camera) {
-  std::vector<Image> plates;
-  const Result<capture::AddedFile> added = capture::load_added(take.layout());
-  if (!added) return forward(added);
-  const AddedContent hidden = added->of(take.rig().cameras[static_cast<std::size_t>(camera)].serial);
-  for (const fs::path& file : plate_files(take, camera)) {
-    Result<Image> plate = load_png(file);
-    if (!plate) return forward(plate);
-    if (plate->channels != 3)
-      return fail(ErrorCode::BadData,
-                  text(file.string(), " is not an RGB picture; a plate is a photograph of the empty stage"));
-    plates.push_back(without(hidden, std::move(*plate)));
-  }
-  return plates;
+bool in_colour(const std::vector<Image>& pictures) {
+  return std::all_of(pictures.begin(), pictures.end(), [](const Image& p) { return p.channels == 3; });
 }
 
 // A blue mat on the floor is no studio: there, most of the picture would be subject.
@@ -135,8 +114,11 @@ Result<CameraKey> CameraKey::guided(const capture::TakeReader& take, int camera,
 Result<CameraKey> CameraKey::keyed(capture::TakeReader& take, int camera, const std::string& spec) {
   Result<std::unique_ptr<matting::Keyer>> keyer = keyer_for(take, camera, spec);
   if (!keyer) return forward(keyer);
+  Result<std::shared_ptr<const PlateCorrection>> correction = PlateCorrection::of(take, camera, **keyer);
+  if (!correction) return forward(correction);
   CameraKey key;
   key.kind_ = Kind::Keyer;
+  key.correction_ = *std::move(correction);
   key.spec_ = (*keyer)->spec();
   key.keyer_ = std::make_shared<QuickKeyer>(std::move(*keyer));
   return key;
@@ -145,6 +127,10 @@ Result<CameraKey> CameraKey::keyed(capture::TakeReader& take, int camera, const 
 Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, std::optional<double> deviations) {
   Result<std::vector<Image>> shot = plates_of(take, camera);
   if (!shot) return forward(shot);
+  if (!in_colour(*shot))
+    return fail(ErrorCode::BadData,
+                text(plate_files(take, camera).front().string(),
+                     " is not an RGB picture; a plate is a photograph of the empty stage in colour"));
   Result<CameraPlate> plate = plate_of(take, camera, *shot, deviations);
   if (!plate) return forward(plate);
   CameraKey key;
@@ -153,6 +139,7 @@ Result<CameraKey> CameraKey::plate(capture::TakeReader& take, int camera, std::o
   key.plate_ = std::make_shared<matting::Plate>(std::move(plate->plate));
   key.keyer_ = std::make_shared<QuickKeyer>(std::move(plate->keyer));
   key.unseen_ = plate->unseen;
+  key.found_ = shot->empty();
   return key;
 }
 
@@ -255,7 +242,7 @@ Result<Image> CameraKey::key(const Frame& photograph, int frame) const {
   if (keyer_) {
     Result<Matte> matte = keyer_->key(photograph);
     if (!matte) return forward(matte);
-    return to_image(*matte);
+    return correction_ ? correction_->correct(photograph, to_image(*matte)) : to_image(*matte);
   }
   if (!is_there(guide_ / name)) return Image();
   return matte_in(guide_ / name, photograph);

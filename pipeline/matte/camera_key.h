@@ -15,6 +15,7 @@
 
 namespace floatstage::pipeline {
 
+class PlateCorrection;
 class QuickKeyer;
 
 /// What first says, photograph by photograph of one camera, what is subject: somebody else's mattes, a keyer,
@@ -30,8 +31,9 @@ class CameraKey {
   /// Another program's mattes as PNG: <guide>/<serial>/<frame>.png. NotFound when the camera has none.
   static Result<CameraKey> guided(const capture::TakeReader& take, int camera,
                                   const std::filesystem::path& guide);
-  /// By a keyer's word: "chroma", "luminance:30". NotFound when neither plate nor photographs show green or
-  /// blue cloth at their borders to "chroma"; InvalidArgument for a parameter that cannot be.
+  /// By a keyer's word: "chroma", "luminance:30"; where a plate was shot, corrected by it (PlateCorrection).
+  /// NotFound when neither plate nor photographs show green or blue cloth at their borders to "chroma";
+  /// InvalidArgument for a parameter that cannot be.
   static Result<CameraKey> keyed(capture::TakeReader& take, int camera, const std::string& spec);
   /// From plates/<serial>.png and plates/<serial>/*.png where they were shot, else found behind the
   /// performance in `photographs` of its pictures, and learnt again without what the first plate keys.
@@ -69,6 +71,7 @@ class CameraKey {
   /// Share of the subject that stands where no photograph shows the place without it: a plate that was found
   /// knows nothing there. 0 for other keys.
   double unseen() const { return unseen_; }
+  bool found() const { return found_; }  ///< a plate that nobody shot, found behind the performance
 
   /// Does now what the first key() would wait for. InvalidArgument when no click marks the subject;
   /// Cancelled.
@@ -84,10 +87,12 @@ class CameraKey {
   Kind kind_ = Kind::None;
   bool uses_strokes_ = false;
   double unseen_ = 0;
+  bool found_ = false;
   std::string spec_, reason_;
   std::filesystem::path guide_;  // a folder with <frame>.png
   std::filesystem::path given_;  // likewise, or nothing
   std::shared_ptr<QuickKeyer> keyer_;
+  std::shared_ptr<const PlateCorrection> correction_;  // null without
   std::shared_ptr<const matting::Plate> plate_;
   struct Cut;
   std::shared_ptr<Cut> cut_;

@@ -1,6 +1,7 @@
 #include "pipeline/matte/camera_matting.h"
 
 #include <algorithm>
+#include <set>
 #include <span>
 
 #include "core/png.h"
@@ -91,16 +92,21 @@ Result<Image> CameraMatting::finished(const std::string& method, const Image& rg
   return matte;
 }
 
+std::optional<Result<Image>> CameraMatting::compared(int frame) const {
+  const auto made = compared_.find(frame);
+  if (made == compared_.end() || !edits_.masks.empty()) return std::nullopt;
+  return decode_png(std::as_bytes(std::span(made->second)), text("frame ", frame));
+}
+
 Result<CameraMatting::Shot> CameraMatting::shot(int frame) const {
   Result<Frame> photograph = take_->frame(camera_, frame);
   if (!photograph) return forward(photograph);
   if (photograph->empty()) return Shot();
   Result<Image> rgb = to_rgb(*photograph);
   if (!rgb) return forward(rgb);
-  if (const auto made = compared_.find(frame); made != compared_.end() && edits_.masks.empty()) {
-    Result<Image> base = decode_png(std::as_bytes(std::span(made->second)), text("frame ", frame));
-    if (!base) return forward(base);
-    return Shot{std::move(*rgb), std::move(*base)};
+  if (std::optional<Result<Image>> base = compared(frame)) {
+    if (!*base) return forward(*base);
+    return Shot{std::move(*rgb), std::move(**base)};
   }
   Result<Image> key = key_.key(*photograph, frame);
   if (!key) return forward(key);
@@ -113,6 +119,11 @@ Result<CameraMatting::Shot> CameraMatting::shot(int frame) const {
 }
 
 Result<CameraMatting::Link> CameraMatting::matte(int frame, const Link& previous) const {
+  if (!follows())  // the photograph says nothing that was not said when it was compared
+    if (std::optional<Result<Image>> base = compared(frame)) {
+      if (!*base) return forward(*base);
+      return Link{frame, std::move(**base)};
+    }
   Result<Shot> now = shot(frame);
   if (!now) return forward(now);
   if (now->base.empty() || !follows()) return Link{frame, std::move(now->base)};
@@ -125,7 +136,9 @@ Result<CameraMatting::Link> CameraMatting::matte(int frame, const Link& previous
     if (!neighbour->base.empty())
       carried = matting::carried_guidance(neighbour->rgb, neighbour->base, previous.matte, now->rgb, base);
   }
-  return guided(frame, now->rgb, base, masks(frame, now->rgb), carried);
+  Result<Link> made = guided(frame, now->rgb, base, masks(frame, now->rgb), carried);
+  if (made) made->ended = ended(carried, previous.frame, *made);
+  return made;
 }
 
 Result<CameraMatting::Link> CameraMatting::guided(int frame, const Image& rgb, Image base) const {
@@ -143,6 +156,7 @@ Result<CameraMatting::Link> CameraMatting::guided(int frame, const Image& rgb, I
     if (made->effects[i] != matting::StrokeEffect::Acted)
       link.idle.push_back(idle(frame, i, made->effects[i]));
   std::erase(link.idle, "");
+  link.guided = link.matte != link.base;
   return link;
 }
 
@@ -152,6 +166,7 @@ void CameraMatting::mask(int frame, Image& matte) const { overrule(masks(frame, 
 std::string CameraMatting::idle(int frame, std::size_t stroke, matting::StrokeEffect effect) const {
   const std::vector<MatteStroke> all = strokes(frame);
   const MatteStroke& said = all[stroke];
+  if (!said.subject.empty() && effect != matting::StrokeEffect::Outside) return {};  // it says who is who
   const MatteKeyframe seed = seed_of({{{frame, all}}, {}});
   const bool seeds = key_.kind() == CameraKey::Kind::None ||
                      (key_.kind() == CameraKey::Kind::Cut && frame == seed_of(edits_).frame);
@@ -161,6 +176,26 @@ std::string CameraMatting::idle(int frame, std::size_t stroke, matting::StrokeEf
               effect == matting::StrokeEffect::Outside
                   ? "it lies outside of the photograph"
                   : text("all that it marks is ", side, " already, or under a mask"));
+}
+
+// One sentence a side, of its largest piece.
+std::vector<std::string> CameraMatting::ended(const matting::CarriedGuidance& carried, int from,
+                                              const Link& made) const {
+  std::vector<std::string> sentences;
+  if (carried.followed.empty()) return sentences;
+  Image said(made.base.width, made.base.height, 1, 128);
+  paint_strokes(strokes(made.frame), 1, said);
+  paint_masks(edits_.masks, made.frame, 1, said);
+  std::set<MatteLabel> named;
+  for (const matting::EndedChange& change : matting::ended_changes(carried, made.base, made.matte, said)) {
+    if (!named.insert(change.said).second) continue;
+    const bool subject = change.said == MatteLabel::Foreground;
+    sentences.push_back(
+        text("what a stroke made ", subject ? "subject" : "background", " is followed no further than frame ",
+             from, ": at ", static_cast<int>(change.at.x()), ",", static_cast<int>(change.at.y()),
+             " something hides it or cannot be told from it; click there again in this frame"));
+  }
+  return sentences;
 }
 
 Result<std::string> CameraMatting::chosen_method() {

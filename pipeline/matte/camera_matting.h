@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,7 +32,10 @@ class CameraMatting {
     Image base = {};  ///< what it was before strokes, or empty: matte() makes it again where it is needed
     bool changed = false;  ///< whether it differs from the one that was there before, for those who make only
                            ///< some again
-    std::vector<std::string> idle = {};  ///< sentences: strokes that change nothing in it
+    std::vector<std::string> idle = {};   ///< sentences: strokes that change nothing in it
+    std::vector<std::string> ended = {};  ///< sentences: what was changed in the neighbour and could not be
+                                          ///< followed into it
+    bool guided = false;                  ///< whether strokes, its own or others', make it another one
   };
 
   /// The matte of a frame; empty for a gap. `previous`: the neighbouring frame that was made before, or none:
@@ -65,6 +69,8 @@ class CameraMatting {
     Image rgb, base;  // empty for a gap
   };
   Result<Shot> shot(int frame) const;
+  /// Of a frame that `auto` compared methods by: what the chosen one made of it.
+  std::optional<Result<Image>> compared(int frame) const;
   Result<Link> guided(int frame, const Image& rgb, Image base, const Image& fixed,
                       const matting::CarriedGuidance& carried) const;
   Result<Image> finished(const std::string& method, const Image& rgb, const Image& key,
@@ -73,6 +79,7 @@ class CameraMatting {
   Image masks(int frame, const Image& rgb) const;
   std::vector<MatteStroke> strokes(int frame) const;
   std::string idle(int frame, std::size_t stroke, matting::StrokeEffect effect) const;
+  std::vector<std::string> ended(const matting::CarriedGuidance& carried, int from, const Link& made) const;
 
   capture::TakeReader* take_;
   int camera_;

@@ -10,6 +10,7 @@
 #include "matting/view_colors.h"
 #include "matting/view_cut.h"
 #include "pipeline/matte/consistent_verdict.h"
+#include "pipeline/matte/corrected_key.h"
 #include "recon/occupancy.h"
 #include "recon/shared_view.h"
 
@@ -20,6 +21,7 @@ using matting::Certain;
 using recon::OccupancyGrid;
 
 constexpr float kColor = 4;           // log-odds at most by colours …
+constexpr float kKey = 1;             // … of a key's word, beside colours and the others' word
 constexpr float kBeforeStill = 0.5f;  // … of which so much counts where a backdrop stands still …
 constexpr float kMostOthers = 2, kLeastOthers = -4;  // … and by what the others say
 constexpr double kAllAgree = 1.5;                    // log-odds of a place that all others hold for subject
@@ -27,19 +29,44 @@ constexpr double kFirstNovelty = 0.2, kNovelty = 0.05;  // of the subject's colo
 constexpr double kBorder = 0.06;  // of the shorter side: held for background where nothing is known yet
 constexpr double kCore = 0.4, kAround = 0.8;  // of the shared ball: where the subject is looked for first
 constexpr double kNearBorder = 0.1, kFarFromBorder = 0.5;  // of the edges that enclose the core
-constexpr double kMargin = 0.2;      // of the subject's size: space around it that stays in question
-constexpr double kSettled = 0.0005;  // share of pixels: less change than that, and the turns end
-constexpr int kGridTurns = 2;        // turns after which the grid is laid closer around the subject
+constexpr double kMargin = 0.2;        // of the subject's size: space around it that stays in question
+constexpr double kSettled = 0.0005;    // share of pixels: less change than that, and the turns end
+constexpr int kNear = 3;               // px at the turns' size: too near the subject to be held for backdrop
+constexpr double kBridged = 1.0 / 30;  // of the longer side: half of a gap in him that is bridged
+constexpr int kKeyTurns = 4;           // at most, where keys begin
+constexpr int kGridTurns = 2;          // turns after which the grid is laid closer around the subject
 
 struct View {
   int w = 0, h = 0;
   Image small, label;
-  std::vector<float> still, odds, others, share;
+  std::vector<float> still, keyed, odds, others, share;
   std::vector<Certain> certain;
   std::optional<matting::StillBackdrop> backdrop;
   bool there() const { return !small.empty(); }
   std::size_t pixels() const { return static_cast<std::size_t>(w) * static_cast<std::size_t>(h); }
 };
+
+// By a square.
+Image grown(const Image& mask, int r) {
+  Image from = mask;
+  for (const bool across : {true, false}) {
+    Image to = from;
+    for (int y = 0; y < mask.height; ++y)
+      for (int x = 0; x < mask.width; ++x)
+        for (int s = -r; s <= r && !*to.at(x, y); ++s) {
+          const int qx = x + (across ? s : 0), qy = y + (across ? 0 : s);
+          if (qx >= 0 && qy >= 0 && qx < mask.width && qy < mask.height && *from.at(qx, qy))
+            *to.at(x, y) = 255;
+        }
+    from = std::move(to);
+  }
+  return from;
+}
+
+Image inverted(Image mask) {
+  for (std::uint8_t& v : mask.pixels) v = v ? 0 : 255;
+  return mask;
+}
 
 Result<void> in_range(bool ok, const char* what) {
   if (!ok) return fail(ErrorCode::InvalidArgument, what);
@@ -81,20 +108,40 @@ struct ConsistentMatting::Impl {
     return 0.5 * std::log(1 / recon::OccupancyOptions().seen_anyway) * static_cast<double>(there - 1);
   }
 
+  Result<void> check_backdrop(int camera, const std::vector<Image>& pictures) const;
+  Result<void> keep(int camera, Result<matting::StillBackdrop> backdrop);
   Result<void> look(std::span<const Image> pictures, std::span<const Image> said);
+  void see(std::size_t camera, const Image& picture);
   void begin();
+  void believe(std::span<const Image> keys);
   void begin_view(std::size_t camera, View& view) const;
   void learn(double novelty);
   void weigh_colors();
   void ask_others();
   double cut();
+  Result<int> take_turns(const std::function<bool()>& go_on);
   void lay_grid(const Eigen::AlignedBox3d& box) {
     grid = std::make_unique<OccupancyGrid>(rig, box, options.voxels, sizes, shared.seen_by, options.threads);
   }
   void close_in();
   void follow();
+  void judge_views(ConsistentMattes& out) const;
   Result<std::vector<Image>> finish(std::span<const Image> pictures, std::span<const Image> said) const;
 };
+
+Result<void> ConsistentMatting::Impl::check_backdrop(int camera, const std::vector<Image>& pictures) const {
+  const View& v = views.at(static_cast<std::size_t>(camera));
+  for (const Image& p : pictures)
+    if (p.width != v.w || p.height != v.h || p.channels != 3)
+      return fail(ErrorCode::InvalidArgument, text("a backdrop's pictures are RGB and ", v.w, "x", v.h));
+  return {};
+}
+
+Result<void> ConsistentMatting::Impl::keep(int camera, Result<matting::StillBackdrop> backdrop) {
+  if (!backdrop) return forward(backdrop);
+  views.at(static_cast<std::size_t>(camera)).backdrop = std::move(*backdrop);
+  return {};
+}
 
 Result<void> ConsistentMatting::Impl::look(std::span<const Image> pictures, std::span<const Image> said) {
   if (pictures.size() != views.size() || (!said.empty() && said.size() != views.size()))
@@ -116,10 +163,8 @@ Result<void> ConsistentMatting::Impl::look(std::span<const Image> pictures, std:
   if (there < 2) return fail(ErrorCode::BadData, "fewer than two cameras have a photograph of this instant");
   parallel_for(views.size(), options.threads, [&](std::size_t i) {
     View& v = views[i];
-    v.small = pictures[i].empty() ? Image() : matting::shrunk(pictures[i], v.w, v.h);
-    v.certain.clear();
+    see(i, pictures[i]);
     if (!v.there()) return;
-    v.still = v.backdrop ? v.backdrop->odds(v.small) : std::vector<float>();
     if (said.empty() || said[i].empty()) return;
     v.certain.assign(v.pixels(), Certain::No);
     for (int y = 0; y < said[i].height; ++y)
@@ -132,6 +177,14 @@ Result<void> ConsistentMatting::Impl::look(std::span<const Image> pictures, std:
       }
   });
   return {};
+}
+
+void ConsistentMatting::Impl::see(std::size_t camera, const Image& picture) {
+  View& v = views[camera];
+  v.small = picture.empty() ? Image() : matting::shrunk(picture, v.w, v.h);
+  v.certain.clear();
+  v.keyed.clear();
+  v.still = v.there() && v.backdrop ? v.backdrop->odds(v.small) : std::vector<float>();
 }
 
 // Before anything was cut: the border is background, and so is what hardly an edge separates from it; what
@@ -159,7 +212,8 @@ void ConsistentMatting::Impl::begin_view(std::size_t camera, View& v) const {
       v.share[p] = 0;
     else if (off[p] < kAround * shared.radius && edges[p] > kFarFromBorder * enclosed)
       v.share[p] = 1;
-    if (!v.still.empty()) v.share[p] = v.still[p] > 0 && off[p] < 2 * shared.radius ? 1 : 0;
+    if (!v.still.empty() && v.backdrop->knows(p))
+      v.share[p] = v.still[p] > 0 && off[p] < 2 * shared.radius ? 1 : 0;
     if (!v.certain.empty() && v.certain[p] != Certain::No) v.share[p] = v.certain[p] == Certain::Subject;
   }
 }
@@ -169,6 +223,22 @@ void ConsistentMatting::Impl::begin() {
   each([&](std::size_t i, View& v) {
     v.label = {};
     begin_view(i, v);
+  });
+}
+
+// What keys have told is where the turns begin, and counts in each of them.
+void ConsistentMatting::Impl::believe(std::span<const Image> keys) {
+  lay_grid(shared.box);
+  each([&](std::size_t i, View& v) {
+    v.label = {};
+    v.share.assign(v.pixels(), -1);
+    v.keyed.assign(v.pixels(), 0);
+    if (keys[i].empty()) return;
+    const Image small = matting::shrunk(keys[i], v.w, v.h);
+    for (std::size_t p = 0; p < v.keyed.size(); ++p) {
+      v.share[p] = static_cast<float>(small.pixels[p]) / 255;
+      v.keyed[p] = kKey * (2 * v.share[p] - 1);
+    }
   });
 }
 
@@ -187,8 +257,10 @@ void ConsistentMatting::Impl::weigh_colors() {
     v.odds = colors->odds(static_cast<int>(i), v.small);
     for (std::size_t p = 0; p < v.odds.size(); ++p) {
       const float by_color = std::clamp(v.odds[p], -kColor, kColor);
-      v.odds[p] =
-          v.still.empty() ? by_color : std::clamp(kBeforeStill * by_color + v.still[p], -kColor, kColor);
+      v.odds[p] = v.still.empty() || !v.backdrop->knows(p)
+                      ? by_color
+                      : std::clamp(kBeforeStill * by_color + v.still[p], -kColor, kColor);
+      if (!v.keyed.empty()) v.odds[p] = std::clamp(v.odds[p] + v.keyed[p], -kColor, kColor);
       if (!v.certain.empty() && v.certain[p] != Certain::No)
         v.odds[p] = v.certain[p] == Certain::Subject ? kColor : -kColor;
     }
@@ -247,6 +319,30 @@ void ConsistentMatting::Impl::follow() {
   if (!grid->box().contains(around(kMargin / 2))) lay_grid(around(kMargin));
 }
 
+// Of the pictures that were looked at; the next instant begins with what these leave.
+Result<int> ConsistentMatting::Impl::take_turns(const std::function<bool()>& go_on) {
+  const bool first = !colors;
+  if (first) begin();
+  int turns = 0;
+  for (double changed = 1; turns < (first ? options.turns : options.later_turns) && changed > kSettled;) {
+    if (go_on && !go_on()) return fail(ErrorCode::Cancelled, "stopped while the views were made consistent");
+    if (first || turns > 0) learn(first && turns == 0 ? kFirstNovelty : kNovelty);
+    weigh_colors();
+    ask_others();
+    changed = cut();
+    if (++turns <= kGridTurns && first) close_in();
+  }
+  learn(kNovelty);
+  follow();
+  return turns;
+}
+
+void ConsistentMatting::Impl::judge_views(ConsistentMattes& out) const {
+  std::vector<ViewEvidence> evidence;
+  for (const View& v : views) evidence.push_back({v.there() ? v.label : Image(), v.odds, v.others});
+  judge(rig, shared, evidence, out);
+}
+
 Result<std::vector<Image>> ConsistentMatting::Impl::finish(std::span<const Image> pictures,
                                                            std::span<const Image> said) const {
   std::vector<Result<Image>> made(pictures.size(), Image());
@@ -300,15 +396,43 @@ Eigen::Vector2i ConsistentMatting::working_size(int camera) const {
   return impl_->sizes.at(static_cast<std::size_t>(camera));
 }
 
-Result<void> ConsistentMatting::learn_backdrop(int camera, const std::vector<Image>& pictures) {
-  View& v = impl_->views.at(static_cast<std::size_t>(camera));
-  for (const Image& p : pictures)
-    if (p.width != v.w || p.height != v.h || p.channels != 3)
-      return fail(ErrorCode::InvalidArgument, text("a backdrop's pictures are RGB and ", v.w, "x", v.h));
-  Result<matting::StillBackdrop> backdrop = matting::StillBackdrop::learn(pictures);
-  if (!backdrop) return forward(backdrop);
-  v.backdrop = std::move(*backdrop);
-  return {};
+Result<void> ConsistentMatting::learn_backdrop(int camera, const std::vector<Image>& pictures,
+                                               const std::vector<Image>& subjects) {
+  if (Result<void> ok = impl_->check_backdrop(camera, pictures); !ok) return ok;
+  return impl_->keep(camera, matting::StillBackdrop::learn(pictures, subjects));
+}
+
+Result<void> ConsistentMatting::learn_empty_stage(int camera, const std::vector<Image>& pictures) {
+  if (Result<void> ok = impl_->check_backdrop(camera, pictures); !ok) return ok;
+  return impl_->keep(camera, matting::StillBackdrop::of_empty_stage(pictures));
+}
+
+Result<std::vector<Image>> ConsistentMatting::surroundings(std::span<const Image> pictures, Margin margin,
+                                                           const std::function<bool()>& go_on) {
+  Impl& m = *impl_;
+  if (pictures.size() != m.views.size())
+    return fail(ErrorCode::InvalidArgument,
+                text("there are ", m.views.size(), " cameras, not ", pictures.size()));
+  int there = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const View& v = m.views[i];
+    there += !pictures[i].empty();
+    if (!pictures[i].empty() &&
+        (pictures[i].width != v.w || pictures[i].height != v.h || pictures[i].channels != 3))
+      return fail(ErrorCode::InvalidArgument, text("these pictures are RGB and ", v.w, "x", v.h));
+  }
+  if (there < 2) return fail(ErrorCode::BadData, "fewer than two cameras have a photograph of this instant");
+  parallel_for(pictures.size(), m.options.threads, [&](std::size_t i) { m.see(i, pictures[i]); });
+  if (Result<int> turns = m.take_turns(go_on); !turns) return forward(turns);
+  std::vector<Image> near(pictures.size());
+  m.each([&](std::size_t i, View& v) {
+    const int wide = static_cast<int>(std::lround(kBridged * std::max(v.w, v.h)));
+    if (margin == Margin::Bridged && wide > kNear)
+      near[i] = inverted(grown(inverted(grown(v.label, wide)), wide - kNear));
+    else
+      near[i] = grown(v.label, kNear);
+  });
+  return near;
 }
 
 void ConsistentMatting::forget() {
@@ -321,27 +445,46 @@ Result<ConsistentMattes> ConsistentMatting::matte(std::span<const Image> picture
                                                   const std::function<bool()>& go_on) {
   Impl& m = *impl_;
   if (Result<void> ok = m.look(pictures, said); !ok) return forward(ok);
-  const bool first = !m.colors;
-  if (first) m.begin();
   ConsistentMattes out;
-  for (double changed = 1;
-       out.turns < (first ? m.options.turns : m.options.later_turns) && changed > kSettled;) {
-    if (go_on && !go_on()) return fail(ErrorCode::Cancelled, "stopped while the views were made consistent");
-    if (first || out.turns > 0) m.learn(first && out.turns == 0 ? kFirstNovelty : kNovelty);
-    m.weigh_colors();
-    m.ask_others();
-    changed = m.cut();
-    if (++out.turns <= kGridTurns && first) m.close_in();
-  }
-  m.learn(kNovelty);
-  m.follow();
-  std::vector<ViewEvidence> evidence;
-  for (const View& v : m.views) evidence.push_back({v.there() ? v.label : Image(), v.odds, v.others});
-  judge(m.rig, m.shared, evidence, out);
+  const Result<int> turns = m.take_turns(go_on);
+  if (!turns) return forward(turns);
+  out.turns = *turns;
+  m.judge_views(out);
   if (Result<std::vector<Image>> mattes = m.finish(pictures, said); mattes)
     out.mattes = std::move(*mattes);
   else
     return forward(mattes);
+  return out;
+}
+
+Result<ConsistentMattes> ConsistentMatting::reconcile(std::span<const Image> pictures,
+                                                      std::span<const Image> keys) {
+  Impl& m = *impl_;
+  if (keys.size() != m.views.size())
+    return fail(ErrorCode::InvalidArgument,
+                text("there are ", m.views.size(), " cameras, not ", keys.size()));
+  if (Result<void> ok = m.look(pictures, keys); !ok) return forward(ok);
+  for (View& v : m.views) v.certain.clear();  // keys are no certainty
+  m.believe(keys);
+  ConsistentMattes out;
+  for (double changed = 1; out.turns < kKeyTurns && changed > kSettled;) {
+    m.learn(kNovelty);
+    m.weigh_colors();
+    m.ask_others();
+    changed = m.cut();
+    if (++out.turns <= kGridTurns) m.close_in();
+  }
+  m.judge_views(out);
+  forget();
+  std::vector<Result<Image>> corrected(keys.size(), Image());
+  parallel_for(keys.size(), m.options.threads, [&](std::size_t i) {
+    if (!keys[i].empty() && m.views[i].there())
+      corrected[i] = corrected_key(pictures[i], keys[i], m.views[i].label);
+  });
+  for (Result<Image>& one : corrected) {
+    if (!one) return forward(one);
+    out.mattes.push_back(std::move(*one));
+  }
   return out;
 }
 

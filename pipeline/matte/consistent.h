@@ -71,8 +71,23 @@ class ConsistentMatting {
   /// Pixels of a camera's picture in the turns.
   Eigen::Vector2i working_size(int camera) const;
   /// What a still camera saw at other instants, at least two, of its working size: what moves then counts as
-  /// more likely subject. Errors: InvalidArgument.
-  Result<void> learn_backdrop(int camera, const std::vector<Image>& pictures);
+  /// more likely subject. `subjects`: empty, or where the subject is or may be in each of them (not 0): what
+  /// was never seen without him is not known, and says nothing. Errors: InvalidArgument.
+  Result<void> learn_backdrop(int camera, const std::vector<Image>& pictures,
+                              const std::vector<Image>& subjects = {});
+  /// What a still camera sees of the empty stage, of its working size, one picture or more: surer than what
+  /// is learnt of other instants, and in its place. Errors: InvalidArgument.
+  Result<void> learn_empty_stage(int camera, const std::vector<Image>& pictures);
+  /// How far from what a cut holds for subject a place is still no backdrop.
+  enum class Margin {
+    Bridged,  ///< some pixels off it, and what it surrounds, as shorts between a trunk and legs
+    Close,    ///< some pixels off it
+  };
+  /// Where the subject is or may be at an instant: of each camera a mask (255) of its working size, as are
+  /// `pictures`; empty for those without one. The next instant begins with what is left, as after matte().
+  /// Errors as of matte().
+  Result<std::vector<Image>> surroundings(std::span<const Image> pictures, Margin margin,
+                                          const std::function<bool()>& go_on = nullptr);
   /// The next instant begins as if it were the first.
   void forget();
 
@@ -82,6 +97,14 @@ class ConsistentMatting {
   /// that do not fit, BadData when fewer than two cameras have one.
   Result<ConsistentMattes> matte(std::span<const Image> pictures, std::span<const Image> said = {},
                                  const std::function<bool()>& go_on = nullptr);
+
+  /// Mattes of keys that may each be wrong in places, weighed against the colours and against what all
+  /// cameras together see: the same turns, begun with the keys, whose word counts in each. `keys[i]`: one
+  /// channel of the photograph's size, or empty: that camera is asked nothing and gets nothing. Of the mattes
+  /// each is its key, byte for byte, but where corrected_key() changes it. Remarks, views and `trusted` are
+  /// those of the cuts; where they are not to be trusted neither are the corrections. Leaves the state as
+  /// forget() does. Errors as of matte().
+  Result<ConsistentMattes> reconcile(std::span<const Image> pictures, std::span<const Image> keys);
 
  private:
   struct Impl;

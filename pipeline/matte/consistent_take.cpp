@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "matting/view_cut.h"
+#include "pipeline/matte/fitting_plate.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -20,18 +21,18 @@ Result<Image> photograph(capture::TakeReader& take, int camera, int frame) {
   return to_rgb(*photograph);
 }
 
-Result<void> learn_backdrop(capture::TakeReader& take, int camera, ConsistentMatting& matting) {
+// Of one camera, spread over the take, of its working size; empty where there is no photograph.
+Result<std::vector<Image>> training_pictures(capture::TakeReader& take, int camera,
+                                             const Eigen::Vector2i& size) {
   const int count = take.frame_count(), training_frames = std::min(kTrainingFrames, count);
-  const Eigen::Vector2i size = matting.working_size(camera);
   std::vector<Image> pictures;
   for (int i = 0; i < training_frames; ++i) {
     Result<Image> picture =
         photograph(take, camera, static_cast<int>((2L * i + 1) * count / (2L * training_frames)));
     if (!picture) return forward(picture);
-    if (!picture->empty()) pictures.push_back(matting::shrunk(*picture, size.x(), size.y()));
+    pictures.push_back(picture->empty() ? Image() : matting::shrunk(*picture, size.x(), size.y()));
   }
-  if (static_cast<int>(pictures.size()) < kFewInstants) return {};
-  return matting.learn_backdrop(camera, pictures);
+  return pictures;
 }
 
 // What a person marked in one camera's frame; empty where nobody did.
@@ -54,16 +55,31 @@ class Maker {
 
   Result<void> prepare() {
     const std::size_t cameras = take_.rig().cameras.size();
-    if (take_.frame_count() < kFewInstants) return {};
-    std::vector<Result<void>> learnt(cameras);
-    ProgressPart progress(options_.progress, "backdrops", cameras);
-    parallel_for(cameras, options_.matting.threads, [&](std::size_t i) {
-      if (is_cancelled(options_.progress)) return;
-      learnt[i] = learn_backdrop(take_, static_cast<int>(i), matting_);
-      progress.advance();
-    });
-    for (const Result<void>& ok : learnt)
-      if (!ok) return ok;
+    if (Result<void> ok = look_at_plates(); !ok) return ok;
+    if (take_.frame_count() < kFewInstants || std::find(shot_.begin(), shot_.end(), false) == shot_.end())
+      return {};
+    std::vector<Result<std::vector<Image>>> read(cameras, std::vector<Image>());
+    {
+      ProgressPart progress(options_.progress, "backdrops", cameras);
+      parallel_for(cameras, options_.matting.threads, [&](std::size_t i) {
+        if (is_cancelled(options_.progress)) return;
+        const int camera = static_cast<int>(i);
+        read[i] = training_pictures(take_, camera, matting_.working_size(camera));
+        progress.advance();
+      });
+    }
+    for (Result<std::vector<Image>>& pictures : read) {
+      if (!pictures) return forward(pictures);
+      seen_.push_back(std::move(*pictures));
+    }
+    if (is_cancelled(options_.progress)) return cancelled();
+    if (Result<void> ok = learn_backdrops({}); !ok) return ok;
+    // Whoever hardly moves was taken for backdrop where he stayed longest; so backdrops are learnt again from
+    // what mattes leave of the pictures.
+    for (const ConsistentMatting::Margin margin :
+         {ConsistentMatting::Margin::Bridged, ConsistentMatting::Margin::Close})
+      if (Result<void> ok = revise_backdrops(margin); !ok) return ok;
+    seen_.clear();
     return {};
   }
 
@@ -109,6 +125,61 @@ class Maker {
   }
 
  private:
+  // The empty stage, of cameras that somebody shot it with.
+  Result<void> look_at_plates() {
+    const std::size_t cameras = take_.rig().cameras.size();
+    shot_.assign(cameras, false);
+    std::vector<Result<Image>> plates(cameras, Image());
+    parallel_for(cameras, options_.matting.threads, [&](std::size_t i) {
+      if (is_cancelled(options_.progress)) return;
+      plates[i] = fitting_plate(take_, static_cast<int>(i), matting_.working_size(static_cast<int>(i)));
+    });
+    for (std::size_t i = 0; i < cameras; ++i) {
+      if (!plates[i]) return forward(plates[i]);
+      if (plates[i]->empty()) continue;
+      if (Result<void> ok = matting_.learn_empty_stage(static_cast<int>(i), {*plates[i]}); !ok) return ok;
+      shot_[i] = true;
+    }
+    return is_cancelled(options_.progress) ? cancelled() : Result<void>();
+  }
+
+  // `subjects[camera][instant]`: where somebody may be; empty: nothing is known of that.
+  Result<void> learn_backdrops(const std::vector<std::vector<Image>>& subjects) {
+    std::vector<Result<void>> learnt(seen_.size());
+    parallel_for(seen_.size(), options_.matting.threads, [&](std::size_t i) {
+      if (shot_[i]) return;
+      std::vector<Image> there, near;
+      for (std::size_t k = 0; k < seen_[i].size(); ++k) {
+        if (seen_[i][k].empty() || (!subjects.empty() && subjects[i][k].empty())) continue;
+        there.push_back(seen_[i][k]);
+        if (!subjects.empty()) near.push_back(subjects[i][k]);
+      }
+      if (static_cast<int>(there.size()) >= kFewInstants)
+        learnt[i] = matting_.learn_backdrop(static_cast<int>(i), there, near);
+    });
+    for (const Result<void>& ok : learnt)
+      if (!ok) return ok;
+    return {};
+  }
+
+  Result<void> revise_backdrops(ConsistentMatting::Margin margin) {
+    const std::size_t instants = seen_[0].size();
+    std::vector<std::vector<Image>> subjects(seen_.size(), std::vector<Image>(instants));
+    ProgressPart progress(options_.progress, "backdrops without the subject", instants);
+    matting_.forget();
+    for (std::size_t k = 0; k < instants; ++k, progress.advance()) {
+      std::vector<Image> now;
+      for (const std::vector<Image>& pictures : seen_) now.push_back(pictures[k]);
+      if (std::count_if(now.begin(), now.end(), [](const Image& p) { return !p.empty(); }) < 2) continue;
+      Result<std::vector<Image>> near =
+          matting_.surroundings(now, margin, [&] { return !is_cancelled(options_.progress); });
+      if (!near) return forward(near);
+      for (std::size_t i = 0; i < near->size(); ++i) subjects[i][k] = std::move((*near)[i]);
+    }
+    matting_.forget();
+    return learn_backdrops(subjects);
+  }
+
   static bool asked(const ConsistentTakeOptions::Camera& camera, int frame) {
     return camera.todo[static_cast<std::size_t>(frame)];
   }
@@ -175,6 +246,8 @@ class Maker {
   MatteStore& store_;
   ConsistentTakeReport report_;
   bool warm_ = false;
+  std::vector<bool> shot_;                // [camera]: its empty stage is known
+  std::vector<std::vector<Image>> seen_;  // [camera][instant], while backdrops are learnt
 };
 
 }  // namespace

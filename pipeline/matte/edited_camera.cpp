@@ -14,6 +14,7 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/matte/affected_frames.h"
 #include "pipeline/matte/consistent_take.h"
+#include "pipeline/matte/matte_doubts.h"
 #include "pipeline/matte/matte_how.h"
 #include "pipeline/matte/matte_job.h"
 
@@ -134,6 +135,23 @@ std::vector<bool> EditedCamera::stale(const CameraEdits& edits) const {
   return method == "spectral" || method == "consistent" ? changed : downstream_of(std::move(changed), edits);
 }
 
+std::map<int, std::vector<std::string>> EditedCamera::doubts() const {
+  std::map<int, std::vector<std::string>> by_frame;
+  const CameraRecord* mine = store_->find(options_.serial);
+  for (const auto& [why, frames] : mine ? mine->doubts : decltype(mine->doubts)())
+    for (const int frame : frames)
+      if (frame >= 0 && frame < take_->frame_count()) by_frame[frame].push_back(why);
+  return by_frame;
+}
+
+std::vector<bool> EditedCamera::guided() const {
+  std::vector<bool> frames(static_cast<std::size_t>(take_->frame_count()));
+  const CameraRecord* mine = store_->find(options_.serial);
+  for (const int frame : mine ? mine->guided : std::set<int>())
+    if (frame >= 0 && frame < take_->frame_count()) frames[static_cast<std::size_t>(frame)] = true;
+  return frames;
+}
+
 Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch& watch) {
   CameraRecord& mine = record();
   if (how_ == "consistent") {
@@ -202,7 +220,7 @@ Result<void> EditedCamera::begin(const CameraEdits& edits, const std::vector<boo
   if (Result<void> ok = make_folder(folder); !ok) return ok;
   sweep_temporaries(folder);
   CameraRecord& mine = record();
-  mine.edits = edits;
+  mine.edits = without_subjects(edits);
   mine.stale.clear();
   for (std::size_t f = 0; f < stale.size(); ++f)
     if (stale[f] && is_there(file(static_cast<int>(f)))) mine.stale.insert(static_cast<int>(f));
@@ -214,8 +232,10 @@ Result<void> EditedCamera::begin(const CameraEdits& edits, const std::vector<boo
 Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const RemakeWatch& watch) {
   failures_.clear();
   idle_.clear();
+  ended_.clear();
   if (const std::vector<bool> wanted = stale(edits);
-      std::find(wanted.begin(), wanted.end(), true) == wanted.end() && record().edits == edits)
+      std::find(wanted.begin(), wanted.end(), true) == wanted.end() &&
+      record().edits == without_subjects(edits))
     return std::vector<int>();
   WatchProgress waiting(watch);
   const Result<Claim> claim = claim_take(take_->layout().folder(), &waiting);
@@ -228,6 +248,7 @@ Result<std::vector<int>> EditedCamera::remake(const CameraEdits& edits, const Re
     adopted = adopt(stale(edits));
   } while (!adopted || *adopted);
   const std::vector<bool> forced = changed_since(edits), wanted = stale(edits);
+  strokes_only_ = made_for_ && made_for_->masks == edits.masks && record().stale.empty();
   if (Result<void> ok = begin(edits, wanted); !ok) return forward(ok);
   Result<std::vector<int>> changed = make(edits, forced, wanted, watch);
   if (changed) record().stale.clear();
@@ -289,7 +310,14 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
     CameraMatting::Link link = made ? std::move(*made) : CameraMatting::Link{frame, {}};
     std::lock_guard lock(mutex);
     idle_.insert(idle_.end(), link.idle.begin(), link.idle.end());
+    if (made && strokes_only_ && heals_on(*store_, options_.serial, matting.edits(), link)) {
+      record().stale.erase(frame);
+      watch.progress("mattes", ++done, all);
+      return link;
+    }
     const Result<bool> other = put(frame, made ? Result<Image>(link.matte) : forward(made));
+    if (other && made) note_guidance(link, record());
+    for (const std::string& ended : link.ended) ended_.push_back(text("frame ", frame, ": ", ended));
     if (!other) failure = failure ? failure : other.error();
     link.changed = other && *other;
     if (link.changed) changed.push_back(frame), watch.made(frame);
@@ -321,7 +349,7 @@ Result<std::vector<int>> EditedCamera::follow(const CameraMatting& matting, std:
       if (wanted[static_cast<std::size_t>(frame)]) watch.progress("mattes", ++done, all);
       if (!any_wanted_beyond(frame) || !is_there(file(frame))) return {};
       Result<Image> matte = load_png(file(frame));
-      return {frame, matte ? std::move(*matte) : Image()};
+      return matte ? link_of(&record(), frame, std::move(*matte)) : CameraMatting::Link{frame, {}};
     });
   }
   if (failure) return Unexpected{*failure};
@@ -352,6 +380,7 @@ Result<std::vector<int>> EditedCamera::spectral(const CameraMatting& matting, co
   }
   if (Result<void> ok = spectral_->say(matting); !ok) return forward(ok);
   idle_ = spectral_->idle();
+  const std::vector<bool> reached = spectral_->reached(count);
   std::vector<int> changed;
   const int all = static_cast<int>(std::count(stale.begin(), stale.end(), true));
   int done = 0;
@@ -370,6 +399,7 @@ Result<std::vector<int>> EditedCamera::spectral(const CameraMatting& matting, co
       if (watch.stopped()) return stopped();
       const Result<bool> other = put(frame, spectral_->matte(matting, frame));
       if (!other) return forward(other);
+      if (reached[static_cast<std::size_t>(frame)]) record().guided.insert(frame);
       if (*other) changed.push_back(frame), watch.made(frame);
       watch.progress("mattes", ++done, all);
     }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,8 +33,9 @@ struct RemakeWatch {
 };
 
 /// One camera of a take whose mattes follow its edits: after each change only what the change concerns is
-/// made again, and the mattes are, byte for byte, those that `floatstage matte` makes from the same
-/// mattes/edits.json.
+/// made again, and those mattes are, byte for byte, those that `floatstage matte` makes from the same
+/// mattes/edits.json. Mattes that no edit concerns stay as they are: the verb may have cut them anew by what
+/// all cameras see (MatteHealer).
 ///
 /// It works on any take. Mattes of unknown origin are changed only when that is allowed: then their originals
 /// lie in mattes/given/, where they are the key of their frames from then on.
@@ -57,6 +59,12 @@ class EditedCamera {
   const std::vector<std::string>& failures() const { return failures_; }
   /// Sentences on the strokes that change nothing in the mattes that the last remake() made.
   const std::vector<std::string>& idle() const { return idle_; }
+  /// Likewise, on what strokes have changed in a frame and what could not be followed into its neighbour.
+  const std::vector<std::string>& ended() const { return ended_; }
+  /// Why mattes that lie there are not to be trusted, a sentence each, by frame.
+  std::map<int, std::vector<std::string>> doubts() const;
+  /// For each frame, whether what strokes say, in it or carried to it, makes its matte another one.
+  std::vector<bool> guided() const;
   /// From now on mattes of unknown origin may be replaced; their originals are kept in mattes/given/.
   void allow_replacing() { options_.replace = true; }
 
@@ -105,7 +113,8 @@ class EditedCamera {
   CameraEdits key_edits_;  // that it was made for
   std::optional<SpectralTake> spectral_;
   bool prepared_ = false;
-  std::vector<std::string> failures_, idle_;
+  bool strokes_only_ = false;  // nothing but strokes is another than in made_for_
+  std::vector<std::string> failures_, idle_, ended_;
 };
 
 }  // namespace floatstage::pipeline

@@ -2,13 +2,14 @@
 // Paper:   Y. Boykov, O. Veksler, R. Zabih, PAMI 2001, for the energies; X. Bai et al., SIGGRAPH 2009, for
 //          colours in local windows
 // Differs: the hint of where a label is comes from voxels of the hull, which know who hides whom
-// ADR:     0298
+// ADR:     0298, 0331
 
 #include "pipeline/matte/label_follower.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "core/frame.h"
 #include "core/parallel.h"
@@ -25,17 +26,14 @@ constexpr int kVoxels = 400'000;  // in the box of the first hull
 constexpr float kStep = 2;        // edges that a label's surface moves unforeseen, as a rule: one nat
 constexpr float kMostAway = 6;    // nats: what is further off is no unlikelier
 constexpr float kNobody = 3;      // nats that it costs to be nobody's
+constexpr float kSaid = 100;      // nats against what somebody said
 constexpr float kConfirms = 1, kDenies = 3;  // nats by which a pixel's label speaks for a voxel, or against
 constexpr double kSmooth = 0.7;              // nats, two neighbours of different labels
 constexpr int kBeginRounds = 4, kStepRounds = 2, kLooks = 3;
-constexpr double kFade = 0.9;          // of colours, a frame
-constexpr double kInertia = 0.5;       // of motion
-constexpr int kNear = 3;               // edges between voxels of labels that are one body to the cameras
-constexpr double kApart = 0.3;         // of a label near another: colours are learnt below that …
-constexpr double kMerged = 0.6;        // … and above that space does not tell them apart
-constexpr double kAlike = 0.85;        // Bhattacharyya: colours that do not tell either
-constexpr double kMeets = 0.7;         // IoU with which labels from two frames must meet
-constexpr double kLeastOfSum = 0.005;  // of the sum: less is lost
+constexpr double kFade = 0.9;     // of colours, a frame
+constexpr double kInertia = 0.5;  // of motion
+constexpr int kNear = 3;          // edges between voxels of labels that are one body to the cameras
+constexpr double kApart = 0.3;    // of a label near another: colours are learnt below that
 
 Image photograph(capture::TakeReader& take, std::size_t camera, int frame, Result<void>& ok) {
   Result<Frame> there = take.frame(static_cast<int>(camera), frame);
@@ -49,15 +47,22 @@ Image photograph(capture::TakeReader& take, std::size_t camera, int frame, Resul
   return rgb ? std::move(*rgb) : Image();
 }
 
-std::vector<Matte> as_mattes(const std::vector<Image>& images) {
-  std::vector<Matte> mattes;
-  for (const Image& i : images) mattes.push_back(i.empty() ? Matte() : make_matte({}, i));
-  return mattes;
+// Where a label is expected in the instant after.
+std::vector<Eigen::Vector3i> moved(const LabelInstant& from, std::size_t label) {
+  std::vector<Eigen::Vector3i> places;
+  const Eigen::Vector3i by = from.motion[label].array().round().cast<int>();
+  for (const Eigen::Vector3i& p : from.places[label]) places.emplace_back(p + by);
+  return places;
 }
 
-long pixels_of(const Image& labels, int label) {
-  return static_cast<long>(
-      std::count(labels.pixels.begin(), labels.pixels.end(), static_cast<std::uint8_t>(label)));
+// An instant with voxels of another edge; none where it has them.
+std::optional<LabelInstant> at_edge(const LabelInstant& instant, double edge) {
+  if (instant.edge == edge) return std::nullopt;
+  LabelInstant out = instant;
+  out.places = with_edge(instant.places, instant.edge, edge);
+  for (Eigen::Vector3d& m : out.motion) m *= instant.edge / edge;
+  out.edge = edge;
+  return out;
 }
 
 }  // namespace
@@ -68,15 +73,53 @@ LabelFollower::LabelFollower(capture::TakeReader& take, const LabelRecord& recor
       names_(record.labels),
       givens_(givens),
       threads_(threads),
-      palette_(static_cast<int>(record.labels.size())) {}
+      palette_(static_cast<int>(record.labels.size())),
+      said_palette_(palette_),
+      doubts_(take.rig(), record.labels, givens) {}
+
+// Instants at which every label is said to be somewhere, from which the others are reached; else the one by
+// which every label was.
+std::vector<int> LabelFollower::starts() const {
+  std::vector<int> frames;
+  std::uint32_t so_far = 0;
+  int last = 0;
+  for (const auto& [frame, cameras] : givens_) {
+    const std::uint32_t here = said_in(frame);
+    if (here == everybody()) frames.push_back(frame);
+    if (so_far != everybody()) so_far |= here, last = frame;
+  }
+  return frames.empty() ? std::vector<int>{last} : frames;
+}
+
+std::uint32_t LabelFollower::everybody() const {
+  return static_cast<std::uint32_t>((std::uint64_t{1} << names_.size()) - 1);
+}
+
+// Labels that are said to be in a frame.
+std::uint32_t LabelFollower::said_in(int frame) const {
+  std::uint32_t said = 0;
+  for (const auto& [camera, may] : givens_.at(frame))
+    for (const std::uint32_t m : may) said |= std::popcount(m) == 1 ? m : 0;
+  return said;
+}
+
+// An instant to start from. What was said before it, one label in one frame and one in another, comes with
+// it.
+Result<LabelInstant> LabelFollower::start(int frame) {
+  Result<LabelInstant> here = begin(said_in(frame) == everybody() ? frame : givens_.begin()->first);
+  while (here && here->frame < frame) here = step(*here, here->frame + 1);
+  if (here) doubts_.loss(*here);
+  return here;
+}
 
 Result<void> LabelFollower::run(const Done& done) {
   const int last = take_.frame_count() - 1;
+  const std::vector<int> keys = starts();
   std::optional<LabelInstant> before;  // of the key frame before, walked on to the middle
-  for (auto key = givens_.begin(); key != givens_.end(); ++key) {
-    const int from = key == givens_.begin() ? 0 : (std::prev(key)->first + key->first) / 2 + 1,
-              to = std::next(key) == givens_.end() ? last : (key->first + std::next(key)->first) / 2;
-    Result<LabelInstant> here = begin(key->first);
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const int from = k == 0 ? 0 : (keys[k - 1] + keys[k]) / 2 + 1,
+              to = k + 1 == keys.size() ? last : (keys[k] + keys[k + 1]) / 2;
+    Result<LabelInstant> here = start(keys[k]);
     if (!here) return forward(here);
     if (Result<void> ok = done(*here); !ok) return ok;
     LabelInstant end = *here;
@@ -85,7 +128,7 @@ Result<void> LabelFollower::run(const Done& done) {
       Result<LabelInstant> meets =
           end.frame == before->frame ? Result<LabelInstant>(end) : step(end, before->frame);
       if (!meets) return forward(meets);
-      doubt_meeting(*before, *meets);
+      doubts_.meeting(*before, *meets);
     }
     end = *here;
     if (Result<void> ok = walk(*here, to, done, end); !ok) return ok;
@@ -101,8 +144,8 @@ Result<void> LabelFollower::walk(const LabelInstant& from, int end, const Done& 
   for (int frame = from.frame; frame != end;) {
     Result<LabelInstant> next = step(last, frame += by);
     if (!next) return forward(next);
-    doubt_loss(*next);
-    doubt_merge(*next);
+    doubts_.loss(*next);
+    doubts_.merged(*next, palette_);
     last = std::move(*next);
     if (Result<void> ok = done(last); !ok) return ok;
   }
@@ -127,77 +170,127 @@ Result<LabelInstant> LabelFollower::open(int frame) const {
   });
   for (const Result<void>& ok : read)
     if (!ok) return forward(ok);
+  if (const std::map<int, LabelsAllowed>* said = said_of(frame))
+    for (const auto& [camera, may] : *said)
+      if (instant.mattes[static_cast<std::size_t>(camera)].empty())
+        return fail(ErrorCode::NotFound,
+                    text("camera '", take_.rig().cameras[static_cast<std::size_t>(camera)].serial,
+                         "' has no matte of frame ", frame,
+                         ", of which a label was given; run `floatstage matte` without labels first"));
   return instant;
 }
 
-// Nothing where there is nobody, or, if it is not `needed`, where silhouettes bound nothing.
-Result<std::optional<recon::LabelVolume>> LabelFollower::volume_of(const LabelInstant& instant, bool needed) {
-  const std::vector<Matte> mattes = as_mattes(instant.mattes);
-  if (voxel_ == 0) voxel_ = recon::LabelVolume::edge_for(take_.rig(), mattes, kVoxels);
-  Result<recon::LabelVolume> volume =
-      voxel_ > 0
-          ? recon::LabelVolume::carve(take_.rig(), mattes, voxel_, static_cast<int>(names_.size()), threads_)
-          : fail(ErrorCode::BadData, "the silhouettes bound nothing");
-  if (volume && volume->size() > 0) return std::optional(std::move(*volume));
-  if (!needed) return std::optional<recon::LabelVolume>();
-  return fail(ErrorCode::BadData,
-              text("frame ", instant.frame, ": ",
-                   volume ? "the silhouettes have no point in common" : volume.error().message,
-                   "; labels need mattes of calibrated cameras that agree"));
+const std::map<int, LabelsAllowed>* LabelFollower::said_of(int frame) const {
+  return floatstage::pipeline::said_of(givens_, frame);
+}
+
+// `before`: cameras that were no witnesses.
+LabelHull LabelFollower::hull_of(const LabelInstant& instant, const LabelPlaces& expected,
+                                 const Disbelieved& before) {
+  return label_hull(asked_of(instant, expected, before), voxel_);
+}
+
+LabelHullOf LabelFollower::asked_of(const LabelInstant& instant, const LabelPlaces& expected,
+                                    const Disbelieved& before) const {
+  return {.rig = take_.rig(),
+          .mattes = instant.mattes,
+          .frame = instant.frame,
+          .said = said_of(instant.frame),
+          .before = before,
+          .expected = expected,
+          .labels = static_cast<int>(names_.size()),
+          .voxels = kVoxels,
+          .threads = threads_};
+}
+
+// What words say that nobody can be meant by, and cameras that are no witnesses.
+void LabelFollower::doubt(const LabelHull& hull, LabelInstant& instant) {
+  instant.disbelieved = hull.disbelieved;
+  doubts_.disbelieved(instant);
+  for (const NowhereWord& word : hull.nowhere) doubts_.nowhere(word, instant.frame);
 }
 
 Result<LabelInstant> LabelFollower::begin(int frame) {
-  Result<LabelInstant> instant = open(frame);
-  if (!instant) return instant;
-  for (const auto& [camera, may] : givens_.at(frame))
-    if (instant->mattes[static_cast<std::size_t>(camera)].empty())
-      return fail(ErrorCode::NotFound,
-                  text("camera '", take_.rig().cameras[static_cast<std::size_t>(camera)].serial,
-                       "' has no matte of frame ", frame,
-                       ", of which a label was given; run `floatstage matte` without labels first"));
-  Result<std::optional<recon::LabelVolume>> volume = volume_of(*instant, true);
-  if (!volume) return forward(volume);
-  const Costs costs = begin_costs(**volume, *instant);
-  const std::vector<std::uint8_t> voxels = settle(**volume, costs, nullptr, kBeginRounds, *instant);
-  finish(**volume, voxels, nullptr, *instant);
-  return instant;
+  Result<LabelInstant> opened = open(frame);
+  if (!opened) return opened;
+  const matting::LabelPalette palette = palette_;
+  const double voxel = voxel_;
+  Disbelieved before;
+  for (int round = 0;; ++round) {
+    LabelInstant instant = *opened;
+    LabelHull hull = hull_of(instant, {}, before);
+    if (!hull.volume)
+      return fail(ErrorCode::BadData, text("frame ", frame, ": ", hull.why,
+                                           "; labels need mattes of calibrated cameras that agree"));
+    palette_ = palette;
+    const Costs costs = begin_costs(*hull.volume, instant);
+    const std::vector<std::uint8_t> voxels = settle(*hull.volume, costs, nullptr, kBeginRounds, instant);
+    finish(*hull.volume, voxels, nullptr, instant);
+    // Now that it is known where labels are: once more without cameras that have nobody there.
+    Disbelieved lack = hull.disbelieved;
+    if (round == 0 && said_in(frame) == everybody())
+      lack.merge(who_lacks(asked_of(instant, {}, lack), *hull.volume, instant.places, lack));
+    if (lack != hull.disbelieved) {
+      before = std::move(lack);
+      voxel_ = voxel;
+      continue;
+    }
+    doubt(hull, instant);
+    return instant;
+  }
+}
+
+// Of each label, the way from what was said to be its.
+std::vector<std::vector<float>> LabelFollower::ways_from(const recon::LabelVolume& volume,
+                                                         const std::vector<std::vector<std::size_t>>& start) {
+  std::vector<std::vector<float>> ways;
+  for (const std::vector<std::size_t>& from : start) ways.push_back(volume.way_from(from));
+  return ways;
+}
+
+// Of one voxel, by how much longer its way is than the shortest.
+void LabelFollower::ask_ways(const std::vector<std::vector<float>>& ways, std::size_t voxel, float* of) {
+  float least = recon::LabelVolume::kFar;
+  for (const std::vector<float>& w : ways) least = std::min(least, w[voxel]);
+  const bool reached = least < recon::LabelVolume::kFar;
+  of[0] = reached ? kNobody : 0;
+  for (std::size_t l = 0; l < ways.size(); ++l)
+    of[l + 1] = reached ? std::min((ways[l][voxel] - least) / kStep, kMostAway) : kNobody;
 }
 
 // Voxels that somebody pointed at, and the ways from there.
 Costs LabelFollower::begin_costs(const recon::LabelVolume& volume, const LabelInstant& instant) const {
-  const std::size_t labels = names_.size();
-  std::vector<std::vector<std::size_t>> start(labels);
-  for (const auto& [camera, may] : givens_.at(instant.frame)) {
-    const Image& matte = instant.mattes[static_cast<std::size_t>(camera)];
-    const int step = std::max(1, volume.cell(camera) / 2);
-    Image asked(matte.width, matte.height, 1);
-    std::vector<float> says(matte.pixels.size() * labels, 0.F);
-    for (std::size_t p = 0; p < may.size(); ++p)
-      if (std::popcount(may[p]) == 1 && matte.pixels[p] >= 128) asked.pixels[p] = 1;
-    for (int y = 0; y < matte.height; ++y)
-      for (int x = 0; x < matte.width; ++x) {
-        const std::size_t p = matte.offset(x, y);
-        // A few pixels of a click are seen whole, masks on a grid.
-        if (!asked.pixels[p] || (x % step && x > 0 && asked.pixels[p - 1]) ||
-            (y % step && y > 0 && *asked.at(x, y - 1)))
-          continue;
-        const std::size_t v = volume.seen_at(camera, x, y);
-        if (v < volume.size()) start[static_cast<std::size_t>(std::countr_zero(may[p]))].push_back(v);
-      }
-  }
-  std::vector<std::vector<float>> way;
-  for (const std::vector<std::size_t>& from : start) way.push_back(volume.way_from(from));
+  const auto ways = ways_from(volume, pointed_at(volume, givens_.at(instant.frame), instant.mattes));
   Costs costs = volume.no_costs();
-  for (std::size_t v = 0; v < volume.size(); ++v) {
-    float least = recon::LabelVolume::kFar;
-    for (const std::vector<float>& w : way) least = std::min(least, w[v]);
-    const bool reached = least < recon::LabelVolume::kFar;
-    float* of = costs.data() + v * (labels + 1);
-    of[0] = reached ? kNobody : 0;
-    for (std::size_t l = 0; l < labels; ++l)
-      of[l + 1] = reached ? std::min((way[l][v] - least) / kStep, kMostAway) : kNobody;
-  }
+  for (std::size_t v = 0; v < volume.size(); ++v) ask_ways(ways, v, costs.data() + v * (names_.size() + 1));
   return costs;
+}
+
+// Pieces that a word contradicts, by the colours that labels had when somebody last said who is who; where
+// those do not tell, or one of the labels has none, by the ways from what was said.
+void LabelFollower::correct(const recon::LabelVolume& volume, const LabelInstant& instant,
+                            const LabelCorrection& correction, Costs& costs) {
+  const std::size_t labels = names_.size();
+  palette_ = said_palette_;
+  const bool tell = colors_tell(correction, palette_, static_cast<int>(labels), kColorsAlike);
+  Costs votes = volume.no_costs();
+  if (tell) hear(volume, instant, correction.carried, votes);
+  const auto ways = ways_from(volume, correction.seen);
+  for (std::size_t v = 0; v < volume.size(); ++v) {
+    if (!correction.anew[v]) continue;
+    float* of = costs.data() + v * (labels + 1);
+    if (!tell) {
+      ask_ways(ways, v, of);
+      continue;
+    }
+    of[0] = kNobody;
+    for (std::size_t l = 0; l < labels; ++l)
+      of[l + 1] = (correction.lost | correction.said) >> l & 1 ? votes[v * (labels + 1) + l + 1] : kMostAway;
+  }
+  for (std::size_t l = 0; l < labels; ++l)
+    for (const std::size_t v : correction.seen[l])
+      for (std::size_t other = 0; other <= labels; ++other)
+        if (other != l + 1) costs[v * (labels + 1) + other] += kSaid;
 }
 
 Costs LabelFollower::carried_costs(const recon::LabelVolume& volume, const LabelInstant& from) const {
@@ -205,10 +298,7 @@ Costs LabelFollower::carried_costs(const recon::LabelVolume& volume, const Label
   Costs costs = volume.no_costs();
   for (std::size_t v = 0; v < volume.size(); ++v) costs[v * (labels + 1)] = kNobody;
   for (std::size_t l = 0; l < labels; ++l) {
-    std::vector<Eigen::Vector3i> moved;
-    const Eigen::Vector3i by = from.motion[l].array().round().cast<int>();
-    for (const Eigen::Vector3i& p : from.places[l]) moved.emplace_back(p + by);
-    const std::vector<float> away = volume.distance_to(moved);
+    const std::vector<float> away = volume.distance_to(moved(from, l));
     for (std::size_t v = 0; v < volume.size(); ++v)
       costs[v * (labels + 1) + l + 1] = std::min(away[v] / kStep, kMostAway);
   }
@@ -240,7 +330,7 @@ void LabelFollower::hear(const recon::LabelVolume& volume, const LabelInstant& i
 
 void LabelFollower::split(const recon::LabelVolume& volume, const std::vector<std::uint8_t>& voxels,
                           const LabelInstant* near, LabelInstant& instant) const {
-  const auto given = givens_.find(instant.frame);
+  const std::map<int, LabelsAllowed>* said = said_of(instant.frame);
   parallel_for(instant.mattes.size(), threads_, [&](std::size_t c) {
     if (instant.mattes[c].empty()) return;
     const int camera = static_cast<int>(c);
@@ -257,9 +347,7 @@ void LabelFollower::split(const recon::LabelVolume& volume, const std::vector<st
           std::count_if(where.begin(), where.end(), [&](const Image& w) { return w.pixels[p] != 0; });
       if (there == 1) instant.sure[c].pixels[p] = hint.pixels[p];
     }
-    const LabelsAllowed* may = nullptr;
-    if (given != givens_.end())
-      if (const auto of = given->second.find(camera); of != given->second.end()) may = &of->second;
+    const bool given = said && said->contains(camera);
     const bool known = near && !near->labels[c].empty();
     instant.labels[c] = matting::split_labels({.picture = instant.pictures[c],
                                                .matte = instant.mattes[c],
@@ -267,7 +355,7 @@ void LabelFollower::split(const recon::LabelVolume& volume, const std::vector<st
                                                .where = where,
                                                .slack = std::max(3.0, 1.0 * volume.cell(camera)),
                                                .labels = static_cast<int>(names_.size()),
-                                               .may = may ? *may : anything_,
+                                               .may = given ? said->at(camera) : anything_,
                                                .palette = palette_,
                                                .near_picture = known ? &near->pictures[c] : nullptr,
                                                .near_labels = known ? &near->labels[c] : nullptr});
@@ -287,34 +375,62 @@ std::vector<std::uint8_t> LabelFollower::settle(const recon::LabelVolume& volume
     }
     split(volume, voxels, near, instant);
     if (near) continue;
-    palette_ = matting::LabelPalette(static_cast<int>(names_.size()));
+    const matting::LabelPalette before =
+        std::exchange(palette_, matting::LabelPalette(static_cast<int>(names_.size())));
     for (std::size_t c = 0; c < instant.labels.size(); ++c)
       if (!instant.sure[c].empty()) palette_.learn(instant.pictures[c], instant.mattes[c], instant.sure[c]);
+    palette_.take_unknown(before);
   }
+  if (!near) said_palette_ = palette_;
   return voxels;
 }
 
-Result<LabelInstant> LabelFollower::step(const LabelInstant& from, int frame) {
+// Voxels' edge is chosen anew where it was chosen from a part of the stage.
+Result<LabelInstant> LabelFollower::step(const LabelInstant& neighbour, int frame) {
   Result<LabelInstant> instant = open(frame);
   if (!instant) return instant;
-  Result<std::optional<recon::LabelVolume>> volume = volume_of(*instant, false);
-  if (!volume) return forward(volume);
-  if (!*volume) {
+  std::optional<LabelInstant> other = at_edge(neighbour, voxel_);
+  const LabelInstant& at = other ? *other : neighbour;
+  LabelPlaces expected;
+  for (std::size_t l = 0; l < at.places.size(); ++l) expected.push_back(moved(at, l));
+  const LabelHull hull = hull_of(*instant, expected, at.disbelieved);
+  std::optional<LabelInstant> another = at_edge(at, voxel_);
+  const LabelInstant& from = another ? *another : at;
+  doubt(hull, *instant);
+  if (!hull.volume) {
     split_alone(from, *instant);
     return instant;
   }
-  const Costs costs = carried_costs(**volume, from);
-  const std::vector<std::uint8_t> voxels = settle(**volume, costs, &from, kStepRounds, *instant);
-  finish(**volume, voxels, &from, *instant);
+  const std::optional<recon::LabelVolume>& volume = hull.volume;
+  Costs costs = carried_costs(*volume, from);
+  LabelCorrection correction;
+  if (const std::map<int, LabelsAllowed>* said = said_of(frame))
+    correction = find_correction(*volume, *said, instant->mattes, volume->label(costs, kSmooth));
+  if (correction.none()) {
+    const std::vector<std::uint8_t> voxels = settle(*volume, costs, &from, kStepRounds, *instant);
+    finish(*volume, voxels, &from, *instant);
+    return instant;
+  }
+  correct(*volume, *instant, correction, costs);
+  const std::vector<std::uint8_t> voxels = settle(*volume, costs, nullptr, kBeginRounds, *instant);
+  finish(*volume, voxels, nullptr, *instant);
+  doubts_.unheard(correction, voxels, *instant);
+  doubts_.taken(correction, voxels, *instant);
+  for (std::size_t l = 0; l < names_.size(); ++l)  // of whom nothing is seen, not whom it was taken from
+    if (instant->places[l].empty() && !(correction.lost >> l & 1))
+      instant->places[l] = from.places[l], instant->motion[l] = from.motion[l];
   return instant;
 }
 
 // Where space says nothing, each picture alone, from the one beside it.
 void LabelFollower::split_alone(const LabelInstant& from, LabelInstant& instant) const {
+  instant.edge = from.edge;
   instant.places = from.places;
   instant.motion = from.motion;
+  const std::map<int, LabelsAllowed>* said = said_of(instant.frame);
   for (std::size_t c = 0; c < instant.mattes.size(); ++c) {
     if (instant.mattes[c].empty()) continue;
+    const bool given = said && said->contains(static_cast<int>(c));
     const bool known = !from.labels[c].empty();
     const Image nothing(instant.mattes[c].width, instant.mattes[c].height, 1);
     const Image& hint = known ? from.labels[c] : nothing;
@@ -326,7 +442,7 @@ void LabelFollower::split_alone(const LabelInstant& from, LabelInstant& instant)
                                                .hint = hint,
                                                .where = where,
                                                .labels = static_cast<int>(names_.size()),
-                                               .may = anything_,
+                                               .may = given ? said->at(static_cast<int>(c)) : anything_,
                                                .palette = palette_,
                                                .near_picture = known ? &from.pictures[c] : nullptr,
                                                .near_labels = known ? &from.labels[c] : nullptr});
@@ -341,10 +457,12 @@ void LabelFollower::finish(const recon::LabelVolume& volume, const std::vector<s
     for (const Eigen::Vector3i& p : places) sum += p.cast<double>();
     return Eigen::Vector3d(sum / std::max<double>(1, static_cast<double>(places.size())));
   };
+  instant.edge = voxel_;
   instant.places.resize(names_.size());
   instant.motion.assign(names_.size(), Eigen::Vector3d::Zero());
   for (std::size_t v = 0; v < voxels.size(); ++v)
     if (voxels[v] > 0) instant.places[voxels[v] - 1U].push_back(volume.places()[v]);
+  for (const std::vector<Eigen::Vector3i>& places : instant.places) instant.voxels.push_back(places.size());
   for (std::size_t l = 0; l < names_.size() && from; ++l) {
     if (instant.places[l].empty() && !from->places[l].empty()) {
       instant.places[l] = from->places[l];
@@ -358,82 +476,6 @@ void LabelFollower::finish(const recon::LabelVolume& volume, const std::vector<s
   palette_.fade(kFade);
   for (std::size_t c = 0; c < instant.labels.size(); ++c)
     if (!instant.sure[c].empty()) palette_.learn(instant.pictures[c], instant.mattes[c], instant.sure[c]);
-}
-
-void LabelFollower::doubt(const std::string& why, const std::string& serial, int frame) {
-  for (LabelDoubt& d : doubts_)
-    if (d.why == why) {
-      ++d.frames;
-      if (frame < d.frame) d.frame = frame, d.serial = serial;
-      return;
-    }
-  doubts_.push_back({why, serial, frame});
-}
-
-// The camera that shows least of a label, of those that show any of the sum.
-int LabelFollower::most_hidden(const LabelInstant& instant, int label) const {
-  int camera = 0;
-  double least = 2;
-  for (std::size_t c = 0; c < instant.labels.size(); ++c) {
-    if (instant.labels[c].empty()) continue;
-    const long none = pixels_of(instant.labels[c], 0),
-               all = static_cast<long>(instant.labels[c].pixels.size()) - none;
-    const double share =
-        all > 0 ? static_cast<double>(pixels_of(instant.labels[c], label)) / static_cast<double>(all) : 2;
-    if (share < least) least = share, camera = static_cast<int>(c);
-  }
-  return camera;
-}
-
-void LabelFollower::doubt_merge(const LabelInstant& instant) {
-  if (instant.merged <= kMerged) return;
-  for (int a = 1; a <= static_cast<int>(names_.size()); ++a)
-    for (int b = a + 1; b <= static_cast<int>(names_.size()); ++b)
-      if (palette_.alike(a, b) > kAlike)
-        doubt(
-            text("'", names_[static_cast<std::size_t>(a - 1)], "' and '",
-                 names_[static_cast<std::size_t>(b - 1)],
-                 "' are one body to all cameras there and have the same colours, so that they may have been "
-                 "exchanged from then on; give a mask or a click of each after it"),
-            take_.rig().cameras[static_cast<std::size_t>(most_hidden(instant, a))].serial, instant.frame);
-}
-
-void LabelFollower::doubt_loss(const LabelInstant& instant) {
-  std::vector<long> of(names_.size() + 1, 0);
-  for (const Image& labels : instant.labels)
-    for (std::size_t l = 0; l < of.size(); ++l)
-      if (!labels.empty()) of[l] += pixels_of(labels, static_cast<int>(l));
-  long all = 0;
-  for (std::size_t l = 1; l < of.size(); ++l) all += of[l];
-  for (std::size_t l = 1; l < of.size(); ++l)
-    if (all > 0 && static_cast<double>(of[l]) < kLeastOfSum * static_cast<double>(all))
-      doubt(text("nothing is left of '", names_[l - 1],
-                 "' in any camera; if that is wrong, give a mask or a click of it there"),
-            take_.rig().cameras[static_cast<std::size_t>(most_hidden(instant, static_cast<int>(l)))].serial,
-            instant.frame);
-}
-
-void LabelFollower::doubt_meeting(const LabelInstant& onward, const LabelInstant& backward) {
-  for (int l = 1; l <= static_cast<int>(names_.size()); ++l) {
-    double least = kMeets;
-    int camera = -1;
-    for (std::size_t c = 0; c < onward.labels.size(); ++c) {
-      if (onward.labels[c].empty() || backward.labels[c].empty()) continue;
-      long both = 0, either = 0;
-      for (std::size_t p = 0; p < onward.labels[c].pixels.size(); ++p) {
-        const bool a = onward.labels[c].pixels[p] == l, b = backward.labels[c].pixels[p] == l;
-        both += a && b, either += a || b;
-      }
-      if (either > 0 && static_cast<double>(both) < least * static_cast<double>(either))
-        least = static_cast<double>(both) / static_cast<double>(either), camera = static_cast<int>(c);
-    }
-    if (camera >= 0)
-      doubt(text("'", names_[static_cast<std::size_t>(l - 1)],
-                 "' is not the same when it is followed from the frames given before and after; give a mask "
-                 "or a "
-                 "click of each label there"),
-            take_.rig().cameras[static_cast<std::size_t>(camera)].serial, onward.frame);
-  }
 }
 
 }  // namespace floatstage::pipeline

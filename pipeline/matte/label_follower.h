@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,26 +14,22 @@
 #include "core/result.h"
 #include "matting/labels/label_palette.h"
 #include "pipeline/label_record.h"
+#include "pipeline/matte/label_correction.h"
+#include "pipeline/matte/label_doubts.h"
 #include "pipeline/matte/label_givens.h"
+#include "pipeline/matte/label_hull.h"
+#include "pipeline/matte/label_instant.h"
 #include "recon/label_volume.h"
 
 namespace floatstage::pipeline {
-
-/// The labels of one instant: what is carried to the next.
-struct LabelInstant {
-  int frame = -1;
-  std::vector<Image> pictures, mattes;  ///< by camera: RGB and the sum; empty where there is none
-  std::vector<Image> sure;              ///< labels of the pixels whose rays meet voxels of no other, else 0
-  std::vector<Image> labels;            ///< by camera, of its pixels: 0 nobody; empty where there is no sum
-  std::vector<std::vector<Eigen::Vector3i>> places;  ///< by label - 1: its voxels
-  std::vector<Eigen::Vector3d> motion;               ///< by label - 1: voxels a frame
-  double merged = 0;  ///< the largest share of a label that lies at another one
-};
 
 /// Divides a take's mattes among labels, instant after instant, from those of which something was said: in
 /// space, voxels of the hull take the label of what moved there, of whose colours cameras see them, and of
 /// their neighbours; what each camera sees of that is the hint by which its matte is cut; and what pictures
 /// then say is heard in space once more. docs/adr/0298.
+///
+/// Where all labels are said in one frame, labels begin there; what is said of some of them in other frames
+/// corrects what was carried to those. docs/adr/0331.
 class LabelFollower {
  public:
   /// A frame is finished: each once, in an order of their own.
@@ -41,20 +38,33 @@ class LabelFollower {
   /// `take` and `givens` outlive it. Threads: 0: one per core.
   LabelFollower(capture::TakeReader& take, const LabelRecord& record, const LabelGivens& givens, int threads);
 
-  /// Every frame is reached from the nearest one of which something was said. Errors: NotFound where a frame
-  /// of which something was said has no mattes; BadData where silhouettes bound nothing there; those of
-  /// reading; those of `done`.
+  /// Every frame is reached from the nearest one in which all labels were said; without any, from the first
+  /// by which each had been. Errors: NotFound where a photograph of which something was said has no matte;
+  /// BadData where silhouettes bound nothing in a frame to begin from; those of reading; those of `done`.
   Result<void> run(const Done& done);
 
   /// After run(): what is not to be trusted.
-  const std::vector<LabelDoubt>& doubts() const { return doubts_; }
+  const std::vector<LabelDoubt>& doubts() const { return doubts_.all(); }
 
  private:
+  std::uint32_t everybody() const;
+  std::uint32_t said_in(int frame) const;
+  std::vector<int> starts() const;
   Result<LabelInstant> open(int frame) const;
+  Result<LabelInstant> start(int frame);
   Result<LabelInstant> begin(int frame);
   Result<LabelInstant> step(const LabelInstant& from, int frame);
-  Result<std::optional<recon::LabelVolume>> volume_of(const LabelInstant& instant, bool needed);
+  LabelHull hull_of(const LabelInstant& instant, const LabelPlaces& expected, const Disbelieved& before);
+  LabelHullOf asked_of(const LabelInstant& instant, const LabelPlaces& expected,
+                       const Disbelieved& before) const;
+  void doubt(const LabelHull& hull, LabelInstant& instant);
+  const std::map<int, LabelsAllowed>* said_of(int frame) const;
   recon::LabelVolume::Costs begin_costs(const recon::LabelVolume& volume, const LabelInstant& instant) const;
+  static std::vector<std::vector<float>> ways_from(const recon::LabelVolume& volume,
+                                                   const std::vector<std::vector<std::size_t>>& start);
+  static void ask_ways(const std::vector<std::vector<float>>& ways, std::size_t voxel, float* of);
+  void correct(const recon::LabelVolume& volume, const LabelInstant& instant,
+               const LabelCorrection& correction, recon::LabelVolume::Costs& costs);
   recon::LabelVolume::Costs carried_costs(const recon::LabelVolume& volume, const LabelInstant& from) const;
   std::vector<std::uint8_t> settle(const recon::LabelVolume& volume, const recon::LabelVolume::Costs& costs,
                                    const LabelInstant* near, int rounds, LabelInstant& instant);
@@ -66,11 +76,6 @@ class LabelFollower {
               const LabelInstant* from, LabelInstant& instant);
   void split_alone(const LabelInstant& from, LabelInstant& instant) const;
   Result<void> walk(const LabelInstant& from, int end, const Done& done, LabelInstant& last);
-  void doubt_merge(const LabelInstant& instant);
-  void doubt_loss(const LabelInstant& instant);
-  void doubt_meeting(const LabelInstant& onward, const LabelInstant& backward);
-  void doubt(const std::string& why, const std::string& serial, int frame);
-  int most_hidden(const LabelInstant& instant, int label) const;
 
   capture::TakeReader& take_;
   const std::vector<std::string> names_;
@@ -78,8 +83,8 @@ class LabelFollower {
   const int threads_;
   const std::vector<std::uint32_t> anything_;  // empty: of pixels of which nothing was said
   double voxel_ = 0;
-  matting::LabelPalette palette_;
-  std::vector<LabelDoubt> doubts_;
+  matting::LabelPalette palette_, said_palette_;  // … as of when somebody last said who is who
+  LabelDoubts doubts_;
 };
 
 }  // namespace floatstage::pipeline

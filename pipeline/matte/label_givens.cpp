@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <functional>
 #include <optional>
 
@@ -54,29 +53,32 @@ class Painter {
     }
   }
 
-  // Whether the sum has anything under the disc.
-  Result<void> click(std::size_t label, int camera, const LabelClick& click) {
+  // InvalidArgument where the sum has nothing under it.
+  Result<void> word(std::size_t label, int camera, const LabelWord& word) {
     const RigCamera& c = take_.rig().cameras[static_cast<std::size_t>(camera)];
     const auto where = [&] {
-      return text("the click of '", click.label, "' at ", click.x, ",", click.y, " in frame ", click.frame,
-                  " of camera '", click.serial, "'");
+      const Eigen::Vector2d& at = word.stroke.points.front();
+      return text("the ", word.stroke.points.size() > 1 ? "stroke" : "click", " of '", word.stroke.subject,
+                  "' at ", at.x(), ",", at.y(), " in frame ", word.frame, " of camera '", word.serial, "'");
     };
-    if (!(click.x >= 0 && click.x < c.model.width && click.y >= 0 && click.y < c.model.height))
+    Image under(c.model.width, c.model.height, 1);
+    paint_strokes({word.stroke}, 1, under);
+    if (std::find(under.pixels.begin(), under.pixels.end(), 255) == under.pixels.end())
       return fail(ErrorCode::InvalidArgument,
                   text(where(), " is outside the picture of ", c.model.width, "x", c.model.height));
-    const Result<Image> sum = load_png(take_.layout().matte(click.serial, click.frame));
+    const std::filesystem::path file = take_.layout().matte(word.serial, word.frame);
+    if (!is_there(file))
+      return fail(ErrorCode::NotFound,
+                  text(where(), ": there is no matte; make that of this frame and camera first"));
+    const Result<Image> sum = load_png(file);
     if (!sum) return forward(sum);
-    const double radius = std::max(1.0, kClick * std::max(c.model.width, c.model.height));
-    LabelsAllowed& may = of(camera, click.frame);
+    if (sum->channels != 1 || sum->width != under.width || sum->height != under.height)
+      return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture of ", under.width, "x",
+                                           under.height, " like camera '", word.serial, "'"));
+    LabelsAllowed& may = of(camera, word.frame);
     bool any = false;
-    for (int y = std::max(0, static_cast<int>(click.y - radius));
-         y < std::min(sum->height, static_cast<int>(click.y + radius) + 1); ++y)
-      for (int x = std::max(0, static_cast<int>(click.x - radius));
-           x < std::min(sum->width, static_cast<int>(click.x + radius) + 1); ++x) {
-        if (std::hypot(x + 0.5 - click.x, y + 0.5 - click.y) > radius || *sum->at(x, y) < 128) continue;
-        may[sum->offset(x, y)] = std::uint32_t{1} << label;
-        any = true;
-      }
+    for (std::size_t p = 0; p < may.size(); ++p)
+      if (under.pixels[p] == 255 && sum->pixels[p] >= 128) may[p] = std::uint32_t{1} << label, any = true;
     if (any) return {};
     return fail(ErrorCode::InvalidArgument,
                 text(where(), " is on nobody: the mattes have no subject there; click on the performer"));
@@ -96,6 +98,11 @@ class Painter {
 };
 
 }  // namespace
+
+const std::map<int, LabelsAllowed>* said_of(const LabelGivens& givens, int frame) {
+  const auto said = givens.find(frame);
+  return said == givens.end() ? nullptr : &said->second;
+}
 
 Result<void> read_label_masks(
     const capture::TakeReader& take, const LabelMasks& masks,
@@ -150,8 +157,26 @@ Result<bool> is_others_label_matte(const TakeLayout& layout, const LabelRecord& 
   return known == frames->second.end() || known->second != **hash;
 }
 
+std::vector<LabelWord> label_words(const Rig& rig, const LabelRecord& record, const MatteEdits& edits) {
+  std::vector<LabelWord> words;
+  for (const LabelClick& click : record.clicks) {
+    const int camera = camera_index(rig, click.serial);
+    const CameraModel model =
+        camera < 0 ? CameraModel() : rig.cameras[static_cast<std::size_t>(camera)].model;
+    const double radius = std::max(1.0, kClick * std::max(model.width, model.height));
+    words.push_back(
+        {click.serial, click.frame, {MatteLabel::Foreground, radius, {{click.x, click.y}}, click.label}});
+  }
+  for (const auto& [serial, camera] : edits.cameras)
+    for (const MatteKeyframe& keyframe : camera.keyframes)
+      for (const MatteStroke& stroke : keyframe.strokes)
+        if (!stroke.subject.empty()) words.push_back({serial, keyframe.frame, stroke});
+  return words;
+}
+
 Result<LabelGivens> label_givens(const capture::TakeReader& take, const LabelRecord& record,
-                                 const fs::path& masks, std::vector<std::string>& hashes) {
+                                 const std::vector<LabelWord>& words, const fs::path& masks,
+                                 std::vector<std::string>& hashes) {
   LabelGivens givens;
   Painter painter(take, record.labels.size(), givens);
   const TakeLayout& layout = take.layout();
@@ -189,19 +214,21 @@ Result<LabelGivens> label_givens(const capture::TakeReader& take, const LabelRec
         if (Result<void> ok = add(static_cast<int>(c), frame, *mask, file); !ok) return forward(ok);
       }
     }
-    for (const LabelClick& click : record.clicks) {
-      if (click.label != label) continue;
-      const int camera = camera_index(take.rig(), click.serial);
-      if (camera < 0 || click.frame >= take.frame_count())
-        return fail(ErrorCode::InvalidArgument,
-                    text("a click of '", label, "' in frame ", click.frame, " of camera '", click.serial,
-                         "', which the take does not have"));
-      if (Result<void> ok = painter.click(l, camera, click); !ok) return forward(ok);
-      any = true;
-    }
+    any = any || std::any_of(words.begin(), words.end(),
+                             [&](const LabelWord& word) { return word.stroke.subject == label; });
     if (!any)
       return fail(ErrorCode::InvalidArgument,
                   text("nothing says who '", label, "' is; give a mask or a click of each label"));
+  }
+  for (const LabelWord& word : words) {
+    const std::string& label = word.stroke.subject;
+    const int camera = camera_index(take.rig(), word.serial);
+    if (camera < 0 || word.frame >= take.frame_count())
+      return fail(ErrorCode::InvalidArgument,
+                  text("a click of '", label, "' in frame ", word.frame, " of camera '", word.serial,
+                       "', which the take does not have"));
+    const auto l = std::find(record.labels.begin(), record.labels.end(), label) - record.labels.begin();
+    if (Result<void> ok = painter.word(static_cast<std::size_t>(l), camera, word); !ok) return forward(ok);
   }
   return givens;
 }

@@ -6,6 +6,7 @@
 #include "capture/sha256.h"
 #include "core/file.h"
 #include "core/file_presence.h"
+#include "core/matte_edits.h"
 #include "core/png.h"
 #include "core/text.h"
 #include "matting/labels/label_split.h"
@@ -22,25 +23,45 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostLabels = 31;  // bits of LabelsAllowed, and one to spare
 constexpr int kDoubtWidth = 960;         // px
 
+void add(std::vector<std::string>& names, const std::string& label) {
+  if (std::find(names.begin(), names.end(), label) == names.end()) names.push_back(label);
+}
+
 // The labels that were named, in the order in which they were.
-Result<std::vector<std::string>> names_in(const LabelsSaid& said) {
+std::vector<std::string> names_in(const LabelsSaid& said) {
   std::vector<std::string> names;
-  const auto add = [&](const std::string& label) {
-    if (std::find(names.begin(), names.end(), label) == names.end()) names.push_back(label);
-  };
-  for (const LabelMasks& m : said.masks) add(m.label);
-  for (const LabelClick& c : said.clicks) add(c.label);
+  for (const LabelMasks& m : said.masks) add(names, m.label);
+  for (const LabelClick& c : said.clicks) add(names, c.label);
+  return names;
+}
+
+// Likewise of strokes, in the order of the alphabet: which was drawn first nobody knows.
+std::vector<std::string> names_in(const MatteEdits& edits) {
+  std::vector<std::string> names;
+  for (const auto& [serial, camera] : edits.cameras)
+    for (const MatteKeyframe& keyframe : camera.keyframes)
+      for (const MatteStroke& stroke : keyframe.strokes)
+        if (!stroke.subject.empty()) add(names, stroke.subject);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Result<void> check(const std::vector<std::string>& names) {
   for (const std::string& label : names)
     if (!is_usable_label(label))
       return fail(
           ErrorCode::InvalidArgument,
           text("'", label,
                "' cannot be a label: letters, digits, '-' and '_', at most 64, since it names a folder"));
-  if (names.size() < 2 || names.size() > kMostLabels)
-    return fail(ErrorCode::InvalidArgument,
-                text("a take's mattes are divided among 2 to ", kMostLabels, " labels, and ", names.size(),
-                     names.size() == 1 ? " was given; give one to everybody on stage" : " were given"));
-  return names;
+  if (names.size() == 1)
+    return fail(ErrorCode::InvalidArgument, text("'", names[0],
+                                                 "' is the only label that was given; a take's mattes "
+                                                 "are divided among 2 to ",
+                                                 kMostLabels, "; give one to everybody on stage"));
+  if (names.size() > kMostLabels)
+    return fail(ErrorCode::InvalidArgument, text("a take's mattes are divided among 2 to ", kMostLabels,
+                                                 " labels, and ", names.size(), " were given"));
+  return {};
 }
 
 // The folder in which work is done, beside what it is for; gone when it is.
@@ -69,11 +90,8 @@ Result<void> replace(const fs::path& folder, const fs::path& by) {
   return fail(ErrorCode::Io, text("cannot write ", folder.string(), ": ", error.message()));
 }
 
-// What is said now: masks, copied to `folder`, and the rest, in the record.
-Result<void> note(const capture::TakeReader& take, const LabelsSaid& said, const fs::path& folder,
-                  LabelRecord& record) {
-  Result<std::vector<std::string>> names = names_in(said);
-  if (!names) return forward(names);
+// The masks that are said now, copied to `folder`.
+Result<void> copy_masks(const capture::TakeReader& take, const LabelsSaid& said, const fs::path& folder) {
   for (const LabelMasks& masks : said.masks) {
     const auto each = [&](int camera, int frame, const Image& mask) -> Result<void> {
       const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
@@ -83,9 +101,25 @@ Result<void> note(const capture::TakeReader& take, const LabelsSaid& said, const
     };
     if (Result<void> ok = read_label_masks(take, masks, each); !ok) return ok;
   }
-  record.labels = std::move(*names);
-  record.clicks = said.clicks;
   return {};
+}
+
+// Who is told apart: those of masks and clicks, said now or before, and those of strokes.
+Result<void> name_labels(const std::optional<LabelsSaid>& said, const MatteEdits& edits,
+                         LabelRecord& record) {
+  std::vector<std::string> names;
+  if (said) {
+    names = names_in(*said);
+    record.clicks = said->clicks;
+  } else {
+    for (const std::string& label : record.labels)
+      if (std::find(record.drawn.begin(), record.drawn.end(), label) == record.drawn.end()) add(names, label);
+  }
+  const std::size_t before = names.size();
+  for (const std::string& label : names_in(edits)) add(names, label);
+  record.drawn.assign(names.begin() + static_cast<std::ptrdiff_t>(before), names.end());
+  record.labels = std::move(names);
+  return check(record.labels);
 }
 
 // mattes/labels is ours to replace only if a record says that it is.
@@ -117,14 +151,40 @@ Result<LabelRecord::Hashes> sums_of(const capture::TakeReader& take) {
 }
 
 std::string hash_of_inputs(const capture::TakeReader& take, const LabelRecord& record,
-                           std::vector<std::string> masks) {
+                           const MatteEdits& edits, std::vector<std::string> masks) {
   std::string all = take.manifest().rig_sha256;
   for (const std::string& label : record.labels) all += "\n" + label;
   for (const LabelClick& c : record.clicks)
     all += text("\n", c.label, " ", c.serial, " ", c.frame, " ", c.x, " ", c.y);
+  for (const LabelWord& word : label_words(take.rig(), {}, edits)) {
+    all += text("\nstroke ", word.stroke.subject, " ", word.serial, " ", word.frame, " ", word.stroke.radius);
+    for (const Eigen::Vector2d& p : word.stroke.points) all += text(" ", p.x(), ",", p.y());
+  }
   std::sort(masks.begin(), masks.end());
   for (const std::string& m : masks) all += "\n" + m;
   return capture::sha256(all);
+}
+
+// What we made of labels before goes.
+Result<void> remove_made(const TakeLayout& layout, const LabelRecord& before) {
+  for (const auto& [label, cameras] : before.files)
+    for (const auto& [serial, frames] : cameras)
+      for (const auto& [frame, hash] : frames) {
+        const Result<bool> theirs = is_others_label_matte(layout, before, label, serial, frame);
+        if (!theirs) return forward(theirs);
+        std::error_code error;
+        if (!*theirs) fs::remove(layout.label_matte(serial, label, frame), error);
+      }
+  return {};
+}
+
+// Nobody names labels any more.
+Result<void> forget_labels(const TakeLayout& layout, const LabelRecord& before) {
+  if (Result<void> ok = remove_made(layout, before); !ok) return ok;
+  std::error_code error;
+  fs::remove(layout.label_record(), error);
+  if (!error) return {};
+  return fail(ErrorCode::Io, text("cannot remove ", layout.label_record().string(), ": ", error.message()));
 }
 
 class LabelJob {
@@ -251,14 +311,7 @@ class LabelJob {
 
   // What we made before goes, and what was made now takes its place. They are ours before they are there.
   Result<void> place() {
-    for (const auto& [label, cameras] : before_.files)
-      for (const auto& [serial, frames] : cameras)
-        for (const auto& [frame, hash] : frames) {
-          const Result<bool> theirs = others(label, serial, frame);
-          if (!theirs) return forward(theirs);
-          std::error_code error;
-          if (!*theirs) fs::remove(layout_.label_matte(serial, label, frame), error);
-        }
+    if (Result<void> ok = remove_made(layout_, before_); !ok) return ok;
     if (options_.said)
       if (Result<void> ok = replace(layout_.label_masks(), scratch_ / "labels"); !ok) return ok;
     if (Result<void> ok = save_label_record(record_, layout_); !ok) return ok;
@@ -298,22 +351,28 @@ Result<LabelTakeReport> label_take(capture::TakeReader& take, const LabelTakeOpt
   const auto start = std::chrono::steady_clock::now();
   Result<LabelRecord> before = load_label_record(take.layout());
   if (!before) return forward(before);
+  Result<MatteEdits> edits = load_matte_edits(take.layout().edits());
+  if (!edits) return forward(edits);
   LabelRecord record = *before;
-  Result<LabelRecord::Hashes> sums = LabelRecord::Hashes();
-  if (options.said)
-    if (Result<void> ok = check_room(take, *before); !ok) return forward(ok);
-  if (options.said || !record.labels.empty()) sums = sums_of(take);
+  if (Result<void> ok = name_labels(options.said, *edits, record); !ok) return forward(ok);
+  if (record.labels.empty()) {
+    if (!before->labels.empty())
+      if (Result<void> ok = forget_labels(take.layout(), *before); !ok) return forward(ok);
+    return LabelTakeReport();
+  }
+  if (Result<void> ok = check_room(take, *before); !ok) return forward(ok);
+  Result<LabelRecord::Hashes> sums = sums_of(take);
   if (!sums) return forward(sums);
   const Scratch scratch(take.layout());
   const fs::path masks = options.said ? scratch.folder() / "labels" : take.layout().label_masks();
   if (options.said)
-    if (Result<void> ok = note(take, *options.said, masks, record); !ok) return forward(ok);
-  if (record.labels.empty()) return LabelTakeReport();
+    if (Result<void> ok = copy_masks(take, *options.said, masks); !ok) return forward(ok);
   record.sums = std::move(*sums);
   std::vector<std::string> hashes;
-  const Result<LabelGivens> givens = label_givens(take, record, masks, hashes);
+  const Result<LabelGivens> givens =
+      label_givens(take, record, label_words(take.rig(), record, *edits), masks, hashes);
   if (!givens) return forward(givens);
-  record.inputs = hash_of_inputs(take, record, std::move(hashes));
+  record.inputs = hash_of_inputs(take, record, *edits, std::move(hashes));
   Result<LabelTakeReport> report =
       LabelJob(take, options, std::move(*before), scratch.folder()).run(std::move(record), *givens);
   if (report)

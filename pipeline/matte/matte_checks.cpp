@@ -66,10 +66,7 @@ Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& opt
     contradiction = doubt_by_keys(take, frames[frames.size() / 2], options.threads, report);
     if (!contradiction) return forward(contradiction);
   }
-  if (*contradiction) {
-    (*contradiction)->why += ", or let `process` weigh them one by one";
-    add_contradiction(std::move(**contradiction), report.doubts);
-  }
+  if (*contradiction) add_contradiction(std::move(**contradiction), report.doubts);
   for (CameraMattes& camera : report.cameras) {
     double sum = 0;
     int seen = 0;

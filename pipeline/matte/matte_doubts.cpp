@@ -7,6 +7,8 @@
 #include <set>
 
 #include "core/file_presence.h"
+#include "core/matte_edits.h"
+#include "core/png.h"
 #include "core/text.h"
 #include "pipeline/matte/doubt_sheet.h"
 #include "pipeline/matte/matte_job.h"
@@ -18,6 +20,10 @@ namespace fs = std::filesystem;
 
 constexpr double kMostUnseen = 0.8;  // of the subject, where its plate knows nothing
 constexpr double kMostBorder = 0.5;  // of the border: a majority, as rim_check.h has it
+constexpr double kMostJump = 0.5;    // of the larger of two areas, from a frame to the next: a majority
+constexpr double kSlowest = 10;      // frames a second: in between a body may turn
+constexpr double kStep = 0.03;       // of the longer side: kReach of carried_guidance.cpp, a frame's motion
+constexpr double kSpeck = 1e-4;      // of the picture: 10x10 of a megapixel
 
 constexpr const char* kClick =
     "; click on it in the editor of `play`, give mattes with --guide, or choose another --matte with --redo";
@@ -72,6 +78,35 @@ int worst_of(const Reason& reason) {
   return worst;
 }
 
+// What mattes tell by their sizes.
+void note_shapes(const MatteJob& job, CameraRecord& record) {
+  const MatteShape* before = nullptr;
+  int frame_before = -1;
+  for (const auto& [frame, shape] : job.shapes) {
+    if (shape.border > kMostBorder)
+      record
+          .doubts[text("the subject covers more than half of the picture's border, as a backdrop does",
+                       kClick)]
+          .insert(frame);
+    const bool follows = before && frame_before == frame - 1 && job.frame_rate >= kSlowest;
+    const double larger = follows ? std::max(shape.area, before->area) : 0,
+                 change = follows ? std::abs(shape.area - before->area) : 0,
+                 passing = follows ? std::max(shape.passing, before->passing) : 0;
+    if (larger > kSpeck && change - passing > kMostJump * larger)
+      record
+          .doubts[text("more than half of the subject ", shape.area > before->area ? "comes" : "goes",
+                       " from one frame to the next", kClick)]
+          .insert(frame);
+    before = &shape;
+    frame_before = frame;
+  }
+}
+
+bool sees_nobody(const MatteJob& job) {
+  return std::all_of(job.shapes.begin(), job.shapes.end(),
+                     [](const auto& of) { return of.second.area < kSpeck; });
+}
+
 }  // namespace
 
 MatteShape shape_of(const Image& matte) {
@@ -85,22 +120,44 @@ MatteShape shape_of(const Image& matte) {
     }
   const double all = static_cast<double>(matte.width) * matte.height,
                rim = std::max(1.0, 2.0 * (matte.width + matte.height) - 4);
-  if (all > 0) shape = {static_cast<double>(subject) / all, static_cast<double>(border) / rim};
+  if (all > 0)
+    shape = {static_cast<double>(subject) / all, static_cast<double>(border) / rim,
+             static_cast<double>(border) * kStep * std::max(matte.width, matte.height) / all};
   return shape;
 }
 
+void note_guidance(const CameraMatting::Link& made, CameraRecord& record) {
+  if (made.guided) record.guided.insert(made.frame);
+  for (const std::string& ended : made.ended) record.doubts[ended].insert(made.frame);
+}
+
+CameraMatting::Link link_of(const CameraRecord* record, int frame, Image matte) {
+  CameraMatting::Link link{frame, std::move(matte)};
+  if (record && record->files.contains(frame) && !record->guided.contains(frame)) link.base = link.matte;
+  return link;
+}
+
+bool heals_on(MatteStore& store, const std::string& serial, const CameraEdits& edits,
+              const CameraMatting::Link& made) {
+  if (made.guided || made.matte.empty() || !store.healed_apart(serial, made.frame)) return false;
+  const Result<Image> there = load_png(store.layout().matte(serial, made.frame));
+  if (!there || there->pixels.size() != made.matte.pixels.size()) return false;
+  Image said(there->width, there->height, 1, 128);
+  for (const MatteKeyframe& keyframe : edits.keyframes)
+    if (keyframe.frame == made.frame) paint_strokes(keyframe.strokes, 1, said);
+  for (std::size_t p = 0; p < said.pixels.size(); ++p)
+    if (said.pixels[p] != 128 && (said.pixels[p] == 255) != (there->pixels[p] >= 128)) return false;
+  return true;
+}
+
 void note_doubts(const MatteJob& job, CameraRecord& record) {
+  for (const CameraMatting::Link& made : job.guidance) note_guidance(made, record);
   const CameraKey& key = job.matting->key();
-  if (key.kind() == CameraKey::Kind::Guide || job.report.clicks > 0) return;
+  if (key.kind() == CameraKey::Kind::Guide) return;
+  note_shapes(job, record);
+  if (job.report.clicks > 0) return;
   std::set<int> made;
-  for (const auto& [frame, shape] : job.shapes) {
-    made.insert(frame);
-    if (shape.border > kMostBorder)
-      record
-          .doubts[text("the subject covers more than half of the picture's border, as a backdrop does",
-                       kClick)]
-          .insert(frame);
-  }
+  for (const auto& [frame, shape] : job.shapes) made.insert(frame);
   if (key.kind() == CameraKey::Kind::None)
     record
         .doubts[text("nothing tells the subject, so it was guessed",
@@ -110,6 +167,12 @@ void note_doubts(const MatteJob& job, CameraRecord& record) {
     record
         .doubts[text("most of the picture is not before the cloth that was keyed (", key.spec(),
                      "), and there is no other backdrop (", key.reason(), ")")]
+        .insert(made.begin(), made.end());
+  if (key.found() && sees_nobody(job))
+    record
+        .doubts[text("no plate was shot, and nobody stands out from the one that was found behind the "
+                     "performance: who hardly moves is in it; shoot a plate, record for longer",
+                     kClick)]
         .insert(made.begin(), made.end());
   if (key.unseen() > kMostUnseen)
     record

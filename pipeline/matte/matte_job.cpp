@@ -45,6 +45,7 @@ Result<std::vector<MatteJob>> cameras_asked_for(const capture::TakeReader& take,
   const auto add = [&](int camera) {
     MatteJob job;
     job.camera = camera;
+    job.frame_rate = take.manifest().frame_rate;
     job.serial = job.report.serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
     job.wanted = wanted;
     jobs.push_back(std::move(job));
@@ -86,7 +87,10 @@ Result<std::vector<bool>> outdated(const capture::TakeReader& take, const Camera
                      before.guide.empty() ? "" : text(" with the guide ", before.guide), ", not by ", job.how,
                      "; add --redo to make it again"));
   std::vector<bool> frames(count, redo || !same_way || before.inputs != *inputs);
-  job.explained = redo || !same_way || before.inputs != *inputs || before.edits != job.edits;
+  job.explained =
+      redo || !same_way || before.inputs != *inputs || before.edits != without_subjects(job.edits);
+  job.strokes_only = !redo && same_way && before.inputs == *inputs && before.stale.empty() &&
+                     before.edits.masks == job.edits.masks;
   std::vector<bool> edited =
       frames_made_otherwise(before.method, before.key, before.edits, job.edits, static_cast<int>(count));
   if (before.method != "spectral" && before.method != "consistent")
@@ -230,6 +234,7 @@ Result<void> prepare(capture::TakeReader& take, const MatteTakeOptions& options,
                                              [&] { return !is_cancelled(options.progress); });
   if (!key) return forward(key);
   if (!record.key.empty() && record.key != key->spec()) {  // first clicks, or this program keys otherwise now
+    job.strokes_only = false;
     if (any(job.ours) && !job.explained)
       return fail(ErrorCode::AlreadyExists,
                   text("the mattes of camera '", job.serial, "' were made from the key ", record.key,
@@ -258,7 +263,7 @@ void begin(const MatteJob& job, CameraRecord& record) {
     record.method.clear(), record.key.clear(), record.inputs.clear();
   record.how = job.how;
   record.guide = job.guide;
-  record.edits = job.edits;
+  record.edits = without_subjects(job.edits);
   record.stale = job.stale;
   for (std::size_t f = 0; f < job.todo.size(); ++f) {
     const int frame = static_cast<int>(f);

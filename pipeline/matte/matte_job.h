@@ -18,6 +18,7 @@ namespace floatstage::pipeline {
 /// One camera of a run of matte_take().
 struct MatteJob {
   int camera = 0;
+  double frame_rate = 0;  ///< of the take, frames a second; 0: unknown
   std::string serial, how, guide;
   CameraEdits edits;
   std::vector<bool> wanted;              ///< frames that the run is about
@@ -25,10 +26,12 @@ struct MatteJob {
   std::vector<bool> ours;                ///< frames whose matte we made
   std::vector<bool> todo;                ///< wanted frames whose matte is to be made
   std::set<int> stale;                   ///< frames of ours that are old and not this run's to make
+  bool strokes_only = false;             ///< nothing but strokes is another than what they were made from
   bool explained = false;                ///< other mattes than before are what was asked for
   std::optional<CameraMatting> matting;  ///< absent: nothing to make, or by the cameras together
   CameraMattes report;
-  std::map<int, MatteShape> shapes;  ///< of the mattes that were made
+  std::map<int, MatteShape> shapes;           ///< of the mattes that were made
+  std::vector<CameraMatting::Link> guidance;  ///< without pictures: of those mattes that strokes made others
   std::vector<std::pair<int, std::string>> failures;
 
   bool consistent() const { return how == "consistent"; }

@@ -68,6 +68,17 @@ Result<bool> MatteStore::put(const std::string& serial, int frame, const Image& 
   return *before != hash;
 }
 
+bool MatteStore::healed_apart(const std::string& serial, int frame) {
+  const std::lock_guard lock(mutex_);
+  const CameraRecord& camera = record_[serial];
+  return camera.healed.contains(frame) && !camera.guided.contains(frame) && camera.key != "cut";
+}
+
+void MatteStore::stands(const std::string& serial, int frame) {
+  const std::lock_guard lock(mutex_);
+  record_[serial].stale.erase(frame);
+}
+
 Result<void> MatteStore::adopt(const std::string& serial, int frame, const fs::path& file,
                                const std::string& hash) {
   if (Result<void> ok = journal_.add({{"camera", serial}, {"frame", frame}, {"sha256", hash}}); !ok)

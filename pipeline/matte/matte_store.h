@@ -22,7 +22,7 @@ enum class MatteOrigin {
 };
 
 /// A take's mattes/ and the record of what was made in it: the one way by which the program writes mattes.
-/// put(), adopt() and remove() are thread safe, the rest is not.
+/// put(), adopt(), remove(), healed_apart() and stands() are thread safe, the rest is not.
 class MatteStore {
  public:
   /// Errors: those of load_matte_record().
@@ -42,6 +42,10 @@ class MatteStore {
   /// `healing`: what the record says of it, if it was made by the others' evidence.
   Result<bool> put(const std::string& serial, int frame, const Image& matte,
                    const std::optional<Healing>& healing = {});
+  /// Whether the others' evidence made a frame's matte, and strokes had nothing to do with it.
+  bool healed_apart(const std::string& serial, int frame);
+  /// The matte that lies there is as it would be made now.
+  void stands(const std::string& serial, int frame);
   /// Puts a matte into its place that was made elsewhere: `file`, which is gone afterwards, has this hash.
   Result<void> adopt(const std::string& serial, int frame, const std::filesystem::path& file,
                      const std::string& hash);

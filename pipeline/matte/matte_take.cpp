@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/matte/consistent_take.h"
+#include "pipeline/matte/heal_take.h"
 #include "pipeline/matte/matte_checks.h"
 #include "pipeline/matte/matte_doubts.h"
 #include "pipeline/matte/matte_job.h"
@@ -48,6 +49,12 @@ class Run {
     ++job.report.made;
     job.shapes[frame] = shape;
   }
+  void guided(MatteJob& job, const CameraMatting::Link& made) {
+    std::lock_guard lock(mutex_);
+    job.report.idle.insert(job.report.idle.end(), made.idle.begin(), made.idle.end());
+    if (made.guided || !made.ended.empty())
+      job.guidance.push_back({.frame = made.frame, .matte = {}, .ended = made.ended, .guided = made.guided});
+  }
   void failed(MatteJob& job, int frame, const Error& e) {
     std::lock_guard lock(mutex_);
     if (e.code == ErrorCode::Io && !fatal_) fatal_ = e;
@@ -75,7 +82,7 @@ CameraMatting::Link make(Run& run, MatteJob& job, int frame, const CameraMatting
     if (const auto [first, last] = job.reach(); !job.matting->leads_to(frame, first, last)) return {};
     if (job.there[f]) {
       Result<Image> matte = load_png(run.store.layout().matte(job.serial, frame));
-      return matte ? Link{frame, std::move(*matte)} : Link();
+      return matte ? link_of(run.store.find(job.serial), frame, std::move(*matte)) : Link();
     }
     Result<Link> matte = job.matting->matte(frame, previous);
     return matte ? std::move(*matte) : Link();
@@ -83,10 +90,16 @@ CameraMatting::Link make(Run& run, MatteJob& job, int frame, const CameraMatting
   Result<Link> made = job.matting->matte(frame, previous);
   if (!made) return run.failed(job, frame, made.error()), Link();
   if (made->matte.empty()) return run.count(job.report.gaps), Link();
+  if (job.strokes_only && job.ours[f] && heals_on(run.store, job.serial, job.edits, *made)) {
+    run.store.stands(job.serial, frame);
+    run.count(job.report.kept);
+    run.guided(job, *made);
+    return std::move(*made);
+  }
   if (Result<bool> ok = run.store.put(job.serial, frame, made->matte); !ok)
     return run.failed(job, frame, ok.error()), Link();
   run.made(job, frame, made->matte);
-  job.report.idle.insert(job.report.idle.end(), made->idle.begin(), made->idle.end());
+  run.guided(job, *made);
   return std::move(*made);
 }
 
@@ -102,6 +115,7 @@ Result<void> make_spectral(capture::TakeReader& take, Run& run, MatteJob& job, i
   if (Result<void> ok = spectral->prepare(go_on); !ok) return ok;
   if (Result<void> ok = spectral->say(*job.matting); !ok) return ok;
   job.report.idle = spectral->idle();
+  const std::vector<bool> reached = spectral->reached(take.frame_count());
   if (Result<void> ok = spectral->propagate(go_on, first, last); !ok) return ok;
   for (int frame = first; frame <= last && !is_cancelled(run.progress); ++frame) {
     progress.advance();
@@ -114,6 +128,7 @@ Result<void> make_spectral(capture::TakeReader& take, Run& run, MatteJob& job, i
     }
     if (Result<bool> ok = run.store.put(job.serial, frame, *matte); !ok) return forward(ok);
     run.made(job, frame, *matte);
+    run.guided(job, {.frame = frame, .matte = {}, .guided = reached[static_cast<std::size_t>(frame)]});
   }
   return {};
 }
@@ -218,8 +233,21 @@ Result<void> prepare_all(capture::TakeReader& take, const MatteTakeOptions& opti
   return known.empty() ? Result<void>() : run.store.save(known);
 }
 
-void say_how(const MatteStore& store, std::vector<MatteJob>& jobs, std::vector<std::string>& remarks) {
+// Strokes in frames of which there is no photograph.
+void say_unmet(const capture::TakeReader& take, const MatteJob& job, std::vector<std::string>& remarks) {
+  const std::vector<FrameRow>& rows = take.rows(job.camera);
+  for (const MatteKeyframe& keyframe : job.edits.keyframes) {
+    const auto f = static_cast<std::size_t>(keyframe.frame);
+    if (!keyframe.strokes.empty() && (f >= rows.size() || !rows[f].media_index))
+      remarks.push_back(text("camera '", job.serial, "', frame ", keyframe.frame,
+                             ": there is no photograph, so its strokes change nothing"));
+  }
+}
+
+void say_how(const capture::TakeReader& take, const MatteStore& store, std::vector<MatteJob>& jobs,
+             std::vector<std::string>& remarks) {
   for (MatteJob& job : jobs) {
+    say_unmet(take, job, remarks);
     const CameraRecord* record = store.find(job.serial);
     job.report.key = record && !record->key.empty() ? record->key : "given";
     job.report.method = record && !record->method.empty() ? record->method : "given";
@@ -243,6 +271,23 @@ Result<void> make_all(capture::TakeReader& take, const MatteTakeOptions& options
     if (!ok && ok.error().code != ErrorCode::Cancelled) run.failed(job, 0, ok.error());
   }
   return run.result();
+}
+
+// What the mattes of all cameras say of one another.
+Result<void> heal_all(capture::TakeReader& take, const MatteTakeOptions& options, std::vector<MatteJob>& jobs,
+                      MatteReport& report) {
+  std::vector<int> frames = options.frames;
+  for (int f = 0; options.frames.empty() && f < take.frame_count(); ++f) frames.push_back(f);
+  Result<std::vector<HealedCamera>> healed = heal_take(take, frames, options.threads, options.progress);
+  if (!healed) return forward(healed);
+  report.healed = std::move(*healed);
+  for (const HealedCamera& camera : report.healed)
+    for (MatteJob& job : jobs)
+      if (job.serial == camera.serial)  // what the key refused to make is there now
+        std::erase_if(job.failures, [&](const auto& failure) {
+          return std::count(camera.filled.begin(), camera.filled.end(), failure.first) > 0;
+        });
+  return {};
 }
 
 }  // namespace
@@ -276,7 +321,7 @@ Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions
   if (Result<void> ok = prepare_all(take, options, run, *jobs); !ok) return forward(ok);
   for (MatteJob& job : *jobs) give_to_one_run(options, job);
   MatteReport report;
-  say_how(**store, *jobs, report.remarks);
+  say_how(take, **store, *jobs, report.remarks);
   Result<void> made = make_all(take, options, *edits, run, *jobs, report);
   std::vector<std::string> known;
   for (const MatteJob& job : *jobs)
@@ -288,6 +333,11 @@ Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions
     if (job.report.made > 0) known.push_back(job.serial);
   if (Result<void> ok = known.empty() ? Result<void>() : (*store)->save(known); !ok && made) made = ok;
   if (!made) return forward(made);
+  if (options.heal && options.cameras.empty()) {
+    if (Result<void> ok = heal_all(take, options, *jobs, report); !ok) return forward(ok);
+    store = MatteStore::open(take.layout());
+    if (!store) return forward(store);
+  }
 
   Result<std::vector<MatteDoubt>> doubts = doubts_of(take, **store, *jobs);
   if (!doubts) return forward(doubts);

@@ -8,6 +8,7 @@
 #include "capture/take.h"
 #include "core/result.h"
 #include "pipeline/matte/consistent.h"
+#include "pipeline/matte/heal_mattes.h"
 #include "pipeline/matte/hull_agreement.h"
 
 namespace floatstage::pipeline {
@@ -24,8 +25,11 @@ struct MatteTakeOptions {
   /// Of a job that several runs share, each with frames of its own: all frames of the job, in order. Where
   /// mattes of a camera depend on one another, the run that has the first makes them all, the others none.
   std::vector<int> of_frames = {};
-  int threads = 0;      ///< 0: one per core
-  bool redo = false;    ///< make again what we made, whatever the way; others' files stay
+  int threads = 0;    ///< 0: one per core
+  bool redo = false;  ///< make again what we made, whatever the way; others' files stay
+  /// Of all cameras: mattes of ours that the others contradict are made anew by heal_take(). Who makes hulls
+  /// of them afterwards does it then.
+  bool heal = false;
   bool check = true;    ///< flicker, and silhouettes against the others' hull
   int hull_frames = 8;  ///< instants, spread over the frames, at which silhouettes are checked
   /// What a camera or a converter added to pictures: see settle_added(). Not for matte_take() of a reader.
@@ -67,7 +71,8 @@ struct MatteReport {
   std::vector<SilhouetteAgreement> worst;  ///< least agreement first
   std::vector<std::string> remarks;        ///< what may be wrong, with frames and cameras
   int distrusted = 0;                      ///< likewise: instants whose mattes are probably wrong
-  std::vector<MatteDoubt> doubts;  ///< of the frames asked for, made now or before; most cameras first
+  std::vector<MatteDoubt> doubts;    ///< of the frames asked for, made now or before; most cameras first
+  std::vector<HealedCamera> healed;  ///< in this run, worst camera first
   int made = 0;
   double seconds = 0;            ///< of making mattes, the hull check left out
   double seconds_per_frame = 0;  ///< of wall time, a photograph made in this run; 0 when none was

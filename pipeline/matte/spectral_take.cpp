@@ -66,9 +66,10 @@ Result<void> SpectralTake::say(const CameraMatting& matting, const MatteKeyframe
   if (!made) return forward(made);
   const auto [low, high] = std::minmax_element(made->matte.pixels.begin(), made->matte.pixels.end());
   const bool says = seeded || made->matte != made->base, tells_apart = *low < 128 && *high >= 128;
-  if (says && tells_apart)
+  const bool carried = says && tells_apart;
+  if (carried)
     if (Result<void> ok = video_.set_keyframe(frame, {made->matte, {}}); !ok) return ok;
-  if (says || !made->idle.empty()) said_[frame] = {keyframe, std::move(*made)};
+  if (says || !made->idle.empty()) said_[frame] = {keyframe, std::move(*made), carried};
   return {};
 }
 
@@ -76,6 +77,17 @@ std::vector<std::string> SpectralTake::idle() const {
   std::vector<std::string> all;
   for (const auto& [frame, said] : said_) all.insert(all.end(), said.made.idle.begin(), said.made.idle.end());
   return all;
+}
+
+std::vector<bool> SpectralTake::reached(int frames) const {
+  std::vector<bool> out(static_cast<std::size_t>(frames));
+  for (const auto& [frame, said] : said_) {
+    if (!said.made.matte.empty() && said.carried)
+      out.assign(out.size(), true);
+    else if (said.made.matte.empty() && frame < frames)
+      out[static_cast<std::size_t>(frame)] = true;
+  }
+  return out;
 }
 
 Result<void> SpectralTake::propagate(const std::function<bool(int)>& done, int first, int last) {

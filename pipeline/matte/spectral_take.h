@@ -34,6 +34,9 @@ class SpectralTake {
 
   /// Sentences on strokes that change nothing, of what is said now.
   std::vector<std::string> idle() const;
+  /// For each frame, whether what is said now reaches it: all where a keyframe says something, since
+  /// components and flow carry its matte both ways; else those alone whose strokes act in their own frame.
+  std::vector<bool> reached(int frames) const;
   int usable() const { return video_.usable(); }
   Result<matting::MattingComponents> components(int frame) const { return video_.components(frame); }
 
@@ -49,6 +52,7 @@ class SpectralTake {
   struct Said {
     MatteKeyframe keyframe;
     CameraMatting::Link made;
+    bool carried = false;  // it is a keyframe of the video's
   };
   std::map<int, Said> said_;  // keyframes with strokes
 };

@@ -40,6 +40,9 @@ void take_over(const CameraRecord& from, int frame, CameraRecord& to) {
   to.files[frame] = from.files.at(frame);
   if (const auto healed = from.healed.find(frame); healed != from.healed.end())
     to.healed[frame] = healed->second;
+  if (const auto compared = from.compared.find(frame); compared != from.compared.end())
+    to.compared[frame] = compared->second;
+  if (from.guided.contains(frame)) to.guided.insert(frame);
   for (const auto& [why, frames] : from.doubts)
     if (frames.contains(frame)) to.doubts[why].insert(frame);
 }
@@ -95,7 +98,8 @@ Result<void> gather_faults(const TakeLayout& take, const std::vector<fs::path>& 
   for (const SilhouetteFault& fault : doubts.faults) {
     const std::string name = text(fault.serial, "-", fault.worst, ".png");
     for (const fs::path& folder : done)
-      if (const fs::path picture = TakeLayout(folder).meshes() / "faults" / name; is_there(picture))
+      if (const fs::path picture = TakeLayout(folder).with_labels(take.labels()).meshes() / "faults" / name;
+          is_there(picture))
         if (Result<void> ok = move_file(picture, take.meshes() / "faults" / name); !ok) return ok;
   }
   return {};
@@ -142,18 +146,18 @@ Result<int> gather_meshes(const TakeLayout& take, const std::vector<fs::path>& d
   if (!store) return forward(store);
   Journal journal(take.meshes_journal());
   int put = 0;
-  std::set<std::string> healed;
+  std::set<std::string> compared;
   for (const fs::path& folder : done) {
-    const TakeLayout delivery(folder);
+    const TakeLayout delivery = TakeLayout(folder).with_labels(take.labels());
     const Result<MatteRecord> mattes = load_matte_record(delivery);
     const Result<MeshRecord> meshes = load_mesh_record(delivery);
     if (!mattes) return forward(mattes);
     if (!meshes) return forward(meshes);
     for (const auto& [serial, from] : *mattes)
-      for (const auto& [frame, healing] : from.healed) {
+      for (const auto& [frame, instant] : from.compared) {  // those that were healed, and the others
         const Result<bool> ours = gather_matte(**store, delivery, serial, frame, from);
         if (!ours) return forward(ours);
-        if (*ours) healed.insert(serial);
+        if (*ours) compared.insert(serial);
       }
     record->options = meshes->options;
     for (const auto& [frame, entry] : meshes->meshes) {
@@ -162,8 +166,8 @@ Result<int> gather_meshes(const TakeLayout& take, const std::vector<fs::path>& d
       put += *ours;
     }
   }
-  if (!healed.empty())
-    if (Result<void> ok = (*store)->save({healed.begin(), healed.end()}); !ok) return forward(ok);
+  if (!compared.empty())
+    if (Result<void> ok = (*store)->save({compared.begin(), compared.end()}); !ok) return forward(ok);
   if (Result<void> ok = save_mesh_record(*record, take); !ok) return forward(ok);
   journal.remove();
   if (Result<void> ok = gather_faults(take, done, *record); !ok) return forward(ok);

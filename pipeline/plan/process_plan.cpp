@@ -14,6 +14,8 @@
 #include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/hull_record.h"
+#include "pipeline/label_record.h"
+#include "pipeline/matte/label_take.h"
 #include "pipeline/matte/matte_job.h"
 #include "pipeline/matte/settle_added.h"
 #include "pipeline/plan/take_view.h"
@@ -148,9 +150,16 @@ double units_of(const Plan& plan) {
   return units;
 }
 
+// Of all, or of the labels that are chosen.
+Result<TakeLayout> chosen_layout(const ProcessOptions& options) {
+  return choose_labels(TakeLayout(options.take), options.labels.only, options.labels.without);
+}
+
 Result<void> add_meshes(const capture::TakeReader& take, const ProcessOptions& options, int chunk,
                         const std::set<int>& touched, Plan& plan) {
-  const Result<MeshRecord> record = load_mesh_record(take.layout());
+  const Result<TakeLayout> layout = chosen_layout(options);
+  if (!layout) return forward(layout);
+  const Result<MeshRecord> record = load_mesh_record(*layout);
   if (!record) return forward(record);
   const Result<recon::HullOptions> hull = settle_hull_options(take, options, *record);
   if (!hull) return forward(hull);
@@ -160,13 +169,14 @@ Result<void> add_meshes(const capture::TakeReader& take, const ProcessOptions& o
   double recorded = 0;
   for (const std::string& serial : serials_of(take.rig())) recorded += media_bytes(take, serial);
   for (PlanItem& piece : pieces_of(wanted_frames(take, options.frames), chunk)) {
-    bool any = options.redo;
+    // One other matte may change the labels of all frames.
+    bool any = options.redo || (!options.labels.everybody() && !touched.empty());
     for (const int frame : piece.frames()) {
       if (any || touched.contains(frame)) {
         any = true;
         break;
       }
-      const Result<MeshState> state = state_of_mesh(take.layout(), take.rig(), *record, inputs, frame);
+      const Result<MeshState> state = state_of_mesh(*layout, take.rig(), *record, inputs, frame);
       if (!state) return forward(state);
       any = *state == MeshState::ToMake;
     }
@@ -236,27 +246,39 @@ std::vector<fs::path> delivered(const Plan& plan, const char* stage) {
   return folders;
 }
 
-Result<std::uint64_t> gather(const Plan& plan, const fs::path& take, Progress* progress, const char* stage) {
-  const Result<Claim> claim = claim_take(take, progress);
+Result<std::uint64_t> gather(const Plan& plan, const TakeLayout& take, Progress* progress,
+                             const char* stage) {
+  const Result<Claim> claim = claim_take(take.folder(), progress);
   if (!claim) return forward(claim);
   const bool mattes = std::string(stage) == "mattes";
-  const Result<int> put = mattes ? gather_mattes(TakeLayout(take), delivered(plan, stage), plan.stale)
-                                 : gather_meshes(TakeLayout(take), delivered(plan, stage));
+  const Result<int> put = mattes ? gather_mattes(take, delivered(plan, stage), plan.stale)
+                                 : gather_meshes(take, delivered(plan, stage));
   if (!put) return forward(put);
-  std::printf("%s: %d %s in their places\n", take.c_str(), *put, stage);
+  std::printf("%s: %d %s in their places\n", take.folder().c_str(), *put, stage);
   return std::uint64_t{0};
+}
+
+// The mattes in their places, and divided anew where labels are chosen whose meshes come next.
+Result<std::uint64_t> gather_for_meshes(const Plan& plan, const ProcessOptions& options) {
+  Result<std::uint64_t> bytes = gather(plan, TakeLayout(options.take), options.progress, "mattes");
+  if (!bytes || options.labels.everybody()) return bytes;
+  const Result<LabelTakeReport> labels =
+      label_take(options.take, {.threads = options.threads, .redo = false, .progress = options.progress});
+  if (!labels) return forward(labels);
+  return bytes;
 }
 
 Result<std::uint64_t> make_meshes_of(const Plan& plan, const PlanItem& item, const ProcessOptions& options) {
   const Result<std::unique_ptr<Workplace>> workplace = Workplace::make(plan, item);
   if (!workplace) return forward(workplace);
-  const TakeLayout& here = (*workplace)->layout();
-  const TakeLayout take(options.take);
-  const Result<Rig> rig = load_rig(take.rig());
+  const Result<TakeLayout> take = chosen_layout(options);
+  if (!take) return forward(take);
+  const TakeLayout here = (*workplace)->layout().with_labels(take->labels());
+  const Result<Rig> rig = load_rig(take->rig());
   if (!rig) return forward(rig);
-  if (Result<void> ok = make_view(take, {serials_of(*rig), item.frames()}, here.folder()); !ok)
+  if (Result<void> ok = make_view(*take, {serials_of(*rig), item.frames()}, here.folder()); !ok)
     return forward(ok);
-  Result<std::unique_ptr<capture::TakeReader>> view = capture::TakeReader::open(here.folder());
+  Result<std::unique_ptr<capture::TakeReader>> view = open_chosen(here.folder(), options.labels);
   if (!view) return forward(view);
   Result<MeshRecord> record = load_mesh_record(here);
   if (!record) return forward(record);
@@ -338,7 +360,7 @@ Result<Plan> plan_process(const ProcessOptions& options, int chunk) {
   const Result<std::set<int>> touched = add_mattes(**take, matte_options(options), chunk, *plan);
   if (!touched) return forward(touched);
   const double mattes = units_of(*plan);
-  if (mattes > 0) add_last("gather", mattes, *plan);
+  if (mattes > 0 || !options.labels.everybody()) add_last("gather", mattes, *plan);
   if (Result<void> ok = add_meshes(**take, options, chunk, *touched, *plan); !ok) return forward(ok);
   add_last("finish", mattes, *plan);
   return plan;
@@ -346,7 +368,7 @@ Result<Plan> plan_process(const ProcessOptions& options, int chunk) {
 
 Result<std::uint64_t> run_matte_item(const Plan& plan, const PlanItem& item,
                                      const MatteTakeOptions& options) {
-  if (item.stage != "mattes") return gather(plan, options.take, options.progress, "mattes");
+  if (item.stage != "mattes") return gather(plan, TakeLayout(options.take), options.progress, "mattes");
   const Result<std::unique_ptr<Workplace>> workplace = Workplace::make(plan, item);
   if (!workplace) return forward(workplace);
   const TakeLayout& here = (*workplace)->layout();
@@ -375,9 +397,11 @@ Result<std::uint64_t> run_matte_item(const Plan& plan, const PlanItem& item,
 Result<std::uint64_t> run_process_item(const Plan& plan, const PlanItem& item,
                                        const ProcessOptions& options) {
   if (item.stage == "mattes") return run_matte_item(plan, item, matte_options(options));
-  if (item.stage == "gather") return gather(plan, options.take, options.progress, "mattes");
+  if (item.stage == "gather") return gather_for_meshes(plan, options);
   if (item.stage == "meshes") return make_meshes_of(plan, item, options);
-  return gather(plan, options.take, options.progress, "meshes");
+  const Result<TakeLayout> take = chosen_layout(options);
+  if (!take) return forward(take);
+  return gather(plan, *take, options.progress, "meshes");
 }
 
 }  // namespace floatstage::pipeline

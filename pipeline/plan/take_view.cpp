@@ -9,6 +9,7 @@
 #include "core/file_presence.h"
 #include "core/text.h"
 #include "pipeline/derived_files.h"
+#include "pipeline/label_record.h"
 #include "pipeline/matte_record.h"
 #include "pipeline/mesh_record.h"
 
@@ -56,7 +57,9 @@ Result<void> copy_records(const TakeLayout& take, const std::set<int>& frames, c
   for (auto& [serial, camera] : *mattes) {
     keep_only(camera.files, frames);
     keep_only(camera.healed, frames);
-    std::erase_if(camera.stale, [&](int frame) { return !frames.contains(frame); });
+    keep_only(camera.compared, frames);
+    for (std::set<int>* of : {&camera.stale, &camera.guided})
+      std::erase_if(*of, [&](int frame) { return !frames.contains(frame); });
     for (auto& [why, of] : camera.doubts)
       std::erase_if(of, [&](int frame) { return !frames.contains(frame); });
     std::erase_if(camera.doubts, [](const auto& doubt) { return doubt.second.empty(); });
@@ -69,6 +72,17 @@ Result<void> copy_records(const TakeLayout& take, const std::set<int>& frames, c
   keep_only(meshes->reports, frames);
   keep_only(meshes->meshes, frames);
   return save_mesh_record(*meshes, view);
+}
+
+// What the take's labels are made from, of these frames, where some of them were chosen.
+Result<void> copy_label_record(const TakeLayout& take, const std::set<int>& frames, const TakeLayout& view) {
+  if (take.labels().empty()) return {};
+  Result<LabelRecord> record = load_label_record(take);
+  if (!record) return forward(record);
+  for (auto& [serial, of] : record->sums) keep_only(of, frames);
+  for (auto& [label, files] : record->files)
+    for (auto& [serial, of] : files) keep_only(of, frames);
+  return save_label_record(*record, view);
 }
 
 // Files of a folder that are no links, in order of their names.
@@ -103,17 +117,27 @@ std::vector<fs::path> written_in(const TakeLayout& view) {
 
 Result<void> make_view(const TakeLayout& take, const ViewPart& part, const fs::path& view) {
   std::error_code error;
-  const TakeLayout from(fs::canonical(take.folder(), error)), to(view);
+  const fs::path folder = fs::canonical(take.folder(), error);
+  const TakeLayout from = TakeLayout(folder).with_labels(take.labels()),
+                   to = TakeLayout(view).with_labels(take.labels());
   if (error) return done_or(error, "open", take.folder());
   if (Result<void> ok = link_recording(from.folder(), view); !ok) return ok;
   if (Result<void> ok = link(from.edits(), to.edits()); !ok) return ok;
   if (Result<void> ok = link(from.mattes() / "given", to.mattes() / "given"); !ok) return ok;
   for (const int frame : part.frames) {
-    for (const std::string& serial : part.cameras)
+    for (const std::string& serial : part.cameras) {
       if (Result<void> ok = link(from.matte(serial, frame), to.matte(serial, frame)); !ok) return ok;
+      for (const std::string& label : from.labels())
+        if (Result<void> ok =
+                link(from.label_matte(serial, label, frame), to.label_matte(serial, label, frame));
+            !ok)
+          return ok;
+    }
     if (Result<void> ok = link(from.mesh(frame), to.mesh(frame)); !ok) return ok;
   }
-  return copy_records(from, {part.frames.begin(), part.frames.end()}, to);
+  const std::set<int> frames(part.frames.begin(), part.frames.end());
+  if (Result<void> ok = copy_label_record(from, frames, to); !ok) return ok;
+  return copy_records(from, frames, to);
 }
 
 Result<std::uint64_t> deliver(const TakeLayout& view, const fs::path& done) {

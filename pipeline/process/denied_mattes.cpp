@@ -1,29 +1,13 @@
 #include "pipeline/process/denied_mattes.h"
 
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
-#include "recon/mesh/mesh_mask.h"
+#include "pipeline/matte/hull_cover.h"
+#include "recon/mesh/mesh_silhouettes.h"
 
 namespace floatstage::pipeline {
-namespace {
 
 using nlohmann::json;
-
-constexpr double kOpen = 0.05;  // of a silhouette: less cannot hold what contradiction_in() asks for
-
-bool leaves_much_open(const recon::HullReport& hull) {
-  int known = 0, open = 0;
-  for (std::size_t c = 0; c < hull.silhouette_iou.size(); ++c) {
-    if (std::isnan(hull.silhouette_iou[c])) continue;
-    const double by_cleanup = hull.cleanup ? hull.cleanup->iou_loss[c] : 0;
-    ++known, open += 1 - hull.silhouette_iou[c] - by_cleanup > kOpen;
-  }
-  return known > 0 && 2 * open >= known;
-}
-
-}  // namespace
 
 json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::HullReport& hull,
                  const recon::HullOptions& options) {
@@ -39,9 +23,10 @@ json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::
     if (Result<recon::HullReport> made = recon::visual_hull(rig, mattes, exact)) anew = std::move(*made);
   const Mesh& mesh = same ? hull.mesh : anew.mesh;
   if (mesh.empty()) return shares;
+  const recon::MeshSilhouettes silhouettes(mesh);
   for (std::size_t c = 0; c < mattes.size(); ++c)
     if (!mattes[c].empty() && coverage(mattes[c]) > 0)
-      shares[rig.cameras[c].serial] = denied_share(mattes[c], recon::mesh_mask(rig.cameras[c], mesh));
+      shares[rig.cameras[c].serial] = denied_share(mattes[c], silhouettes.of(rig.cameras[c]));
   return shares;
 }
 

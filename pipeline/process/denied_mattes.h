@@ -13,7 +13,7 @@
 namespace floatstage::pipeline {
 
 /// A frame's part of the mesh record: {"<serial>": share} of each matte that the hull of all denies
-/// (denied_share()), where it leaves more than a twentieth of half of the silhouettes open; else empty, at no
+/// (denied_share()), where it leaves_much_open(); else empty, at no
 /// cost. `hull`: what `options` made of these mattes. The shares are those of the exact hull, whatever method
 /// and clean-up were asked for. That hull is within every matte that it denies something of, so what it
 /// denies is what the hull of the others denies.

@@ -1,23 +1,27 @@
 #include "pipeline/process/mesh_maker.h"
 
 #include <algorithm>
+#include <exception>
+#include <functional>
 #include <mutex>
 #include <optional>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
 #include "capture/added_file.h"
+#include "core/bounded_queue.h"
 #include "core/file.h"
 #include "core/mesh_io.h"
 #include "core/parallel.h"
 #include "core/text.h"
 #include "pipeline/chosen_take.h"
+#include "pipeline/hull_inside_bars.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/made_files.h"
 #include "pipeline/matte/contradiction.h"
+#include "pipeline/matte/heal_mattes.h"
 #include "pipeline/process/denied_mattes.h"
-#include "pipeline/process/heal_mattes.h"
-#include "pipeline/process/hull_inside_bars.h"
 #include "pipeline/process/silhouette_faults.h"
 #include "pipeline/progress.h"
 #include "pipeline/scene_loader.h"
@@ -102,18 +106,17 @@ class HullWorkspaces {
   std::vector<std::unique_ptr<Slot>> free_;
 };
 
-// The mesh of these mattes, written under `file`.
+// The mesh of these mattes, left in the slot.
 Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes, const capture::AddedFile& added,
-                       const recon::HullOptions& options, HullWorkspaces::Slot& slot, const fs::path& file) {
+                       const recon::HullOptions& options, HullWorkspaces::Slot& slot) {
   json iou = json::object();
   if (nobody_on_stage(mattes)) {
-    if (Result<void> ok = save_ply({}, file); !ok) return forward(ok);
+    slot.report.clear();
     return json{{"volume", 0}, {"empty", true}, {"silhouette_iou", iou}, {"seconds", 0}};
   }
   recon::HullReport& hull = slot.report;
   if (Result<void> ok = hull_inside_bars(rig, mattes, added, options, slot.workspace, hull); !ok)
     return forward(ok);
-  if (Result<void> ok = save_ply(hull.mesh, file); !ok) return forward(ok);
   for (std::size_t c = 0; c < hull.silhouette_iou.size(); ++c)
     iou[rig.cameras[c].serial] = hull.silhouette_iou[c];  // NaN becomes null: this camera had no matte
   json report = {{"volume", hull.volume},          {"empty", hull.mesh.empty()},
@@ -127,6 +130,58 @@ Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes, const c
     report["denied"] = std::move(denied);
   return report;
 }
+
+/// Puts finished meshes into their places while the next ones are made: a disk takes some milliseconds for
+/// each, in which a core would wait. Holds two meshes a thread at most.
+class MeshWriters {
+ public:
+  struct Finished {
+    std::size_t item = 0;  ///< of the run
+    int frame = 0;
+    Mesh mesh;
+    FrameHull hull;
+  };
+  using Write = std::function<void(Finished)>;
+
+  /// `write` is called by any of the threads.
+  MeshWriters(int workers, Write write)
+      : queue_(static_cast<std::size_t>(threads_for(workers)), QueuePolicy::Block), write_(std::move(write)) {
+    for (int i = 0; i < threads_for(workers); ++i) threads_.emplace_back([this] { work(); });
+  }
+  ~MeshWriters() { join(); }
+  void add(Finished one) { queue_.push(std::move(one)); }
+  /// Everything that was added has been written when this returns. Throws what `write` threw.
+  void finish() {
+    join();
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  static constexpr int kMost = 4;  // files at once: disks gain nothing from more
+  static int threads_for(int workers) { return std::clamp(workers, 1, kMost); }
+
+  void work() {
+    while (std::optional<Finished> one = queue_.pop()) {
+      try {
+        write_(std::move(*one));
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!thrown_) thrown_ = std::current_exception();
+      }
+    }
+  }
+  void join() {
+    queue_.close();
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
+
+  BoundedQueue<Finished> queue_;
+  const Write write_;
+  std::mutex mutex_;
+  std::exception_ptr thrown_;
+  std::vector<std::thread> threads_;
+};
 
 // Makes the meshes of a take that are missing or were made from something else.
 class MeshMaker {
@@ -158,12 +213,21 @@ class MeshMaker {
     std::vector<std::optional<FrameHull>> hulls(frames.size());
     others_.assign(frames.size(), 0);
     ProgressPart progress(options_.progress, "meshes", frames.size());
-    parallel_for(frames.size(), options_.threads, [&](std::size_t i) {
+    const auto failed = [&](const Error& e, int frame) {
+      collector_.failed({e.code, text("frame ", frame, ": ", e.message)}, frame);
+    };
+    const int workers = options_.threads > 0 ? options_.threads : default_threads();
+    MeshWriters writers(workers, [&](MeshWriters::Finished one) {
+      if (Result<void> ok = write(one); !ok) return failed(ok.error(), one.frame);
+      hulls[one.item] = std::move(one.hull);
+      collector_.made();
+    });
+    parallel_for(frames.size(), workers, [&](std::size_t i) {
       if (collector_.stopped()) return;
-      if (Result<void> ok = work(frames[i], hulls[i], others_[i]); !ok)
-        collector_.failed({ok.error().code, text("frame ", frames[i], ": ", ok.error().message)}, frames[i]);
+      if (Result<void> ok = work(i, frames[i], writers); !ok) failed(ok.error(), frames[i]);
       progress.advance();
     });
+    writers.finish();
     for (std::size_t i = 0; i < frames.size(); ++i) {
       if (others_[i]) record_.meshes.erase(frames[i]);
       if (!hulls[i]) continue;
@@ -198,54 +262,56 @@ class MeshMaker {
   // What is left of a sum is nothing to mend.
   bool everybody() const { return take_.layout().labels().empty(); }
 
-  Result<void> work(int frame, std::optional<FrameHull>& hull, char& others) {
-    const fs::path file = take_.layout().mesh(frame);
+  Result<void> work(std::size_t item, int frame, MeshWriters& writers) {
     const Result<MeshState> state = state_of_mesh(take_.layout(), take_.rig(), record_, inputs_, frame);
     if (!state) return forward(state);
-    if (*state == MeshState::Others) return others = 1, collector_.kept(true), Result<void>();
+    if (*state == MeshState::Others) return others_[item] = 1, collector_.kept(true), Result<void>();
     if (*state == MeshState::Kept && !options_.redo) return collector_.kept(false), Result<void>();
-    return make(frame, file, hull);
+    return make(item, frame, writers);
   }
 
-  Result<void> make(int frame, const fs::path& file, std::optional<FrameHull>& hull) {
-    FrameHull made;
+  Result<void> make(std::size_t item, int frame, MeshWriters& writers) {
+    MeshWriters::Finished finished{.item = item, .frame = frame, .mesh = {}, .hull = {}};
+    FrameHull& made = finished.hull;
     Result<std::vector<Matte>> mattes = load_mattes(take_, frame, &made.entry.mattes);
     if (mattes) mattes = silhouettes_of_labels(take_, frame, std::move(*mattes), hull_.threads);
     if (!mattes) return forward(mattes);
-    const fs::path whole = temporary_name(file);
     std::unique_ptr<HullWorkspaces::Slot> slot = workspaces_.take();
-    Result<json> report = make_mesh(take_.rig(), *mattes, added_, hull_, *slot, whole);
+    Result<json> report = make_mesh(take_.rig(), *mattes, added_, hull_, *slot);
     if (report && !report->at("empty") && everybody())
-      report = heal(frame, *mattes, *slot, whole, std::move(*report), made);
+      report = heal(frame, *mattes, *slot, std::move(*report), made);
     if (report && report->contains("silhouettes")) evidence_.note(frame, slot->report, *mattes);
+    if (report) finished.mesh = slot->report.mesh;
     workspaces_.give_back(std::move(slot));
     if (!report) return forward(report);
-    const Result<std::optional<std::string>> hash = hash_of(whole);
-    if (!hash) return forward(hash);
-    made.entry.mesh = hash->value_or("");
     made.entry.inputs = inputs_;
     made.report = std::move(*report);
-    // It is ours before it is there: what has no entry is somebody else's.
-    Result<void> ok = journal_.add(to_journal(frame, made.entry, made.report));
-    std::error_code error;
-    if (ok) fs::rename(whole, file, error);
-    if (error) ok = fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", error.message()));
-    if (!ok) return fs::remove(whole, error), ok;
-    hull = std::move(made);
-    collector_.made();
+    writers.add(std::move(finished));
     return {};
   }
 
+  Result<void> write(MeshWriters::Finished& one) {
+    const fs::path file = take_.layout().mesh(one.frame), whole = temporary_name(file);
+    if (Result<void> ok = save_ply(one.mesh, whole); !ok) return ok;
+    const Result<std::optional<std::string>> hash = hash_of(whole);
+    if (!hash) return forward(hash);
+    one.hull.entry.mesh = hash->value_or("");
+    // It is ours before it is there: what has no entry is somebody else's.
+    Result<void> ok = journal_.add(to_journal(one.frame, one.hull.entry, one.hull.report));
+    std::error_code error;
+    if (ok) fs::rename(whole, file, error);
+    if (error) ok = fail(ErrorCode::Io, text("cannot write ", file.string(), ": ", error.message()));
+    if (!ok) fs::remove(whole, error);
+    return ok;
+  }
+
   // The mesh once more, where mattes were healed.
-  Result<json> heal(int frame, std::vector<Matte>& mattes, HullWorkspaces::Slot& slot, const fs::path& file,
-                    json report, FrameHull& made) {
-    const Result<bool> healed = healer_->heal(frame, slot.report, hull_, mattes);
+  Result<json> heal(int frame, std::vector<Matte>& mattes, HullWorkspaces::Slot& slot, json report,
+                    FrameHull& made) {
+    const Result<bool> healed = healer_->heal(frame, slot.report, hull_, mattes, made.entry.mattes);
     if (!healed) return forward(healed);
     if (!*healed) return report;
-    Result<std::vector<Matte>> read = load_mattes(take_, frame, &made.entry.mattes);
-    if (!read) return forward(read);
-    mattes = std::move(*read);
-    return make_mesh(take_.rig(), mattes, added_, hull_, slot, file);
+    return make_mesh(take_.rig(), mattes, added_, hull_, slot);
   }
 
   /// Frames whose mesh holds no subject, whenever it was made. Those that somebody put there are read: the

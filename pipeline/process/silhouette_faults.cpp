@@ -12,13 +12,12 @@
 #include "core/frame_pixels.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/matte/hull_cover.h"
 
 namespace floatstage::pipeline {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kCovered = 0.9;  // of a silhouette: given mattes and rigs leave less open on every set
 
 double size_of(double lost, double gained) { return std::max(lost, gained); }
 
@@ -125,13 +124,6 @@ json cleanup_json(const Rig& rig, const recon::MeshCleanupReport& cleanup) {
   return {{"triangles", {cleanup.triangles_before, cleanup.triangles_after}},
           {"iou_loss", *worst},
           {"camera", rig.cameras[camera].serial}};
-}
-
-bool poorly_covered(const std::vector<double>& iou) {
-  int known = 0, poor = 0;
-  for (const double one : iou)
-    if (!std::isnan(one)) ++known, poor += one < kCovered;
-  return known >= 4 && 2 * poor >= known;
 }
 
 HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::path& pictures) {

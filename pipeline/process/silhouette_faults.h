@@ -50,11 +50,6 @@ class EvidenceCollector {
   std::vector<std::optional<Worst>> cameras_;
 };
 
-/// Whether the hull explains less than nine tenths of half of the silhouettes (four cameras at least): then
-/// some mattes lack what the others see, in pieces too small for the audit's blocks, or the calibration is
-/// off. `iou`: of each camera the hull's silhouette against its matte; NaN for one that has none.
-bool poorly_covered(const std::vector<double>& iou);
-
 /// What clean-up cost the meshes of a take.
 struct CleanupCost {
   int meshes = 0, most_triangles = 0;  ///< that were cleaned; of the largest

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/parallel.h"
 #include "pipeline/take_outlines.h"
-#include "recon/mesh/mesh_mask.h"
 #include "recon/outline.h"
 
 namespace floatstage::pipeline {
@@ -23,6 +23,10 @@ CameraModel enlarged(CameraModel model) {
   model.width *= kScale, model.height *= kScale;
   model.fx *= kScale, model.fy *= kScale, model.cx *= kScale, model.cy *= kScale, model.skew *= kScale;
   return model;
+}
+
+bool same_pose(const Rigid3& a, const Rigid3& b) {
+  return a.rotation.coeffs() == b.rotation.coeffs() && a.translation == b.translation;
 }
 
 }  // namespace
@@ -43,7 +47,8 @@ LeftOutHulls::LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& ins
       threads_(threads),
       progress_(progress),
       groups_(rig, quick),
-      own_(instants.size()) {
+      own_(instants.size()),
+      kept_(groups_.count()) {
   for (auto& outlines : own_) outlines.resize(rig.cameras.size());
   parallel_for(instants.size() * rig.cameras.size(), threads, [&](std::size_t i) {
     const std::size_t instant = i / rig.cameras.size(), c = i % rig.cameras.size();
@@ -54,35 +59,70 @@ LeftOutHulls::LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& ins
 }
 
 template <class Left>
-Mesh LeftOutHulls::hull_without(const Rig& rig, std::size_t instant, const Left& left_out) const {
+recon::MeshSilhouettes LeftOutHulls::hull_without(const Rig& rig, std::size_t instant,
+                                                  const Left& left_out) const {
   InstantMattes others = instants_[instant];
   for (std::size_t c = 0; c < others.size(); ++c)
     if (left_out(c)) others[c] = Matte{};
   auto hull = recon::visual_hull(rig, others, silhouette_hull_options(false));
-  return hull ? std::move(hull->mesh) : Mesh{};
+  return hull ? recon::MeshSilhouettes(std::move(hull->mesh)) : recon::MeshSilhouettes();
+}
+
+std::vector<Rigid3> LeftOutHulls::poses_without(const Rig& rig, std::size_t group) const {
+  std::vector<Rigid3> poses;
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c)
+    if (groups_.of(c) != group) poses.push_back(rig.cameras[c].cam_from_world);
+  return poses;
+}
+
+std::vector<std::shared_ptr<const LeftOutHulls::GroupHulls>> LeftOutHulls::hulls_of(
+    const Rig& rig, const std::vector<std::size_t>& groups, ProgressPart* progress) const {
+  std::vector<std::shared_ptr<const GroupHulls>> found(groups.size());
+  std::vector<std::shared_ptr<GroupHulls>> made(groups.size());
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    std::vector<Rigid3> poses = poses_without(rig, groups[i]);
+    const std::lock_guard lock(mutex_);
+    if (const auto& kept = kept_[groups[i]];
+        kept && std::equal(kept->poses.begin(), kept->poses.end(), poses.begin(), poses.end(), same_pose)) {
+      found[i] = kept;
+      continue;
+    }
+    missing.push_back(i);
+    made[i] = std::make_shared<GroupHulls>(GroupHulls{std::move(poses), Hulls(instants_.size())});
+  }
+  parallel_for(missing.size() * instants_.size(), threads_, [&](std::size_t k) {
+    const std::size_t i = missing[k / instants_.size()], instant = k % instants_.size();
+    if (!is_cancelled(progress_))
+      made[i]->hulls[instant] =
+          hull_without(rig, instant, [&](std::size_t c) { return groups_.of(c) == groups[i]; });
+    if (progress) progress->advance();
+  });
+  if (progress) progress->advance((groups.size() - missing.size()) * instants_.size());
+  for (const std::size_t i : missing) {
+    found[i] = made[i];
+    const std::lock_guard lock(mutex_);
+    if (quick_) kept_[groups[i]] = found[i];
+  }
+  return found;
 }
 
 SilhouetteTurn LeftOutHulls::turn_of(const Rig& rig, std::size_t camera) const {
-  std::vector<Mesh> hulls(instants_.size());
+  if (quick_) return turn_against(rig, camera, hulls_of(rig, {groups_.of(camera)}, nullptr)[0]->hulls);
+  Hulls hulls(instants_.size());
   for (std::size_t i = 0; i < instants_.size(); ++i)
-    hulls[i] = hull_without(
-        rig, i, [&](std::size_t c) { return quick_ ? groups_.of(c) == groups_.of(camera) : c == camera; });
+    hulls[i] = hull_without(rig, i, [&](std::size_t c) { return c == camera; });
   return turn_against(rig, camera, hulls);
 }
 
 std::vector<SilhouetteTurn> LeftOutHulls::turns_of(const Rig& rig) const {
   std::vector<SilhouetteTurn> turns(rig.cameras.size());
-  std::vector<std::vector<Mesh>> hulls(groups_.count(), std::vector<Mesh>(instants_.size()));
-  ProgressPart progress(progress_, "silhouettes", hulls.size() * instants_.size() + turns.size());
-  parallel_for(hulls.size() * instants_.size(), threads_, [&](std::size_t i) {
-    const std::size_t group = i / instants_.size(), instant = i % instants_.size();
-    if (!is_cancelled(progress_))
-      hulls[group][instant] =
-          hull_without(rig, instant, [&](std::size_t c) { return groups_.of(c) == group; });
-    progress.advance();
-  });
+  std::vector<std::size_t> groups(groups_.count());
+  std::iota(groups.begin(), groups.end(), 0);
+  ProgressPart progress(progress_, "silhouettes", groups.size() * instants_.size() + turns.size());
+  const auto hulls = hulls_of(rig, groups, &progress);
   parallel_for(turns.size(), threads_, [&](std::size_t c) {
-    if (!is_cancelled(progress_)) turns[c] = turn_against(rig, c, hulls[groups_.of(c)]);
+    if (!is_cancelled(progress_)) turns[c] = turn_against(rig, c, hulls[groups_.of(c)]->hulls);
     progress.advance();
   });
   return turns;
@@ -106,15 +146,13 @@ std::optional<double> LeftOutHulls::iou_of(const Rig& rig) const {
   return sum / count;
 }
 
-SilhouetteTurn LeftOutHulls::turn_against(const Rig& rig, std::size_t camera,
-                                          const std::vector<Mesh>& hulls) const {
+SilhouetteTurn LeftOutHulls::turn_against(const Rig& rig, std::size_t camera, const Hulls& hulls) const {
   RigCamera large = rig.cameras[camera];
   large.model = enlarged(large.model);
   std::vector<SilhouetteWitness> witnesses;
   for (std::size_t i = 0; i < instants_.size(); ++i) {
     witnesses.push_back({own_[i][camera], {}, kScale});
-    if (!witnesses.back().own.empty() && !hulls[i].triangles.empty())
-      witnesses.back().others = recon::mesh_mask(large, hulls[i]);
+    if (!witnesses.back().own.empty() && !hulls[i].empty()) witnesses.back().others = hulls[i].of(large);
   }
   return calib::measure_silhouette_turn(rig.cameras[camera].model, witnesses,
                                         quick_ ? std::optional(kQuickPoints) : std::nullopt);

@@ -1,16 +1,18 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "calib/silhouettes/silhouette_turn.h"
 #include "core/matte.h"
-#include "core/mesh.h"
 #include "core/rig.h"
 #include "core/silhouette.h"
 #include "pipeline/progress.h"
 #include "pipeline/silhouettes/camera_groups.h"
+#include "recon/mesh/mesh_silhouettes.h"
 #include "recon/visual_hull.h"
 
 namespace floatstage::pipeline {
@@ -31,7 +33,8 @@ class LeftOutHulls {
   LeftOutHulls(const Rig& rig, const std::vector<InstantMattes>& instants, bool quick, int threads,
                Progress* progress);
 
-  /// Of one camera, against hulls of all others: what is measured best; quickly, of those of other groups.
+  /// Of one camera, against hulls of all others: what is measured best; quickly, of those of other groups,
+  /// which are kept while these stand as they did.
   calib::SilhouetteTurn turn_of(const Rig& rig, std::size_t camera) const;
 
   /// Of every camera, against a few hulls (CameraGroups); unknown where the run was cancelled.
@@ -41,11 +44,21 @@ class LeftOutHulls {
   std::optional<double> iou_of(const Rig& rig) const;
 
  private:
+  using Hulls = std::vector<recon::MeshSilhouettes>;  // by instant
+  struct GroupHulls {
+    std::vector<Rigid3> poses;  // of the cameras that had a part in them
+    Hulls hulls;
+  };
+
+  std::vector<Rigid3> poses_without(const Rig& rig, std::size_t group) const;
+  /// Hulls without these groups, made or, quickly, kept. Those that are made take turns with `progress`.
+  std::vector<std::shared_ptr<const GroupHulls>> hulls_of(const Rig& rig,
+                                                          const std::vector<std::size_t>& groups,
+                                                          ProgressPart* progress) const;
   /// Of the cameras that are not `left_out(camera)`. Empty where there is none.
   template <class Left>
-  Mesh hull_without(const Rig& rig, std::size_t instant, const Left& left_out) const;
-  calib::SilhouetteTurn turn_against(const Rig& rig, std::size_t camera,
-                                     const std::vector<Mesh>& hulls) const;
+  recon::MeshSilhouettes hull_without(const Rig& rig, std::size_t instant, const Left& left_out) const;
+  calib::SilhouetteTurn turn_against(const Rig& rig, std::size_t camera, const Hulls& hulls) const;
 
   const std::vector<InstantMattes>& instants_;
   bool quick_;
@@ -53,6 +66,8 @@ class LeftOutHulls {
   Progress* progress_;
   CameraGroups groups_;
   std::vector<std::vector<Silhouette>> own_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::shared_ptr<const GroupHulls>> kept_;  // by group
 };
 
 }  // namespace floatstage::pipeline

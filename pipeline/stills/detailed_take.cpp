@@ -85,7 +85,7 @@ class Detailing {
   Result<DetailedTakeReport> run(capture::TakeCodec codec, std::vector<std::string> notes) {
     report_.notes = std::move(notes);
     SceneLoader loader(take_, /*suppress_spill=*/true);
-    Result<Instant> instant = load_instant(take_, loader, options_.frame);
+    Result<StraightInstant> instant = load_straight_instant(take_, loader, options_.frame);
     if (!instant) return forward(instant);
     instant_ = *std::move(instant);
     inner_ = instant_;
@@ -312,7 +312,7 @@ class Detailing {
   capture::TakeReader& take_;
   const DetailedTakeOptions& options_;
   const TakeLayout to_;
-  Instant instant_, inner_;  // inner_: its mattes end before the outlines
+  StraightInstant instant_, inner_;  // inner_: its mattes end before the outlines
   PlacedStills placed_;
   int zoom_ = 1;
   std::map<std::size_t, EnlargedPhoto> photos_;  // by camera

@@ -53,8 +53,8 @@ struct DetailedTakeReport {
 /// color`. Mattes and hull come along; every verb that reads takes shows the details. detail/<serial>.png
 /// says where each pixel comes from.
 ///
-/// Errors: those of load_instant() and place_stills(); NotFound when no still has a place, with the reasons;
-/// AlreadyExists and Io as of UnfinishedFolder; Cancelled. Nothing is left behind when it fails.
+/// Errors: those of load_straight_instant() and place_stills(); NotFound when no still has a place, with the
+/// reasons; AlreadyExists and Io as of UnfinishedFolder; Cancelled. Nothing is left behind when it fails.
 /// docs/adr/0297-stills-give-details-to-photographs.md
 Result<DetailedTakeReport> add_detail(const DetailedTakeOptions& options);
 

@@ -85,7 +85,7 @@ detail::PhotoRelations of_one_camera(const detail::PhotoRelations& all, std::siz
 }
 
 // Why a still has no place: what the photograph says in which most of it was found again.
-std::string why_refused(const detail::PhotoRelations& all, std::size_t still, const Instant& instant,
+std::string why_refused(const detail::PhotoRelations& all, std::size_t still, const StraightInstant& instant,
                         const std::map<std::string, std::size_t>& camera_of) {
   std::size_t best = all.photos.size();
   for (const auto& [name, camera] : camera_of)
@@ -101,7 +101,7 @@ std::string why_refused(const detail::PhotoRelations& all, std::size_t still, co
 }
 
 // What the child tells its parent: places and refusals; decoded stills lie beside it.
-json relate(const detail::PhotoRelations& all, const Instant& instant) {
+json relate(const detail::PhotoRelations& all, const StraightInstant& instant) {
   std::map<std::string, std::size_t> camera_of;
   for (std::size_t c = 0; c < instant.rig.cameras.size(); ++c) camera_of[camera_name(c)] = c;
   json places = json::array(), refused = json::array();
@@ -140,7 +140,7 @@ json relate(const detail::PhotoRelations& all, const Instant& instant) {
 
 std::string file_of(std::size_t still) { return text("still-", still, ".png"); }
 
-Result<void> place(const Instant& instant, const PlaceStillsOptions& options, const fs::path& out,
+Result<void> place(const StraightInstant& instant, const PlaceStillsOptions& options, const fs::path& out,
                    Progress* told) {
   const fs::path photos = out / "photos";
   if (Result<void> ok = make_folder(photos); !ok) return ok;
@@ -172,7 +172,7 @@ std::string without_prefix(const std::string& name) {
 }
 
 // The child's word, which is foreign: it read foreign files.
-Result<PlacedStills> read_places(const fs::path& folder, const Instant& instant) {
+Result<PlacedStills> read_places(const fs::path& folder, const StraightInstant& instant) {
   const Result<std::string> bytes = read_file(folder / "places.json");
   if (!bytes) return forward(bytes);
   const json report = json::parse(*bytes, nullptr, /*allow_exceptions=*/false);
@@ -212,7 +212,7 @@ Result<PlacedStills> read_places(const fs::path& folder, const Instant& instant)
 
 }  // namespace
 
-Result<PlacedStills> place_stills(const Instant& instant, const PlaceStillsOptions& options) {
+Result<PlacedStills> place_stills(const StraightInstant& instant, const PlaceStillsOptions& options) {
   const fs::path out = options.scratch / "placed";
   if (Result<void> ok = make_confined({.what = options.folder.string(), .outputs = {out}}, options.progress,
                                       [&](const PlaceOf& place_of, Progress* told) {

@@ -15,7 +15,7 @@ namespace floatstage::pipeline {
 
 /// Where a close still shows a part of a camera's photograph.
 struct StillPlace {
-  std::size_t still = 0, camera = 0;  ///< of PlacedStills::stills, of Instant::rig
+  std::size_t still = 0, camera = 0;  ///< of PlacedStills::stills, of StraightInstant::rig
   /// Pixels of the still to those of the photograph, corners at whole numbers.
   Eigen::Matrix3d photo_from_still = Eigen::Matrix3d::Identity();
   double zoom = 1;  ///< linear: pixels of the still in one of the photograph
@@ -49,6 +49,6 @@ struct PlaceStillsOptions {
 /// looked at: a still that was taken from beside a camera shows another part of them. Stills are decoded and
 /// related in a confined child (docs/adr/0268). Errors: NotFound when there is no such folder; BadData when
 /// no still can be read; Cancelled; Io.
-Result<PlacedStills> place_stills(const Instant& instant, const PlaceStillsOptions& options);
+Result<PlacedStills> place_stills(const StraightInstant& instant, const PlaceStillsOptions& options);
 
 }  // namespace floatstage::pipeline

@@ -13,6 +13,7 @@
 namespace floatstage::recon {
 
 struct HullWorkspace::Impl {
+  PolygonBounds polygons;  // of the outline that is checked
   ConeBuilder builder;
   SilhouetteCones cones;
   ExactHull engine;

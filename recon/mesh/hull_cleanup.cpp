@@ -15,7 +15,7 @@
 #include "recon/mesh/half_edges.h"
 #include "recon/mesh/hull_smooth.h"
 #include "recon/mesh/mesh_check.h"
-#include "recon/mesh/mesh_mask.h"
+#include "recon/mesh/mesh_silhouettes.h"
 #include "recon/mesh/reprojection_bound.h"
 #include "recon/mesh/slivers.h"
 
@@ -109,8 +109,9 @@ class CleanedMesh {
 
 std::vector<Matte> silhouettes(const Rig& rig, std::span<const Matte> mattes, const Mesh& mesh, int threads) {
   std::vector<Matte> masks(mattes.size());
+  const MeshSilhouettes of_mesh(mesh);
   parallel_for(mattes.size(), threads, [&](std::size_t c) {
-    if (!mattes[c].empty()) masks[c] = mesh_mask(rig.cameras[c], mesh);
+    if (!mattes[c].empty()) masks[c] = of_mesh.of(rig.cameras[c]);
   });
   return masks;
 }

@@ -8,6 +8,7 @@
 #include "render/cpu/position_shares.h"
 #include "render/cpu/renderers.h"
 #include "render/cpu/warp_kernels.h"
+#include "render/cpu/weight_kernels.h"
 #include "render/pairwise_flows.h"
 #include "render/renderer_checks.h"
 
@@ -15,7 +16,6 @@ namespace floatstage::render::cpu {
 namespace {
 
 constexpr int kMargin = 16;  // px around the view: what the warps may pull in from outside
-constexpr float kUnseen = 1e-4F, kNobodySees = 1e-3F;
 
 class FloatingRenderer : public ViewRenderer {
  public:
@@ -47,12 +47,12 @@ class FloatingRenderer : public ViewRenderer {
   // Of one row; lists of an image each.
   struct Lists {
     PositionShares share;
-    std::array<float*, kMostListed> visible{}, rgba{}, used{}, from_x{}, from_y{};
+    std::array<float*, kMostListed> rgba{}, used{}, hidden{}, from_x{}, from_y{};
   };
 
   std::size_t count() const { return projection_.choice().chosen; }
   Result<void> estimate_flows(const RendererOptions& options);
-  void share_out(int y, Lists& lists, RowMemory& memory) const;
+  void let_filled_in(std::size_t pixels, Lists& lists) const;
   void float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists, RowMemory& memory);
   void float_row(int y, const RendererOptions& options, RowMemory& memory);
 
@@ -76,23 +76,19 @@ Result<void> FloatingRenderer::estimate_flows(const RendererOptions& options) {
   return pairwise_.estimate(images_, pulls_, options.flow, options.threads, &projection_.interruption());
 }
 
-// How much each camera counts: by its angle, visible or not, and with its visibility.
-void FloatingRenderer::share_out(int y, Lists& lists, RowMemory& memory) const {
-  const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
-  const auto pixels = static_cast<std::size_t>(row.count);
-  const float even = 1 / static_cast<float>(count());
-  lists.share = position_shares(projection_, y, parallax_ ? &centers_ : nullptr, memory);
-  float* total = memory.floats(pixels);
-  std::fill_n(total, pixels, 0.F);
-  for (std::size_t i = 0; i < count(); ++i) {
-    lists.visible[i] = memory.floats(pixels);
-    std::copy_n(projection_.weight(i) + row.list, pixels, lists.visible[i]);
-    for (std::size_t k = 0; k < pixels; ++k) total[k] += lists.visible[i][k];
+// Where the chosen cameras see little of what arrives, the images of those that do not see it count, which
+// hold the blend of all that do.
+void FloatingRenderer::let_filled_in(std::size_t pixels, Lists& lists) const {
+  for (std::size_t k = 0; k < pixels; ++k) {
+    float seen = 0, hidden = 0;
+    for (std::size_t i = 0; i < count(); ++i) {
+      seen += lists.used[i][k];
+      hidden += lists.hidden[i][k];
+    }
+    if (seen >= kEnough || hidden <= 0) continue;
+    const float share = (kEnough - seen) / hidden;
+    for (std::size_t i = 0; i < count(); ++i) lists.used[i][k] += share * lists.hidden[i][k];
   }
-  // Where only stand-ins see the proxy all images hold the same filled colour.
-  for (std::size_t i = 0; i < count(); ++i)
-    for (std::size_t k = 0; k < pixels; ++k)
-      lists.visible[i][k] = total[k] > kNobodySees ? lists.visible[i][k] / total[k] : even;
 }
 
 void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptions& options, Lists& lists,
@@ -144,11 +140,12 @@ void FloatingRenderer::float_image(std::size_t image, int y, const RendererOptio
   for (std::size_t k = 0; k < pixels; ++k) warped.direct[k] &= inside[k];
   projection_.read(image, row, u, v, warped.direct, lists.rgba[image], memory);
   borrow_colors(source, warped, lists.rgba[image]);
+  lists.hidden[image] = memory.floats(pixels);
   for (std::size_t k = 0; k < pixels; ++k) {
-    const bool counts = lists.share.pull[image][k] >= kFaintShare || lists.visible[image][k] >= kFaintShare;
+    const float pull = lists.share.pull[image][k] >= kFaintShare ? lists.share.pull[image][k] : 0;
     // What matters is whether camera i sees the point whose colour arrives here, not the point that is here.
-    lists.used[image][k] =
-        counts ? lists.share.pull[image][k] * warped.seen[k] + kUnseen * lists.visible[image][k] : 0;
+    lists.used[image][k] = pull * warped.seen[k];
+    lists.hidden[image][k] = pull - lists.used[image][k];
   }
 }
 
@@ -156,8 +153,9 @@ void FloatingRenderer::float_row(int y, const RendererOptions& options, RowMemor
   const Covered::Row& row = projection_.covered().rows[static_cast<std::size_t>(y)];
   const auto pixels = static_cast<std::size_t>(row.count);
   Lists lists;
-  share_out(y, lists, memory);
+  lists.share = position_shares(projection_, y, parallax_ ? &centers_ : nullptr, memory);
   for (std::size_t i = 0; i < count(); ++i) float_image(i, y, options, lists, memory);
+  let_filled_in(pixels, lists);
   float* mean = memory.floats(3 * pixels);
   for (std::size_t k = 0; k < pixels; ++k) {
     float sum[3] = {0, 0, 0}, total = 0;

@@ -95,6 +95,7 @@ Result<void> Projection::run(const Scene& scene, const View& view, const Rendere
     for (auto* list : {&matte_, &most_opaque_}) grow(*list, covered_.padded);
   plan_bands();
   for_rows([&](int y, RowMemory& memory) { see_row(y, wanted, memory); });
+  for_rows([&](int y, RowMemory& memory) { measure_row(y, memory); });
   for_rows([&](int y, RowMemory& memory) { weigh_row(y, wanted, memory); });
   return interruption_.given_up() ? Result<void>(given_up()) : Result<void>();
 }
@@ -232,10 +233,23 @@ void Projection::see_row(int y, const Wanted& wanted, RowMemory& memory) {
       hidden[x] =
           static_cast<std::uint8_t>(~visible_[span.list + static_cast<std::size_t>(x - span.begin)] & all);
   }
+}
+
+// The distance filter's first pass over what is hidden and no speck.
+void Projection::measure_row(int y, RowMemory& memory) {
   if (radius_ < 1) return;
   const int reach = static_cast<int>(std::ceil(radius_));
+  const auto width = static_cast<std::size_t>(window_.width);
+  auto* above = reinterpret_cast<std::uint8_t*>(memory.floats(width / 4 + 1));
+  auto* below = reinterpret_cast<std::uint8_t*>(memory.floats(width / 4 + 1));
+  auto* hidden = reinterpret_cast<std::uint8_t*>(memory.floats(width / 4 + 1));
   auto* scratch = reinterpret_cast<std::uint8_t*>(
       memory.floats(static_cast<std::size_t>(2 * window_.width + 2 * reach) / 4 + 64));
+  std::memset(above, 0, width);
+  std::memset(below, 0, width);
+  if (y > 0) std::copy_n(hidden_.data() + line(y - 1), width, above);
+  if (y + 1 < window_.height) std::copy_n(hidden_.data() + line(y + 1), width, below);
+  without_specks(above, hidden_.data() + line(y), below, window_.width, hidden);
   for (std::size_t slot = 0; slot < choice_.listed.size(); ++slot)
     row_has_hidden_[slot][static_cast<std::size_t>(y)] = row_distances(
         hidden, window_.width, static_cast<int>(slot), reach, scratch, row_distances_[slot].data() + line(y));

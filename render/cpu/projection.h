@@ -120,6 +120,7 @@ class Projection {
   void plan_bands();
   void see_row(int y, const Wanted& wanted, RowMemory& memory);
   void weigh_row(int y, const Wanted& wanted, RowMemory& memory);
+  void measure_row(int y, RowMemory& memory);
   void soften_row(int y, RowMemory& memory);
   void fill_row(int y, RowMemory& memory);
   void show_hidden(int y, RowMemory& memory);

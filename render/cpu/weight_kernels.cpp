@@ -18,9 +18,33 @@ namespace floatstage::render::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr float kBlind = 1e-6F;  // a camera that does not see the pixel counts where none does
+constexpr float kBlind = 1e-6F, kReachesNot = 1e-3F;  // of `nearest`: one that does not see, nor has it
+constexpr float kEnoughOfList = 0.01F;                // the same of who is listed
+constexpr float kLeast = 1e-30F;
 
 // Plain loops over bytes and shorts, which compilers turn into vectors.
+
+// Eight counts at once, a bit each: columns of three are added to two bits, three columns to ones and twos.
+void WithoutSpecks(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, int width,
+                   std::uint8_t* HWY_RESTRICT hidden) {
+  const auto most = [](unsigned a, unsigned b, unsigned c) { return (a & b) | (c & (a | b)); };
+  const auto at = [&](int x, unsigned& ones, unsigned& twos) {
+    const unsigned a = above[x], b = here[x], c = below[x];
+    ones = a ^ b ^ c;
+    twos = most(a, b, c);
+  };
+  unsigned ones[3] = {0, 0, 0}, twos[3] = {0, 0, 0};  // of the columns left, here and right
+  if (width > 0) at(0, ones[2], twos[2]);
+  for (int x = 0; x < width; ++x) {
+    for (int k = 0; k < 2; ++k) ones[k] = ones[k + 1], twos[k] = twos[k + 1];
+    ones[2] = twos[2] = 0;
+    if (x + 1 < width) at(x + 1, ones[2], twos[2]);
+    const unsigned one = ones[0] ^ ones[1] ^ ones[2], two = most(ones[0], ones[1], ones[2]);
+    const unsigned p = twos[0] ^ twos[1], q = twos[0] & twos[1], r = twos[2] ^ two, t = twos[2] & two;
+    const unsigned three_twos = (q & (r | t)) | (t & p), two_twos = (p & r) | q | t;
+    hidden[x] = static_cast<std::uint8_t>(here[x] & (three_twos | (two_twos & one)));
+  }
+}
 
 bool RowDistances(const std::uint8_t* hidden, int width, int slot, int radius,
                   std::uint8_t* HWY_RESTRICT scratch, std::int16_t* HWY_RESTRICT squares) {
@@ -70,39 +94,73 @@ void SoftShares(const std::int16_t* const* rows, const std::int16_t* offsets, in
   }
 }
 
-void BlendingWeights(const WeightRow& row) {
+// The strongest camera that sees the pixel has it all; where none does, the strongest.
+void OneCamera(const WeightRow& row) {
   const hn::CappedTag<float, 16> d;
   const hn::RebindToSigned<decltype(d)> di;
   const hn::Rebind<std::uint8_t, decltype(d)> d8;
   const auto listed = static_cast<std::size_t>(row.listed);
   const auto zero = hn::Zero(d), one = hn::Set(d, 1), blind = hn::Set(d, kBlind),
-             unreached = hn::Set(d, kBlind * 1e-3F);
+             unreached = hn::Set(d, kBlind * kReachesNot);
   for (std::size_t i = 0; i < static_cast<std::size_t>(row.count); i += hn::Lanes(d)) {
     const auto bits = hn::PromoteTo(di, hn::LoadU(d8, row.visible + i));
-    auto sum = zero, best = hn::Set(d, -1);
+    auto best = hn::Set(d, -1);
     auto best_slot = hn::Zero(di);
     for (std::size_t s = 0; s < listed; ++s) {
-      const auto angular = hn::LoadU(d, row.angular[s] + i), size = hn::Abs(angular);
+      const auto angular = hn::LoadU(d, row.angular[s] + i);
       const auto visible = hn::RebindMask(d, hn::Ne(hn::And(bits, hn::Set(di, 1 << s)), hn::Zero(di)));
-      const auto soft = hn::IfThenElseZero(visible, hn::LoadU(d, row.soft[s] + i));
       const auto least = hn::IfThenElse(hn::Gt(angular, zero), blind, unreached);
-      const auto reach = hn::Set(d, row.fade[s] + kStandIn * row.stand_in_fade[s]);
-      const auto weight = hn::Mul(size, hn::MulAdd(soft, reach, least));
-      sum = hn::Add(sum, weight);
-      const auto score = row.one_camera ? hn::Mul(size, hn::IfThenElse(visible, one, least)) : weight;
+      const auto score = hn::Mul(hn::Abs(angular), hn::IfThenElse(visible, one, least));
       const auto better = hn::Gt(score, best);
       best = hn::IfThenElse(better, score, best);
       best_slot =
           hn::IfThenElse(hn::RebindMask(di, better), hn::Set(di, static_cast<std::int32_t>(s)), best_slot);
-      hn::StoreU(soft, d, row.soft[s] + i);
-      hn::StoreU(weight, d, row.weight[s] + i);
+      hn::StoreU(hn::IfThenElseZero(visible, hn::LoadU(d, row.soft[s] + i)), d, row.soft[s] + i);
     }
-    const auto share = hn::Div(one, sum);
     for (std::size_t s = 0; s < listed; ++s) {
       const auto chosen = hn::RebindMask(d, hn::Eq(best_slot, hn::Set(di, static_cast<std::int32_t>(s))));
-      const auto weight =
-          row.one_camera ? hn::IfThenElseZero(chosen, one) : hn::Mul(hn::LoadU(d, row.weight[s] + i), share);
-      hn::StoreU(weight, d, row.weight[s] + i);
+      hn::StoreU(hn::IfThenElseZero(chosen, one), d, row.weight[s] + i);
+    }
+  }
+}
+
+// weights.frag says what the four kinds of cameras are and why each lets the next one in by degrees.
+void BlendingWeights(const WeightRow& row) {
+  if (row.one_camera) return OneCamera(row);
+  const hn::CappedTag<float, 16> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const hn::Rebind<std::uint8_t, decltype(d)> d8;
+  const auto listed = static_cast<std::size_t>(row.listed);
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1), enough = hn::Set(d, kEnough),
+             least = hn::Set(d, kLeast), enough_of_list = hn::Set(d, kEnoughOfList);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(row.count); i += hn::Lanes(d)) {
+    const auto bits = hn::PromoteTo(di, hn::LoadU(d8, row.visible + i));
+    auto all = least, chosen = zero, listed_all = least, in_list = zero, in_picture = zero;
+    for (std::size_t s = 0; s < listed; ++s) {
+      const auto angular = hn::LoadU(d, row.angular[s] + i), size = hn::Abs(angular);
+      const auto visible = hn::RebindMask(d, hn::Ne(hn::And(bits, hn::Set(di, 1 << s)), hn::Zero(di)));
+      const auto soft = hn::IfThenElseZero(visible, hn::LoadU(d, row.soft[s] + i));
+      const auto as_chosen = hn::Mul(size, hn::Set(d, row.fade[s])),
+                 as_listed = hn::Mul(size, hn::Set(d, row.stand_in_fade[s]));
+      all = hn::Add(all, as_chosen);
+      chosen = hn::MulAdd(as_chosen, soft, chosen);
+      listed_all = hn::Add(listed_all, as_listed);
+      in_list = hn::MulAdd(as_listed, soft, in_list);
+      in_picture = hn::Add(in_picture, hn::IfThenElseZero(hn::Gt(angular, zero), as_listed));
+      hn::StoreU(soft, d, row.soft[s] + i);
+    }
+    const auto of_chosen = hn::Div(one, hn::Max(chosen, hn::Mul(enough, all)));
+    auto rest = hn::NegMulAdd(chosen, of_chosen, one);
+    const auto of_list = hn::Div(rest, hn::Max(in_list, hn::Mul(enough_of_list, listed_all)));
+    rest = hn::NegMulAdd(in_list, of_list, rest);
+    const auto of_picture = hn::Div(rest, hn::Max(in_picture, hn::Mul(enough_of_list, listed_all)));
+    const auto of_any = hn::Div(hn::NegMulAdd(in_picture, of_picture, rest), listed_all);
+    for (std::size_t s = 0; s < listed; ++s) {
+      const auto angular = hn::LoadU(d, row.angular[s] + i), soft = hn::LoadU(d, row.soft[s] + i);
+      const auto fade = hn::Set(d, row.fade[s]), stand_in = hn::Set(d, row.stand_in_fade[s]);
+      const auto seen = hn::Mul(soft, hn::MulAdd(fade, of_chosen, hn::Mul(stand_in, of_list)));
+      const auto unseen = hn::Add(of_any, hn::IfThenElseZero(hn::Gt(angular, zero), of_picture));
+      hn::StoreU(hn::Mul(hn::Abs(angular), hn::MulAdd(stand_in, unseen, seen)), d, row.weight[s] + i);
     }
   }
 }
@@ -113,9 +171,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace floatstage::render::cpu {
 
+HWY_EXPORT(WithoutSpecks);
 HWY_EXPORT(RowDistances);
 HWY_EXPORT(SoftShares);
 HWY_EXPORT(BlendingWeights);
+
+void without_specks(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, int width,
+                    std::uint8_t* hidden) {
+  HWY_DYNAMIC_DISPATCH(WithoutSpecks)(above, here, below, width, hidden);
+}
 
 bool row_distances(const std::uint8_t* hidden, int width, int slot, int radius, std::uint8_t* scratch,
                    std::int16_t* squares) {

@@ -9,8 +9,16 @@
 // Formulas: render/gl/shaders/soft_rows.frag and weights.frag.
 namespace floatstage::render::cpu {
 
-inline constexpr float kStandIn = 1e-3F;  ///< a camera beyond the chosen ones counts where those see nothing
+inline constexpr float kStandIn = 1e-3F;  ///< mattes of cameras beyond the chosen ones count so much
+/// Of the weight that the chosen cameras would have without visibility, the share that keeps others out.
+inline constexpr float kEnough = 0.3F;
 inline constexpr std::int16_t kNoneNear = 1 << 14;  ///< a squared distance beyond every radius
+
+/// A row's pixels that are hidden, a bit a camera, and most of whose nine neighbours (with themselves, and
+/// with the rows above and below) are, too: `hidden` gets bits of `here`. All of `width` bytes, none the
+/// same.
+void without_specks(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below, int width,
+                    std::uint8_t* hidden);
 
 /// The distance filter's first pass: per pixel of a row the squared distance along it to the next pixel whose
 /// bit `slot` of `hidden` is set, kNoneNear where there is none within `radius` px. `scratch` holds 2 *

@@ -58,6 +58,7 @@ Result<Projection> Projection::create() {
   for (const Wanted& w : {Wanted{&p.depth_map_, "depth_map.vert", "depth_map.frag"},
                           Wanted{&p.proxy_, "proxy.vert", "proxy.frag"},
                           Wanted{&p.visibility_pass_, "fullscreen.vert", "visibility.frag"},
+                          Wanted{&p.hidden_pass_, "fullscreen.vert", "hidden.frag"},
                           Wanted{&p.soft_rows_, "fullscreen.vert", "soft_rows.frag"},
                           Wanted{&p.weights_pass_, "fullscreen.vert", "weights.frag"}}) {
     Result<gl::Program> program = gl::make_program(w.vertex, w.fragment, {"view.glsl", "camera.glsl"});
@@ -69,7 +70,7 @@ Result<Projection> Projection::create() {
   p.outline_ = std::move(*outline);
   p.no_vertices_ = gl::VertexArray::create();
   for (gl::Framebuffer* target :
-       {&p.surface_target_, &p.visibility_target_, &p.rows_target_, &p.weights_target_})
+       {&p.surface_target_, &p.visibility_target_, &p.hidden_target_, &p.rows_target_, &p.weights_target_})
     *target = gl::Framebuffer::create();
   return p;
 }
@@ -82,6 +83,8 @@ void Projection::reserve() {
     glNamedFramebufferTexture(surface_target_.id(), GL_DEPTH_ATTACHMENT, z_buffer_.id(), 0);
   if (visibility_.reserve(GL_RG32UI, GL_NEAREST, w, h))
     glNamedFramebufferTexture(visibility_target_.id(), GL_COLOR_ATTACHMENT0, visibility_.id(), 0);
+  if (hidden_.reserve(GL_R8UI, GL_NEAREST, w, h))
+    glNamedFramebufferTexture(hidden_target_.id(), GL_COLOR_ATTACHMENT0, hidden_.id(), 0);
   if (row_distances_.reserve(GL_RG32UI, GL_NEAREST, w, h))
     glNamedFramebufferTexture(rows_target_.id(), GL_COLOR_ATTACHMENT0, row_distances_.id(), 0);
   for (int i = 0; i < 2; ++i) {
@@ -164,7 +167,8 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glDisable(GL_DEPTH_TEST);
 
   draw(visibility_target_.id(), visibility_pass_, {surface_.id(), scene.depth_maps.texture()});
-  draw(rows_target_.id(), soft_rows_, {visibility_.id()});
+  draw(hidden_target_.id(), hidden_pass_, {visibility_.id()});
+  draw(rows_target_.id(), soft_rows_, {hidden_.id()});
   draw(weights_target_.id(), weights_pass_,
        {visibility_.id(), row_distances_.id(), angular_[0].id(), angular_[1].id()});
 }

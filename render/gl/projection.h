@@ -61,14 +61,14 @@ class Projection {
   void write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options,
                       bool one_camera);
 
-  gl::Program depth_map_, proxy_, visibility_pass_, soft_rows_, weights_pass_;
+  gl::Program depth_map_, proxy_, visibility_pass_, hidden_pass_, soft_rows_, weights_pass_;
   gl::Buffer uniforms_;
   std::size_t uniform_capacity_ = 0;
   gl::VertexArray no_vertices_;
   std::optional<Outline> outline_;  // made by create()
-  gl::Texture surface_, z_buffer_, visibility_, row_distances_, mattes_;
+  gl::Texture surface_, z_buffer_, visibility_, hidden_, row_distances_, mattes_;
   std::array<gl::Texture, 2> angular_, weights_, soft_;
-  gl::Framebuffer surface_target_, visibility_target_, rows_target_, weights_target_;
+  gl::Framebuffer surface_target_, visibility_target_, hidden_target_, rows_target_, weights_target_;
   Window window_;
   CameraChoice choice_;
   std::array<int, kMostListed> deepest_{};  // of the listed: the last level that any pixel reads

@@ -92,18 +92,18 @@ void LiveChain::run() {
 void LiveChain::make_scene(const TimedSet& set) {
   const Timestamp begun = now();
   NodeQuality quality;
-  std::vector<bool> textured;
   {
     const std::lock_guard lock(mutex_);
     quality = quality_;
-    textured = textured_;
+    textured_now_ = textured_;
     working_ = true;
   }
-  auto scene = std::make_shared<LiveScene>();
+  std::shared_ptr<LiveScene> scene = scenes_.take();
+  scene->times = {};
   scene->times.wait = milliseconds_of(begun - set.first_produced);
-  scene->views = rack_.look(set, textured, quality, options_.threads, scene->times);
+  rack_.look(set, textured_now_, quality, options_.threads, scene->times, scene->views);
   const Timestamp looked = now();
-  Result<StudioScene> made = reconstruction_.make(scene->views, options_.threads);
+  const Result<void> made = reconstruction_.make(scene->views, options_.threads, scene->scene);
   scene->ready = now();
   scene->times.hull = milliseconds_of(scene->ready - looked);
   set_remark(!rack_.trouble().empty() ? rack_.trouble()
@@ -119,7 +119,6 @@ void LiveChain::make_scene(const TimedSet& set) {
     ++counters_.failed;
     return;
   }
-  scene->scene = std::move(*made);
   ++counters_.scenes;
   if (next_) ++counters_.unseen;
   next_ = std::move(scene);

@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/reused.h"
 #include "studio/live/live_quality.h"
 #include "studio/live/live_scene.h"
 #include "studio/live/live_source.h"
@@ -29,6 +30,7 @@ struct LiveChainOptions {
 /// Work is done on demand: the chain begins with the newest instant so that its scene is ready when the view
 /// has drawn the last one, and instants that come in between are left out and counted. Nothing waits in line,
 /// so pictures are as young as the machine allows, and no work is done for scenes that nobody would see.
+/// Scenes and what they hold are used again once they were dropped: a warm chain allocates nothing for them.
 class LiveChain final : public SceneFeed {
  public:
   /// The source outlives the chain. Errors: a keyer that cannot be made, the synchroniser's options.
@@ -79,6 +81,8 @@ class LiveChain final : public SceneFeed {
   CameraRack rack_;  // the chain's thread only, as the next
   std::unique_ptr<SetBuilder> sets_;
   Reconstruction reconstruction_;
+  Reused<LiveScene> scenes_;
+  std::vector<bool> textured_now_;  // of the scene in work
   std::thread thread_;
 
   mutable std::mutex mutex_;

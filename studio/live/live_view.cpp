@@ -4,8 +4,9 @@
 
 namespace floatstage::studio {
 
-Result<bool> set_scene(const LiveScene& scene, const Rig& rig, render::Scene& to) {
-  std::vector<render::PictureTile> tiles;
+Result<bool> set_scene(const LiveScene& scene, const Rig& rig, std::vector<render::PictureTile>& tiles,
+                       render::Scene& to) {
+  tiles.clear();
   for (const std::shared_ptr<const CameraView>& view : scene.views) {
     if (!view || !view->tile) continue;
     const int camera = camera_index(rig, view->serial);
@@ -33,7 +34,7 @@ View smaller(View view, int factor) {
 
 Result<void> LiveView::show(const std::shared_ptr<const LiveScene>& scene) {
   scene_ = scene;
-  const Result<bool> uploaded = set_scene(*scene, rig_, drawn_);
+  const Result<bool> uploaded = set_scene(*scene, rig_, tiles_, drawn_);
   drawable_ = uploaded && *uploaded;
   return uploaded ? Result<void>() : forward(uploaded);
 }

@@ -2,17 +2,20 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/rig.h"
 #include "render/method_renderers.h"
+#include "render/scene.h"
 #include "studio/live/live_quality.h"
 #include "studio/live/live_scene.h"
 
 namespace floatstage::studio {
 
 /// Prepares a scene's surface and textures for drawing. False when there is nothing to draw: no subject, or
-/// no texture of it.
-Result<bool> set_scene(const LiveScene& scene, const Rig& rig, render::Scene& to);
+/// no texture of it. `tiles` is room for a list of them, which callers keep.
+Result<bool> set_scene(const LiveScene& scene, const Rig& rig, std::vector<render::PictureTile>& tiles,
+                       render::Scene& to);
 
 /// Draws live scenes with options.back_end, which must be open. One thread, with GL the GL thread.
 class LiveView {
@@ -33,6 +36,7 @@ class LiveView {
  private:
   const Rig rig_;
   std::shared_ptr<const LiveScene> scene_;
+  std::vector<render::PictureTile> tiles_;
   render::Scene drawn_;
   render::MethodRenderers renderers_;
   Image small_, enlarged_;  // of a quality that draws smaller pictures

@@ -52,18 +52,19 @@ void ReconService::say(const std::string& remark, std::string& before) {
 
 void ReconService::make_scene(const GatheredViews& set) {
   const Timestamp begun = now();
-  Result<StudioScene> scene = reconstruction_.make(set.views, options_.threads);
-  const std::string remark = scene ? reconstruction_.remark() : scene.error().message;
+  auto scene = std::make_shared<StudioScene>();
+  const Result<void> made = reconstruction_.make(set.views, options_.threads, *scene);
+  const std::string remark = made ? reconstruction_.remark() : made.error().message;
   say(remark, remark_);
   const std::lock_guard lock(mutex_);
   counters_.hull_ms.add(milliseconds_of(now() - begun));
-  if (!scene) {
+  if (!made) {
     ++counters_.failed;
     return;
   }
   scene->epoch = counters_.scenes++;
   scene->instant = set.instant;
-  publisher_->publish(std::make_shared<const StudioScene>(std::move(*scene)));
+  publisher_->publish(std::shared_ptr<const StudioScene>(std::move(scene)));
 }
 
 void ReconService::run() {

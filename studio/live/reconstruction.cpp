@@ -6,14 +6,17 @@
 
 namespace floatstage::studio {
 
-Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const CameraView>> views,
-                                         int threads) {
-  StudioScene scene;
+Result<void> Reconstruction::make(std::span<const std::shared_ptr<const CameraView>> views, int threads,
+                                  StudioScene& scene) {
+  scene.epoch = 0;
+  scene.instant = scene.produced = {};
   scene.rig_sha256 = rig_sha256_;
+  scene.mesh.positions.clear();
+  scene.mesh.triangles.clear();
   outlines_.resize(rig_.cameras.size());
   for (Silhouette& outline : outlines_) outline.clear();
   remark_.clear();
-  bool any = false;
+  std::size_t known = 0;
   for (const std::shared_ptr<const CameraView>& view : views) {
     const int camera = view ? camera_index(rig_, view->serial) : -1;
     if (camera < 0) continue;
@@ -26,11 +29,13 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
     scene.epoch = std::max(scene.epoch, view->epoch);
     scene.instant = view->instant;
     if (!view->known) continue;
-    scene.produced = any ? std::min(scene.produced, view->produced) : view->produced;
-    any = true;
-    scene.cameras.push_back({view->serial, view->exposed});
+    scene.produced = known > 0 ? std::min(scene.produced, view->produced) : view->produced;
+    scene.cameras.resize(std::max(scene.cameras.size(), known + 1));  // those there keep their strings
+    scene.cameras[known].serial = view->serial;
+    scene.cameras[known++].exposed = view->exposed;
     outlines_[static_cast<std::size_t>(camera)] = view->outline;
   }
+  scene.cameras.resize(known);
   recon::HullOptions options;
   options.threads = threads;
   options.quality = false;
@@ -38,12 +43,12 @@ Result<StudioScene> Reconstruction::make(std::span<const std::shared_ptr<const C
       recon::visual_hull(rig_, std::span<const Silhouette>(outlines_), options, workspace_, report_);
   if (!hull && hull.error().code != ErrorCode::BadData) return forward(hull);
   if (hull) {
-    scene.mesh = std::move(report_.mesh);
+    std::swap(scene.mesh, report_.mesh);
     if (!report_.remarks.empty()) remark_ = report_.remarks.front();
   } else {
     remark_ = hull.error().message;
   }
-  return scene;
+  return {};
 }
 
 }  // namespace floatstage::studio

@@ -20,11 +20,12 @@ class Reconstruction {
   Reconstruction(Rig rig, std::string rig_sha256)
       : rig_(std::move(rig)), rig_sha256_(std::move(rig_sha256)) {}
 
-  /// Views in any order, null ones and those of cameras that the rig does not know left out; a camera without
-  /// a view does not carve. A stage without a subject, and one that the outlines do not bound, is a scene
-  /// with an empty mesh: remark() says why. InvalidArgument for views of pictures of another size than the
-  /// rig's, and those of the hull.
-  Result<StudioScene> make(std::span<const std::shared_ptr<const CameraView>> views, int threads);
+  /// Replaces `scene`, whose memory is used again. Views in any order, null ones and those of cameras that
+  /// the rig does not know left out; a camera without a view does not carve. A stage without a subject, and
+  /// one that the outlines do not bound, is a scene with an empty mesh: remark() says why. InvalidArgument
+  /// for views of pictures of another size than the rig's, and those of the hull.
+  Result<void> make(std::span<const std::shared_ptr<const CameraView>> views, int threads,
+                    StudioScene& scene);
 
   const std::string& remark() const {
     return remark_;

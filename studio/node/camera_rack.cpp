@@ -25,25 +25,24 @@ Result<void> CameraRack::prepare(int shrink) {
   return {};
 }
 
-std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& set,
-                                                                const std::vector<bool>& textured,
-                                                                const NodeQuality& quality, int threads,
-                                                                SceneTimes& times) {
+void CameraRack::look(const TimedSet& set, const std::vector<bool>& textured, const NodeQuality& quality,
+                      int threads, SceneTimes& times, std::vector<std::shared_ptr<const CameraView>>& views) {
   const Timestamp begun = now();
-  std::vector<std::shared_ptr<const CameraView>> views(nodes_.size());
-  std::vector<std::string> troubles(nodes_.size());
+  views.assign(nodes_.size(), nullptr);
+  troubles_.resize(nodes_.size());
   parallel_for(nodes_.size(), threads, [&](std::size_t i) {
     const bool wanted = textured.empty() || textured[i];
-    Result<CameraView> view =
+    Result<std::shared_ptr<const CameraView>> view =
         nodes_[i].look(set.images.frames[i], set.instant, set.produced[i], wanted, quality);
     if (view) {
-      views[i] = std::make_shared<const CameraView>(std::move(*view));
+      views[i] = std::move(*view);
+      troubles_[i].clear();
     } else {
-      troubles[i] = view.error().message;
+      troubles_[i] = view.error().message;
     }
   });
   trouble_.clear();
-  for (const std::string& trouble : troubles)
+  for (const std::string& trouble : troubles_)
     if (trouble_.empty()) trouble_ = trouble;
   for (const CameraViewMaker& node : nodes_) {
     times.key += node.timings().key;
@@ -51,7 +50,6 @@ std::vector<std::shared_ptr<const CameraView>> CameraRack::look(const TimedSet& 
     times.tile += node.timings().tile;
   }
   times.nodes = milliseconds_of(now() - begun);
-  return views;
 }
 
 }  // namespace floatstage::studio

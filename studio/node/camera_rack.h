@@ -23,17 +23,17 @@ class CameraRack {
   /// CameraViewMaker::prepare() of all.
   Result<void> prepare(int shrink);
 
-  /// views[i] is of rig.cameras[i]. `textured[i]`: somebody wants its texture; empty: of all. A camera whose
-  /// picture cannot be used is a view that knows nothing, and trouble() says why. Adds what it took to
-  /// `times`.
-  std::vector<std::shared_ptr<const CameraView>> look(const TimedSet& set, const std::vector<bool>& textured,
-                                                      const NodeQuality& quality, int threads,
-                                                      SceneTimes& times);
+  /// views[i] becomes that of rig.cameras[i]; their memory is used again once nobody has them any more.
+  /// `textured[i]`: somebody wants its texture; empty: of all. A camera whose picture cannot be used is a
+  /// null view, and trouble() says why. Adds what it took to `times`.
+  void look(const TimedSet& set, const std::vector<bool>& textured, const NodeQuality& quality, int threads,
+            SceneTimes& times, std::vector<std::shared_ptr<const CameraView>>& views);
 
   const std::string& trouble() const { return trouble_; }  ///< of the last look(); empty when all went well
 
  private:
   std::vector<CameraViewMaker> nodes_;
+  std::vector<std::string> troubles_;  // of each node's last look
   std::string trouble_;
 };
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "studio/node/foreground_tile.h"
 
 namespace floatstage::studio {
 namespace {
@@ -94,32 +93,36 @@ Result<void> CameraViewMaker::prepare(int factor) {
 }
 
 Result<std::shared_ptr<const ForegroundTile>> CameraViewMaker::tile_of(const Frame& frame, const Matte& small,
-                                                                       int factor) const {
+                                                                       int factor) {
   PixelBox box = subject_box(small, factor, model_.width, model_.height);
   if (box.empty()) return std::shared_ptr<const ForegroundTile>();
   const Result<Frame> part = crop(frame, box);
   if (!part) return forward(part);
-  Result<Image> picture = keyers_.at(1).keyer->suppress_spill(*part);
-  if (!picture) return forward(picture);
-  auto tile = std::make_shared<ForegroundTile>();
+  std::shared_ptr<ForegroundTile> tile = tiles_.take();
   tile->x = box.x;
   tile->y = box.y;
-  tile->picture = std::move(*picture);
-  tile->matte = enlarged(small, factor, box);
+  if (Result<void> ok = keyers_.at(1).keyer->suppress_spill(*part, tile->picture); !ok) return forward(ok);
+  enlarger_.enlarge(small, factor, box, tile->matte);
   return std::shared_ptr<const ForegroundTile>(std::move(tile));
 }
 
-Result<CameraView> CameraViewMaker::look(const Frame& frame, const Instant& instant, Timestamp produced,
-                                         bool textured, const NodeQuality& quality) {
-  CameraView view;
+Result<std::shared_ptr<const CameraView>> CameraViewMaker::look(const Frame& frame, const Instant& instant,
+                                                                Timestamp produced, bool textured,
+                                                                const NodeQuality& quality) {
+  std::shared_ptr<CameraView> taken = views_.take();
+  CameraView& view = *taken;
   view.serial = serial_;
   view.epoch = instant.epoch;
   view.instant = view.exposed = instant.time;
   view.produced = produced;
   view.width = model_.width;
   view.height = model_.height;
+  view.known = false;
+  view.outline.clear();
+  view.tile.reset();
   timings_ = {};
-  if (frame.empty() || frame.info.status != FrameStatus::Ok) return view;
+  if (frame.empty() || frame.info.status != FrameStatus::Ok)
+    return std::shared_ptr<const CameraView>(std::move(taken));
   if (frame.layout.width != model_.width || frame.layout.height != model_.height)
     return fail(ErrorCode::BadData,
                 text("camera '", serial_, "' delivers ", frame.layout.width, "x", frame.layout.height,
@@ -132,9 +135,8 @@ Result<CameraView> CameraViewMaker::look(const Frame& frame, const Instant& inst
   if (!keyer) return blame(serial_, keyer.error());
   Frame small = frame;
   if (factor > 1) {
-    const Result<Image> averaged = shrink(frame, factor);
-    if (!averaged) return blame(serial_, averaged.error());
-    small = make_frame(frame.info, *averaged);
+    if (Result<void> ok = shrink(frame, factor, sums_, averaged_); !ok) return blame(serial_, ok.error());
+    small = borrowed_frame(frame.info, averaged_);
   }
   const Result<Matte> matte = (*keyer)->key(small);
   if (!matte) return blame(serial_, matte.error());
@@ -156,7 +158,7 @@ Result<CameraView> CameraViewMaker::look(const Frame& frame, const Instant& inst
     view.tile = std::move(*tile);
     timings_.tile = watch.lap();
   }
-  return view;
+  return std::shared_ptr<const CameraView>(std::move(taken));
 }
 
 }  // namespace floatstage::studio

@@ -8,10 +8,12 @@
 #include "core/camera.h"
 #include "core/frame.h"
 #include "core/result.h"
+#include "core/reused.h"
 #include "matting/keyers/keyer.h"
 #include "matting/keyers/live_key.h"
 #include "recon/outline.h"
 #include "studio/messages/camera_view.h"
+#include "studio/node/foreground_tile.h"
 
 namespace floatstage::studio {
 
@@ -41,7 +43,9 @@ struct Instant {
 
 /// One camera of a camera node: a frame in, the subject's outline and on request its texture out. Keys a
 /// down-sampled picture, and touches the photograph's own pixels only where the subject is. Used by one
-/// thread at a time; different nodes run side by side.
+/// thread at a time; different nodes run side by side. Where the key is fast (LiveKey::fast()) nothing is
+/// allocated for colour frames, but to crop Nv12, once subjects as large were seen and the views before were
+/// dropped.
 class CameraViewMaker {
  public:
   /// `spec` as for make_keyer(); `samples` are whole photographs or the clean plate of this camera. Errors:
@@ -56,8 +60,9 @@ class CameraViewMaker {
   /// `frame` as the source delivered it at `produced`; an empty or corrupt one makes a view that is not
   /// known. With `textured`, the view has a tile when the subject is in the picture. Errors: those of
   /// shrink() and Keyer::key(), and BadData for a frame of another size than the model's.
-  Result<CameraView> look(const Frame& frame, const Instant& instant, Timestamp produced, bool textured,
-                          const NodeQuality& quality);
+  Result<std::shared_ptr<const CameraView>> look(const Frame& frame, const Instant& instant,
+                                                 Timestamp produced, bool textured,
+                                                 const NodeQuality& quality);
 
   const std::string& serial() const { return serial_; }
   const NodeTimings& timings() const { return timings_; }  ///< of the last look()
@@ -66,8 +71,7 @@ class CameraViewMaker {
  private:
   CameraViewMaker() = default;
   Result<matting::LiveKey*> keyer_at(int shrink);
-  Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small,
-                                                        int shrink) const;
+  Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small, int shrink);
 
   std::string serial_;
   CameraModel model_;
@@ -79,6 +83,11 @@ class CameraViewMaker {
   };
   std::map<int, KeyerAtScale> keyers_;  // by shrink
   recon::OutlineWorkspace outlines_;
+  std::vector<std::uint32_t> sums_;  // of the picture that is made smaller
+  Image averaged_;                   // it at a fraction of its size
+  MatteEnlarger enlarger_;
+  Reused<CameraView> views_;
+  Reused<ForegroundTile> tiles_;
   NodeTimings timings_;
 };
 

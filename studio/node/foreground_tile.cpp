@@ -2,29 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace floatstage::studio {
 namespace {
 
 constexpr int kBorder = 4;  // px: what a spline and the edge of the enlarged matte reach
-
-/// For each pixel of a line of the photograph: the two small pixels around it, and the share of the second in
-/// 256ths.
-struct Tap {
-  int low, high, share;
-};
-
-std::vector<Tap> taps(int first, int count, int factor, int small) {
-  std::vector<Tap> line(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    const double at = (first + i + 0.5) / factor - 0.5, floor = std::floor(at);
-    const int low = static_cast<int>(floor);
-    line[static_cast<std::size_t>(i)] = {std::clamp(low, 0, small - 1), std::clamp(low + 1, 0, small - 1),
-                                         static_cast<int>(std::lround((at - floor) * 256))};
-  }
-  return line;
-}
 
 bool any(const std::uint8_t* row, int from, int to) {
   return std::any_of(row + from, row + to, [](std::uint8_t v) { return v != 0; });
@@ -52,28 +34,38 @@ PixelBox subject_box(const Matte& small, int factor, int width, int height) {
   return {x0, y0, x1 - x0, y1 - y0};
 }
 
-Image enlarged(const Matte& small, int factor, const PixelBox& box) {
-  Image out(box.width, box.height, 1);
+void MatteEnlarger::find_taps(int first, int count, int factor, int small, std::vector<Tap>& line) {
+  line.resize(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const double at = (first + i + 0.5) / factor - 0.5, floor = std::floor(at);
+    const int low = static_cast<int>(floor);
+    line[static_cast<std::size_t>(i)] = {std::clamp(low, 0, small - 1), std::clamp(low + 1, 0, small - 1),
+                                         static_cast<int>(std::lround((at - floor) * 256))};
+  }
+}
+
+void MatteEnlarger::enlarge(const Matte& small, int factor, const PixelBox& box, Image& out) {
+  out.resize(box.width, box.height, 1);
   if (factor == 1) {
     for (int y = 0; y < box.height; ++y) std::copy_n(small.row(box.y + y) + box.x, box.width, out.at(0, y));
-    return out;
+    return;
   }
-  const std::vector<Tap> across = taps(box.x, box.width, factor, small.width),
-                         down = taps(box.y, box.height, factor, small.height);
-  std::vector<int> line(static_cast<std::size_t>(small.width));  // of small pixels, between two rows; 256ths
-  const int from = across.empty() ? 0 : across.front().low, to = across.empty() ? 0 : across.back().high + 1;
+  find_taps(box.x, box.width, factor, small.width, across_);
+  find_taps(box.y, box.height, factor, small.height, down_);
+  line_.resize(static_cast<std::size_t>(small.width));
+  const int from = across_.empty() ? 0 : across_.front().low,
+            to = across_.empty() ? 0 : across_.back().high + 1;
   for (int y = 0; y < box.height; ++y) {
-    const Tap& t = down[static_cast<std::size_t>(y)];
+    const Tap& t = down_[static_cast<std::size_t>(y)];
     const std::uint8_t *low = small.row(t.low), *high = small.row(t.high);
     for (int x = from; x < to; ++x)
-      line[static_cast<std::size_t>(x)] = low[x] * (256 - t.share) + high[x] * t.share;
+      line_[static_cast<std::size_t>(x)] = low[x] * (256 - t.share) + high[x] * t.share;
     std::uint8_t* row = out.at(0, y);
-    for (const Tap& a : across) {
-      const int l = line[static_cast<std::size_t>(a.low)], h = line[static_cast<std::size_t>(a.high)];
+    for (const Tap& a : across_) {
+      const int l = line_[static_cast<std::size_t>(a.low)], h = line_[static_cast<std::size_t>(a.high)];
       *row++ = static_cast<std::uint8_t>((l * (256 - a.share) + h * a.share + (1 << 15)) >> 16);
     }
   }
-  return out;
 }
 
 }  // namespace floatstage::studio

@@ -93,7 +93,9 @@ void PublishingNode::look(CameraRack& rack, const TimedSet& set) {
   std::vector<bool> textured;
   for (const RigCamera& camera : rig_.cameras) textured.push_back(publisher_->wants_tile(camera.serial));
   SceneTimes times;
-  for (auto& view : rack.look(set, textured, options_.quality, options_.threads, times))
+  std::vector<std::shared_ptr<const CameraView>> views;
+  rack.look(set, textured, options_.quality, options_.threads, times, views);
+  for (const auto& view : views)
     if (view) publisher_->publish(moved(*view, to_studio));
   ++looked_;
   if (!rack.trouble().empty()) ++troubled_;

@@ -93,6 +93,7 @@ void instant(benchmark::State& state) {
   CameraRack rack = std::move(*CameraRack::make(rig, "chroma", player->samples()));
   Reconstruction reconstruction(rig, "");
   LiveView drawn(rig);
+  Reused<LiveScene> scenes;
   render::RendererOptions options;
   options.back_end = render::BackEnd::Cpu;
   options.threads = 1;
@@ -106,12 +107,13 @@ void instant(benchmark::State& state) {
     if (count == 0) std::fill(std::begin(stages), std::end(stages), triangles = points = 0);
     const View view = pipeline::view_of(pipeline::sample(path, std::fmod(0.1 * (count + kInstants), 20)),
                                         kWidth, kHeight, {});
-    auto scene = std::make_shared<LiveScene>();
+    const std::shared_ptr<LiveScene> scene = scenes.take();
+    scene->times = {};
     const double begun = cpu_ms();
-    scene->views = rack.look(sets[static_cast<std::size_t>((count + kInstants) % kInstants)], textured,
-                             quality.node, 1, scene->times);
+    rack.look(sets[static_cast<std::size_t>((count + kInstants) % kInstants)], textured, quality.node, 1,
+              scene->times, scene->views);
     const double looked = cpu_ms();
-    scene->scene = std::move(*reconstruction.make(scene->views, 1));
+    benchmark::DoNotOptimize(reconstruction.make(scene->views, 1, scene->scene));
     const double carved = cpu_ms();
     benchmark::DoNotOptimize(drawn.show(scene));
     const double shown = cpu_ms();
@@ -168,10 +170,10 @@ void outlines(benchmark::State& state) {
   double hull = 0, triangles = 0, points = 0;
   for (auto _ : state) {
     LiveScene scene;
-    scene.views = rack.look(set_of(player->take(), 5), {}, quality, 1, scene.times);
+    rack.look(set_of(player->take(), 5), {}, quality, 1, scene.times, scene.views);
     for (int round = 0; round < 4; ++round) {  // the first grows the memory
       const double begun = cpu_ms();
-      scene.scene = std::move(*reconstruction.make(scene.views, 1));
+      benchmark::DoNotOptimize(reconstruction.make(scene.views, 1, scene.scene));
       if (round > 0) hull += (cpu_ms() - begun) / 3;
     }
     triangles = static_cast<double>(scene.scene.mesh.triangles.size()) / 3;
@@ -180,7 +182,8 @@ void outlines(benchmark::State& state) {
       LiveScene others = scene;
       others.views[left_out] = nullptr;
       render::Scene drawn;
-      if (!*set_scene(others, rig, drawn)) return state.SkipWithError("nothing to draw");
+      std::vector<render::PictureTile> tiles;
+      if (!*set_scene(others, rig, tiles, drawn)) return state.SkipWithError("nothing to draw");
       const RigCamera& camera = rig.cameras[left_out];
       render::MethodRenderers renderers;
       const auto picture =

@@ -42,7 +42,7 @@ std::string one_image(std::uint32_t camera = 7, double w = 1, std::uint64_t poin
 
 const std::vector<double> kPinhole{500, 510, 320, 240};
 
-Result<ForeignRig> parse(const std::string& cameras, const std::string& images) {
+Result<ForeignRig> from_binary(const std::string& cameras, const std::string& images) {
   return parse_colmap_binary(cameras, images, "cameras.bin", "images.bin");
 }
 
@@ -54,7 +54,7 @@ TEST(ColmapBinary, SaysWhatTheTextSays) {
     const std::vector<ColmapPoint> points{{{1, 2, 3}, {4, 5, 6}}};
     ASSERT_THAT(write_colmap_model(rig, {"cam0", "cam1", "cam2"}, points, folder / "m"), IsOk());
     const auto bytes = [&](const char* name) { return read_file(folder / "m" / name).value(); };
-    const Result<ForeignRig> binary = parse(bytes("cameras.bin"), bytes("images.bin"));
+    const Result<ForeignRig> binary = from_binary(bytes("cameras.bin"), bytes("images.bin"));
     const Result<ForeignRig> words = parse_colmap(bytes("cameras.txt"), bytes("images.txt"), "c", "i");
     ASSERT_THAT(binary, IsOk());
     ASSERT_THAT(words, IsOk());
@@ -66,7 +66,7 @@ TEST(ColmapBinary, SaysWhatTheTextSays) {
 
 TEST(ColmapBinary, ReadsEveryModelThatOurLensesHold) {
   const auto lens = [](std::int32_t model, const std::vector<double>& parameters) {
-    const Result<ForeignRig> rig = parse(one_camera(model, parameters), one_image());
+    const Result<ForeignRig> rig = from_binary(one_camera(model, parameters), one_image());
     EXPECT_THAT(rig, IsOk());
     return rig ? rig->rig.cameras[0].model.lens : Lens{};
   };
@@ -83,26 +83,27 @@ TEST(ColmapBinary, ReadsEveryModelThatOurLensesHold) {
 
 TEST(ColmapBinary, SaysWhatIsWrong) {
   const std::string camera = one_camera(1, kPinhole);
-  expect_error(parse(one_camera(7, {500, 510, 320, 240, 1}), one_image()), ErrorCode::Unsupported,
+  expect_error(from_binary(one_camera(7, {500, 510, 320, 240, 1}), one_image()), ErrorCode::Unsupported,
                {"cameras.bin", "camera 7", "FOV"});
-  expect_error(parse(one_camera(99, kPinhole), one_image()), ErrorCode::Unsupported, {"number 99"});
-  expect_error(parse(one_camera(1, {500, std::nan(""), 320, 240}), one_image()), ErrorCode::BadData,
+  expect_error(from_binary(one_camera(99, kPinhole), one_image()), ErrorCode::Unsupported, {"number 99"});
+  expect_error(from_binary(one_camera(1, {500, std::nan(""), 320, 240}), one_image()), ErrorCode::BadData,
                {"camera 7", "finite"});
-  expect_error(parse(one_camera(1, kPinhole, std::uint64_t{1} << 40U), one_image()), ErrorCode::BadData,
+  expect_error(from_binary(one_camera(1, kPinhole, std::uint64_t{1} << 40U), one_image()), ErrorCode::BadData,
                {"camera 7", "size"});
-  expect_error(parse(camera + "x", one_image()), ErrorCode::BadData, {"cameras.bin", "1 bytes follow"});
-  expect_error(parse(camera, one_image(8)), ErrorCode::BadData, {"left.png", "camera 8", "cameras.bin"});
-  expect_error(parse(camera, one_image(7, 1.1)), ErrorCode::BadData, {"left.png", "length"});
-  expect_error(parse(camera, one_image(7, 1, std::uint64_t{1} << 62U)), ErrorCode::BadData,
+  expect_error(from_binary(camera + "x", one_image()), ErrorCode::BadData, {"cameras.bin", "1 bytes follow"});
+  expect_error(from_binary(camera, one_image(8)), ErrorCode::BadData,
+               {"left.png", "camera 8", "cameras.bin"});
+  expect_error(from_binary(camera, one_image(7, 1.1)), ErrorCode::BadData, {"left.png", "length"});
+  expect_error(from_binary(camera, one_image(7, 1, std::uint64_t{1} << 62U)), ErrorCode::BadData,
                {"images.bin", "cut off"});
 }
 
 TEST(ColmapBinary, RefusesEveryTruncation) {
   const std::string camera = one_camera(1, kPinhole), image = one_image();
   for (std::size_t length = 0; length < camera.size(); ++length)
-    expect_error(parse(camera.substr(0, length), image), ErrorCode::BadData, {"cameras.bin"});
+    expect_error(from_binary(camera.substr(0, length), image), ErrorCode::BadData, {"cameras.bin"});
   for (std::size_t length = 0; length < image.size(); ++length)
-    expect_error(parse(camera, image.substr(0, length)), ErrorCode::BadData, {"images.bin"});
+    expect_error(from_binary(camera, image.substr(0, length)), ErrorCode::BadData, {"images.bin"});
 }
 
 }  // namespace

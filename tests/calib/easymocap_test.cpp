@@ -23,12 +23,12 @@ const std::string kExtri =
     "0., 1. ]\n"
     "T_right: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0., 0., 2. ]\n";
 
-Result<ForeignRig> parse(std::string_view intri, std::string_view extri) {
+Result<ForeignRig> easymocap(std::string_view intri, std::string_view extri) {
   return parse_easymocap(intri, extri, "intri.yml", "extri.yml");
 }
 
 TEST(EasyMocap, PutsTheCentreOfATwoByTwoImageAtOneOne) {
-  const Result<ForeignRig> rig = parse(kIntri, kExtri);
+  const Result<ForeignRig> rig = easymocap(kIntri, kExtri);
   ASSERT_TRUE(rig.has_value()) << rig.error().message;
   EXPECT_EQ(rig->rig.cameras[0].model.cx, 1.0);
   EXPECT_EQ(rig->rig.cameras[0].model.cy, 1.0);
@@ -36,7 +36,7 @@ TEST(EasyMocap, PutsTheCentreOfATwoByTwoImageAtOneOne) {
 }
 
 TEST(EasyMocap, ReadsSizesOnlyWhereTheyAreStated) {
-  const Result<ForeignRig> rig = parse(kIntri, kExtri);
+  const Result<ForeignRig> rig = easymocap(kIntri, kExtri);
   ASSERT_TRUE(rig.has_value());
   EXPECT_EQ(rig->rig.cameras[0].model.width, 0);
   EXPECT_EQ(rig->rig.cameras[1].model.width, 640);
@@ -44,14 +44,14 @@ TEST(EasyMocap, ReadsSizesOnlyWhereTheyAreStated) {
 }
 
 TEST(EasyMocap, ReadsDistortionInOpenCvsOrderAndNoneWhereThereIsNone) {
-  const Result<ForeignRig> rig = parse(kIntri, kExtri);
+  const Result<ForeignRig> rig = easymocap(kIntri, kExtri);
   ASSERT_TRUE(rig.has_value());
   EXPECT_EQ(rig->rig.cameras[0].model.lens, Lens(BrownConrady{0.1, -0.2, 0.001, 0.002, 0.05}));
   EXPECT_EQ(rig->rig.cameras[1].model.lens, Lens(std::monostate{}));
 }
 
 TEST(EasyMocap, ReadsRotationVectorsAndPrefersTheMatrix) {
-  const Result<ForeignRig> rig = parse(kIntri, kExtri);
+  const Result<ForeignRig> rig = easymocap(kIntri, kExtri);
   ASSERT_TRUE(rig.has_value());
   const Eigen::Vector3d a = rig->rig.cameras[0].cam_from_world * Eigen::Vector3d(1, 0, 0);
   EXPECT_TRUE(a.isApprox(Eigen::Vector3d(1, 3, 3))) << a;
@@ -60,27 +60,28 @@ TEST(EasyMocap, ReadsRotationVectorsAndPrefersTheMatrix) {
 }
 
 TEST(EasyMocap, NamesTheEntryThatIsMissingOrWrong) {
-  expect_error(parse(replaced(kIntri, "K_01", "X_01"), kExtri), ErrorCode::BadData,
+  expect_error(easymocap(replaced(kIntri, "K_01", "X_01"), kExtri), ErrorCode::BadData,
                {"intri.yml", "K_01", "missing"});
-  expect_error(parse(kIntri, replaced(kExtri, "T_right", "X_right")), ErrorCode::BadData,
+  expect_error(easymocap(kIntri, replaced(kExtri, "T_right", "X_right")), ErrorCode::BadData,
                {"extri.yml", "T_right", "missing"});
-  expect_error(parse(kIntri, replaced(kExtri, "R_01", "X_01")), ErrorCode::BadData,
+  expect_error(easymocap(kIntri, replaced(kExtri, "R_01", "X_01")), ErrorCode::BadData,
                {"extri.yml", "R_01", "missing"});
-  expect_error(parse(replaced(kIntri, "names", "nomes"), kExtri), ErrorCode::BadData, {"intri.yml", "names"});
-  expect_error(parse(replaced(kIntri, "rows: 3", "rows: 4"), kExtri), ErrorCode::BadData,
+  expect_error(easymocap(replaced(kIntri, "names", "nomes"), kExtri), ErrorCode::BadData,
+               {"intri.yml", "names"});
+  expect_error(easymocap(replaced(kIntri, "rows: 3", "rows: 4"), kExtri), ErrorCode::BadData,
                {"line 6", "K_01", "rows times its cols"});
-  expect_error(parse(replaced(kIntri, "3., 0., 0.5", ".nan, 0., 0.5"), kExtri), ErrorCode::BadData,
+  expect_error(easymocap(replaced(kIntri, "3., 0., 0.5", ".nan, 0., 0.5"), kExtri), ErrorCode::BadData,
                {"intri.yml: line 6", "K_01", "finite"});
-  expect_error(parse(kIntri, replaced(kExtri, "1., 2., 3.", "1., .inf, 3.")), ErrorCode::BadData,
+  expect_error(easymocap(kIntri, replaced(kExtri, "1., 2., 3.", "1., .inf, 3.")), ErrorCode::BadData,
                {"extri.yml: line 11", "T_01", "finite"});
-  expect_error(parse(kIntri, replaced(kExtri, "0., -1., 0., 1.", "0., 1., 0., 1.")), ErrorCode::BadData,
+  expect_error(easymocap(kIntri, replaced(kExtri, "0., -1., 0., 1.", "0., 1., 0., 1.")), ErrorCode::BadData,
                {"Rot_right", "mirror"});
 }
 
 TEST(EasyMocap, KnowsTheEightTermsOfARationalLens) {
   const std::string eight =
       replaced(replaced(kIntri, "cols: 5", "cols: 8"), "0.05 ]", "0.05, 0.1, 0.2, 0.3 ]");
-  const Result<ForeignRig> rig = parse(eight, kExtri);
+  const Result<ForeignRig> rig = easymocap(eight, kExtri);
   ASSERT_TRUE(rig.has_value()) << rig.error().message;
   const auto& lens = std::get<BrownConrady>(rig->rig.cameras[0].model.lens);
   EXPECT_EQ((std::array{lens.k3, lens.k4, lens.k5, lens.k6}), (std::array{0.05, 0.1, 0.2, 0.3}));
@@ -89,34 +90,34 @@ TEST(EasyMocap, KnowsTheEightTermsOfARationalLens) {
 TEST(EasyMocap, RefusesALensWithMoreTermsThanOurs) {
   const std::string twelve =
       replaced(replaced(kIntri, "cols: 5", "cols: 12"), "0.05 ]", "0.05, 0., 0., 0., 0.1, 0., 0., 0. ]");
-  expect_error(parse(twelve, kExtri), ErrorCode::Unsupported, {"intri.yml", "dist_01", "prism"});
+  expect_error(easymocap(twelve, kExtri), ErrorCode::Unsupported, {"intri.yml", "dist_01", "prism"});
   const std::string zeros =
       replaced(replaced(kIntri, "cols: 5", "cols: 12"), "0.05 ]", "0.05, 0., 0., 0., 0., 0., 0., 0. ]");
-  EXPECT_TRUE(parse(zeros, kExtri).has_value());
+  EXPECT_TRUE(easymocap(zeros, kExtri).has_value());
 }
 
 TEST(EasyMocap, RefusesSizesThatTheDataDoesNotHave) {
-  expect_error(parse(replaced(kIntri, "rows: 1\n   cols: 5", "rows: 1\n   cols: 2000000000"), kExtri),
+  expect_error(easymocap(replaced(kIntri, "rows: 1\n   cols: 5", "rows: 1\n   cols: 2000000000"), kExtri),
                ErrorCode::BadData, {"dist_01"});
 }
 
 TEST(EasyMocap, RefusesWhatIsNotYaml) {
-  expect_error(parse("hello", kExtri), ErrorCode::BadData, {"intri.yml", "%YAML"});
-  expect_error(parse("", kExtri), ErrorCode::BadData, {"intri.yml"});
-  expect_error(parse(std::string("%YAML:1.0\n\0x", 12), kExtri), ErrorCode::BadData, {"intri.yml"});
-  expect_error(parse("%YAML:1.0\n---\nnames: [ a, b", kExtri), ErrorCode::BadData, {"intri.yml"});
+  expect_error(easymocap("hello", kExtri), ErrorCode::BadData, {"intri.yml", "%YAML"});
+  expect_error(easymocap("", kExtri), ErrorCode::BadData, {"intri.yml"});
+  expect_error(easymocap(std::string("%YAML:1.0\n\0x", 12), kExtri), ErrorCode::BadData, {"intri.yml"});
+  expect_error(easymocap("%YAML:1.0\n---\nnames: [ a, b", kExtri), ErrorCode::BadData, {"intri.yml"});
 }
 
 TEST(EasyMocap, RefusesLinesThatBelongToNothing) {
-  expect_error(parse(replaced(kIntri, "---\n", "---\n   stray: 1\n"), kExtri), ErrorCode::BadData,
+  expect_error(easymocap(replaced(kIntri, "---\n", "---\n   stray: 1\n"), kExtri), ErrorCode::BadData,
                {"intri.yml: line 3"});
-  expect_error(parse(replaced(kIntri, "H_right", "- right\nH_right"), kExtri), ErrorCode::BadData,
+  expect_error(easymocap(replaced(kIntri, "H_right", "- right\nH_right"), kExtri), ErrorCode::BadData,
                {"intri.yml: line 22"});
-  expect_error(parse(kIntri + "H_right: 480\n", kExtri), ErrorCode::BadData, {"H_right", "second time"});
+  expect_error(easymocap(kIntri + "H_right: 480\n", kExtri), ErrorCode::BadData, {"H_right", "second time"});
 }
 
 TEST(EasyMocap, ReadsNamesInBracketsAndComments) {
-  const Result<ForeignRig> rig = parse(
+  const Result<ForeignRig> rig = easymocap(
       replaced(kIntri, "names:\n   - \"01\"\n   - right\n", "# two\nnames: [ \"01\",\n   right ]\n"), kExtri);
   ASSERT_TRUE(rig.has_value()) << rig.error().message;
   EXPECT_THAT(rig->image_names, testing::ElementsAre("01", "right"));
@@ -124,8 +125,8 @@ TEST(EasyMocap, ReadsNamesInBracketsAndComments) {
 
 TEST(EasyMocap, RefusesEveryTruncation) {
   const std::string intri = kIntri.substr(0, kIntri.find("H_right"));  // the sizes are optional
-  expect_truncations_refused(intri, 2, [](std::string_view cut) { return parse(cut, kExtri); });
-  expect_truncations_refused(kExtri, 2, [](std::string_view cut) { return parse(kIntri, cut); });
+  expect_truncations_refused(intri, 2, [](std::string_view cut) { return easymocap(cut, kExtri); });
+  expect_truncations_refused(kExtri, 2, [](std::string_view cut) { return easymocap(kIntri, cut); });
 }
 
 TEST(EasyMocap, ComesBackFromTheWriterUnchanged) {

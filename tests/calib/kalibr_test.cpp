@@ -8,7 +8,7 @@ namespace floatstage::calib {
 namespace {
 
 // As Kalibr writes it: rows wrapped where its YAML library wraps them.
-const std::string kTwoCameras =
+const std::string kTwoKalibrCameras =
     "cam0:\n"
     "  cam_overlaps: [1]\n"
     "  camera_model: pinhole\n"
@@ -32,10 +32,10 @@ const std::string kTwoCameras =
     "  resolution: [640, 480]\n"
     "  rostopic: /right/image_raw\n";
 
-Result<ForeignRig> parse(std::string_view yaml) { return parse_kalibr(yaml, "camchain.yaml"); }
+Result<ForeignRig> kalibr(std::string_view yaml) { return parse_kalibr(yaml, "camchain.yaml"); }
 
 TEST(Kalibr, PutsTheCentreOfATwoByTwoImageAtOneOne) {
-  const Result<ForeignRig> rig = parse(kTwoCameras);
+  const Result<ForeignRig> rig = kalibr(kTwoKalibrCameras);
   ASSERT_THAT(rig, IsOk());
   const CameraModel& m = rig->rig.cameras[0].model;
   EXPECT_EQ(m.width, 2);
@@ -45,7 +45,7 @@ TEST(Kalibr, PutsTheCentreOfATwoByTwoImageAtOneOne) {
 }
 
 TEST(Kalibr, ReadsBothLensesAndNamesFromTopics) {
-  const Result<ForeignRig> rig = parse(kTwoCameras);
+  const Result<ForeignRig> rig = kalibr(kTwoKalibrCameras);
   ASSERT_THAT(rig, IsOk());
   EXPECT_EQ(rig->rig.cameras[0].model.lens, Lens(BrownConrady{-0.25, 0.05, 0.001, -0.002, 0}));
   EXPECT_EQ(rig->rig.cameras[1].model.lens, Lens(KannalaBrandt{0.1, 0.2, 0.3, 0.4}));
@@ -54,7 +54,7 @@ TEST(Kalibr, ReadsBothLensesAndNamesFromTopics) {
 }
 
 TEST(Kalibr, ChainsTransformsFromCameraToCamera) {
-  const Result<ForeignRig> rig = parse(kTwoCameras);
+  const Result<ForeignRig> rig = kalibr(kTwoKalibrCameras);
   ASSERT_THAT(rig, IsOk());
   EXPECT_EQ(rig->rig.cameras[0].cam_from_world.translation, Eigen::Vector3d::Zero());
   EXPECT_TRUE((rig->rig.cameras[1].cam_from_world * Eigen::Vector3d(1, 2, 3))
@@ -93,27 +93,32 @@ TEST(Kalibr, RefusesToWriteWhatItCannotHold) {
 }
 
 TEST(Kalibr, SaysWhichLineAndCameraIsWrong) {
-  expect_error(parse(""), ErrorCode::BadData, {"camchain.yaml", "no camera"});
-  expect_error(parse("left:\n  a: 1\n"), ErrorCode::BadData, {"line 1", "'left'"});
-  expect_error(parse("  a: 1\n"), ErrorCode::BadData, {"line 1", "before this"});
-  expect_error(parse(replaced(kTwoCameras, "[3, 4,", "[3, nan,")), ErrorCode::BadData,
+  expect_error(kalibr(""), ErrorCode::BadData, {"camchain.yaml", "no camera"});
+  expect_error(kalibr("left:\n  a: 1\n"), ErrorCode::BadData, {"line 1", "'left'"});
+  expect_error(kalibr("  a: 1\n"), ErrorCode::BadData, {"line 1", "before this"});
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "[3, 4,", "[3, nan,")), ErrorCode::BadData,
                {"line 6", "cam0", "nan"});
-  expect_error(parse(replaced(kTwoCameras, "[3, 4,", "[3,")), ErrorCode::BadData, {"line 6", "3 numbers"});
-  expect_error(parse(replaced(kTwoCameras, "pinhole", "omni")), ErrorCode::Unsupported, {"line 3", "'omni'"});
-  expect_error(parse(replaced(kTwoCameras, "radtan", "fov")), ErrorCode::Unsupported, {"line 5", "'fov'"});
-  expect_error(parse(replaced(kTwoCameras, "[0.0, 1.0, 0.0, -0.11]", "[0.0, -1.0, 0.0, -0.11]")),
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "[3, 4,", "[3,")), ErrorCode::BadData,
+               {"line 6", "3 numbers"});
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "pinhole", "omni")), ErrorCode::Unsupported,
+               {"line 3", "'omni'"});
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "radtan", "fov")), ErrorCode::Unsupported,
+               {"line 5", "'fov'"});
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "[0.0, 1.0, 0.0, -0.11]", "[0.0, -1.0, 0.0, -0.11]")),
                ErrorCode::BadData, {"line 10", "mirror"});
-  expect_error(parse(replaced(kTwoCameras, "[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 0.0, 2.0]")),
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "[0.0, 0.0, 0.0, 1.0]", "[0.0, 0.0, 0.0, 2.0]")),
                ErrorCode::BadData, {"cam1", "0 0 0 1"});
-  expect_error(parse(replaced(kTwoCameras, "T_cn_cnm1", "T_other")), ErrorCode::BadData,
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "T_cn_cnm1", "T_other")), ErrorCode::BadData,
                {"line 9", "T_cn_cnm1 is missing"});
-  expect_error(parse(replaced(kTwoCameras, "[640, 480]", "[0, 480]")), ErrorCode::BadData, {"resolution"});
-  expect_error(parse(replaced(kTwoCameras, "/right/", "/cam0/")), ErrorCode::BadData, {"cam0"});
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "[640, 480]", "[0, 480]")), ErrorCode::BadData,
+               {"resolution"});
+  expect_error(kalibr(replaced(kTwoKalibrCameras, "/right/", "/cam0/")), ErrorCode::BadData, {"cam0"});
 }
 
 TEST(Kalibr, RefusesTruncations) {
   // What comes last is only a name.
-  expect_truncations_refused(kTwoCameras.substr(0, kTwoCameras.find("  rostopic: /right")), 2, parse);
+  expect_truncations_refused(kTwoKalibrCameras.substr(0, kTwoKalibrCameras.find("  rostopic: /right")), 2,
+                             kalibr);
 }
 
 TEST(QualisysWriter, SurvivesARoundTrip) {

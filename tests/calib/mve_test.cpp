@@ -30,7 +30,7 @@ MveView view(const std::string& folder, const std::string& meta, int width = 640
   return {.folder = folder, .meta = meta, .picture = "undistorted.png", .width = width, .height = height};
 }
 
-Result<ForeignRig> parse(std::string_view meta) {
+Result<ForeignRig> mve(std::string_view meta) {
   return parse_mve({view("view_0000.mve", std::string(meta))}, "scene/views");
 }
 
@@ -99,7 +99,7 @@ TEST(Mve, LeavesOutViewsThatWereNotPlacedOrHaveNoPicture) {
                 "scene/views");
   ASSERT_THAT(rig, IsOk());
   EXPECT_EQ(rig->rig.cameras.size(), 1u);
-  expect_error(parse("[view]\nid = 2\nname = b\n"), ErrorCode::BadData, {"none of its 1 views", "sfmrecon"});
+  expect_error(mve("[view]\nid = 2\nname = b\n"), ErrorCode::BadData, {"none of its 1 views", "sfmrecon"});
 }
 
 TEST(Mve, NamesCamerasAfterTheirFoldersWhereViewsShareAName) {
@@ -112,7 +112,7 @@ TEST(Mve, NamesCamerasAfterTheirFoldersWhereViewsShareAName) {
 
 TEST(Mve, SaysWhatIsWrong) {
   const auto changed = [](std::string_view from, std::string_view to) {
-    return parse(replaced(kMeta, from, to));
+    return mve(replaced(kMeta, from, to));
   };
   const std::string file = "scene/views/view_0000.mve/meta.ini";
   expect_error(changed("rotation = 0.99", "rotation = 9.99"), ErrorCode::BadData, {file, "rotation"});
@@ -130,7 +130,7 @@ TEST(Mve, SaysWhatIsWrong) {
                {file, "original.jpg", "radial_distortion"});
 }
 
-TEST(Mve, RefusesEveryTruncation) { expect_truncations_refused(kMeta, 1, parse); }
+TEST(Mve, RefusesEveryTruncation) { expect_truncations_refused(kMeta, 1, mve); }
 
 class AnMveScene : public testing::Test {
  protected:

@@ -23,10 +23,10 @@ const std::string kScene = R"({
   {"key": 2, "value": {"rotation": [[0, 0, -1], [0, 1, 0], [1, 0, 0]], "center": [2, 0, 0]}}],
  "structure": [], "control_points": []})";
 
-Result<ForeignRig> parse(std::string_view content) { return parse_openmvg(content, "sfm_data.json"); }
+Result<ForeignRig> openmvg(std::string_view content) { return parse_openmvg(content, "sfm_data.json"); }
 
 TEST(OpenMvg, ProjectsAsItsFormulaDoes) {
-  const Result<ForeignRig> rig = parse(kScene);
+  const Result<ForeignRig> rig = openmvg(kScene);
   ASSERT_THAT(rig, IsOk());
   ASSERT_EQ(rig->rig.cameras.size(), 2u) << "a view without a pose is no camera";
   EXPECT_EQ(rig->image_names[1], "100_7102.JPG");
@@ -41,8 +41,8 @@ TEST(OpenMvg, ProjectsAsItsFormulaDoes) {
 
 TEST(OpenMvg, KnowsItsCameraTypes) {
   const auto lens = [](const std::string& type, const std::string& coefficients) {
-    const Result<ForeignRig> rig = parse(replaced(replaced(kScene, "pinhole_radial_k3", type),
-                                                  R"("disto_k3": [-0.1, 0.02, 0.003])", coefficients));
+    const Result<ForeignRig> rig = openmvg(replaced(replaced(kScene, "pinhole_radial_k3", type),
+                                                    R"("disto_k3": [-0.1, 0.02, 0.003])", coefficients));
     EXPECT_THAT(rig, IsOk());
     return rig ? rig->rig.cameras[0].model.lens : Lens{};
   };
@@ -53,23 +53,23 @@ TEST(OpenMvg, KnowsItsCameraTypes) {
 }
 
 TEST(OpenMvg, SaysWhatIsWrong) {
-  expect_error(parse(replaced(kScene, "pinhole_radial_k3", "spherical")), ErrorCode::Unsupported,
+  expect_error(openmvg(replaced(kScene, "pinhole_radial_k3", "spherical")), ErrorCode::Unsupported,
                {"intrinsic 0", "spherical"});
   expect_error(
-      parse(replaced(kScene, "\"id_intrinsic\": 0, \"id_pose\": 0", "\"id_intrinsic\": 9, \"id_pose\": 0")),
+      openmvg(replaced(kScene, "\"id_intrinsic\": 0, \"id_pose\": 0", "\"id_intrinsic\": 9, \"id_pose\": 0")),
       ErrorCode::BadData, {"view 0", "intrinsic 9"});
-  expect_error(parse(replaced(kScene, "[[1, 0, 0]", "[[2, 0, 0]")), ErrorCode::BadData, {"extrinsic 0"});
-  expect_error(parse(replaced(kScene, "\"focal_length\": 700", "\"focal_length\": 0")), ErrorCode::BadData,
+  expect_error(openmvg(replaced(kScene, "[[1, 0, 0]", "[[2, 0, 0]")), ErrorCode::BadData, {"extrinsic 0"});
+  expect_error(openmvg(replaced(kScene, "\"focal_length\": 700", "\"focal_length\": 0")), ErrorCode::BadData,
                {"sfm_data"});
-  expect_error(
-      parse(replaced(kScene, "\"key\": 2, \"value\": {\"rotation\"", "\"key\": 0, \"value\": {\"rotation\"")),
-      ErrorCode::BadData, {"extrinsic 1", "twice"});
-  expect_error(parse(replaced(kScene, "\"0.3\"", "\"9.0\"")), ErrorCode::Unsupported,
+  expect_error(openmvg(replaced(kScene, "\"key\": 2, \"value\": {\"rotation\"",
+                                "\"key\": 0, \"value\": {\"rotation\"")),
+               ErrorCode::BadData, {"extrinsic 1", "twice"});
+  expect_error(openmvg(replaced(kScene, "\"0.3\"", "\"9.0\"")), ErrorCode::Unsupported,
                {"sfm_data.json", "9.0", "0.3"});
-  expect_error(parse("{}"), ErrorCode::BadData, {"sfm_data.json"});
+  expect_error(openmvg("{}"), ErrorCode::BadData, {"sfm_data.json"});
 }
 
-TEST(OpenMvg, RefusesEveryTruncation) { expect_truncations_refused(kScene, 2, parse); }
+TEST(OpenMvg, RefusesEveryTruncation) { expect_truncations_refused(kScene, 2, openmvg); }
 
 }  // namespace
 }  // namespace floatstage::calib

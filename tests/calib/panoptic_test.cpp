@@ -13,10 +13,12 @@ const std::string kStudio = R"({"calibDataSource": "160422_calib_norm", "cameras
   "K": [[1400, 0, 950], [0, 1395, 540], [0, 0, 1]], "distCoef": [0, 0, 0, 0, 0],
   "R": [[0, 0, -1], [0, 1, 0], [1, 0, 0]], "t": [[0], [0], [250]]}]})";
 
-Result<ForeignRig> parse(std::string_view content) { return parse_panoptic(content, "calibration_x.json"); }
+Result<ForeignRig> panoptic(std::string_view content) {
+  return parse_panoptic(content, "calibration_x.json");
+}
 
 TEST(Panoptic, IsInCentimetresWithOpenCvsLens) {
-  const Result<ForeignRig> rig = parse(kStudio);
+  const Result<ForeignRig> rig = panoptic(kStudio);
   ASSERT_THAT(rig, IsOk());
   const RigCamera& c = rig->rig.cameras[0];
   EXPECT_EQ(c.serial, "00_00");
@@ -31,15 +33,15 @@ TEST(Panoptic, IsInCentimetresWithOpenCvsLens) {
 }
 
 TEST(Panoptic, SaysWhatIsWrong) {
-  expect_error(parse(replaced(kStudio, "[1920, 1080]", "[0, 1080]")), ErrorCode::BadData,
+  expect_error(panoptic(replaced(kStudio, "[1920, 1080]", "[0, 1080]")), ErrorCode::BadData,
                {"'00_00'", "resolution"});
-  expect_error(parse(replaced(kStudio, "[[1, 0, 0]", "[[1, 1, 0]")), ErrorCode::BadData, {"'00_00'"});
-  expect_error(parse(replaced(kStudio, "-0.3, ", "")), ErrorCode::BadData, {"distCoef"});
-  expect_error(parse(replaced(kStudio, "00_01", "00_00")), ErrorCode::BadData, {"00_00"});
-  expect_error(parse(R"({"cameras": 3})"), ErrorCode::BadData, {"calibration_x.json"});
+  expect_error(panoptic(replaced(kStudio, "[[1, 0, 0]", "[[1, 1, 0]")), ErrorCode::BadData, {"'00_00'"});
+  expect_error(panoptic(replaced(kStudio, "-0.3, ", "")), ErrorCode::BadData, {"distCoef"});
+  expect_error(panoptic(replaced(kStudio, "00_01", "00_00")), ErrorCode::BadData, {"00_00"});
+  expect_error(panoptic(R"({"cameras": 3})"), ErrorCode::BadData, {"calibration_x.json"});
 }
 
-TEST(Panoptic, RefusesEveryTruncation) { expect_truncations_refused(kStudio, 2, parse); }
+TEST(Panoptic, RefusesEveryTruncation) { expect_truncations_refused(kStudio, 2, panoptic); }
 
 }  // namespace
 }  // namespace floatstage::calib

@@ -22,10 +22,10 @@ const std::string kLevel =
     " </cameras>\n"
     "</calibration>\n";
 
-Result<ForeignRig> parse(std::string_view xml) { return parse_qualisys(xml, "Calib.qca.txt"); }
+Result<ForeignRig> qualisys(std::string_view xml) { return parse_qualisys(xml, "Calib.qca.txt"); }
 
 TEST(Qualisys, PutsTheCentreOfATwoByTwoImageAtOneOne) {
-  const Result<ForeignRig> rig = parse(kLevel);
+  const Result<ForeignRig> rig = qualisys(kLevel);
   ASSERT_TRUE(rig.has_value()) << rig.error().message;
   const CameraModel& m = rig->rig.cameras[0].model;
   EXPECT_EQ(m.width, 2);
@@ -35,7 +35,7 @@ TEST(Qualisys, PutsTheCentreOfATwoByTwoImageAtOneOne) {
 }
 
 TEST(Qualisys, ReadsLengthsOnTheSensorInSixtyFourthsOfAPixel) {
-  const Result<ForeignRig> rig = parse(kLevel);
+  const Result<ForeignRig> rig = qualisys(kLevel);
   ASSERT_TRUE(rig.has_value());
   EXPECT_EQ(rig->rig.cameras[0].model.fx, 3.0);
   EXPECT_EQ(rig->rig.cameras[0].model.fy, 4.0);
@@ -43,7 +43,7 @@ TEST(Qualisys, ReadsLengthsOnTheSensorInSixtyFourthsOfAPixel) {
 }
 
 TEST(Qualisys, ReadsAxesOfYUpAndZBackwardsAndMillimetres) {
-  const Result<ForeignRig> rig = parse(kLevel);
+  const Result<ForeignRig> rig = qualisys(kLevel);
   ASSERT_TRUE(rig.has_value());
   const Rigid3& t = rig->rig.cameras[0].cam_from_world;
   EXPECT_TRUE(t.center().isApprox(Eigen::Vector3d(0, -4, 2)));
@@ -54,31 +54,32 @@ TEST(Qualisys, ReadsAxesOfYUpAndZBackwardsAndMillimetres) {
 
 TEST(Qualisys, PassesOverInactiveCameras) {
   const std::string off = replaced(kLevel, "active=\"1\"", "active=\"0\"");
-  expect_error(parse(off), ErrorCode::BadData, {"no active"});
+  expect_error(qualisys(off), ErrorCode::BadData, {"no active"});
 }
 
 TEST(Qualisys, LeavesTheSizeOpenWithoutAFieldOfView) {
-  const Result<ForeignRig> rig = parse(replaced(kLevel, "<fov_video", "<fov_other"));
+  const Result<ForeignRig> rig = qualisys(replaced(kLevel, "<fov_video", "<fov_other"));
   ASSERT_TRUE(rig.has_value());
   EXPECT_EQ(rig->rig.cameras[0].model.width, 0);
 }
 
 TEST(Qualisys, SaysWhichLineAndCameraIsWrong) {
-  expect_error(parse(replaced(kLevel, "x=\"0\"", "x=\"nan\"")), ErrorCode::BadData,
+  expect_error(qualisys(replaced(kLevel, "x=\"0\"", "x=\"nan\"")), ErrorCode::BadData,
                {"Calib.qca.txt: line 6", "A1", "nan"});
-  expect_error(parse(replaced(kLevel, "focalLengthU", "focal")), ErrorCode::BadData,
+  expect_error(qualisys(replaced(kLevel, "focalLengthU", "focal")), ErrorCode::BadData,
                {"line 7", "focalLengthU", "missing"});
-  expect_error(parse(replaced(kLevel, "r11=\"1\"", "r11=\"-1\"")), ErrorCode::BadData, {"line 6", "mirror"});
-  expect_error(parse(replaced(kLevel, "r11=\"1\"", "r11=\"0.9\"")), ErrorCode::BadData,
+  expect_error(qualisys(replaced(kLevel, "r11=\"1\"", "r11=\"-1\"")), ErrorCode::BadData,
+               {"line 6", "mirror"});
+  expect_error(qualisys(replaced(kLevel, "r11=\"1\"", "r11=\"0.9\"")), ErrorCode::BadData,
                {"line 6", "orthonormal"});
-  expect_error(parse(replaced(kLevel, "<transform", "<other")), ErrorCode::BadData,
+  expect_error(qualisys(replaced(kLevel, "<transform", "<other")), ErrorCode::BadData,
                {"line 4", "<transform> is missing"});
-  expect_error(parse(replaced(kLevel, "right=\"11\"", "right=\"9\"")), ErrorCode::BadData,
+  expect_error(qualisys(replaced(kLevel, "right=\"11\"", "right=\"9\"")), ErrorCode::BadData,
                {"line 5", "fov_video"});
-  expect_error(parse("<calibration/>"), ErrorCode::BadData, {"Calib.qca.txt", "no active"});
+  expect_error(qualisys("<calibration/>"), ErrorCode::BadData, {"Calib.qca.txt", "no active"});
 }
 
-TEST(Qualisys, RefusesEveryTruncation) { expect_truncations_refused(kLevel, 1, parse); }
+TEST(Qualisys, RefusesEveryTruncation) { expect_truncations_refused(kLevel, 1, qualisys); }
 
 }  // namespace
 }  // namespace floatstage::calib

@@ -18,10 +18,12 @@ Result<std::pair<int, int>> no_size(const std::string& picture) {
 }
 Result<std::pair<int, int>> square(const std::string&) { return std::pair(800, 800); }
 
-Result<ForeignRig> parse(std::string_view content) { return parse_transforms(content, no_size, "t.json"); }
+Result<ForeignRig> transforms(std::string_view content) {
+  return parse_transforms(content, no_size, "t.json");
+}
 
 TEST(Transforms, TurnOpenGlsCamerasIntoOurs) {
-  const Result<ForeignRig> rig = parse(kShared);
+  const Result<ForeignRig> rig = transforms(kShared);
   ASSERT_THAT(rig, IsOk());
   const RigCamera& left = rig->rig.cameras[0];
   EXPECT_EQ(left.serial, "left");
@@ -47,34 +49,34 @@ TEST(Transforms, TakeAnAngleOfViewAndThePicturesSize) {
   EXPECT_NEAR(rig->rig.cameras[0].model.fx, 1111.111, 1e-2) << "as NeRF's own loader has it";
   EXPECT_EQ(rig->rig.cameras[0].model.fy, rig->rig.cameras[0].model.fx);
   EXPECT_EQ(rig->rig.cameras[0].model.cx, 400);
-  expect_error(parse(nerf), ErrorCode::BadData, {"t.json: frame 0", "no size of train/r_0"});
+  expect_error(transforms(nerf), ErrorCode::BadData, {"t.json: frame 0", "no size of train/r_0"});
 }
 
 TEST(Transforms, KnowFisheyes) {
   const std::string fisheye = replaced(replaced(kShared, "\"OPENCV\"", "\"OPENCV_FISHEYE\""),
                                        "\"p1\": 0.001, \"p2\": 0.002", "\"k3\": 3, \"k4\": 4");
-  const Result<ForeignRig> rig = parse(fisheye);
+  const Result<ForeignRig> rig = transforms(fisheye);
   ASSERT_THAT(rig, IsOk());
   EXPECT_EQ(rig->rig.cameras[0].model.lens, Lens(KannalaBrandt{0.1, -0.2, 3, 4}));
 }
 
 TEST(Transforms, SayWhatIsWrong) {
-  expect_error(parse("{"), ErrorCode::BadData, {"t.json"});
-  expect_error(parse("[]"), ErrorCode::BadData, {"t.json"});
-  expect_error(parse(replaced(kShared, "\"OPENCV\"", "\"EQUIRECTANGULAR\"")), ErrorCode::Unsupported,
+  expect_error(transforms("{"), ErrorCode::BadData, {"t.json"});
+  expect_error(transforms("[]"), ErrorCode::BadData, {"t.json"});
+  expect_error(transforms(replaced(kShared, "\"OPENCV\"", "\"EQUIRECTANGULAR\"")), ErrorCode::Unsupported,
                {"frame 0", "EQUIRECTANGULAR"});
-  expect_error(parse(replaced(kShared, "\"fl_x\": 800, \"fl_y\": 810", "\"fl_x\": -1")), ErrorCode::BadData,
-               {"frame 0", "focal length"});
-  expect_error(parse(replaced(kShared, "640", "640.5")), ErrorCode::BadData, {"frame 0", "whole"});
-  expect_error(parse(replaced(kShared, "[1,0,0,0.5]", "[0,0,0,0.5]")), ErrorCode::BadData, {"frame 0"});
-  expect_error(parse(replaced(kShared, "[1,0,0,0.5]", "[1,0,0.5]")), ErrorCode::BadData,
+  expect_error(transforms(replaced(kShared, "\"fl_x\": 800, \"fl_y\": 810", "\"fl_x\": -1")),
+               ErrorCode::BadData, {"frame 0", "focal length"});
+  expect_error(transforms(replaced(kShared, "640", "640.5")), ErrorCode::BadData, {"frame 0", "whole"});
+  expect_error(transforms(replaced(kShared, "[1,0,0,0.5]", "[0,0,0,0.5]")), ErrorCode::BadData, {"frame 0"});
+  expect_error(transforms(replaced(kShared, "[1,0,0,0.5]", "[1,0,0.5]")), ErrorCode::BadData,
                {"transform_matrix"});
-  expect_error(parse(replaced(kShared, "[0,0,0,1]", "[0,0,0,2]")), ErrorCode::BadData, {"last row"});
-  expect_error(parse(replaced(kShared, "right", "left")), ErrorCode::BadData, {"left"});
-  expect_error(parse(R"({"frames": []})"), ErrorCode::BadData, {"t.json"});
+  expect_error(transforms(replaced(kShared, "[0,0,0,1]", "[0,0,0,2]")), ErrorCode::BadData, {"last row"});
+  expect_error(transforms(replaced(kShared, "right", "left")), ErrorCode::BadData, {"left"});
+  expect_error(transforms(R"({"frames": []})"), ErrorCode::BadData, {"t.json"});
 }
 
-TEST(Transforms, RefuseEveryTruncation) { expect_truncations_refused(kShared, 2, parse); }
+TEST(Transforms, RefuseEveryTruncation) { expect_truncations_refused(kShared, 2, transforms); }
 
 }  // namespace
 }  // namespace floatstage::calib

@@ -68,7 +68,9 @@ TEST_F(AravisSource, DeliversTheColoursOfTheFormat) {
     const Result<StreamInfo> info = source->start();
     ASSERT_THAT(info, IsOk());
     EXPECT_EQ(info->layout, packed_layout(format, 64, 48));
-    EXPECT_THAT(source->next(milliseconds(20'000)), IsOkAnd(testing::ResultOf(to_rgb, IsOk())));
+    const Result<Frame> frame = source->next(milliseconds(20'000));
+    ASSERT_THAT(frame, IsOk());
+    EXPECT_THAT(to_rgb(*frame), IsOk());
     source->stop();
   }
 }

@@ -90,6 +90,19 @@ TEST(Shrink, TakesEachBayerColourWhereItWasMeasured) {
   EXPECT_EQ(small->at(0, 0)[2], 30);
 }
 
+TEST(Shrink, UsesMemoryAgainWithoutATraceOfWhatWasThere) {
+  std::vector<std::uint32_t> sums;
+  Image small;
+  ASSERT_THAT(shrink(noise(PixelFormat::Rgb8, 40, 30), 2, sums, small), IsOk());
+  const std::uint8_t* memory = small.pixels.data();
+  for (const PixelFormat format : {PixelFormat::Rgb8, PixelFormat::Gray8, PixelFormat::BayerRggb8}) {
+    const Frame frame = noise(format, 13, 7);
+    ASSERT_THAT(shrink(frame, 3, sums, small), IsOk());
+    EXPECT_EQ(small, *shrink(frame, 3));
+    EXPECT_EQ(small.pixels.data(), memory);
+  }
+}
+
 TEST(Shrink, RefusesWhatItCannotRead) {
   EXPECT_THAT(shrink(Frame{}, 2), FailsWith(ErrorCode::NotFound, ""));
   EXPECT_THAT(shrink(noise(PixelFormat::Rgb8, 4, 4), 0), FailsWith(ErrorCode::InvalidArgument, ""));

@@ -154,6 +154,25 @@ TEST(Frame, OwnsACopyOfTheImageItWasMadeFrom) {
   EXPECT_EQ(at(back, 1, 0), (Rgb{50, 50, 50}));
 }
 
+TEST(ToRgb, UsesThePicturesMemoryAgain) {
+  const Frame gray = make_frame({}, Image(3, 2, 1, 90)), color = make_frame({}, Image(4, 5, 3, 70));
+  Image rgb;
+  ASSERT_THAT(to_rgb(color, rgb), IsOk());
+  const std::uint8_t* memory = rgb.pixels.data();
+  ASSERT_THAT(to_rgb(gray, rgb), IsOk());
+  EXPECT_EQ(rgb, Image(3, 2, 3, 90)) << "nothing is left of the larger one";
+  EXPECT_EQ(rgb.pixels.data(), memory);
+  EXPECT_THAT(to_rgb(Frame{}, rgb), FailsWith(ErrorCode::NotFound, ""));
+  EXPECT_EQ(rgb, Image(3, 2, 3, 90)) << "errors leave it as it was";
+}
+
+TEST(Frame, ThatIsBorrowedShowsTheImageItself) {
+  Image image(2, 2, 3, 7);
+  const Frame frame = borrowed_frame({}, image);
+  *image.at(1, 1) = 9;
+  EXPECT_EQ(*to_rgb(frame), image);
+}
+
 TEST(Frame, MadeFromGreyIsGrey) {
   EXPECT_EQ(make_frame({}, Image(2, 2, 1)).layout.format, PixelFormat::Gray8);
 }

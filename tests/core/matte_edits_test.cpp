@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/support/matchers.h"
@@ -32,6 +33,42 @@ TEST(MatteEdits, ComeBackFromTheirFileAsTheyWere) {
   const Result<MatteEdits> back = load_matte_edits(folder / "edits.json");
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(*back, some_edits());
+}
+
+MatteEdits edits_of_two() {
+  MatteEdits edits = some_edits();
+  edits.cameras["cam01"].keyframes[0].strokes[0].subject = "woman";
+  edits.cameras["cam02"].keyframes.push_back({0, {{MatteLabel::Foreground, 3, {{4, 5}}, "man"}}});
+  return edits;
+}
+
+TEST(MatteEdits, SayWhoseAStrokeIs) {
+  TempFolder folder;
+  ASSERT_THAT(save_matte_edits(edits_of_two(), folder / "edits.json"), IsOk());
+  const Result<MatteEdits> back = load_matte_edits(folder / "edits.json");
+  ASSERT_THAT(back, IsOk());
+  EXPECT_EQ(*back, edits_of_two());
+  EXPECT_EQ(without_subjects(back->cameras.at("cam01")), some_edits().cameras.at("cam01"));
+}
+
+TEST(MatteEdits, AreOfFormat2OnlyWhereAStrokeIsSomebodys) {
+  EXPECT_THAT(to_json(edits_of_two()), testing::HasSubstr("\"floatstage_edits\": 2"));
+  const std::string one = to_json(some_edits());
+  EXPECT_THAT(one, testing::HasSubstr("\"floatstage_edits\": 1"));
+  EXPECT_THAT(one, testing::Not(testing::HasSubstr("subject"))) << "which older programs read";
+  std::string two = one;
+  two.replace(two.find("edits\": 1"), 9, "edits\": 2");
+  const Result<MatteEdits> read = parse_matte_edits(two, "edits.json");
+  ASSERT_THAT(read, IsOk());
+  EXPECT_EQ(to_json(*read), one) << "byte by byte";
+}
+
+TEST(MatteEdits, AreRefusedCutOffAnywhere) {
+  const std::string whole = to_json(edits_of_two());
+  for (std::size_t n = 0; n + 2 < whole.size(); ++n)
+    EXPECT_THAT(parse_matte_edits(whole.substr(0, n), "edits.json"),
+                FailsWith(ErrorCode::BadData, "edits.json"))
+        << n;
 }
 
 TEST(MatteEdits, AreNoneWhereThereIsNoFile) {
@@ -76,6 +113,16 @@ TEST(MatteEdits, NameTheCameraAndTheFault) {
        "radius"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"masks": [{"label": "background", "brush": [[0, 0]], "radius": 1, "polygon": []}]}}})",
        "polygon"},
+      {R"({"floatstage_edits": 2, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "points": [[1, 2]], "subject": "../x"}]}]}}})",
+       "'../x' cannot be a subject"},
+      {R"({"floatstage_edits": 2, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "points": [[1, 2]], "subject": ""}]}]}}})",
+       "cannot be a subject: letters, digits"},
+      {R"({"floatstage_edits": 2, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "points": [[1, 2]], "subject": 7}]}]}}})",
+       "subject"},
+      {R"({"floatstage_edits": 2, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "background", "points": [[1, 2]], "subject": "man"}]}]}}})",
+       "the subject 'man' is marked as background"},
+      {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "points": [[1, 2]], "subject": "man"}]}]}}})",
+       "unknown key 'subject'"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"keyfarmes": []}}})", "keyfarmes"},
       {R"({"floatstage_edits": 1, "cameras": {"a": {"keyframes": [{"frame": 1, "strokes": [{"label": "foreground", "radius": 0, "points": [[1, 2]]}]}]}}})",
        "radius"}};
@@ -85,8 +132,9 @@ TEST(MatteEdits, NameTheCameraAndTheFault) {
   }
   EXPECT_THAT(parse_matte_edits(R"({"floatstage_edits": 1, "cameras": [)", "edits.json"),
               FailsWith(ErrorCode::BadData, "edits.json"));
-  EXPECT_THAT(parse_matte_edits(R"({"floatstage_edits": 9, "cameras": {}})", "edits.json"),
-              FailsWith(ErrorCode::Unsupported, "format 9"));
+  EXPECT_THAT(
+      parse_matte_edits(R"({"floatstage_edits": 9, "cameras": {}})", "edits.json"),
+      FailsWith(ErrorCode::Unsupported, "format 9 is not known here; this program reads formats 1 and 2"));
 }
 
 TEST(PaintStrokes, FillsTheDiscOfAClickAndTheLineOfAScribble) {

@@ -18,11 +18,11 @@ struct Color {
 constexpr Color kWall{120, 130, 110}, kShirt{190, 40, 40}, kSkin{220, 170, 140}, kHair{20, 18, 16};
 
 // Flat things with a little noise, and who of them is subject.
-struct Scene {
+struct GuidedScene {
   Image picture{kWidth, kHeight, 3}, truth{kWidth, kHeight, 1};
   Random random{7};
 
-  Scene() { paint({0, 0, kWidth, kHeight}, kWall, false); }
+  GuidedScene() { paint({0, 0, kWidth, kHeight}, kWall, false); }
   struct Box {
     int x0, y0, x1, y1;
   };
@@ -36,15 +36,15 @@ struct Scene {
       }
   }
 };
-constexpr Scene::Box kTorso{60, 40, 100, 110}, kArm{100, 50, 145, 64};
+constexpr GuidedScene::Box kTorso{60, 40, 100, 110}, kArm{100, 50, 145, 64};
 
-Scene person() {
-  Scene s;
+GuidedScene person() {
+  GuidedScene s;
   s.paint(kTorso, kShirt, true);
   s.paint(kArm, kSkin, true);
   return s;
 }
-void fill(Image& matte, const Scene::Box& box, std::uint8_t value) {
+void fill(Image& matte, const GuidedScene::Box& box, std::uint8_t value) {
   for (int y = box.y0; y < box.y1; ++y) std::fill_n(matte.at(box.x0, y), box.x1 - box.x0, value);
 }
 MatteStroke click(MatteLabel label, double x, double y, double radius = 2) {
@@ -52,12 +52,12 @@ MatteStroke click(MatteLabel label, double x, double y, double radius = 2) {
 }
 
 TEST(GuidedMatte, IsTheMatteWhenNobodySaysAnything) {
-  const Scene s = person();
+  const GuidedScene s = person();
   EXPECT_EQ(guided_matte(s.picture, s.truth, {})->matte, s.truth);
 }
 
 TEST(GuidedMatte, AClickOnAMissingArmBringsTheArm) {
-  const Scene s = person();
+  const GuidedScene s = person();
   Image matte = s.truth;
   fill(matte, kArm, 0);
   const auto made = guided_matte(s.picture, matte, {click(MatteLabel::Foreground, 125, 57)});
@@ -67,7 +67,7 @@ TEST(GuidedMatte, AClickOnAMissingArmBringsTheArm) {
 }
 
 TEST(GuidedMatte, AClickOnWallThatWasTakenAlongSendsItAway) {
-  const Scene s = person();
+  const GuidedScene s = person();
   Image matte = s.truth;
   fill(matte, {100, 64, 130, 100}, 255);
   const auto made = guided_matte(s.picture, matte, {click(MatteLabel::Background, 115, 80)});
@@ -76,7 +76,7 @@ TEST(GuidedMatte, AClickOnWallThatWasTakenAlongSendsItAway) {
 }
 
 TEST(GuidedMatte, AnIslandThatIsMarkedInItsMiddleGoesAsAWholeAndAClickOnASubjectDropsNobody) {
-  Scene s = person();
+  GuidedScene s = person();
   s.paint({10, 40, 30, 110}, kShirt, false);  // somebody else, in the same shirt and other trousers
   s.paint({10, 80, 30, 110}, kHair, false);
   Image matte = s.truth;
@@ -86,7 +86,7 @@ TEST(GuidedMatte, AnIslandThatIsMarkedInItsMiddleGoesAsAWholeAndAClickOnASubject
 }
 
 TEST(GuidedMatte, HairStaysWhenAStickBeforeTheSameBlackWallIsTakenAway) {
-  Scene s;
+  GuidedScene s;
   s.paint({0, 0, kWidth, 60}, kHair, false);  // a black wall …
   s.paint({60, 50, 100, 110}, kShirt, true);
   s.paint({66, 20, 94, 50}, kHair, true);  // … and black hair before it
@@ -101,7 +101,7 @@ TEST(GuidedMatte, HairStaysWhenAStickBeforeTheSameBlackWallIsTakenAway) {
 }
 
 TEST(GuidedMatte, ChangesNothingFarFromWhatTurns) {
-  const Scene s = person();
+  const GuidedScene s = person();
   Image matte = s.truth;
   fill(matte, kArm, 0);
   for (int y = 0; y < kHeight; ++y) *matte.at(59, y) = 77;  // softness of another maker
@@ -112,7 +112,7 @@ TEST(GuidedMatte, ChangesNothingFarFromWhatTurns) {
 }
 
 TEST(GuidedMatte, SaysWhatCannotAct) {
-  const Scene s = person();
+  const GuidedScene s = person();
   const auto made =
       guided_matte(s.picture, s.truth,
                    {click(MatteLabel::Foreground, 80, 70), click(MatteLabel::Background, -50, 70),
@@ -130,7 +130,7 @@ TEST(GuidedMatte, SaysWhatCannotAct) {
 }
 
 TEST(GuidedMatte, WhatOneStrokeSaidStaysWithTheNext) {
-  const Scene s = person();
+  const GuidedScene s = person();
   const std::vector<MatteStroke> said = {click(MatteLabel::Foreground, 110, 57),
                                          click(MatteLabel::Background, 130, 57)};
   const auto made = guided_matte(s.picture, s.truth, said);
@@ -140,7 +140,7 @@ TEST(GuidedMatte, WhatOneStrokeSaidStaysWithTheNext) {
 }
 
 TEST(GuidedMatte, RefusesSizesThatDoNotFit) {
-  const Scene s = person();
+  const GuidedScene s = person();
   EXPECT_THAT(guided_matte(s.picture, Image(10, 10, 1), {}), FailsWith(ErrorCode::InvalidArgument, "size"));
   EXPECT_THAT(guided_matte(s.truth, s.truth, {}), FailsWith(ErrorCode::InvalidArgument, "RGB"));
   EXPECT_THAT(guided_matte(s.picture, s.truth, {}, Image(3, 3, 1)),
@@ -148,7 +148,7 @@ TEST(GuidedMatte, RefusesSizesThatDoNotFit) {
 }
 
 TEST(GuidedMatte, EverywhereOnePixelOfTheOtherSideOrNoneIsNoTrouble) {
-  const Scene s = person();
+  const GuidedScene s = person();
   for (const int fill_with : {0, 255}) {
     const Image all(kWidth, kHeight, 1, static_cast<std::uint8_t>(fill_with));
     for (const MatteLabel label : {MatteLabel::Foreground, MatteLabel::Background})
@@ -159,13 +159,13 @@ TEST(GuidedMatte, EverywhereOnePixelOfTheOtherSideOrNoneIsNoTrouble) {
 // The person walks 3 px a frame to the right.
 TEST(CarriedGuidance, FollowsWhatWasChangedForAsLongAsTheFaultIsThere) {
   const auto at = [](int shift) {
-    Scene s;
+    GuidedScene s;
     s.paint({60 + shift, 40, 100 + shift, 110}, kShirt, true);
     s.paint({60 + shift, 15, 84 + shift, 40}, kSkin, true);
     for (int y = 20; y < 36; y += 4) s.paint({62 + shift, y, 70 + shift + y / 4, y + 2}, kHair, true);
     return s;
   };
-  const Scene before = at(0), now = at(3);
+  const GuidedScene before = at(0), now = at(3);
   Image fault = before.truth, fault_now = now.truth;
   fill(fault, {60, 15, 84, 40}, 0);
   fill(fault_now, {63, 15, 87, 40}, 0);
@@ -181,6 +181,44 @@ TEST(CarriedGuidance, FollowsWhatWasChangedForAsLongAsTheFaultIsThere) {
       carried_guidance(before.picture, fault, first->matte, now.picture, now.truth);
   EXPECT_EQ(guided_matte(now.picture, now.truth, {}, {}, healed)->matte, now.truth);
   EXPECT_TRUE(carried_guidance(before.picture, fault, fault, now.picture, fault_now).said.empty());
+}
+
+// What carried guidance brought and what the matte does not show.
+TEST(EndedChanges, AreFaultsThatStoodCorrectedInTheNeighbour) {
+  const GuidedScene s = person();
+  Image fault = s.truth;
+  constexpr GuidedScene::Box kOther{5, 5, 25, 25};
+  fill(fault, kOther, 255);
+  fill(fault, kArm, 0);
+  CarriedGuidance carried;
+  carried.said = carried.followed = Image(kWidth, kHeight, 1, 128);
+  fill(carried.followed, kOther, 0);
+  fill(carried.followed, kArm, 255);
+  const Image nothing(kWidth, kHeight, 1, 128);
+  const std::vector<EndedChange> both = ended_changes(carried, fault, fault, nothing);
+  ASSERT_EQ(both.size(), 2U) << "nothing has followed them";
+  EXPECT_EQ(both[0].said, MatteLabel::Foreground) << "the larger one first";
+  EXPECT_LE((both[0].at - Eigen::Vector2d(122.5, 57)).norm(), 1.5) << both[0].at;
+  EXPECT_EQ(both[1].said, MatteLabel::Background);
+  EXPECT_TRUE(ended_changes(carried, fault, s.truth, nothing).empty()) << "both were followed";
+  EXPECT_TRUE(ended_changes(carried, s.truth, s.truth, nothing).empty()) << "the fault itself has ended";
+  Image contrary = nothing;
+  fill(contrary, {10, 10, 12, 12}, 255);
+  EXPECT_EQ(ended_changes(carried, fault, fault, contrary).size(), 1U) << "somebody wants it back";
+  EXPECT_TRUE(ended_changes({}, fault, fault, nothing).empty());
+}
+
+// The person's arm was given back in the frame before; then a board hides all of it.
+TEST(EndedChanges, AreWhatSomethingElseHides) {
+  const GuidedScene before = person();
+  GuidedScene now = before;
+  now.paint({100, 36, 156, 80}, kHair, false);
+  Image fault = before.truth;
+  fill(fault, kArm, 0);
+  const CarriedGuidance carried = carried_guidance(before.picture, fault, before.truth, now.picture, fault);
+  const auto made = guided_matte(now.picture, fault, {}, {}, carried);
+  ASSERT_THAT(made, IsOk());
+  EXPECT_FALSE(ended_changes(carried, fault, made->matte, Image(kWidth, kHeight, 1, 128)).empty());
 }
 
 // A stroke that is right never makes a matte worse by more than 0.01, and always acts where it is. More

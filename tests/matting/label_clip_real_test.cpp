@@ -65,12 +65,12 @@ class TwoPersons : public testing::Test {
 };
 
 TEST_F(TwoPersons, AreFollowedFromMasksOfTheFirstFrame) {
-  // Wanted are 0.93 of both. The woman's are 0.90 to 0.91: part of a car behind her sleeve at frame 20,
-  // street between arm and sleeve at 40 and 59.
-  constexpr double kWoman = 0.895, kMan = 0.97;
+  // Wanted are 0.93 of both. The clip jumps between frames 24 and 25, where the woman loses part of her
+  // trousers and gains a wall.
+  constexpr double kWoman = 0.97, kWomanBehindTheJump = 0.905, kMan = 0.975;
   const int frames = wants_long_tests() ? 60 : 21;
   for (const auto& [f, iou] : score(frames, {{0, {{1, given(1)}, {2, given(2)}}}})) {
-    EXPECT_GE(iou[0], kWoman) << "frame " << f;
+    EXPECT_GE(iou[0], f < 25 ? kWoman : kWomanBehindTheJump) << "frame " << f;
     EXPECT_GE(iou[1], kMan) << "frame " << f;
   }
 }
@@ -78,7 +78,7 @@ TEST_F(TwoPersons, AreFollowedFromMasksOfTheFirstFrame) {
 TEST_F(TwoPersons, AreFollowedBetterFromAKeyFrameMore) {
   FLOATSTAGE_LONG_FORM(true);
   // Wanted are 0.96 of both, and nobody worse than without it by 0.01: the man at 20 has 0.985 without.
-  constexpr double kWoman = 0.95, kMan = 0.965;
+  constexpr double kWoman = 0.97, kMan = 0.975;
   const std::map<int, LabelMasks> keys = {{0, {{1, given(1)}, {2, given(2)}}},
                                           {40, {{1, traced(40, 1)}, {2, traced(40, 2)}}}};
   for (const auto& [f, iou] : score(60, keys)) {

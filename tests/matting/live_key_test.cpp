@@ -118,6 +118,19 @@ TEST(LiveKey, GivesTheSameWhateverItSawBeforeAndLeavesGivenMattesAlone) {
   EXPECT_EQ(to_image(held), before);
 }
 
+TEST(LiveKey, LeavesNothingOfPicturesOfAnotherSizeInAMatte) {
+  Scene large, small;
+  large.radius = 50;
+  small.width = 127;
+  const auto keyer = std::move(*make_keyer("chroma:#28783c", {}));
+  LiveKey live(*keyer);
+  const Image once = to_image(*LiveKey(*keyer).key(make_frame({}, photograph(small))));
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_THAT(live.key(make_frame({}, photograph(large))), IsOk());
+    EXPECT_EQ(to_image(*live.key(make_frame({}, photograph(small)))), once);
+  }
+}
+
 TEST(LiveKey, RefusesWhatTheKeyerRefuses) {
   const auto keyer = std::move(*make_keyer("chroma:#28783c", {}));
   LiveKey live(*keyer);

@@ -8,6 +8,7 @@
 #include "core/png.h"
 #include "matting/spectral/spectral_matting.h"
 #include "tests/matting/spectral_clips.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/real_data.h"
 
 namespace floatstage::matting {
@@ -40,6 +41,7 @@ class SpectralLemur : public testing::TestWithParam<std::uint64_t> {
 };
 
 TEST_P(SpectralLemur, IsFollowedOverGreenClothFromTheFirstFrame) {
+  FLOATSTAGE_LONG_FORM(GetParam() != 1);
   const Cutout cutout{rgb_of(load("lemur_foreground.png")), load("lemur_alpha.png")};
   const MatteClip clip =
       make_clip(cutout, green_cloth(360, 240, GetParam()), {.seed = GetParam(), .scale = 0.4});

@@ -116,6 +116,24 @@ TEST(StillBackdrop, WhatMovesIsLikelierSubjectAndWhatNeverMovedOnlyALittleLess) 
   EXPECT_GT(odds[2], 2);        // … and something is there now
 }
 
+// Somebody stood on the first place in six of eight pictures, and on the second in all of them.
+TEST(StillBackdrop, IsLearntFromWhatTheSubjectLeavesFree) {
+  std::vector<Image> clip(8, Image(2, 1, 3, 20)), subjects(8, Image(2, 1, 1, 255));
+  for (const std::size_t free : {2u, 5u}) {
+    subjects[free].pixels[0] = 0;
+    for (int c = 0; c < 3; ++c) clip[free].pixels[static_cast<std::size_t>(c)] = 100;
+  }
+  const Result<StillBackdrop> taken = StillBackdrop::learn(clip),
+                              backdrop = StillBackdrop::learn(clip, subjects);
+  ASSERT_TRUE(taken && backdrop);
+  EXPECT_LT(taken->odds(clip[0])[0], 0);  // he was taken for what stands there
+  EXPECT_GT(backdrop->odds(clip[0])[0], 2);
+  EXPECT_LT(backdrop->odds(clip[2])[0], 0);
+  EXPECT_TRUE(backdrop->knows(0));
+  EXPECT_FALSE(backdrop->knows(1));
+  EXPECT_EQ(backdrop->odds(clip[0])[1], 0);
+}
+
 TEST(StillBackdrop, NeedsTwoPictures) {
   EXPECT_THAT(StillBackdrop::learn(std::vector<Image>(1, Image(2, 2, 3))),
               FailsWith(ErrorCode::InvalidArgument, "two pictures"));

@@ -1,6 +1,7 @@
 #include "pipeline/film.h"
 
 #include <cmath>
+#include <span>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,11 +45,11 @@ class AFilm : public testing::Test {
     return pictures;
   }
   // With all photographs there are.
-  Image alone(const FilmPicture& picture) {
+  Image alone(const FilmPicture& picture, const std::string& method = "floating") {
     render::Scene scene;
     EXPECT_THAT(scene.set(take_->rig(), *SceneLoader(*take_, film_.suppress_spill).load(picture.frame)),
                 IsOk());
-    const auto renderer = std::move(*render::make_renderer("floating", render::BackEnd::Cpu));
+    const auto renderer = std::move(*render::make_renderer(method, render::BackEnd::Cpu));
     return render::download(*renderer->render(scene, picture.view, film_.renderer));
   }
 
@@ -68,6 +69,34 @@ TEST_F(AFilm, DecodesOnlyThePhotographsOfAPictureAndDrawsTheSameOne) {
     EXPECT_LT(render::drawn_from(take_->rig(), mesh, picture.view, 1).size(), 6u);
     EXPECT_EQ(picture.renders[0].pixels, alone(picture).pixels) << picture.index;
   }
+}
+
+TEST_F(AFilm, DrawsFromPartsOfPhotographsWhatWholeOnesGive) {
+  film_.methods = {"nearest", "linear", "floating"};
+  film_.seconds = 0.5;
+  for (const int shrink : {1, 3}) {  // pictures so small that coarser levels of the photographs are read
+    film_.width = 160 / shrink, film_.height = 120 / shrink;
+    const std::vector<FilmPicture> pictures = shoot();
+    ASSERT_EQ(pictures.size(), 2u);
+    for (const FilmPicture& picture : pictures) {
+      const Mesh mesh = SceneLoader(*take_, false).load(picture.frame)->mesh;
+      for (std::size_t m = 0; m < film_.methods.size(); ++m) {
+        const PixelBox part = render::part_drawn_from(take_->rig().cameras[0], mesh,
+                                                      std::span(&picture.view, 1), film_.methods[m]);
+        EXPECT_LT(part.width * part.height, 160 * 120 * 2 / 3) << film_.methods[m];
+        EXPECT_EQ(picture.renders[m].pixels, alone(picture, film_.methods[m]).pixels) << film_.methods[m];
+      }
+    }
+  }
+}
+
+TEST_F(AFilm, TakesWholePhotographsForMethodsThatLookBeyondTheProxy) {
+  const Mesh mesh = SceneLoader(*take_, false).load(0)->mesh;
+  const View view = shoot().front().view;
+  for (const char* method : {"filtered", "band-limited", "floating-static"})
+    EXPECT_EQ(render::part_drawn_from(take_->rig().cameras[0], mesh, std::span(&view, 1), method),
+              (PixelBox{0, 0, 160, 120}))
+        << method;
 }
 
 TEST_F(AFilm, ShowsWhatThePathSaysFromWhereThePathSays) {

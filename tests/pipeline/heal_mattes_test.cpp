@@ -1,4 +1,4 @@
-#include "pipeline/process/heal_mattes.h"
+#include "pipeline/matte/heal_mattes.h"
 
 #include <algorithm>
 #include <functional>

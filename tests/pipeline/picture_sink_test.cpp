@@ -106,11 +106,15 @@ TEST(PictureSink, KeepsOpacityInPngsAndInProRes) {
       run_command("ffprobe -v error -show_entries stream=codec_name,profile,pix_fmt '" + film + "'");
   EXPECT_THAT(probed.output, testing::AllOf(testing::HasSubstr("prores"), testing::HasSubstr("4444"),
                                             testing::HasSubstr("yuva444p")));
-  const Ended read = run_command("ffmpeg -v error -i '" + film + "' -f rawvideo -pix_fmt rgba -");
-  ASSERT_EQ(read.code, 0);
-  ASSERT_EQ(read.output.size(), 3 * picture.pixels.size());
+  const fs::path pixels = folder.path() / "film.rgba";
+  const Ended read =
+      run_command("ffmpeg -v error -i '" + film + "' -f rawvideo -pix_fmt rgba '" + pixels.string() + "'");
+  ASSERT_EQ(read.code, 0) << read.output;
+  const Result<std::string> bytes = read_file(pixels);
+  ASSERT_THAT(bytes, IsOk());
+  ASSERT_EQ(bytes->size(), 3 * picture.pixels.size()) << read.output;
   for (std::size_t i = 0; i < picture.pixels.size(); ++i)
-    EXPECT_NEAR(static_cast<std::uint8_t>(read.output[i]), picture.pixels[i], i % 4 == 3 ? 1 : 3) << i;
+    EXPECT_NEAR(static_cast<std::uint8_t>((*bytes)[i]), picture.pixels[i], i % 4 == 3 ? 1 : 3) << i;
 }
 
 TEST(PictureSink, HoldsNoOpacityInH264) {

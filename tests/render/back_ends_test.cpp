@@ -91,6 +91,24 @@ TEST_F(BackEnds, DrawTheSameSmallPictures) {
     }
 }
 
+TEST_F(BackEnds, DrawTheSamePicturesWithTheSameFields) {
+  const Stage stage = troubled();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  RendererOptions options;
+  options.flow.backend = "variational";  // between photographs: both back-ends read the scene's
+  for (const bool sharp : {true, false}) {
+    options.sharp = sharp;
+    for (const double degrees : {8, -17, 31}) {
+      const View view = view_at(degrees, 25, small_camera(256, 192));
+      const Difference d = difference(drawn(render::BackEnd::Cpu, scene, view, "floating-static", options),
+                                      drawn(render::BackEnd::Gl, scene, view, "floating-static", options));
+      EXPECT_GE(d.psnr, 50) << degrees << " degrees, sharp " << sharp;
+      EXPECT_LE(d.coverage_share, 0.0002) << degrees << " degrees, sharp " << sharp;
+    }
+  }
+}
+
 TEST_F(BackEnds, DrawAsWellWithTheFlowOnTheGpu) {
   const Stage stage = troubled();
   render::Scene scene;

@@ -135,9 +135,8 @@ TEST(PictureFill, NothingKnownIsZero) {
 }
 
 ProjectedImages two_images(double dx) {
-  ProjectedImages images{160, 120, {texture(160, 120, 0, 0), texture(160, 120, dx, 0)}, {}};
-  images.state.assign(2, std::vector<std::uint8_t>(160 * 120, ProjectedImages::kOwn));
-  return images;
+  const std::vector<std::uint8_t> own(160 * 120, ProjectedImages::kOwn);
+  return {160, 120, {texture(160, 120, 0, 0), texture(160, 120, dx, 0)}, {own, own}};
 }
 
 TEST(FlowTrust, BelievesARightFlowAndNotAWrongOne) {

@@ -1,15 +1,21 @@
+#include <algorithm>
+#include <array>
 #include <map>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/random.h"
 #include "render/camera_choice.h"
+#include "render/cpu/weight_kernels.h"
 #include "tests/render/stage.h"
 
 namespace floatstage::render {
 namespace {
 
-std::vector<Eigen::Vector3f> samples_of(const Mesh& mesh) {
-  std::vector<Eigen::Vector3f> samples;
+RankingSamples samples_of(const Mesh& mesh) {
+  RankingSamples samples;
   for (std::size_t i = 0; i < mesh.positions.size(); i += 7) samples.push_back(mesh.positions[i]);
   return samples;
 }
@@ -74,6 +80,79 @@ TEST(CameraChoice, EqualAnglesAreOrderedByPlaceNotByNumber) {
     EXPECT_EQ(forward_order.listed[i], 3 - backward.listed[i]);
 }
 
+// A dome of five by five cameras, 20 degrees apart, and what a view from (degrees, elevation) takes of it.
+Rig dome() {
+  Rig rig = arc(25, 1);
+  for (int i = 0; i < 25; ++i)
+    rig.cameras[static_cast<std::size_t>(i)].cam_from_world =
+        on_orbit(20.0 * (i % 5 - 2), 20.0 * (i / 5 - 2));
+  return rig;
+}
+
+CameraChoice chosen_of(const Rig& dome, double degrees, double elevation, int count) {
+  CameraRanking memory;
+  return choose_cameras(dome.cameras, samples_of(ball(0.25F, 12)), view_at(degrees, elevation), count, {},
+                        memory);
+}
+
+// In the middle of four cameras no three are the nearest: a hair's breadth must not say which.
+TEST(CameraChoice, TakesMoreThanAskedWhereMoreAreAsNear) {
+  const CameraChoice choice = chosen_of(dome(), 10, 10, 3);
+  ASSERT_EQ(choice.chosen, 4U);
+  std::vector<int> four(choice.listed.begin(), choice.listed.begin() + 4);
+  std::sort(four.begin(), four.end());
+  EXPECT_THAT(four, testing::ElementsAre(12, 13, 17, 18));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(choice.fade[i], choice.fade[0], 0.05) << "camera " << i;
+}
+
+TEST(CameraChoice, TakesAtMostTwiceAsManyAsAsked) {
+  Rig rig = dome();
+  std::erase_if(rig.cameras, [](const RigCamera& c) { return c.serial == "cam12"; });
+  for (int count : {2, 3}) {  // from where a camera is missing: eight stand around it
+    const CameraChoice choice = chosen_of(rig, 0, 0, count);
+    EXPECT_GT(choice.chosen, static_cast<std::size_t>(count));
+    EXPECT_LE(choice.chosen, static_cast<std::size_t>(2 * count));
+  }
+  EXPECT_EQ(chosen_of(rig, 0, 0, 1).chosen, 1U);
+  EXPECT_EQ(chosen_of(rig, 0, 0, 8).chosen, 8U);
+}
+
+// Where as many are as near as may be, too: the view crosses cells and comes by the missing camera.
+TEST(CameraChoice, SharesAreContinuousAcrossADome) {
+  Rig rig = dome();
+  std::erase_if(rig.cameras, [](const RigCamera& c) { return c.serial == "cam12"; });
+  auto shares = [&](double way) {
+    const CameraChoice choice = chosen_of(rig, way, 0.4 * way + 1, 3);
+    std::map<std::string, double> share;
+    double sum = 0;
+    for (std::size_t i = 0; i < choice.chosen; ++i) sum += choice.fade[i];
+    for (std::size_t i = 0; i < choice.chosen; ++i)
+      share[rig.cameras[static_cast<std::size_t>(choice.listed[i])].serial] = choice.fade[i] / sum;
+    return std::pair(share, choice.chosen);
+  };
+  auto [before, first] = shares(-30);
+  std::size_t most = first, least = first;
+  for (double way = -30 + 0.05; way < 30; way += 0.05) {
+    auto [now, count] = shares(way);
+    for (const RigCamera& c : rig.cameras)
+      ASSERT_NEAR(now.count(c.serial) ? now[c.serial] : 0, before.count(c.serial) ? before[c.serial] : 0,
+                  0.03)
+          << c.serial << " at " << way;
+    most = std::max(most, count);
+    least = std::min(least, count);
+    before = now;
+  }
+  EXPECT_EQ(least, 3U);
+  EXPECT_GE(most, 5U) << "the path never meets more cameras than asked for";
+}
+
+// On a ring the second neighbours are twice as far and more, wherever the view stands.
+TEST(CameraChoice, StaysWithThoseAskedForOnARing) {
+  const Rig rig = arc(18, 20);
+  for (double degrees = -40; degrees < 40; degrees += 1)
+    EXPECT_EQ(chosen(rig, degrees, 3).chosen, 3U) << degrees;
+}
+
 class Weights : public OnEachBackEnd {};
 FLOATSTAGE_ON_EACH_BACK_END(Weights);
 
@@ -121,6 +200,77 @@ TEST_P(Weights, PicturesAreContinuousAlongAPath) {
     for (int y = 50; y < 70 && !before.empty(); ++y)
       for (int x = 60; x < 100; ++x) ASSERT_NEAR(now.at(x, y)[0], before.at(x, y)[0], 6) << "at " << degrees;
     before = now;
+  }
+}
+
+// One grey a camera, so that pictures show who counts. The two nearest cameras of a view about 0 degrees see
+// nothing of the subject; the third one is camera 2 on one side of it, camera 5 on the other.
+Stage seen_by_the_third_camera_only() {
+  Stage stage = photographed(arc(8, 20), ball(0.25F, 48), ball(0.25F, 48));
+  for (std::size_t c = 0; c < 8; ++c) {
+    const Image flat(160, 120, 3, static_cast<std::uint8_t>(30 * c + 20));
+    stage.scene.images.frames[c] = make_frame(stage.scene.images.frames[c].info, flat);
+  }
+  for (const std::size_t c : {3U, 4U}) stage.scene.mattes[c] = make_matte({}, Image(160, 120, 1, 0));
+  return stage;
+}
+
+TEST_P(Weights, ACameraThatEntersDoesNotOutweighStandInsAtOnce) {
+  const Stage stage = seen_by_the_third_camera_only();
+  render::Scene scene;
+  ASSERT_THAT(scene.set(stage.rig, stage.scene), IsOk());
+  for (const char* method : {"linear", "floating"}) {
+    const auto renderer = make(method);
+    Image before;
+    double moved = 0;
+    for (double degrees = -0.5; degrees <= 0.5; degrees += 0.05) {
+      const auto picture = renderer->render(scene, view_at(degrees), {});
+      ASSERT_THAT(picture, IsOk());
+      const Image now = download(*picture);
+      for (int y = 50; y < 70 && !before.empty(); ++y)
+        for (int x = 60; x < 100; ++x)
+          ASSERT_NEAR(now.at(x, y)[0], before.at(x, y)[0], 2) << method << " at " << degrees;
+      if (!before.empty()) moved += std::abs(now.at(80, 60)[0] - before.at(80, 60)[0]);
+      before = now;
+    }
+    EXPECT_GT(moved, 0) << method << ": the path does not cross from camera to camera";
+  }
+}
+
+TEST_P(Weights, ACameraOfLittleWeightDoesNotDecideBesideAnEdgeOfVisibility) {
+  Stage stage = seen_by_the_third_camera_only();
+  Image half(160, 120, 1, 255);
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < 60; ++x) *half.at(x, y) = 0;
+  stage.scene.mattes[5] = make_matte({}, half);
+  for (const char* method : {"linear", "floating"}) {
+    const Image picture = rendered(stage, view_at(2), method);
+    for (int y = 50; y < 70; ++y)
+      for (int x = 60; x < 100; ++x)
+        ASSERT_NEAR(picture.at(x, y)[0], picture.at(x + 1, y)[0], 10) << method << " at " << x << " " << y;
+  }
+}
+
+TEST(WithoutSpecks, KeepsWhatMostOfNineNeighboursSay) {
+  Random random(3);
+  for (const int width : {1, 2, 7, 64}) {
+    std::array<std::vector<std::uint8_t>, 3> rows;
+    for (auto& row : rows)
+      for (int x = 0; x < width; ++x)
+        row.push_back(static_cast<std::uint8_t>(256 * random.uniform()) |
+                      static_cast<std::uint8_t>(256 * random.uniform()));
+    std::vector<std::uint8_t> hidden(rows[1].size());
+    cpu::without_specks(rows[0].data(), rows[1].data(), rows[2].data(), width, hidden.data());
+    for (int x = 0; x < width; ++x)
+      for (int bit = 0; bit < 8; ++bit) {
+        int count = 0;
+        for (const auto& row : rows)
+          for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
+            count += row[static_cast<std::size_t>(u)] >> bit & 1;
+        const auto here = static_cast<std::size_t>(x);
+        EXPECT_EQ(hidden[here] >> bit & 1, (rows[1][here] >> bit & 1) != 0 && count > 4 ? 1 : 0)
+            << width << ": " << x;
+      }
   }
 }
 

@@ -1,5 +1,6 @@
 #include "tests/support/network_lab.h"
 
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -61,7 +62,18 @@ void RunningProgram::terminate() {
 int RunningProgram::wait() {
   if (pid_ > 0) ::waitpid(pid_, &status_, 0);
   pid_ = -1;
-  return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
+  return WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_);
+}
+
+bool RunningProgram::catches(int signal) const {
+  std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+  for (std::string word; status >> word;) {
+    if (word != "SigCgt:") continue;
+    std::uint64_t mask = 0;
+    status >> std::hex >> mask;
+    return mask >> (signal - 1) & 1;
+  }
+  return false;
 }
 
 bool RunningProgram::running() {

@@ -23,8 +23,10 @@ class RunningProgram {
   void kill();
   /// SIGTERM, as a service manager does.
   void terminate();
-  /// Its exit code, or -1 when a signal ended it.
+  /// Its exit code, or minus the signal that ended it.
   int wait();
+  /// Whether it has a handler for a signal by now: before that a SIGTERM ends it as it ends any program.
+  bool catches(int signal) const;
   bool running();
   pid_t pid() const { return pid_; }
   /// What it has written so far.

@@ -13,10 +13,10 @@ struct Ended {
   std::string output;  ///< standard output and error together
 };
 
-/// Runs `command` by the shell and waits for it.
+/// Runs `command` by the shell, with nothing to read, and waits for it.
 inline Ended run_command(const std::string& command) {
   Ended ended = {.code = -1, .output = {}};
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  FILE* pipe = popen(("exec </dev/null; " + command + " 2>&1").c_str(), "r");
   if (pipe == nullptr) return ended;
   char buffer[4096];
   for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) ended.output.append(buffer, n);

@@ -51,8 +51,10 @@ bool EditSession::press(int frame, const Eigen::Vector2d& point, bool second) {
     const std::optional<std::size_t> mask = mask_at(frame, point);
     return mask && remove_mask(*mask);
   }
-  const bool subject = tool == EditTool::Stroke ? !second : tool == EditTool::HoldOut;
-  drawing_ = MatteStroke{subject ? MatteLabel::Foreground : MatteLabel::Background, radius, {rounded(point)}};
+  const bool foreground = tool == EditTool::Stroke ? !second : tool == EditTool::HoldOut;
+  drawing_ =
+      MatteStroke{foreground ? MatteLabel::Foreground : MatteLabel::Background, radius, {rounded(point)}};
+  if (tool == EditTool::Stroke && foreground) drawing_->subject = subject;
   drawing_frame_ = frame;
   drawing_mask_ = tool != EditTool::Stroke;
   return false;

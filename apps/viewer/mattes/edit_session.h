@@ -28,6 +28,7 @@ class EditSession {
   MaskReach mask_reach = MaskReach::WholeClip;
   double radius = 4;  ///< of the strokes to come, px; kept within 0.5 … 500 by grow()
   void grow(double factor);
+  std::string subject = {};  ///< whom strokes of the subject to come mark, a label's name; empty: not said
 
   /// A stroke or brush mask begins, goes on and is finished; only then does it belong to the edits. One that
   /// never touched the photograph is dropped. `second` is the right button. True when the edits have changed

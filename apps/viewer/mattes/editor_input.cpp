@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 
 #include "apps/viewer/mattes/editor_state.h"
+#include "core/take_layout.h"
 #include "core/text.h"
 
 namespace floatstage::apps {
@@ -85,6 +87,9 @@ bool tool_key(int key, EditorState& state) {
     case 'V':
       state.view = static_cast<MatteView>((static_cast<int>(state.view) + 1) % views);
       return true;
+    case 'L':
+      choose_next_label(state);
+      return true;
     case 'F':
       session.tool = EditTool::Stroke;
       return true;
@@ -141,6 +146,30 @@ void go_to_worst(EditorState& state) {
     state.status =
         text("frame ", *frame, " flickers by ",
              std::round(state.flicker[static_cast<std::size_t>(*frame)].value_or(0) * 10000) / 100, " %");
+}
+
+void choose_next_label(EditorState& state) {
+  std::string& subject = state.session.subject;
+  if (state.labels.empty()) {
+    state.status = "the take has no labels; write the name of one in the panel";
+    return;
+  }
+  const auto here = std::find(state.labels.begin(), state.labels.end(), subject);
+  const auto next = here == state.labels.end() ? state.labels.begin() : here + 1;
+  subject = next == state.labels.end() ? "" : *next;
+  state.status = subject.empty() ? "strokes are nobody's in particular" : text("strokes are '", subject, "'");
+}
+
+bool choose_label(EditorState& state, const std::string& name) {
+  if (!is_usable_label(name)) {
+    state.status = text("'", name, "' cannot be a label: letters, digits, '-' and '_', at most 64");
+    return false;
+  }
+  if (std::find(state.labels.begin(), state.labels.end(), name) == state.labels.end())
+    state.labels.push_back(name);
+  state.session.subject = name;
+  state.status = text("strokes are '", name, "'");
+  return true;
 }
 
 EditorRequests take_input(const InputEvent& e, EditorState& state) {

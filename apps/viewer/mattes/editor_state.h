@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,12 +22,16 @@ struct EditorState {
   MatteView view = MatteView::Checker;
   bool automatic = true;  ///< mattes are made again after every edit
 
-  std::vector<bool> stale = {};                     ///< a frame
-  std::vector<std::optional<double>> flicker = {};  ///< a frame; absent: not metered yet
-  std::vector<int> worst = {};                      ///< worst_frames(flicker)
+  std::vector<bool> stale = {};   ///< a frame
+  std::vector<bool> guided = {};  ///< a frame: strokes, its own or carried ones, act in it
+  std::map<int, std::vector<std::string>> doubts = {};  ///< by frame: why its matte is not to be trusted
+  std::vector<std::optional<double>> flicker = {};      ///< a frame; absent: not metered yet
+  std::vector<int> worst = {};                          ///< worst_frames(flicker)
 
-  double pointer_x = 0, pointer_y = 0;  ///< px of the window
-  int held = -1;                        ///< button that went down over the photograph
+  double pointer_x = 0, pointer_y = 0;   ///< px of the window
+  int held = -1;                         ///< button that went down over the photograph
+  std::vector<std::string> labels = {};  ///< of whom strokes may be; session.subject is one of them or none
+  std::string new_label = {};            ///< being written
   std::string status = {};
   std::string question = {};  ///< to be answered by yes or no before anything else is drawn; empty: none
 };
@@ -47,5 +52,10 @@ struct EditorRequests {
 EditorRequests take_input(const InputEvent& event, EditorState& state);
 
 void go_to_worst(EditorState& state);
+/// The strokes to come are the next label's; after the last nobody's in particular.
+void choose_next_label(EditorState& state);
+/// They are this label's, which is new or known; false, with a sentence in the status, for a name that is
+/// none.
+bool choose_label(EditorState& state, const std::string& name);
 
 }  // namespace floatstage::apps

@@ -77,6 +77,8 @@ void MatteEditor::change_camera(const std::string& serial) {
   options.frame = frame_number();
   options.view = model_->state().view;
   options.automatic = model_->state().automatic;
+  options.subject = model_->state().session.subject;
+  options.labels = model_->state().labels;
   Result<std::unique_ptr<MatteEditorModel>> model = MatteEditorModel::open(options);
   if (model)
     next_ = std::move(*model);

@@ -7,6 +7,8 @@
 #include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/label_record.h"
+#include "pipeline/made_files.h"
 #include "pipeline/matte/affected_frames.h"
 
 namespace floatstage::apps {
@@ -51,15 +53,43 @@ MatteEditorModel::MatteEditorModel(MatteEditorModelOptions options, std::unique_
   state_->view = options_.view;
   state_->automatic = options_.automatic;
   state_->flicker.resize(static_cast<std::size_t>(frames));
-  state_->stale = edited_->stale(last_edits_);
+  take_state();
   state_->status = text("camera '", serial(), "', mattes by ", method_,
                         std::count(state_->stale.begin(), state_->stale.end(), true) > 0
                             ? "; Enter makes the mattes that are missing"
                             : "");
   unmetered_.assign(static_cast<std::size_t>(frames), true);
+  take_labels();
 }
 
 MatteEditorModel::~MatteEditorModel() { task_.stop(); }
+
+// What is known of the mattes while nobody makes them.
+void MatteEditorModel::take_state() {
+  state_->stale = edited_->stale(last_edits_);
+  state_->guided = edited_->guided();
+  state_->doubts = edited_->doubts();
+}
+
+// Those of labels.json, of strokes in any camera, and those that somebody has written in this window.
+void MatteEditorModel::take_labels() {
+  const auto add = [this](const std::string& label) {
+    std::vector<std::string>& labels = state_->labels;
+    if (!label.empty() && std::find(labels.begin(), labels.end(), label) == labels.end())
+      labels.push_back(label);
+  };
+  const Result<pipeline::LabelRecord> record = pipeline::load_label_record(take_->layout());
+  if (!record) state_->status = record.error().message;
+  if (record)
+    for (const std::string& label : record->labels) add(label);
+  if (const Result<MatteEdits> edits = load_matte_edits(take_->layout().edits()))
+    for (const auto& [serial, camera] : edits->cameras)
+      for (const MatteKeyframe& keyframe : camera.keyframes)
+        for (const MatteStroke& stroke : keyframe.strokes) add(stroke.subject);
+  for (const std::string& label : options_.labels) add(label);
+  add(options_.subject);
+  state_->session.subject = options_.subject;
+}
 
 bool MatteEditorModel::matte_exists(int frame) const {
   return is_there(take_->layout().matte(serial(), frame));
@@ -151,9 +181,14 @@ void MatteEditorModel::end_job() {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - job_began_).count();
     const Result<std::vector<int>>& made = outcome_.remade;
     if (made) {
-      state_->stale = edited_->stale(last_edits_);
+      take_state();
       state_->status = text(serial(), ": ", made->size(), " mattes changed in ", rounded(seconds), " s");
       if (!edited_->idle().empty()) state_->status += text("; ", edited_->idle().front());
+      if (!edited_->ended().empty())
+        state_->status += text("; ", edited_->ended().front(),
+                               edited_->ended().size() > 1
+                                   ? text(" (and ", edited_->ended().size() - 1, " more, red on the line)")
+                                   : "");
       if (!edited_->failures().empty()) state_->status = edited_->failures().front();
       options_.say(state_->status);
     } else if (made.error().code == ErrorCode::AlreadyExists) {
@@ -255,6 +290,43 @@ Image MatteEditorModel::load_matte(int frame) const {
   return matte ? std::move(*matte) : Image();
 }
 
+// What has changed since the labels of a frame were made, empty where nothing has.
+std::string MatteEditorModel::labels_lag(int frame) const {
+  const TakeLayout layout = take_->layout();
+  const Result<pipeline::LabelRecord> record = pipeline::load_label_record(layout);
+  if (!record) return record.error().message;
+  const Result<std::optional<std::string>> sum = pipeline::hash_of(layout.matte(serial(), frame));
+  if (!sum) return sum.error().message;
+  if (const auto camera = record->sums.find(serial()); *sum && camera != record->sums.end()) {
+    const auto known = camera->second.find(frame);
+    if (known == camera->second.end() || known->second != **sum)
+      return "the labels are older than this matte; `floatstage matte` divides it anew";
+  }
+  std::error_code error;
+  const auto said = std::filesystem::last_write_time(layout.edits(), error);
+  if (error) return {};
+  const auto made = std::filesystem::last_write_time(layout.label_record(), error);
+  if (error || made >= said) return {};
+  return "strokes have changed since the mattes were divided; `floatstage matte` divides them anew";
+}
+
+// Each label's matte; what there is to say of them is in the status.
+std::vector<Image> MatteEditorModel::load_labels(int frame) {
+  std::vector<Image> labels;
+  bool any = false;
+  for (const std::string& label : state_->labels) {
+    const std::filesystem::path file = take_->layout().label_matte(serial(), label, frame);
+    Result<Image> matte = is_there(file) ? load_png(file) : Result<Image>(Image());
+    labels.push_back(matte ? std::move(*matte) : Image());
+    any = any || !labels.back().empty();
+  }
+  if (!any)
+    state_->status = "no labels of this frame; name them by strokes (L), and `floatstage matte` divides it";
+  else if (const std::string lag = labels_lag(frame); !lag.empty())
+    state_->status = lag;
+  return labels;
+}
+
 void MatteEditorModel::show() {
   const Shown wanted{state_->time.frame(), state_->view};
   if (shown_ == wanted) return;
@@ -272,6 +344,7 @@ void MatteEditorModel::show() {
       .photograph = photograph_, .matte = load_matte(wanted.frame), .before = {}, .components = {}};
   has_matte_ = !in.matte.empty();
   if (wanted.view == MatteView::Difference) in.before = load_matte(wanted.frame - 1);
+  if (wanted.view == MatteView::Labels) in.labels = load_labels(wanted.frame);
   if (wanted.view == MatteView::Components && components_frame_ == wanted.frame) in.components = components_;
   picture_ = photograph_.empty() ? Image() : matte_picture(wanted.view, in);
 }

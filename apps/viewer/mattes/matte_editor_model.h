@@ -19,6 +19,8 @@ struct MatteEditorModelOptions {
   int frame = 0;
   MatteView view = MatteView::Checker;
   bool automatic = true;
+  std::string subject = {};              ///< whose strokes are; empty: not said
+  std::vector<std::string> labels = {};  ///< known beside those of the take
   std::function<void(const std::string& line)> say = [](const std::string&) {
   };  ///< what was finished, one line each
 };
@@ -64,6 +66,8 @@ class MatteEditorModel {
 
   MatteEditorModel(MatteEditorModelOptions options, std::unique_ptr<capture::TakeReader> take,
                    std::unique_ptr<pipeline::EditedCamera> edited);
+  void take_state();
+  void take_labels();
   void answer(const EditorRequests& requests);
   bool save_edits();
   void collect();
@@ -75,6 +79,8 @@ class MatteEditorModel {
   bool begin_flicker();
   void show();
   Image load_matte(int frame) const;
+  std::vector<Image> load_labels(int frame);
+  std::string labels_lag(int frame) const;
   bool matte_exists(int frame) const;
 
   MatteEditorModelOptions options_;

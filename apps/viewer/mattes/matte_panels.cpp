@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <imgui.h>
+#include <imgui_stdlib.h>
 
 #include "apps/viewer/window/transport.h"
 #include "core/text.h"
@@ -14,7 +15,7 @@ namespace {
 constexpr float kQuestionWidth = 420;
 constexpr ImU32 kSubject = IM_COL32(70, 230, 110, 255), kBackground = IM_COL32(255, 80, 70, 255);
 constexpr ImU32 kStale = IM_COL32(255, 170, 40, 255), kPlayhead = IM_COL32(255, 255, 255, 255),
-                kFlicker = IM_COL32(120, 170, 255, 255);
+                kFlicker = IM_COL32(120, 170, 255, 255), kReach = IM_COL32(70, 230, 110, 110);
 
 ImU32 color_of(MatteLabel label, int alpha) {
   return ((label == MatteLabel::Foreground ? kSubject : kBackground) & ~IM_COL32_A_MASK) |
@@ -28,7 +29,24 @@ bool choose(const char* label, Choice& chosen, Choice value) {
   return true;
 }
 
-void draw_tools(EditSession& session) {
+// Whose strokes are.
+void draw_labels(EditorState& state) {
+  EditSession& session = state.session;
+  constexpr const char* kNobodys = "nobody's";
+  const char* now = session.subject.empty() ? kNobodys : session.subject.c_str();
+  if (ImGui::BeginCombo("label (L)", now)) {
+    if (ImGui::Selectable(kNobodys, session.subject.empty())) session.subject.clear();
+    for (const std::string& label : state.labels)
+      if (ImGui::Selectable(label.c_str(), label == session.subject)) session.subject = label;
+    ImGui::EndCombo();
+  }
+  if (ImGui::InputText("new label", &state.new_label, ImGuiInputTextFlags_EnterReturnsTrue) &&
+      choose_label(state, state.new_label))
+    state.new_label.clear();
+}
+
+void draw_tools(EditorState& state) {
+  EditSession& session = state.session;
   choose("subject | background (F)", session.tool, EditTool::Stroke);
   choose("garbage brush (G)", session.tool, EditTool::Garbage);
   choose("hold-out brush (H)", session.tool, EditTool::HoldOut);
@@ -36,6 +54,7 @@ void draw_tools(EditSession& session) {
   if (ImGui::SliderFloat("radius []", &radius, 0.5f, 100, "%.1f px", ImGuiSliderFlags_Logarithmic))
     session.grow(radius / session.radius);
   if (session.tool == EditTool::Stroke) {
+    draw_labels(state);
     ImGui::TextDisabled("left: subject  right: background\ndrag: scribble");
     return;
   }
@@ -66,11 +85,23 @@ EditorRequests draw_work(MatteEditorModel& model) {
     ImGui::TextColored(ImVec4(1, 0.67f, 0.16f, 1), "%ld of %d mattes to be made", stale, state.time.frames());
   else
     ImGui::TextUnformatted("all mattes are made");
+  if (const auto doubts = state.doubts.find(state.time.frame()); doubts != state.doubts.end()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kBackground);
+    for (const std::string& why : doubts->second) ImGui::TextWrapped("%s", why.c_str());
+    ImGui::PopStyleColor();
+  }
   if (const std::optional<BackgroundTask::Progress> p = model.progress(); p && p->all > 0) {
     ImGui::ProgressBar(static_cast<float>(p->done) / static_cast<float>(p->all), ImVec2(-1, 0));
     ImGui::TextWrapped("%s", p->what.c_str());
   }
   return requests;
+}
+
+// On a ground of its own, to be read before any picture.
+void draw_name(ImDrawList* list, const ImVec2& at, ImU32 color, const std::string& name) {
+  const ImVec2 size = ImGui::CalcTextSize(name.c_str());
+  list->AddRectFilled({at.x - 2, at.y}, {at.x + size.x + 2, at.y + size.y}, IM_COL32(0, 0, 0, 180));
+  list->AddText(at, color, name.c_str());
 }
 
 void draw_stroke(ImDrawList* list, const PictureFit& fit, const MatteStroke& stroke, int alpha) {
@@ -85,6 +116,8 @@ void draw_stroke(ImDrawList* list, const PictureFit& fit, const MatteStroke& str
     list->AddPolyline(points.data(), static_cast<int>(points.size()), color, ImDrawFlags_None, thickness);
   if (points.size() == 1) list->AddCircleFilled(points[0], thickness / 2, color);
   if (points.size() == 1) list->AddCircle(points[0], thickness / 2 + 1, IM_COL32_BLACK);
+  if (!stroke.subject.empty())
+    draw_name(list, {points[0].x + thickness / 2 + 5, points[0].y - 7}, color, stroke.subject);
 }
 
 void draw_mask(ImDrawList* list, const PictureFit& fit, const MatteMask& mask) {
@@ -118,8 +151,15 @@ MattePanelRequests draw_matte_controls(MatteEditorModel& model) {
     if (i % 2 == 1) ImGui::SameLine(142);
     choose(text(views[i], " (", i + 1, ")").c_str(), state.view, static_cast<MatteView>(i));
   }
+  if (state.view == MatteView::Labels)
+    for (std::size_t l = 0; l < state.labels.size(); ++l) {
+      const std::array<std::uint8_t, 3> color = component_color(static_cast<int>(l));
+      ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(color[0], color[1], color[2], 255));
+      ImGui::BulletText("%s", state.labels[l].c_str());
+      ImGui::PopStyleColor();
+    }
   ImGui::Separator();
-  draw_tools(state.session);
+  draw_tools(state);
   ImGui::Separator();
   requests.editor = draw_work(model);
   ImGui::Separator();
@@ -157,6 +197,10 @@ void draw_matte_time_line(MatteEditorModel& model) {
       list->AddRectFilled(ImVec2(left, bottom - 6 - 26 * static_cast<float>(*state.flicker[i] / largest)),
                           ImVec2(right, bottom - 6), kFlicker);
     if (state.stale[i]) list->AddRectFilled(ImVec2(left, bottom - 5), ImVec2(right, bottom), kStale);
+    if (state.guided[i])  // how far keyframes reach
+      list->AddRectFilled(ImVec2(left, origin.y + 4), ImVec2(left + step, origin.y + 10), kReach);
+    if (state.doubts.contains(f))
+      list->AddRectFilled(ImVec2(left, origin.y), ImVec2(right, origin.y + 14), kBackground);
     if (!state.session.keyframe(f)) continue;
     const float middle = left + step / 2, y = origin.y + 7;
     list->AddQuadFilled(ImVec2(middle, y - 6), ImVec2(middle + 6, y), ImVec2(middle, y + 6),

@@ -64,11 +64,33 @@ Image components_picture(const MatteViewInput& in) {
   });
 }
 
+// By how much each label covers a pixel, its colour takes the place of the photograph's, whose brightness
+// stays; what of the matte is no label's becomes white, and the surroundings dark.
+Image labels_picture(const MatteViewInput& in) {
+  return made(in.photograph, [&](int x, int y) {
+    const Rgb p = pixel(in.photograph, x, y);
+    const int all = *in.matte.at(x, y);
+    const double brightness = 0.35 + 0.65 * (p[0] + 2 * p[1] + p[2]) / 1020.0;
+    double left = all, sum[3] = {};
+    for (std::size_t l = 0; l < in.labels.size(); ++l) {
+      if (in.labels[l].empty()) continue;
+      const double share = std::min<double>(left, *in.labels[l].at(x, y));
+      const std::array<std::uint8_t, 3> color = component_color(static_cast<int>(l));
+      left -= share;
+      for (std::size_t i = 0; i < 3; ++i) sum[i] += share * color[i];
+    }
+    Rgb out;
+    for (std::size_t i = 0; i < 3; ++i)
+      out[i] = static_cast<int>(brightness * (sum[i] + 255 * left) / 255 + (255 - all) / 255.0 * p[i] / 3);
+    return out;
+  });
+}
+
 }  // namespace
 
 const std::vector<std::string>& matte_view_names() {
-  static const std::vector<std::string> names = {"photograph", "checker",    "colour",
-                                                 "matte",      "difference", "components"};
+  static const std::vector<std::string> names = {"photograph", "checker",    "colour", "matte",
+                                                 "difference", "components", "labels"};
   return names;
 }
 
@@ -90,6 +112,14 @@ Image matte_picture(MatteView view, const MatteViewInput& in) {
   if (view == MatteView::Components)
     return in.components.empty() ? dimmed(in.photograph) : components_picture(in);
   if (!fits(in.matte)) return dimmed(in.photograph);
+  if (view == MatteView::Labels) {
+    bool any = false;
+    for (const Image& label : in.labels) {
+      if (!label.empty() && !fits(label)) return dimmed(in.photograph);
+      any = any || !label.empty();
+    }
+    return any ? labels_picture(in) : dimmed(in.photograph);
+  }
   switch (view) {
     case MatteView::Checker:
       return composed(in, [](int x, int y) {

@@ -65,7 +65,7 @@ Result<void> Canvas::show(const std::shared_ptr<const SceneFrame>& scene) {
 
 Result<void> Canvas::show(const studio::LiveScene& scene) {
   ++shown_;
-  Result<bool> uploaded = studio::set_scene(scene, rig_, drawn_);
+  Result<bool> uploaded = studio::set_scene(scene, rig_, tiles_, drawn_);
   drawable_ = uploaded && *uploaded;
   return uploaded ? Result<void>() : forward(uploaded);
 }

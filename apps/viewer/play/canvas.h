@@ -106,6 +106,7 @@ class Canvas {
   std::uint64_t shown_ = 0;  // scenes so far
   bool drawable_ = false;
   std::optional<View> view_;
+  std::vector<render::PictureTile> tiles_;  // of a live scene
   render::Scene drawn_;
   render::MethodRenderers renderers_;
   Side left_, right_;

@@ -5,11 +5,12 @@
 
 namespace floatstage::apps {
 
-FilmJob::FilmJob(std::filesystem::path take, pipeline::CameraPath path, pipeline::FilmOptions options,
-                 std::filesystem::path out) {
-  future_ = std::async(std::launch::async,
-                       [this, take = std::move(take), path = std::move(path), options = std::move(options),
-                        out = std::move(out)] { return run(take, path, options, out); });
+FilmJob::FilmJob(std::filesystem::path take, pipeline::LabelChoice labels, pipeline::CameraPath path,
+                 pipeline::FilmOptions options, std::filesystem::path out) {
+  future_ = std::async(
+      std::launch::async,
+      [this, take = std::move(take), labels = std::move(labels), path = std::move(path),
+       options = std::move(options), out = std::move(out)] { return run(take, labels, path, options, out); });
 }
 
 FilmJob::~FilmJob() { give_up_ = true; }  // the future's destructor waits for the thread
@@ -21,10 +22,11 @@ bool FilmJob::done() const {
 Result<pipeline::FilmReport> FilmJob::result() { return future_.get(); }
 
 Result<pipeline::FilmReport> FilmJob::run(const std::filesystem::path& folder,
+                                          const pipeline::LabelChoice& labels,
                                           const pipeline::CameraPath& path,
                                           const pipeline::FilmOptions& options,
                                           const std::filesystem::path& out) {
-  Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(folder);
+  Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(folder, labels);
   if (!take) return forward(take);
   const Result<render::OpenBackEnd> drawing = render::open_back_end(options.renderer.back_end);
   if (!drawing) return forward(drawing);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <future>
 
+#include "pipeline/chosen_take.h"
 #include "pipeline/film.h"
 
 namespace floatstage::apps {
@@ -11,8 +12,8 @@ namespace floatstage::apps {
 /// "Render this path", beside the player: a thread with its own take reader and, with GL, its own context.
 class FilmJob {
  public:
-  FilmJob(std::filesystem::path take, pipeline::CameraPath path, pipeline::FilmOptions options,
-          std::filesystem::path out);
+  FilmJob(std::filesystem::path take, pipeline::LabelChoice labels, pipeline::CameraPath path,
+          pipeline::FilmOptions options, std::filesystem::path out);
   ~FilmJob();  ///< gives up what is not done
 
   bool done() const;
@@ -20,8 +21,9 @@ class FilmJob {
   Result<pipeline::FilmReport> result();  ///< once, when done()
 
  private:
-  Result<pipeline::FilmReport> run(const std::filesystem::path& take, const pipeline::CameraPath& path,
-                                   const pipeline::FilmOptions& options, const std::filesystem::path& out);
+  Result<pipeline::FilmReport> run(const std::filesystem::path& take, const pipeline::LabelChoice& labels,
+                                   const pipeline::CameraPath& path, const pipeline::FilmOptions& options,
+                                   const std::filesystem::path& out);
 
   std::atomic<int> pictures_ = 0;
   std::atomic<bool> give_up_ = false;

@@ -171,12 +171,20 @@ void draw_path(PlayerState& state, PanelRequests& requests, int film_pictures) {
     requests.render_film = ImGui::Button("render this path");
 }
 
+bool draw_who(PlayerState& state) {
+  bool changed = false;
+  for (PlayerState::Who& who : state.who) changed |= ImGui::Checkbox(who.label.c_str(), &who.shown);
+  return changed;
+}
+
 }  // namespace
 
 PanelRequests draw_controls(PlayerState& state, double render_milliseconds, int film_pictures) {
   PanelRequests requests;
   ImGui::PushItemWidth(150 * ui_scale());
   if (ImGui::CollapsingHeader("Picture", ImGuiTreeNodeFlags_DefaultOpen)) draw_methods(state);
+  if (!state.who.empty() && ImGui::CollapsingHeader("Who is seen", ImGuiTreeNodeFlags_DefaultOpen))
+    requests.who = draw_who(state);
   if (ImGui::CollapsingHeader("Camera", ImGuiTreeNodeFlags_DefaultOpen)) {
     ImGui::Checkbox("show the cameras (C)", &state.show_cameras);
     requests.home = ImGui::Button("home (H)");

@@ -7,6 +7,7 @@ namespace floatstage::apps {
 /// What the operator pressed in the panels and the player must do.
 struct PanelRequests {
   bool save_path = false, load_path = false, render_film = false, quit = false, home = false;
+  bool who = false;  ///< others are to be seen
 };
 
 /// The controls at the left: method and comparison, intermediates, cameras, camera path. Draws into the

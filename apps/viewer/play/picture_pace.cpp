@@ -9,7 +9,7 @@ namespace {
 // Seconds from picture to picture, while something moves. An input that has just missed one picture waits for
 // it and for its own: twice this, and some more as pictures differ, is to stay below 60 ms.
 constexpr double kPicture = 1.0 / 42;
-constexpr double kLeast = 0.2;         // of it are the drawing's, however slow the window is
+constexpr double kLeast = 0.2;  // of it are the drawing's, however slow the window is
 
 }  // namespace
 

@@ -26,7 +26,7 @@ class PlayWindow {
   explicit PlayWindow(const PlayOptions& options) : options_(options), editing_(options.mattes) {}
 
   Result<void> open() {
-    Result<std::unique_ptr<capture::TakeReader>> take = capture::TakeReader::open(options_.take);
+    Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(options_.take, options_.labels);
     if (!take) return forward(take);
     take_ = std::move(*take);
     // What is wrong is said before a window opens.

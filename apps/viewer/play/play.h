@@ -9,12 +9,14 @@
 #include "apps/viewer/play/canvas.h"
 #include "apps/viewer/play/sound_lead.h"
 #include "core/result.h"
+#include "pipeline/chosen_take.h"
 #include "render/renderer.h"
 
 namespace floatstage::apps {
 
 struct PlayOptions {
   std::filesystem::path take;
+  pipeline::LabelChoice labels = {};  ///< who of it is seen first
   std::string method = "floating";
   std::string compare;  ///< method of the right half; empty: no split
   int frame = 0;

@@ -16,6 +16,7 @@
 #include "core/log.h"
 #include "core/text.h"
 #include "pipeline/balance.h"
+#include "pipeline/label_record.h"
 #include "pipeline/orbit.h"
 #include "pipeline/take_fields.h"
 #include "render/camera_grid.h"
@@ -33,14 +34,21 @@ Result<int> method_index(const std::vector<std::string>& methods, const std::str
   return fail(ErrorCode::InvalidArgument, text("there is no method '", name, "'; there are:", known));
 }
 
+// Which of the take's labels are seen: all, where none is named.
+void mark(const std::vector<std::string>& labels, PlayerState& state) {
+  for (PlayerState::Who& who : state.who)
+    who.shown = labels.empty() || std::find(labels.begin(), labels.end(), who.label) != labels.end();
+}
+
 class WindowPlayer : public Player {
  public:
   WindowPlayer(const PlayOptions& options, capture::TakeReader& take, const Rig& rig,
                const Eigen::AlignedBox3d& subject, PlayerState state)
       : options_(options),
         take_(take),
+        labels_(options.labels),
         home_(state.camera.key()),
-        cache_(take),
+        cache_(std::make_unique<SceneCache>(take)),
         canvas_(rig, subject),
         state_(std::move(state)),
         sound_(open_sound()),
@@ -74,7 +82,7 @@ class WindowPlayer : public Player {
   void go_to(int frame) override { state_.time.seek(frame); }
   void show_status(std::string status) override { state_.status = std::move(status); }
   void forget_scenes() override {
-    cache_.clear();
+    cache_->clear();
     shown_ = -1;
   }
 
@@ -137,15 +145,15 @@ class WindowPlayer : public Player {
     // Where loading takes longer than frames follow one another, the newest that is there is shown, and what
     // is loaded is what will be due then.
     if (state_.time.playing) {
-      const std::optional<int> newest = cache_.newest(shown_, frame);
-      const double later = cache_.load_seconds() * state_.time.rate() * state_.time.speed;
+      const std::optional<int> newest = cache_->newest(shown_, frame);
+      const double later = cache_->load_seconds() * state_.time.rate() * state_.time.speed;
       const int next = frame + std::max(newest == frame || shown_ == frame ? 1 : 0, static_cast<int>(later));
-      cache_.prefetch(state_.time.loop ? next % state_.time.frames()
-                                       : std::min(next, state_.time.frames() - 1));
+      cache_->prefetch(state_.time.loop ? next % state_.time.frames()
+                                        : std::min(next, state_.time.frames() - 1));
       if (!newest) return;
       frame = *newest;
     }
-    Result<std::shared_ptr<const SceneFrame>> scene = cache_.get(frame);
+    Result<std::shared_ptr<const SceneFrame>> scene = cache_->get(frame);
     if (!scene) {
       state_.status = scene.error().message;
       shown_ = frame;
@@ -165,7 +173,7 @@ class WindowPlayer : public Player {
     };
     if (has_fields_ || shown_ < 0 || !(draws(state_.left) || (state_.split && draws(state_.right)))) return;
     has_fields_ = true;
-    if (Result<void> ok = pipeline::give_fields(take_.layout(), take_.rig(), shown_, canvas_.scene()); !ok)
+    if (Result<void> ok = pipeline::give_fields(seen().layout(), take_.rig(), shown_, canvas_.scene()); !ok)
       state_.status = ok.error().message;
   }
 
@@ -184,7 +192,31 @@ class WindowPlayer : public Player {
                             state_.status = ok.error().message;
                         }});
     apply_camera_requests(requests, home_, state_);
+    if (requests.who) choose_labels();
     if (requests.render_film) begin_film();
+  }
+
+  const capture::TakeReader& seen() const { return chosen_ ? *chosen_ : take_; }
+
+  // Others are seen, where they have meshes; else those from before.
+  void choose_labels() {
+    pipeline::LabelChoice wanted;
+    for (const PlayerState::Who& who : state_.who)
+      if (!who.shown) wanted.without.push_back(who.label);
+    Result<std::unique_ptr<capture::TakeReader>> take = pipeline::open_chosen(options_.take, wanted);
+    Result<pipeline::Subject> subject =
+        take ? pipeline::find_subject(**take) : Result<pipeline::Subject>(forward(take));
+    if (!subject) {
+      mark(seen().layout().labels(), state_);
+      state_.status = subject.error().message;
+      return;
+    }
+    cache_ = std::make_unique<SceneCache>(**take);  // what loads from the reader before ends first
+    chosen_ = std::move(*take);
+    labels_ = std::move(wanted);
+    state_.track = std::move(subject->track);
+    state_.status.clear();
+    shown_ = -1;
   }
 
   void begin_film() {
@@ -197,7 +229,7 @@ class WindowPlayer : public Player {
                                .renderer = state_.renderer};
     film.seconds = state_.path.path().duration();
     for (int f = 0; f < state_.time.frames(); ++f) film.frames.push_back(f);
-    film_.emplace(options_.take, state_.path.path(), film, state_.film_file);
+    film_.emplace(options_.take, labels_, state_.path.path(), film, state_.film_file);
     state_.status = text("rendering ", state_.film_file);
   }
 
@@ -211,8 +243,10 @@ class WindowPlayer : public Player {
 
   const PlayOptions& options_;
   capture::TakeReader& take_;
+  std::unique_ptr<capture::TakeReader> chosen_;  // since others than at first are seen
+  pipeline::LabelChoice labels_;
   const pipeline::PathKey home_;
-  SceneCache cache_;
+  std::unique_ptr<SceneCache> cache_;
   Canvas canvas_;
   PlayerState state_;
   PathStrip strip_;
@@ -244,6 +278,10 @@ Result<PlayerState> initial_state(const PlayOptions& options, const capture::Tak
   if (!left) return forward(left);
   if (!right) return forward(right);
   for (const RigCamera& camera : take.rig().cameras) state.serials.push_back(camera.serial);
+  const Result<pipeline::LabelRecord> labels = pipeline::load_label_record(take.layout());
+  if (!labels) return forward(labels);
+  for (const std::string& label : labels->labels) state.who.push_back({label});
+  mark(take.layout().labels(), state);
   state.left = *left;
   state.right = *right;
   state.split = !options.compare.empty();

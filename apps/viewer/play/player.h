@@ -31,7 +31,7 @@ class Player {
   /// Asked while a full picture is drawn: true gives it up for what hands want (Canvas::give_up_when()).
   virtual void give_up_when(std::function<bool()> hand_waits) = 0;
   virtual bool gave_up() const = 0;  ///< the last frame()'s picture was
-  virtual bool stands() const = 0;  ///< the full picture of the present frame is there
+  virtual bool stands() const = 0;   ///< the full picture of the present frame is there
   virtual bool busy() const = 0;
   virtual int frame_number() const = 0;
   virtual void go_to(int frame) = 0;

@@ -33,6 +33,12 @@ struct PlayerState {
   float render_scale = 1;  ///< pixels rendered per pixel shown, 0.25…1
   bool quick = false;      ///< coarser while something moves (PicturePace)
 
+  struct Who {
+    std::string label;
+    bool shown = true;
+  };
+  std::vector<Who> who = {};  ///< the take's labels, and which of them are to be seen
+
   std::vector<std::string> sounds = {};  ///< names of the take's tracks that can be heard
   int sound = 0;                         ///< which one is
   float volume = 1;

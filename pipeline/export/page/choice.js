@@ -1,7 +1,7 @@
 // Which photographs a view is drawn from, and how much each counts: choose_cameras() of render/camera_choice.cpp.
 "use strict";
 
-const kStandIns = 3, kMostListed = 6;
+const kLeastFade = 1e-6, kAsNear = 1.75, kStandIns = 3, kMostListed = 6;
 
 const vec = {
   sub: (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]],
@@ -46,16 +46,22 @@ function chooseCameras(cameras, samples, view, count, pictured) {
   if (total > 0) angle.forEach((a, i) => { angle[i] = a / total; });
   const order = cameras.map((c, i) => i).sort((a, b) => angle[a] - angle[b]);
   const usable = order.map((c, rank) => rank).filter((rank) => pictured[order[rank]]);
-  const chosen = Math.min(count, usable.length), listed = Math.min(usable.length, chosen + kStandIns, kMostListed);
+  const asked = Math.min(count, usable.length), most = Math.min(usable.length, 2 * count, kMostListed);
+  const asNear = count > 1 && order.length > 0 ? kAsNear * angle[order[0]] : 0;
+  let chosen = asked;
+  while (chosen < most && angle[order[usable[chosen]]] < asNear) ++chosen;
+  const listed = Math.min(usable.length, chosen + kStandIns, kMostListed);
   const endOfFade = (members) => {
     const rank = members === 0 ? 0 : usable[members - 1] + 1;
     return rank < order.length ? angle[order[rank]] : null;
   };
   const fade = (a, end) => end === null ? 1 : end > 0 ? Math.max(0, 1 - a / end) : 0;
-  const chosenEnd = endOfFade(chosen), listedEnd = endOfFade(listed), choice = [];
+  const listedEnd = endOfFade(listed), choice = [];
+  let chosenEnd = endOfFade(chosen);
+  if (chosen > asked) chosenEnd = Math.min(asNear, chosenEnd ?? asNear);
   for (let i = 0; i < listed; ++i) {
     const index = order[usable[i]];
-    choice.push({ index, fade: i >= chosen ? 0 : fade(angle[index], chosenEnd), standIn: fade(angle[index], listedEnd) });
+    choice.push({ index, fade: i >= chosen ? 0 : fade(angle[index], chosenEnd), standIn: Math.max(kLeastFade, fade(angle[index], listedEnd)) });
   }
   return choice;
 }

@@ -202,17 +202,35 @@ void main() {
   }
   vec3 world = world_at(vec2(at) + 0.5, depth_of(texelFetch(surface_depth, at, 0).r, view_planes));
   vec3 to_view = normalize(eye - world), sum = vec3(0.0);
-  float total = 0.0;
+  // Who counts: see render/gl/shaders/weights.frag, which says the same.
+  float angular[kSlots], soft[kSlots], all_chosen = 1e-30, chosen = 0.0, all_listed = 1e-30, in_list = 0.0, in_picture = 0.0;
+  vec2 pixel[kSlots];
+  bool reached[kSlots];
   for (int i = 0; i < kSlots; ++i) {
     if (i >= listed) break;
     float chord = distance(to_view, normalize(center[i] - world));
-    float angular = 1.0 / max(2.0 * asin(min(0.5 * chord, 1.0)), 2e-5);
-    vec2 pixel;
-    bool reached = tile_pixel(i, (cam_from_world[i] * vec4(world, 1.0)).xyz, pixel);
+    angular[i] = 1.0 / max(2.0 * asin(min(0.5 * chord, 1.0)), 2e-5);
+    reached[i] = tile_pixel(i, (cam_from_world[i] * vec4(world, 1.0)).xyz, pixel[i]);
     bool visible = (here >> i & 1u) != 0u;
-    float soft = !visible ? 0.0 : radius < 1 ? 1.0 : min(sqrt(nearest2[i]) / float(radius), 1.0);
-    float w = angular * (soft * (fades[i].x + 1e-3 * fades[i].y) + 1e-6 * (reached ? 1.0 : 1e-3));
-    sum += w * color(i, pixel);
+    soft[i] = !visible ? 0.0 : radius < 1 ? 1.0 : min(sqrt(nearest2[i]) / float(radius), 1.0);
+    vec2 as = angular[i] * fades[i];
+    all_chosen += as.x;
+    chosen += as.x * soft[i];
+    all_listed += as.y;
+    in_list += as.y * soft[i];
+    in_picture += reached[i] ? as.y : 0.0;
+  }
+  float of_chosen = 1.0 / max(chosen, 0.3 * all_chosen), rest = 1.0 - chosen * of_chosen;
+  float of_list = rest / max(in_list, 0.01 * all_listed);
+  rest -= in_list * of_list;
+  float of_picture = rest / max(in_picture, 0.01 * all_listed), of_any = (rest - in_picture * of_picture) / all_listed;
+  float total = 0.0;
+  for (int i = 0; i < kSlots; ++i) {
+    if (i >= listed) break;
+    float seen = soft[i] * (fades[i].x * of_chosen + fades[i].y * of_list);
+    float w = angular[i] * (seen + fades[i].y * (of_any + (reached[i] ? of_picture : 0.0)));
+    if (w < 1e-6) continue;
+    sum += w * color(i, pixel[i]);
     total += w;
   }
   result = vec4(sum / total, 1.0);

@@ -16,7 +16,8 @@ layout(location = 3) uniform bool any;       // nobody said which camera to show
 layout(location = 0) out vec4 color;
 
 const int kInversions = 4;
-const float kFaint = 1.0 / 1024.0, kLeastFade = 1e-4, kUnseen = 1e-4;
+const float kFaint = 1.0 / 1024.0, kLeastFade = 1e-4;
+const float kEnough = 0.3;  // weights.frag has the same
 
 float pull[kMaxListed];   // how much each camera counts: angular weights, visible or not
 float place[kMaxListed];  // how much its idea of a position counts
@@ -96,29 +97,23 @@ void main() {
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   vec4 a0 = texelFetch(angular0, at, 0), a1 = texelFetch(angular1, at, 0);
   int n = view.counts.y;
-  float pull_total = 0.0, visible_total = 0.0, visible[kMaxListed];
+  float pull_total = 0.0;
   for (int i = 0; i < n; ++i) {
     float fade = view.camera_fade[i].x;
     pull[i] = fade < kLeastFade ? 0.0 : abs(i < 4 ? a0[i] : a1[i - 4]) * fade;
-    visible[i] = i < 4 ? w0[i] : w1[i - 4];
     pull_total += pull[i];
-    visible_total += visible[i];
   }
-  for (int i = 0; i < n; ++i) {
-    pull[i] = pull_total > 0.0 ? pull[i] / pull_total : 1.0 / float(n);
-    // Where only stand-ins see the proxy all images hold the same filled colour.
-    visible[i] = visible_total > 1e-3 ? visible[i] / visible_total : 1.0 / float(n);
-  }
+  for (int i = 0; i < n; ++i) pull[i] = pull_total > 0.0 ? pull[i] / pull_total : 1.0 / float(n);
 
   place = pull;
   if (positions == 0) cancel_parallax(vec2(at) + 0.5, here, place);
 
   vec2 x = vec2(at) + 0.5, strongest_warp = vec2(0.0);
   vec3 sum = vec3(0.0), colors[kMaxListed];
-  float used[kMaxListed], total = 0.0, strongest = -1.0;
+  float used[kMaxListed], hidden[kMaxListed], total = 0.0, all_hidden = 0.0, strongest = -1.0;
   for (int i = 0; i < n; ++i) {
-    used[i] = 0.0;
-    if (pull[i] < kFaint && visible[i] < kFaint) continue;
+    used[i] = hidden[i] = 0.0;
+    if (pull[i] < kFaint) continue;
     // I_i's point p lands at p + W_i(p): find the one that lands here.
     vec2 p = x, warp = vec2(0.0);
     for (int k = 0; k < kInversions; ++k) {
@@ -133,13 +128,23 @@ void main() {
     // What matters is whether camera i sees the point whose colour arrives here, not the point that is here.
     vec2 there = p / vec2(textureSize(soft0, 0));
     float seen = i < 4 ? textureLod(soft0, there, 0.0)[i] : textureLod(soft1, there, 0.0)[i - 4];
-    used[i] = pull[i] * seen + kUnseen * visible[i];
-    sum += used[i] * colors[i];
+    used[i] = pull[i] * seen;
+    hidden[i] = pull[i] - used[i];
     total += used[i];
+    all_hidden += hidden[i];
     if (any ? pull[i] > strongest : i == shown.x) {
       strongest = pull[i];
       strongest_warp = warp;
     }
+  }
+  // Where little of what arrives is seen, the images of those that do not see it count, which hold the blend of all
+  // that do.
+  float filled = total < kEnough && all_hidden > 0.0 ? (kEnough - total) / all_hidden : 0.0;
+  total = 0.0;
+  for (int i = 0; i < n; ++i) {
+    used[i] += filled * hidden[i];
+    if (used[i] > 0.0) sum += used[i] * colors[i];
+    total += used[i];
   }
   vec3 mean = sum / total;
   color = vec4(mean, 1.0);
@@ -167,6 +172,7 @@ void main() {
                 : wanted == kField         ? flow_color(field_at(at, shown.x, shown.y))
                                            : vec3(confidence_at(at, shown.x, shown.y));
   } else if (wanted == kMeasured) {
+    float visible[kMaxListed];
     for (int i = 0; i < n; ++i) visible[i] = i < 4 ? w0[i] : w1[i - 4];
     color.rgb = measured(at, here, visible);
   }

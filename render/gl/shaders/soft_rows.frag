@@ -1,12 +1,10 @@
 // First pass of the distance filter (Eq. 11.5): per listed camera the distance along the row to the next pixel of the
-// proxy that it does not see, a byte each; 255 is "none within the radius".
-layout(binding = 1) uniform usampler2D visibility;
+// proxy that it does not see (hidden.frag), a byte each; 255 is "none within the radius".
+layout(binding = 1) uniform usampler2D hidden_pixels;
 layout(location = 0) out uvec2 distances;
 
 uint hidden(ivec2 at) {
-  if (at.x < 0 || at.x >= int(view.window.z)) return 0u;
-  uvec2 v = texelFetch(visibility, at, 0).xy;
-  return v.y == 0u ? 0u : ~v.x;
+  return at.x < 0 || at.x >= int(view.window.z) ? 0u : texelFetch(hidden_pixels, at, 0).x;
 }
 
 void main() {

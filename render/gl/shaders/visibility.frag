@@ -9,7 +9,7 @@ layout(location = 3) out vec2 mattes;    // the mean and the largest of what the
 const float kSmallestAngle = 2e-5;  // rad (its inverse fits a half float); a camera nearer than this to the viewing ray has all the weight
 const float kGrazing = 0.02;        // cosine below which a camera sees nothing of a surface
 const float kOpaque = 0.5;
-const float kStandIn = 1e-3;  // weights.frag has the same
+const float kStandIn = 1e-3;  // mattes of cameras beyond the chosen ones count so much
 
 // Fraction of the four depth map texels around p that the surface's own plane explains.
 float seen(int index, vec3 p, vec3 n, float tolerance) {

@@ -8,8 +8,13 @@ layout(location = 1) out vec4 weights1;
 layout(location = 2) out vec4 soft0;
 layout(location = 3) out vec4 soft1;
 
-const float kStandIn = 1e-3;   // a camera beyond the chosen ones counts where those see nothing
-const float kBlind = 1e-6;     // a camera that does not see the pixel counts where none does
+// Four kinds of cameras, each let in by degrees as far as those before it hold too small a share of the weight that
+// they would have without visibility: the chosen ones that see the pixel, whoever of the list sees it, whoever has
+// it in the picture, all. So a camera that comes or goes with a faint weight never decides alone, in time or beside
+// an edge of visibility. The twin of render/cpu/weight_kernels.cpp.
+const float kEnough = 0.3, kEnoughOfList = 0.01;  // shares that keep the next kind out
+const float kBlind = 1e-6, kReachesNot = 1e-3;    // one camera a pixel: without sight of it, without it in the picture
+const float kLeast = 1e-30;
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -32,26 +37,37 @@ void main() {
   }
 
   vec4 a0 = texelFetch(angular0_in, at, 0), a1 = texelFetch(angular1_in, at, 0);
-  float weight[kMaxListed], soft[kMaxListed], sum = 0.0, best = -1.0;
+  float angular[kMaxListed], soft[kMaxListed], best = -1.0;
+  float all_chosen = kLeast, chosen = 0.0, all_listed = kLeast, in_list = 0.0, in_picture = 0.0;
   int best_slot = 0;
   for (int slot = 0; slot < kMaxListed; ++slot) {
-    weight[slot] = soft[slot] = 0.0;
+    angular[slot] = soft[slot] = 0.0;
     if (slot >= view.counts.x) continue;
-    float angular = slot < 4 ? a0[slot] : a1[slot - 4];
-    bool visible = (here.x >> slot & 1u) != 0u;
+    angular[slot] = slot < 4 ? a0[slot] : a1[slot - 4];
+    bool visible = (here.x >> slot & 1u) != 0u, reaches = angular[slot] > 0.0;
     soft[slot] = !visible ? 0.0 : radius < 1.0 ? 1.0 : min(sqrt(nearest2[slot]) / radius, 1.0);
-    vec2 fade = view.camera_fade[slot].xy;
-    float reach_factor = angular > 0.0 ? 1.0 : 1e-3;
-    weight[slot] = abs(angular) * (soft[slot] * (fade.x + kStandIn * fade.y) + kBlind * reach_factor);
-    sum += weight[slot];
-    float score = abs(angular) * (visible ? 1.0 : kBlind * reach_factor);
+    vec2 as = abs(angular[slot]) * view.camera_fade[slot].xy;  // one of the chosen, one of the list
+    all_chosen += as.x;
+    chosen += as.x * soft[slot];
+    all_listed += as.y;
+    in_list += as.y * soft[slot];
+    in_picture += reaches ? as.y : 0.0;
+    float score = abs(angular[slot]) * (visible ? 1.0 : reaches ? kBlind : kBlind * kReachesNot);
     if (score > best) {
       best = score;
       best_slot = slot;
     }
   }
+  float of_chosen = 1.0 / max(chosen, kEnough * all_chosen), rest = 1.0 - chosen * of_chosen;
+  float of_list = rest / max(in_list, kEnoughOfList * all_listed);
+  rest -= in_list * of_list;
+  float of_picture = rest / max(in_picture, kEnoughOfList * all_listed);
+  float of_any = (rest - in_picture * of_picture) / all_listed;
   for (int slot = 0; slot < kMaxListed; ++slot) {
-    float w = view.counts.z == 1 ? float(slot == best_slot) : weight[slot] / sum;
+    vec2 fade = slot < view.counts.x ? view.camera_fade[slot].xy : vec2(0.0);
+    float seen = soft[slot] * (fade.x * of_chosen + fade.y * of_list);
+    float unseen = fade.y * (of_any + (angular[slot] > 0.0 ? of_picture : 0.0));
+    float w = view.counts.z == 1 ? float(slot == best_slot) : abs(angular[slot]) * (seen + unseen);
     if (slot < 4) {
       weights0[slot] = w;
       soft0[slot] = soft[slot];

@@ -31,6 +31,24 @@ TEST(EditSession, MakesAClickOfAPressAndAScribbleOfADrag) {
       << "points closer than a pixel say nothing";
 }
 
+TEST(EditSession, NamesStrokesOfTheSubjectAndNothingElse) {
+  EditSession s = session();
+  s.subject = "woman";
+  draw(s, 7, {{80, 60}});
+  draw(s, 7, {{10, 10}}, true);
+  s.tool = EditTool::HoldOut;
+  draw(s, 7, {{50, 50}});
+  s.tool = EditTool::Stroke;
+  s.subject = "";
+  draw(s, 7, {{90, 60}});
+  const std::vector<MatteStroke>& strokes = s.edits().keyframes.at(0).strokes;
+  ASSERT_EQ(strokes.size(), 3u);
+  EXPECT_EQ(strokes[0].subject, "woman");
+  EXPECT_EQ(strokes[1].subject, "") << "background is nobody's";
+  EXPECT_EQ(strokes[2].subject, "");
+  EXPECT_EQ(s.edits().masks.size(), 1u);
+}
+
 TEST(EditSession, KeepsKeyframesInTheOrderOfTheirFrames) {
   EditSession s = session();
   for (int frame : {9, 2, 5}) draw(s, frame, {{50, 50}});

@@ -50,6 +50,37 @@ TEST(PictureFit, TakesTheWindowToThePhotographAndBack) {
   EXPECT_TRUE(fit.holds(300, 10));
 }
 
+TEST(EditorInput, ChoosesWhoseStrokesAreOneLabelAfterTheOther) {
+  EditorState s = state();
+  press_key(s, 'L');
+  EXPECT_EQ(s.session.subject, "");
+  EXPECT_EQ(s.status, "the take has no labels; write the name of one in the panel");
+  s.labels = {"woman", "man"};
+  press_key(s, 'L');
+  EXPECT_EQ(s.session.subject, "woman");
+  EXPECT_EQ(s.status, "strokes are 'woman'");
+  drag(s, 320, 30, 320, 30);
+  EXPECT_EQ(s.session.keyframe(0)->strokes.at(0).subject, "woman");
+  press_key(s, 'L');
+  EXPECT_EQ(s.session.subject, "man");
+  press_key(s, 'L');
+  EXPECT_EQ(s.session.subject, "");
+  EXPECT_EQ(s.status, "strokes are nobody's in particular");
+}
+
+TEST(EditorInput, TakesLabelsThatArePossibleNames) {
+  EditorState s = state();
+  EXPECT_FALSE(choose_label(s, "../x"));
+  EXPECT_EQ(s.status, "'../x' cannot be a label: letters, digits, '-' and '_', at most 64");
+  EXPECT_FALSE(choose_label(s, ""));
+  EXPECT_TRUE(s.labels.empty() && s.session.subject.empty());
+  EXPECT_TRUE(choose_label(s, "woman"));
+  EXPECT_TRUE(choose_label(s, "man"));
+  EXPECT_TRUE(choose_label(s, "woman"));
+  EXPECT_EQ(s.labels, (std::vector<std::string>{"woman", "man"}));
+  EXPECT_EQ(s.session.subject, "woman");
+}
+
 TEST(EditorInput, ClicksSubjectWithTheLeftAndBackgroundWithTheRightButton) {
   EditorState s = state();
   s.time.seek(3);
@@ -141,7 +172,8 @@ TEST(EditorInput, ChoosesViewsToolsAndBrushes) {
   EXPECT_EQ(s.view, MatteView::Difference);
   press_key(s, '9');
   EXPECT_EQ(s.view, MatteView::Difference) << "there is no ninth view";
-  press_key(s, '6');
+  press_key(s, '7');
+  EXPECT_EQ(s.view, MatteView::Labels);
   press_key(s, 'V');
   EXPECT_EQ(s.view, MatteView::Photograph);
   press_key(s, 'G');

@@ -1,13 +1,17 @@
 #include "apps/viewer/mattes/matte_editor_model.h"
 
+#include <algorithm>
 #include <functional>
 
 #include <gmock/gmock.h>
 
+#include "capture/sha256.h"
 #include "core/file.h"
 #include "core/png.h"
+#include "pipeline/label_record.h"
 #include "pipeline/matte/matte_take.h"
 #include "tests/support/child_process.h"
+#include "tests/support/crossing_take.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::apps {
@@ -182,6 +186,70 @@ TEST_F(AMatteEditorModel, KeepsWhatWasSaidOfOtherCameras) {
   settle(*model);
 }
 
+TEST_F(AMatteEditorModel, OffersTheTakesLabelsAndWritesWhoseAStrokeIs) {
+  MatteEdits edits;
+  edits.cameras["cam02"].keyframes.push_back({1, {{MatteLabel::Foreground, 3, {{20, 20}}, "woman"}}});
+  fs::create_directories(TakeLayout(take_).mattes());
+  ASSERT_THAT(save_matte_edits(edits, TakeLayout(take_).edits()), IsOk());
+  pipeline::LabelRecord record;
+  record.labels = {"man"};
+  ASSERT_THAT(pipeline::save_label_record(record, TakeLayout(take_)), IsOk());
+  const auto model = open();
+  EXPECT_EQ(model->state().labels, (std::vector<std::string>{"man", "woman"}));
+  EXPECT_EQ(model->state().session.subject, "");
+  key(*model, 'L');
+  draw(*model, {{80, 60}});
+  const Result<MatteEdits> written = load_matte_edits(TakeLayout(take_).edits());
+  ASSERT_THAT(written, IsOk());
+  EXPECT_EQ(written->cameras.at(kSerial).keyframes.at(0).strokes.at(0).subject, "man");
+  EXPECT_EQ(written->cameras.at("cam02"), edits.cameras.at("cam02"));
+  settle(*model);
+  MatteEditorModelOptions again = options();  // as another camera is opened in the same window
+  again.subject = "child", again.labels = {"man", "child"};
+  const Result<std::unique_ptr<MatteEditorModel>> other = MatteEditorModel::open(again);
+  ASSERT_THAT(other, IsOk());
+  EXPECT_EQ((*other)->state().labels, (std::vector<std::string>{"man", "woman", "child"}));
+  EXPECT_EQ((*other)->state().session.subject, "child");
+}
+
+// Somebody has given the left half of what there is to "left", and the rest to "right".
+TEST_F(AMatteEditorModel, ShowsTheDivisionAmongLabelsAndSaysWhenItIsOlderThanTheMatte) {
+  const TakeLayout layout(take_);
+  const Image all = matte(0);
+  Image left = all, right = all;
+  for (int y = 0; y < all.height; ++y)
+    for (int x = 0; x < all.width; ++x) *(x < all.width / 2 ? right : left).at(x, y) = 0;
+  pipeline::LabelRecord record;
+  record.labels = {"left", "right"};
+  record.sums[kSerial][0] = capture::sha256(*read_file(layout.matte(kSerial, 0)));
+  ASSERT_THAT(pipeline::save_label_record(record, layout), IsOk());
+  for (const auto& [label, image] : {std::pair("left", &left), std::pair("right", &right)}) {
+    ASSERT_THAT(make_folder(layout.label_matte(kSerial, label, 0).parent_path()), IsOk());
+    ASSERT_THAT(save_png(*image, layout.label_matte(kSerial, label, 0)), IsOk());
+  }
+  const auto model = open();
+  settle(*model);
+  model->state().status = "";
+  key(*model, '7');
+  settle(*model);
+  EXPECT_EQ(model->state().status, "");
+  const Image shown = model->picture();
+  for (std::size_t p = 0; p < all.pixels.size(); ++p) {
+    if (all.pixels[p] < 255) continue;
+    const std::uint8_t* rgb = shown.pixels.data() + 3 * p;
+    const auto color = component_color(left.pixels[p] ? 0 : 1);
+    const auto strongest = [](const auto* c) { return std::max_element(c, c + 3) - c; };
+    ASSERT_EQ(strongest(rgb), strongest(color.data())) << p;
+  }
+  key(*model, 'G');
+  draw(*model, {{80, 60}, {90, 60}});
+  settle(*model);
+  EXPECT_THAT(model->state().status, HasSubstr("the labels are older than this matte"));
+  key(*model, kKeyRight);
+  settle(*model);
+  EXPECT_THAT(model->state().status, HasSubstr("no labels of this frame"));
+}
+
 TEST_F(AMatteEditorModel, SaysThatADamagedFileIsNotOverwritten) {
   const auto model = open();
   settle(*model);
@@ -271,6 +339,41 @@ TEST_F(AMatteEditorModel, NamesWhatIsNotThere) {
   EXPECT_THAT(MatteEditorModel::open(o), FailsWith(ErrorCode::InvalidArgument, "frame 99"));
   o.camera.serial = "cam77";
   EXPECT_THAT(MatteEditorModel::open(o), FailsWith(ErrorCode::InvalidArgument, "cam77"));
+}
+
+// Two performers cross; one was marked as background while he stood clear.
+TEST(AMatteEditorModelAtACrossing, SaysWhereAStrokeIsFollowedNoFurtherAndShowsItsReach) {
+  const TempFolder folder;
+  const fs::path take = crossing_take(folder);
+  std::vector<std::string> said;
+  MatteEditorModelOptions options;
+  options.camera = {.take = take,
+                    .serial = "cam00",
+                    .how = "given",
+                    .guide = TakeLayout(take).truth().mattes(),
+                    .threads = 1};
+  options.say = [&](const std::string& line) { said.push_back(line); };
+  const Result<std::unique_ptr<MatteEditorModel>> model = MatteEditorModel::open(options);
+  ASSERT_THAT(model, IsOk());
+  EditorState& state = (*model)->state();
+  state.session.radius = off_the_second().radius;
+  const auto points = off_the_second().points;
+  state.session.press(0, points.front(), true);
+  for (const Eigen::Vector2d& p : points) state.session.drag(p);
+  ASSERT_TRUE(state.session.release());
+  (*model)->apply({.edited = true});
+  do {
+    (*model)->update(0);
+    (*model)->wait();
+  } while ((*model)->busy());
+  (*model)->update(0);
+  ASSERT_FALSE(said.empty());
+  EXPECT_THAT(said.back(), HasSubstr("background is followed no further than frame 1"))
+      << "in the window's line";
+  EXPECT_TRUE(state.guided[0] && state.guided[9]);
+  EXPECT_FALSE(state.guided.back()) << "the reach ends with the carry";
+  ASSERT_FALSE(state.doubts.empty());
+  EXPECT_GE(state.doubts.begin()->first, 10);
 }
 
 }  // namespace

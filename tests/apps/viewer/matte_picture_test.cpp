@@ -75,9 +75,11 @@ TEST(MattePicture, ShowsWhatCameInGreenAndWhatWentInRed) {
 
 TEST(MattePicture, DimsThePhotographWhereThereIsNoMatteYet) {
   MatteViewInput in = stripes();
+  EXPECT_THAT(pixel(matte_picture(MatteView::Labels, in), 3, 3), ElementsAre(66, 33, 16))
+      << "nobody has divided it";
   in.matte = {};
-  for (MatteView view :
-       {MatteView::Checker, MatteView::Color, MatteView::Matte, MatteView::Difference, MatteView::Components})
+  for (MatteView view : {MatteView::Checker, MatteView::Color, MatteView::Matte, MatteView::Difference,
+                         MatteView::Components, MatteView::Labels})
     EXPECT_THAT(pixel(matte_picture(view, in), 3, 3), ElementsAre(66, 33, 16));
   in.matte = Image(4, 4, 1);
   EXPECT_THAT(pixel(matte_picture(MatteView::Matte, in), 3, 3), ElementsAre(66, 33, 16))
@@ -104,8 +106,32 @@ TEST(MattePicture, GivesEveryComponentItsColour) {
   EXPECT_EQ(colors.size(), 16u);
 }
 
+TEST(MattePicture, GivesEveryLabelItsColourWhereItIs) {
+  MatteViewInput in = stripes();
+  in.labels = {Image(32, 16, 1), Image(), Image(32, 16, 1)};
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 32; ++x) {
+      *in.labels[0].at(x, y) = x < 20 ? *in.matte.at(x, y) : 0;
+      *in.labels[2].at(x, y) = x >= 24 ? 255 : 0;
+    }
+  const Image out = matte_picture(MatteView::Labels, in);
+  const double brightness = 0.35 + 0.65 * (200 + 2 * 100 + 50) / 1020.0;
+  const auto mixed = [&](int label, int alpha) {
+    std::vector<int> rgb;
+    for (std::size_t c = 0; c < 3; ++c)
+      rgb.push_back(static_cast<int>(brightness * component_color(label)[c] * alpha / 255 +
+                                     (255 - alpha) / 255.0 * std::vector{200, 100, 50}[c] / 3));
+    return rgb;
+  };
+  EXPECT_EQ(pixel(out, 5, 5), (std::vector{66, 33, 16})) << "surroundings";
+  EXPECT_EQ(pixel(out, 15, 5), mixed(0, 128)) << "half of it shows what is behind";
+  EXPECT_EQ(pixel(out, 28, 5), mixed(2, 255));
+  EXPECT_EQ(pixel(out, 22, 5), std::vector<int>(3, static_cast<int>(brightness * 255))) << "nobody's";
+}
+
 TEST(MattePicture, NamesItsViewsInTheirOrder) {
-  ASSERT_EQ(matte_view_names().size(), 6u);
+  ASSERT_EQ(matte_view_names().size(), 7u);
+  EXPECT_EQ(matte_view_names()[static_cast<std::size_t>(MatteView::Labels)], "labels");
   EXPECT_EQ(matte_view_names()[static_cast<std::size_t>(MatteView::Checker)], "checker");
   EXPECT_EQ(matte_view_names()[static_cast<std::size_t>(MatteView::Components)], "components");
 }

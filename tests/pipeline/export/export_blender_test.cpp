@@ -52,7 +52,7 @@ Drawn draw_in_blender(const fs::path& glb, const RigCamera& camera, const std::v
 struct Likeness {
   double iou, psnr;
 };
-Likeness compare(const Image& drawn, const Instant& instant, std::size_t camera, int right = 0,
+Likeness compare(const Image& drawn, const StraightInstant& instant, std::size_t camera, int right = 0,
                  int down = 0) {
   const Image &photograph = instant.pictures[camera], &matte = instant.mattes[camera];
   long both = 0, either = 0;
@@ -82,9 +82,9 @@ TEST(ExportMeshToBlender, LooksAsTheCameraSawItInEveryFrame) {
   auto take = capture::TakeReader::open(take_folder);
   ASSERT_THAT(take, IsOk());
   SceneLoader loader(**take, true);
-  std::vector<Instant> instants;
+  std::vector<StraightInstant> instants;
   for (int f = 0; f < 3; ++f) {
-    Result<Instant> instant = load_instant(**take, loader, f);
+    Result<StraightInstant> instant = load_straight_instant(**take, loader, f);
     ASSERT_THAT(instant, IsOk());
     instants.push_back(std::move(*instant));
   }

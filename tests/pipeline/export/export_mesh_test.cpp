@@ -79,7 +79,7 @@ TEST(ExportMesh, HasTheColoursOfThePhotographs) {
   auto take = capture::TakeReader::open(folder_of_take);
   ASSERT_THAT(take, IsOk());
   SceneLoader loader(**take, true);
-  const Result<Instant> instant = load_instant(**take, loader, 0);
+  const Result<StraightInstant> instant = load_straight_instant(**take, loader, 0);
   ASSERT_THAT(instant, IsOk());
   const SurfaceSights sights(*instant);
   const std::vector<Rgb> colors = colors_of_vertices(*instant, sights, instant->mesh);

@@ -278,7 +278,7 @@ TEST(ExportWeb, RefusesWhatCannotBeAndLeavesNothingBehind) {
 
 // A sphere-like body before cameras of any size: tiles show the photograph's own pixels and fit the sheet.
 TEST(PhotoSheets, FitTheirSizeByHalvingPhotographs) {
-  Instant instant;
+  StraightInstant instant;
   instant.mesh = {{{-0.5F, 0, -0.5F}, {0.5F, 0, -0.5F}, {0, 0, 0.5F}}, {0, 1, 2}};
   for (int i = 0; i < 3; ++i) {
     CameraModel model{

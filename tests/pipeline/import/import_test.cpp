@@ -292,6 +292,38 @@ TEST_F(Import, MattesOfNoCameraOrOfAnotherSizeAreRefused) {
   expect_refused(ErrorCode::BadData, "the matte is 32x7");
 }
 
+TEST_F(Import, PhotographsOfTheEmptyStageBecomePlates) {
+  opencv_folders({2, 2, 2});
+  fs::create_directories(folder_ / "empty");
+  ASSERT_THAT(save_png(test_picture(0, 100), folder_ / "empty" / "a.png"), IsOk());
+  save_pictures(folder_ / "empty" / "b", 1, 40);
+  options_.plates = folder_ / "empty";
+  const auto take = imported();
+  ASSERT_TRUE(take);
+  EXPECT_EQ(take->frame_count(), 2);
+  EXPECT_EQ(report_->plates, 2);
+  EXPECT_THAT(report_->notes, Contains(AllOf(HasSubstr("'c'"), HasSubstr("no plate"))));
+  EXPECT_TRUE(*load_png(take->layout().plate("a")) == test_picture(0, 100));
+  // Of the forty, every fourth: 16 at most, from the first on.
+  const fs::path several = folder_ / "take" / "plates" / "b";
+  int count = 0;
+  for ([[maybe_unused]] const fs::directory_entry& entry : fs::directory_iterator(several)) ++count;
+  EXPECT_EQ(count, 10);
+  EXPECT_TRUE(*load_png(several / "00.png") == test_picture(1, 0));
+  EXPECT_TRUE(*load_png(several / "09.png") == test_picture(1, 36));
+  EXPECT_FALSE(fs::exists(folder_ / "take" / "plates" / "c.png"));
+}
+
+TEST_F(Import, PlatesOfNoCameraOrOfAnotherSizeAreRefused) {
+  opencv_folders({1, 1});
+  fs::create_directories(folder_ / "empty");
+  options_.plates = folder_ / "empty";
+  expect_refused(ErrorCode::NotFound, "no plate for any camera");
+  ASSERT_THAT(save_png(test_picture(0, 0, 16, 24), folder_ / "empty" / "a.png"), IsOk());
+  expect_refused(ErrorCode::BadData, "camera 'a': ");
+  expect_refused(ErrorCode::BadData, "the plate is 16x24, but the pictures of camera 'a' are 32x24");
+}
+
 TEST_F(Import, NeverOverwrites) {
   middlebury_stills(1);
   fs::create_directories(folder_ / "take");

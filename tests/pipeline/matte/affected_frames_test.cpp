@@ -55,6 +55,18 @@ TEST(FramesBetweenKeyframes, CountAMaskWhereItHoldsOnly) {
               ElementsAre(10, 11));
 }
 
+TEST(FramesThatEditsConcern, AreNoneWhereOnlyWhoseAStrokeIsHasChanged) {
+  const CameraEdits before{{key(1), key(9)}, {}};
+  CameraEdits after = before;
+  after.keyframes[0].strokes[0].subject = "woman";
+  EXPECT_TRUE(same_strokes(before, after));
+  EXPECT_EQ(seed_of(before), seed_of(after));
+  EXPECT_THAT(listed(edited_frames(before, after, kFrames)), IsEmpty());
+  for (const char* method : {"key", "closed-form", "spectral", "consistent"})
+    for (const char* made_from : {"chroma", "cut"})
+      EXPECT_THAT(listed(frames_made_otherwise(method, made_from, before, after, kFrames)), IsEmpty());
+}
+
 TEST(FramesChosenOtherwise, AreThoseWithOtherStrokesOrMasks) {
   const CameraEdits before{{key(1), key(9)}, {}};
   EXPECT_THAT(listed(frames_chosen_otherwise(before, {{key(1), key(4), key(9)}, {mask(7, 7)}}, kFrames)),

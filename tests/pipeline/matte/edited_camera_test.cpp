@@ -359,6 +359,26 @@ TEST_F(Editing, GoesOnWithMattesThatAreConsistentAcrossCameras) {
   EXPECT_THAT(edit(*camera, {}), IsOkAnd(ElementsAre(2))) << "taken back in its frame alone";
 }
 
+TEST_P(EditingBy, MakesNoMatteAgainWhenAStrokeIsNamed) {
+  const EditedCameraOptions o = options(GetParam(), GetParam() == "closed-form");
+  const auto camera = open(o);
+  ASSERT_THAT(edit(*camera, {}), IsOk());
+  CameraEdits edits{{{2, {on_dancer()}}}, {}};
+  ASSERT_THAT(edit(*camera, edits), IsOk());
+  const std::vector<Image> before = mattes_of(take_);
+  edits.keyframes[0].strokes[0].subject = "dancer";
+  EXPECT_THAT(edit(*camera, edits), IsOkAnd(IsEmpty()));
+  continue_with_the_verb(o);
+  EXPECT_EQ(mattes_of(take_), before);
+  EXPECT_THAT(*read_file(TakeLayout(take_).made_mattes()), testing::Not(HasSubstr("subject")));
+  const auto again = open(o);
+  EXPECT_EQ(again->edits(), edits) << "the editor keeps the name";
+  EXPECT_EQ(again->stale(edits), std::vector<bool>(kFrames, false));
+  edits.keyframes[0].strokes.push_back(edits.keyframes[0].strokes[0]);
+  ASSERT_THAT(edit(*camera, edits), IsOk());
+  EXPECT_THAT(camera->idle(), IsEmpty()) << "it marks what is subject already, but says who it is";
+}
+
 TEST_P(EditingBy, KeepsTheMattesAndSaysSoWhenAStrokeChangesNothing) {
   const auto camera = open(options(GetParam(), GetParam() == "closed-form"));
   ASSERT_THAT(edit(*camera, {}), IsOk());

@@ -5,6 +5,7 @@
 
 #include "core/file.h"
 #include "core/matte_edits.h"
+#include "core/random.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/metrics/matte_metrics.h"
 #include "tests/matting/small_scenes.h"
@@ -228,6 +229,42 @@ TEST_F(Trust, WhereThePlaceIsNeverSeenWithoutTheSubjectItsMattesAreSaidToBeUnkno
   MatteTakeOptions other = options_for(take, "plate");
   other.frames = {2};
   EXPECT_EQ(matte_take(other)->doubts.at(0).frames, 1) << "of the frames asked for";
+}
+
+TEST_F(Trust, APlateThatHoldsWhoeverStoodStillIsNamed) {
+  MatteClip clip = still(4);
+  Random random(5);
+  for (Image& frame : clip.frames) {  // she stands still
+    frame = clip.frames.front();
+    for (std::uint8_t& v : frame.pixels)
+      v = static_cast<std::uint8_t>(std::clamp(v + std::lround(random.normal()), 0L, 255L));
+  }
+  const Result<MatteReport> report = matte_take(options_for(clip_take(folder_, clip), "plate"));
+  ASSERT_THAT(report, IsOk());
+  ASSERT_EQ(report->doubts.size(), 1u);
+  EXPECT_THAT(report->doubts[0].why, testing::HasSubstr("who hardly moves is in it"));
+  EXPECT_EQ(report->doubts[0].frames, 4);
+  EXPECT_TRUE(fs::exists(report->doubts[0].picture));
+}
+
+// A flash in frame 2: most of the backdrop is subject, without touching the picture's border.
+TEST_F(Trust, SubjectsThatComeOrGoAtOnceAreNamedWithTheirFrame) {
+  MatteClip clip = still(5);
+  const Image plate = clip.plate;
+  for (int y = 20; y < 160; ++y) std::fill_n(clip.frames[2].at(20, y), 3 * 230, std::uint8_t{255});
+  const fs::path take = clip_take(folder_, clip);
+  ASSERT_THAT(make_folder(TakeLayout(take).plate("cam0").parent_path()), IsOk());
+  ASSERT_THAT(save_png(plate, TakeLayout(take).plate("cam0")), IsOk());
+  const Result<MatteReport> report = matte_take(options_for(take, "plate"));
+  ASSERT_THAT(report, IsOk());
+  ASSERT_EQ(report->doubts.size(), 2u);
+  for (const MatteDoubt& doubt : report->doubts) {
+    const bool comes = doubt.why.find("more than half of the subject comes") != std::string::npos;
+    EXPECT_TRUE(comes || doubt.why.find("more than half of the subject goes") != std::string::npos)
+        << doubt.why;
+    EXPECT_EQ(doubt.worst, comes ? 2 : 3);
+    EXPECT_EQ(doubt.frames, 1);
+  }
 }
 
 TEST_F(Trust, IsThereWhereMattesAreRight) {

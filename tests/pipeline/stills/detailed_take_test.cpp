@@ -174,7 +174,7 @@ TEST_F(DetailedTake, IsTheSameInstantWithLargerPhotographsWhereStillsGaveSomethi
              after = std::move(*capture::TakeReader::open(out));
   ASSERT_EQ(after->frame_count(), 1);
   SceneLoader loader(*before, true);
-  const Result<Instant> instant = load_instant(*before, loader, 0);
+  const Result<StraightInstant> instant = load_straight_instant(*before, loader, 0);
   ASSERT_THAT(instant, IsOk());
   int larger = 0;
   for (std::size_t c = 0; c < report->cameras.size(); ++c) {

@@ -33,11 +33,13 @@ class AReconstruction : public testing::Test {
   Result<StudioScene> made() {
     std::vector<std::shared_ptr<const CameraView>> shared;
     for (const CameraView& view : views_) shared.push_back(std::make_shared<const CameraView>(view));
-    return reconstruction_.make(shared, 1);
+    if (Result<void> ok = reconstruction_.make(shared, 1, scene_); !ok) return forward(ok);
+    return scene_;
   }
 
   SyntheticShots shots_{6};
   std::vector<CameraView> views_;
+  StudioScene scene_;  // made again and again
   Reconstruction reconstruction_{shots_.rig, "abc"};
 };
 
@@ -78,6 +80,7 @@ TEST_F(AReconstruction, TakesViewsInAnyOrderAndLeavesStrangersOut) {
 }
 
 TEST_F(AReconstruction, OfAnEmptyStageHasNoSurfaceAndSaysWhy) {
+  EXPECT_FALSE(made()->mesh.empty()) << "and what was there before does not matter";
   for (CameraView& view : views_) {
     view.outline.clear();
     view.outline.beyond_counts = true;

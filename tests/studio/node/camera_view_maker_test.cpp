@@ -21,9 +21,10 @@ class ACameraViewMaker : public testing::Test {
   }
   CameraView look(CameraViewMaker& at, const Frame& frame, bool textured = false,
                   const NodeQuality& quality = {}) {
-    Result<CameraView> view = at.look(frame, kInstant, kProduced, textured, quality);
+    const Result<std::shared_ptr<const CameraView>> view =
+        at.look(frame, kInstant, kProduced, textured, quality);
     EXPECT_THAT(view, IsOk());
-    return view ? std::move(*view) : CameraView{};
+    return view ? **view : CameraView{};
   }
 
   SyntheticShots shots_;
@@ -131,12 +132,29 @@ TEST_F(ACameraViewMaker, KnowsNothingOfAnInstantThatItMissed) {
   Frame corrupt = shot_.frame;
   corrupt.info.status = FrameStatus::Corrupt;
   for (const Frame& frame : {Frame{}, corrupt}) {
+    look(at, shot_.frame, true);  // whose memory is used again
     const CameraView view = look(at, frame, true);
     EXPECT_FALSE(view.known) << "it must not carve";
     EXPECT_TRUE(view.outline.empty());
     EXPECT_EQ(view.tile, nullptr);
     EXPECT_EQ(view.epoch, kInstant.epoch) << "but it says which instant that was";
   }
+}
+
+TEST_F(ACameraViewMaker, LeavesAViewAloneAsLongAsSomebodyHasIt) {
+  CameraViewMaker at = node();
+  const auto looked = [&](int frame) {
+    return std::move(*at.look(shots_.studio.shoot(0, frame).frame, kInstant, kProduced, true, {}));
+  };
+  const std::shared_ptr<const CameraView> held = looked(0);
+  const CameraView copy = *held;
+  const ForegroundTile tile = *copy.tile;
+  const CameraView* dropped = looked(12).get();
+  EXPECT_EQ(looked(24).get(), dropped) << "what nobody has is used again";
+  EXPECT_EQ(held->outline.points, copy.outline.points);
+  EXPECT_EQ(held->tile, copy.tile);
+  EXPECT_EQ(held->tile->picture, tile.picture);
+  EXPECT_EQ(held->tile->matte, tile.matte);
 }
 
 TEST_F(ACameraViewMaker, SeesThatNobodyIsThere) {
@@ -148,13 +166,18 @@ TEST_F(ACameraViewMaker, SeesThatNobodyIsThere) {
 }
 
 TEST_F(ACameraViewMaker, GivesTheSameViewFromTheSameFrame) {
-  CameraViewMaker one = node(), other = node();
-  look(one, shots_.studio.shoot(0, 9).frame, true,
-       {.shrink = 4, .tolerance = 1});  // what it saw before does not matter
-  const CameraView a = look(one, shot_.frame, true), b = look(other, shot_.frame, true);
-  EXPECT_EQ(a.outline.points, b.outline.points);
-  EXPECT_EQ(a.tile->picture, b.tile->picture);
-  EXPECT_EQ(a.tile->matte, b.tile->matte);
+  CameraViewMaker used = node();
+  for (const int shrink : {1, 2, 3}) {
+    const NodeQuality quality{.shrink = shrink, .tolerance = 1};
+    CameraViewMaker fresh = node();
+    for (const int frame : {9, 30})
+      for (const int before : {4, shrink})  // what it saw before does not matter
+        look(used, shots_.studio.shoot(0, frame).frame, true, {.shrink = before, .tolerance = 1});
+    const CameraView a = look(used, shot_.frame, true, quality), b = look(fresh, shot_.frame, true, quality);
+    EXPECT_EQ(a.outline.points, b.outline.points) << "keyed at 1/" << shrink;
+    EXPECT_EQ(a.tile->picture, b.tile->picture);
+    EXPECT_EQ(a.tile->matte, b.tile->matte) << "keyed at 1/" << shrink;
+  }
 }
 
 TEST_F(ACameraViewMaker, SeesTheSameWhetherItWasPreparedOrNot) {

@@ -13,6 +13,12 @@ Matte small_matte(int width, int height, const std::vector<PixelBox>& subject) {
   return make_matte({}, alpha);
 }
 
+Image enlarged(const Matte& small, int factor, const PixelBox& box) {
+  Image large;
+  MatteEnlarger().enlarge(small, factor, box, large);
+  return large;
+}
+
 bool contains(const PixelBox& box, int x, int y) {
   return x >= box.x && y >= box.y && x < box.x + box.width && y < box.y + box.height;
 }
@@ -59,6 +65,17 @@ TEST(Enlarged, KeepsEdgesWhereTheyAre) {
 TEST(Enlarged, HoldsTheBorderBeyondTheLastPixel) {
   const Image large = enlarged(small_matte(4, 4, {{0, 0, 4, 4}}), 4, {0, 0, 15, 15});
   for (std::uint8_t v : large.pixels) EXPECT_EQ(v, 255);
+}
+
+TEST(Enlarged, DoesNotHangOnWhatWasEnlargedBefore) {
+  const Matte matte = small_matte(20, 10, {{5, 2, 9, 6}}), other = small_matte(31, 17, {{0, 0, 31, 17}});
+  MatteEnlarger used;
+  Image out;
+  used.enlarge(other, 4, {0, 0, 124, 68}, out);
+  for (const PixelBox& box : {PixelBox{4, 2, 30, 15}, PixelBox{0, 0, 40, 20}}) {
+    used.enlarge(matte, 2, box, out);
+    EXPECT_EQ(out, enlarged(matte, 2, box));
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "pipeline/process/hull_inside_bars.h"
+#include "pipeline/hull_inside_bars.h"
 
 #include <algorithm>
 #include <memory>
