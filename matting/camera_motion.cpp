@@ -17,6 +17,7 @@
 
 #include "core/check.h"
 #include "core/statistics.h"
+#include "matting/image_mat.h"
 
 namespace floatstage::matting {
 namespace {
@@ -76,7 +77,6 @@ CameraStillness stillness_between(const Image& a, const Image& b) {
                    "stillness");
   CameraStillness out;
   if (std::min(a.width, a.height) < 32) return out;
-  cv::setNumThreads(1);
   const cv::Mat first = working(a), second = working(b);
   const std::vector<std::vector<cv::Point2f>> cells = corners_of(first);
   std::vector<cv::Point2f> from, to, back;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
@@ -15,6 +16,11 @@
 
 namespace floatstage::render {
 namespace {
+
+// Before main(), because OpenCV takes its threads apart while others work in them (docs/adr/0339). DIS cuts
+// its search into one stripe a thread and propagates only inside a stripe: with OpenCV's own threads the
+// result would depend on the machine. We run whole fields in parallel instead.
+[[maybe_unused]] const bool kOpenCvOnOneThread = (cv::setNumThreads(1), true);
 
 constexpr int kSmallestSide = 64;  // px: DIS builds a pyramid over 8 px patches; smaller pictures are padded
 constexpr int kMostScales = 6;
@@ -136,9 +142,6 @@ Result<std::unique_ptr<FlowEstimator>> make_dis_flow(const FlowOptions& options)
     return fail(ErrorCode::InvalidArgument,
                 text("DIS finest scale ", options.finest_scale, ", iterations ", options.iterations,
                      " or refinement ", options.refinement, " out of range (0…", kMostScales, ", 0…, 0…)"));
-  // DIS cuts its search into one stripe a thread and propagates only inside a stripe: with OpenCV's own
-  // threads the result would depend on the machine. We run whole fields in parallel instead.
-  cv::setNumThreads(1);
   return std::unique_ptr<FlowEstimator>(std::make_unique<DisFlow>(options, preset));
 }
 

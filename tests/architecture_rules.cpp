@@ -78,42 +78,24 @@ std::string folder_of(std::string_view path) { return std::string(path.substr(0,
 
 // The rank of each folder inside the floors: it may include those of a lower rank, and no other of its own.
 const std::map<std::string, int>& ranks() {
-  static const std::map<std::string, int> table = {{"pipeline/metrics", 0},
-                                                   {"pipeline", 1},
-                                                   {"pipeline/import", 2},
-                                                   {"pipeline/derive", 2},
-                                                   {"pipeline/export", 2},
-                                                   {"pipeline/silhouettes", 2},
-                                                   {"pipeline/matte", 3},
-                                                   {"pipeline/stills", 3},
-                                                   {"pipeline/process", 4},
-                                                   {"pipeline/calibrate", 4},
-                                                   {"pipeline/evaluate", 4},
-                                                   {"pipeline/demo", 5},
-                                                   {"pipeline/plan", 5},
-                                                   {"pipeline/reproduce", 5},
-                                                   {"studio/messages", 0},
-                                                   {"studio/network", 1},
-                                                   {"studio/page", 1},
-                                                   {"studio/node", 2},
-                                                   {"studio/live", 3},
-                                                   {"apps/check", 0},
-                                                   {"apps/terminal", 0},
-                                                   {"apps/viewer/window", 0},
-                                                   {"apps/viewer/mattes", 1},
-                                                   {"apps/viewer/play", 2},
-                                                   {"apps/viewer/live", 3},
-                                                   {"apps/viewer/calibration", 3},
-                                                   {"apps/viewer/detail", 3},
-                                                   {"apps/calibrate", 4},
-                                                   {"apps/detail", 4},
-                                                   {"apps/evaluate", 4},
-                                                   {"apps/export", 4},
-                                                   {"apps/live", 4},
-                                                   {"apps/plan", 4},
-                                                   {"apps/take", 4},
-                                                   {"apps/matte", 5},
-                                                   {"apps", 6},
+  static const std::map<std::string, int> table = {{"pipeline/metrics", 0},   {"pipeline", 1},
+                                                   {"pipeline/import", 2},    {"pipeline/derive", 2},
+                                                   {"pipeline/export", 2},    {"pipeline/silhouettes", 2},
+                                                   {"pipeline/matte", 3},     {"pipeline/stills", 3},
+                                                   {"pipeline/process", 4},   {"pipeline/calibrate", 4},
+                                                   {"pipeline/evaluate", 4},  {"pipeline/demo", 5},
+                                                   {"pipeline/plan", 5},      {"pipeline/reproduce", 5},
+                                                   {"studio/messages", 0},    {"studio/network", 1},
+                                                   {"studio/page", 1},        {"studio/node", 2},
+                                                   {"studio/live", 3},        {"apps/check", 0},
+                                                   {"apps/terminal", 0},      {"apps/viewer/window", 0},
+                                                   {"apps/viewer/mattes", 1}, {"apps/viewer/play", 2},
+                                                   {"apps/viewer/live", 3},   {"apps/viewer/calibration", 3},
+                                                   {"apps/viewer/detail", 3}, {"apps/calibrate", 4},
+                                                   {"apps/detail", 4},        {"apps/evaluate", 4},
+                                                   {"apps/export", 4},        {"apps/live", 4},
+                                                   {"apps/plan", 4},          {"apps/take", 4},
+                                                   {"apps/matte", 5},         {"apps", 6},
                                                    {"apps/manual", 7}};
   return table;
 }
@@ -327,6 +309,23 @@ std::vector<std::string> breaches_of_width(const std::vector<SourceFile>& files)
       const auto columns = std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; });
       if (!raw && columns > kMostColumns)
         breaches.push_back(text(file.path, ":", number, ": ", columns, " columns; at most ", kMostColumns));
+    }
+  }
+  return breaches;
+}
+
+std::vector<std::string> breaches_of_opencv_threads(const std::vector<SourceFile>& files) {
+  static const std::regex constant(R"(^(inline|\[\[maybe_unused\]\]) const bool \w+ = )");
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    if (!is_cpp(file.path) || file.path.starts_with("tests/")) continue;
+    std::istringstream lines(file.text);
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+      ++number;
+      if (line.find("setNumThreads") != line.npos && !std::regex_search(line, constant))
+        breaches.push_back(
+            text(file.path, ":", number, ": sets OpenCV's threads while others may work in them"));
     }
   }
   return breaches;

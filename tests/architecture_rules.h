@@ -64,4 +64,8 @@ std::vector<std::string> breaches_of_length(const std::vector<SourceFile>& files
 /// No line of C++ is wider than 110 characters, raw strings aside (.clang-format sees to the rest).
 std::vector<std::string> breaches_of_width(const std::vector<SourceFile>& files);
 
+/// No function sets OpenCV's number of threads, which is the whole process's: other threads work in them. A
+/// constant that is made before main() may (docs/adr/0339).
+std::vector<std::string> breaches_of_opencv_threads(const std::vector<SourceFile>& files);
+
 }  // namespace floatstage::architecture

@@ -96,6 +96,10 @@ std::vector<std::string> layering(const char* path, const char* text) {
 
 TEST(Architecture, KeepsLinesNarrow) { EXPECT_THAT(breaches_of_width(Project().files), IsEmpty()); }
 
+TEST(Architecture, SetsOpenCvsThreadsBeforeMain) {
+  EXPECT_THAT(breaches_of_opencv_threads(Project().files), IsEmpty());
+}
+
 TEST(IncludesOf, FindsBothKindsAndSkipsComments) {
   const std::vector<Include> found = includes_of(
       "// #include \"a.h\"\n/* x\n#include <b>\n*/\n#include \"c/d.h\"  // why\n  #  include <Eigen/Core>\n");
@@ -257,6 +261,15 @@ TEST(Width, CountsCharactersAndLeavesRawStringsAlone) {
   const std::string open = "R\"js(", close = ")js\";";  // in two pieces: this file is looked at as well
   EXPECT_THAT(breaches_of_width({{"a.cpp", open + wide + "\n" + wide + close + "\n" + wide}}),
               ElementsAre(HasSubstr("a.cpp:3")));
+}
+
+TEST(OpenCvThreads, MayBeSetByAConstantAlone) {
+  EXPECT_THAT(
+      breaches_of_opencv_threads({{"render/a.cpp", "inline const bool k = (cv::setNumThreads(1), true);\n"},
+                                  {"tests/bench/b.cpp", "  cv::setNumThreads(2);\n"}}),
+      IsEmpty());
+  EXPECT_THAT(breaches_of_opencv_threads({{"render/a.cpp", "void f() {\n  cv::setNumThreads(1);\n}\n"}}),
+              ElementsAre(HasSubstr("render/a.cpp:2")));
 }
 
 }  // namespace

@@ -47,9 +47,6 @@ FrameFlow flow_between(const Image& from, const Image& to) {
   FrameFlow flow{to.width, to.height, std::vector<float>(2 * static_cast<std::size_t>(to.width) * to.height)};
   if (std::min(to.width, to.height) < kSmallestForDis) return flow;
   const cv::Mat a = grey(to), b = grey(from);
-  // DIS cuts its search into one stripe a thread: with OpenCV's own threads the result depends on the
-  // machine.
-  cv::setNumThreads(1);
   const auto dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST);
   dis->setFinestScale(1);
   cv::Mat uv;
