@@ -48,7 +48,7 @@ Image said_of(const CameraEdits& edits, int frame, const CameraModel& model) {
 class Maker {
  public:
   Maker(capture::TakeReader& take, const MatteEdits& edits, const ConsistentTakeOptions& options,
-        ConsistentMatting matting, MatteStore& store)
+        ConsistentMatting matting, MatteStore* store)
       : take_(take), edits_(edits), options_(options), matting_(std::move(matting)), store_(store) {
     report_.cameras.resize(options.cameras.size());
   }
@@ -104,12 +104,17 @@ class Maker {
         ++c.gaps;
         continue;
       }
-      const Result<bool> ok = store_.put(take_.rig().cameras[camera].serial, frame, made->mattes[camera]);
+      const Result<bool> ok = store_->put(take_.rig().cameras[camera].serial, frame, made->mattes[camera]);
       if (!ok) return forward(ok);
       add(made->views[camera], c);
       doubt(*made, frame, static_cast<int>(camera));
     }
     return {};
+  }
+
+  Result<ConsistentMattes> instant(int frame) {
+    if (Result<void> ok = look_at_plates(); !ok) return forward(ok);
+    return mattes_of(frame);
   }
 
   ConsistentTakeReport finish() {
@@ -199,7 +204,9 @@ class Maker {
   void doubt(const ConsistentMattes& made, int frame, int camera) {
     for (const auto& [why, cameras] : made.wrong)
       if (cameras.empty() || std::find(cameras.begin(), cameras.end(), camera) != cameras.end())
-        store_.camera(take_.rig().cameras[static_cast<std::size_t>(camera)].serial).doubts[why].insert(frame);
+        store_->camera(take_.rig().cameras[static_cast<std::size_t>(camera)].serial)
+            .doubts[why]
+            .insert(frame);
   }
 
   static void add(const ConsistentView& view, ConsistentTakeReport::Camera& c) {
@@ -243,7 +250,7 @@ class Maker {
   const MatteEdits& edits_;
   const ConsistentTakeOptions& options_;
   ConsistentMatting matting_;
-  MatteStore& store_;
+  MatteStore* store_;  // none: of one instant() nothing is written
   ConsistentTakeReport report_;
   bool warm_ = false;
   std::vector<bool> shot_;                // [camera]: its empty stage is known
@@ -256,7 +263,7 @@ Result<ConsistentTakeReport> consistent_take(capture::TakeReader& take, const Ma
                                              const ConsistentTakeOptions& options, MatteStore& store) {
   Result<ConsistentMatting> matting = ConsistentMatting::create(take.rig(), options.matting);
   if (!matting) return forward(matting);
-  Maker maker(take, edits, options, std::move(*matting), store);
+  Maker maker(take, edits, options, std::move(*matting), &store);
   if (Result<void> ok = maker.prepare(); !ok) return forward(ok);
   ProgressPart progress(options.progress, "mattes", static_cast<std::size_t>(take.frame_count()));
   for (int frame = 0; frame < take.frame_count(); ++frame) {
@@ -265,6 +272,15 @@ Result<ConsistentTakeReport> consistent_take(capture::TakeReader& take, const Ma
     progress.advance();
   }
   return maker.finish();
+}
+
+Result<ConsistentMattes> consistent_instant(capture::TakeReader& take, int frame, int threads,
+                                            Progress* progress) {
+  const ConsistentTakeOptions options{.matting = {.threads = threads}, .progress = progress};
+  Result<ConsistentMatting> matting = ConsistentMatting::create(take.rig(), options.matting);
+  if (!matting) return forward(matting);
+  const MatteEdits none;
+  return Maker(take, none, options, std::move(*matting), nullptr).instant(frame);
 }
 
 }  // namespace floatstage::pipeline

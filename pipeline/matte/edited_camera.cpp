@@ -154,8 +154,8 @@ std::vector<bool> EditedCamera::guided() const {
 
 Result<void> EditedCamera::make_key(const CameraEdits& edits, const RemakeWatch& watch) {
   CameraRecord& mine = record();
-  if (how_ == "consistent") {
-    mine.method = mine.key = how_;
+  if (how_ == "consistent" || mine.method == "consistent") {
+    mine.method = mine.key = "consistent";
     return {};
   }
   if (key_ && key_->uses_strokes() && seed_of(key_edits_) != seed_of(edits))

@@ -11,8 +11,8 @@ const std::vector<MatteMethod>& matte_methods() {
   static const std::vector<MatteMethod> methods = [] {
     std::vector<MatteMethod> all = {
         {"auto",
-         "what explains a few photographs best: the key alone or closed form around it; spectral without a "
-         "key"}};
+         "what explains a few photographs best: the key alone or closed form around it; what all cameras "
+         "say where keys do not hold, else spectral without a key"}};
     for (const matting::KeyerInfo& k : matting::keyers()) all.push_back({k.name, k.help, true});
     all.push_back({"closed-form", "closed-form matting in the band around the key"});
     all.push_back(

@@ -86,11 +86,12 @@ Result<std::vector<bool>> outdated(const capture::TakeReader& take, const Camera
                 text((take.layout().mattes() / job.serial).string(), " was made by --matte ", before.how,
                      before.guide.empty() ? "" : text(" with the guide ", before.guide), ", not by ", job.how,
                      "; add --redo to make it again"));
-  std::vector<bool> frames(count, redo || !same_way || before.inputs != *inputs);
-  job.explained =
-      redo || !same_way || before.inputs != *inputs || before.edits != without_subjects(job.edits);
-  job.strokes_only = !redo && same_way && before.inputs == *inputs && before.stale.empty() &&
-                     before.edits.masks == job.edits.masks;
+  const bool anew = redo || !same_way || before.inputs != *inputs;
+  job.settled = !anew && !before.method.empty();
+  job.together = job.together || (!anew && before.method == "consistent");
+  std::vector<bool> frames(count, anew);
+  job.explained = anew || before.edits != without_subjects(job.edits);
+  job.strokes_only = !anew && before.stale.empty() && before.edits.masks == job.edits.masks;
   std::vector<bool> edited =
       frames_made_otherwise(before.method, before.key, before.edits, job.edits, static_cast<int>(count));
   if (before.method != "spectral" && before.method != "consistent")
@@ -104,6 +105,7 @@ Result<void> settle(const capture::TakeReader& take, const MatteStore& store, co
                     MatteJob& job) {
   if (Result<void> ok = look_at_files(store, job); !ok) return ok;
   const std::size_t count = job.wanted.size();
+  job.together = job.how == "consistent";
   std::vector<bool> old(count);
   if (const CameraRecord* before = store.find(job.serial)) {
     Result<std::vector<bool>> frames = outdated(take, *before, job, options.redo);
@@ -201,7 +203,7 @@ Result<std::vector<MatteJob>> matte_jobs(const capture::TakeReader& take, const 
     job.guide = !options.guide.empty()   ? fs::absolute(options.guide).lexically_normal().string()
                 : !options.how && before ? before->guide
                                          : "";
-    if (job.consistent() && !job.guide.empty())
+    if (job.how == "consistent" && !job.guide.empty())
       return fail(ErrorCode::InvalidArgument, "--matte consistent takes no --guide");
     if (const auto mine = edits.cameras.find(job.serial); mine != edits.cameras.end())
       job.edits = mine->second;
@@ -226,10 +228,7 @@ Result<void> prepare(capture::TakeReader& take, const MatteTakeOptions& options,
   record.how = job.how;
   record.guide = job.guide;
   record.inputs = std::move(*inputs);
-  if (job.consistent()) {
-    record.method = record.key = "consistent";
-    return {};
-  }
+  if (job.together) return make_together(record, job), Result<void>();
   Result<CameraKey> key = CameraKey::for_how(take, job.camera, job.how, job.guide, job.edits,
                                              [&] { return !is_cancelled(options.progress); });
   if (!key) return forward(key);
@@ -249,6 +248,11 @@ Result<void> prepare(capture::TakeReader& take, const MatteTakeOptions& options,
     if (Result<void> ok = key->ready(); !ok) return ok;
   record.key = key->spec();
   job.matting.emplace(take, job.camera, std::move(*key), job.edits, job.how);
+  return {};
+}
+
+Result<void> choose_method(CameraRecord& record, MatteJob& job) {
+  if (!job.matting) return {};
   if (record.method.empty()) {
     Result<std::string> chosen = job.matting->chosen_method();
     if (!chosen) return forward(chosen);
@@ -256,6 +260,12 @@ Result<void> prepare(capture::TakeReader& take, const MatteTakeOptions& options,
   }
   job.matting->set_method(record.method);
   return {};
+}
+
+void make_together(CameraRecord& record, MatteJob& job) {
+  record.method = record.key = "consistent";
+  job.matting.reset();
+  job.together = true;
 }
 
 void begin(const MatteJob& job, CameraRecord& record) {

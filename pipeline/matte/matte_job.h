@@ -27,15 +27,18 @@ struct MatteJob {
   std::vector<bool> todo;                ///< wanted frames whose matte is to be made
   std::set<int> stale;                   ///< frames of ours that are old and not this run's to make
   bool strokes_only = false;             ///< nothing but strokes is another than what they were made from
+  bool settled = false;                  ///< the method that the record says stands
   bool explained = false;                ///< other mattes than before are what was asked for
+  bool together = false;                 ///< made by what all cameras say at once: ConsistentMatting
   std::optional<CameraMatting> matting;  ///< absent: nothing to make, or by the cameras together
   CameraMattes report;
   std::map<int, MatteShape> shapes;           ///< of the mattes that were made
   std::vector<CameraMatting::Link> guidance;  ///< without pictures: of those mattes that strokes made others
   std::vector<std::pair<int, std::string>> failures;
 
-  bool consistent() const { return how == "consistent"; }
   bool nothing_to_do() const;
+  /// Whether `auto` still has to find out how.
+  bool undecided() const { return how == "auto" && !settled && !nothing_to_do(); }
   /// First and last frame to be made; there is one.
   std::pair<int, int> reach() const;
 };
@@ -51,10 +54,16 @@ Result<std::string> usual_way(const capture::TakeReader& take, const MatteStore&
 Result<std::vector<MatteJob>> matte_jobs(const capture::TakeReader& take, const MatteStore& store,
                                          const MatteEdits& edits, const MatteTakeOptions& options);
 
-/// Makes the key of a job that has something to do, settles its method, and writes both into `record`, the
-/// camera's part of the store's record. More may be to do then: all of ours, when the key is another one.
+/// Makes the key of a job that has something to do and writes it into `record`, the camera's part of the
+/// store's record. More may be to do then: all of ours, when the key is another one.
 Result<void> prepare(capture::TakeReader& take, const MatteTakeOptions& options, CameraRecord& record,
                      MatteJob& job);
+
+/// Settles the method of a job that has been prepared, where the record has none.
+Result<void> choose_method(CameraRecord& record, MatteJob& job);
+
+/// From now on the job's camera is made together with all others.
+void make_together(CameraRecord& record, MatteJob& job);
 
 /// What the record says from now on: this job's way and edits, and of ours what is still to be made.
 void begin(const MatteJob& job, CameraRecord& record);

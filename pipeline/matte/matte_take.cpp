@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <iterator>
 #include <mutex>
 
 #include "core/file.h"
@@ -10,6 +11,7 @@
 #include "core/png.h"
 #include "core/text.h"
 #include "pipeline/derived_files.h"
+#include "pipeline/matte/all_cameras_instead.h"
 #include "pipeline/matte/consistent_take.h"
 #include "pipeline/matte/heal_take.h"
 #include "pipeline/matte/matte_checks.h"
@@ -189,7 +191,7 @@ Result<void> make_consistent(capture::TakeReader& take, const MatteTakeOptions& 
   ConsistentTakeOptions consistent{.matting = {.threads = options.threads}, .progress = options.progress};
   std::vector<MatteJob*> cameras;
   for (MatteJob& job : jobs)
-    if (job.consistent() && !job.nothing_to_do()) {
+    if (job.together && !job.nothing_to_do()) {
       cameras.push_back(&job);
       consistent.cameras.push_back({job.camera, job.todo});
     }
@@ -201,27 +203,41 @@ Result<void> make_consistent(capture::TakeReader& take, const MatteTakeOptions& 
     c.made = made->cameras[i].made, c.gaps = made->cameras[i].gaps;
     if (c.made > 0) c.consistent = made->cameras[i].mean;
   }
-  report.remarks = std::move(made->remarks);
+  std::move(made->remarks.begin(), made->remarks.end(), std::back_inserter(report.remarks));
   report.distrusted = made->distrusted;
   return {};
 }
 
 Result<void> prepare_all(capture::TakeReader& take, const MatteTakeOptions& options, Run& run,
-                         std::vector<MatteJob>& jobs) {
+                         std::vector<MatteJob>& jobs, std::vector<std::string>& remarks) {
   std::vector<CameraRecord*> records(jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i)
     if (!jobs[i].nothing_to_do()) records[i] = &run.store.camera(jobs[i].serial);
-  std::vector<Result<void>> prepared(jobs.size());
-  ProgressPart keys(options.progress, "keys", jobs.size());
-  parallel_for(jobs.size(), options.threads, [&](std::size_t i) {
-    if (run.stopped()) return;
-    if (records[i]) prepared[i] = prepare(take, options, *records[i], jobs[i]);
-    if (!prepared[i]) run.stop(prepared[i].error());
-    keys.advance();
-  });
-  for (const Result<void>& ok : prepared)  // the first camera's, whichever thread was quicker
-    if (!ok) return ok;
-  if (Result<void> ok = run.result(); !ok) return ok;
+  const auto for_each_job = [&](const char* what, const auto& work) -> Result<void> {
+    std::vector<Result<void>> done(jobs.size());
+    ProgressPart progress(options.progress, what, jobs.size());
+    parallel_for(jobs.size(), options.threads, [&](std::size_t i) {
+      if (run.stopped()) return;
+      if (records[i]) done[i] = work(*records[i], jobs[i]);
+      if (!done[i]) run.stop(done[i].error());
+      progress.advance();
+    });
+    for (const Result<void>& ok : done)  // the first camera's, whichever thread was quicker
+      if (!ok) return ok;
+    return run.result();
+  };
+  if (Result<void> ok = for_each_job(
+          "keys", [&](CameraRecord& record, MatteJob& job) { return prepare(take, options, record, job); });
+      !ok)
+    return ok;
+  Result<std::string> together = all_cameras_instead(take, options, run.store, jobs);
+  if (!together) return forward(together);
+  if (!together->empty()) {
+    remarks.push_back(std::move(*together));
+    for (std::size_t i = 0; i < jobs.size(); ++i)
+      if (jobs[i].undecided()) make_together(*records[i], jobs[i]);
+  }
+  if (Result<void> ok = for_each_job("methods", choose_method); !ok) return ok;
   // Only now that every camera has a key, the record says that mattes are old.
   std::vector<std::string> known;
   for (MatteJob& job : jobs) {
@@ -318,9 +334,9 @@ Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions
   Result<std::vector<MatteJob>> jobs = matte_jobs(take, **store, *edits, options);
   if (!jobs) return forward(jobs);
   Run run(**store, options.progress);
-  if (Result<void> ok = prepare_all(take, options, run, *jobs); !ok) return forward(ok);
-  for (MatteJob& job : *jobs) give_to_one_run(options, job);
   MatteReport report;
+  if (Result<void> ok = prepare_all(take, options, run, *jobs, report.remarks); !ok) return forward(ok);
+  for (MatteJob& job : *jobs) give_to_one_run(options, job);
   say_how(take, **store, *jobs, report.remarks);
   Result<void> made = make_all(take, options, *edits, run, *jobs, report);
   std::vector<std::string> known;

@@ -25,6 +25,8 @@ struct MatteTakeOptions {
   /// Of a job that several runs share, each with frames of its own: all frames of the job, in order. Where
   /// mattes of a camera depend on one another, the run that has the first makes them all, the others none.
   std::vector<int> of_frames = {};
+  /// Whether `auto` makes new mattes by what all cameras say at once; absent: it finds out.
+  std::optional<bool> together = {};
   int threads = 0;    ///< 0: one per core
   bool redo = false;  ///< make again what we made, whatever the way; others' files stay
   /// Of all cameras: mattes of ours that the others contradict are made anew by heal_take(). Who makes hulls

@@ -15,6 +15,7 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/hull_record.h"
 #include "pipeline/label_record.h"
+#include "pipeline/matte/all_cameras_instead.h"
 #include "pipeline/matte/label_take.h"
 #include "pipeline/matte/matte_job.h"
 #include "pipeline/matte/settle_added.h"
@@ -88,7 +89,7 @@ void add_matte_item(const capture::TakeReader& take, PlanItem item, const MatteJ
   item.stage = "mattes";
   item.id = text("mattes-", cameras.size() > 1 ? "all" : job.serial, "-", item.first);
   item.cameras = cameras;
-  item.with = {{"how", job.how}, {"guide", job.guide}};
+  item.with = {{"how", job.how}, {"guide", job.guide}, {"together", job.together ? "yes" : "no"}};
   item.units = static_cast<double>(item.count) * static_cast<double>(cameras.size());
   for (const std::string& serial : cameras) {
     item.bytes_in += static_cast<std::uint64_t>(media_bytes(take, serial) * item.count);
@@ -109,14 +110,17 @@ void add_last(const char* stage, double units, Plan& plan) {
 }
 
 // The items that make mattes; returns the frames at which something is to be made.
-Result<std::set<int>> add_mattes(const capture::TakeReader& take, const MatteTakeOptions& options, int chunk,
+Result<std::set<int>> add_mattes(capture::TakeReader& take, const MatteTakeOptions& options, int chunk,
                                  Plan& plan) {
   Result<MatteEdits> edits = load_matte_edits(take.layout().edits());
   if (!edits) return forward(edits);
   Result<std::unique_ptr<MatteStore>> store = MatteStore::open(take.layout());
   if (!store) return forward(store);
-  const Result<std::vector<MatteJob>> jobs = matte_jobs(take, **store, *edits, options);
+  Result<std::vector<MatteJob>> jobs = matte_jobs(take, **store, *edits, options);
   if (!jobs) return forward(jobs);
+  const Result<std::string> instead = all_cameras_instead(take, options, **store, *jobs);
+  if (!instead) return forward(instead);
+  for (MatteJob& job : *jobs) job.together = job.together || (job.undecided() && !instead->empty());
   const std::vector<int> wanted = wanted_frames(take, options.frames);
   std::set<int> touched;
   std::vector<std::string> together;
@@ -126,7 +130,7 @@ Result<std::set<int>> add_mattes(const capture::TakeReader& take, const MatteTak
     if (job.nothing_to_do()) continue;
     for (const int frame : wanted)
       if (job.todo[static_cast<std::size_t>(frame)]) touched.insert(frame);
-    if (job.consistent()) {
+    if (job.together) {
       together.push_back(job.serial), one_of_them = &job;
       continue;
     }
@@ -380,6 +384,8 @@ Result<std::uint64_t> run_matte_item(const Plan& plan, const PlanItem& item,
   mine.take = here.folder();
   mine.how = item.with.at("how");
   mine.guide = item.with.at("guide");
+  if (const auto together = item.with.find("together"); together != item.with.end())
+    mine.together = together->second == "yes";
   mine.cameras = item.cameras;
   mine.frames = part.frames;
   mine.check = false;

@@ -1,0 +1,136 @@
+#include "pipeline/matte/all_cameras_instead.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+
+#include "core/file_presence.h"
+#include "core/parallel.h"
+#include "core/text.h"
+#include "pipeline/hull_record.h"
+#include "pipeline/matte/camera_key.h"
+#include "pipeline/matte/consistent_take.h"
+#include "pipeline/matte/hull_agreement.h"
+#include "recon/mesh/mesh_silhouettes.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+constexpr std::size_t kFewest = 4;  // cameras: two bound a body, and a majority of the others can deny it
+constexpr double kMost = 0.5;  // of a matte, and of the cameras: a majority, as kMost of contradiction.cpp
+
+bool somebody_has_a_say(const capture::TakeReader& take, const std::vector<MatteJob>& jobs) {
+  return std::any_of(jobs.begin(), jobs.end(), [&](const MatteJob& job) {
+    return !job.guide.empty() || job.edits != CameraEdits() || job.report.others > 0 ||
+           is_folder(take.layout().given_mattes(job.serial));
+  });
+}
+
+// What `auto` came to before, in cameras whose record stands.
+std::optional<bool> settled_before(const MatteStore& store, const std::vector<MatteJob>& jobs) {
+  for (const auto& [serial, record] : store.record()) {
+    const auto job =
+        std::find_if(jobs.begin(), jobs.end(), [&](const MatteJob& j) { return j.serial == serial; });
+    if (record.how == "auto" && !record.method.empty() && (job == jobs.end() || job->settled))
+      return record.method == "consistent";
+  }
+  return std::nullopt;
+}
+
+// The middle one that every camera pictured.
+std::optional<int> instant_of(const capture::TakeReader& take) {
+  const int count = take.frame_count(), middle = count / 2;
+  const auto pictured = [&](int frame) {
+    for (std::size_t c = 0; c < take.rig().cameras.size(); ++c) {
+      const std::vector<FrameRow>& rows = take.rows(static_cast<int>(c));
+      if (static_cast<std::size_t>(frame) >= rows.size() ||
+          !rows[static_cast<std::size_t>(frame)].media_index)
+        return false;
+    }
+    return true;
+  };
+  std::optional<int> found;
+  for (int f = 0; f < count; ++f)
+    if ((!found || std::abs(f - middle) < std::abs(*found - middle)) && pictured(f)) found = f;
+  return found;
+}
+
+// Of each camera what its key tells; empty where there is none.
+Result<std::vector<Matte>> keys_of(capture::TakeReader& take, int frame, const MatteTakeOptions& options,
+                                   const std::vector<MatteJob>& jobs) {
+  std::vector<Result<Matte>> made(take.rig().cameras.size(), Matte());
+  ProgressPart progress(options.progress, "keys of one instant", made.size());
+  parallel_for(made.size(), options.threads, [&](std::size_t c) {
+    const auto go_on = [&] { return !is_cancelled(options.progress); };
+    if (!go_on()) return;
+    const int camera = static_cast<int>(c);
+    const Result<Frame> photograph = take.frame(camera, frame);
+    if (!photograph) {
+      made[c] = forward(photograph);
+      return;
+    }
+    const auto job = std::find_if(jobs.begin(), jobs.end(),
+                                  [&](const MatteJob& j) { return j.camera == camera && j.matting; });
+    std::optional<CameraKey> key;
+    if (job != jobs.end()) {
+      key = job->matting->key();
+    } else if (Result<CameraKey> other = CameraKey::for_how(take, camera, "auto", {}, {}, go_on)) {
+      key = *std::move(other);
+    }
+    if (key && key->kind() != CameraKey::Kind::None)
+      if (const Result<Image> alpha = key->key(*photograph, frame); alpha && !alpha->empty())
+        made[c] = make_matte({}, *alpha);
+    progress.advance();
+  });
+  if (is_cancelled(options.progress)) return cancelled();
+  std::vector<Matte> mattes;
+  for (Result<Matte>& matte : made) {
+    if (!matte) return forward(matte);
+    mattes.push_back(coverage(*matte) > 0 ? *std::move(matte) : Matte());
+  }
+  return mattes;
+}
+
+// Cameras whose key tells nobody, or mostly what the hull of all keys denies.
+std::size_t failing(const Rig& rig, const std::vector<Matte>& mattes, int threads) {
+  recon::HullOptions options = *hull_options(HullWords());
+  options.quality = false;
+  options.threads = threads;
+  const Result<recon::HullReport> hull = recon::visual_hull(rig, mattes, options);
+  if (!hull || hull->mesh.empty()) return mattes.size();
+  const recon::MeshSilhouettes silhouettes(hull->mesh);
+  std::vector<char> fails(mattes.size(), 1);
+  parallel_for(mattes.size(), threads, [&](std::size_t c) {
+    if (!mattes[c].empty()) fails[c] = denied_share(mattes[c], silhouettes.of(rig.cameras[c])) > kMost;
+  });
+  return static_cast<std::size_t>(std::count(fails.begin(), fails.end(), 1));
+}
+
+}  // namespace
+
+Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTakeOptions& options,
+                                        const MatteStore& store, const std::vector<MatteJob>& jobs) {
+  const std::string no;
+  if (std::none_of(jobs.begin(), jobs.end(), [](const MatteJob& job) { return job.undecided(); })) return no;
+  constexpr const char* kSaid = "mattes are made by what all cameras say at once, as --matte consistent does";
+  if (options.together) return *options.together ? std::string(kSaid) : no;
+  if (const std::optional<bool> before = settled_before(store, jobs))
+    return *before ? std::string(kSaid) : no;
+  const std::size_t cameras = take.rig().cameras.size();
+  if (cameras < kFewest || somebody_has_a_say(take, jobs)) return no;
+  const std::optional<int> frame = instant_of(take);
+  if (!frame) return no;
+  const Result<std::vector<Matte>> keys = keys_of(take, *frame, options, jobs);
+  if (!keys) return forward(keys);
+  const std::size_t fail = failing(take.rig(), *keys, options.threads);
+  if (static_cast<double>(fail) < kMost * static_cast<double>(cameras)) return no;
+  const Result<ConsistentMattes> instead =
+      consistent_instant(take, *frame, options.threads, options.progress);
+  if (!instead && instead.error().code == ErrorCode::Cancelled) return forward(instead);
+  if (!instead || !instead->trusted) return no;
+  return text("frame ", *frame, ": in ", fail, " of ", cameras,
+              " cameras keys tell nobody, or mostly what all cameras together deny, so ", kSaid,
+              "; another --matte with --redo makes others");
+}
+
+}  // namespace floatstage::pipeline

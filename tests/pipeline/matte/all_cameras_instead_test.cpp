@@ -1,0 +1,168 @@
+// What `auto` does on a stage whose cloth covers the floor and no wall: keys take walls for the performer,
+// and all cameras together know better.
+#include "pipeline/matte/all_cameras_instead.h"
+
+#include "core/file.h"
+#include "core/matte_edits.h"
+#include "core/png.h"
+#include "core/random.h"
+#include "pipeline/import/import.h"
+#include "pipeline/metrics/matte_metrics.h"
+#include "pipeline/plan/process_plan.h"
+#include "pipeline/synthesize.h"
+#include "tests/support/matchers.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int kCameras = 8;
+
+// A studio's pictures, in which cloth above `horizon` (a share of the height) is a wall of patches.
+class ACarpetOfCloth {
+ public:
+  explicit ACarpetOfCloth(double horizon) {
+    SynthesizeOptions options;
+    options.out = folder_ / "studio";
+    options.rig = {.cameras = kCameras, .width = 320, .height = 240};
+    options.studio = {.seed = 5, .samples = 4, .defects = {.noise = 1}};
+    options.frames = 1;
+    EXPECT_THAT(synthesize_take(options), IsOk());
+    const auto studio = *capture::TakeReader::open(options.out);
+    for (std::size_t c = 0; c < studio->rig().cameras.size(); ++c) {
+      const std::string& serial = studio->rig().cameras[c].serial;
+      Image picture = *to_rgb(*studio->frame(static_cast<int>(c), 0));
+      hang_wall(c, static_cast<int>(horizon * picture.height), truth(serial), picture);
+      fs::create_directories(folder_ / "pictures" / serial);
+      EXPECT_THAT(save_png(picture, folder_ / "pictures" / serial / "000000.png"), IsOk());
+    }
+    ImportOptions import;
+    import.calibration = {"rig", options.out / "rig.json"};
+    import.pictures = folder_ / "pictures";
+    import.out = take();
+    EXPECT_THAT(import_take(import), IsOk());
+  }
+
+  fs::path take() const { return folder_ / "take"; }
+  Result<MatteReport> made(const std::optional<std::string>& how, bool redo = false,
+                           const std::vector<std::string>& cameras = {}) const {
+    return matte_take({.take = take(), .how = how, .cameras = cameras, .redo = redo, .check = false});
+  }
+  std::string matte(const std::string& serial) const {
+    return *read_file(TakeLayout(take()).matte(serial, 0));
+  }
+  double iou(const std::string& serial) const {
+    return matte_iou(*load_png(TakeLayout(take()).matte(serial, 0)), truth(serial));
+  }
+  const TempFolder& folder() const { return folder_; }
+
+ private:
+  Image truth(const std::string& serial) const {
+    return *load_png(folder_ / "studio" / "truth" / "mattes" / serial / "000000.png");
+  }
+  static void hang_wall(std::size_t camera, int horizon, const Image& truth, Image& picture) {
+    Random random(100 + camera);
+    constexpr int kPatch = 16;
+    for (int y = 0; y < horizon; y += kPatch)
+      for (int x = 0; x < picture.width; x += kPatch) {
+        const int grey = 60 + static_cast<int>(60 * random.uniform());
+        const int tint[3] = {grey + 25, grey + 10, grey};
+        for (int v = y; v < std::min(y + kPatch, horizon); ++v)
+          for (int u = x; u < std::min(x + kPatch, picture.width); ++u)
+            for (int k = 0; k < 3; ++k) {
+              const int alpha = *truth.at(u, v), noise = static_cast<int>(std::lround(random.normal()));
+              std::uint8_t& value = picture.at(u, v)[k];
+              value = static_cast<std::uint8_t>((alpha * value + (255 - alpha) * (tint[k] + noise)) / 255);
+            }
+      }
+  }
+
+  TempFolder folder_;
+};
+
+std::vector<std::string> methods(const MatteReport& report) {
+  std::vector<std::string> all;
+  for (const CameraMattes& camera : report.cameras) all.push_back(camera.method);
+  return all;
+}
+
+TEST(AllCamerasInstead, MakeTheMattesWhereKeysDoNotHold) {
+  const ACarpetOfCloth stage(0.5);
+  const Result<MatteReport> report = stage.made("auto");
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(methods(*report), testing::Each("consistent"));
+  EXPECT_THAT(report->remarks, Contains(AllOf(HasSubstr("of 8 cameras keys tell nobody, or mostly what"),
+                                              HasSubstr("--matte consistent"))));
+  EXPECT_EQ(report->distrusted, 0);
+  EXPECT_TRUE(report->doubts.empty());
+  double sum = 0;
+  for (const CameraMattes& camera : report->cameras) sum += stage.iou(camera.serial);
+  EXPECT_GE(sum / kCameras, 0.93);
+
+  const std::string before = stage.matte("cam03");
+  for (const std::optional<std::string>& how :
+       {std::optional<std::string>(), std::optional<std::string>("auto")}) {
+    const Result<MatteReport> again = stage.made(how);
+    ASSERT_THAT(again, IsOk());
+    EXPECT_EQ(again->made, 0) << "what auto came to stands";
+    EXPECT_THAT(methods(*again), testing::Each("consistent"));
+  }
+  const Result<MatteReport> anew = stage.made("auto", true);
+  ASSERT_THAT(anew, IsOk());
+  EXPECT_EQ(anew->made, kCameras);
+  EXPECT_EQ(stage.matte("cam03"), before);
+}
+
+TEST(AllCamerasInstead, ComeToTheSameForOneCameraAndForAll) {
+  const ACarpetOfCloth stage(0.5);
+  const Result<MatteReport> one = stage.made("auto", false, {"cam02"});
+  ASSERT_THAT(one, IsOk());
+  EXPECT_THAT(methods(*one), testing::Each("consistent")) << "keys of all cameras are asked";
+  const std::string first = stage.matte("cam02");
+  ASSERT_THAT(stage.made("auto"), IsOk());
+  EXPECT_EQ(stage.matte("cam02"), first);
+  const std::string in_one_run = stage.matte("cam05");
+  ASSERT_THAT(stage.made("auto", true), IsOk());
+  EXPECT_EQ(stage.matte("cam05"), in_one_run);
+}
+
+TEST(AllCamerasInstead, AreOneItemOfAPlan) {
+  const ACarpetOfCloth stage(0.5);
+  const Result<Plan> plan = plan_mattes({.take = stage.take(), .how = "auto"}, 1);
+  ASSERT_THAT(plan, IsOk());
+  ASSERT_FALSE(plan->items.empty());
+  EXPECT_EQ(plan->items.front().cameras.size(), static_cast<std::size_t>(kCameras));
+  EXPECT_EQ(plan->items.front().with.at("how"), "auto");
+  EXPECT_EQ(plan->items.front().with.at("together"), "yes");
+}
+
+TEST(AllCamerasInstead, AreNotAskedWhereKeysHold) {
+  const ACarpetOfCloth stage(0);
+  const Result<MatteReport> report = stage.made("auto");
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(methods(*report), Not(Contains("consistent")));
+  EXPECT_TRUE(report->remarks.empty()) << testing::PrintToString(report->remarks);
+}
+
+TEST(AllCamerasInstead, AreNotAskedWhereAPersonSaysSomethingOrAnotherWay) {
+  const ACarpetOfCloth stage(0.5);
+  const Result<MatteReport> keyed = stage.made("chroma");
+  ASSERT_THAT(keyed, IsOk());
+  EXPECT_THAT(methods(*keyed), testing::Each("key"));
+  MatteEdits edits;
+  edits.cameras["cam00"].keyframes = {
+      {0, {{.label = MatteLabel::Foreground, .radius = 3, .points = {{160, 120}, {160, 130}}}}}};
+  ASSERT_THAT(save_matte_edits(edits, TakeLayout(stage.take()).edits()), IsOk());
+  const Result<MatteReport> guided = stage.made("auto", true);
+  ASSERT_THAT(guided, IsOk());
+  EXPECT_THAT(methods(*guided), Not(Contains("consistent")));
+}
+
+}  // namespace
+}  // namespace floatstage::pipeline
