@@ -1,7 +1,9 @@
 #include "pipeline/matte/all_cameras_instead.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <numeric>
 #include <optional>
 
 #include "core/file_presence.h"
@@ -16,8 +18,8 @@
 namespace floatstage::pipeline {
 namespace {
 
-constexpr std::size_t kFewest = 4;  // cameras: two bound a body, and a majority of the others can deny it
-constexpr double kMost = 0.5;  // of a matte, and of the cameras: a majority, as kMost of contradiction.cpp
+constexpr std::size_t kFewest = 4;    // cameras: two bound a body, and others can deny it
+constexpr double kMostDenied = 0.25;  // in the mean of the cameras: what is less, they heal by one another
 
 bool somebody_has_a_say(const capture::TakeReader& take, const std::vector<MatteJob>& jobs) {
   return std::any_of(jobs.begin(), jobs.end(), [&](const MatteJob& job) {
@@ -91,19 +93,19 @@ Result<std::vector<Matte>> keys_of(capture::TakeReader& take, int frame, const M
   return mattes;
 }
 
-// Cameras whose key tells nobody, or mostly what the hull of all keys denies.
-std::size_t failing(const Rig& rig, const std::vector<Matte>& mattes, int threads) {
+// By camera, the share of its key that the hull of all keys denies; 1 where it tells nobody.
+std::vector<double> denied_of(const Rig& rig, const std::vector<Matte>& mattes, int threads) {
+  std::vector<double> denied(mattes.size(), 1.0);
   recon::HullOptions options = *hull_options(HullWords());
   options.quality = false;
   options.threads = threads;
   const Result<recon::HullReport> hull = recon::visual_hull(rig, mattes, options);
-  if (!hull || hull->mesh.empty()) return mattes.size();
+  if (!hull || hull->mesh.empty()) return denied;
   const recon::MeshSilhouettes silhouettes(hull->mesh);
-  std::vector<char> fails(mattes.size(), 1);
   parallel_for(mattes.size(), threads, [&](std::size_t c) {
-    if (!mattes[c].empty()) fails[c] = denied_share(mattes[c], silhouettes.of(rig.cameras[c])) > kMost;
+    if (!mattes[c].empty()) denied[c] = denied_share(mattes[c], silhouettes.of(rig.cameras[c]));
   });
-  return static_cast<std::size_t>(std::count(fails.begin(), fails.end(), 1));
+  return denied;
 }
 
 }  // namespace
@@ -122,14 +124,16 @@ Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTa
   if (!frame) return no;
   const Result<std::vector<Matte>> keys = keys_of(take, *frame, options, jobs);
   if (!keys) return forward(keys);
-  const std::size_t fail = failing(take.rig(), *keys, options.threads);
-  if (static_cast<double>(fail) < kMost * static_cast<double>(cameras)) return no;
+  const std::vector<double> denied = denied_of(take.rig(), *keys, options.threads);
+  const double mean = std::accumulate(denied.begin(), denied.end(), 0.0) / static_cast<double>(cameras);
+  if (mean < kMostDenied) return no;
   const Result<ConsistentMattes> instead =
       consistent_instant(take, *frame, options.threads, options.progress);
   if (!instead && instead.error().code == ErrorCode::Cancelled) return forward(instead);
   if (!instead || !instead->trusted) return no;
-  return text("frame ", *frame, ": in ", fail, " of ", cameras,
-              " cameras keys tell nobody, or mostly what all cameras together deny, so ", kSaid,
+  const auto nobody = std::count_if(keys->begin(), keys->end(), [](const Matte& m) { return m.empty(); });
+  return text("frame ", *frame, ": keys do not hold (they tell nobody in ", nobody, " of ", cameras,
+              " cameras, and all cameras together deny ", std::lround(100 * mean), " %), so ", kSaid,
               "; another --matte with --redo makes others");
 }
 

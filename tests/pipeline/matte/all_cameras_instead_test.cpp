@@ -97,8 +97,9 @@ TEST(AllCamerasInstead, MakeTheMattesWhereKeysDoNotHold) {
   const Result<MatteReport> report = stage.made("auto");
   ASSERT_THAT(report, IsOk());
   EXPECT_THAT(methods(*report), testing::Each("consistent"));
-  EXPECT_THAT(report->remarks, Contains(AllOf(HasSubstr("of 8 cameras keys tell nobody, or mostly what"),
-                                              HasSubstr("--matte consistent"))));
+  EXPECT_THAT(report->remarks,
+              Contains(AllOf(HasSubstr("frame 0: keys do not hold (they tell nobody in 0 of 8 cameras"),
+                             HasSubstr("--matte consistent"))));
   EXPECT_EQ(report->distrusted, 0);
   EXPECT_TRUE(report->doubts.empty());
   double sum = 0;
