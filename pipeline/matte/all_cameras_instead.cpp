@@ -21,11 +21,16 @@ namespace {
 constexpr std::size_t kFewest = 4;    // cameras: two bound a body, and others can deny it
 constexpr double kMostDenied = 0.25;  // in the mean of the cameras: what is less, they heal by one another
 
-bool somebody_has_a_say(const capture::TakeReader& take, const std::vector<MatteJob>& jobs) {
-  return std::any_of(jobs.begin(), jobs.end(), [&](const MatteJob& job) {
-    return !job.guide.empty() || job.edits != CameraEdits() || job.report.others > 0 ||
-           is_folder(take.layout().given_mattes(job.serial));
-  });
+// About any of the take's cameras, whichever are asked for.
+Result<bool> somebody_has_a_say(const capture::TakeReader& take, const MatteStore& store,
+                                const MatteEdits& edits, const std::vector<MatteJob>& jobs) {
+  for (const auto& [serial, of_camera] : edits.cameras)
+    if (of_camera != CameraEdits()) return true;
+  for (const MatteJob& job : jobs)
+    if (!job.guide.empty()) return true;
+  for (const RigCamera& camera : take.rig().cameras)
+    if (is_folder(take.layout().given_mattes(camera.serial))) return true;
+  return anything_given(take, store);
 }
 
 // What `auto` came to before, in cameras whose record stands.
@@ -111,7 +116,8 @@ std::vector<double> denied_of(const Rig& rig, const std::vector<Matte>& mattes, 
 }  // namespace
 
 Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTakeOptions& options,
-                                        const MatteStore& store, const std::vector<MatteJob>& jobs) {
+                                        const MatteStore& store, const MatteEdits& edits,
+                                        const std::vector<MatteJob>& jobs) {
   const std::string no;
   if (std::none_of(jobs.begin(), jobs.end(), [](const MatteJob& job) { return job.undecided(); })) return no;
   constexpr const char* kSaid = "mattes are made by what all cameras say at once, as --matte consistent does";
@@ -119,7 +125,10 @@ Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTa
   if (const std::optional<bool> before = settled_before(store, jobs))
     return *before ? std::string(kSaid) : no;
   const std::size_t cameras = take.rig().cameras.size();
-  if (cameras < kFewest || somebody_has_a_say(take, jobs)) return no;
+  if (cameras < kFewest) return no;
+  const Result<bool> guided = somebody_has_a_say(take, store, edits, jobs);
+  if (!guided) return forward(guided);
+  if (*guided) return no;
   const std::optional<int> frame = instant_of(take);
   if (!frame) return no;
   const Result<std::vector<Matte>> keys = keys_of(take, *frame, options, jobs);

@@ -20,6 +20,7 @@ namespace floatstage::pipeline {
 /// tells. `jobs` have been prepared or not. Errors: those of reading the take; Cancelled. See
 /// docs/adr/0305-auto-asks-all-cameras.md.
 Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTakeOptions& options,
-                                        const MatteStore& store, const std::vector<MatteJob>& jobs);
+                                        const MatteStore& store, const MatteEdits& edits,
+                                        const std::vector<MatteJob>& jobs);
 
 }  // namespace floatstage::pipeline

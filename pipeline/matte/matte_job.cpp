@@ -20,18 +20,6 @@ bool any(const std::vector<bool>& frames) {
   return std::find(frames.begin(), frames.end(), true) != frames.end();
 }
 
-// Whether somebody else's mattes lie in the take.
-Result<bool> anything_given(const capture::TakeReader& take, const MatteStore& store) {
-  for (const RigCamera& camera : take.rig().cameras)
-    for (const int frame : take.layout().frames_with_mattes(camera.serial)) {
-      if (frame >= take.frame_count()) break;
-      const Result<MatteOrigin> origin = store.origin(camera.serial, frame);
-      if (!origin) return forward(origin);
-      if (*origin == MatteOrigin::Others) return true;
-    }
-  return false;
-}
-
 Result<std::vector<MatteJob>> cameras_asked_for(const capture::TakeReader& take,
                                                 const MatteTakeOptions& options) {
   const std::size_t frames = static_cast<std::size_t>(take.frame_count());
@@ -171,6 +159,17 @@ Result<std::string> hash_of_inputs(const capture::TakeReader& take, const std::s
   if (const AddedContent hidden = added->of(serial); !hidden.none())
     all += text("without ", describe(hidden), "\n");
   return capture::sha256(all);
+}
+
+Result<bool> anything_given(const capture::TakeReader& take, const MatteStore& store) {
+  for (const RigCamera& camera : take.rig().cameras)
+    for (const int frame : take.layout().frames_with_mattes(camera.serial)) {
+      if (frame >= take.frame_count()) break;
+      const Result<MatteOrigin> origin = store.origin(camera.serial, frame);
+      if (!origin) return forward(origin);
+      if (*origin == MatteOrigin::Others) return true;
+    }
+  return false;
 }
 
 Result<std::string> usual_way(const capture::TakeReader& take, const MatteStore& store) {

@@ -43,6 +43,9 @@ struct MatteJob {
   std::pair<int, int> reach() const;
 };
 
+/// Whether somebody else's mattes lie in the take.
+Result<bool> anything_given(const capture::TakeReader& take, const MatteStore& store);
+
 /// How mattes are made where nobody says it and the camera has none of ours: as the other cameras', where
 /// they agree; "given" where somebody put mattes into the take; else "auto".
 Result<std::string> usual_way(const capture::TakeReader& take, const MatteStore& store);

@@ -208,8 +208,8 @@ Result<void> make_consistent(capture::TakeReader& take, const MatteTakeOptions& 
   return {};
 }
 
-Result<void> prepare_all(capture::TakeReader& take, const MatteTakeOptions& options, Run& run,
-                         std::vector<MatteJob>& jobs, std::vector<std::string>& remarks) {
+Result<void> prepare_all(capture::TakeReader& take, const MatteTakeOptions& options, const MatteEdits& edits,
+                         Run& run, std::vector<MatteJob>& jobs, std::vector<std::string>& remarks) {
   std::vector<CameraRecord*> records(jobs.size());
   for (std::size_t i = 0; i < jobs.size(); ++i)
     if (!jobs[i].nothing_to_do()) records[i] = &run.store.camera(jobs[i].serial);
@@ -230,7 +230,7 @@ Result<void> prepare_all(capture::TakeReader& take, const MatteTakeOptions& opti
           "keys", [&](CameraRecord& record, MatteJob& job) { return prepare(take, options, record, job); });
       !ok)
     return ok;
-  Result<std::string> together = all_cameras_instead(take, options, run.store, jobs);
+  Result<std::string> together = all_cameras_instead(take, options, run.store, edits, jobs);
   if (!together) return forward(together);
   if (!together->empty()) {
     remarks.push_back(std::move(*together));
@@ -335,7 +335,8 @@ Result<MatteReport> matte_take(capture::TakeReader& take, const MatteTakeOptions
   if (!jobs) return forward(jobs);
   Run run(**store, options.progress);
   MatteReport report;
-  if (Result<void> ok = prepare_all(take, options, run, *jobs, report.remarks); !ok) return forward(ok);
+  if (Result<void> ok = prepare_all(take, options, *edits, run, *jobs, report.remarks); !ok)
+    return forward(ok);
   for (MatteJob& job : *jobs) give_to_one_run(options, job);
   say_how(take, **store, *jobs, report.remarks);
   Result<void> made = make_all(take, options, *edits, run, *jobs, report);

@@ -118,7 +118,7 @@ Result<std::set<int>> add_mattes(capture::TakeReader& take, const MatteTakeOptio
   if (!store) return forward(store);
   Result<std::vector<MatteJob>> jobs = matte_jobs(take, **store, *edits, options);
   if (!jobs) return forward(jobs);
-  const Result<std::string> instead = all_cameras_instead(take, options, **store, *jobs);
+  const Result<std::string> instead = all_cameras_instead(take, options, **store, *edits, *jobs);
   if (!instead) return forward(instead);
   for (MatteJob& job : *jobs) job.together = job.together || (job.undecided() && !instead->empty());
   const std::vector<int> wanted = wanted_frames(take, options.frames);

@@ -160,6 +160,10 @@ TEST(AllCamerasInstead, AreNotAskedWhereAPersonSaysSomethingOrAnotherWay) {
   edits.cameras["cam00"].keyframes = {
       {0, {{.label = MatteLabel::Foreground, .radius = 3, .points = {{160, 120}, {160, 130}}}}}};
   ASSERT_THAT(save_matte_edits(edits, TakeLayout(stage.take()).edits()), IsOk());
+  const Result<MatteReport> another = stage.made("auto", true, {"cam02"});
+  ASSERT_THAT(another, IsOk());
+  EXPECT_THAT(methods(*another), Not(Contains("consistent")))
+      << "strokes in any camera say that keys are guided";
   const Result<MatteReport> guided = stage.made("auto", true);
   ASSERT_THAT(guided, IsOk());
   EXPECT_THAT(methods(*guided), Not(Contains("consistent")));
