@@ -37,7 +37,7 @@ class Side {
     while (even <= most && is_even(even)) ++even;
     if (even == 0 || even > most) return 0;
     int first = even;
-    while (first < even + kRinging && first < lines() && share_off(first, kEven) < 0.5) ++first;
+    while (first < even + kRinging && first < lines() && share_ended(even - 1, first) < 0.5) ++first;
     if (first == even + kRinging || first + 1 >= lines()) return 0;
     if (first == even) return first;
     // A codec blurred the edge, and the first line is half of each; or it is a shade that grows.
@@ -51,17 +51,30 @@ class Side {
     const int l = from_end_ ? lines() - 1 - line : line;
     return columns_ ? p.at(l, i) : p.at(i, l);
   }
+  bool off(const Image& p, int line, int i, int steps) const {
+    const std::uint8_t* pixel = at(p, line, i);
+    for (std::size_t c = 0; c < colour_.size(); ++c)
+      if (std::abs(pixel[c] - colour_[c]) > steps) return true;
+    return false;
+  }
   // Share of a line's pixels, over all pictures, that are off the colour of the outermost line.
   double share_off(int line, int steps) const {
     int count = 0;
     for (const Image* p : pictures_)
-      for (int i = 0; i < length(); ++i) {
-        const std::uint8_t* pixel = at(*p, line, i);
-        bool off = false;
-        for (std::size_t c = 0; c < colour_.size(); ++c) off = off || std::abs(pixel[c] - colour_[c]) > steps;
-        count += off;
-      }
+      for (int i = 0; i < length(); ++i) count += off(*p, line, i, steps);
     return count / (static_cast<double>(length()) * static_cast<double>(pictures_.size()));
+  }
+  // Of what has the outermost line's colour in one line, the share that has it no more in another: writing
+  // that crosses a bar's edge does not count, nor do trees before an even sky, of which some end later.
+  double share_ended(int line, int other) const {
+    int lasted = 0, ended = 0;
+    for (const Image* p : pictures_)
+      for (int i = 0; i < length(); ++i) {
+        if (off(*p, line, i, kEven)) continue;
+        ++lasted;
+        ended += off(*p, other, i, kEven);
+      }
+    return lasted > 0 ? static_cast<double>(ended) / lasted : 0;
   }
   bool is_even(int line) const { return share_off(line, kEven) == 0 || share_off(line, 1) < kWritten; }
 

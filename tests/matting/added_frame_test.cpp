@@ -1,5 +1,7 @@
 #include "matting/keyers/added_frame.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "core/added_search.h"
@@ -43,6 +45,28 @@ TEST(AddedFrame, IsNotAStagesOwnBlack) {
   EXPECT_TRUE(bars_of({Image(160, 120, 3, 0)}).none()) << "nothing inside";
   EXPECT_TRUE(bars_of({}).none());
   EXPECT_TRUE(bars_of({Image(1, 1, 3, 9)}).none());
+}
+
+// A sky that is even to the step, and hedges and a head before it: two hedges end at the same height.
+TEST(AddedFrame, IsNoSkyBehindThingsOfDifferentHeights) {
+  Image garden = photograph({.noise = 1});
+  const auto sky_above = [&](int from, int to, int horizon) {
+    for (int x = from; x < to; ++x)
+      for (int y = 0; y < horizon; ++y) std::fill_n(garden.at(x, y), 3, std::uint8_t{200});
+  };
+  sky_above(0, 40, 24);
+  sky_above(40, 100, 40);
+  sky_above(100, 130, 12);  // a head
+  sky_above(130, 150, 24);
+  sky_above(150, garden.width, 34);
+  EXPECT_TRUE(bars_of({garden}).none());
+}
+
+TEST(AddedFrame, MayBeWrittenOn) {
+  Image boxed = framed(photograph({.noise = 1}), {.top = 16});
+  for (int y = 4; y < 11; ++y)
+    for (int x = 20; x < 50; x += 4) std::fill_n(boxed.at(x, y), 3, std::uint8_t{250});
+  EXPECT_EQ(bars_of({boxed}), (AddedContent{.top = 16}));
 }
 
 TEST(AddedFrame, IsBackgroundToAKeyerThatSeesTheRestAsWithoutIt) {
