@@ -37,11 +37,13 @@ class Side {
     while (even <= most && is_even(even)) ++even;
     if (even == 0 || even > most) return 0;
     int first = even;
-    while (first < even + kRinging && first < lines() && share_ended(even - 1, first) < 0.5) ++first;
+    while (first < even + kRinging && first < lines() && share_ended(even - 1, first, kEven) < 0.5) ++first;
     if (first == even + kRinging || first + 1 >= lines()) return 0;
-    if (first == even) return first;
-    // A codec blurred the edge, and the first line is half of each; or it is a shade that grows.
-    return share_off(first + 1, kBlurred) >= 0.5 ? first + 1 : 0;
+    if (first == even && share_off(even - 1, kEven) == 0) return first;
+    // Written on, or a codec blurred the edge, and the first line is half of each. Else it is a shade that
+    // grows, or hedges before an even sky, which end line by line.
+    if (share_ended(std::max(even - 1, first - 2), first + 1, kBlurred) < 0.5) return 0;
+    return first == even ? first : first + 1;
   }
 
  private:
@@ -64,15 +66,15 @@ class Side {
       for (int i = 0; i < length(); ++i) count += off(*p, line, i, steps);
     return count / (static_cast<double>(length()) * static_cast<double>(pictures_.size()));
   }
-  // Of what has the outermost line's colour in one line, the share that has it no more in another: writing
-  // that crosses a bar's edge does not count, nor do trees before an even sky, of which some end later.
-  double share_ended(int line, int other) const {
+  // Of what has the outermost line's colour in one line, the share that is off it in another: writing that
+  // crosses a bar's edge does not count.
+  double share_ended(int line, int other, int steps) const {
     int lasted = 0, ended = 0;
     for (const Image* p : pictures_)
       for (int i = 0; i < length(); ++i) {
-        if (off(*p, line, i, kEven)) continue;
+        if (off(*p, line, i, steps)) continue;
         ++lasted;
-        ended += off(*p, other, i, kEven);
+        ended += off(*p, other, i, steps);
       }
     return lasted > 0 ? static_cast<double>(ended) / lasted : 0;
   }

@@ -19,7 +19,9 @@ namespace floatstage::pipeline {
 namespace {
 
 constexpr std::size_t kFewest = 4;    // cameras: two bound a body, and others can deny it
-constexpr double kMostDenied = 0.25;  // in the mean of the cameras: what is less, they heal by one another
+constexpr double kMostDenied = 0.05;  // in the mean of the cameras: what the audit allows a silhouette
+constexpr double kBetter = 0.5;       // of what is denied of keys, so much at most of what comes instead,
+constexpr double kNotAtAll = 0.25;    // where keys hold as little as that only less
 
 // About any of the take's cameras, whichever are asked for.
 Result<bool> somebody_has_a_say(const capture::TakeReader& take, const MatteStore& store,
@@ -98,19 +100,28 @@ Result<std::vector<Matte>> keys_of(capture::TakeReader& take, int frame, const M
   return mattes;
 }
 
-// By camera, the share of its key that the hull of all keys denies; 1 where it tells nobody.
-std::vector<double> denied_of(const Rig& rig, const std::vector<Matte>& mattes, int threads) {
+// The share of a matte that the hull of all denies, in the mean of the cameras; 1 for one that tells nobody.
+double mean_denied(const Rig& rig, const std::vector<Matte>& mattes, int threads) {
   std::vector<double> denied(mattes.size(), 1.0);
   recon::HullOptions options = *hull_options(HullWords());
   options.quality = false;
   options.threads = threads;
   const Result<recon::HullReport> hull = recon::visual_hull(rig, mattes, options);
-  if (!hull || hull->mesh.empty()) return denied;
+  if (!hull || hull->mesh.empty()) return 1;
   const recon::MeshSilhouettes silhouettes(hull->mesh);
   parallel_for(mattes.size(), threads, [&](std::size_t c) {
     if (!mattes[c].empty()) denied[c] = denied_share(mattes[c], silhouettes.of(rig.cameras[c]));
   });
-  return denied;
+  return std::accumulate(denied.begin(), denied.end(), 0.0) / static_cast<double>(denied.size());
+}
+
+std::vector<Matte> mattes_of(const std::vector<Image>& alphas) {
+  std::vector<Matte> mattes;
+  for (const Image& alpha : alphas) {
+    Matte matte = alpha.empty() ? Matte() : make_matte({}, alpha);
+    mattes.push_back(!matte.empty() && coverage(matte) > 0 ? std::move(matte) : Matte());
+  }
+  return mattes;
 }
 
 }  // namespace
@@ -133,16 +144,17 @@ Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTa
   if (!frame) return no;
   const Result<std::vector<Matte>> keys = keys_of(take, *frame, options, jobs);
   if (!keys) return forward(keys);
-  const std::vector<double> denied = denied_of(take.rig(), *keys, options.threads);
-  const double mean = std::accumulate(denied.begin(), denied.end(), 0.0) / static_cast<double>(cameras);
-  if (mean < kMostDenied) return no;
+  const double denied = mean_denied(take.rig(), *keys, options.threads);
+  if (denied < kMostDenied) return no;
   const Result<ConsistentMattes> instead =
       consistent_instant(take, *frame, options.threads, options.progress);
   if (!instead && instead.error().code == ErrorCode::Cancelled) return forward(instead);
-  if (!instead || !instead->trusted) return no;
+  if (!instead) return no;
+  const double most = denied < kNotAtAll ? kBetter * denied : denied;
+  if (mean_denied(take.rig(), mattes_of(instead->mattes), options.threads) >= most) return no;
   const auto nobody = std::count_if(keys->begin(), keys->end(), [](const Matte& m) { return m.empty(); });
   return text("frame ", *frame, ": keys do not hold (they tell nobody in ", nobody, " of ", cameras,
-              " cameras, and all cameras together deny ", std::lround(100 * mean), " %), so ", kSaid,
+              " cameras, and all cameras together deny ", std::lround(100 * denied), " %), so ", kSaid,
               "; another --matte with --redo makes others");
 }
 
