@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kSide = 64, kBins = kSide * kSide * kSide;
 constexpr float kUnseen = 0.01f;  // share of the backdrop's colours that have not been seen of it
-constexpr int kSmoothings = 2;    // passes of a 1-2-1 filter along each axis
 constexpr float kOwn = 0.5f;      // of a camera's model of the subject that is its own
+constexpr float kAlike = 0.3f;    // of what is seen of a backdrop stands for neighbouring colours, too
 
 using Histogram = std::vector<float>;
 
@@ -24,6 +24,7 @@ std::size_t bin(const std::uint8_t* rgb) {
          t[rgb[2]] / kWidth;
 }
 
+// A 1-2-1 filter along each axis.
 void smooth(Histogram& bins) {
   std::vector<float> line(kSide);
   for (const int step : {1, kSide, kSide * kSide})
@@ -65,7 +66,12 @@ ViewColors::ViewColors(std::span<const Image> pictures, std::span<const std::vec
       subject[i][b] += shares[i][p];
       backdrop[i][b] += 1 - shares[i][p];
     }
-    for (int pass = 0; pass < kSmoothings; ++pass) smooth(subject[i]), smooth(backdrop[i]);
+    // A backdrop fills most of its picture: what it does not show is hardly one of its colours, however near
+    // they are, as skin is to white. Of the subject there is little, so that its colours stand for others.
+    smooth(subject[i]);
+    Histogram alike = backdrop[i];
+    smooth(alike);
+    for (std::size_t b = 0; b < alike.size(); ++b) backdrop[i][b] += kAlike * (alike[b] - backdrop[i][b]);
   });
   Histogram all(kBins);
   for (const Histogram& h : subject)

@@ -29,6 +29,7 @@ constexpr double kFirstNovelty = 0.2, kNovelty = 0.05;  // of the subject's colo
 constexpr double kBorder = 0.06;  // of the shorter side: held for background where nothing is known yet
 constexpr double kCore = 0.4, kAround = 0.8;  // of the shared ball: where the subject is looked for first
 constexpr double kNearBorder = 0.1, kFarFromBorder = 0.5;  // of the edges that enclose the core
+constexpr double kNearAmidst = 0.05;                       // likewise around the core: skin before white
 constexpr double kMargin = 0.2;        // of the subject's size: space around it that stays in question
 constexpr double kSettled = 0.0005;    // share of pixels: less change than that, and the turns end
 constexpr int kNear = 3;               // px at the turns' size: too near the subject to be held for backdrop
@@ -208,9 +209,11 @@ void ConsistentMatting::Impl::begin_view(std::size_t camera, View& v) const {
   v.share.assign(v.pixels(), -1);
   for (std::size_t p = 0; p < off.size(); ++p) {
     const int x = static_cast<int>(p) % v.w, y = static_cast<int>(p) / v.w;
-    if (x < band || y < band || x >= v.w - band || y >= v.h - band || edges[p] < kNearBorder * enclosed)
+    const bool around = off[p] < kAround * shared.radius;
+    if (x < band || y < band || x >= v.w - band || y >= v.h - band ||
+        edges[p] < (around ? kNearAmidst : kNearBorder) * enclosed)
       v.share[p] = 0;
-    else if (off[p] < kAround * shared.radius && edges[p] > kFarFromBorder * enclosed)
+    else if (around && edges[p] > kFarFromBorder * enclosed)
       v.share[p] = 1;
     if (!v.still.empty() && v.backdrop->knows(p))
       v.share[p] = v.still[p] > 0 && off[p] < 2 * shared.radius ? 1 : 0;

@@ -4,6 +4,11 @@
 #   tarpaulin  blue cloth on the floor and on three of four walls, striped plaster elsewhere, stands
 #   workshop   concrete, wooden walls, crates of all colours; no cloth
 #   lounge     a patterned carpet, sofas and pictures along six walls; no cloth
+#   cyclorama  white all around, so bright that skin is nearly white, too
+#   corner     green cloth on the floor and on one wall, dark bricks elsewhere, two colours of light
+#   theatre    black floor, dark curtains, a spot from either side
+#   gym        a wooden floor that mirrors, lines on it, benches of all colours
+#   garden     grass, hedges of all heights before an even sky, sun
 # Writes OUT/sparse (eight cameras as a COLMAP model), OUT/pictures/<serial>/000000.png, OUT/plates/<serial>.png of
 # the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
 import math
@@ -23,6 +28,11 @@ seed, shirt = {
     "tarpaulin": (3, ((0.1, 0.35, 0.3), "ShaderNodeTexVoronoi", 16, (0.7, 0.6, 0.2))),
     "workshop": (2, ((0.8, 0.8, 0.78), "ShaderNodeTexWave", 6, (0.1, 0.1, 0.3))),
     "lounge": (1, ((0.15, 0.2, 0.35), "ShaderNodeTexNoise", 20, (0.5, 0.5, 0.55))),
+    "cyclorama": (5, ((0.45, 0.1, 0.08), "ShaderNodeTexChecker", 12, (0.2, 0.2, 0.22))),
+    "corner": (9, ((0.7, 0.7, 0.1), "ShaderNodeTexNoise", 10, (0.6, 0.3, 0.5))),
+    "theatre": (10, ((0.5, 0.3, 0.25), "ShaderNodeTexVoronoi", 12, (0.7, 0.6, 0.6))),
+    "gym": (8, ((0.1, 0.15, 0.5), "ShaderNodeTexChecker", 5, (0.8, 0.8, 0.8))),
+    "garden": (7, ((0.6, 0.2, 0.1), "ShaderNodeTexNoise", 14, (0.8, 0.7, 0.3))),
 }[stage]
 dice = random.Random(seed)
 scene = bpy.context.scene
@@ -66,6 +76,11 @@ def light(center, watts, size, color=(1, 1, 1)):
     lamp = bpy.context.object
     lamp.data.energy, lamp.data.size, lamp.data.color = watts, size, color
     lamp.rotation_euler = (Vector((0, 0, 0.8)) - Vector(center)).to_track_quat("-Z", "Y").to_euler()
+
+
+def sky(color, strength):
+    inputs = scene.world.node_tree.nodes["Background"].inputs
+    inputs[0].default_value, inputs[1].default_value = (*color, 1), strength
 
 
 def floor(of):
@@ -130,6 +145,60 @@ def lounge():
     light((0, -3, 3), 160, 2, (1, 0.95, 0.85))
     light((2.5, 2.5, 2.8), 90, 0.6)
     light((-2.8, 1.5, 2.5), 70, 0.5, (0.8, 0.9, 1))
+
+
+def cyclorama():
+    white = material((0.8, 0.8, 0.8), 0.9)
+    floor(white)
+    walls(white, 24, 5.0)
+    light((2, -2.5, 3.1), 220, 2.0)
+    light((-2.5, 0, 3.1), 160, 1.5)
+    light((0.5, 2.8, 3.0), 130, 1.5)
+
+
+def corner():
+    cloth = material((0.08, 0.35, 0.09), 0.8)
+    floor(cloth)
+    walls(material((0.15, 0.15, 0.16), 0.9, "ShaderNodeTexBrick", 2, (0.3, 0.28, 0.26)), 6, 5.0)
+    box(around(0.3, 4.2, 1.4), (0.06, 5, 2.8), cloth, 0.3)
+    for _ in range(6):
+        pole(around(dice.uniform(0, 6.28), 4.3, 1.3), 0.05, 2.6, material((0.02, 0.02, 0.02)))
+    light((1.5, -2.5, 3), 200, 1.2, (1, 0.85, 0.7))
+    light((-2.5, 1, 3), 150, 0.8, (0.75, 0.85, 1))
+
+
+def theatre():
+    floor(material((0.03, 0.03, 0.03), 0.4))
+    walls(material((0.05, 0.03, 0.03), 0.9, "ShaderNodeTexWave", 3, (0.02, 0.01, 0.01)), 10, 5.0)
+    light((1.0, -3.5, 3.2), 300, 0.6, (1, 0.9, 0.8))
+    light((-2.5, 2.5, 3.2), 120, 0.6, (0.7, 0.8, 1))
+    sky((0.5, 0.5, 0.55), 0.02)
+
+
+def gym():
+    floor(material((0.55, 0.35, 0.17), 0.35, "ShaderNodeTexWave", 4, (0.45, 0.27, 0.12)))
+    walls(material((0.65, 0.65, 0.6), 0.9), 4, 7.0, 4.5)
+    for k in range(12):
+        box(around(dice.uniform(0, 6.28), 6.4, 0.25), (0.4, 2.0, 0.5 + 0.1 * (k % 5)), material(random_color()),
+            dice.uniform(0, 3))
+    for _ in range(3):
+        box((dice.uniform(-2, 2), dice.uniform(-2, 2), 0.003), (0.06, 5, 0.004), material((0.9, 0.9, 0.9)),
+            dice.uniform(0, 3))
+    for x in (-3, 0, 3):
+        light((x, 1, 4.4), 180, 1.0)
+        light((x, -2, 4.4), 140, 1.0)
+
+
+def garden():
+    floor(material((0.12, 0.25, 0.05), 0.95, "ShaderNodeTexNoise", 25, (0.05, 0.13, 0.02)))
+    for k in range(40):
+        tall = dice.uniform(1.0, 2.2)
+        leaves = material((0.06, 0.2 * dice.uniform(0.6, 1.4), 0.04), 0.9, "ShaderNodeTexVoronoi", dice.uniform(8, 20))
+        box(around(2 * math.pi * k / 40, dice.uniform(4.6, 5.4), tall / 2), (0.8, 0.9, tall), leaves,
+            dice.uniform(0, 3))
+    bpy.ops.object.light_add(type="SUN", location=(0, 0, 5), rotation=(0.7, 0.3, 0.5))
+    bpy.context.object.data.energy, bpy.context.object.data.angle = 3.0, 0.01
+    sky((0.35, 0.55, 0.9), 0.9)
 
 
 def performer():
@@ -226,10 +295,10 @@ scene.render.image_settings.file_format = "PNG"
 scene.render.image_settings.color_mode = "RGB"
 scene.world = bpy.data.worlds.new("world")
 scene.world.use_nodes = True
-scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.5, 0.5, 0.55, 1)
-scene.world.node_tree.nodes["Background"].inputs[1].default_value = 0.25
+sky((0.5, 0.5, 0.55), 0.25)
 
-{"tarpaulin": tarpaulin, "workshop": workshop, "lounge": lounge}[stage]()
+{"tarpaulin": tarpaulin, "workshop": workshop, "lounge": lounge, "cyclorama": cyclorama, "corner": corner,
+ "theatre": theatre, "gym": gym, "garden": garden}[stage]()
 scenery = [thing for thing in scene.objects if thing.type == "MESH"]
 views = ring_of_cameras()
 write_model(views)

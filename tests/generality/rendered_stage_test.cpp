@@ -58,9 +58,24 @@ TEST(RenderedStage, WithClothOnThreeOfFourWallsIsMattedByAllCamerasTogether) {
   EXPECT_TRUE(found.trusted);
 }
 
+// Skin is nearly as bright as what is behind it, and of a colour that is near to it.
+TEST(RenderedStage, AllInWhiteIsMattedWithFacesAndHands) {
+  const Rendered found = matted("cyclorama", false);
+  EXPECT_EQ(found.method, "consistent");
+  EXPECT_GE(found.iou, 0.93);
+  EXPECT_TRUE(found.trusted);
+}
+
 TEST(RenderedStage, WithPlatesIsMattedAndTrusted) {
   FLOATSTAGE_LONG_FORM(true);
-  for (const auto& [stage, least] : {std::pair{"tarpaulin", 0.93}, {"workshop", 0.9}, {"lounge", 0.95}}) {
+  for (const auto& [stage, least] : {std::pair{"tarpaulin", 0.93},
+                                     {"workshop", 0.9},
+                                     {"lounge", 0.95},
+                                     {"cyclorama", 0.93},
+                                     {"corner", 0.93},
+                                     {"theatre", 0.87},
+                                     {"gym", 0.85},
+                                     {"garden", 0.95}}) {
     const Rendered found = matted(stage, true);
     EXPECT_GE(found.iou, least) << stage;
     EXPECT_TRUE(found.trusted) << stage;
@@ -69,7 +84,7 @@ TEST(RenderedStage, WithPlatesIsMattedAndTrusted) {
 
 TEST(RenderedStage, WithoutClothOrPlateIsNotSaidToBeTrusted) {
   FLOATSTAGE_LONG_FORM(true);
-  for (const char* stage : {"workshop", "lounge"}) {
+  for (const char* stage : {"workshop", "lounge", "corner", "theatre", "gym", "garden"}) {
     const Rendered found = matted(stage, false);
     EXPECT_TRUE(found.iou >= 0.9 || !found.trusted) << stage << ": " << found.iou;
   }
