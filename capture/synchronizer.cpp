@@ -152,7 +152,7 @@ FrameSet Synchronizer::take_set() {
     last = std::max(last, time);
   }
   set.time = {base_ + std::llround(middle)};
-  spreads_ms_.push_back((last - first) * 1e-6);
+  spreads_.add(std::llround(last - first));
   follow(middle);
   return set;
 }
@@ -187,10 +187,10 @@ std::optional<FrameSet> Synchronizer::drain() { return settle({}, Wait::NotAtAll
 
 SyncStats Synchronizer::stats() const {
   SyncStats stats = totals_;
-  if (!spreads_ms_.empty()) {
-    stats.spread_p50_ms = median(spreads_ms_);
-    stats.spread_p99_ms = percentile(spreads_ms_, 0.99);
-    stats.spread_max_ms = percentile(spreads_ms_, 1);
+  if (!spreads_.empty()) {
+    stats.spread_p50_ms = static_cast<double>(spreads_.percentile(0.5)) * 1e-6;
+    stats.spread_p99_ms = static_cast<double>(spreads_.percentile(0.99)) * 1e-6;
+    stats.spread_max_ms = static_cast<double>(spreads_.percentile(1)) * 1e-6;
   }
   for (const Lane& lane : lanes_) {
     stats.cameras.push_back(lane.counts);
@@ -204,7 +204,7 @@ SyncStats Synchronizer::stats() const {
 SyncStats Synchronizer::take_stats() {
   const SyncStats taken = stats();
   totals_ = {};
-  spreads_ms_.clear();
+  spreads_.clear();
   for (Lane& lane : lanes_) {
     lane.counts = {};
     lane.offsets_ns = 0;

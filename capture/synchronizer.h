@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/spreads.h"
 #include "core/frame.h"
 #include "core/result.h"
 #include "core/time.h"
@@ -32,9 +33,10 @@ struct CameraSync {
 };
 
 struct SyncStats {
-  std::uint64_t complete = 0, incomplete = 0;                      ///< sets that went out
-  std::uint64_t skipped = 0;                                       ///< instants that no camera saw
-  double spread_p50_ms = 0, spread_p99_ms = 0, spread_max_ms = 0;  ///< last - first exposure in a set
+  std::uint64_t complete = 0, incomplete = 0;  ///< sets that went out
+  std::uint64_t skipped = 0;                   ///< instants that no camera saw
+  /// Last - first exposure in a set, as Spreads tells it: the largest is exact.
+  double spread_p50_ms = 0, spread_p99_ms = 0, spread_max_ms = 0;
   std::vector<CameraSync> cameras;
 };
 
@@ -94,7 +96,7 @@ class Synchronizer {
   double expected_ = 0;    // ns after base_: the instant of the next set
   double gone_ = 0;        // frames before this (ns after base_) are late
   std::vector<Lane> lanes_;
-  std::vector<double> spreads_ms_;
+  Spreads spreads_;
   SyncStats totals_;
 };
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/random.h"
+#include "core/statistics.h"
 #include "core/text.h"
 #include "tests/support/matchers.h"
 
@@ -226,6 +227,27 @@ TEST(Synchronizer, MeasuresTheSpreadOfItsSets) {
   EXPECT_NEAR(stats.spread_max_ms, 3, 1e-9);
   EXPECT_THAT(sync_complaints(stats, {"a", "b"}, {.spread_ms = 1}), Contains(HasSubstr("up to 3 ms apart")));
   EXPECT_THAT(sync_complaints(stats, {"a", "b"}, {.spread_ms = 3.1}), IsEmpty());
+}
+
+TEST(Synchronizer, MeasuresSpreadsOfAnHourAsOfAMinute) {
+  Synchronizer sync = synchronizer(2);
+  Random random(3);
+  std::vector<double> spreads;
+  for (std::int64_t i = 0; i < 108'000; ++i) {
+    const auto late = static_cast<std::int64_t>(3e6 * random.uniform() * random.uniform());
+    spreads.push_back(static_cast<double>(late) * 1e-6);
+    sync.push(frame_at(0, i * 33'333'333));
+    sync.push(frame_at(1, i * 33'333'333 + late));
+    while (sync.next({0})) {
+    }
+  }
+  drained(sync);
+  const SyncStats stats = sync.take_stats();
+  EXPECT_EQ(stats.complete, spreads.size());
+  EXPECT_NEAR(stats.spread_p50_ms, median(spreads), median(spreads) / 128);
+  EXPECT_NEAR(stats.spread_p99_ms, percentile(spreads, 0.99), percentile(spreads, 0.99) / 128);
+  EXPECT_NEAR(stats.spread_max_ms, percentile(spreads, 1), 1e-9);
+  EXPECT_EQ(sync.stats().spread_max_ms, 0) << "counts from zero";
 }
 
 // Stamps say that three cameras are apart by up to half a period, and by their offsets they are not.
