@@ -36,18 +36,24 @@ bool in_colour(const std::vector<Image>& pictures) {
   return std::all_of(pictures.begin(), pictures.end(), [](const Image& p) { return p.channels == 3; });
 }
 
-// A blue mat on the floor is no studio: there, most of the picture would be subject.
-Result<bool> mostly_backdrop(capture::TakeReader& take, int camera, const CameraKey& key) {
+// What of a picture is cloth.
+enum class Cloth {
+  Backdrop,
+  AMat,    // on the floor: most of the picture would be subject, which is no studio
+  Hardly,  // too little to key by: the keyer refuses
+};
+
+Result<Cloth> cloth_in(capture::TakeReader& take, int camera, const CameraKey& key) {
   for (int frame = 0; frame < take.frame_count(); ++frame) {
     Result<Frame> photograph = take.frame(camera, frame);
     if (!photograph) return forward(photograph);
     if (photograph->empty()) continue;
     Result<Image> matte = key.key(*photograph, frame);
-    if (!matte && matte.error().code == ErrorCode::Unsupported) return false;  // hardly any cloth
+    if (!matte && matte.error().code == ErrorCode::Unsupported) return Cloth::Hardly;
     if (!matte) return forward(matte);
-    return coverage(make_matte({}, *matte)) <= kMostSubject;
+    return coverage(make_matte({}, *matte)) <= kMostSubject ? Cloth::Backdrop : Cloth::AMat;
   }
-  return true;
+  return Cloth::Backdrop;
 }
 
 // K of "plate:K".
@@ -172,16 +178,16 @@ Result<CameraKey> CameraKey::best(capture::TakeReader& take, int camera, const f
   if (!guide.empty()) return guided(take, camera, guide);
   Result<CameraKey> by_chroma = keyed(take, camera, "chroma");
   if (!by_chroma && by_chroma.error().code != ErrorCode::NotFound) return by_chroma;
-  Result<bool> studio = by_chroma ? mostly_backdrop(take, camera, *by_chroma) : false;
-  if (!studio) return forward(studio);
-  if (*studio) return by_chroma;
+  Result<Cloth> cloth = by_chroma ? cloth_in(take, camera, *by_chroma) : Cloth::Hardly;
+  if (!cloth) return forward(cloth);
+  if (*cloth == Cloth::Backdrop) return by_chroma;
   const bool shot = !plate_files(take, camera).empty();
   if (clicked(edits) && !shot) {
     if (Result<void> ok = check_camera_still(take, camera); !ok) return forward(ok);
     return cut(take, camera, edits, go_on);
   }
   Result<CameraKey> key = plate(take, camera);
-  if (!key && by_chroma) {
+  if (!key && *cloth == Cloth::AMat) {
     by_chroma->reason_ = key.error().message;
     key = std::move(by_chroma);
   }

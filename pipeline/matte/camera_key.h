@@ -48,7 +48,7 @@ class CameraKey {
                                const std::function<bool()>& go_on);
   /// The guide when it is given; else chroma where cloth is most of the backdrop; else a plate that was shot;
   /// else what is cut out where somebody clicked on the subject; else a plate found behind the performance;
-  /// else chroma after all.
+  /// else chroma after all, where there is more than hardly any cloth. What plate() says, where there is not.
   static Result<CameraKey> best(capture::TakeReader& take, int camera, const std::filesystem::path& guide,
                                 const CameraEdits& edits, const std::function<bool()>& go_on);
 

@@ -2,6 +2,8 @@
 // and all cameras together know better.
 #include "pipeline/matte/all_cameras_instead.h"
 
+#include <optional>
+
 #include "core/file.h"
 #include "core/matte_edits.h"
 #include "core/png.h"
@@ -24,10 +26,11 @@ using testing::Not;
 
 constexpr int kCameras = 8;
 
-// A studio's pictures, in which cloth above `horizon` (a share of the height) is a wall of patches.
+// A studio's pictures, in which cloth above `horizon` (a share of the height) is a wall of patches; or in the
+// pictures of one camera alone, which sees no more than a mat.
 class ACarpetOfCloth {
  public:
-  explicit ACarpetOfCloth(double horizon) {
+  explicit ACarpetOfCloth(double horizon, std::optional<std::size_t> alone = {}) {
     SynthesizeOptions options;
     options.out = folder_ / "studio";
     options.rig = {.cameras = kCameras, .width = 320, .height = 240};
@@ -38,7 +41,8 @@ class ACarpetOfCloth {
     for (std::size_t c = 0; c < studio->rig().cameras.size(); ++c) {
       const std::string& serial = studio->rig().cameras[c].serial;
       Image picture = *to_rgb(*studio->frame(static_cast<int>(c), 0));
-      hang_wall(c, static_cast<int>(horizon * picture.height), truth(serial), picture);
+      const int line = static_cast<int>(horizon * picture.height);
+      if (!alone || c == *alone) hang_wall(c, line, alone ? picture.width / 3 : 0, truth(serial), picture);
       fs::create_directories(folder_ / "pictures" / serial);
       EXPECT_THAT(save_png(picture, folder_ / "pictures" / serial / "000000.png"), IsOk());
     }
@@ -66,14 +70,16 @@ class ACarpetOfCloth {
   Image truth(const std::string& serial) const {
     return *load_png(folder_ / "studio" / "truth" / "mattes" / serial / "000000.png");
   }
-  static void hang_wall(std::size_t camera, int horizon, const Image& truth, Image& picture) {
+  // And beside what lies below the horizon, `beside` pixels from the left and from the right.
+  static void hang_wall(std::size_t camera, int horizon, int beside, const Image& truth, Image& picture) {
     Random random(100 + camera);
     constexpr int kPatch = 16;
-    for (int y = 0; y < horizon; y += kPatch)
+    for (int y = 0; y < (beside > 0 ? picture.height : horizon); y += kPatch)
       for (int x = 0; x < picture.width; x += kPatch) {
+        if (y >= horizon && x >= beside && x < picture.width - beside) continue;
         const int grey = 60 + static_cast<int>(60 * random.uniform());
         const int tint[3] = {grey + 25, grey + 10, grey};
-        for (int v = y; v < std::min(y + kPatch, horizon); ++v)
+        for (int v = y; v < std::min(y + kPatch, beside > 0 ? picture.height : horizon); ++v)
           for (int u = x; u < std::min(x + kPatch, picture.width); ++u)
             for (int k = 0; k < 3; ++k) {
               const int alpha = *truth.at(u, v), noise = static_cast<int>(std::lround(random.normal()));
@@ -149,6 +155,19 @@ TEST(AllCamerasInstead, AreNotAskedWhereKeysHold) {
   ASSERT_THAT(report, IsOk());
   EXPECT_THAT(methods(*report), Not(Contains("consistent")));
   EXPECT_TRUE(report->remarks.empty()) << testing::PrintToString(report->remarks);
+}
+
+TEST(AllCamerasInstead, OrAGuessMakeTheMatteOfACameraThatHardlySeesCloth) {
+  const ACarpetOfCloth stage(0.85, 3);
+  const MatteTakeOptions apart{.take = stage.take(), .how = "auto", .together = false, .check = false};
+  const Result<MatteReport> report = matte_take(apart);
+  ASSERT_THAT(report, IsOk()) << "the key that refuses this camera's picture is not the run's end";
+  EXPECT_EQ(report->made, kCameras);
+  EXPECT_EQ(report->cameras[3].method, "spectral");
+  EXPECT_NE(report->cameras[2].method, "spectral");
+  ASSERT_EQ(report->doubts.size(), 1u);
+  EXPECT_THAT(report->doubts.front().why, HasSubstr("nothing tells the subject, so it was guessed"));
+  EXPECT_THAT(report->doubts.front().cameras, testing::ElementsAre("cam03"));
 }
 
 TEST(AllCamerasInstead, AreNotAskedWhereAPersonSaysSomethingOrAnotherWay) {
