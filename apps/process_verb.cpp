@@ -25,6 +25,7 @@ struct ProcessArguments {
   std::filesystem::path json_file;
   HullFlags hull;
   PlanFlags plan;
+  std::vector<std::string> found = {};  ///< Plan::remarks, of the run that reports for its items
 };
 
 nlohmann::json to_json(const pipeline::StageReport& stage) {
@@ -142,6 +143,7 @@ Result<void> run_process(const ProcessArguments& given) {
   options.progress = &bar;
   Result<pipeline::ProcessReport> report = pipeline::process_take(options);
   if (!report) return forward(report);
+  report->remarks.insert(report->remarks.begin(), given.found.begin(), given.found.end());
 
   const std::size_t failures = report->mattes.failures.size() + report->meshes.failures.size() +
                                (report->fields ? report->fields->failures.size() : 0);
@@ -180,6 +182,7 @@ Result<ItemEnd> run_item(const ProcessArguments& given, const pipeline::Plan& pl
   ProcessArguments rest = given;
   rest.process.redo = false;
   rest.process.gathered = true;
+  rest.found = plan.remarks;
   return end_of(run_process(rest));
 }
 

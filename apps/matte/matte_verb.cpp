@@ -33,6 +33,7 @@ struct MatteArguments {
   pipeline::ExportOptions layers;
   ClipFlags clip;
   PlanFlags plan;
+  std::vector<std::string> found = {};  ///< Plan::remarks, of the run that reports for its items
 };
 
 json to_json(const std::optional<pipeline::ConsistentView>& view) {
@@ -121,6 +122,7 @@ Result<void> run_matte(const MatteArguments& given) {
   options.heal = true;
   Result<pipeline::MatteReport> report = pipeline::matte_take(options);
   if (!report) return forward(report);
+  report->remarks.insert(report->remarks.begin(), given.found.begin(), given.found.end());
   std::size_t failures = 0;
   for (const pipeline::CameraMattes& c : report->cameras) {
     std::printf("%s: %s by %s; %d made, %d kept, %d gaps", c.serial.c_str(), c.method.c_str(), c.key.c_str(),
@@ -178,6 +180,7 @@ Result<ItemEnd> run_item(const MatteArguments& given, const pipeline::Plan& plan
   if (&item != &plan.items.back()) return ItemEnd{*bytes, {}};
   MatteArguments rest = given;
   rest.matte.redo = false;
+  rest.found = plan.remarks;
   return end_of(run_matte(rest));
 }
 

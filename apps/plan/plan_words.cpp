@@ -69,6 +69,7 @@ std::string table_of(const Plan& plan, const PlanStatus& status) {
   }
   out += formatted("%d of %zu items done, %d failed; %.1f s of work spent, %.1f s left\n", status.done,
                    plan.items.size(), status.failed, status.spent, status.left);
+  for (const std::string& remark : plan.remarks) out += remark + "\n";
   for (const PlanItem& item : plan.items)
     if (const ItemResult* result = result_of(status, item.id); result && result->error)
       out += text(item.id, ": ", result->error->message, "\n");
@@ -117,9 +118,9 @@ json json_of(const Plan& plan, const PlanStatus& status) {
     }
     items.push_back(std::move(j));
   }
-  return {{"command", plan.command},       {"items", std::move(items)},     {"done", status.done},
-          {"failed", status.failed},       {"seconds_spent", status.spent}, {"seconds_left", status.left},
-          {"seconds_a_unit", status.rates}};
+  return {{"command", plan.command},     {"remarks", plan.remarks},       {"items", std::move(items)},
+          {"done", status.done},         {"failed", status.failed},       {"seconds_spent", status.spent},
+          {"seconds_left", status.left}, {"seconds_a_unit", status.rates}};
 }
 
 Result<FarmCost> cost_of(const Plan& plan, const PlanStatus& status, const FarmSize& farm) {

@@ -110,6 +110,7 @@ Result<Plan> load_plan(const fs::path& folder) {
     plan.frame_rate = j.at("frame_rate");
     plan.cameras = j.at("cameras");
     plan.stale = j.at("stale");
+    plan.remarks = j.value("remarks", plan.remarks);
     for (const json& item : j.at("items")) plan.items.push_back(item_of(item));
     if (plan.items.empty()) throw std::invalid_argument("no items");
     return plan;
@@ -123,7 +124,7 @@ Result<void> save_plan(const Plan& plan) {
       {"floatstage_plan", kVersion},   {"command", plan.command},     {"said_in", plan.said_in.string()},
       {"program", plan.program},       {"made_from", plan.made_from}, {"scratch", plan.scratch.string()},
       {"frame_rate", plan.frame_rate}, {"cameras", plan.cameras},     {"stale", plan.stale},
-      {"items", std::move(items)}};
+      {"remarks", plan.remarks},       {"items", std::move(items)}};
   for (const char* inside : {"items", "logs", "done"})
     if (Result<void> ok = make_folder(plan.folder / inside); !ok) return ok;
   return write_file(plan.file(), j.dump(1) + "\n");

@@ -53,6 +53,9 @@ struct Plan {
   double frame_rate = 0;             ///< of the take
   int cameras = 0;                   ///< of the take
   std::vector<PlanItem> items;       ///< stage after stage
+  /// What was found while it was made, a sentence each, which its items do not say again: how `auto` makes
+  /// mattes.
+  std::vector<std::string> remarks = {};
   /// Frames whose mattes are old afterwards and that nobody asked to make again, by serial.
   std::map<std::string, std::set<int>> stale = {};
 

@@ -120,6 +120,7 @@ Result<std::set<int>> add_mattes(capture::TakeReader& take, const MatteTakeOptio
   if (!jobs) return forward(jobs);
   const Result<std::string> instead = all_cameras_instead(take, options, **store, *edits, *jobs);
   if (!instead) return forward(instead);
+  if (!instead->empty()) plan.remarks.push_back(*instead);
   for (MatteJob& job : *jobs) job.together = job.together || (job.undecided() && !instead->empty());
   const std::vector<int> wanted = wanted_frames(take, options.frames);
   std::set<int> touched;

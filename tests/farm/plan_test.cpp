@@ -52,6 +52,27 @@ TEST_F(APlan, MakesTheBytesOfTheVerbItself) {
   EXPECT_EQ(derived_files(take_), alone);
 }
 
+// Before black and without a plate no key tells anybody. Its items are told so, and say nothing.
+TEST_F(APlan, SaysWhatWasFoundWhileItWasMade) {
+  const char* const found = "keys do not hold";
+  const fs::path black = folder_ / "black";
+  ASSERT_EQ(floatstage("-q synthesize -o " + quoted(black) +
+                       " --stage black --camera-count 5 --frame-count 1 --size 160x120")
+                .code,
+            0);
+  fs::remove_all(black / "plates");
+  const Ended alone = floatstage("process " + quoted(copy_of(black, "alone")));
+  EXPECT_THAT(alone.output, HasSubstr(found));
+  const Ended made = floatstage("process " + quoted(black) + kWays + " --json " + quoted(folder_ / "report"));
+  EXPECT_EQ(made.code, alone.code) << made.output;
+  EXPECT_THAT(made.output, HasSubstr(found));
+  const nlohmann::json report = nlohmann::json::parse(*read_file(folder_ / "report"));
+  EXPECT_THAT(report.at("remarks").dump(), HasSubstr(found));
+  const fs::path lies = black.string() + ".process.plan";
+  EXPECT_THAT(floatstage("plan show " + quoted(lies)).output, HasSubstr(found));
+  EXPECT_THAT(shown(lies).at("remarks").dump(), HasSubstr(found));
+}
+
 TEST_F(APlan, OfMattesIsOneToo) {
   const auto alone = by_itself("matte --matte chroma --frames 0:3:2");
   const Ended made = floatstage("matte " + quoted(take_) + " --matte chroma --frames 0:3:2" + kWays);

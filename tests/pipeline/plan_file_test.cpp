@@ -26,10 +26,12 @@ class APlanFile : public testing::Test {
 };
 
 TEST_F(APlanFile, ComesBack) {
+  plan_.remarks = {"keys do not hold"};
   ASSERT_THAT(save_plan(plan_), IsOk());
   const Result<Plan> back = load_plan(folder_.path());
   ASSERT_THAT(back, IsOk());
   EXPECT_EQ(back->command, plan_.command);
+  EXPECT_EQ(back->remarks, plan_.remarks);
   ASSERT_EQ(back->items.size(), 2u);
   EXPECT_EQ(back->items[0].frames(), (std::vector<int>{0, 1}));
 }

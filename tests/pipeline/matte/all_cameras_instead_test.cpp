@@ -147,6 +147,8 @@ TEST(AllCamerasInstead, AreOneItemOfAPlan) {
   EXPECT_EQ(plan->items.front().cameras.size(), static_cast<std::size_t>(kCameras));
   EXPECT_EQ(plan->items.front().with.at("how"), "auto");
   EXPECT_EQ(plan->items.front().with.at("together"), "yes");
+  EXPECT_THAT(plan->remarks, testing::ElementsAre(HasSubstr("keys do not hold")))
+      << "items do not say it again";
 }
 
 TEST(AllCamerasInstead, AreNotAskedWhereKeysHold) {
