@@ -9,6 +9,7 @@
 #include "core/statistics.h"
 #include "core/text.h"
 #include "pipeline/matte/consistent_verdict.h"
+#include "pipeline/matte/doubt_pictures.h"
 #include "pipeline/matte/doubt_sheet.h"
 #include "pipeline/matte/matte_how.h"
 #include "pipeline/matte_record.h"
@@ -99,11 +100,22 @@ Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
   for (const auto& [serial, share] : found.vote.denied) doubt.cameras.push_back(serial);
   for (std::size_t i = 0; i < take.rig().cameras.size(); ++i)
     if (found.vote.denied.contains(take.rig().cameras[i].serial)) cameras.push_back(static_cast<int>(i));
-  if (draw || !is_there(doubt.picture))
-    if (Result<void> ok = save_doubt_sheet(take, cameras, doubt.worst, doubt.picture); !ok)
+  if (draw || !is_there(doubt.picture)) {
+    const Result<Image> sheet = doubt_sheet(take, cameras, doubt.worst);
+    if (!sheet) return forward(sheet);
+    const DoubtPicture what{.of = "hull", .why = doubt.why, .cameras = doubt.cameras, .frame = doubt.worst};
+    if (Result<void> ok = DoubtPictures(take.layout()).put(doubt.picture.filename(), what, *sheet); !ok)
       return forward(ok);
+  }
   if (!is_there(doubt.picture)) doubt.picture.clear();
   return std::optional(std::move(doubt));
+}
+
+Result<void> keep_denials(const TakeLayout& layout, const std::optional<MatteDoubt>& said,
+                          const std::set<int>& frames) {
+  return DoubtPictures(layout).keep("hull", [&](const std::string& name, const DoubtPicture& picture) {
+    return (said && said->picture.filename() == name) || !frames.contains(picture.frame);
+  });
 }
 
 void add_contradiction(MatteDoubt contradiction, std::vector<MatteDoubt>& doubts) {

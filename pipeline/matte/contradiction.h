@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "capture/take.h"
@@ -20,6 +21,11 @@ namespace floatstage::pipeline {
 Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
                                                    const std::vector<SilhouetteAgreement>& checked,
                                                    bool draw = true);
+
+/// Removes the pictures that contradiction_in() drew before of these frames, but for that of what it says
+/// now. Io.
+Result<void> keep_denials(const TakeLayout& layout, const std::optional<MatteDoubt>& said,
+                          const std::set<int>& frames);
 
 /// Puts it first. What consistent matting said of the same cameras, that the others deny them, goes: it is
 /// the same fault.

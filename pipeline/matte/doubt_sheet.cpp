@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/file.h"
-#include "core/png.h"
 #include "pipeline/matte/doubt_picture.h"
 #include "pipeline/matte/hull_agreement.h"
 #include "pipeline/scene_loader.h"
@@ -18,8 +16,7 @@ constexpr int kFewestOthers = 3;
 
 }  // namespace
 
-Result<void> save_doubt_sheet(capture::TakeReader& take, const std::vector<int>& cameras, int frame,
-                              const std::filesystem::path& file) {
+Result<Image> doubt_sheet(capture::TakeReader& take, const std::vector<int>& cameras, int frame) {
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
   if (!mattes) return forward(mattes);
   const auto there = std::count_if(mattes->begin(), mattes->end(), [](const Matte& m) { return !m.empty(); });
@@ -35,9 +32,7 @@ Result<void> save_doubt_sheet(capture::TakeReader& take, const std::vector<int>&
         there > kFewestOthers ? silhouette_of_others(take.rig(), *mattes, i) : std::nullopt;
     tiles.push_back(doubt_tile(*rgb, (*mattes)[i], others, kTile));
   }
-  if (tiles.empty()) return {};
-  if (Result<void> ok = make_folder(file.parent_path()); !ok) return ok;
-  return save_png(contact_sheet(tiles), file);
+  return tiles.empty() ? Image() : contact_sheet(tiles);
 }
 
 }  // namespace floatstage::pipeline

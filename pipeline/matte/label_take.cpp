@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 
 #include "capture/sha256.h"
 #include "core/file.h"
@@ -13,6 +14,7 @@
 #include "pipeline/derived_files.h"
 #include "pipeline/made_files.h"
 #include "pipeline/matte/doubt_picture.h"
+#include "pipeline/matte/doubt_pictures.h"
 #include "pipeline/matte/label_follower.h"
 
 namespace floatstage::pipeline {
@@ -181,6 +183,8 @@ Result<void> remove_made(const TakeLayout& layout, const LabelRecord& before) {
 // Nobody names labels any more.
 Result<void> forget_labels(const TakeLayout& layout, const LabelRecord& before) {
   if (Result<void> ok = remove_made(layout, before); !ok) return ok;
+  const auto none = [](const std::string&, const DoubtPicture&) { return false; };
+  if (Result<void> ok = DoubtPictures(layout).keep("labels", none); !ok) return ok;
   std::error_code error;
   fs::remove(layout.label_record(), error);
   if (!error) return {};
@@ -252,11 +256,20 @@ class LabelJob {
       if (Result<void> ok = follower.run(done); !ok) return ok;
     }
     record_.doubts = follower.doubts();
+    DoubtPictures pictures(layout_);
+    std::set<std::string> drawn;
     for (std::size_t i = 0; i < record_.doubts.size(); ++i) {
       LabelDoubt& doubt = record_.doubts[i];
       doubt.picture = text("label-", doubt.serial, "-", doubt.frame, "-", i, ".png");
-      if (Result<void> ok = show(doubt); !ok) return ok;
+      const Result<Image> tiles = shown(doubt);
+      if (!tiles) return forward(tiles);
+      const DoubtPicture what{
+          .of = "labels", .why = doubt.why, .cameras = {doubt.serial}, .frame = doubt.frame};
+      if (Result<void> ok = pictures.put(doubt.picture, what, *tiles); !ok) return ok;
+      drawn.insert(doubt.picture);
     }
+    const auto holds = [&](const std::string& name, const DoubtPicture&) { return drawn.contains(name); };
+    if (Result<void> ok = pictures.keep("labels", holds); !ok) return ok;
     return place();
   }
 
@@ -289,11 +302,11 @@ class LabelJob {
   }
 
   // A label in doubt, drawn into its photograph.
-  Result<void> show(const LabelDoubt& doubt) const {
+  Result<Image> shown(const LabelDoubt& doubt) const {
     const int camera = camera_index(take_.rig(), doubt.serial);
     Result<Frame> frame = take_.frame(camera, doubt.frame);
     if (!frame) return forward(frame);
-    if (frame->empty()) return {};
+    if (frame->empty()) return Image();
     Result<Image> rgb = to_rgb(*frame);
     if (!rgb) return forward(rgb);
     std::vector<Image> tiles;
@@ -304,9 +317,7 @@ class LabelJob {
       if (!matte) continue;
       tiles.push_back(doubt_tile(*rgb, make_matte({}, *matte), std::nullopt, kDoubtWidth));
     }
-    if (tiles.empty()) return {};
-    if (Result<void> ok = make_folder(doubts_folder(layout_)); !ok) return ok;
-    return save_png(contact_sheet(tiles), doubts_folder(layout_) / doubt.picture);
+    return tiles.empty() ? Image() : contact_sheet(tiles);
   }
 
   // What we made before goes, and what was made now takes its place. They are ours before they are there.

@@ -66,6 +66,7 @@ Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& opt
     contradiction = doubt_by_keys(take, frames[frames.size() / 2], options.threads, report);
     if (!contradiction) return forward(contradiction);
   }
+  if (Result<void> ok = keep_denials(take.layout(), *contradiction, {all.begin(), all.end()}); !ok) return ok;
   if (*contradiction) add_contradiction(std::move(**contradiction), report.doubts);
   for (CameraMattes& camera : report.cameras) {
     double sum = 0;

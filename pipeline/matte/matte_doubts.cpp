@@ -10,6 +10,7 @@
 #include "core/matte_edits.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/matte/doubt_pictures.h"
 #include "pipeline/matte/doubt_sheet.h"
 #include "pipeline/matte/matte_job.h"
 
@@ -76,6 +77,22 @@ int worst_of(const Reason& reason) {
     if (cameras > most || (cameras == most && odd[frame] > odd[worst])) worst = frame;
   }
   return worst;
+}
+
+// Whether a doubt is still said of a camera and frame that the jobs are not about.
+bool held_elsewhere(const MatteStore& store, const std::vector<MatteJob>& jobs, const DoubtPicture& picture) {
+  const auto frame = static_cast<std::size_t>(picture.frame);
+  const auto asked = [&](const std::string& serial) {
+    return std::any_of(jobs.begin(), jobs.end(), [&](const MatteJob& job) {
+      return job.serial == serial && frame < job.wanted.size() && job.wanted[frame];
+    });
+  };
+  return std::any_of(picture.cameras.begin(), picture.cameras.end(), [&](const std::string& serial) {
+    const CameraRecord* record = asked(serial) ? nullptr : store.find(serial);
+    if (!record) return false;
+    const auto said = record->doubts.find(picture.why);
+    return said != record->doubts.end() && said->second.contains(picture.frame);
+  });
 }
 
 // What mattes tell by their sizes.
@@ -186,6 +203,7 @@ Result<std::vector<MatteDoubt>> doubts_of(capture::TakeReader& take, const Matte
                                           const std::vector<MatteJob>& jobs) {
   std::vector<MatteDoubt> doubts;
   std::set<fs::path> drawn;
+  DoubtPictures pictures(take.layout());
   for (const auto& [why, reason] : reasons_in(store, jobs)) {
     MatteDoubt doubt{.why = why,
                      .cameras = {},
@@ -194,6 +212,9 @@ Result<std::vector<MatteDoubt>> doubts_of(capture::TakeReader& take, const Matte
                      .picture = {}};
     for (const MatteJob* job : reason.jobs) doubt.cameras.push_back(job->serial);
     doubt.worst = worst_of(reason);
+    if (const std::optional<int> shown = pictures.frame_of(why, doubt.cameras);
+        !reason.now && shown && reason.frames.contains(*shown))
+      doubt.worst = *shown;  // sizes were known when it was drawn
     const auto file_named = [&](const std::string& end) {
       return doubts_folder(take.layout()) / text(doubt.cameras.front(), "-", doubt.worst, end, ".png");
     };
@@ -201,11 +222,19 @@ Result<std::vector<MatteDoubt>> doubts_of(capture::TakeReader& take, const Matte
     for (int i = 2; !drawn.insert(file).second; ++i) file = file_named(text("-", i));
     std::vector<int> cameras;
     for (const MatteJob* job : reason.jobs) cameras.push_back(job->camera);
-    if (reason.now || !is_there(file))
-      if (Result<void> ok = save_doubt_sheet(take, cameras, doubt.worst, file); !ok) return forward(ok);
+    if (reason.now || !is_there(file)) {
+      const Result<Image> sheet = doubt_sheet(take, cameras, doubt.worst);
+      if (!sheet) return forward(sheet);
+      const DoubtPicture what{.of = "mattes", .why = why, .cameras = doubt.cameras, .frame = doubt.worst};
+      if (Result<void> ok = pictures.put(file.filename(), what, *sheet); !ok) return forward(ok);
+    }
     if (is_there(file)) doubt.picture = file;
     doubts.push_back(std::move(doubt));
   }
+  const auto holds = [&](const std::string& name, const DoubtPicture& picture) {
+    return drawn.contains(doubts_folder(take.layout()) / name) || held_elsewhere(store, jobs, picture);
+  };
+  if (Result<void> ok = pictures.keep("mattes", holds); !ok) return forward(ok);
   std::stable_sort(doubts.begin(), doubts.end(), [](const MatteDoubt& a, const MatteDoubt& b) {
     return a.cameras.size() > b.cameras.size();
   });

@@ -5,6 +5,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -254,6 +255,10 @@ class MeshMaker {
     Result<std::optional<MatteDoubt>> denied =
         contradiction_in(take_, denials_in(record_.reports), report.meshes.made > 0);
     if (!denied) return forward(denied);
+    std::set<int> judged;
+    for (const auto& [frame, said] : record_.reports) judged.insert(frame);
+    if (everybody())
+      if (Result<void> ok = keep_denials(take_.layout(), *denied, judged); !ok) return ok;
     if (*denied) add_contradiction(std::move(**denied), report.doubts);
     return {};
   }

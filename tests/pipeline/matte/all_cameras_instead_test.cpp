@@ -170,6 +170,15 @@ TEST(AllCamerasInstead, OrAGuessMakeTheMatteOfACameraThatHardlySeesCloth) {
   ASSERT_EQ(report->doubts.size(), 1u);
   EXPECT_THAT(report->doubts.front().why, HasSubstr("nothing tells the subject, so it was guessed"));
   EXPECT_THAT(report->doubts.front().cameras, testing::ElementsAre("cam03"));
+
+  const fs::path picture = report->doubts.front().picture;
+  EXPECT_TRUE(fs::exists(picture));
+  ASSERT_THAT(stage.made("auto", false, {"cam02"}), IsOk());
+  EXPECT_TRUE(fs::exists(picture)) << "nobody asked for that camera";
+  const Result<MatteReport> otherwise = stage.made("consistent", true);
+  ASSERT_THAT(otherwise, IsOk());
+  EXPECT_TRUE(otherwise->doubts.empty());
+  EXPECT_FALSE(fs::exists(picture)) << "nothing was guessed this time";
 }
 
 TEST(AllCamerasInstead, AreNotAskedWhereAPersonSaysSomethingOrAnotherWay) {
