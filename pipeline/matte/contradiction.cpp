@@ -11,6 +11,7 @@
 #include "pipeline/matte/consistent_verdict.h"
 #include "pipeline/matte/doubt_pictures.h"
 #include "pipeline/matte/doubt_sheet.h"
+#include "pipeline/matte/hull_cover.h"
 #include "pipeline/matte/matte_how.h"
 #include "pipeline/matte_record.h"
 
@@ -33,19 +34,20 @@ struct Vote {
   }
 };
 
-/// The frames in which half of the cameras are denied more than `most` of their subject.
+/// The frames in which half of the cameras are denied more of their subject than `most` of so many.
 struct Denial {
   int frames = 0, worst = 0;
   Vote vote;  // of the worst
 };
 
-template <class Share>
-Denial denial_in(const std::vector<SilhouetteAgreement>& checked, double most, const Share& share) {
+template <class Most>
+Denial denial_in(const std::vector<SilhouetteAgreement>& checked, double SilhouetteAgreement::*share,
+                 const Most& most) {
   std::map<int, Vote> votes;
+  for (const SilhouetteAgreement& a : checked) ++votes[a.frame].cameras;
   for (const SilhouetteAgreement& a : checked) {
     Vote& vote = votes[a.frame];
-    ++vote.cameras;
-    if (share(a) > most) vote.denied[a.serial] = share(a);
+    if (a.*share > most(vote.cameras)) vote.denied[a.serial] = a.*share;
   }
   Denial found;
   for (auto& [frame, vote] : votes) {
@@ -77,19 +79,24 @@ Result<std::string> colour_hint(const capture::TakeReader& take) {
 Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
                                                    const std::vector<SilhouetteAgreement>& checked,
                                                    bool draw) {
-  Denial found = denial_in(checked, kMost, [](const SilhouetteAgreement& a) { return a.surplus; });
+  const auto always = [](double most) { return [most](int) { return most; }; };
+  Denial found = denial_in(checked, &SilhouetteAgreement::surplus, always(kMost));
   std::string why =
       "the hull of the other cameras denies more than half of the subject, and so in half of the cameras: "
       "these mattes are wrong, or those of cameras that miss the subject";
   if (found.frames == 0) {
-    found = denial_in(checked, kDenied, [](const SilhouetteAgreement& a) { return a.denied; });
+    const char* how = ", and more than a twentieth in half of the cameras";
+    found = denial_in(checked, &SilhouetteAgreement::denied, always(kDenied));
+    if (found.frames == 0) {
+      how = " in whole pieces, in half of the cameras";
+      found = denial_in(checked, &SilhouetteAgreement::pieces, most_in_pieces);
+    }
     if (found.frames == 0) return std::optional<MatteDoubt>();
     const Result<std::string> hint = colour_hint(take);
     if (!hint) return forward(hint);
-    why = text("the hull of all cameras denies ", std::lround(100 * found.vote.typical()),
-               " % of the subject, and more than a twentieth in half of the cameras: mattes lack what others "
-               "show",
-               *hint, ", or the calibration is off");
+    why =
+        text("the hull of all cameras denies ", std::lround(100 * found.vote.typical()), " % of the subject",
+             how, ": mattes lack what others show", *hint, ", or the calibration is off");
   }
   MatteDoubt doubt{.why = why + "; choose another --matte with --redo",
                    .cameras = {},

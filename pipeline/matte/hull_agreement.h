@@ -18,10 +18,15 @@ struct SilhouetteAgreement {
   double iou = 0;      ///< of the matte with the silhouette of the hull of all other cameras
   double surplus = 0;  ///< share of the matte that lies outside that hull: what the others deny
   double denied = 0;   ///< likewise, without what outlines are off by: denied_share()
+  double pieces = 0;   ///< of that, what is thick: denied_pieces()
 };
 
 /// Share of the matte that lies farther than two pixels outside of `hull`, a silhouette of the same size.
 double denied_share(const Matte& matte, const Matte& hull);
+
+/// Of that share, what is in pieces as thick as a twenty-fifth of a square of the matte's area: what is lost
+/// of a body, where outlines and rigs that are off by some pixels leave strips.
+double denied_pieces(const Matte& matte, const Matte& hull);
 
 /// The silhouette, in a camera's picture, of the hull of all other mattes; absent where fewer than two others
 /// show a subject or they bound no space.

@@ -14,6 +14,14 @@ namespace floatstage::pipeline {
 /// off.
 bool poorly_covered(const std::vector<double>& iou);
 
+/// Share of a matte that thick pieces may have which the hull denies (denied_pieces()), by how many cameras
+/// have mattes: what a key takes along is denied by the more, the more they are.
+double most_in_pieces(int cameras);
+
+/// Whether mattes may hold what contradiction_in() asks for: the hull leaves more than most_in_pieces() of at
+/// least half of the silhouettes open, clean-up aside. `hull` was made with its quality.
+bool may_contradict(const recon::HullReport& hull);
+
 /// Whether the hull leaves more than a twentieth of at least half of the silhouettes open, clean-up aside:
 /// then mattes contradict one another, or the calibration is off. `hull` was made with its quality.
 bool leaves_much_open(const recon::HullReport& hull);

@@ -12,7 +12,7 @@ using nlohmann::json;
 json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::HullReport& hull,
                  const recon::HullOptions& options) {
   json shares = json::object();
-  if (!leaves_much_open(hull)) return shares;
+  if (!may_contradict(hull)) return shares;
   recon::HullOptions exact = options;
   exact.method = recon::HullMethod::Exact;
   exact.cleanup = {};
@@ -25,17 +25,23 @@ json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::
   if (mesh.empty()) return shares;
   const recon::MeshSilhouettes silhouettes(mesh);
   for (std::size_t c = 0; c < mattes.size(); ++c)
-    if (!mattes[c].empty() && coverage(mattes[c]) > 0)
-      shares[rig.cameras[c].serial] = denied_share(mattes[c], silhouettes.of(rig.cameras[c]));
+    if (!mattes[c].empty() && coverage(mattes[c]) > 0) {
+      const Matte seen = silhouettes.of(rig.cameras[c]);
+      shares["denied"][rig.cameras[c].serial] = denied_share(mattes[c], seen);
+      shares["denied_pieces"][rig.cameras[c].serial] = denied_pieces(mattes[c], seen);
+    }
   return shares;
 }
 
 std::vector<SilhouetteAgreement> denials_in(const std::map<int, json>& frames) {
   std::vector<SilhouetteAgreement> found;
   for (const auto& [frame, report] : frames) {
-    const json shares = report.is_object() ? report.value("denied", json::object()) : json::object();
+    const json shares = report.is_object() ? report.value("denied", json::object()) : json::object(),
+               pieces = report.is_object() ? report.value("denied_pieces", json::object()) : json::object();
     for (const auto& [serial, share] : shares.items())
-      if (share.is_number()) found.push_back({serial, frame, 1 - share.get<double>(), share, share});
+      if (share.is_number())
+        found.push_back(
+            {serial, frame, 1 - share.get<double>(), share, share, pieces.value(serial, json(0.0))});
   }
   return found;
 }

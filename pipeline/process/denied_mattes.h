@@ -12,11 +12,11 @@
 
 namespace floatstage::pipeline {
 
-/// A frame's part of the mesh record: {"<serial>": share} of each matte that the hull of all denies
-/// (denied_share()), where it leaves_much_open(); else empty, at no
-/// cost. `hull`: what `options` made of these mattes. The shares are those of the exact hull, whatever method
-/// and clean-up were asked for. That hull is within every matte that it denies something of, so what it
-/// denies is what the hull of the others denies.
+/// A frame's part of the mesh record: "denied" and "denied_pieces", {"<serial>": share} of each matte that
+/// the hull of all denies (denied_share(), denied_pieces()), where that hull may_contradict(); else nothing,
+/// at no cost. `hull`: what `options` made of these mattes. The shares are those of the exact hull, whatever
+/// method and clean-up were asked for. That hull is within every matte that it denies something of, so what
+/// it denies is what the hull of the others denies.
 nlohmann::json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::HullReport& hull,
                            const recon::HullOptions& options);
 

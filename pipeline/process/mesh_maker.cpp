@@ -127,8 +127,7 @@ Result<json> make_mesh(const Rig& rig, const std::vector<Matte>& mattes, const c
   if (json silhouettes = silhouettes_json(rig, hull.verdicts); !silhouettes.empty())
     report["silhouettes"] = std::move(silhouettes);
   if (hull.cleanup) report["cleanup"] = cleanup_json(rig, *hull.cleanup);
-  if (json denied = denied_json(rig, mattes, hull, options); !denied.empty())
-    report["denied"] = std::move(denied);
+  report.update(denied_json(rig, mattes, hull, options));
   return report;
 }
 

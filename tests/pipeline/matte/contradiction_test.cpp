@@ -84,6 +84,20 @@ TEST(DeniedShare, LeavesOutWhatOutlinesAreOffBy) {
   EXPECT_EQ(denied_share(matte, make_matte({}, Image(100, 100, 1))), 1);
 }
 
+TEST(DeniedPieces, AreThickWhereOutlinesThatAreOffLeaveStrips) {
+  Image square(100, 100, 1), most = square;
+  for (int y = 20; y < 80; ++y) std::fill_n(square.at(20, y), 60, std::uint8_t{255});
+  const Matte matte = make_matte({}, square);
+  for (int y = 20; y < 80; ++y) std::fill_n(most.at(24, y), 52, std::uint8_t{255});  // 2 px beyond the slack
+  EXPECT_GT(denied_share(matte, make_matte({}, most)), 0.06);
+  EXPECT_EQ(denied_pieces(matte, make_matte({}, most)), 0);
+  most = square;
+  for (int y = 40; y < 60; ++y) std::fill_n(most.at(20, y), 60, std::uint8_t{0});  // a belt
+  EXPECT_NEAR(denied_pieces(matte, make_matte({}, most)), 16 * 60 / 3600.0, 1e-9);
+  EXPECT_EQ(denied_pieces(matte, make_matte({}, Image(100, 100, 1))), 1);
+  EXPECT_EQ(denied_pieces(make_matte({}, Image(100, 100, 1)), matte), 0);
+}
+
 // Each camera sees a sleeve before the shirt that another sees before the cloth.
 TEST(Contradiction, IsSaidWhereThePerformerWearsTheClothsColour) {
   TempFolder folder;
@@ -121,15 +135,43 @@ TEST(Contradiction, IsSaidWithAPictureOfTheCamerasThatAreDenied) {
   EXPECT_THAT(load_png(doubt.picture), IsOk());
 }
 
-fs::path green_clothes(const TempFolder& folder, SyntheticStage stage) {
+fs::path green_clothes(const TempFolder& folder, SyntheticStage stage, int cameras = 8, int seed = 1) {
   SynthesizeOptions options;
   options.out = folder / "take";
-  options.rig = {.cameras = 8, .width = 320, .height = 240};
+  options.rig = {.cameras = cameras, .width = 320, .height = 240};
   options.studio.samples = 4;
   options.studio.stage = stage;
+  options.studio.seed = static_cast<std::uint64_t>(seed);
   options.frames = 1;
   EXPECT_THAT(synthesize_take(options), IsOk());
   return options.out;
+}
+
+// Few cameras deny little of one another, however much all of them lack.
+TEST(Contradiction, OfFewCamerasIsToldByWholePieces) {
+  for (const auto& [stage, cameras] :
+       {std::pair{SyntheticStage::GreenClothes, 3}, std::pair{SyntheticStage::GreenClothes, 4},
+        std::pair{SyntheticStage::Room, 4}}) {
+    SCOPED_TRACE(testing::Message() << static_cast<int>(stage) << ' ' << cameras);
+    TempFolder folder;
+    const fs::path take = green_clothes(folder, stage, cameras, 3);
+    const bool cloth = stage == SyntheticStage::GreenClothes;
+    const Result<MatteReport> mattes = matte_take({.take = take, .how = cloth ? "chroma" : "plate"});
+    ASSERT_THAT(mattes, IsOk());
+    const Result<ProcessReport> all = process_take({.take = take});
+    ASSERT_THAT(all, IsOk());
+    if (!cloth) {
+      EXPECT_THAT(mattes->doubts, testing::IsEmpty());
+      EXPECT_THAT(all->doubts, testing::IsEmpty());
+      continue;
+    }
+    for (const std::vector<MatteDoubt>& doubts : {mattes->doubts, all->doubts}) {
+      ASSERT_THAT(doubts, testing::SizeIs(1));
+      EXPECT_THAT(doubts[0].why, testing::HasSubstr("% of the subject in whole pieces, in half of the"));
+      EXPECT_THAT(doubts[0].why, testing::HasSubstr("wear the cloth's colour"));
+      EXPECT_THAT(load_png(doubts[0].picture), IsOk());
+    }
+  }
 }
 
 // One camera's mattes cannot contradict one another: the other cameras are keyed likewise, for that alone.
