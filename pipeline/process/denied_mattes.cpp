@@ -13,6 +13,14 @@ json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::
                  const recon::HullOptions& options) {
   json shares = json::object();
   if (!may_contradict(hull)) return shares;
+  const auto say = [&](const std::string& serial, double share, double pieces) {
+    shares["denied"][serial] = share;
+    shares["denied_pieces"][serial] = pieces;
+  };
+  if (hull.cut) {
+    for (const SilhouetteAgreement& a : agreement_between(rig, mattes, 0)) say(a.serial, a.denied, a.pieces);
+    return shares;
+  }
   recon::HullOptions exact = options;
   exact.method = recon::HullMethod::Exact;
   exact.cleanup = {};
@@ -27,8 +35,7 @@ json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::
   for (std::size_t c = 0; c < mattes.size(); ++c)
     if (!mattes[c].empty() && coverage(mattes[c]) > 0) {
       const Matte seen = silhouettes.of(rig.cameras[c]);
-      shares["denied"][rig.cameras[c].serial] = denied_share(mattes[c], seen);
-      shares["denied_pieces"][rig.cameras[c].serial] = denied_pieces(mattes[c], seen);
+      say(rig.cameras[c].serial, denied_share(mattes[c], seen), denied_pieces(mattes[c], seen));
     }
   return shares;
 }

@@ -16,7 +16,8 @@ namespace floatstage::pipeline {
 /// the hull of all denies (denied_share(), denied_pieces()), where that hull may_contradict(); else nothing,
 /// at no cost. `hull`: what `options` made of these mattes. The shares are those of the exact hull, whatever
 /// method and clean-up were asked for. That hull is within every matte that it denies something of, so what
-/// it denies is what the hull of the others denies.
+/// it denies is what the hull of the others denies; but for a hull that is cut at the end of what cameras
+/// see, where each camera's others are carved, as `matte` does.
 nlohmann::json denied_json(const Rig& rig, const std::vector<Matte>& mattes, const recon::HullReport& hull,
                            const recon::HullOptions& options);
 

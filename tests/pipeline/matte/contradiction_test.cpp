@@ -174,6 +174,21 @@ TEST(Contradiction, OfFewCamerasIsToldByWholePieces) {
   }
 }
 
+// A furnished room without plates, where mattes are wrong, and hulls cut where few cameras look.
+TEST(Contradiction, IsSaidByProcessAsByMatteWhereHullsAreCut) {
+  TempFolder folder;
+  const fs::path take = green_clothes(folder, SyntheticStage::Room, 4, 3);
+  fs::remove_all(take / "plates");
+  const Result<ProcessReport> all = process_take({.take = take, .matte = "consistent"});
+  ASSERT_THAT(all, IsOk());
+  EXPECT_EQ(all->cut_frames, 1);
+  const Result<MatteReport> mattes = matte_take({.take = take});
+  ASSERT_THAT(mattes, IsOk());
+  ASSERT_FALSE(mattes->doubts.empty());
+  ASSERT_FALSE(all->doubts.empty());
+  EXPECT_EQ(all->doubts.front().cameras, mattes->doubts.front().cameras);
+}
+
 // One camera's mattes cannot contradict one another: the other cameras are keyed likewise, for that alone.
 TEST(Contradiction, OfOneCameraAloneIsToldByKeysOfTheOthers) {
   for (const SyntheticStage stage : {SyntheticStage::Green, SyntheticStage::GreenClothes}) {
