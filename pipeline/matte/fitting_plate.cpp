@@ -5,7 +5,6 @@
 
 #include "core/log.h"
 #include "core/text.h"
-#include "matting/keyers/plate.h"
 #include "matting/view_cut.h"
 #include "pipeline/matte/camera_plate.h"
 #include "pipeline/take_plates.h"
@@ -44,6 +43,13 @@ Result<bool> most_photographs_pass(
   return 2 * passing >= asked;
 }
 
+Result<bool> shows_the_stage(capture::TakeReader& take, int camera, const matting::Plate& plate) {
+  return most_photographs_pass(take, camera, [&](const Frame&, const Image& rgb) {
+    return rgb.width == plate.color.width && rgb.height == plate.color.height &&
+           changed_share(plate, rgb) <= kMostChanged;
+  });
+}
+
 Result<Image> fitting_plate(capture::TakeReader& take, int camera, const Eigen::Vector2i& size) {
   const Result<std::vector<Image>> shot = plates_of(take, camera);
   if (!shot) return forward(shot);
@@ -56,11 +62,7 @@ Result<Image> fitting_plate(capture::TakeReader& take, int camera, const Eigen::
     return Image();
   }
   if (!plate) return forward(plate);
-  const Image& empty = plate->plate.color;
-  const Result<bool> fits = most_photographs_pass(take, camera, [&](const Frame&, const Image& rgb) {
-    return rgb.width == empty.width && rgb.height == empty.height &&
-           changed_share(plate->plate, rgb) <= kMostChanged;
-  });
+  const Result<bool> fits = shows_the_stage(take, camera, plate->plate);
   if (!fits) return forward(fits);
   if (!*fits) {
     log::warning(text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial,
@@ -69,7 +71,7 @@ Result<Image> fitting_plate(capture::TakeReader& take, int camera, const Eigen::
                       "away"));
     return Image();
   }
-  return matting::shrunk(empty, size.x(), size.y());
+  return matting::shrunk(plate->plate.color, size.x(), size.y());
 }
 
 }  // namespace floatstage::pipeline

@@ -9,6 +9,7 @@
 #include "core/frame.h"
 #include "core/image.h"
 #include "core/result.h"
+#include "matting/keyers/plate.h"
 
 namespace floatstage::pipeline {
 
@@ -22,6 +23,10 @@ inline constexpr const char* kPlateDoesNotFit =
 Result<bool> most_photographs_pass(
     capture::TakeReader& take, int camera,
     const std::function<std::optional<bool>(const Frame& photograph, const Image& rgb)>& passes);
+
+/// Whether most photographs of a camera show no more than half of their picture changed before a plate of
+/// their size: nobody fills more, a camera that moved and other light do. Errors: those of the take.
+Result<bool> shows_the_stage(capture::TakeReader& take, int camera, const matting::Plate& plate);
 
 /// A camera's empty stage as it was shot, in colour and of a size; empty where nobody shot it, where it is
 /// grey, or where it does not fit the take's photographs, which a warning then says with the camera's name:

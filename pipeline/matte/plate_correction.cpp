@@ -1,6 +1,7 @@
 #include "pipeline/matte/plate_correction.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -94,13 +95,17 @@ Result<std::shared_ptr<const PlateCorrection>> PlateCorrection::of(capture::Take
   if (!raw) return none;
   const Result<Matte> key = (*raw)->key(make_frame({}, empty));
   if (!key) return none;  // the photographs will tell what the stage lacks
-  matting::EmptyStage stage(std::move(plate->plate), to_image(*key));
+  matting::EmptyStage stage(plate->plate, to_image(*key));
   const Result<bool> fitting = fits_photographs(take, camera, stage, keyer);
   if (!fitting) return forward(fitting);
   if (!*fitting) {
-    log::warning(text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial,
-                      "': ", kPlateDoesNotFit,
-                      ", so that keys go without it; shoot another plate, or take it away"));
+    const Result<bool> right = shows_the_stage(take, camera, plate->plate);
+    if (!right) return forward(right);
+    const std::string said =
+        *right ? "its key and its plate tell different subjects, so that its key goes without the plate; "
+                 "--matte plate and --matte consistent go by the plate"
+               : text(kPlateDoesNotFit, ", so that keys go without it; shoot another plate, or take it away");
+    log::warning(text("camera '", take.rig().cameras[static_cast<std::size_t>(camera)].serial, "': ", said));
     return none;
   }
   return std::shared_ptr<const PlateCorrection>(
