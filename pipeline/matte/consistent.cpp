@@ -215,8 +215,11 @@ void ConsistentMatting::Impl::begin_view(std::size_t camera, View& v) const {
       v.share[p] = 0;
     else if (around && edges[p] > kFarFromBorder * enclosed)
       v.share[p] = 1;
-    if (!v.still.empty() && v.backdrop->knows(p))
-      v.share[p] = v.still[p] > 0 && off[p] < 2 * shared.radius ? 1 : 0;
+    if (!v.still.empty() && v.backdrop->knows(p)) {
+      // What may be the stage in a shadow, or grey trousers before a grey one, is left to the others.
+      const bool far = off[p] >= 2 * shared.radius;
+      v.share[p] = far || v.still[p] < 0 ? 0.0f : v.still[p] > 0 ? 1.0f : -1.0f;
+    }
     if (!v.certain.empty() && v.certain[p] != Certain::No) v.share[p] = v.certain[p] == Certain::Subject;
   }
 }
