@@ -16,6 +16,7 @@ constexpr int kEven = 4;           // 8-bit steps that codecs leave of one colou
 constexpr int kMostShare = 4;      // a quarter of the picture a side
 constexpr int kRinging = 8;        // px: as far as a block of a codec carries what is beyond the edge
 constexpr int kBlurred = 12;       // 8-bit steps of an edge that leaves ripples
+constexpr double kEnds = 0.75;     // of it ends within three lines, where it is not even to its end
 constexpr double kWritten = 0.25;  // of a line may be text, where the rest is of one colour exactly
 
 // The lines of one side, from the outside in, over all pictures.
@@ -42,7 +43,7 @@ class Side {
     if (first == even && share_off(even - 1, kEven) == 0) return first;
     // Written on, or a codec blurred the edge, and the first line is half of each. Else it is a shade that
     // grows, or hedges before an even sky, which end line by line.
-    if (share_ended(std::max(even - 1, first - 2), first + 1, kBlurred) < 0.5) return 0;
+    if (share_ended(std::max(even - 1, first - 2), first + 1, kBlurred) < kEnds) return 0;
     return first == even ? first : first + 1;
   }
 
