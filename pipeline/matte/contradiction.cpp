@@ -34,16 +34,15 @@ struct Vote {
   }
 };
 
-/// The frames in which cameras are denied more of their subject than `most` of so many.
+/// The frames in which half of the cameras are denied more of their subject than `most` of so many.
 struct Denial {
   int frames = 0, worst = 0;
   Vote vote;  // of the worst
 };
 
-/// Half of a frame's cameras have to be, or, with `any`, one.
 template <class Most>
 Denial denial_in(const std::vector<SilhouetteAgreement>& checked, double SilhouetteAgreement::*share,
-                 const Most& most, bool any = false) {
+                 const Most& most) {
   std::map<int, Vote> votes;
   for (const SilhouetteAgreement& a : checked) ++votes[a.frame].cameras;
   for (const SilhouetteAgreement& a : checked) {
@@ -52,7 +51,7 @@ Denial denial_in(const std::vector<SilhouetteAgreement>& checked, double Silhoue
   }
   Denial found;
   for (auto& [frame, vote] : votes) {
-    if (any ? vote.denied.empty() : !vote.contradicts()) continue;
+    if (!vote.contradicts()) continue;
     ++found.frames;
     if (vote.denied.size() <= found.vote.denied.size()) continue;
     found.worst = frame;
@@ -86,21 +85,18 @@ Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
       "the hull of the other cameras denies more than half of the subject, and so in half of the cameras: "
       "these mattes are wrong, or those of cameras that miss the subject";
   if (found.frames == 0) {
-    const char* how = ", and more than a twentieth in half of the cameras: mattes lack what others show";
+    const char* how = ", and more than a twentieth in half of the cameras";
     found = denial_in(checked, &SilhouetteAgreement::denied, always(kDenied));
     if (found.frames == 0) {
-      how = " in whole pieces, in half of the cameras: mattes lack what others show";
+      how = " in whole pieces, in half of the cameras";
       found = denial_in(checked, &SilhouetteAgreement::pieces, most_in_pieces);
-    }
-    if (found.frames == 0) {
-      how = " in whole pieces: these mattes show what is no subject, or others lack it";
-      found = denial_in(checked, &SilhouetteAgreement::pieces, always(kDenied), true);
     }
     if (found.frames == 0) return std::optional<MatteDoubt>();
     const Result<std::string> hint = colour_hint(take);
     if (!hint) return forward(hint);
-    why = text("the hull of all cameras denies ", std::lround(100 * found.vote.typical()),
-               " % of the subject", how, *hint, ", or the calibration is off");
+    why =
+        text("the hull of all cameras denies ", std::lround(100 * found.vote.typical()), " % of the subject",
+             how, ": mattes lack what others show", *hint, ", or the calibration is off");
   }
   MatteDoubt doubt{.why = why + "; choose another --matte with --redo",
                    .cameras = {},

@@ -69,21 +69,6 @@ TEST(Contradiction, IsATwentiethInHalfOfTheCameras) {
   EXPECT_THAT(sentence(*asked(3, 0.07)), testing::HasSubstr("denies 7 % of the subject"));
 }
 
-// A bench behind one camera's performer.
-TEST(Contradiction, IsATwentiethInWholePiecesOfOneCamera) {
-  TempFolder folder;
-  const auto take = *capture::TakeReader::open(take_with_given(folder, 0));
-  const auto asked = [&](double pieces) {
-    std::vector<SilhouetteAgreement> checked = denied(1, 0.07);
-    checked[0].pieces = pieces;
-    return *contradiction_in(*take, checked);
-  };
-  EXPECT_FALSE(asked(0.04));
-  ASSERT_TRUE(asked(0.06));
-  EXPECT_THAT(asked(0.06)->cameras, testing::ElementsAre("cam00"));
-  EXPECT_THAT(sentence(*asked(0.06)), testing::HasSubstr("6 % of the subject in whole pieces"));
-}
-
 TEST(DeniedShare, LeavesOutWhatOutlinesAreOffBy) {
   Image square(100, 100, 1);
   for (int y = 20; y < 80; ++y) std::fill_n(square.at(20, y), 60, std::uint8_t{255});
