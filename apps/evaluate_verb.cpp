@@ -156,10 +156,11 @@ Result<void> report(const EvaluateArguments& given, const std::vector<ScoredView
   return report_scores(given.take, views, given.methods, {given.json_file, given.csv_file});
 }
 
-// The take, and what of it is asked for; with the renderers ready to draw.
+// The take, what of it is asked for, and what draws it, which has to outlive the drawing.
 struct Ready {
   std::unique_ptr<capture::TakeReader> take;
   pipeline::EvaluateOptions options;
+  render::OpenBackEnd drawing;
 };
 
 Result<Ready> ready(const EvaluateArguments& given) {
@@ -175,10 +176,10 @@ Result<Ready> ready(const EvaluateArguments& given) {
   options->frames = std::move(*frames);
   if (Result<void> ok = suit_cameras(given.renderer, (*take)->rig(), options->renderer); !ok)
     return forward(ok);
-  const Result<render::OpenBackEnd> drawing = render::open_back_end(options->renderer.back_end);
+  Result<render::OpenBackEnd> drawing = render::open_back_end(options->renderer.back_end);
   if (!drawing) return forward(drawing);
   options->renderer.back_end = drawing->back_end;
-  return Ready{std::move(*take), std::move(*options)};
+  return Ready{std::move(*take), std::move(*options), std::move(*drawing)};
 }
 
 bool walks(const EvaluateArguments& given) { return given.orbit || !given.path_file.empty(); }

@@ -5,11 +5,13 @@
 #include <cstring>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include "core/log.h"
 #include "core/text.h"
 
 namespace floatstage::render {
@@ -31,6 +33,22 @@ std::string gl_string(GLenum name) {
   return s == nullptr ? std::string("?") : std::string(reinterpret_cast<const char*>(s));
 }
 
+/// FLOATSTAGE_GL_DEBUG=1: what the driver has to say (errors, undefined behaviour, slow paths) goes to the
+/// log.
+bool listens_to_driver() {
+  const char* wanted = std::getenv("FLOATSTAGE_GL_DEBUG");
+  return wanted != nullptr && std::string_view(wanted) == "1";
+}
+
+void log_driver(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* message,
+                const void*) {
+  const std::string said = text("OpenGL: ", std::string_view(message, static_cast<std::size_t>(length)));
+  if (type == GL_DEBUG_TYPE_ERROR || severity == GL_DEBUG_SEVERITY_HIGH)
+    log::warning(said);
+  else
+    log::debug(said);
+}
+
 Result<void> set_conventions() {
   if (epoxy_gl_version() < kMajor * 10 + kMinor || !epoxy_is_desktop_gl())
     return fail(ErrorCode::Unsupported, text("this machine offers OpenGL ", gl_string(GL_VERSION),
@@ -40,6 +58,11 @@ Result<void> set_conventions() {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glDisable(GL_DITHER);
+  if (listens_to_driver()) {
+    glEnable(GL_DEBUG_OUTPUT);
+    glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+    glDebugMessageCallback(log_driver, nullptr);
+  }
   return {};
 }
 
@@ -89,6 +112,8 @@ std::unique_ptr<GlContext> context_on(EGLDisplay display, const std::string& nam
                                kMinor,
                                EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                               EGL_CONTEXT_OPENGL_DEBUG,
+                               listens_to_driver() ? EGL_TRUE : EGL_FALSE,
                                EGL_NONE};
   const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
   if (context == EGL_NO_CONTEXT) return give_up("no OpenGL 4.5 core context");
@@ -99,12 +124,19 @@ std::unique_ptr<GlContext> context_on(EGLDisplay display, const std::string& nam
   return owner;
 }
 
+/// Whether EGL can list devices: EGL_EXT_device_base is what became two extensions later; NVIDIA names that
+/// alone.
+bool lists_devices() {
+  const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  const bool both =
+      has_extension(client, "EGL_EXT_device_enumeration") && has_extension(client, "EGL_EXT_device_query");
+  return has_extension(client, "EGL_EXT_platform_device") &&
+         (both || has_extension(client, "EGL_EXT_device_base"));
+}
+
 /// The devices EGL lists, hardware or software ones.
 std::vector<EGLDeviceEXT> devices(bool software) {
-  const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-  if (!has_extension(client, "EGL_EXT_platform_device") ||
-      !has_extension(client, "EGL_EXT_device_enumeration"))
-    return {};
+  if (!lists_devices()) return {};
   EGLint count = 0;
   if (!eglQueryDevicesEXT(0, nullptr, &count) || count <= 0) return {};
   std::vector<EGLDeviceEXT> all(static_cast<std::size_t>(count));

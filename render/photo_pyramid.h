@@ -37,7 +37,7 @@ inline int pyramid_level(float width) {
   return level;
 }
 
-/// Filters of ch. 10: how they are laid along the line of disparity. render/gl/shaders/filtered.frag has the
+/// Filters of ch. 10: how they are laid along the line of disparity. render/gl/shaders/filtered.comp has the
 /// same.
 struct FilterLine {
   static constexpr int kFewTaps = 4;  ///< as many as a filter has that is wider than a pixel, at least

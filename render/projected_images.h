@@ -17,7 +17,7 @@ struct ProjectedImages {
   Pictures state;  ///< per image and pixel: where the colour comes from
 };
 
-/// Reads `layers` RGBA pictures as render/gl/shaders/project.frag writes them (alpha: where the colour comes
+/// Reads `layers` RGBA pictures as render/gl/shaders/project.comp writes them (alpha: where the colour comes
 /// from), at 1/shrink of their size: grey is the mean of the pixels on the proxy, and a pixel is an image's
 /// own only where all of those are.
 ProjectedImages projected_images(const std::vector<std::uint8_t>& rgba, int width, int height, int layers,

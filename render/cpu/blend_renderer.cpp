@@ -1,5 +1,5 @@
 // The weighted mean of the projected photographs (Eq. 9.1), or how far they disagree. The pass of
-// render/gl/shaders/blend.frag.
+// render/gl/shaders/blend.comp.
 #include <array>
 #include <span>
 

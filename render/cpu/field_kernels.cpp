@@ -20,7 +20,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace floatstage::render::cpu::HWY_NAMESPACE {
 
-constexpr int kInversions = 2;  // render/gl/shaders/static.frag has the same
+constexpr int kInversions = 2;  // render/gl/shaders/static.comp has the same
 
 struct Moved {
   VF x, y;

@@ -6,7 +6,7 @@
 #include "render/camera_choice.h"
 #include "render/cpu/photo_kernels.h"
 
-// Inner loop of floating by precomputed fields (Eq. 11.4). The twin of render/gl/shaders/static.frag.
+// Inner loop of floating by precomputed fields (Eq. 11.4). The twin of render/gl/shaders/static.comp.
 namespace floatstage::render::cpu {
 
 /// The fields of one photograph to others, and what draws them. All on one grid.

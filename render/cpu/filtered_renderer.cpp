@@ -1,7 +1,7 @@
 // Filtered Blending: M. Eisemann, Error-Concealed Image-Based Rendering, ch. 10. Whatever depth the proxy
 // misses, the right colour of a photograph lies on the line of disparity; the photograph is filtered along
 // it, then blended as "linear" does. Where it differs: colours count by their opacity, and narrow filters
-// read photographs by a spline. The pass of render/gl/shaders/filtered.frag.
+// read photographs by a spline. The pass of render/gl/shaders/filtered.comp.
 // docs/adr/0210-filtered-blending.md.
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Warps the intermediate images onto one another and blends them (Eq. 11.2, 11.3). The pass of
-// render/gl/shaders/float.frag.
+// render/gl/shaders/float.comp.
 #include <algorithm>
 #include <cmath>
 

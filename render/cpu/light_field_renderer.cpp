@@ -1,5 +1,5 @@
 // Light field rendering (Levoy and Hanrahan 1996) on the proxy: the four cameras around where the viewing ray
-// meets the cameras' plane, weighted bilinearly. The pass of render/gl/shaders/light_field.frag.
+// meets the cameras' plane, weighted bilinearly. The pass of render/gl/shaders/light_field.comp.
 #include <algorithm>
 #include <array>
 #include <limits>

@@ -8,7 +8,7 @@
 
 // Inner loops over lists of pixels, made for several instruction sets and chosen at run time. Lists are
 // padded to Covered::kAlign: loops read and write up to the next multiple of it. Formulas:
-// render/gl/shaders/camera.glsl and visibility.frag.
+// render/gl/shaders/camera.glsl and visibility.comp.
 namespace floatstage::render::cpu {
 
 /// How a pixel of the window becomes a point of the world.

@@ -1,5 +1,5 @@
 // Floating Textures for scenes at rest (Eq. 11.4): photographs displaced by fields that were estimated in the
-// cameras' own pictures, and blended as "linear" does. The pass of render/gl/shaders/static.frag.
+// cameras' own pictures, and blended as "linear" does. The pass of render/gl/shaders/static.comp.
 #include <array>
 #include <span>
 

@@ -6,7 +6,7 @@
 #include "render/camera_choice.h"
 
 // Inner loops that carry intermediate images along their combined warps (Eq. 11.2). Formulas:
-// render/gl/shaders/float.frag.
+// render/gl/shaders/float.comp.
 namespace floatstage::render::cpu {
 
 /// Planes of the window that one intermediate image is read from.

@@ -124,7 +124,7 @@ void OneCamera(const WeightRow& row) {
   }
 }
 
-// weights.frag says what the four kinds of cameras are and why each lets the next one in by degrees.
+// weights.comp says what the four kinds of cameras are and why each lets the next one in by degrees.
 void BlendingWeights(const WeightRow& row) {
   if (row.one_camera) return OneCamera(row);
   const hn::CappedTag<float, 16> d;

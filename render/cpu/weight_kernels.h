@@ -6,7 +6,7 @@
 #include "render/camera_choice.h"
 
 // Inner loops of soft visibility (Eq. 11.5) and of the blending weights. Lists are padded to Covered::kAlign.
-// Formulas: render/gl/shaders/soft_rows.frag and weights.frag.
+// Formulas: render/gl/shaders/soft_rows.comp and weights.comp.
 namespace floatstage::render::cpu {
 
 inline constexpr float kStandIn = 1e-3F;  ///< mattes of cameras beyond the chosen ones count so much

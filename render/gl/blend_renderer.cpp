@@ -3,13 +3,14 @@
 #include "render/gl/blending_pass.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
+#include "render/gl/stage_times.h"
 
 namespace floatstage::render {
 namespace {
 
 class BlendRenderer : public ViewRenderer {
  public:
-  BlendRenderer(bool one_camera, Projection projection, Inspection inspection, gl::Program blend)
+  BlendRenderer(bool one_camera, Projection projection, Inspection inspection, gl::Kernel blend)
       : one_camera_(one_camera),
         projection_(std::move(projection)),
         inspection_(std::move(inspection)),
@@ -23,15 +24,13 @@ class BlendRenderer : public ViewRenderer {
       return forward(ok);
     projection_.run(**textures, view, options, 0, one_camera_);
     target_.begin(view.model.width, view.model.height, options.background);
-    if (const Window& w = projection_.window(); !w.empty()) {
+    if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
-        glUseProgram(blend_.id());
-        glUniform2i(0, w.x, w.y);
-        projection_.draw_at(target_.framebuffer(), blend_,
-                            {projection_.surface(), projection_.weights(0), projection_.weights(1)}, w.x, w.y,
-                            w.width, w.height);
+        gl::StageTimes::enter("blending");
+        projection_.draw(blend_, {&projection_.surface(), &projection_.weights(0), &projection_.weights(1)},
+                         target_);
       }
       projection_.soften(**textures, options, target_);
     }
@@ -42,7 +41,7 @@ class BlendRenderer : public ViewRenderer {
   bool one_camera_;
   Projection projection_;
   Inspection inspection_;
-  gl::Program blend_;
+  gl::Kernel blend_;
   ViewTarget target_;
 };
 
@@ -50,7 +49,9 @@ class BlendRenderer : public ViewRenderer {
 
 Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera) {
   return make_blending_pass<BlendRenderer>(
-      "blend.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"}, one_camera);
+      "blend.comp",
+      {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "window.glsl", "picture.glsl"},
+      one_camera);
 }
 
 }  // namespace floatstage::render

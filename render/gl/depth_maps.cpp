@@ -38,9 +38,9 @@ void DepthMaps::ensure(std::span<const int> wanted, GLuint program, GLuint mesh,
     glNamedFramebufferTextureLayer(framebuffer_.id(), GL_COLOR_ATTACHMENT0, maps_.id(), 0, i);
     glNamedFramebufferTexture(framebuffer_.id(), GL_DEPTH_ATTACHMENT, z_buffer_.id(), 0);
     const float nothing[4] = {kNothing, 0, 0, 0}, one = 1;
-    glClearNamedFramebufferfv(framebuffer_.id(), GL_COLOR, 0, nothing);
-    glClearNamedFramebufferfv(framebuffer_.id(), GL_DEPTH, 0, &one);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
+    glClearBufferfv(GL_COLOR, 0, nothing);
+    glClearBufferfv(GL_DEPTH, 0, &one);
     glViewport(0, 0, width_, height_);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);

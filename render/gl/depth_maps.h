@@ -18,7 +18,7 @@ class DepthMaps {
   /// Renders the maps of `wanted` (indices into plan()'s cameras) that are not there yet.
   void ensure(std::span<const int> wanted, GLuint program, GLuint mesh, GLsizei indices);
 
-  GLuint texture() const { return maps_.id(); }
+  const gl::Texture& texture() const { return maps_; }
 
  private:
   struct Map {

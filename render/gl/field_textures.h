@@ -17,7 +17,7 @@ class FieldTextures {
   std::span<const int> layers_of(std::span<const std::shared_ptr<const CameraField>> wanted);
 
   /// Of all layers: RG16_SNORM, 1 being 32767 steps. Nothing before a first field was wanted.
-  GLuint texture() const { return fields_.id(); }
+  const gl::Texture& texture() const { return fields_; }
 
  private:
   gl::Texture fields_;

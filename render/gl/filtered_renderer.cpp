@@ -5,6 +5,7 @@
 
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
+#include "render/gl/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -14,47 +15,39 @@ class History {
  public:
   static Result<History> create() {
     History h;
-    Result<gl::Program> fade = gl::make_program("fullscreen.vert", "fade.frag", {"view.glsl"});
+    Result<gl::Kernel> fade = gl::Kernel::create("fade.comp", {});
     if (!fade) return forward(fade);
     h.fade_ = std::move(*fade);
-    for (gl::Framebuffer& f : h.targets_) f = gl::Framebuffer::create();
-    h.shown_target_ = gl::Framebuffer::create();
     return h;
   }
 
   void forget() { size_ = {0, 0}; }
 
-  /// Mixes `now` into what was before; the texture to show.
-  GLuint mix(const Projection& projection, GLuint now, int width, int height, float share) {
+  /// Mixes `now` into what was before: what to show.
+  const gl::Texture& mix(const gl::Texture& now, float share) {
+    const int width = now.width(), height = now.height();
     const bool first = size_ != std::array<int, 2>{width, height};
     size_ = {width, height};
-    for (std::size_t i = 0; i < 2; ++i)
-      if (sums_[i].resize(GL_RGBA32F, GL_NEAREST, width, height))
-        glNamedFramebufferTexture(targets_[i].id(), GL_COLOR_ATTACHMENT0, sums_[i].id(), 0);
-    if (shown_.resize(GL_RGBA8, GL_LINEAR, width, height))
-      glNamedFramebufferTexture(shown_target_.id(), GL_COLOR_ATTACHMENT0, shown_.id(), 0);
+    for (gl::Texture& sum : sums_) sum.resize(GL_RGBA32F, GL_NEAREST, width, height);
+    shown_.resize(GL_RGBA8, GL_LINEAR, width, height);
     const std::size_t to = 1 - last_;
-    glProgramUniform1f(fade_.id(), 0, first ? 0 : share);
-    projection.draw_at(targets_[to].id(), fade_, {now, sums_[last_].id()}, 0, 0, width, height);
-    glProgramUniform1f(fade_.id(), 0, 0);
-    projection.draw_at(shown_target_.id(), fade_, {sums_[to].id(), sums_[last_].id()}, 0, 0, width, height);
+    fade_.set(0, first ? 0 : share);
+    fade_.over(width, height, {&now, &sums_[last_]}, {&sums_[to], &shown_});
     last_ = to;
-    return shown_.id();
+    return shown_;
   }
 
  private:
-  gl::Program fade_;
+  gl::Kernel fade_;
   std::array<gl::Texture, 2> sums_;
-  std::array<gl::Framebuffer, 2> targets_;
   gl::Texture shown_;
-  gl::Framebuffer shown_target_;
   std::array<int, 2> size_ = {0, 0};
   std::size_t last_ = 0;
 };
 
 class FilteredRenderer : public ViewRenderer {
  public:
-  FilteredRenderer(Projection projection, Inspection inspection, gl::Program blend, History history)
+  FilteredRenderer(Projection projection, Inspection inspection, gl::Kernel blend, History history)
       : projection_(std::move(projection)),
         inspection_(std::move(inspection)),
         blend_(std::move(blend)),
@@ -67,17 +60,16 @@ class FilteredRenderer : public ViewRenderer {
     if (!textures) return forward(textures);
     projection_.run(**textures, view, options, 0, false, true);
     target_.begin(view.model.width, view.model.height, options.background);
-    if (const Window& w = projection_.window(); !w.empty()) {
+    if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output))
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       else
-        draw(scene.impl(), options, w);
+        draw(scene.impl(), options);
       projection_.soften(**textures, options, target_);
     }
     RenderedView drawn = rendered_view(scene, view, projection_, target_);
     if (options.output == RenderOutput::Color && options.motion_blur > 0)
-      drawn.texture = history_.mix(projection_, target_.texture(), drawn.width, drawn.height,
-                                   static_cast<float>(options.motion_blur));
+      drawn.texture = history_.mix(target_.texture(), static_cast<float>(options.motion_blur)).id();
     else
       history_.forget();
     return drawn;
@@ -86,19 +78,16 @@ class FilteredRenderer : public ViewRenderer {
   void reset_history() override { history_.forget(); }
 
  private:
-  void draw(const Scene::Impl& s, const RendererOptions& options, const Window& w) {
-    glProgramUniform2i(blend_.id(), 0, w.x, w.y);
-    glProgramUniform1f(
-        blend_.id(), 1,
-        static_cast<float>(options.uncertainty * static_cast<double>(s.box.diagonal().norm())));
-    projection_.draw_at(target_.framebuffer(), blend_,
-                        {projection_.surface(), projection_.weights(0), projection_.weights(1)}, w.x, w.y,
-                        w.width, w.height);
+  void draw(const Scene::Impl& s, const RendererOptions& options) {
+    gl::StageTimes::enter("blending");
+    blend_.set(1, static_cast<float>(options.uncertainty * static_cast<double>(s.box.diagonal().norm())));
+    projection_.draw(blend_, {&projection_.surface(), &projection_.weights(0), &projection_.weights(1)},
+                     target_);
   }
 
   Projection projection_;
   Inspection inspection_;
-  gl::Program blend_;
+  gl::Kernel blend_;
   History history_;
   ViewTarget target_;
 };
@@ -110,8 +99,9 @@ Result<std::unique_ptr<ViewRenderer>> make_filtered_renderer() {
   if (!projection) return forward(projection);
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
-  Result<gl::Program> blend = gl::make_program(
-      "fullscreen.vert", "filtered.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
+  Result<gl::Kernel> blend = gl::Kernel::create(
+      "filtered.comp",
+      {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "window.glsl", "picture.glsl"});
   if (!blend) return forward(blend);
   Result<History> history = History::create();
   if (!history) return forward(history);

@@ -14,7 +14,7 @@ class FloatingFlow {
  public:
   static Result<FloatingFlow> create(FlowPrecision precision);
 
-  /// `images` (RGBA8 as shaders/project.frag writes them, a layer an image) holds `width` * `height` px;
+  /// `images` (RGBA8 as shaders/project.comp writes them, a layer an image) holds `width` * `height` px;
   /// `wanted`, one an image: is I_i -> I_j asked for, or zero? `flows` becomes an array of layers i * (n - 1)
   /// + (j < i ? j : j - 1) at 1/options.shrink of the size, filtered linearly, in px of its own.
   Result<void> run(const gl::Texture& images, int width, int height, const std::vector<bool>& wanted,

@@ -19,27 +19,24 @@ namespace {
 
 constexpr int kMargin = 16;  // px around the view: what the warps may pull in from outside
 
-constexpr float kLeastFade = 1e-4F;  // shaders/float.frag has the same: a fainter camera pulls nothing
+constexpr float kLeastFade = 1e-4F;  // shaders/float.comp has the same: a fainter camera pulls nothing
 
 class FloatingRenderer : public ViewRenderer {
  public:
-  FloatingRenderer(Projection projection, Inspection inspection, gl::Program project, gl::Program composite)
+  FloatingRenderer(Projection projection, Inspection inspection, gl::Kernel project, gl::Kernel composite)
       : projection_(std::move(projection)),
         inspection_(std::move(inspection)),
         project_(std::move(project)),
         float_(std::move(composite)),
-        images_target_(gl::Framebuffer::create()),
         software_(is_software_gl()) {}
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
     if (Result<void> ok = check_render(scene, view, options); !ok) return forward(ok);
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
-    gl::StageTimes::enter("projection");
     projection_.run(**textures, view, options, kMargin, false);
-    const Window& w = projection_.window();
     target_.begin(view.model.width, view.model.height, options.background);
-    if (!w.empty()) {
+    if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
@@ -48,16 +45,14 @@ class FloatingRenderer : public ViewRenderer {
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         const ShownSlots shown = shown_slots(scene, projection_.choice(), options);
         gl::StageTimes::enter("blending");
-        glUseProgram(float_.id());
-        glUniform2i(0, w.x, w.y);
-        glUniform1i(1, static_cast<GLint>(options.positions));
-        glUniform2i(2, shown.camera, shown.towards);
-        glUniform1i(3, options.shown_camera < 0 ? 1 : 0);
-        projection_.draw_at(target_.framebuffer(), float_,
-                            {projection_.surface(), projection_.weights(0), projection_.weights(1),
-                             images_.id(), flows_.id(), projection_.angular(0), projection_.angular(1),
-                             projection_.soft(0), projection_.soft(1), confidence_.id()},
-                            w.x, w.y, w.width, w.height);
+        float_.set(1, static_cast<int>(options.positions))
+            .set(2, shown.camera, shown.towards)
+            .set(3, options.shown_camera < 0 ? 1 : 0);
+        projection_.draw(float_,
+                         {&projection_.surface(), &projection_.weights(0), &projection_.weights(1), &images_,
+                          &flows_, &projection_.angular(0), &projection_.angular(1), &projection_.soft(0),
+                          &projection_.soft(1), &confidence_},
+                         target_);
       }
       projection_.soften(**textures, options, target_);
     }
@@ -69,16 +64,12 @@ class FloatingRenderer : public ViewRenderer {
 
   void project_images(bool fill_hidden) {
     const Window& w = projection_.window();
-    if (images_.reserve(GL_RGBA8, GL_LINEAR, w.width, w.height, count()))
-      for (int i = 0; i < kMostListed; ++i)
-        glNamedFramebufferTextureLayer(images_target_.id(), GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i),
-                                       i < count() ? images_.id() : 0, 0, i);
-    set_draw_buffers(images_target_, count());
-    glUseProgram(project_.id());
-    glUniform1i(0, fill_hidden ? 1 : 0);
-    projection_.draw(
-        images_target_.id(), project_,
-        {projection_.surface(), projection_.weights(0), projection_.weights(1), projection_.visibility()});
+    images_.reserve(GL_RGBA8, GL_LINEAR, w.width, w.height, count());
+    project_.set(0, fill_hidden ? 1 : 0);
+    projection_.on_window(
+        project_,
+        {&projection_.surface(), &projection_.weights(0), &projection_.weights(1), &projection_.visibility()},
+        {&images_});
   }
 
   /// The images for the flow: grey, and at 1/shrink of their size.
@@ -157,9 +148,8 @@ class FloatingRenderer : public ViewRenderer {
 
   Projection projection_;
   Inspection inspection_;
-  gl::Program project_, float_;
+  gl::Kernel project_, float_;
   gl::Texture images_, flows_, confidence_;
-  gl::Framebuffer images_target_;
   ViewTarget target_;
   bool software_;                         // what draws; or the flow does not run on what does
   PairwiseFlows pairwise_;                // on the CPU …
@@ -173,12 +163,12 @@ Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
   if (!projection) return forward(projection);
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
-  Result<gl::Program> project =
-      gl::make_program("fullscreen.vert", "project.frag", {"view.glsl", "camera.glsl", "footprint.glsl"});
+  Result<gl::Kernel> project =
+      gl::Kernel::create("project.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "window.glsl"});
   if (!project) return forward(project);
-  Result<gl::Program> composite =
-      gl::make_program("fullscreen.vert", "float.frag",
-                       {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl"});
+  Result<gl::Kernel> composite =
+      gl::Kernel::create("float.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl",
+                                        "false_color.glsl", "window.glsl", "picture.glsl"});
   if (!composite) return forward(composite);
   return std::unique_ptr<ViewRenderer>(std::make_unique<FloatingRenderer>(
       std::move(*projection), std::move(*inspection), std::move(*project), std::move(*composite)));

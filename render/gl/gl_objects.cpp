@@ -83,6 +83,8 @@ void Texture::swap(Texture& o) {
   std::swap(layers_, o.layers_);
 }
 
+int Texture::rounded_up(int n) { return (n + kGranularity - 1) / kGranularity * kGranularity; }
+
 void Texture::allocate(GLenum format, GLenum filter, int width, int height, int layers) {
   if (id_ != 0) glDeleteTextures(1, &id_);
   glCreateTextures(layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D, 1, &id_);
@@ -105,10 +107,20 @@ bool Texture::reserve(GLenum format, GLenum filter, int width, int height, int l
   if (id_ != 0 && format == format_ && filter == filter_ && layers == layers_ && width <= width_ &&
       height <= height_)
     return false;
-  auto round_up = [](int n) { return (n + kGranularity - 1) / kGranularity * kGranularity; };
   const bool same_kind = format == format_ && layers == layers_;
-  allocate(format, filter, std::max(round_up(width), same_kind ? width_ : 0),
-           std::max(round_up(height), same_kind ? height_ : 0), layers);
+  allocate(format, filter, std::max(rounded_up(width), same_kind ? width_ : 0),
+           std::max(rounded_up(height), same_kind ? height_ : 0), layers);
+  return true;
+}
+
+bool Texture::reserve_samples(GLenum format, int samples, int width, int height) {
+  if (id_ != 0 && format == format_ && width <= width_ && height <= height_) return false;
+  if (id_ != 0) glDeleteTextures(1, &id_);
+  format_ = format;
+  width_ = std::max(rounded_up(width), width_);
+  height_ = std::max(rounded_up(height), height_);
+  glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &id_);
+  glTextureStorage2DMultisample(id_, samples, format, width_, height_, GL_TRUE);
   return true;
 }
 

@@ -60,7 +60,7 @@ using Framebuffer = Object<FramebufferKind>;
 using Program = Object<ProgramKind>;
 
 /// A GL_TEXTURE_2D (layers == 0) or GL_TEXTURE_2D_ARRAY with immutable storage, one level, clamped to its
-/// edge.
+/// edge; or one of several samples a pixel.
 class Texture {
  public:
   Texture() = default;
@@ -75,6 +75,8 @@ class Texture {
   /// large enough (so sizes that vary a little from view to view do not reallocate). True when storage is
   /// new.
   bool reserve(GLenum format, GLenum filter, int width, int height, int layers = 0);
+  /// The same with that many samples a pixel: a GL_TEXTURE_2D_MULTISAMPLE.
+  bool reserve_samples(GLenum format, int samples, int width, int height);
   /// Makes storage of exactly this size, kept when nothing changes. True when storage is new.
   bool resize(GLenum format, GLenum filter, int width, int height, int layers = 0);
 
@@ -86,6 +88,7 @@ class Texture {
 
  private:
   void swap(Texture& o);
+  static int rounded_up(int n);
   void allocate(GLenum format, GLenum filter, int width, int height, int layers);
   GLuint id_ = 0;
   GLenum format_ = 0, filter_ = 0;

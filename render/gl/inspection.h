@@ -11,10 +11,10 @@ class Inspection {
  public:
   static Result<Inspection> create();
   void draw(const Projection& projection, const SceneTextures& textures, const Scene& scene, const View& view,
-            const RendererOptions& options, const ViewTarget& target) const;
+            const RendererOptions& options, const ViewTarget& target);
 
  private:
-  gl::Program program_;
+  gl::Kernel kernel_;
 };
 
 /// What render() returns once the target is drawn.

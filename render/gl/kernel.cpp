@@ -9,6 +9,7 @@
 namespace floatstage::render::gl {
 namespace {
 
+constexpr int kWindowGroup = 8;     // px: shaders/window.glsl has the same
 constexpr GLuint kTileBinding = 2;  // shaders/flow.glsl has the same
 constexpr GLbitfield kFinished = GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
                                  GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
@@ -18,15 +19,21 @@ constexpr GLbitfield kFinished = GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_
 
 std::size_t bytes_of(GLenum format) {
   switch (format) {
+    case GL_R8:
+    case GL_R8UI:
+      return 1;
+    case GL_RG8:
     case GL_RG8UI:
     case GL_R16UI:
       return 2;
     case GL_R32F:
     case GL_RG16F:
     case GL_RG16UI:
+    case GL_RG16_SNORM:
     case GL_RGBA8:
       return 4;
     case GL_RG32F:
+    case GL_RG32UI:
     case GL_RGBA16F:
       return 8;
     case GL_RGBA32F:
@@ -72,6 +79,10 @@ Kernel& Kernel::set(GLint location, float x, float y, float z, float w) {
   glProgramUniform4f(program_.id(), location, x, y, z, w);
   return *this;
 }
+Kernel& Kernel::set(GLint location, const std::array<float, 3>& v) {
+  glProgramUniform3fv(program_.id(), location, 1, v.data());
+  return *this;
+}
 Kernel& Kernel::set(GLint location, float x, float y) {
   glProgramUniform2f(program_.id(), location, x, y);
   return *this;
@@ -81,9 +92,9 @@ void Kernel::bind(Textures read, Textures written, std::size_t pixels) const {
   std::size_t bytes = 0;
   GLuint unit = 1;
   for (const Texture* texture : read) {
-    glBindTextureUnit(unit++, texture == nullptr ? 0 : texture->id());
-    if (texture == nullptr) continue;
-    bytes += bytes_of(texture->format());
+    const bool there = texture != nullptr && texture->id() != 0;
+    glBindTextureUnit(unit++, there ? texture->id() : 0);
+    if (there) bytes += bytes_of(texture->format());
   }
   unit = 0;
   for (const Texture* texture : written) {
@@ -98,6 +109,11 @@ void Kernel::run(Textures read, Textures written, int x, int y, int z, std::size
   bind(read, written, pixels);
   glDispatchCompute(static_cast<GLuint>(x), static_cast<GLuint>(y), static_cast<GLuint>(z));
   glMemoryBarrier(kFinished);
+}
+
+void Kernel::over(int width, int height, Textures read, Textures written) const {
+  run(read, written, (width + kWindowGroup - 1) / kWindowGroup, (height + kWindowGroup - 1) / kWindowGroup, 1,
+      static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
 }
 
 void Kernel::run(Textures read, Textures written, const TileList& tiles, std::size_t pixels) const {

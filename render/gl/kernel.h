@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <initializer_list>
 #include <string_view>
@@ -22,8 +23,8 @@ class TileList {
 };
 
 /// A compute shader with what it is run on. Textures are read at units 1, 2, … and written at image units 0,
-/// 1, … (null: a unit that this run does not read); unit 0 and the first storage buffer belong to the scene
-/// (Projection). Every run() is finished for those that follow.
+/// 1, … (null or without storage: a unit that this run does not read); unit 0 and the first storage buffer
+/// belong to the scene (Projection). Every run() is finished for those that follow.
 class Kernel {
  public:
   static Result<Kernel> create(std::string_view shader, std::initializer_list<std::string_view> shared);
@@ -33,10 +34,13 @@ class Kernel {
   Kernel& set(GLint location, int x, int y);
   Kernel& set(GLint location, float x, float y, float z, float w);
   Kernel& set(GLint location, float x, float y);
+  Kernel& set(GLint location, const std::array<float, 3>& v);
 
   using Textures = std::initializer_list<const Texture*>;
   /// `x` * `y` * `z` work groups, which stand for `pixels` pixels.
   void run(Textures read, Textures written, int x, int y, int z, std::size_t pixels) const;
+  /// One invocation of local size 8x8 for each of `width` * `height` pixels (shaders/window.glsl).
+  void over(int width, int height, Textures read, Textures written) const;
   /// As many as the list says.
   void run(Textures read, Textures written, const TileList& tiles, std::size_t pixels) const;
 

@@ -6,6 +6,7 @@
 #include "render/gl/blending_pass.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
+#include "render/gl/stage_times.h"
 #include "render/light_field.h"
 
 namespace floatstage::render {
@@ -13,7 +14,7 @@ namespace {
 
 class LightFieldRenderer : public ViewRenderer {
  public:
-  LightFieldRenderer(Projection projection, Inspection inspection, gl::Program blend)
+  LightFieldRenderer(Projection projection, Inspection inspection, gl::Kernel blend)
       : projection_(std::move(projection)), inspection_(std::move(inspection)), blend_(std::move(blend)) {}
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
@@ -26,15 +27,14 @@ class LightFieldRenderer : public ViewRenderer {
     const LightFieldPlane plane(*grid, view.view_from_world.center());
     projection_.run(**textures, view, options, 0, false);
     target_.begin(view.model.width, view.model.height, options.background);
-    if (const Window& w = projection_.window(); !w.empty()) {
+    if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
         set_plane(plane);
         set_levels(**textures, plane, view);
-        glProgramUniform2i(blend_.id(), 0, w.x, w.y);
-        projection_.draw_at(target_.framebuffer(), blend_, {projection_.surface()}, w.x, w.y, w.width,
-                            w.height);
+        gl::StageTimes::enter("blending");
+        projection_.draw(blend_, {&projection_.surface()}, target_);
       }
       projection_.soften(**textures, options, target_);
     }
@@ -50,12 +50,11 @@ class LightFieldRenderer : public ViewRenderer {
     places.insert(places.end(), plane.cameras.begin(), plane.cameras.end());
     gl::upload(places_, capacity_, places.data(), places.size() * sizeof(float));
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, places_.id());
-    glProgramUniform2i(blend_.id(), 1, static_cast<GLint>(plane.x.size()),
-                       static_cast<GLint>(plane.y.size()));
-    glProgramUniform3fv(blend_.id(), 2, 1, plane.normal.data());
-    glProgramUniform3fv(blend_.id(), 3, 1, plane.right.data());
-    glProgramUniform3fv(blend_.id(), 4, 1, plane.down.data());
-    glProgramUniform3f(blend_.id(), 5, plane.height, plane.eye_x, plane.eye_y);
+    blend_.set(1, static_cast<int>(plane.x.size()), static_cast<int>(plane.y.size()))
+        .set(2, plane.normal)
+        .set(3, plane.right)
+        .set(4, plane.down)
+        .set(5, std::array<float, 3>{plane.height, plane.eye_x, plane.eye_y});
   }
 
   void set_levels(const SceneTextures& textures, const LightFieldPlane& plane, const View& view) {
@@ -64,12 +63,12 @@ class LightFieldRenderer : public ViewRenderer {
     for (int camera : plane.cameras)
       deepest = std::max(deepest, deepest_level(s.cameras[static_cast<std::size_t>(camera)], view, s.box));
     if (deepest > 0) textures.ensure_levels(plane.cameras);
-    glProgramUniform1i(blend_.id(), 6, deepest);
+    blend_.set(6, deepest);
   }
 
   Projection projection_;
   Inspection inspection_;
-  gl::Program blend_;
+  gl::Kernel blend_;
   gl::Buffer places_;
   std::size_t capacity_ = 0;
   ViewTarget target_;
@@ -79,7 +78,8 @@ class LightFieldRenderer : public ViewRenderer {
 
 Result<std::unique_ptr<ViewRenderer>> make_light_field_renderer() {
   return make_blending_pass<LightFieldRenderer>(
-      "light_field.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl"});
+      "light_field.comp",
+      {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "window.glsl", "picture.glsl"});
 }
 
 }  // namespace floatstage::render

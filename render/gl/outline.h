@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/gl/gl_objects.h"
+#include "render/gl/kernel.h"
 #include "render/renderer.h"
 
 namespace floatstage::render {
@@ -23,8 +23,9 @@ class Outline {
   Outline() = default;
   void draw_samples(const Projection& projection, const SceneTextures& scene);
 
-  gl::Program coverage_, outline_;
-  gl::Texture samples_;  // RGBA8, a channel each
+  gl::Program coverage_;
+  gl::Kernel outline_;
+  gl::Texture samples_;  // R8, four a pixel
   gl::Framebuffer samples_target_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/footprint.h"
+#include "render/gl/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -43,35 +44,32 @@ float f(double v) { return static_cast<float>(v); }
 
 }  // namespace
 
-void set_draw_buffers(const gl::Framebuffer& framebuffer, int count) {
-  std::array<GLenum, 8> buffers{};
-  for (std::size_t i = 0; i < buffers.size(); ++i) buffers[i] = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
-  glNamedFramebufferDrawBuffers(framebuffer.id(), count, buffers.data());
-}
-
 Result<Projection> Projection::create() {
   Projection p;
-  struct Wanted {
+  struct Raster {
     gl::Program* program;
     std::string_view vertex, fragment;
   };
-  for (const Wanted& w : {Wanted{&p.depth_map_, "depth_map.vert", "depth_map.frag"},
-                          Wanted{&p.proxy_, "proxy.vert", "proxy.frag"},
-                          Wanted{&p.visibility_pass_, "fullscreen.vert", "visibility.frag"},
-                          Wanted{&p.hidden_pass_, "fullscreen.vert", "hidden.frag"},
-                          Wanted{&p.soft_rows_, "fullscreen.vert", "soft_rows.frag"},
-                          Wanted{&p.weights_pass_, "fullscreen.vert", "weights.frag"}}) {
-    Result<gl::Program> program = gl::make_program(w.vertex, w.fragment, {"view.glsl", "camera.glsl"});
+  for (const Raster& w : {Raster{&p.depth_map_, "depth_map.vert", "depth_map.frag"},
+                          Raster{&p.proxy_, "proxy.vert", "proxy.frag"}}) {
+    Result<gl::Program> program = gl::make_program(w.vertex, w.fragment, {"view.glsl"});
     if (!program) return forward(program);
     *w.program = std::move(*program);
+  }
+  struct Pass {
+    gl::Kernel* kernel;
+    std::string_view shader;
+  };
+  for (const Pass& w : {Pass{&p.visibility_pass_, "visibility.comp"}, Pass{&p.hidden_pass_, "hidden.comp"},
+                        Pass{&p.soft_rows_, "soft_rows.comp"}, Pass{&p.weights_pass_, "weights.comp"}}) {
+    Result<gl::Kernel> kernel = gl::Kernel::create(w.shader, {"view.glsl", "camera.glsl", "window.glsl"});
+    if (!kernel) return forward(kernel);
+    *w.kernel = std::move(*kernel);
   }
   Result<Outline> outline = Outline::create();
   if (!outline) return forward(outline);
   p.outline_ = std::move(*outline);
-  p.no_vertices_ = gl::VertexArray::create();
-  for (gl::Framebuffer* target :
-       {&p.surface_target_, &p.visibility_target_, &p.hidden_target_, &p.rows_target_, &p.weights_target_})
-    *target = gl::Framebuffer::create();
+  p.surface_target_ = gl::Framebuffer::create();
   return p;
 }
 
@@ -81,26 +79,15 @@ void Projection::reserve() {
     glNamedFramebufferTexture(surface_target_.id(), GL_COLOR_ATTACHMENT0, surface_.id(), 0);
   if (z_buffer_.reserve(GL_DEPTH_COMPONENT32F, GL_NEAREST, w, h))
     glNamedFramebufferTexture(surface_target_.id(), GL_DEPTH_ATTACHMENT, z_buffer_.id(), 0);
-  if (visibility_.reserve(GL_RG32UI, GL_NEAREST, w, h))
-    glNamedFramebufferTexture(visibility_target_.id(), GL_COLOR_ATTACHMENT0, visibility_.id(), 0);
-  if (hidden_.reserve(GL_R8UI, GL_NEAREST, w, h))
-    glNamedFramebufferTexture(hidden_target_.id(), GL_COLOR_ATTACHMENT0, hidden_.id(), 0);
-  if (row_distances_.reserve(GL_RG32UI, GL_NEAREST, w, h))
-    glNamedFramebufferTexture(rows_target_.id(), GL_COLOR_ATTACHMENT0, row_distances_.id(), 0);
-  for (int i = 0; i < 2; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    const GLenum place = static_cast<GLenum>(i);
-    if (angular_[n].reserve(GL_RGBA16F, GL_NEAREST, w, h))
-      glNamedFramebufferTexture(visibility_target_.id(), GL_COLOR_ATTACHMENT1 + place, angular_[n].id(), 0);
-    if (weights_[n].reserve(GL_RGBA16F, GL_NEAREST, w, h))
-      glNamedFramebufferTexture(weights_target_.id(), GL_COLOR_ATTACHMENT0 + place, weights_[n].id(), 0);
-    if (soft_[n].reserve(GL_RGBA16F, GL_LINEAR, w, h))
-      glNamedFramebufferTexture(weights_target_.id(), GL_COLOR_ATTACHMENT2 + place, soft_[n].id(), 0);
+  visibility_.reserve(GL_RG32UI, GL_NEAREST, w, h);
+  hidden_.reserve(GL_R8UI, GL_NEAREST, w, h);
+  row_distances_.reserve(GL_RG32UI, GL_NEAREST, w, h);
+  mattes_.reserve(GL_RG8, GL_NEAREST, w, h);
+  for (std::size_t i = 0; i < 2; ++i) {
+    angular_[i].reserve(GL_RGBA16F, GL_NEAREST, w, h);
+    weights_[i].reserve(GL_RGBA16F, GL_NEAREST, w, h);
+    soft_[i].reserve(GL_RGBA16F, GL_LINEAR, w, h);
   }
-  if (mattes_.reserve(GL_RG8, GL_NEAREST, w, h))
-    glNamedFramebufferTexture(visibility_target_.id(), GL_COLOR_ATTACHMENT3, mattes_.id(), 0);
-  set_draw_buffers(visibility_target_, 4);
-  set_draw_buffers(weights_target_, 4);
 }
 
 void Projection::write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options,
@@ -149,15 +136,17 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   glDisable(GL_SCISSOR_TEST);
+  gl::StageTimes::enter("depth maps");
   scene.depth_maps.ensure(choice_.listed, depth_map_.id(), scene.mesh.id(), scene.indices);
   reserve();
   find_deepest(scene, view, levels);
   write_uniforms(scene, view, options, one_camera);
 
+  gl::StageTimes::enter("surface");
   const float nothing[4] = {0, 0, 0, kNothing}, one = 1;
-  glClearNamedFramebufferfv(surface_target_.id(), GL_COLOR, 0, nothing);
-  glClearNamedFramebufferfv(surface_target_.id(), GL_DEPTH, 0, &one);
   glBindFramebuffer(GL_FRAMEBUFFER, surface_target_.id());
+  glClearBufferfv(GL_COLOR, 0, nothing);
+  glClearBufferfv(GL_DEPTH, 0, &one);
   glViewport(0, 0, window_.width, window_.height);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
@@ -166,46 +155,41 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glDrawElements(GL_TRIANGLES, scene.indices, GL_UNSIGNED_INT, nullptr);
   glDisable(GL_DEPTH_TEST);
 
-  draw(visibility_target_.id(), visibility_pass_, {surface_.id(), scene.depth_maps.texture()});
-  draw(hidden_target_.id(), hidden_pass_, {visibility_.id()});
-  draw(rows_target_.id(), soft_rows_, {hidden_.id()});
-  draw(weights_target_.id(), weights_pass_,
-       {visibility_.id(), row_distances_.id(), angular_[0].id(), angular_[1].id()});
+  gl::StageTimes::enter("visibility");
+  on_window(visibility_pass_, {&surface_, &scene.depth_maps.texture()},
+            {&visibility_, &angular_[0], &angular_[1], &mattes_});
+  gl::StageTimes::enter("weights");
+  on_window(hidden_pass_, {&visibility_}, {&hidden_});
+  on_window(soft_rows_, {&hidden_}, {&row_distances_});
+  on_window(weights_pass_, {&visibility_, &row_distances_, &angular_[0], &angular_[1]},
+            {&weights_[0], &weights_[1], &soft_[0], &soft_[1]});
 }
 
-void Projection::draw(GLuint framebuffer, const gl::Program& program,
-                      std::initializer_list<GLuint> textures) const {
-  draw_at(framebuffer, program, textures, 0, 0, window_.width, window_.height);
+void Projection::on_window(const gl::Kernel& kernel, gl::Kernel::Textures read,
+                           gl::Kernel::Textures written) const {
+  kernel.over(window_.width, window_.height, read, written);
 }
 
-void Projection::draw_at(GLuint framebuffer, const gl::Program& program,
-                         std::initializer_list<GLuint> textures, int x, int y, int width, int height) const {
-  GLuint unit = 1;
-  for (GLuint texture : textures) glBindTextureUnit(unit++, texture);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(x, y, width, height);
-  glUseProgram(program.id());
-  glBindVertexArray(no_vertices_.id());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+void Projection::draw(gl::Kernel& kernel, gl::Kernel::Textures read, const ViewTarget& target) const {
+  kernel.set(0, window_.x, window_.y);
+  on_window(kernel, read, {&target.texture()});
 }
 
 void ViewTarget::begin(int width, int height, const std::array<float, 3>& background) {
   clear(0, width, height, background);
 }
 
-GLuint ViewTarget::begin_again(const std::array<float, 3>& background) {
-  clear(1, colors_[0].width(), colors_[0].height(), background);
-  return colors_[0].id();
+const gl::Texture& ViewTarget::begin_again(const std::array<float, 3>& background) {
+  const gl::Texture& first = colors_[0];
+  clear(1, first.width(), first.height(), background);
+  return first;
 }
 
 void ViewTarget::clear(std::size_t which, int width, int height, const std::array<float, 3>& background) {
   last_ = which;
-  gl::Framebuffer& framebuffer = framebuffers_[which];
-  if (!framebuffer) framebuffer = gl::Framebuffer::create();
-  if (colors_[which].resize(GL_RGBA8, GL_LINEAR, width, height))
-    glNamedFramebufferTexture(framebuffer.id(), GL_COLOR_ATTACHMENT0, colors_[which].id(), 0);
+  colors_[which].resize(GL_RGBA8, GL_LINEAR, width, height);
   const float clear[4] = {background[0], background[1], background[2], 0};
-  glClearNamedFramebufferfv(framebuffer.id(), GL_COLOR, 0, clear);
+  glClearTexImage(colors_[which].id(), 0, GL_RGBA, GL_FLOAT, clear);
 }
 
 }  // namespace floatstage::render

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/camera_choice.h"
-#include "render/gl/gl_objects.h"
+#include "render/gl/kernel.h"
 #include "render/gl/outline.h"
 #include "render/gl/scene_textures.h"
 #include "render/renderer.h"
@@ -23,6 +23,8 @@ struct ViewBlock {
 };
 static_assert(sizeof(ViewBlock) == 128 + 5 * 16 + 3 * 16 + kMostListed * 16);
 
+class ViewTarget;
+
 /// The first half of every renderer: the proxy from the view, who sees what (depth maps, frame, matte), soft
 /// visibility (Eq. 11.5), and the cameras' weights, all as textures over a window of the view.
 class Projection {
@@ -37,17 +39,19 @@ class Projection {
 
   const Window& window() const { return window_; }
   const CameraChoice& choice() const { return choice_; }
-  GLuint surface() const { return surface_.id(); }          ///< RGBA32F: normal, z
-  GLuint visibility() const { return visibility_.id(); }    ///< RG32UI: bits, proxy
-  GLuint weights(int i) const { return weights_[i].id(); }  ///< RGBA16F, i = 0, 1: slots 0-3, 4-7
-  GLuint soft(int i) const { return soft_[i].id(); }
-  GLuint angular(int i) const { return angular_[i].id(); }
-  GLuint mattes() const { return mattes_.id(); }  ///< RG8: mean and largest of what they say at the surface
+  const gl::Texture& surface() const { return surface_; }          ///< RGBA32F: normal, z
+  const gl::Texture& visibility() const { return visibility_; }    ///< RG32UI: bits, proxy
+  const gl::Texture& weights(int i) const { return weights_[i]; }  ///< RGBA16F, i = 0, 1: slots 0-3, 4-7
+  const gl::Texture& soft(int i) const { return soft_[i]; }
+  const gl::Texture& angular(int i) const { return angular_[i]; }
+  const gl::Texture& mattes() const {
+    return mattes_;
+  }  ///< RG8: mean and largest of what they say at the surface
 
-  /// Draws one triangle over the window-sized viewport of `framebuffer` with these textures at units 1, 2, …
-  void draw(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures) const;
-  void draw_at(GLuint framebuffer, const gl::Program& program, std::initializer_list<GLuint> textures, int x,
-               int y, int width, int height) const;
+  /// Runs a kernel on every pixel of the window (shaders/window.glsl).
+  void on_window(const gl::Kernel& kernel, gl::Kernel::Textures read, gl::Kernel::Textures written) const;
+  /// The same for one that draws into `target` (shaders/picture.glsl).
+  void draw(gl::Kernel& kernel, gl::Kernel::Textures read, const ViewTarget& target) const;
 
   /// Once the view is drawn into `target`: gives it its opacity where the options want that.
   void soften(const SceneTextures& scene, const RendererOptions& options, ViewTarget& target) {
@@ -61,14 +65,14 @@ class Projection {
   void write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options,
                       bool one_camera);
 
-  gl::Program depth_map_, proxy_, visibility_pass_, hidden_pass_, soft_rows_, weights_pass_;
+  gl::Program depth_map_, proxy_;
+  gl::Kernel visibility_pass_, hidden_pass_, soft_rows_, weights_pass_;
   gl::Buffer uniforms_;
   std::size_t uniform_capacity_ = 0;
-  gl::VertexArray no_vertices_;
   std::optional<Outline> outline_;  // made by create()
   gl::Texture surface_, z_buffer_, visibility_, hidden_, row_distances_, mattes_;
   std::array<gl::Texture, 2> angular_, weights_, soft_;
-  gl::Framebuffer surface_target_, visibility_target_, hidden_target_, rows_target_, weights_target_;
+  gl::Framebuffer surface_target_;
   Window window_;
   CameraChoice choice_;
   std::array<int, kMostListed> deepest_{};  // of the listed: the last level that any pixel reads
@@ -78,20 +82,15 @@ class Projection {
 class ViewTarget {
  public:
   void begin(int width, int height, const std::array<float, 3>& background);
-  /// Begins a second picture from the first: the texture of that, to be read while drawing.
-  GLuint begin_again(const std::array<float, 3>& background);
-  GLuint framebuffer() const { return framebuffers_[last_].id(); }
-  GLuint texture() const { return colors_[last_].id(); }
+  /// Begins a second picture from the first: that, to be read while drawing.
+  const gl::Texture& begin_again(const std::array<float, 3>& background);
+  const gl::Texture& texture() const { return colors_[last_]; }
 
  private:
   void clear(std::size_t which, int width, int height, const std::array<float, 3>& background);
 
   std::array<gl::Texture, 2> colors_;
-  std::array<gl::Framebuffer, 2> framebuffers_;
   std::size_t last_ = 0;
 };
-
-/// Declares `count` colour attachments.
-void set_draw_buffers(const gl::Framebuffer& framebuffer, int count);
 
 }  // namespace floatstage::render

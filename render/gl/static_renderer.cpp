@@ -8,11 +8,12 @@
 #include "render/gl/field_textures.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
+#include "render/gl/stage_times.h"
 
 namespace floatstage::render {
 namespace {
 
-// shaders/static.frag has the twin.
+// shaders/static.comp has the twin.
 struct GridBlock {
   std::array<std::array<float, 4>, kMostListed> place, size;
   std::array<int, static_cast<std::size_t>(kMostListed) * kMostListed> layer;
@@ -20,7 +21,7 @@ struct GridBlock {
 
 class StaticRenderer : public ViewRenderer {
  public:
-  StaticRenderer(Projection projection, Inspection inspection, gl::Program blend)
+  StaticRenderer(Projection projection, Inspection inspection, gl::Kernel blend)
       : projection_(std::move(projection)), inspection_(std::move(inspection)), blend_(std::move(blend)) {}
 
   Result<RenderedView> render(const Scene& scene, const View& view, const RendererOptions& options) override {
@@ -30,17 +31,17 @@ class StaticRenderer : public ViewRenderer {
     if (!textures) return forward(textures);
     projection_.run(**textures, view, options, 0, false);
     target_.begin(view.model.width, view.model.height, options.background);
-    if (const Window& w = projection_.window(); !w.empty()) {
+    if (!projection_.window().empty()) {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
         if (Result<void> ok = find_fields(scene, options); !ok) return forward(ok);
-        glProgramUniform2i(blend_.id(), 0, w.x, w.y);
-        glProgramUniform1i(blend_.id(), 1, static_cast<GLint>(options.positions));
-        projection_.draw_at(target_.framebuffer(), blend_,
-                            {projection_.surface(), projection_.weights(0), projection_.weights(1),
-                             projection_.angular(0), projection_.angular(1), fields_.texture()},
-                            w.x, w.y, w.width, w.height);
+        gl::StageTimes::enter("blending");
+        blend_.set(1, static_cast<int>(options.positions));
+        projection_.draw(blend_,
+                         {&projection_.surface(), &projection_.weights(0), &projection_.weights(1),
+                          &projection_.angular(0), &projection_.angular(1), &fields_.texture()},
+                         target_);
       }
       projection_.soften(**textures, options, target_);
     }
@@ -69,7 +70,7 @@ class StaticRenderer : public ViewRenderer {
 
   Projection projection_;
   Inspection inspection_;
-  gl::Program blend_;
+  gl::Kernel blend_;
   cpu::FieldMaker maker_;
   FieldTextures fields_;
   gl::Buffer grids_;
@@ -81,7 +82,8 @@ class StaticRenderer : public ViewRenderer {
 
 Result<std::unique_ptr<ViewRenderer>> make_static_renderer() {
   return make_blending_pass<StaticRenderer>(
-      "static.frag", {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl"});
+      "static.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl",
+                      "window.glsl", "picture.glsl"});
 }
 
 }  // namespace floatstage::render

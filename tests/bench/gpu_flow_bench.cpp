@@ -3,96 +3,16 @@
 // everything), and the share of the bandwidth that a copy has on the same GPU. Where OpenGL is software only
 // the smallest size runs.
 
-#include <algorithm>
-#include <map>
-
 #include <benchmark/benchmark.h>
 
 #include "core/text.h"
-#include "render/gl/stage_times.h"
-#include "render/gl_context.h"
+#include "tests/bench/gpu_stages.h"
 #include "tests/render/flow/gpu_flow.h"
 #include "tests/render/flow/pictures.h"
 #include "tests/render/stage.h"
 
 namespace floatstage::render {
 namespace {
-
-constexpr int kLargestOnSoftware = 256;  // px of width
-
-const GlContext* context() {
-  static const Result<std::unique_ptr<GlContext>> made = GlContext::headless();
-  return made ? made->get() : nullptr;
-}
-
-/// Gigabytes a second, read and written, of a copy from texture to texture.
-double copy_bandwidth() {
-  static const double measured = [] {
-    const int side = context()->is_software() ? 256 : 4096;
-    gl::Texture from, to;
-    reserve_cleared(from, GL_RGBA32F, side, side, 2);
-    reserve_cleared(to, GL_RGBA32F, side, side, 2);
-    gl::StageTimes times;
-    double best = 0;
-    for (int turn = 0; turn < 5; ++turn) {
-      gl::StageTimes::enter("copy");
-      glCopyImageSubData(from.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, to.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0,
-                         side, side, 2);
-      const double bytes = 2.0 * 2 * 16 * side * side;
-      best = std::max(best, bytes * 1e-6 / times.take().front().milliseconds);
-    }
-    return best;
-  }();
-  return measured;
-}
-
-/// False, with the reason in `state`, where a picture of this width cannot be timed.
-bool can_run(benchmark::State& state, int width) {
-  if (context() == nullptr) return state.SkipWithError("no OpenGL 4.5 here"), false;
-  if (context()->is_software() && width > kLargestOnSoftware)
-    return state.SkipWithError("OpenGL is software here: nothing to be learnt at this size"), false;
-  copy_bandwidth();  // measured before anything else is timed
-  state.SetLabel(context()->description());
-  return true;
-}
-
-/// Sums stages over a run and reports their means.
-class StageReport {
- public:
-  double add(const std::vector<gl::StageTime>& stages) {
-    double total = 0;
-    for (const gl::StageTime& stage : stages) {
-      gl::StageTime& sum = sums_[stage.name];
-      sum.milliseconds += stage.milliseconds;
-      sum.dispatches = stage.dispatches;
-      sum.least_megabytes = stage.least_megabytes;
-      total += stage.milliseconds;
-    }
-    ++turns_;
-    return total;
-  }
-  void write(benchmark::State& state) const {
-    double milliseconds = 0, megabytes = 0;
-    int dispatches = 0;
-    for (const auto& [name, sum] : sums_) {
-      state.counters[name + " ms"] = sum.milliseconds / turns_;
-      state.counters[name + " dispatches"] = sum.dispatches;
-      state.counters[name + " MB"] = sum.least_megabytes;
-      if (sum.dispatches == 0) continue;
-      milliseconds += sum.milliseconds / turns_;
-      megabytes += sum.least_megabytes;
-      dispatches += sum.dispatches;
-    }
-    state.counters["dispatches"] = dispatches;
-    state.counters["MB"] = megabytes;
-    state.counters["GB/s"] = megabytes / milliseconds;
-    state.counters["share of a copy's bandwidth"] = megabytes / milliseconds / copy_bandwidth();
-  }
-
- private:
-  std::map<std::string, gl::StageTime> sums_;
-  int turns_ = 0;
-};
 
 FlowOptions flow_on_gpu(int finest, int shrink = 1) {
   FlowOptions options;

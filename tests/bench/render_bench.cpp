@@ -10,58 +10,14 @@
 #include <cmath>
 #include <ctime>
 #include <map>
-#include <memory>
 #include <string>
 
 #include <benchmark/benchmark.h>
 
-#include "core/synthetic/synthetic_studio.h"
-#include "render/gl_context.h"
-#include "render/renderer.h"
+#include "tests/bench/studio.h"
 
 namespace floatstage::render {
 namespace {
-
-/// One instant of the studio, shared by all benches of the program.
-struct Stage {
-  std::unique_ptr<GlContext> context;
-  Rig rig;
-  SceneFrame frame;
-  render::Scene scene;
-
-  Stage() {
-    context = std::move(*GlContext::headless());
-    rig = synthetic_rig({});
-    const SyntheticStudio studio = std::move(*SyntheticStudio::create(rig, {}));
-    for (int i = 0; i < static_cast<int>(rig.cameras.size()); ++i) {
-      SyntheticShot shot = studio.shoot(i, 0);
-      frame.images.frames.push_back(std::move(shot.frame));
-      frame.mattes.push_back(std::move(shot.matte));
-    }
-    frame.mesh = studio.performer(0);
-    if (const Result<void> ok = scene.set(rig, frame); !ok) throw std::runtime_error(ok.error().message);
-  }
-};
-
-Stage& stage() {
-  static Stage shared;
-  return shared;
-}
-
-/// Between the first two cameras, and a little farther on each call, as an orbit does.
-View orbit_view(int width, int height, int step) {
-  const RigCamera& camera = stage().rig.cameras.front();
-  View view;
-  view.model = camera.model;
-  const double scale = static_cast<double>(width) / camera.model.width;
-  view.model.width = width;
-  view.model.height = height;
-  for (double* v : {&view.model.fx, &view.model.fy, &view.model.cx, &view.model.cy}) *v *= scale;
-  const Eigen::Vector3d target = focus_point(stage().rig), eye = camera.cam_from_world.center();
-  const Eigen::AngleAxisd turn(0.3 + 0.01 * (step % 16), Eigen::Vector3d::UnitZ());
-  view.view_from_world = look_at(target + turn * (eye - target), target, Eigen::Vector3d::UnitZ());
-  return view;
-}
 
 double cpu_ms() {
   timespec t{};
@@ -75,7 +31,7 @@ double wall_ms() {
 }
 
 void draw(benchmark::State& state, const std::string& method, render::BackEnd back_end) {
-  const Stage& on = stage();  // first: it makes the context current
+  const Studio& on = studio();  // first: it makes the context current
   auto renderer = std::move(*make_renderer(method, back_end));
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
   int step = 0;
@@ -106,7 +62,7 @@ struct Apart {
 /// A new scene every time, as films of moving subjects and live pictures have it: depth maps are drawn too.
 void compare(benchmark::State& state, const FlowOptions& gl_flow, const FlowOptions& cpu_flow,
              bool same_scene) {
-  Stage& on = stage();
+  Studio& on = studio();
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
   constexpr int kPictures = 4;
   std::map<render::BackEnd, double> ms;
@@ -138,12 +94,12 @@ void compare(benchmark::State& state, const FlowOptions& gl_flow, const FlowOpti
   state.counters["gl_ms"] = ms[render::BackEnd::Gl] / n;
   state.counters["cpu_ms"] = ms[render::BackEnd::Cpu] / n;
   state.counters["ratio"] = ms[render::BackEnd::Gl] / ms[render::BackEnd::Cpu];
-  state.SetLabel(on.context->description());
+  state.SetLabel(context()->description());
 }
 
 /// What soft outlines cost: pictures with and without them in turns, a new scene every time.
 void outlines(benchmark::State& state, const std::string& method) {
-  Stage& on = stage();
+  Studio& on = studio();
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
   auto renderer = std::move(*make_renderer(method, render::BackEnd::Cpu));
   std::map<bool, double> best;
@@ -166,7 +122,7 @@ void outlines(benchmark::State& state, const std::string& method) {
 
 /// Wall time of the draw on one thread and on two.
 void two_threads(benchmark::State& state) {
-  Stage& on = stage();
+  Studio& on = studio();
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
   RendererOptions options;
   options.flow.backend = "none";
@@ -189,7 +145,7 @@ void two_threads(benchmark::State& state) {
 }
 
 void set_scene(benchmark::State& state) {
-  Stage& s = stage();
+  Studio& s = studio();
   for (auto _ : state)
     if (!s.scene.set(s.rig, s.frame)) state.SkipWithError("the scene cannot be set");
 }
@@ -220,7 +176,7 @@ void flow(benchmark::State& state, const std::string& preset, int finest_scale) 
 
 /// Milliseconds of the processor a picture with fields that are there already, and times those of linear.
 void at_rest(benchmark::State& state, render::BackEnd back_end) {
-  const Stage& on = stage();
+  const Studio& on = studio();
   constexpr int kViews = 4;
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
   std::map<std::string, double> ms;

@@ -1,2 +1,2 @@
-layout(location = 0) out vec4 samples;  // one channel is written
-void main() { samples = vec4(1.0); }
+layout(location = 0) out float covered;
+void main() { covered = 1.0; }

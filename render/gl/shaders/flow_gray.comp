@@ -1,7 +1,7 @@
 // The projected images as the flow wants them: grey and where the colour comes from, at 1/shrink of their size
 // (render/projected_images.cpp).
 layout(local_size_x = 16, local_size_y = 16) in;
-layout(binding = 1) uniform sampler2DArray images;  // RGBA8; alpha: see project.frag
+layout(binding = 1) uniform sampler2DArray images;  // RGBA8; alpha: see project.comp
 layout(binding = 0) writeonly uniform uimage2DArray gray_and_state;
 layout(location = 0) uniform ivec2 size;
 layout(location = 1) uniform ivec2 full_size;

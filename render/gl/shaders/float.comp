@@ -2,22 +2,20 @@
 layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
-layout(binding = 4) uniform sampler2DArray images;  // alpha: see project.frag
+layout(binding = 4) uniform sampler2DArray images;  // alpha: see project.comp
 layout(binding = 5) uniform sampler2DArray flows;   // layer of I_i -> I_j: i (n - 1) + j, one less beyond i
 layout(binding = 6) uniform sampler2D angular0;
 layout(binding = 7) uniform sampler2D angular1;
 layout(binding = 8) uniform sampler2D soft0;
 layout(binding = 9) uniform sampler2D soft1;
 layout(binding = 10) uniform sampler2DArray confidence;  // as flows; only where it is shown
-layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 1) uniform int positions;  // 0: parallax cancels, 1: the angular mean
 layout(location = 2) uniform ivec2 shown;    // slots of the camera to show and of the other one; -1: none
 layout(location = 3) uniform bool any;       // nobody said which camera to show
-layout(location = 0) out vec4 color;
 
 const int kInversions = 4;
 const float kFaint = 1.0 / 1024.0, kLeastFade = 1e-4;
-const float kEnough = 0.3;  // weights.frag has the same
+const float kEnough = 0.3;  // weights.comp has the same
 
 float pull[kMaxListed];   // how much each camera counts: angular weights, visible or not
 float place[kMaxListed];  // how much its idea of a position counts
@@ -91,9 +89,10 @@ vec3 measured(ivec2 at, vec4 here, float visible[kMaxListed]) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) discard;
+  if (here.w >= kNothing) return;
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   vec4 a0 = texelFetch(angular0, at, 0), a1 = texelFetch(angular1, at, 0);
   int n = view.counts.y;
@@ -147,7 +146,7 @@ void main() {
     total += used[i];
   }
   vec3 mean = sum / total;
-  color = vec4(mean, 1.0);
+  vec4 color = vec4(mean, 1.0);
   int wanted = view.counts.w;
   if (wanted == kGhosting) {
     float apart = 0.0;
@@ -176,4 +175,5 @@ void main() {
     for (int i = 0; i < n; ++i) visible[i] = i < 4 ? w0[i] : w1[i - 4];
     color.rgb = measured(at, here, visible);
   }
+  draw(at, color);
 }

@@ -1,10 +1,15 @@
 // Per pixel and listed camera: may it be used here (depth map, picture frame, matte), and its angular weight.
 layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2DArray depth_maps;
-layout(location = 0) out uvec4 result;   // x: bit per listed camera, y: the proxy is here
-layout(location = 1) out vec4 angular0;  // 1/angle, signed: negative where the camera's picture does not reach or shows no subject
-layout(location = 2) out vec4 angular1;
-layout(location = 3) out vec2 mattes;    // the mean and the largest of what they say where their cameras look
+layout(binding = 0) writeonly uniform uimage2D result_out;
+layout(binding = 1) writeonly uniform image2D angular0_out;
+layout(binding = 2) writeonly uniform image2D angular1_out;
+layout(binding = 3) writeonly uniform image2D mattes_out;
+
+uvec2 result = uvec2(0u);  // x: bit per listed camera, y: the proxy is here
+// 1/angle, signed: negative where the camera's picture does not reach or shows no subject
+vec4 angular0 = vec4(0.0), angular1 = vec4(0.0);
+vec2 mattes = vec2(1.0);  // the mean and the largest of what they say where their cameras look
 
 const float kSmallestAngle = 2e-5;  // rad (its inverse fits a half float); a camera nearer than this to the viewing ray has all the weight
 const float kGrazing = 0.02;        // cosine below which a camera sees nothing of a surface
@@ -33,14 +38,11 @@ float seen(int index, vec3 p, vec3 n, float tolerance) {
   return sum;
 }
 
-void main() {
-  result = uvec4(0u);
-  angular0 = angular1 = vec4(0.0);
-  mattes = vec2(1.0);
-  vec4 s = texelFetch(surface, ivec2(gl_FragCoord.xy), 0);
+void look(ivec2 at) {
+  vec4 s = texelFetch(surface, at, 0);
   if (s.w >= kNothing) return;
   result.y = 1u;
-  vec3 world = world_at(gl_FragCoord.xy, s.w);
+  vec3 world = world_at(vec2(at) + 0.5, s.w);
   vec3 to_view = normalize(view.view_center.xyz - world);
   float sum = 0.0, total = 0.0, most = 0.0, behind = -1.0;
   for (int slot = 0; slot < view.counts.x; ++slot) {
@@ -74,4 +76,14 @@ void main() {
     mattes = vec2(sum / total, most);
   else if (behind >= 0.0)
     mattes.y = behind;
+}
+
+void main() {
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
+  look(at);
+  imageStore(result_out, at, uvec4(result, 0u, 0u));
+  imageStore(angular0_out, at, angular0);
+  imageStore(angular1_out, at, angular1);
+  imageStore(mattes_out, at, vec4(mattes, 0.0, 0.0));
 }

@@ -5,11 +5,9 @@ layout(binding = 3) uniform sampler2D weights1;
 layout(binding = 4) uniform usampler2D visibility;
 layout(binding = 5) uniform sampler2D soft0;
 layout(binding = 6) uniform sampler2D soft1;
-layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 1) uniform vec2 depth_range;
 layout(location = 2) uniform int shown;           // slot of the photograph to show; -1: none
 layout(location = 3) uniform float depth_error;   // m along the viewing ray
-layout(location = 0) out vec4 color;
 
 const float kFaintWeight = 1e-4;
 
@@ -65,19 +63,20 @@ vec3 amounts(ivec2 at, uint seen) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) discard;
+  if (here.w >= kNothing) return;
   vec2 middle = vec2(at) + 0.5;
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   for (int slot = 0; slot < kMaxListed; ++slot) weights[slot] = slot < 4 ? w0[slot] : w1[slot - 4];
   uint seen = texelFetch(visibility, at, 0).x;
   int wanted = view.counts.w;
   vec3 rgb = wanted == kDepth       ? vec3(1.0 - clamp((here.w - depth_range.x) / (depth_range.y - depth_range.x), 0.0, 1.0))
-             : wanted == kOpacity   ? vec3(1.0)  // outline.frag draws it
+             : wanted == kOpacity   ? vec3(1.0)  // outline.comp draws it
              : wanted == kProjected ? photograph(middle, here, seen)
              : wanted == kAliasing  ? aliasing(middle, here)
              : wanted == kPredicted ? predicted(middle, here)
                                     : amounts(at, seen);
-  color = vec4(rgb, 1.0);
+  draw(at, vec4(rgb, 1.0));
 }

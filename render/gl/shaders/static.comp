@@ -6,14 +6,12 @@ layout(binding = 3) uniform sampler2D weights1;
 layout(binding = 4) uniform sampler2D angular0;
 layout(binding = 5) uniform sampler2D angular1;
 layout(binding = 6) uniform sampler2DArray fields;
-layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 1) uniform int positions;  // 0: parallax cancels, 1: the angular mean
 layout(std430, binding = 1) readonly buffer Grids {
   vec4 place[kMaxListed];  // px of the grid = xy * (x/z, y/z) + zw
   vec4 size[kMaxListed];   // its width and height
   int layer[kMaxListed * kMaxListed];  // of the field from slot i to slot j at 8 i + j; -1: nothing moves
 } grids;
-layout(location = 0) out vec4 color;
 
 const int kInversions = 2;
 const float kFaint = 1e-4, kFaintShare = 1.0 / 1024.0, kLeastFade = 1e-4, kOffSubject = 0.1;
@@ -50,9 +48,10 @@ vec2 floated(int i, vec3 world, out vec2 moved) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) discard;
+  if (here.w >= kNothing) return;
   vec2 middle = vec2(at) + 0.5;
   vec3 world = world_at(middle, here.w), sum = vec3(0.0), colors[kMaxListed];
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
@@ -88,7 +87,7 @@ void main() {
     total += used[i];
   }
   vec3 mean = sum / max(total, 1e-12);
-  color = vec4(mean, 1.0);
+  vec4 color = vec4(mean, 1.0);
   if (view.counts.w == kFlow) {
     color.rgb = flow_color(strongest_warp);
   } else if (view.counts.w == kGhosting) {
@@ -97,4 +96,5 @@ void main() {
       if (used[i] > 0.0) apart += used[i] / total * distance(colors[i], mean);
     color.rgb = heat(3.0 * apart);
   }
+  draw(at, color);
 }

@@ -1,11 +1,9 @@
 // The picture with its opacity: how much of a pixel the proxy covers, times what the mattes say near the outline. The
 // twin of render/cpu/outline.cpp.
 layout(binding = 1) uniform sampler2D surface;
-layout(binding = 2) uniform sampler2D samples;  // 1 where the proxy covers one of the pixel's four samples
-layout(binding = 3) uniform sampler2D mattes;   // the mean and the largest of what they say; see visibility.frag
+layout(binding = 2) uniform sampler2DMS samples;  // 1 where the proxy covers one of the pixel's four samples
+layout(binding = 3) uniform sampler2D mattes;   // the mean and the largest of what they say; see visibility.comp
 layout(binding = 4) uniform sampler2D picture;
-layout(location = 0) uniform ivec2 window_in_target;
-layout(location = 0) out vec4 color;
 
 const float kNear = 0.5;  // of soft visibility's radius: how far from the outline mattes count
 const int kOpacity = 7;  // RenderOutput::Opacity
@@ -39,11 +37,14 @@ float solid(ivec2 at) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   bool center = !outside(at);
-  float covered = dot(texelFetch(samples, at, 0), vec4(0.25));
-  if (!center && covered == 0.0) discard;
+  float covered = 0.0;
+  for (int k = 0; k < 4; ++k) covered += 0.25 * texelFetch(samples, at, k).x;
+  if (!center && covered == 0.0) return;
   bool rim = false;
+  vec4 color;
   if (!center || covered < 1.0)
     for (int k = 0; k < 9; ++k) {
       ivec2 next = at + ivec2(k % 3, k / 3) - 1;
@@ -53,7 +54,7 @@ void main() {
     color = vec4(texelFetch(picture, at + window_in_target, 0).rgb, solid(at));
     if (rim) color.a *= max(covered, 0.25);
   } else {
-    if (!rim) discard;
+    if (!rim) return;
     vec3 sum = vec3(0.0);
     float weight = 0.0, count = 0.0;
     for (int k = 0; k < 9; ++k) {
@@ -63,11 +64,12 @@ void main() {
       weight += solid(next);
       count += 1.0;
     }
-    if (weight == 0.0) discard;
+    if (weight == 0.0) return;
     color = vec4(sum / count, weight / count * covered);
   }
   if (view.counts.w == kOpacity) {
-    if (color.a < 0.5 / 255.0) discard;
+    if (color.a < 0.5 / 255.0) return;
     color = vec4(vec3(color.a), 1.0);
   }
+  draw(at, color);
 }

@@ -1,16 +1,17 @@
 // First pass of the distance filter (Eq. 11.5): per listed camera the distance along the row to the next pixel of the
-// proxy that it does not see (hidden.frag), a byte each; 255 is "none within the radius".
+// proxy that it does not see (hidden.comp), a byte each; 255 is "none within the radius".
 layout(binding = 1) uniform usampler2D hidden_pixels;
-layout(location = 0) out uvec2 distances;
+layout(binding = 0) writeonly uniform uimage2D row_distances;
 
 uint hidden(ivec2 at) {
   return at.x < 0 || at.x >= int(view.window.z) ? 0u : texelFetch(hidden_pixels, at, 0).x;
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   uint todo = (1u << view.counts.x) - 1u;
-  distances = uvec2(0xffffffffu);
+  uvec2 distances = uvec2(0xffffffffu);
   int radius = int(ceil(view.settings.y));
   for (int d = 0; d <= radius; ++d) {
     uint found = (hidden(at - ivec2(d, 0)) | hidden(at + ivec2(d, 0))) & todo;
@@ -26,4 +27,5 @@ void main() {
     }
     if (todo == 0u) break;
   }
+  imageStore(row_distances, at, uvec4(distances, 0u, 0u));
 }

@@ -3,9 +3,7 @@
 layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
-layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 1) uniform float error;  // m along the viewing ray
-layout(location = 0) out vec4 color;
 
 const float kFaint = 1e-4, kLeastShare = 0.25, kNearest = 0.1, kReach = 2.0, kWidestTaps = 64.0;
 const float kWidestSharp = 2.0;
@@ -62,9 +60,10 @@ vec3 filtered(int slot, vec2 window_pixel, vec4 here, float ray_length) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) discard;
+  if (here.w >= kNothing) return;
   vec2 pixel = vec2(at) + 0.5;
   float ray_length = length(view_ray(pixel)), total = 0.0;
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
@@ -77,7 +76,7 @@ void main() {
     total += w;
   }
   vec3 mean = sum / max(total, 1e-6);
-  color = vec4(mean, 1.0);
+  vec4 color = vec4(mean, 1.0);
   if (view.counts.w == kGhosting) {
     float apart = 0.0;
     for (int slot = 0; slot < view.counts.x; ++slot) {
@@ -86,4 +85,5 @@ void main() {
     }
     color.rgb = heat(3.0 * apart);
   }
+  draw(at, color);
 }

@@ -2,8 +2,6 @@
 layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
-layout(location = 0) uniform ivec2 window_in_target;
-layout(location = 0) out vec4 color;
 
 const float kFaint = 1e-4;  // below half an 8-bit step even against the strongest contrast
 
@@ -15,9 +13,10 @@ vec3 projected(int slot, vec3 world, vec2 at, vec4 here) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) discard;
+  if (here.w >= kNothing) return;
   vec2 middle = vec2(at) + 0.5;
   vec3 world = world_at(middle, here.w), sum = vec3(0.0);
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
@@ -29,7 +28,7 @@ void main() {
     total += w;
   }
   vec3 mean = sum / max(total, 1e-6);
-  color = vec4(mean, 1.0);
+  vec4 color = vec4(mean, 1.0);
   if (view.counts.w == kGhosting) {
     float apart = 0.0;
     for (int slot = 0; slot < view.counts.x; ++slot) {
@@ -38,4 +37,5 @@ void main() {
     }
     color.rgb = heat(3.0 * apart);
   }
+  draw(at, color);
 }

@@ -1,13 +1,11 @@
 // The four cameras around where the viewing ray meets the cameras' plane, weighted bilinearly. The twin of
 // render/light_field.cpp and render/cpu/light_field_renderer.cpp.
 layout(binding = 1) uniform sampler2D surface;
-layout(location = 0) uniform ivec2 window_in_target;
 layout(location = 1) uniform ivec2 grid;  // columns, rows
 layout(location = 2) uniform vec3 plane[3];  // normal, right, down
 layout(location = 5) uniform vec3 eye;  // before the plane, and on it: right, down
 layout(location = 6) uniform int last_level;  // of the photographs' pyramids that this view reads
 layout(std430, binding = 1) readonly buffer Grid { float places[]; };  // of columns, of rows; cameras row after row
-layout(location = 0) out vec4 color;
 
 const float kBeside = 1e-6, kParallel = 1e-6;
 
@@ -19,9 +17,10 @@ int between(int first, int count, float at, out float share) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy) - window_in_target;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) discard;
+  if (here.w >= kNothing) return;
   vec2 pixel = vec2(at) + 0.5, share;
   vec3 world = world_at(pixel, here.w), way = mat3(view.world_from_view) * view_ray(pixel);
   float along = dot(plane[0], way), steps = eye.x / (abs(along) > kParallel ? along : kParallel);
@@ -44,11 +43,12 @@ void main() {
     total += weights[k];
   }
   vec3 mean = sum / max(total, 1e-12);
-  color = vec4(mean, 1.0);
+  vec4 color = vec4(mean, 1.0);
   if (view.counts.w == kGhosting) {
     float apart = 0.0;
     for (int k = 0; k < 4; ++k)
       if (weights[k] > 0.0) apart += weights[k] / total * distance(colors[k], mean);
     color.rgb = heat(3.0 * apart);
   }
+  draw(at, color);
 }

@@ -5,15 +5,15 @@ layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
 layout(binding = 4) uniform usampler2D visibility;
 layout(location = 0) uniform int fill_hidden;  // 0: hidden places show what their photograph has there
-layout(location = 0) out vec4 images[kMaxListed];
+layout(binding = 0) writeonly uniform image2DArray images;
 
-const float kFaint = 1e-4;  // blend.frag has the same
+const float kFaint = 1e-4;  // blend.comp has the same
 
-vec3 projected(int slot, vec3 world, vec4 here) {
+vec3 projected(int slot, vec3 world, vec2 middle, vec4 here) {
   int index = listed(slot);
   vec2 pixel;
   photo_pixel(index, (cameras[index].cam_from_world * vec4(world, 1.0)).xyz, pixel);
-  return photo_color(index, pixel, footprint_if_deep(slot, gl_FragCoord.xy, here));
+  return photo_color(index, pixel, footprint_if_deep(slot, middle, here));
 }
 
 bool reaches(int slot, vec3 world) {
@@ -27,11 +27,15 @@ bool own(int slot, uint seen, vec3 world) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  for (int slot = 0; slot < kMaxListed; ++slot) images[slot] = vec4(0.0);
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
   vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) return;
-  vec3 world = world_at(gl_FragCoord.xy, here.w);
+  if (here.w >= kNothing) {
+    for (int slot = 0; slot < view.counts.y; ++slot) imageStore(images, ivec3(at, slot), vec4(0.0));
+    return;
+  }
+  vec2 middle = vec2(at) + 0.5;
+  vec3 world = world_at(middle, here.w);
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   uint seen = texelFetch(visibility, at, 0).x, chosen = (1u << view.counts.y) - 1u;
   vec3 colors[kMaxListed], fill = vec3(0.0);
@@ -40,12 +44,12 @@ void main() {
   for (int slot = 0; slot < view.counts.x; ++slot) {
     float w = slot < 4 ? w0[slot] : w1[slot - 4];
     bool counts = !whole && w >= kFaint;
-    if (counts || (slot < view.counts.y && own(slot, seen, world))) colors[slot] = projected(slot, world, here);
+    if (counts || (slot < view.counts.y && own(slot, seen, world))) colors[slot] = projected(slot, world, middle, here);
     if (!counts) continue;
     fill += w * colors[slot];
     total += w;
   }
   fill /= max(total, 1e-12);
   for (int slot = 0; slot < view.counts.y; ++slot)
-    images[slot] = own(slot, seen, world) ? vec4(colors[slot], 1.0) : vec4(fill, 0.5);
+    imageStore(images, ivec3(at, slot), own(slot, seen, world) ? vec4(colors[slot], 1.0) : vec4(fill, 0.5));
 }

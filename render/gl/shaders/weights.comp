@@ -3,10 +3,12 @@ layout(binding = 1) uniform usampler2D visibility;
 layout(binding = 2) uniform usampler2D row_distances;
 layout(binding = 3) uniform sampler2D angular0_in;
 layout(binding = 4) uniform sampler2D angular1_in;
-layout(location = 0) out vec4 weights0;
-layout(location = 1) out vec4 weights1;
-layout(location = 2) out vec4 soft0;
-layout(location = 3) out vec4 soft1;
+layout(binding = 0) writeonly uniform image2D weights0_out;
+layout(binding = 1) writeonly uniform image2D weights1_out;
+layout(binding = 2) writeonly uniform image2D soft0_out;
+layout(binding = 3) writeonly uniform image2D soft1_out;
+
+vec4 weights0 = vec4(0.0), weights1 = vec4(0.0), soft0 = vec4(0.0), soft1 = vec4(0.0);
 
 // Four kinds of cameras, each let in by degrees as far as those before it hold too small a share of the weight that
 // they would have without visibility: the chosen ones that see the pixel, whoever of the list sees it, whoever has
@@ -16,9 +18,7 @@ const float kEnough = 0.3, kEnoughOfList = 0.01;  // shares that keep the next k
 const float kBlind = 1e-6, kReachesNot = 1e-3;    // one camera a pixel: without sight of it, without it in the picture
 const float kLeast = 1e-30;
 
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  weights0 = weights1 = soft0 = soft1 = vec4(0.0);
+void weigh(ivec2 at) {
   uvec2 here = texelFetch(visibility, at, 0).xy;
   if (here.y == 0u) return;
 
@@ -76,4 +76,14 @@ void main() {
       soft1[slot - 4] = soft[slot];
     }
   }
+}
+
+void main() {
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
+  weigh(at);
+  imageStore(weights0_out, at, weights0);
+  imageStore(weights1_out, at, weights1);
+  imageStore(soft0_out, at, soft0);
+  imageStore(soft1_out, at, soft1);
 }

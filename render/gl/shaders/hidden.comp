@@ -2,7 +2,7 @@
 // neighbours (with themselves) are hidden, too. A speck of one or two comes and goes from view to view, and would
 // take a camera's weight from a whole circle.
 layout(binding = 1) uniform usampler2D visibility;
-layout(location = 0) out uint hidden;
+layout(binding = 0) writeonly uniform uimage2D hidden_pixels;
 
 uint hidden_at(ivec2 at) {
   if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(view.window.zw)))) return 0u;
@@ -11,17 +11,17 @@ uint hidden_at(ivec2 at) {
 }
 
 void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
-  uint here = hidden_at(at);
-  hidden = 0u;
-  if (here == 0u) return;
+  ivec2 at = window_pixel();
+  if (!in_window(at)) return;
+  uint here = hidden_at(at), hidden = 0u;
   int count[kMaxListed];
   for (int slot = 0; slot < kMaxListed; ++slot) count[slot] = 0;
-  for (int dy = -1; dy <= 1; ++dy)
+  for (int dy = -1; dy <= 1 && here != 0u; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       uint there = hidden_at(at + ivec2(dx, dy));
       for (int slot = 0; slot < view.counts.x; ++slot) count[slot] += int(there >> slot & 1u);
     }
   for (int slot = 0; slot < view.counts.x; ++slot)
     if (count[slot] > 4) hidden |= here & 1u << slot;
+  imageStore(hidden_pixels, at, uvec4(hidden));
 }
