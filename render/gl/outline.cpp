@@ -32,8 +32,7 @@ void Outline::draw_samples(const Projection& projection, const SceneTextures& sc
   glClearBufferfv(GL_COLOR, 0, nothing);
   glViewport(0, 0, w.width, w.height);
   glUseProgram(coverage_.id());
-  glBindVertexArray(scene.mesh.id());
-  glDrawElements(GL_TRIANGLES, scene.indices, GL_UNSIGNED_INT, nullptr);
+  projection.draw_proxy(scene);
 }
 
 void Outline::soften(const Projection& projection, const SceneTextures& scene, const RendererOptions& options,

@@ -42,6 +42,16 @@ std::array<float, 16> columns(const Eigen::Matrix4d& m) {
 
 float f(double v) { return static_cast<float>(v); }
 
+/// Whether all of a box lies between the view's planes: a closed proxy in it hides its back faces.
+bool is_before(const View& view, const Eigen::AlignedBox3f& box) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto type = static_cast<Eigen::AlignedBox3f::CornerType>(corner);
+    const double z = (view.view_from_world * Eigen::Vector3d(box.corner(type).cast<double>())).z();
+    if (!(z > view.near_plane && z < view.far_plane)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<Projection> Projection::create() {
@@ -59,10 +69,13 @@ Result<Projection> Projection::create() {
   struct Pass {
     gl::Kernel* kernel;
     std::string_view shader;
+    std::initializer_list<std::string_view> shared;
   };
-  for (const Pass& w : {Pass{&p.visibility_pass_, "visibility.comp"}, Pass{&p.hidden_pass_, "hidden.comp"},
-                        Pass{&p.soft_rows_, "soft_rows.comp"}, Pass{&p.weights_pass_, "weights.comp"}}) {
-    Result<gl::Kernel> kernel = gl::Kernel::create(w.shader, {"view.glsl", "camera.glsl", "window.glsl"});
+  for (const Pass& w :
+       {Pass{&p.visibility_pass_, "visibility.comp", {"view.glsl", "camera.glsl", "window.glsl"}},
+        Pass{&p.soft_rows_, "soft_rows.comp", {"view.glsl", "synchronize.glsl"}},
+        Pass{&p.weights_pass_, "weights.comp", {"view.glsl", "window.glsl"}}}) {
+    Result<gl::Kernel> kernel = gl::Kernel::create(w.shader, w.shared);
     if (!kernel) return forward(kernel);
     *w.kernel = std::move(*kernel);
   }
@@ -80,7 +93,6 @@ void Projection::reserve() {
   if (z_buffer_.reserve(GL_DEPTH_COMPONENT32F, GL_NEAREST, w, h))
     glNamedFramebufferTexture(surface_target_.id(), GL_DEPTH_ATTACHMENT, z_buffer_.id(), 0);
   visibility_.reserve(GL_RG32UI, GL_NEAREST, w, h);
-  hidden_.reserve(GL_R8UI, GL_NEAREST, w, h);
   row_distances_.reserve(GL_RG32UI, GL_NEAREST, w, h);
   mattes_.reserve(GL_RG8, GL_NEAREST, w, h);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -151,18 +163,31 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glUseProgram(proxy_.id());
-  glBindVertexArray(scene.mesh.id());
-  glDrawElements(GL_TRIANGLES, scene.indices, GL_UNSIGNED_INT, nullptr);
+  hides_backs_ = scene.closed && is_before(view, scene.scene->box);
+  draw_proxy(scene);
   glDisable(GL_DEPTH_TEST);
 
   gl::StageTimes::enter("visibility");
   on_window(visibility_pass_, {&surface_, &scene.depth_maps.texture()},
             {&visibility_, &angular_[0], &angular_[1], &mattes_});
   gl::StageTimes::enter("weights");
-  on_window(hidden_pass_, {&visibility_}, {&hidden_});
-  on_window(soft_rows_, {&hidden_}, {&row_distances_});
+  find_row_distances();
   on_window(weights_pass_, {&visibility_, &row_distances_, &angular_[0], &angular_[1]},
             {&weights_[0], &weights_[1], &soft_[0], &soft_[1]});
+}
+
+void Projection::draw_proxy(const SceneTextures& scene) const {
+  if (hides_backs_) glEnable(GL_CULL_FACE);
+  glBindVertexArray(scene.mesh.id());
+  glDrawElements(GL_TRIANGLES, scene.indices, GL_UNSIGNED_INT, nullptr);
+  glDisable(GL_CULL_FACE);
+}
+
+void Projection::find_row_distances() {
+  constexpr int kWide = 32, kHigh = 8;  // shaders/soft_rows.comp has the same
+  soft_rows_.run({&visibility_}, {&row_distances_}, (window_.width + kWide - 1) / kWide,
+                 (window_.height + kHigh - 1) / kHigh, 1,
+                 static_cast<std::size_t>(window_.width) * static_cast<std::size_t>(window_.height));
 }
 
 void Projection::on_window(const gl::Kernel& kernel, gl::Kernel::Textures read,

@@ -53,6 +53,10 @@ class Projection {
   /// The same for one that draws into `target` (shaders/picture.glsl).
   void draw(gl::Kernel& kernel, gl::Kernel::Textures read, const ViewTarget& target) const;
 
+  /// Draws the proxy's triangles with the bound program and framebuffer: the back faces, too, unless others
+  /// hide them.
+  void draw_proxy(const SceneTextures& scene) const;
+
   /// Once the view is drawn into `target`: gives it its opacity where the options want that.
   void soften(const SceneTextures& scene, const RendererOptions& options, ViewTarget& target) {
     outline_->soften(*this, scene, options, target);
@@ -61,19 +65,21 @@ class Projection {
  private:
   Projection() = default;
   void reserve();
+  void find_row_distances();
   void find_deepest(const SceneTextures& scene, const View& view, bool levels);
   void write_uniforms(const SceneTextures& scene, const View& view, const RendererOptions& options,
                       bool one_camera);
 
   gl::Program depth_map_, proxy_;
-  gl::Kernel visibility_pass_, hidden_pass_, soft_rows_, weights_pass_;
+  gl::Kernel visibility_pass_, soft_rows_, weights_pass_;
   gl::Buffer uniforms_;
   std::size_t uniform_capacity_ = 0;
   std::optional<Outline> outline_;  // made by create()
-  gl::Texture surface_, z_buffer_, visibility_, hidden_, row_distances_, mattes_;
+  gl::Texture surface_, z_buffer_, visibility_, row_distances_, mattes_;
   std::array<gl::Texture, 2> angular_, weights_, soft_;
   gl::Framebuffer surface_target_;
   Window window_;
+  bool hides_backs_ = false;  // the proxy, in this view
   CameraChoice choice_;
   std::array<int, kMostListed> deepest_{};  // of the listed: the last level that any pixel reads
 };

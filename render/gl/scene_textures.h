@@ -20,6 +20,7 @@ class SceneTextures {
 
   const Scene::Impl* scene = nullptr;
   GLsizei indices = 0;
+  bool closed = false;      ///< the mesh: from outside its back faces are hidden
   gl::Texture photographs;  ///< RGBA8 array, alpha is the matte; layer i belongs to scene->cameras[i]; its
                             ///< pyramid is to the right of it after ensure_levels()
   gl::Buffer camera_buffer;
