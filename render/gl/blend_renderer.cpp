@@ -23,8 +23,10 @@ class BlendRenderer : public ViewRenderer {
     if (Result<void> ok = check_output(one_camera_ ? "nearest" : "linear", options.output); !ok)
       return forward(ok);
     projection_.run(**textures, view, options, 0, one_camera_);
-    target_.begin(view.model.width, view.model.height, options.background);
-    if (!projection_.window().empty()) {
+    target_.begin(view.model.width, view.model.height);
+    if (projection_.window().empty()) {
+      target_.clear(options.background);
+    } else {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
@@ -49,8 +51,7 @@ class BlendRenderer : public ViewRenderer {
 
 Result<std::unique_ptr<ViewRenderer>> make_blend_renderer(bool one_camera) {
   return make_blending_pass<BlendRenderer>(
-      "blend.comp",
-      {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "window.glsl", "picture.glsl"},
+      "blend.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "picture.glsl"},
       one_camera);
 }
 

@@ -59,8 +59,10 @@ class FilteredRenderer : public ViewRenderer {
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
     projection_.run(**textures, view, options, 0, false, true);
-    target_.begin(view.model.width, view.model.height, options.background);
-    if (!projection_.window().empty()) {
+    target_.begin(view.model.width, view.model.height);
+    if (projection_.window().empty()) {
+      target_.clear(options.background);
+    } else {
       if (is_shared_intermediate(options.output))
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       else
@@ -100,8 +102,7 @@ Result<std::unique_ptr<ViewRenderer>> make_filtered_renderer() {
   Result<Inspection> inspection = Inspection::create();
   if (!inspection) return forward(inspection);
   Result<gl::Kernel> blend = gl::Kernel::create(
-      "filtered.comp",
-      {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "window.glsl", "picture.glsl"});
+      "filtered.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "picture.glsl"});
   if (!blend) return forward(blend);
   Result<History> history = History::create();
   if (!history) return forward(history);

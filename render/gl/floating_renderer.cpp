@@ -35,8 +35,10 @@ class FloatingRenderer : public ViewRenderer {
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
     projection_.run(**textures, view, options, kMargin, false);
-    target_.begin(view.model.width, view.model.height, options.background);
-    if (!projection_.window().empty()) {
+    target_.begin(view.model.width, view.model.height);
+    if (projection_.window().empty()) {
+      target_.clear(options.background);
+    } else {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
@@ -166,9 +168,9 @@ Result<std::unique_ptr<ViewRenderer>> make_floating_renderer() {
   Result<gl::Kernel> project =
       gl::Kernel::create("project.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "window.glsl"});
   if (!project) return forward(project);
-  Result<gl::Kernel> composite =
-      gl::Kernel::create("float.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl",
-                                        "false_color.glsl", "window.glsl", "picture.glsl"});
+  Result<gl::Kernel> composite = gl::Kernel::create(
+      "float.comp",
+      {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl", "picture.glsl"});
   if (!composite) return forward(composite);
   return std::unique_ptr<ViewRenderer>(std::make_unique<FloatingRenderer>(
       std::move(*projection), std::move(*inspection), std::move(*project), std::move(*composite)));

@@ -4,9 +4,9 @@ namespace floatstage::render {
 
 Result<Inspection> Inspection::create() {
   Inspection inspection;
-  Result<gl::Kernel> kernel =
-      gl::Kernel::create("inspect.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl",
-                                          "false_color.glsl", "window.glsl", "picture.glsl"});
+  Result<gl::Kernel> kernel = gl::Kernel::create(
+      "inspect.comp",
+      {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl", "picture.glsl"});
   if (!kernel) return forward(kernel);
   inspection.kernel_ = std::move(*kernel);
   return inspection;

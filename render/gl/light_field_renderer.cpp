@@ -26,8 +26,10 @@ class LightFieldRenderer : public ViewRenderer {
     if (!textures) return forward(textures);
     const LightFieldPlane plane(*grid, view.view_from_world.center());
     projection_.run(**textures, view, options, 0, false);
-    target_.begin(view.model.width, view.model.height, options.background);
-    if (!projection_.window().empty()) {
+    target_.begin(view.model.width, view.model.height);
+    if (projection_.window().empty()) {
+      target_.clear(options.background);
+    } else {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
@@ -78,8 +80,7 @@ class LightFieldRenderer : public ViewRenderer {
 
 Result<std::unique_ptr<ViewRenderer>> make_light_field_renderer() {
   return make_blending_pass<LightFieldRenderer>(
-      "light_field.comp",
-      {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "window.glsl", "picture.glsl"});
+      "light_field.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "false_color.glsl", "picture.glsl"});
 }
 
 }  // namespace floatstage::render

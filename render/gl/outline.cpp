@@ -14,8 +14,7 @@ Result<Outline> Outline::create() {
   Outline o;
   Result<gl::Program> coverage = gl::make_program("coverage.vert", "coverage.frag", {"view.glsl"});
   if (!coverage) return forward(coverage);
-  Result<gl::Kernel> outline =
-      gl::Kernel::create("outline.comp", {"view.glsl", "window.glsl", "picture.glsl"});
+  Result<gl::Kernel> outline = gl::Kernel::create("outline.comp", {"view.glsl", "picture.glsl"});
   if (!outline) return forward(outline);
   o.coverage_ = std::move(*coverage);
   o.outline_ = std::move(*outline);
@@ -38,9 +37,10 @@ void Outline::draw_samples(const Projection& projection, const SceneTextures& sc
 void Outline::soften(const Projection& projection, const SceneTextures& scene, const RendererOptions& options,
                      ViewTarget& target) {
   if (!has_soft_outline(options)) return;
-  gl::StageTimes::enter("outline");
+  gl::StageTimes::enter("coverage");
   draw_samples(projection, scene);
-  const gl::Texture& drawn = target.begin_again(options.background);
+  gl::StageTimes::enter("outline");
+  const gl::Texture& drawn = target.begin_again();
   projection.draw(outline_, {&projection.surface(), &samples_, &projection.mattes(), &drawn}, target);
 }
 

@@ -197,24 +197,25 @@ void Projection::on_window(const gl::Kernel& kernel, gl::Kernel::Textures read,
 
 void Projection::draw(gl::Kernel& kernel, gl::Kernel::Textures read, const ViewTarget& target) const {
   kernel.set(0, window_.x, window_.y);
-  on_window(kernel, read, {&target.texture()});
+  const gl::Texture& picture = target.texture();
+  kernel.over(picture.width(), picture.height(), read, {&picture});
 }
 
-void ViewTarget::begin(int width, int height, const std::array<float, 3>& background) {
-  clear(0, width, height, background);
+void ViewTarget::begin(int width, int height) {
+  last_ = 0;
+  colors_[0].resize(GL_RGBA8, GL_LINEAR, width, height);
 }
 
-const gl::Texture& ViewTarget::begin_again(const std::array<float, 3>& background) {
+const gl::Texture& ViewTarget::begin_again() {
   const gl::Texture& first = colors_[0];
-  clear(1, first.width(), first.height(), background);
+  last_ = 1;
+  colors_[1].resize(GL_RGBA8, GL_LINEAR, first.width(), first.height());
   return first;
 }
 
-void ViewTarget::clear(std::size_t which, int width, int height, const std::array<float, 3>& background) {
-  last_ = which;
-  colors_[which].resize(GL_RGBA8, GL_LINEAR, width, height);
+void ViewTarget::clear(const std::array<float, 3>& background) {
   const float clear[4] = {background[0], background[1], background[2], 0};
-  glClearTexImage(colors_[which].id(), 0, GL_RGBA, GL_FLOAT, clear);
+  glClearTexImage(texture().id(), 0, GL_RGBA, GL_FLOAT, clear);
 }
 
 }  // namespace floatstage::render

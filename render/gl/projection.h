@@ -50,7 +50,7 @@ class Projection {
 
   /// Runs a kernel on every pixel of the window (shaders/window.glsl).
   void on_window(const gl::Kernel& kernel, gl::Kernel::Textures read, gl::Kernel::Textures written) const;
-  /// The same for one that draws into `target` (shaders/picture.glsl).
+  /// Runs one that draws on every pixel of `target` (shaders/picture.glsl).
   void draw(gl::Kernel& kernel, gl::Kernel::Textures read, const ViewTarget& target) const;
 
   /// Draws the proxy's triangles with the bound program and framebuffer: the back faces, too, unless others
@@ -84,17 +84,18 @@ class Projection {
   std::array<int, kMostListed> deepest_{};  // of the listed: the last level that any pixel reads
 };
 
-/// The picture a renderer hands out: RGBA8 of the view's size, cleared to the background with alpha 0.
+/// The picture a renderer hands out: RGBA8 of the view's size. Kernels that draw write all of it, the
+/// background with alpha 0 where nothing is (Projection::draw()).
 class ViewTarget {
  public:
-  void begin(int width, int height, const std::array<float, 3>& background);
+  void begin(int width, int height);
   /// Begins a second picture from the first: that, to be read while drawing.
-  const gl::Texture& begin_again(const std::array<float, 3>& background);
+  const gl::Texture& begin_again();
+  /// Makes it the background alone.
+  void clear(const std::array<float, 3>& background);
   const gl::Texture& texture() const { return colors_[last_]; }
 
  private:
-  void clear(std::size_t which, int width, int height, const std::array<float, 3>& background);
-
   std::array<gl::Texture, 2> colors_;
   std::size_t last_ = 0;
 };

@@ -30,8 +30,10 @@ class StaticRenderer : public ViewRenderer {
     const Result<const SceneTextures*> textures = SceneTextures::of(scene);
     if (!textures) return forward(textures);
     projection_.run(**textures, view, options, 0, false);
-    target_.begin(view.model.width, view.model.height, options.background);
-    if (!projection_.window().empty()) {
+    target_.begin(view.model.width, view.model.height);
+    if (projection_.window().empty()) {
+      target_.clear(options.background);
+    } else {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
@@ -82,8 +84,8 @@ class StaticRenderer : public ViewRenderer {
 
 Result<std::unique_ptr<ViewRenderer>> make_static_renderer() {
   return make_blending_pass<StaticRenderer>(
-      "static.comp", {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl",
-                      "window.glsl", "picture.glsl"});
+      "static.comp",
+      {"view.glsl", "camera.glsl", "footprint.glsl", "positions.glsl", "false_color.glsl", "picture.glsl"});
 }
 
 }  // namespace floatstage::render

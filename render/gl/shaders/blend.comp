@@ -1,5 +1,4 @@
 // The weighted mean of the projected photographs (Eq. 9.1), or how far they disagree.
-layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
 
@@ -13,10 +12,12 @@ vec3 projected(int slot, vec3 world, vec2 at, vec4 here) {
 }
 
 void main() {
-  ivec2 at = window_pixel();
-  if (!in_window(at)) return;
-  vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) return;
+  ivec2 at;
+  vec4 here;
+  if (!surface_here(at, here)) {
+    draw_background();
+    return;
+  }
   vec2 middle = vec2(at) + 0.5;
   vec3 world = world_at(middle, here.w), sum = vec3(0.0);
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
@@ -37,5 +38,5 @@ void main() {
     }
     color.rgb = heat(3.0 * apart);
   }
-  draw(at, color);
+  draw(color);
 }

@@ -1,6 +1,5 @@
 // Photographs filtered along their lines of disparity, then blended (ch. 10). The twin of
 // render/cpu/filtered_renderer.cpp and render/photo_pyramid.cpp.
-layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
 layout(location = 1) uniform float error;  // m along the viewing ray
@@ -60,10 +59,12 @@ vec3 filtered(int slot, vec2 window_pixel, vec4 here, float ray_length) {
 }
 
 void main() {
-  ivec2 at = window_pixel();
-  if (!in_window(at)) return;
-  vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) return;
+  ivec2 at;
+  vec4 here;
+  if (!surface_here(at, here)) {
+    draw_background();
+    return;
+  }
   vec2 pixel = vec2(at) + 0.5;
   float ray_length = length(view_ray(pixel)), total = 0.0;
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
@@ -85,5 +86,5 @@ void main() {
     }
     color.rgb = heat(3.0 * apart);
   }
-  draw(at, color);
+  draw(color);
 }

@@ -1,5 +1,4 @@
 // Warps the intermediate images onto one another and blends them (Eq. 11.2, 11.3).
-layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
 layout(binding = 4) uniform sampler2DArray images;  // alpha: see project.comp
@@ -89,10 +88,12 @@ vec3 measured(ivec2 at, vec4 here, float visible[kMaxListed]) {
 }
 
 void main() {
-  ivec2 at = window_pixel();
-  if (!in_window(at)) return;
-  vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) return;
+  ivec2 at;
+  vec4 here;
+  if (!surface_here(at, here)) {
+    draw_background();
+    return;
+  }
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   vec4 a0 = texelFetch(angular0, at, 0), a1 = texelFetch(angular1, at, 0);
   int n = view.counts.y;
@@ -175,5 +176,5 @@ void main() {
     for (int i = 0; i < n; ++i) visible[i] = i < 4 ? w0[i] : w1[i - 4];
     color.rgb = measured(at, here, visible);
   }
-  draw(at, color);
+  draw(color);
 }

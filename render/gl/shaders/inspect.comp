@@ -1,5 +1,4 @@
 // What all renderers can show instead of the picture. The twin of render/cpu/inspection.cpp.
-layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
 layout(binding = 4) uniform usampler2D visibility;
@@ -63,10 +62,12 @@ vec3 amounts(ivec2 at, uint seen) {
 }
 
 void main() {
-  ivec2 at = window_pixel();
-  if (!in_window(at)) return;
-  vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) return;
+  ivec2 at;
+  vec4 here;
+  if (!surface_here(at, here)) {
+    draw_background();
+    return;
+  }
   vec2 middle = vec2(at) + 0.5;
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
   for (int slot = 0; slot < kMaxListed; ++slot) weights[slot] = slot < 4 ? w0[slot] : w1[slot - 4];
@@ -78,5 +79,5 @@ void main() {
              : wanted == kAliasing  ? aliasing(middle, here)
              : wanted == kPredicted ? predicted(middle, here)
                                     : amounts(at, seen);
-  draw(at, vec4(rgb, 1.0));
+  draw(vec4(rgb, 1.0));
 }

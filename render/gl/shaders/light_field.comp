@@ -1,6 +1,5 @@
 // The four cameras around where the viewing ray meets the cameras' plane, weighted bilinearly. The twin of
 // render/light_field.cpp and render/cpu/light_field_renderer.cpp.
-layout(binding = 1) uniform sampler2D surface;
 layout(location = 1) uniform ivec2 grid;  // columns, rows
 layout(location = 2) uniform vec3 plane[3];  // normal, right, down
 layout(location = 5) uniform vec3 eye;  // before the plane, and on it: right, down
@@ -17,10 +16,12 @@ int between(int first, int count, float at, out float share) {
 }
 
 void main() {
-  ivec2 at = window_pixel();
-  if (!in_window(at)) return;
-  vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) return;
+  ivec2 at;
+  vec4 here;
+  if (!surface_here(at, here)) {
+    draw_background();
+    return;
+  }
   vec2 pixel = vec2(at) + 0.5, share;
   vec3 world = world_at(pixel, here.w), way = mat3(view.world_from_view) * view_ray(pixel);
   float along = dot(plane[0], way), steps = eye.x / (abs(along) > kParallel ? along : kParallel);
@@ -50,5 +51,5 @@ void main() {
       if (weights[k] > 0.0) apart += weights[k] / total * distance(colors[k], mean);
     color.rgb = heat(3.0 * apart);
   }
-  draw(at, color);
+  draw(color);
 }

@@ -1,6 +1,5 @@
 // The picture with its opacity: how much of a pixel the proxy covers, times what the mattes say near the outline. The
 // twin of render/cpu/outline.cpp.
-layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2DMS samples;  // 1 where the proxy covers one of the pixel's four samples
 layout(binding = 3) uniform sampler2D mattes;   // the mean and the largest of what they say; see visibility.comp
 layout(binding = 4) uniform sampler2D picture;
@@ -10,9 +9,8 @@ const int kOpacity = 7;  // RenderOutput::Opacity
 
 // What no picture shows has no part in it.
 bool shown(ivec2 at) {
-  ivec2 there = at + window_in_target;
-  return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.window.zw))) &&
-         all(greaterThanEqual(there, ivec2(0))) && all(lessThan(there, textureSize(picture, 0)));
+  ivec2 there = at + window_in_picture;
+  return in_window(at) && all(greaterThanEqual(there, ivec2(0))) && all(lessThan(there, textureSize(picture, 0)));
 }
 bool outside(ivec2 at) { return texelFetch(surface, at, 0).w >= kNothing; }
 
@@ -36,40 +34,44 @@ float solid(ivec2 at) {
   return min(opacity, 2.0 * matte.y);
 }
 
-void main() {
-  ivec2 at = window_pixel();
-  if (!in_window(at)) return;
+// The picture's pixel at a place of the window, with its opacity. False: nothing shows there.
+bool softened(ivec2 at, out vec4 color) {
   bool center = !outside(at);
   float covered = 0.0;
   for (int k = 0; k < 4; ++k) covered += 0.25 * texelFetch(samples, at, k).x;
-  if (!center && covered == 0.0) return;
+  if (!center && covered == 0.0) return false;
   bool rim = false;
-  vec4 color;
   if (!center || covered < 1.0)
     for (int k = 0; k < 9; ++k) {
       ivec2 next = at + ivec2(k % 3, k / 3) - 1;
       rim = rim || (shown(next) && outside(next) == center);
     }
   if (center) {
-    color = vec4(texelFetch(picture, at + window_in_target, 0).rgb, solid(at));
+    color = vec4(texelFetch(picture, at + window_in_picture, 0).rgb, solid(at));
     if (rim) color.a *= max(covered, 0.25);
-  } else {
-    if (!rim) return;
-    vec3 sum = vec3(0.0);
-    float weight = 0.0, count = 0.0;
-    for (int k = 0; k < 9; ++k) {
-      ivec2 next = at + ivec2(k % 3, k / 3) - 1;
-      if (!shown(next) || outside(next)) continue;
-      sum += texelFetch(picture, next + window_in_target, 0).rgb;
-      weight += solid(next);
-      count += 1.0;
-    }
-    if (weight == 0.0) return;
-    color = vec4(sum / count, weight / count * covered);
+    return true;
   }
-  if (view.counts.w == kOpacity) {
-    if (color.a < 0.5 / 255.0) return;
-    color = vec4(vec3(color.a), 1.0);
+  if (!rim) return false;
+  vec3 sum = vec3(0.0);
+  float weight = 0.0, count = 0.0;
+  for (int k = 0; k < 9; ++k) {
+    ivec2 next = at + ivec2(k % 3, k / 3) - 1;
+    if (!shown(next) || outside(next)) continue;
+    sum += texelFetch(picture, next + window_in_picture, 0).rgb;
+    weight += solid(next);
+    count += 1.0;
   }
-  draw(at, color);
+  color = vec4(sum / max(count, 1.0), weight / max(count, 1.0) * covered);
+  return weight > 0.0;
+}
+
+void main() {
+  ivec2 at = pixel_here();
+  vec4 color;
+  bool there = in_window(at) && softened(at, color);
+  bool opacity = view.counts.w == kOpacity;
+  if (!there || (opacity && color.a < 0.5 / 255.0))
+    draw_background();
+  else
+    draw(opacity ? vec4(vec3(color.a), 1.0) : color);
 }

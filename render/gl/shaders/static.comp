@@ -1,6 +1,5 @@
 // Floating Textures for scenes at rest (Eq. 11.4): photographs displaced by fields that were estimated in the cameras'
 // own pictures, and blended. The twin of render/cpu/static_renderer.cpp and field_kernels.cpp.
-layout(binding = 1) uniform sampler2D surface;
 layout(binding = 2) uniform sampler2D weights0;
 layout(binding = 3) uniform sampler2D weights1;
 layout(binding = 4) uniform sampler2D angular0;
@@ -48,10 +47,12 @@ vec2 floated(int i, vec3 world, out vec2 moved) {
 }
 
 void main() {
-  ivec2 at = window_pixel();
-  if (!in_window(at)) return;
-  vec4 here = texelFetch(surface, at, 0);
-  if (here.w >= kNothing) return;
+  ivec2 at;
+  vec4 here;
+  if (!surface_here(at, here)) {
+    draw_background();
+    return;
+  }
   vec2 middle = vec2(at) + 0.5;
   vec3 world = world_at(middle, here.w), sum = vec3(0.0), colors[kMaxListed];
   vec4 w0 = texelFetch(weights0, at, 0), w1 = texelFetch(weights1, at, 0);
@@ -96,5 +97,5 @@ void main() {
       if (used[i] > 0.0) apart += used[i] / total * distance(colors[i], mean);
     color.rgb = heat(3.0 * apart);
   }
-  draw(at, color);
+  draw(color);
 }
