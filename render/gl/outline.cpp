@@ -14,7 +14,8 @@ Result<Outline> Outline::create() {
   Outline o;
   Result<gl::Program> coverage = gl::make_program("coverage.vert", "coverage.frag", {"view.glsl"});
   if (!coverage) return forward(coverage);
-  Result<gl::Kernel> outline = gl::Kernel::create("outline.comp", {"view.glsl", "picture.glsl"});
+  Result<gl::Kernel> outline =
+      gl::Kernel::create("outline.comp", {"view.glsl", "picture.glsl", "synchronize.glsl"});
   if (!outline) return forward(outline);
   o.coverage_ = std::move(*coverage);
   o.outline_ = std::move(*outline);

@@ -13,25 +13,18 @@ layout(location = 2) uniform bool by_splines;
 const int kHalo = 2, kSide = 32 + 2 * kHalo;
 const int kRing = 1, kRingSide = 32 + 2 * kRing;
 
-shared vec2 uv[kSide * kSide];
 shared float mean[kSide * kSide], difference[kSide * kSide], evidence[kSide * kSide];
 shared float diffusivity[kRingSide * kRingSide];
 
 ivec2 origin;  // of the tile
 int field;
 
-// Where a pixel of the tile or beside it lies in shared memory; beyond the picture its border goes on.
-int slot(ivec2 p) {
-  ivec2 q = clamp(p, ivec2(0), size - 1) - origin + kHalo;
-  return q.y * kSide + q.x;
-}
-vec2 uv_at(ivec2 p) { return uv[slot(p)]; }
+vec2 uv_at(ivec2 p) { return texelFetch(field_uv, ivec3(clamp(p, ivec2(0), size - 1), field), 0).xy; }
 
 void warp(int i) {
   ivec2 p = clamp(origin - kHalo + ivec2(i % kSide, i / kSide), ivec2(0), size - 1), pictures = tables.fields[field].xy;
-  uv[i] = texelFetch(field_uv, ivec3(p, field), 0).xy;
   float first = value_of(texelFetch(samples, ivec3(p, pictures.x), 0).x) * kSampleStep;
-  vec2 at = clamp(vec2(p) + uv[i], vec2(-1.0), vec2(size)), low = floor(at);
+  vec2 at = clamp(vec2(p) + uv_at(p), vec2(-1.0), vec2(size)), low = floor(at);
   vec2 s = by_splines ? cubic(samples, ivec2(low), at - low, size, pictures.y)
                       : bilinear(samples, ivec2(low), at - low, size, pictures.y);
   mean[i] = 0.5 * (first + s.x);
@@ -50,6 +43,10 @@ float diffusivity_at(int i) {
   return stiffness / sqrt(squares + energy.w);
 }
 
+int slot(ivec2 p) {
+  ivec2 q = clamp(p, ivec2(0), size - 1) - origin + kHalo;
+  return q.y * kSide + q.x;
+}
 float mean_dx(ivec2 p) {
   p = clamp(p, ivec2(0), size - 1);
   return 0.5 * (mean[slot(p + ivec2(1, 0))] - mean[slot(p - ivec2(1, 0))]);
@@ -108,7 +105,6 @@ void main() {
   if (!work(tile, field)) return;
   origin = tile * kTile;
   for (int i = int(gl_LocalInvocationIndex); i < kSide * kSide; i += 256) warp(i);
-  synchronize();
   for (int i = int(gl_LocalInvocationIndex); i < kRingSide * kRingSide; i += 256) diffusivity[i] = diffusivity_at(i);
   synchronize();
   for (int k = 0; k < kRowsEach; ++k) {

@@ -2,7 +2,7 @@
 // more on every side a sweep: wrong values come in from the border by one pixel each half-sweep and do not reach what
 // is written, which is therefore what as many sweeps over the whole picture give. Even and odd pixels of the
 // checkerboard lie apart, so that neighbouring invocations read neighbouring memory.
-layout(local_size_x = 32, local_size_y = 16) in;
+layout(local_size_x = 32, local_size_y = 32) in;
 layout(binding = 1) uniform sampler2DArray tensor_and_right;  // flow_equations.comp
 layout(binding = 2) uniform sampler2DArray sides_and_down;
 layout(binding = 3) uniform sampler2DArray increment;
@@ -16,7 +16,7 @@ layout(location = 4) uniform float omega;
 layout(location = 5) uniform bool first;  // the increment is still 0
 layout(location = 6) uniform bool last;   // result: the field with its increment; else the increment alone
 
-const int kSide = 64, kPairs = kSide / 2, kRows = 16, kEach = 2 * kSide / kRows;
+const int kSide = 64, kPairs = kSide / 2, kRows = 32, kEach = 2 * kSide / kRows;
 const float kLeastDeterminant = 1e-20;
 
 shared vec2 values[2 * kSide * kPairs];  // [color][row][pair of columns]

@@ -4,6 +4,7 @@ layout(binding = 2) uniform sampler2DMS samples;  // 1 where the proxy covers on
 layout(binding = 3) uniform sampler2D mattes;   // the mean and the largest of what they say; see visibility.comp
 layout(binding = 4) uniform sampler2D picture;
 
+const int kGroup = 8, kAround = kGroup + 2;  // px: picture.glsl's; with the pixels beside it
 const float kNear = 0.5;  // of soft visibility's radius: how far from the outline mattes count
 const int kOpacity = 7;  // RenderOutput::Opacity
 
@@ -34,6 +35,15 @@ float solid(ivec2 at) {
   return min(opacity, 2.0 * matte.y);
 }
 
+// solid() of the group's pixels and those beside them, 0 where nothing shows: each is asked for up to nine times.
+shared float opacities[kAround * kAround];
+
+ivec2 beside_group() { return ivec2(gl_WorkGroupID.xy) * kGroup - window_in_picture - 1; }
+float opacity_at(ivec2 at) {
+  ivec2 local = at - beside_group();
+  return opacities[local.y * kAround + local.x];
+}
+
 // The picture's pixel at a place of the window, with its opacity. False: nothing shows there.
 bool softened(ivec2 at, out vec4 color) {
   bool center = !outside(at);
@@ -47,7 +57,7 @@ bool softened(ivec2 at, out vec4 color) {
       rim = rim || (shown(next) && outside(next) == center);
     }
   if (center) {
-    color = vec4(texelFetch(picture, at + window_in_picture, 0).rgb, solid(at));
+    color = vec4(texelFetch(picture, at + window_in_picture, 0).rgb, opacity_at(at));
     if (rim) color.a *= max(covered, 0.25);
     return true;
   }
@@ -58,7 +68,7 @@ bool softened(ivec2 at, out vec4 color) {
     ivec2 next = at + ivec2(k % 3, k / 3) - 1;
     if (!shown(next) || outside(next)) continue;
     sum += texelFetch(picture, next + window_in_picture, 0).rgb;
-    weight += solid(next);
+    weight += opacity_at(next);
     count += 1.0;
   }
   color = vec4(sum / max(count, 1.0), weight / max(count, 1.0) * covered);
@@ -66,6 +76,11 @@ bool softened(ivec2 at, out vec4 color) {
 }
 
 void main() {
+  for (int i = int(gl_LocalInvocationIndex); i < kAround * kAround; i += kGroup * kGroup) {
+    ivec2 there = beside_group() + ivec2(i % kAround, i / kAround);
+    opacities[i] = shown(there) && !outside(there) ? solid(there) : 0.0;
+  }
+  synchronize();
   ivec2 at = pixel_here();
   vec4 color;
   bool there = in_window(at) && softened(at, color);
