@@ -218,7 +218,8 @@ void Scene::Impl::begin(std::size_t count, const Mesh& source) {
   blocks.clear();
   mesh.positions.assign(source.positions.begin(), source.positions.end());
   mesh.triangles.assign(source.triangles.begin(), source.triangles.end());
-  box = source.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero()) : bounding_box(source);
+  vertex_blocks.set(mesh.positions);
+  box = source.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero()) : vertex_blocks.box;
   samples = ranking_samples(source);
 }
 

@@ -12,6 +12,7 @@
 #include "render/camera_fields.h"
 #include "render/depth_windows.h"
 #include "render/scene.h"
+#include "render/vertex_blocks.h"
 
 namespace floatstage::render {
 
@@ -47,7 +48,8 @@ struct Scene::Impl {
   std::vector<RigCamera> ranked;  ///< those whose angles say how the others' weights fade: these, or all
   std::vector<int> slot;          ///< of each ranked camera in `cameras`; -1: it has no picture
   Mesh mesh;
-  RankingSamples samples;  ///< a few of its corners, spread over it, for ranking cameras
+  RankingSamples samples;      ///< a few of its corners, spread over it, for ranking cameras
+  VertexBlocks vertex_blocks;  ///< of the mesh, for finding windows
   Eigen::AlignedBox3f box;
   std::uint64_t version = 0;                     ///< counts what was set
   std::shared_ptr<const FieldSet> given_fields;  ///< precomputed ones; null: none
