@@ -86,9 +86,21 @@ void choose(benchmark::State& state, bool large) {
   for_views(state, large, [](const Scene::Impl& s, const View& view) { return s.choose(view, 3); });
 }
 
+void choose_reference(benchmark::State& state, bool large) {
+  const RankingSamples samples = ranking_samples(subject(large).mesh);
+  for_views(state, large,
+            [&](const Scene::Impl& s, const View& view) { return mean_angles(s.cameras, samples, view); });
+}
+
 void window_reference(benchmark::State& state, bool large) {
   for_views(state, large,
             [](const Scene::Impl& s, const View& view) { return window_of(view, s.mesh.positions, 8); });
+}
+
+void window(benchmark::State& state, bool large) {
+  for_views(state, large, [](const Scene::Impl& s, const View& view) {
+    return window_of(view, s.mesh.positions, s.vertex_blocks, 8);
+  });
 }
 
 void levels(benchmark::State& state, bool large) {
@@ -118,6 +130,10 @@ void set_scene(benchmark::State& state, bool large) {
 
 BENCHMARK_CAPTURE(choose, performer, false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(choose, large, true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(choose_reference, performer, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(choose_reference, large, true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(window, performer, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(window, large, true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(window_reference, performer, false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(window_reference, large, true)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(levels, performer, false)->Unit(benchmark::kMicrosecond);
