@@ -113,6 +113,18 @@ TEST(WindowOf, IsTheSameByBlocksForAnyNumberOfVertices) {
   }
 }
 
+TEST(WindowOf, IsTheWholeViewForOneVertexBeforeTheNearPlane) {
+  View view = view_at(0, 0);
+  view.near_plane = 0.5;
+  std::vector<Eigen::Vector3f> positions = ball(0.1F, 12).positions;
+  positions.resize(positions.size() / VertexBlocks::kVertices * VertexBlocks::kVertices);
+  positions.resize(positions.size() + VertexBlocks::kVertices, {0, 0, 0});
+  positions.back() = {0.7F, 0, 0};  // 0.3 m away, in the middle of the picture, in a block without width
+  const Window window = window_by_blocks(view, positions, 10);
+  EXPECT_EQ(numbers(window), numbers(window_of(view, positions, 10)));
+  EXPECT_GT(window.width, 160);
+}
+
 // A wall that fills the window to its last bit: many vertices share the extreme coordinates.
 TEST(WindowOf, IsTheSameByBlocksForAWallOnTheGridOfWindows) {
   View view;
