@@ -98,7 +98,7 @@ View field_view(const RigCamera& camera, const Eigen::AlignedBox3f& box) {
 std::vector<CameraPair> field_pairs(const Rig& rig, const Mesh& mesh, int neighbors,
                                     const std::vector<bool>& usable) {
   std::vector<CameraPair> pairs;
-  const RankingSamples samples = ranking_samples(mesh);
+  CameraRanking ranking(rig.cameras, ranking_samples(mesh));
   const auto count = static_cast<int>(rig.cameras.size());
   for (int i = 0; i < count; ++i) {
     if (!usable.empty() && !usable[static_cast<std::size_t>(i)]) continue;
@@ -108,9 +108,8 @@ std::vector<CameraPair> field_pairs(const Rig& rig, const Mesh& mesh, int neighb
     std::vector<bool> others(static_cast<std::size_t>(count));
     for (int j = 0; j < count; ++j)
       others[static_cast<std::size_t>(j)] = j != i && (usable.empty() || usable[static_cast<std::size_t>(j)]);
-    CameraRanking memory;
     const int asked = std::min(neighbors, kMostListed);
-    const CameraChoice choice = choose_cameras(rig.cameras, samples, view, asked, others, memory);
+    const CameraChoice choice = choose_cameras(ranking, view, asked, others);
     for (std::size_t j = 0; j < choice.chosen; ++j) pairs.push_back({i, choice.listed[j]});
   }
   std::sort(pairs.begin(), pairs.end());

@@ -113,8 +113,8 @@ std::vector<RendererInfo> renderers() {
 }
 
 std::vector<int> drawn_from(const Rig& rig, const Mesh& mesh, const View& view, int count) {
-  CameraRanking memory;
-  const CameraChoice choice = choose_cameras(rig.cameras, ranking_samples(mesh), view, count, {}, memory);
+  CameraRanking ranking(rig.cameras, ranking_samples(mesh));
+  const CameraChoice choice = choose_cameras(ranking, view, count, {});
   return {choice.listed.begin(), choice.listed.end()};
 }
 
@@ -149,8 +149,8 @@ PixelBox part_drawn_from(const RigCamera& camera, const Mesh& mesh, std::span<co
 }
 
 std::vector<int> needed_cameras(const Rig& rig, const Mesh& mesh, const View& view, int count) {
-  CameraRanking memory;
-  const CameraChoice choice = choose_cameras(rig.cameras, ranking_samples(mesh), view, count, {}, memory);
+  CameraRanking ranking(rig.cameras, ranking_samples(mesh));
+  const CameraChoice choice = choose_cameras(ranking, view, count, {});
   return {choice.listed.begin(), choice.listed.begin() + choice.chosen};
 }
 

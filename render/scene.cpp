@@ -203,9 +203,7 @@ void Scene::set_fields(std::shared_ptr<const FieldSet> fields) {
 }
 
 CameraChoice Scene::Impl::choose(const View& view, int count) const {
-  pictured.resize(ranked.size());
-  for (std::size_t i = 0; i < ranked.size(); ++i) pictured[i] = slot[i] >= 0;
-  CameraChoice choice = choose_cameras(ranked, samples, view, count, pictured, ranking);
+  CameraChoice choice = choose_cameras(ranking, view, count, pictured);
   for (int& camera : choice.listed) camera = slot[static_cast<std::size_t>(camera)];
   return choice;
 }
@@ -218,8 +216,8 @@ void Scene::Impl::begin(std::size_t count, const Mesh& source) {
   blocks.clear();
   mesh.positions.assign(source.positions.begin(), source.positions.end());
   mesh.triangles.assign(source.triangles.begin(), source.triangles.end());
-  box = source.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero()) : bounding_box(source);
-  samples = ranking_samples(source);
+  vertex_blocks.set(mesh.positions);
+  box = source.empty() ? Eigen::AlignedBox3f(Eigen::Vector3f::Zero()) : vertex_blocks.box;
 }
 
 void Scene::Impl::add(const RigCamera& camera, int index) {
@@ -235,6 +233,9 @@ void Scene::Impl::finish() {
     depth_windows[i] = depth_window(cameras[i], box);
     blocks[i].depth = depth_windows[i].place;
   }
+  pictured.resize(ranked.size());
+  for (std::size_t i = 0; i < ranked.size(); ++i) pictured[i] = slot[i] >= 0;
+  ranking.set(ranked, ranking_samples(mesh));
   ++version;
 }
 

@@ -12,6 +12,7 @@
 #include "render/camera_fields.h"
 #include "render/depth_windows.h"
 #include "render/scene.h"
+#include "render/vertex_blocks.h"
 
 namespace floatstage::render {
 
@@ -47,13 +48,13 @@ struct Scene::Impl {
   std::vector<RigCamera> ranked;  ///< those whose angles say how the others' weights fade: these, or all
   std::vector<int> slot;          ///< of each ranked camera in `cameras`; -1: it has no picture
   Mesh mesh;
-  RankingSamples samples;  ///< a few of its corners, spread over it, for ranking cameras
+  VertexBlocks vertex_blocks;  ///< of the mesh, for finding windows
   Eigen::AlignedBox3f box;
   std::uint64_t version = 0;                     ///< counts what was set
   std::shared_ptr<const FieldSet> given_fields;  ///< precomputed ones; null: none
 
-  mutable CameraRanking ranking;  ///< memory of choose(), as is `pictured`
-  mutable std::vector<bool> pictured;
+  std::vector<bool> pictured;                  ///< of each ranked camera: whether it has a slot
+  mutable CameraRanking ranking;               ///< of the ranked cameras
   mutable std::shared_ptr<void> on_gpu;        ///< gl::SceneTextures of a version
   mutable std::shared_ptr<void> on_cpu;        ///< cpu::SceneMaps of a version
   mutable std::shared_ptr<void> pyramid;       ///< PhotoPyramid of a version

@@ -4,6 +4,7 @@
 
 #include "core/result.h"
 #include "core/view.h"
+#include "render/vertex_blocks.h"
 
 namespace floatstage::render {
 
@@ -18,6 +19,11 @@ Result<void> check(const View& view);
 
 /// The part of a view that a mesh covers, grown by `margin` px, cut at the view's border plus `margin`, with
 /// corners on multiples of 16 px (so that coarse levels of the flow see the same grid from view to view).
+/// Projects all vertices: the reference of the one below.
 Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions, int margin);
+
+/// The same window from the vertices of those `blocks` that reach beyond what the others cover.
+Window window_of(const View& view, const std::vector<Eigen::Vector3f>& positions, const VertexBlocks& blocks,
+                 int margin);
 
 }  // namespace floatstage::render

@@ -74,7 +74,7 @@ Result<void> Projection::run(const Scene& scene, const View& view, const Rendere
   interruption_.begin(options.given_up);
   const Scene::Impl& s = scene.impl();
   choice_ = wanted.cameras != nullptr ? *wanted.cameras : s.choose(view, options.cameras);
-  window_ = window_of(view, s.mesh.positions, wanted.margin);
+  window_ = window_of(view, s.mesh.positions, s.vertex_blocks, wanted.margin);
   if (window_.empty()) return {};
   mesh_ = &s.mesh;
   threads_ = options.threads;

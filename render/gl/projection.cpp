@@ -143,7 +143,7 @@ void Projection::find_deepest(const SceneTextures& scene, const View& view, bool
 void Projection::run(const SceneTextures& scene, const View& view, const RendererOptions& options, int margin,
                      bool one_camera, bool levels) {
   choice_ = scene.scene->choose(view, options.cameras);
-  window_ = window_of(view, scene.scene->mesh.positions, margin);
+  window_ = window_of(view, scene.scene->mesh.positions, scene.scene->vertex_blocks, margin);
   if (window_.empty()) return;
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);

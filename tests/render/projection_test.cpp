@@ -1,5 +1,8 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "core/random.h"
 #include "render/camera_block.h"
 #include "render/view_window.h"
 #include "tests/render/stage.h"
@@ -56,6 +59,83 @@ TEST(WindowOf, IsEmptyWhenTheMeshIsNotInThePicture) {
   EXPECT_TRUE(render::window_of(view, ball(0.1F, 6).positions, 0).empty());
   view.view_from_world = look_at({1, 0, 0}, {0, 3, 0}, Eigen::Vector3d::UnitZ());  // past it
   EXPECT_TRUE(render::window_of(view, ball(0.1F, 6).positions, 0).empty());
+}
+
+Window window_by_blocks(const View& view, const std::vector<Eigen::Vector3f>& positions, int margin) {
+  VertexBlocks blocks;
+  blocks.set(positions);
+  return window_of(view, positions, blocks, margin);
+}
+
+std::array<int, 4> numbers(const Window& w) { return {w.x, w.y, w.width, w.height}; }
+
+/// From anywhere near a mesh: around it, among its vertices, past it and away from it.
+View any_view(Random& random) {
+  const auto point = [&](double reach) {
+    return Eigen::Vector3d(random.uniform(-reach, reach), random.uniform(-reach, reach),
+                           random.uniform(-reach, reach));
+  };
+  View view = view_at(0, 10, small_camera(320, 240));
+  view.view_from_world =
+      look_at(point(random.next() % 2 ? 0.4 : 3), point(random.next() % 4 ? 0.1 : 1), point(1));
+  view.near_plane = random.next() % 2 ? 0.01 : 0.5;
+  return view;
+}
+
+TEST(WindowOf, IsTheSameByBlocksFromEverywhere) {
+  Random random(3);
+  Mesh strips = ball(0.25F, 30, 0.6F), mixed = strips, far = strips;
+  for (std::size_t i = mixed.positions.size() - 1; i > 0; --i)
+    std::swap(mixed.positions[i], mixed.positions[random.next() % (i + 1)]);
+  for (Eigen::Vector3f& p : far.positions) p += Eigen::Vector3f(4e3F, -2e4F, 7);  // coordinates of a map
+  int empty = 0, whole = 0, other = 0;
+  for (int i = 0; i < 3000; ++i) {
+    View view = any_view(random);
+    for (const Mesh* mesh : {&strips, &mixed, &far}) {
+      SCOPED_TRACE(testing::Message() << "view " << i);
+      View here = view;
+      if (mesh == &far)
+        here.view_from_world = view.view_from_world * Rigid3{Eigen::Quaterniond::Identity(), {-4e3, 2e4, -7}};
+      const Window expected = window_of(here, mesh->positions, i % 20);
+      ASSERT_EQ(numbers(window_by_blocks(here, mesh->positions, i % 20)), numbers(expected));
+      ++(expected.empty() ? empty : expected.width >= 320 && expected.height >= 240 ? whole : other);
+    }
+  }
+  EXPECT_GT(std::min({empty, whole, other}), 300);
+}
+
+TEST(WindowOf, IsTheSameByBlocksForAnyNumberOfVertices) {
+  const std::vector<Eigen::Vector3f> all = ball(0.25F, 9).positions;
+  for (std::size_t count = 0; count <= all.size(); ++count) {
+    const std::vector<Eigen::Vector3f> some(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+    EXPECT_EQ(numbers(window_by_blocks(view_at(20), some, 4)), numbers(window_of(view_at(20), some, 4)))
+        << count;
+  }
+}
+
+TEST(WindowOf, IsTheWholeViewForOneVertexBeforeTheNearPlane) {
+  View view = view_at(0, 0);
+  view.near_plane = 0.5;
+  std::vector<Eigen::Vector3f> positions = ball(0.1F, 12).positions;
+  positions.resize(positions.size() / VertexBlocks::kVertices * VertexBlocks::kVertices);
+  positions.resize(positions.size() + VertexBlocks::kVertices, {0, 0, 0});
+  positions.back() = {0.7F, 0, 0};  // 0.3 m away, in the middle of the picture, in a block without width
+  const Window window = window_by_blocks(view, positions, 10);
+  EXPECT_EQ(numbers(window), numbers(window_of(view, positions, 10)));
+  EXPECT_GT(window.width, 160);
+}
+
+// A wall that fills the window to its last bit: many vertices share the extreme coordinates.
+TEST(WindowOf, IsTheSameByBlocksForAWallOnTheGridOfWindows) {
+  View view;
+  view.model = small_camera(320, 240);
+  view.model.fx = view.model.fy = 128;
+  for (const double shift : {0.0, 1e-7, -1e-7, 0.3}) {
+    std::vector<Eigen::Vector3f> wall;
+    for (int y = -16; y <= 16; ++y)
+      for (int x = -32; x <= 32; ++x) wall.emplace_back(x / 32.F + static_cast<float>(shift), y / 32.F, 1.F);
+    EXPECT_EQ(numbers(window_by_blocks(view, wall, 0)), numbers(window_of(view, wall, 0))) << shift;
+  }
 }
 
 class Geometry : public OnEachBackEnd {};

@@ -21,8 +21,8 @@ RankingSamples samples_of(const Mesh& mesh) {
 }
 
 CameraChoice chosen(const Rig& rig, double degrees, int count) {
-  CameraRanking memory;
-  return choose_cameras(rig.cameras, samples_of(ball(0.25F, 12)), view_at(degrees), count, {}, memory);
+  CameraRanking ranking(rig.cameras, samples_of(ball(0.25F, 12)));
+  return choose_cameras(ranking, view_at(degrees), count, {});
 }
 
 TEST(CameraChoice, TakesTheNearestCamerasNearestFirst) {
@@ -90,9 +90,8 @@ Rig dome() {
 }
 
 CameraChoice chosen_of(const Rig& dome, double degrees, double elevation, int count) {
-  CameraRanking memory;
-  return choose_cameras(dome.cameras, samples_of(ball(0.25F, 12)), view_at(degrees, elevation), count, {},
-                        memory);
+  CameraRanking ranking(dome.cameras, samples_of(ball(0.25F, 12)));
+  return choose_cameras(ranking, view_at(degrees, elevation), count, {});
 }
 
 // In the middle of four cameras no three are the nearest: a hair's breadth must not say which.
