@@ -18,21 +18,21 @@ namespace floatstage::render {
 
 inline constexpr int kLargestOnSoftware = 256;  // px of width
 
-/// Gigabytes a second, read and written, of a copy from texture to texture.
+/// Gigabytes a second, read and written, of a copy from buffer to buffer.
 inline double copy_bandwidth() {
   static const double measured = [] {
-    const int side = context()->is_software() ? 256 : 4096;
-    gl::Texture from, to;
-    reserve_cleared(from, GL_RGBA32F, side, side, 2);
-    reserve_cleared(to, GL_RGBA32F, side, side, 2);
+    const GLsizeiptr size = GLsizeiptr{1} << (context()->is_software() ? 20 : 28);
+    const gl::Buffer from = gl::Buffer::create(), to = gl::Buffer::create();
+    for (const gl::Buffer* buffer : {&from, &to}) {
+      glNamedBufferStorage(buffer->id(), size, nullptr, 0);
+      glClearNamedBufferData(buffer->id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+    }
     gl::StageTimes times;
     double best = 0;
     for (int turn = 0; turn < 5; ++turn) {
       gl::StageTimes::enter("copy");
-      glCopyImageSubData(from.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, to.id(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0,
-                         side, side, 2);
-      const double bytes = 2.0 * 2 * 16 * side * side;
-      best = std::max(best, bytes * 1e-6 / times.take().front().milliseconds);
+      glCopyNamedBufferSubData(from.id(), to.id(), 0, 0, size);
+      best = std::max(best, 2e-6 * static_cast<double>(size) / times.take().front().milliseconds);
     }
     return best;
   }();
@@ -76,9 +76,11 @@ class StageReport {
       megabytes += sum.least_megabytes;
       dispatches += sum.dispatches;
     }
+    if (dispatches == 0) return;
     state.counters["dispatches"] = dispatches;
     state.counters["MB"] = megabytes;
     state.counters["GB/s"] = megabytes / milliseconds;
+    state.counters["copy GB/s"] = copy_bandwidth();
     state.counters["share of a copy's bandwidth"] = megabytes / milliseconds / copy_bandwidth();
   }
 
