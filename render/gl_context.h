@@ -13,7 +13,8 @@ namespace floatstage::render {
 class GlContext {
  public:
   /// Without a window: EGL on a GPU's device platform where there is one, else surfaceless Mesa (llvmpipe).
-  /// FLOATSTAGE_GL=software|device forces one. Unsupported says what was tried and which package is missing.
+  /// FLOATSTAGE_GL=software|device forces one; FLOATSTAGE_GL_DEBUG=1 logs what the driver says. Unsupported
+  /// says what was tried and which package is missing.
   static Result<std::unique_ptr<GlContext>> headless();
   /// Takes the context that a window library has made current on this thread; does not own it.
   static Result<std::unique_ptr<GlContext>> adopt_current();

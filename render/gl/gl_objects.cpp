@@ -154,8 +154,10 @@ Result<Program> make_compute_program(std::string_view compute,
 void upload(Buffer& buffer, std::size_t& capacity, const void* data, std::size_t size) {
   if (!buffer || capacity < size) {
     buffer = Buffer::create();
-    glNamedBufferStorage(buffer.id(), static_cast<GLsizeiptr>(size), data, GL_DYNAMIC_STORAGE_BIT);
-    capacity = size;
+    // Also nothing at all has to have storage.
+    capacity = std::max<std::size_t>(size, 1);
+    glNamedBufferStorage(buffer.id(), static_cast<GLsizeiptr>(capacity), size > 0 ? data : nullptr,
+                         GL_DYNAMIC_STORAGE_BIT);
   } else if (size > 0) {
     glNamedBufferSubData(buffer.id(), 0, static_cast<GLsizeiptr>(size), data);
   }

@@ -18,21 +18,22 @@ namespace floatstage::render {
 
 inline constexpr int kLargestOnSoftware = 256;  // px of width
 
-/// Gigabytes a second, read and written, of a copy from buffer to buffer.
+/// Gigabytes a second, read and written, of a kernel that does nothing else (fade.comp).
 inline double copy_bandwidth() {
   static const double measured = [] {
-    const GLsizeiptr size = GLsizeiptr{1} << (context()->is_software() ? 20 : 28);
-    const gl::Buffer from = gl::Buffer::create(), to = gl::Buffer::create();
-    for (const gl::Buffer* buffer : {&from, &to}) {
-      glNamedBufferStorage(buffer->id(), size, nullptr, 0);
-      glClearNamedBufferData(buffer->id(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
-    }
+    const int side = context()->is_software() ? 256 : 4096;
+    gl::Texture now, sum, shown;
+    reserve_cleared(now, GL_RGBA32F, side, side, 0);
+    reserve_cleared(sum, GL_RGBA32F, side, side, 0);
+    reserve_cleared(shown, GL_RGBA8, side, side, 0);
+    gl::Kernel fade = std::move(*gl::Kernel::create("fade.comp", {}));
     gl::StageTimes times;
     double best = 0;
     for (int turn = 0; turn < 5; ++turn) {
       gl::StageTimes::enter("copy");
-      glCopyNamedBufferSubData(from.id(), to.id(), 0, 0, size);
-      best = std::max(best, 2e-6 * static_cast<double>(size) / times.take().front().milliseconds);
+      fade.over(side, side, {&now, nullptr}, {&sum, &shown});
+      const gl::StageTime took = times.take().front();
+      best = std::max(best, took.least_megabytes / took.milliseconds);
     }
     return best;
   }();
