@@ -196,8 +196,10 @@ void note(const Image& rgba, const std::vector<std::optional<Eigen::Vector2d>>& 
 
 Result<TemporalScores> scores_of(Course& course, int pictures) {
   if (course.second.empty())
-    return fail(ErrorCode::BadData,
-                "no point of the surface is seen along this path; does it look at the subject?");
+    return fail(
+        ErrorCode::BadData,
+        "no point of the surface is seen from one picture of this path to the next; does it look at the "
+        "subject, in steps (--steps) that are small enough?");
   TemporalScores s = course.scores;
   s.steps = pictures - 1;
   s.points = static_cast<double>(course.second.size()) / (pictures - 2);

@@ -30,7 +30,7 @@ TEST_F(EvaluateVerb, ScoresWithOpenGlAsWithNativeCode) {
 }
 
 TEST_F(EvaluateVerb, WalksWithOpenGl) {
-  ASSERT_THAT(evaluate("gl", {"--orbit", "--steps", "8", "--methods", "linear"}), IsOk());
+  ASSERT_THAT(evaluate("gl", {"--orbit", "--steps", "40", "--methods", "linear"}), IsOk());
   EXPECT_TRUE(report("gl").at("mean").contains("linear"));
 }
 
