@@ -51,6 +51,16 @@ Result<std::vector<int>> parts_asked_for(const RenderArguments& given, const cap
   return parse_frames(given.pictures, static_cast<int>(whole->size()));
 }
 
+// What a picture's stages take in the mean, by name: of OpenGL alone.
+nlohmann::json stages_json(const pipeline::FilmReport& film) {
+  nlohmann::json stages = nlohmann::json::object();
+  for (const render::StageTime& stage : film.stages)
+    stages[stage.name] = {{"milliseconds", stage.milliseconds / film.pictures},
+                          {"dispatches", static_cast<double>(stage.dispatches) / film.pictures},
+                          {"least_megabytes", stage.least_megabytes / film.pictures}};
+  return stages;
+}
+
 void say(const RenderArguments& given, const pipeline::FilmOptions& film,
          const pipeline::FilmFileReport& report) {
   const std::string kept = report.kept > 0 ? text(", ", report.kept, " of them made before") : "";
@@ -130,6 +140,7 @@ Result<void> run_render(const RenderArguments& given) {
   if (!pictures) return forward(pictures);
   ProgressBar bar;
   film->progress = &bar;
+  film->time_stages = !given.json_file.empty();
   const Result<capture::FileHash> program =
       capture::sha256_of_file("/proc/self/exe", [](std::uint64_t) { return true; });
   if (!program) return forward(program);
@@ -155,6 +166,7 @@ Result<void> run_render(const RenderArguments& given) {
                               {"parts_done", report->done},
                               {"seconds", report->film.seconds},
                               {"render_seconds", report->film.render_seconds},
+                              {"stages", stages_json(report->film)},
                               {"renderer", drawing->description}},
                              given.json_file);
 }

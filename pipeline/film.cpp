@@ -283,6 +283,8 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
   SceneStream scenes(take, options, frames, views);
   render::Scene drawn;
   FilmReport report;
+  std::optional<render::StageTimes> times;
+  if (options.time_stages && options.renderer.back_end == render::BackEnd::Gl) times.emplace();
   std::size_t without_camera = 0;
   ProgressPart progress(options.progress, "pictures", frames.size());
   for (std::size_t p = 0; p < frames.size(); ++p) {
@@ -302,9 +304,11 @@ Result<FilmReport> render_film(capture::TakeReader& take, const CameraPath& path
       const View& view = views[p][i / options.methods.size()];
       Result<render::RenderedView> rendered = renderers[i]->render(drawn, view, options.renderer);
       if (!rendered) return in_frame(rendered.error());
+      render::StageTimes::enter("reading back");
       without_camera += i == 0 && render::lacks_shown_camera(*rendered, options.renderer);
       picture.renders.push_back(render::download(*rendered));
     }
+    if (times) render::add(times->take(), report.stages);
     report.render_seconds += since(drawing);
     if (Result<void> ok = visit(std::move(picture)); !ok) return forward(ok);
     ++report.pictures;

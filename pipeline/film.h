@@ -13,6 +13,7 @@
 #include "pipeline/progress.h"
 #include "pipeline/view_array.h"
 #include "render/renderer.h"
+#include "render/stage_times.h"
 
 namespace floatstage::pipeline {
 
@@ -33,6 +34,7 @@ struct FilmOptions {
   /// Which pictures of the film are drawn, indices in rising order; empty: all.
   std::vector<int> pictures = {};
   render::RendererOptions renderer;
+  bool time_stages = false;      ///< OpenGL: what a picture's stages take; waits for each picture
   Progress* progress = nullptr;  ///< null: unwatched
 };
 
@@ -46,8 +48,9 @@ struct FilmPicture {
 
 struct FilmReport {
   int pictures = 0;
-  double seconds = 0;         ///< that it took
-  double render_seconds = 0;  ///< of it in the renderers
+  double seconds = 0;                          ///< that it took
+  double render_seconds = 0;                   ///< of it in the renderers
+  std::vector<render::StageTime> stages = {};  ///< FilmOptions::time_stages: sums over all pictures
 };
 
 /// Which frame of the take each picture of the whole film shows. InvalidArgument for options that make no

@@ -40,9 +40,10 @@ json described(const render::RendererOptions& options) {
 
 json described(const FilmOptions& options) {
   const auto& [width, height, frame_rate, seconds, frames, methods, array, suppress_spill, balance, subject,
-               track, rig, pictures, renderer, progress] = options;
+               track, rig, pictures, renderer, time_stages, progress] = options;
   static_cast<void>(balance);  // is in the rig
   static_cast<void>(pictures);
+  static_cast<void>(time_stages);
   static_cast<void>(progress);
   const Eigen::Vector3d low = subject->min(), high = subject->max();
   json centres = json::array();

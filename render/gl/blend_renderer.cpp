@@ -3,7 +3,7 @@
 #include "render/gl/blending_pass.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -30,7 +30,7 @@ class BlendRenderer : public ViewRenderer {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
-        gl::StageTimes::enter("blending");
+        StageTimes::enter("blending");
         projection_.draw(blend_, {&projection_.surface(), &projection_.weights(0), &projection_.weights(1)},
                          target_);
       }

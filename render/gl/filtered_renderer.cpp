@@ -5,7 +5,7 @@
 
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -81,7 +81,7 @@ class FilteredRenderer : public ViewRenderer {
 
  private:
   void draw(const Scene::Impl& s, const RendererOptions& options) {
-    gl::StageTimes::enter("blending");
+    StageTimes::enter("blending");
     blend_.set(1, static_cast<float>(options.uncertainty * static_cast<double>(s.box.diagonal().norm())));
     projection_.draw(blend_, {&projection_.surface(), &projection_.weights(0), &projection_.weights(1)},
                      target_);

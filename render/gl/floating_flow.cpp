@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "render/gl/stage_times.h"
 #include "render/pairwise_flows.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -51,7 +51,7 @@ Result<void> FloatingFlow::run(const gl::Texture& images, int width, int height,
     fields.push_back({pair, wanted[pair.first] ? back : -1, wanted[pair.second]});
   }
   tables_.write(fields);
-  gl::StageTimes::enter("grey");
+  StageTimes::enter("grey");
   const int shrink = options.shrink, small_width = groups_over(width, shrink),
             small_height = groups_over(height, shrink), layers = static_cast<int>(count);
   gray_and_state_.reserve(GL_RG8UI, GL_NEAREST, small_width, small_height, layers);
@@ -78,13 +78,13 @@ void FloatingFlow::make_dependable(const FlowCompute& solver, const FlowTables& 
     if (fill_levels_++ > 0) level.whole.reserve(two, GL_NEAREST, width, height, tables.fields());
     if (width == 1 && height == 1) break;
   }
-  gl::StageTimes::enter("trust");
+  StageTimes::enter("trust");
   const FillLevel& finest = levels_.front();
   trust_.set(0, finest.width, finest.height);
   trust_.run({&solver.fields(), &gray_and_state, &solver.levels()[0].zone_and_own}, {&finest.known},
              groups_over(finest.width, kGroup), groups_over(finest.height, kGroup), tables.fields(),
              pixels_of(finest.width, finest.height, tables.fields()));
-  gl::StageTimes::enter("filling");
+  StageTimes::enter("filling");
   fill(tables, flows);
 }
 

@@ -9,10 +9,10 @@
 #include "render/gl/floating_flow.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
-#include "render/gl/stage_times.h"
 #include "render/gl_context.h"
 #include "render/pairwise_flows.h"
 #include "render/projected_images.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -42,11 +42,11 @@ class FloatingRenderer : public ViewRenderer {
       if (is_shared_intermediate(options.output)) {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
-        gl::StageTimes::enter("images");
+        StageTimes::enter("images");
         project_images(options.fill_hidden);
         if (Result<void> ok = estimate_flows(options); !ok) return forward(ok);
         const ShownSlots shown = shown_slots(scene, projection_.choice(), options);
-        gl::StageTimes::enter("blending");
+        StageTimes::enter("blending");
         float_.set(1, static_cast<int>(options.positions))
             .set(2, shown.camera, shown.towards)
             .set(3, options.shown_camera < 0 ? 1 : 0);

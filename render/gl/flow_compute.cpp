@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "core/check.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 
@@ -66,13 +66,13 @@ void FlowCompute::warp(const SolverOptions& options, const FlowTables& tables, i
   const gl::Texture &from = fields[static_cast<std::size_t>(current_)],
                     &to = fields[static_cast<std::size_t>(1 - current_)];
   const std::size_t pixels = level.pixels() * static_cast<std::size_t>(tables.asked());
-  gl::StageTimes::enter("equations");
+  StageTimes::enter("equations");
   equations_.set(0, level.width, level.height)
       .set(1, e.gradient_weight, e.noise2, e.data_epsilon2, e.smooth_epsilon2)
       .set(2, options.cubic ? 1 : 0);
   equations_.run({&from, &level.samples, &level.weights}, {&tensor_and_right_, &sides_and_down_}, level.tiles,
                  pixels);
-  gl::StageTimes::enter("sweeps");
+  StageTimes::enter("sweeps");
   relax_.set(0, level.width, level.height).set(1, level.sweep_side).set(2, level.sweep_halo).set(4, e.omega);
   const int sweeps = options.sweeps_at(l);
   for (int done = 0, turn = 0; done < sweeps; turn = 1 - turn) {
@@ -91,7 +91,7 @@ void FlowCompute::warp(const SolverOptions& options, const FlowTables& tables, i
 void FlowCompute::solve(const VariationalPreset& preset, const FlowTables& tables,
                         const gl::Texture& gray_and_state, int width, int height, int fused) {
   FLOATSTAGE_CHECK(fused >= 1 && fused <= kMostFused, "sweeps that one work group holds");
-  gl::StageTimes::enter("pyramids");
+  StageTimes::enter("pyramids");
   levels_.build(preset, tables, gray_and_state, width, height, fused);
   reserve(tables);
   const int start = levels_.count() - 1;
@@ -99,7 +99,7 @@ void FlowCompute::solve(const VariationalPreset& preset, const FlowTables& table
   glClearTexImage(fields_[static_cast<std::size_t>(start)][0].id(), 0, GL_RG, GL_FLOAT, nullptr);
   for (int l = start; l >= 0; --l) {
     if (l < start) {
-      gl::StageTimes::enter("enlargements");
+      StageTimes::enter("enlargements");
       enlarge(preset, tables, l);
     }
     if (l < preset.solver.finest) continue;

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/check.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render::gl {
 namespace {

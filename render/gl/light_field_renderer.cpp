@@ -6,8 +6,8 @@
 #include "render/gl/blending_pass.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
-#include "render/gl/stage_times.h"
 #include "render/light_field.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -35,7 +35,7 @@ class LightFieldRenderer : public ViewRenderer {
       } else {
         set_plane(plane);
         set_levels(**textures, plane, view);
-        gl::StageTimes::enter("blending");
+        StageTimes::enter("blending");
         projection_.draw(blend_, {&projection_.surface()}, target_);
       }
       projection_.soften(**textures, options, target_);

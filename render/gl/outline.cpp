@@ -1,7 +1,7 @@
 #include "render/gl/outline.h"
 
 #include "render/gl/projection.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -38,9 +38,9 @@ void Outline::draw_samples(const Projection& projection, const SceneTextures& sc
 void Outline::soften(const Projection& projection, const SceneTextures& scene, const RendererOptions& options,
                      ViewTarget& target) {
   if (!has_soft_outline(options)) return;
-  gl::StageTimes::enter("coverage");
+  StageTimes::enter("coverage");
   draw_samples(projection, scene);
-  gl::StageTimes::enter("outline");
+  StageTimes::enter("outline");
   const gl::Texture& drawn = target.begin_again();
   projection.draw(outline_, {&projection.surface(), &samples_, &projection.mattes(), &drawn}, target);
 }

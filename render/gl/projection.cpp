@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "render/footprint.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -148,13 +148,13 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   glDisable(GL_SCISSOR_TEST);
-  gl::StageTimes::enter("depth maps");
+  StageTimes::enter("depth maps");
   scene.depth_maps.ensure(choice_.listed, depth_map_.id(), scene.mesh.id(), scene.indices);
   reserve();
   find_deepest(scene, view, levels);
   write_uniforms(scene, view, options, one_camera);
 
-  gl::StageTimes::enter("surface");
+  StageTimes::enter("surface");
   const float nothing[4] = {0, 0, 0, kNothing}, one = 1;
   glBindFramebuffer(GL_FRAMEBUFFER, surface_target_.id());
   glClearBufferfv(GL_COLOR, 0, nothing);
@@ -167,10 +167,10 @@ void Projection::run(const SceneTextures& scene, const View& view, const Rendere
   draw_proxy(scene);
   glDisable(GL_DEPTH_TEST);
 
-  gl::StageTimes::enter("visibility");
+  StageTimes::enter("visibility");
   on_window(visibility_pass_, {&surface_, &scene.depth_maps.texture()},
             {&visibility_, &angular_[0], &angular_[1], &mattes_});
-  gl::StageTimes::enter("weights");
+  StageTimes::enter("weights");
   find_row_distances();
   on_window(weights_pass_, {&visibility_, &row_distances_, &angular_[0], &angular_[1]},
             {&weights_[0], &weights_[1], &soft_[0], &soft_[1]});

@@ -5,6 +5,7 @@
 #include "core/text.h"
 #include "render/cpu/raster.h"
 #include "render/photo_pyramid.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -46,6 +47,7 @@ Result<const SceneTextures*> SceneTextures::of(const Scene& scene) {
 }
 
 Result<void> SceneTextures::upload(const Scene::Impl& from) {
+  StageTimes::enter("uploads");
   const std::size_t count = from.cameras.size();
   int width = 0, height = 0;
   for (std::size_t i = 0; i < count; ++i) {

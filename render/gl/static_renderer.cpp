@@ -8,7 +8,7 @@
 #include "render/gl/field_textures.h"
 #include "render/gl/inspection.h"
 #include "render/gl/projection.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 namespace floatstage::render {
 namespace {
@@ -38,7 +38,7 @@ class StaticRenderer : public ViewRenderer {
         inspection_.draw(projection_, **textures, scene, view, options, target_);
       } else {
         if (Result<void> ok = find_fields(scene, options); !ok) return forward(ok);
-        gl::StageTimes::enter("blending");
+        StageTimes::enter("blending");
         blend_.set(1, static_cast<int>(options.positions));
         projection_.draw(blend_,
                          {&projection_.surface(), &projection_.weights(0), &projection_.weights(1),

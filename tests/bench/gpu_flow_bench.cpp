@@ -43,7 +43,7 @@ void six_fields(benchmark::State& state, int finest, FlowPrecision precision, bo
   StageReport report;
   solver.solve(preset, tables, uploaded, width, height);
   glFinish();
-  gl::StageTimes times;
+  StageTimes times;
   for (auto _ : state) {
     solver.solve(preset, tables, uploaded, width, height);
     state.SetIterationTime(report.add(times.take()) * 1e-3);
@@ -67,7 +67,7 @@ void floating_picture(benchmark::State& state, int shrink) {
   if (!renderer->render(scene, view, options)) return state.SkipWithError("the picture cannot be drawn");
   glFinish();
   StageReport report;
-  gl::StageTimes times;
+  StageTimes times;
   for (auto _ : state) {
     if (!renderer->render(scene, view, options)) return state.SkipWithError("the picture cannot be drawn");
     state.SetIterationTime(report.add(times.take()) * 1e-3);

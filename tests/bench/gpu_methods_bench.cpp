@@ -53,7 +53,7 @@ void methods(benchmark::State& state, const std::string& method, int shrink) {
   const auto renderer = warm_renderer(state, method, options, width, height);
   if (!renderer) return;
   StageReport report;
-  gl::StageTimes times;
+  StageTimes times;
   int step = 0;
   for (auto _ : state) {
     if (!renderer->render(studio().scene, orbit_view(width, height, step++), options))

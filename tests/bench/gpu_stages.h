@@ -11,7 +11,7 @@
 #include <benchmark/benchmark.h>
 
 #include "render/gl/flow_levels.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 #include "tests/bench/bench_context.h"
 
 namespace floatstage::render {
@@ -27,12 +27,12 @@ inline double copy_bandwidth() {
     reserve_cleared(sum, GL_RGBA32F, side, side, 0);
     reserve_cleared(shown, GL_RGBA8, side, side, 0);
     gl::Kernel fade = std::move(*gl::Kernel::create("fade.comp", {}));
-    gl::StageTimes times;
+    StageTimes times;
     double best = 0;
     for (int turn = 0; turn < 5; ++turn) {
-      gl::StageTimes::enter("copy");
+      StageTimes::enter("copy");
       fade.over(side, side, {&now, nullptr}, {&sum, &shown});
-      const gl::StageTime took = times.take().front();
+      const StageTime took = times.take().front();
       best = std::max(best, took.least_megabytes / took.milliseconds);
     }
     return best;
@@ -53,10 +53,10 @@ inline bool can_run(benchmark::State& state, int width) {
 /// Sums stages over a run and reports their means.
 class StageReport {
  public:
-  double add(const std::vector<gl::StageTime>& stages) {
+  double add(const std::vector<StageTime>& stages) {
     double total = 0;
-    for (const gl::StageTime& stage : stages) {
-      gl::StageTime& sum = sums_[stage.name];
+    for (const StageTime& stage : stages) {
+      StageTime& sum = sums_[stage.name];
       sum.milliseconds += stage.milliseconds;
       sum.dispatches = stage.dispatches;
       sum.least_megabytes = stage.least_megabytes;
@@ -86,7 +86,7 @@ class StageReport {
   }
 
  private:
-  std::map<std::string, gl::StageTime> sums_;
+  std::map<std::string, StageTime> sums_;
   int turns_ = 0;
 };
 

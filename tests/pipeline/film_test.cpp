@@ -1,6 +1,7 @@
 #include "pipeline/film.h"
 
 #include <cmath>
+#include <map>
 #include <span>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
 #include "render/drawn_from.h"
+#include "render/gl_context.h"
 #include "tests/support/small_take.h"
 
 namespace floatstage::pipeline {
@@ -155,6 +157,28 @@ TEST_F(AFilm, TellsWhenASilhouetteIsNewerThanTheMeshEvenWhereItIsNotDrawn) {
   std::filesystem::copy_file(other, matte, std::filesystem::copy_options::overwrite_existing);
   const auto first = [](const Mesh&) { return std::vector<bool>{true, false, false, false, false, false}; };
   EXPECT_THAT(SceneLoader(*take_, true).load(0, first), FailsWith(ErrorCode::NotFound, "cam01"));
+}
+
+TEST_F(AFilm, SaysWhatTheStagesOfOpenGlTakeWhereThatIsAsked) {
+  const std::unique_ptr<render::GlContext> context = std::move(*render::GlContext::headless());
+  film_.methods = {"linear"};
+  const CameraPath path = orbit_around(take_->rig(), subject_, {.seconds = 2}).path;
+  auto report = [&](render::BackEnd back_end, bool asked) {
+    film_.renderer.back_end = back_end;
+    film_.time_stages = asked;
+    return *render_film(*take_, path, film_, [](FilmPicture) { return Result<void>(); });
+  };
+  EXPECT_TRUE(report(render::BackEnd::Cpu, true).stages.empty());
+  EXPECT_TRUE(report(render::BackEnd::Gl, false).stages.empty());
+  const FilmReport timed = report(render::BackEnd::Gl, true);
+  ASSERT_EQ(timed.pictures, 8);
+  std::map<std::string, render::StageTime> stages;
+  for (const render::StageTime& stage : timed.stages) stages[stage.name] = stage;
+  for (const char* name :
+       {"uploads", "surface", "visibility", "weights", "blending", "outline", "reading back"})
+    EXPECT_EQ(stages.count(name), 1U) << name;
+  EXPECT_EQ(stages["visibility"].dispatches, timed.pictures);
+  EXPECT_GT(stages["blending"].milliseconds, 0);
 }
 
 TEST_F(AFilm, OfThreeEyesHasTheOneOfOneEyeInItsMiddle) {

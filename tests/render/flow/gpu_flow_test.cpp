@@ -5,7 +5,7 @@
 
 #include "render/flow/variational_flow.h"
 #include "render/gl/floating_flow.h"
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 #include "render/gl_context.h"
 #include "render/pairwise_flows.h"
 #include "tests/render/flow/pictures.h"
@@ -232,11 +232,11 @@ TEST_F(GpuFlowTest, IsTimedStageByStage) {
   const auto a = wavy(64, 48, 0, 0);
   const FlowImage picture{64, 48, a.data(), nullptr}, images[] = {picture, picture};
   GpuFlow gpu(options_of("fast"), FlowPrecision::Half);
-  gl::StageTimes times;
+  StageTimes times;
   gpu.estimate(images, kThereAndBack);
   const auto stages = times.take();
   std::vector<std::string> names;
-  for (const gl::StageTime& stage : stages) {
+  for (const StageTime& stage : stages) {
     names.push_back(stage.name);
     EXPECT_GT(stage.milliseconds, 0) << stage.name;
     EXPECT_GT(stage.dispatches, 0) << stage.name;

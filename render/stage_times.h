@@ -4,9 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <epoxy/gl.h>
-
-namespace floatstage::render::gl {
+namespace floatstage::render {
 
 /// What the GPU did between one call of enter() and the next, all calls of one stage together.
 struct StageTime {
@@ -17,8 +15,11 @@ struct StageTime {
       0;  ///< that those read and write if nothing is read twice and everything is covered
 };
 
-/// Times the stages of what is drawn on this thread while it lives, by timer queries. At most one a thread;
-/// where there is none, what is timed costs nothing.
+/// Adds each stage to that of its name in `sums`, or as a new one after those.
+void add(const std::vector<StageTime>& stages, std::vector<StageTime>& sums);
+
+/// Times the stages of what render/gl draws on this thread while it lives, by timer queries; a context must
+/// be current. At most one a thread; where there is none, what is timed costs nothing.
 class StageTimes {
  public:
   StageTimes();
@@ -37,13 +38,13 @@ class StageTimes {
  private:
   struct Mark {
     const char* stage;
-    GLuint query;
+    unsigned query;
     int dispatches;
     std::size_t bytes;
   };
   void mark(const char* stage);
   std::vector<Mark> marks_;
-  std::vector<GLuint> free_;
+  std::vector<unsigned> free_;
 };
 
-}  // namespace floatstage::render::gl
+}  // namespace floatstage::render

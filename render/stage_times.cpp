@@ -1,10 +1,12 @@
-#include "render/gl/stage_times.h"
+#include "render/stage_times.h"
 
 #include <algorithm>
 
+#include <epoxy/gl.h>
+
 #include "core/check.h"
 
-namespace floatstage::render::gl {
+namespace floatstage::render {
 namespace {
 
 thread_local StageTimes* recorder = nullptr;
@@ -51,12 +53,9 @@ std::vector<StageTime> StageTimes::take() {
     glGetQueryObjectui64v(marks_[i].query, GL_QUERY_RESULT, &now);
     if (i > 0) {
       const Mark& mark = marks_[i - 1];
-      auto stage = std::find_if(stages.begin(), stages.end(),
-                                [&](const StageTime& s) { return s.name == mark.stage; });
-      if (stage == stages.end()) stage = stages.insert(stages.end(), StageTime{mark.stage});
-      stage->milliseconds += static_cast<double>(now - before) * 1e-6;
-      stage->dispatches += mark.dispatches;
-      stage->least_megabytes += static_cast<double>(mark.bytes) * 1e-6;
+      add({{mark.stage, static_cast<double>(now - before) * 1e-6, mark.dispatches,
+            static_cast<double>(mark.bytes) * 1e-6}},
+          stages);
     }
     before = now;
     free_.push_back(marks_[i].query);
@@ -65,4 +64,15 @@ std::vector<StageTime> StageTimes::take() {
   return stages;
 }
 
-}  // namespace floatstage::render::gl
+void add(const std::vector<StageTime>& stages, std::vector<StageTime>& sums) {
+  for (const StageTime& stage : stages) {
+    auto sum =
+        std::find_if(sums.begin(), sums.end(), [&](const StageTime& s) { return s.name == stage.name; });
+    if (sum == sums.end()) sum = sums.insert(sums.end(), StageTime{stage.name});
+    sum->milliseconds += stage.milliseconds;
+    sum->dispatches += stage.dispatches;
+    sum->least_megabytes += stage.least_megabytes;
+  }
+}
+
+}  // namespace floatstage::render
