@@ -188,9 +188,10 @@ Result<std::unique_ptr<GlContext>> GlContext::headless() {
   if (!context && kind != "device") context = on_devices(true, tried);
   if (!context && kind != "device") context = on_surfaceless_mesa(tried);
   if (!context)
-    return fail(ErrorCode::Unsupported,
-                text("no OpenGL 4.5 without a window (", tried.empty() ? "EGL lists no device" : tried,
-                     "): install libegl-mesa0 and libgl1-mesa-dri, or the GPU's driver"));
+    return fail(
+        ErrorCode::Unsupported,
+        text("no OpenGL 4.5 without a window (", tried.empty() ? "EGL lists no device that has it" : tried,
+             "): install libegl-mesa0 and libgl1-mesa-dri, or the GPU's driver"));
   return context;
 }
 

@@ -55,8 +55,4 @@ class ScreenMesh {
   std::vector<std::uint8_t> to_clip_;   // a chunk each: it holds vertices to be clipped
 };
 
-/// Every edge is as often run in one direction as in the other (so nothing is seen through holes) and the
-/// volume is positive (so the first surface that a ray meets faces it).
-bool is_closed(const Mesh& mesh);
-
 }  // namespace floatstage::render::cpu

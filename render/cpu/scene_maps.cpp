@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.h"
+#include "render/closed_mesh.h"
 
 namespace floatstage::render::cpu {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/text.h"
-#include "render/cpu/raster.h"
+#include "render/closed_mesh.h"
 #include "render/photo_pyramid.h"
 #include "render/stage_times.h"
 
@@ -83,7 +83,7 @@ void SceneTextures::ensure_levels(std::span<const int> cameras) const {
 
 void SceneTextures::upload_mesh(const Mesh& source) {
   indices = static_cast<GLsizei>(source.triangles.size());
-  closed = cpu::is_closed(source);
+  closed = is_closed(source);
   gl::upload(vertex_buffer_, vertex_capacity_, source.positions.data(),
              source.positions.size() * sizeof(Eigen::Vector3f));
   gl::upload(index_buffer_, index_capacity_, source.triangles.data(),

@@ -1,24 +1,21 @@
-// The flow in compute kernels, and the whole floating picture, by timer queries: GPU milliseconds, dispatches
+// The flow in compute kernels, by timer queries: GPU milliseconds, dispatches
 // and megabytes of every stage (those that are moved if nothing is read twice and the proxy covers
-// everything), and the share of the bandwidth that a copy has on the same GPU. Where OpenGL is software only
-// the smallest size runs.
+// everything), and the share of the bandwidth that a copy has on the same GPU; of whole pictures
+// gpu_methods_bench.cpp. Where OpenGL is software only the smallest size runs.
 
 #include <benchmark/benchmark.h>
 
-#include "core/text.h"
 #include "tests/bench/gpu_stages.h"
 #include "tests/render/flow/gpu_flow.h"
 #include "tests/render/flow/pictures.h"
-#include "tests/render/stage.h"
 
 namespace floatstage::render {
 namespace {
 
-FlowOptions flow_on_gpu(int finest, int shrink = 1) {
+FlowOptions flow_on_gpu(int finest) {
   FlowOptions options;
   options.backend = "variational";
   options.finest_scale = finest;
-  options.shrink = shrink;
   options.place = FlowPlace::Gpu;
   return options;
 }
@@ -53,28 +50,6 @@ void six_fields(benchmark::State& state, int finest, FlowPrecision precision, bo
   state.counters["bytes a pixel and field"] = state.counters["MB"] * 1e6 / pixels;
 }
 
-/// A ball that five cameras photographed, drawn with its flow.
-void floating_picture(benchmark::State& state, int shrink) {
-  const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
-  if (!can_run(state, width)) return;
-  const Stage stage = photographed(arc(5, 25, small_camera(512, 384)), ball(0.25F, 96), ball(0.26F, 48));
-  render::Scene scene;
-  if (!scene.set(stage.rig, stage.scene)) return state.SkipWithError("the scene cannot be set");
-  const auto renderer = std::move(*make_renderer("floating", render::BackEnd::Gl));
-  RendererOptions options;
-  options.flow = flow_on_gpu(0, shrink);
-  const View view = view_at(8, 20, small_camera(width, height));
-  if (!renderer->render(scene, view, options)) return state.SkipWithError("the picture cannot be drawn");
-  glFinish();
-  StageReport report;
-  StageTimes times;
-  for (auto _ : state) {
-    if (!renderer->render(scene, view, options)) return state.SkipWithError("the picture cannot be drawn");
-    state.SetIterationTime(report.add(times.take()) * 1e-3);
-  }
-  report.write(state);
-}
-
 void sizes(benchmark::internal::Benchmark* bench) {
   bench->Args({256, 192})->Args({1024, 768})->UseManualTime()->Unit(benchmark::kMillisecond);
 }
@@ -83,8 +58,6 @@ BENCHMARK_CAPTURE(six_fields, gpu_half_floats, 0, FlowPrecision::Half, false)->A
 BENCHMARK_CAPTURE(six_fields, gpu_half_floats_disc, 0, FlowPrecision::Half, true)->Apply(sizes);
 BENCHMARK_CAPTURE(six_fields, gpu_half_floats_half_size, 1, FlowPrecision::Half, false)->Apply(sizes);
 BENCHMARK_CAPTURE(six_fields, gpu_floats, 0, FlowPrecision::Float, false)->Apply(sizes);
-BENCHMARK_CAPTURE(floating_picture, gpu, 1)->Apply(sizes);
-BENCHMARK_CAPTURE(floating_picture, gpu_flow_half_size, 2)->Apply(sizes);
 
 }  // namespace
 }  // namespace floatstage::render

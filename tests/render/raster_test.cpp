@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "render/closed_mesh.h"
 #include "render/cpu/covered.h"
 #include "render/cpu/weight_kernels.h"
 #include "tests/render/stage.h"
@@ -12,7 +13,6 @@ namespace floatstage::render {
 namespace {
 
 using render::cpu::Covered;
-using render::cpu::is_closed;
 using render::cpu::RasterCamera;
 using render::cpu::ScreenMesh;
 

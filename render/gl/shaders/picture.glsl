@@ -9,7 +9,6 @@ void draw_background() { draw(vec4(view.background.rgb, 0.0)); }
 
 // This invocation's pixel, in the window; it may lie beside it.
 ivec2 pixel_here() { return ivec2(gl_GlobalInvocationID.xy) - window_in_picture; }
-bool in_window(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.window.zw))); }
 
 // The surface there. False: there is none.
 bool surface_here(out ivec2 at, out vec4 here) {

@@ -11,8 +11,6 @@ const int kWide = 32, kHigh = 8, kWidest = kWide + 2 * kMostReach;
 
 shared uint hidden[kHigh * kWidest];  // a bit a listed camera, of the group's rows and `reach` px on both sides
 
-bool in_window(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.window.zw))); }
-
 uint unseen(ivec2 at) {
   if (!in_window(at)) return 0u;
   uvec2 v = texelFetch(visibility, at, 0).xy;

@@ -27,3 +27,5 @@ vec3 view_ray(vec2 window_pixel) {
 vec3 world_at(vec2 window_pixel, float z) {
   return (view.world_from_view * vec4(view_ray(window_pixel) * z, 1.0)).xyz;
 }
+
+bool in_window(ivec2 at) { return all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, ivec2(view.window.zw))); }

@@ -2,4 +2,3 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 ivec2 window_pixel() { return ivec2(gl_GlobalInvocationID.xy); }
-bool in_window(ivec2 at) { return all(lessThan(at, ivec2(view.window.zw))); }
