@@ -5,6 +5,7 @@
 #include "core/file_presence.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/import/matte_files.h"
 #include "pipeline/progress.h"
 
 namespace floatstage::pipeline {
@@ -19,8 +20,11 @@ Result<Image> load_matte(const std::vector<fs::path>& files) {
     if (!is_there(file)) return Image();
     Result<Image> picture = load_png(file);
     if (!picture) return forward(picture);
-    if (picture->channels != 1)
-      return fail(ErrorCode::BadData, text(file.string(), " is not a grey picture"));
+    if (picture->channels != 1) {
+      Result<Image> alpha = matte_from_picture(*picture);
+      if (!alpha) return fail(alpha.error().code, text(file.string(), " ", alpha.error().message));
+      picture = std::move(alpha);
+    }
     if (sum.empty()) {
       sum = std::move(*picture);
       continue;

@@ -111,7 +111,9 @@ Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
     const Result<Image> sheet = doubt_sheet(take, cameras, doubt.worst);
     if (!sheet) return forward(sheet);
     const DoubtPicture what{.of = "hull", .why = doubt.why, .cameras = doubt.cameras, .frame = doubt.worst};
-    if (Result<void> ok = DoubtPictures(take.layout()).put(doubt.picture.filename(), what, *sheet); !ok)
+    if (Result<void> ok =
+            DoubtPictures(doubts_folder(take.layout())).put(doubt.picture.filename(), what, *sheet);
+        !ok)
       return forward(ok);
   }
   if (!is_there(doubt.picture)) doubt.picture.clear();
@@ -120,9 +122,10 @@ Result<std::optional<MatteDoubt>> contradiction_in(capture::TakeReader& take,
 
 Result<void> keep_denials(const TakeLayout& layout, const std::optional<MatteDoubt>& said,
                           const std::set<int>& frames) {
-  return DoubtPictures(layout).keep("hull", [&](const std::string& name, const DoubtPicture& picture) {
-    return (said && said->picture.filename() == name) || !frames.contains(picture.frame);
-  });
+  return DoubtPictures(doubts_folder(layout))
+      .keep("hull", [&](const std::string& name, const DoubtPicture& picture) {
+        return (said && said->picture.filename() == name) || !frames.contains(picture.frame);
+      });
 }
 
 void add_contradiction(MatteDoubt contradiction, std::vector<MatteDoubt>& doubts) {

@@ -8,8 +8,8 @@
 #include "core/json_fields.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "pipeline/derived_files.h"
 #include "pipeline/made_files.h"
-#include "pipeline/matte/matte_take.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -44,13 +44,22 @@ std::map<std::string, DoubtPicture> read(const fs::path& file) {
 
 }  // namespace
 
-DoubtPictures::DoubtPictures(const TakeLayout& layout)
-    : folder_(doubts_folder(layout)), pictures_(read(folder_ / kRecord)) {}
+DoubtPictures::DoubtPictures(fs::path folder)
+    : folder_(std::move(folder)), pictures_(read(folder_ / kRecord)) {}
 
 Result<void> DoubtPictures::put(const std::string& name, DoubtPicture what, const Image& picture) {
   if (picture.pixels.empty()) return {};
   if (Result<void> ok = make_folder(folder_); !ok) return ok;
   if (Result<void> ok = save_png(picture, folder_ / name); !ok) return ok;
+  return know(name, std::move(what));
+}
+
+Result<void> DoubtPictures::take_in(const fs::path& file, const std::string& name, DoubtPicture what) {
+  if (Result<void> ok = move_file(file, folder_ / name); !ok) return ok;
+  return know(name, std::move(what));
+}
+
+Result<void> DoubtPictures::know(const std::string& name, DoubtPicture what) {
   const Result<std::optional<std::string>> hash = hash_of(folder_ / name);
   if (!hash) return forward(hash);
   what.sha256 = hash->value_or("");

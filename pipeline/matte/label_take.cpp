@@ -184,7 +184,7 @@ Result<void> remove_made(const TakeLayout& layout, const LabelRecord& before) {
 Result<void> forget_labels(const TakeLayout& layout, const LabelRecord& before) {
   if (Result<void> ok = remove_made(layout, before); !ok) return ok;
   const auto none = [](const std::string&, const DoubtPicture&) { return false; };
-  if (Result<void> ok = DoubtPictures(layout).keep("labels", none); !ok) return ok;
+  if (Result<void> ok = DoubtPictures(doubts_folder(layout)).keep("labels", none); !ok) return ok;
   std::error_code error;
   fs::remove(layout.label_record(), error);
   if (!error) return {};
@@ -256,7 +256,7 @@ class LabelJob {
       if (Result<void> ok = follower.run(done); !ok) return ok;
     }
     record_.doubts = follower.doubts();
-    DoubtPictures pictures(layout_);
+    DoubtPictures pictures(doubts_folder(layout_));
     std::set<std::string> drawn;
     for (std::size_t i = 0; i < record_.doubts.size(); ++i) {
       LabelDoubt& doubt = record_.doubts[i];

@@ -203,7 +203,7 @@ Result<std::vector<MatteDoubt>> doubts_of(capture::TakeReader& take, const Matte
                                           const std::vector<MatteJob>& jobs) {
   std::vector<MatteDoubt> doubts;
   std::set<fs::path> drawn;
-  DoubtPictures pictures(take.layout());
+  DoubtPictures pictures(doubts_folder(take.layout()));
   for (const auto& [why, reason] : reasons_in(store, jobs)) {
     MatteDoubt doubt{.why = why,
                      .cameras = {},

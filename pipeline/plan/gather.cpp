@@ -4,7 +4,6 @@
 
 #include "core/file.h"
 #include "core/file_presence.h"
-#include "core/text.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/made_files.h"
 #include "pipeline/matte/matte_store.h"
@@ -95,14 +94,17 @@ Result<bool> gather_mesh(Journal& journal, const TakeLayout& take, const TakeLay
 Result<void> gather_faults(const TakeLayout& take, const std::vector<fs::path>& done,
                            const MeshRecord& record) {
   const HullDoubts doubts = doubts_in(record.reports, {});
+  DoubtPictures pictures(take.meshes() / "faults");
   for (const SilhouetteFault& fault : doubts.faults) {
-    const std::string name = text(fault.serial, "-", fault.worst, ".png");
+    const std::string name = picture_name(fault.serial, fault.worst);
     for (const fs::path& folder : done)
       if (const fs::path picture = TakeLayout(folder).with_labels(take.labels()).meshes() / "faults" / name;
           is_there(picture))
-        if (Result<void> ok = move_file(picture, take.meshes() / "faults" / name); !ok) return ok;
+        if (Result<void> ok = pictures.take_in(picture, name, picture_of_fault(fault.serial, fault.worst));
+            !ok)
+          return ok;
   }
-  return {};
+  return keep_pictures(doubts.faults, take.meshes() / "faults");
 }
 
 }  // namespace

@@ -245,6 +245,7 @@ class MeshMaker {
     const fs::path pictures = take_.layout().meshes() / "faults";
     if (Result<void> ok = evidence_.save(take_, pictures); !ok) return ok;
     HullDoubts doubts = doubts_in(record_.reports, pictures);
+    if (Result<void> ok = keep_pictures(doubts.faults, pictures); !ok) return ok;
     report.faults = std::move(doubts.faults);
     report.contradictory_frames = doubts.contradictory;
     report.cut_frames = doubts.cut;

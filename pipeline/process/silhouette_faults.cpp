@@ -4,13 +4,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
-#include "core/file.h"
 #include "core/file_presence.h"
 #include "core/frame_pixels.h"
-#include "core/png.h"
 #include "core/text.h"
 #include "pipeline/matte/hull_cover.h"
 
@@ -18,6 +17,8 @@ namespace floatstage::pipeline {
 namespace {
 
 using nlohmann::json;
+
+constexpr const char* kSilhouettes = "silhouettes";  // DoubtPicture::of
 
 double size_of(double lost, double gained) { return std::max(lost, gained); }
 
@@ -33,10 +34,6 @@ void add_cost(const json& cleanup, int frame, std::optional<CleanupCost>& all) {
   all->iou_loss = loss;
   all->frame = frame;
   all->serial = cleanup.value("camera", "");
-}
-
-std::filesystem::path picture_of(const std::filesystem::path& folder, const std::string& serial, int frame) {
-  return folder / text(serial, "-", frame, ".png");
 }
 
 }  // namespace
@@ -94,6 +91,7 @@ void EvidenceCollector::note(int frame, const recon::HullReport& hull, const std
 }
 
 Result<void> EvidenceCollector::save(capture::TakeReader& take, const std::filesystem::path& folder) const {
+  DoubtPictures pictures(folder);
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     const std::optional<Worst>& worst = cameras_[c];
     if (!worst) continue;
@@ -101,9 +99,10 @@ Result<void> EvidenceCollector::save(capture::TakeReader& take, const std::files
     if (!photograph || photograph->empty()) continue;
     const Result<Image> rgb = to_rgb(*photograph);
     if (!rgb) continue;
-    if (Result<void> ok = make_folder(folder); !ok) return ok;
-    const Image picture = evidence_picture(*rgb, worst->matte, worst->verdict);
-    if (Result<void> ok = save_png(picture, picture_of(folder, take.rig().cameras[c].serial, worst->frame));
+    const std::string& serial = take.rig().cameras[c].serial;
+    if (Result<void> ok =
+            pictures.put(picture_name(serial, worst->frame), picture_of_fault(serial, worst->frame),
+                         evidence_picture(*rgb, worst->matte, worst->verdict));
         !ok)
       return ok;
   }
@@ -153,7 +152,7 @@ HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::p
     }
   }
   for (auto& [serial, fault] : faults) {
-    const std::filesystem::path picture = picture_of(pictures, serial, fault.worst);
+    const std::filesystem::path picture = pictures / picture_name(serial, fault.worst);
     if (is_there(picture)) fault.picture = picture;
     doubts.faults.push_back(std::move(fault));
   }
@@ -162,6 +161,19 @@ HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::p
                      return size_of(a.lost, a.gained) > size_of(b.lost, b.gained);
                    });
   return doubts;
+}
+
+std::string picture_name(const std::string& serial, int frame) { return text(serial, "-", frame, ".png"); }
+
+DoubtPicture picture_of_fault(const std::string& serial, int frame) {
+  return {.of = kSilhouettes, .why = "the other cameras contradict it", .cameras = {serial}, .frame = frame};
+}
+
+Result<void> keep_pictures(const std::vector<SilhouetteFault>& faults, const std::filesystem::path& folder) {
+  std::set<std::string> shown;
+  for (const SilhouetteFault& fault : faults) shown.insert(picture_name(fault.serial, fault.worst));
+  return DoubtPictures(folder).keep(
+      kSilhouettes, [&](const std::string& name, const DoubtPicture&) { return shown.contains(name); });
 }
 
 }  // namespace floatstage::pipeline

@@ -13,6 +13,7 @@
 #include "core/image.h"
 #include "core/result.h"
 #include "core/rig.h"
+#include "pipeline/matte/doubt_pictures.h"
 #include "recon/visual_hull.h"
 
 namespace floatstage::pipeline {
@@ -37,7 +38,8 @@ Image evidence_picture(const Image& rgb, const Matte& matte, const recon::Silhou
 class EvidenceCollector {
  public:
   void note(int frame, const recon::HullReport& hull, const std::vector<Matte>& mattes);
-  /// A picture a camera, <serial>-<frame>.png, in `folder`, which is made if there is anything to show.
+  /// A picture a camera, <serial>-<frame>.png, in `folder`, which is made if there is anything to show. Each
+  /// is known there (DoubtPictures).
   Result<void> save(capture::TakeReader& take, const std::filesystem::path& folder) const;
 
  private:
@@ -78,5 +80,11 @@ nlohmann::json cleanup_json(const Rig& rig, const recon::MeshCleanupReport& clea
 /// `frames`: MeshRecord::reports, `pictures`: where EvidenceCollector saved them. What is not there says
 /// nothing.
 HullDoubts doubts_in(const std::map<int, nlohmann::json>& frames, const std::filesystem::path& pictures);
+
+/// What a picture of a camera's fault is called, and what is known of it.
+std::string picture_name(const std::string& serial, int frame);
+DoubtPicture picture_of_fault(const std::string& serial, int frame);
+/// Pictures of ours that show none of these faults go. Io.
+Result<void> keep_pictures(const std::vector<SilhouetteFault>& faults, const std::filesystem::path& folder);
 
 }  // namespace floatstage::pipeline

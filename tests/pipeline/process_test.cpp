@@ -359,6 +359,29 @@ TEST(Process, NamesTheCameraThatLacksHalfTheBodyInEveryRunWithAPicture) {
   EXPECT_NEAR(signed_volume(*load_ply(layout.mesh(1))) / signed_volume(whole), 1, 0.1);
 }
 
+TEST(Process, TakesThePictureOfAFaultAwayThatIsNoMore) {
+  TempFolder folder;
+  const fs::path take = small_take(folder);
+  ProcessOptions options = options_for(take);
+  options.hull->voting = recon::HullVoting::Auto;
+  ASSERT_THAT(process_take(options), IsOk());
+  const TakeLayout layout(take);
+  const std::string whole = *read_file(layout.matte("cam02", 1));
+  cut_upper_half(layout.matte("cam02", 1));
+  const Result<ProcessReport> wrong = process_take(options);
+  ASSERT_THAT(wrong, IsOk());
+  ASSERT_EQ(wrong->faults.size(), 1u);
+  ASSERT_TRUE(fs::exists(wrong->faults[0].picture));
+  const fs::path somebodys = layout.meshes() / "faults" / "note.png";
+  ASSERT_THAT(write_file(somebodys, "of somebody"), IsOk());
+  ASSERT_THAT(write_file(layout.matte("cam02", 1), whole), IsOk());
+  const Result<ProcessReport> right = process_take(options);
+  ASSERT_THAT(right, IsOk());
+  EXPECT_THAT(right->faults, IsEmpty());
+  EXPECT_FALSE(fs::exists(wrong->faults[0].picture));
+  EXPECT_TRUE(fs::exists(somebodys));
+}
+
 TEST(Process, StatesWhatABudgetOfTrianglesCostsInEveryRun) {
   TempFolder folder;
   const fs::path take = small_take(folder);

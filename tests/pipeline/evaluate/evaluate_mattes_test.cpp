@@ -71,6 +71,22 @@ TEST_F(EvaluateMattes, CountsTheOperatorsEffort) {
   EXPECT_EQ((*all)[0].effort.clicks, 0);
 }
 
+TEST_F(EvaluateMattes, ReadsTheAlphaOfATruthInColour) {
+  const fs::path file = take_->layout().truth().matte("cam01", 0);
+  const Image alpha = *load_png(file);
+  Image layer(alpha.width, alpha.height, 4);
+  for (std::size_t p = 0; p < alpha.pixels.size(); ++p) layer.pixels[4 * p + 3] = alpha.pixels[p];
+  ASSERT_THAT(save_png(layer, file), IsOk());
+  const auto all = scores();
+  ASSERT_THAT(all, IsOk());
+  EXPECT_EQ((*all)[1].mean.sad, 0);
+
+  Image photograph(alpha.width, alpha.height, 3);
+  photograph.pixels[0] = 200;
+  ASSERT_THAT(save_png(photograph, file), IsOk());
+  EXPECT_THAT(scores(), FailsWith(ErrorCode::BadData, "cam01"));
+}
+
 TEST_F(EvaluateMattes, RefusesWhatIsNoPair) {
   ASSERT_THAT(save_png(Image(80, 60, 1), take_->layout().matte("cam01", 0)), IsOk());
   EXPECT_THAT(scores(), FailsWith(ErrorCode::BadData, "80x60"));

@@ -25,7 +25,7 @@ Image grey(std::uint8_t level) {
 
 class PicturesOfDoubts : public testing::Test {
  protected:
-  DoubtPictures pictures() const { return DoubtPictures(TakeLayout(folder_.path())); }
+  DoubtPictures pictures() const { return DoubtPictures(folder()); }
   fs::path folder() const { return doubts_folder(TakeLayout(folder_.path())); }
   void put(const std::string& name, const std::string& of, int frame) const {
     ASSERT_THAT(pictures().put(name, {.of = of, .why = "why", .cameras = {"a"}, .frame = frame}, grey(90)),
