@@ -51,6 +51,17 @@ float squared(const std::uint8_t* a, const std::uint8_t* b) {
   return sum;
 }
 
+// Of what two pixels have become, from what they were.
+float squared_change(const std::uint8_t* a, const std::uint8_t* a_was, const std::uint8_t* b,
+                     const std::uint8_t* b_was) {
+  float sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    const int d = a[c] - a_was[c] - (b[c] - b_was[c]);
+    sum += static_cast<float>(d * d);
+  }
+  return sum;
+}
+
 int difference(const std::uint8_t* a, const std::uint8_t* b) {
   return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]);
 }
@@ -197,20 +208,23 @@ std::vector<float> StillBackdrop::odds(const Image& picture) const {
 }
 
 Image cut_view(const Image& photograph, std::span<const float> odds, std::span<const Certain> certain,
-               double smooth) {
+               double smooth, const Image& empty_stage) {
   FLOATSTAGE_CHECK(photograph.channels == 3 && odds.size() == pixels(photograph) &&
-                       (certain.empty() || certain.size() == odds.size()),
+                       (certain.empty() || certain.size() == odds.size()) &&
+                       (empty_stage.empty() || empty_stage.pixels.size() == photograph.pixels.size()),
                    "evidence of the picture's size");
-  const Image picture = toned(photograph);
+  const Image picture = toned(photograph), stage = toned(empty_stage);
+  const auto edge = [&](std::size_t p, std::size_t q) {
+    if (stage.empty()) return squared(colour(picture, p), colour(picture, q));
+    return squared_change(colour(picture, p), colour(stage, p), colour(picture, q), colour(stage, q));
+  };
   double contrast = 0;
   long pairs = 0;
-  each_pair(picture, [&](std::size_t p, std::size_t q, float) {
-    contrast += squared(colour(picture, p), colour(picture, q)), ++pairs;
-  });
+  each_pair(picture, [&](std::size_t p, std::size_t q, float) { contrast += edge(p, q), ++pairs; });
   const float beta = contrast > 0 ? static_cast<float>(static_cast<double>(pairs) / (2 * contrast)) : 0;
   GraphCut graph(static_cast<int>(odds.size()), static_cast<std::size_t>(pairs));
   each_pair(picture, [&](std::size_t p, std::size_t q, float length) {
-    const float alike = std::exp(-beta * squared(colour(picture, p), colour(picture, q)));
+    const float alike = std::exp(-beta * edge(p, q));
     const int weight = whole(static_cast<float>(smooth) * std::max(alike, kFloor) / length);
     graph.add_edge(static_cast<int>(p), static_cast<int>(q), weight, weight);
   });

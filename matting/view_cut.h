@@ -38,6 +38,11 @@ class StillBackdrop {
 
   /// Whether the place was ever seen without the subject.
   bool knows(std::size_t pixel) const { return seen_[pixel] > 0; }
+  /// The empty stage's colours, RGB; empty where the backdrop was learnt from a clip.
+  const Image& empty_stage() const {
+    static const Image kNone;
+    return empty_stage_ ? plate_.color : kNone;
+  }
   /// Of each pixel the log of how much likelier its colour is if something stands before the place. A place
   /// that never changed speaks softly against it: the subject may have stood there all the time. 0 where
   /// nothing is known.
@@ -55,8 +60,11 @@ enum class Certain : std::uint8_t { No, Backdrop, Subject };
 /// The cheapest split into subject (255) and background (0): the sum of the odds of pixels on the wrong side
 /// plus, for 8-neighbours on different sides, `smooth` times how alike they look, against the mean contrast
 /// (Boykov, Jolly 2001). Exact: a minimum cut (core/graph_cut.h). `odds`: log of how much likelier subject
-/// is than background. `certain`: empty, or of every pixel. Deterministic.
+/// is than background. `certain`: empty, or of every pixel. `empty_stage`: empty, or what the camera sees
+/// without a subject, RGB of the picture's size: edges are then those of what changed, so that the stage's
+/// own are none, and skin before a wall of its colour has some (J. Sun, W. Zhang, X. Tang and H.-Y. Shum,
+/// "Background Cut", ECCV 2006, attenuate the former). Deterministic.
 Image cut_view(const Image& picture, std::span<const float> odds, std::span<const Certain> certain,
-               double smooth);
+               double smooth, const Image& empty_stage = {});
 
 }  // namespace floatstage::matting

@@ -64,10 +64,15 @@ std::optional<int> instant_of(const capture::TakeReader& take) {
   return found;
 }
 
-// Of each camera what its key tells; empty where there is none.
-Result<std::vector<Matte>> keys_of(capture::TakeReader& take, int frame, const MatteTakeOptions& options,
-                                   const std::vector<MatteJob>& jobs) {
+struct Keys {
+  std::vector<Matte> mattes;    // of each camera what its key tells; empty where there is none
+  bool shot_plates_all = true;  // each is a plate that was shot
+};
+
+Result<Keys> keys_of(capture::TakeReader& take, int frame, const MatteTakeOptions& options,
+                     const std::vector<MatteJob>& jobs) {
   std::vector<Result<Matte>> made(take.rig().cameras.size(), Matte());
+  std::vector<char> shot(made.size());
   ProgressPart progress(options.progress, "keys of one instant", made.size());
   parallel_for(made.size(), options.threads, [&](std::size_t c) {
     const auto go_on = [&] { return !is_cancelled(options.progress); };
@@ -86,18 +91,20 @@ Result<std::vector<Matte>> keys_of(capture::TakeReader& take, int frame, const M
     } else if (Result<CameraKey> other = CameraKey::for_how(take, camera, "auto", {}, {}, go_on)) {
       key = *std::move(other);
     }
+    shot[c] = key && key->kind() == CameraKey::Kind::Plate && !key->found();
     if (key && key->kind() != CameraKey::Kind::None)
       if (const Result<Image> alpha = key->key(*photograph, frame); alpha && !alpha->empty())
         made[c] = make_matte({}, *alpha);
     progress.advance();
   });
   if (is_cancelled(options.progress)) return cancelled();
-  std::vector<Matte> mattes;
+  Keys keys;
   for (Result<Matte>& matte : made) {
     if (!matte) return forward(matte);
-    mattes.push_back(coverage(*matte) > 0 ? *std::move(matte) : Matte());
+    keys.mattes.push_back(coverage(*matte) > 0 ? *std::move(matte) : Matte());
   }
-  return mattes;
+  keys.shot_plates_all = std::all_of(shot.begin(), shot.end(), [](char s) { return s != 0; });
+  return keys;
 }
 
 // The share of a matte that the hull of all denies, in the mean of the cameras; 1 for one that tells nobody.
@@ -142,17 +149,25 @@ Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTa
   if (*guided) return no;
   const std::optional<int> frame = instant_of(take);
   if (!frame) return no;
-  const Result<std::vector<Matte>> keys = keys_of(take, *frame, options, jobs);
+  const Result<Keys> keys = keys_of(take, *frame, options, jobs);
   if (!keys) return forward(keys);
-  const double denied = mean_denied(take.rig(), *keys, options.threads);
-  if (denied < kMostDenied) return no;
+  const double denied = mean_denied(take.rig(), keys->mattes, options.threads);
+  const bool hold = denied < kMostDenied;
+  if (hold && !keys->shot_plates_all) return no;
   const Result<ConsistentMattes> instead =
       consistent_instant(take, *frame, options.threads, options.progress);
   if (!instead && instead.error().code == ErrorCode::Cancelled) return forward(instead);
   if (!instead) return no;
-  const double most = denied < kNotAtAll ? kBetter * denied : denied;
+  if (hold && !instead->trusted) return no;
+  const double most = denied < kNotAtAll && !hold ? kBetter * denied : denied;
   if (mean_denied(take.rig(), mattes_of(instead->mattes), options.threads) >= most) return no;
-  const auto nobody = std::count_if(keys->begin(), keys->end(), [](const Matte& m) { return m.empty(); });
+  if (hold)
+    return text("frame ", *frame,
+                ": plates were shot, and what all cameras and plates say at once is denied less than what "
+                "plates alone say, so ",
+                kSaid);
+  const auto nobody =
+      std::count_if(keys->mattes.begin(), keys->mattes.end(), [](const Matte& m) { return m.empty(); });
   return text("frame ", *frame, ": keys do not hold (they tell nobody in ", nobody, " of ", cameras,
               " cameras, and all cameras together deny ", std::lround(100 * denied), " %), so ", kSaid,
               "; another --matte with --redo makes others");

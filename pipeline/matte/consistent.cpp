@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "matting/closed_form.h"
+#include "matting/known_by_plate.h"
 #include "matting/view_colors.h"
 #include "matting/view_cut.h"
 #include "pipeline/matte/consistent_verdict.h"
@@ -43,6 +44,7 @@ struct View {
   std::vector<float> still, keyed, odds, others, share;
   std::vector<Certain> certain;
   std::optional<matting::StillBackdrop> backdrop;
+  std::optional<matting::Plate> plate;  // of the empty stage, at the photograph's size
   bool there() const { return !small.empty(); }
   std::size_t pixels() const { return static_cast<std::size_t>(w) * static_cast<std::size_t>(h); }
 };
@@ -140,7 +142,9 @@ Result<void> ConsistentMatting::Impl::check_backdrop(int camera, const std::vect
 
 Result<void> ConsistentMatting::Impl::keep(int camera, Result<matting::StillBackdrop> backdrop) {
   if (!backdrop) return forward(backdrop);
-  views.at(static_cast<std::size_t>(camera)).backdrop = std::move(*backdrop);
+  View& v = views.at(static_cast<std::size_t>(camera));
+  v.backdrop = std::move(*backdrop);
+  v.plate.reset();
   return {};
 }
 
@@ -293,7 +297,8 @@ double ConsistentMatting::Impl::cut() {
     std::vector<float> sum(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p)
       sum[p] = v.odds[p] + std::clamp(v.others[p], kLeastOthers, kMostOthers);
-    Image label = matting::cut_view(v.small, sum, v.certain, options.smooth);
+    Image label = matting::cut_view(v.small, sum, v.certain, options.smooth,
+                                    v.backdrop ? v.backdrop->empty_stage() : Image());
     std::size_t different = 0;
     v.share.resize(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p) {
@@ -354,13 +359,19 @@ Result<std::vector<Image>> ConsistentMatting::Impl::finish(std::span<const Image
   std::vector<Result<Image>> made(pictures.size(), Image());
   parallel_for(pictures.size(), options.threads, [&](std::size_t i) {
     if (!views[i].there()) return;
-    const Image keep = said.empty() ? Image() : said[i];
+    const View& v = views[i];
+    const Image told = said.empty() ? Image() : said[i];
+    Image known = v.plate ? matting::known_by_plate(*v.plate, pictures[i], v.label, v.odds) : told;
+    const auto say = [&](Image& to) {
+      for (std::size_t p = 0; p < told.pixels.size(); ++p)
+        if (told.pixels[p] == 0 || told.pixels[p] == 255) to.pixels[p] = told.pixels[p];
+    };
+    if (v.plate) say(known);
     if (options.refine)
-      made[i] = matting::refine_matte(pictures[i], views[i].label, matting::key_refinement(), keep);
+      made[i] = matting::refine_matte(pictures[i], v.label, matting::key_refinement(), known);
     else
-      made[i] = matting::shrunk(views[i].label, pictures[i].width, pictures[i].height);
-    for (std::size_t p = 0; made[i] && p < keep.pixels.size(); ++p)
-      if (keep.pixels[p] == 0 || keep.pixels[p] == 255) made[i]->pixels[p] = keep.pixels[p];
+      made[i] = matting::shrunk(v.label, pictures[i].width, pictures[i].height);
+    if (made[i]) say(*made[i]);
   });
   std::vector<Image> mattes;
   for (std::size_t i = 0; i < made.size(); ++i) {
@@ -408,9 +419,15 @@ Result<void> ConsistentMatting::learn_backdrop(int camera, const std::vector<Ima
   return impl_->keep(camera, matting::StillBackdrop::learn(pictures, subjects));
 }
 
-Result<void> ConsistentMatting::learn_empty_stage(int camera, const std::vector<Image>& pictures) {
-  if (Result<void> ok = impl_->check_backdrop(camera, pictures); !ok) return ok;
-  return impl_->keep(camera, matting::StillBackdrop::of_empty_stage(pictures));
+Result<void> ConsistentMatting::learn_empty_stage(int camera, matting::Plate plate) {
+  View& v = impl_->views.at(static_cast<std::size_t>(camera));
+  const CameraModel& m = impl_->rig.cameras[static_cast<std::size_t>(camera)].model;
+  if (plate.color.width != m.width || plate.color.height != m.height || plate.color.channels != 3)
+    return fail(ErrorCode::InvalidArgument, text("a plate is RGB and ", m.width, "x", m.height));
+  const Image small = matting::shrunk(plate.color, v.w, v.h);
+  if (Result<void> ok = impl_->keep(camera, matting::StillBackdrop::of_empty_stage({small})); !ok) return ok;
+  v.plate = std::move(plate);
+  return {};
 }
 
 Result<std::vector<Image>> ConsistentMatting::surroundings(std::span<const Image> pictures, Margin margin,

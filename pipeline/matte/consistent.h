@@ -12,6 +12,7 @@
 #include "core/image.h"
 #include "core/result.h"
 #include "core/rig.h"
+#include "matting/keyers/plate.h"
 
 namespace floatstage::pipeline {
 
@@ -75,9 +76,10 @@ class ConsistentMatting {
   /// was never seen without him is not known, and says nothing. Errors: InvalidArgument.
   Result<void> learn_backdrop(int camera, const std::vector<Image>& pictures,
                               const std::vector<Image>& subjects = {});
-  /// What a still camera sees of the empty stage, of its working size, one picture or more: surer than what
-  /// is learnt of other instants, and in its place. Errors: InvalidArgument.
-  Result<void> learn_empty_stage(int camera, const std::vector<Image>& pictures);
+  /// What a still camera sees of the empty stage, of its photographs' size: surer than what is learnt of
+  /// other instants, and in its place. Edges, too, are then found where something stands before it. Errors:
+  /// InvalidArgument.
+  Result<void> learn_empty_stage(int camera, matting::Plate plate);
   /// How far from what a cut holds for subject a place is still no backdrop.
   enum class Margin {
     Bridged,  ///< some pixels off it, and what it surrounds, as shorts between a trunk and legs

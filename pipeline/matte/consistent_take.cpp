@@ -134,15 +134,16 @@ class Maker {
   Result<void> look_at_plates() {
     const std::size_t cameras = take_.rig().cameras.size();
     shot_.assign(cameras, false);
-    std::vector<Result<Image>> plates(cameras, Image());
+    std::vector<Result<matting::Plate>> plates(cameras, matting::Plate());
     parallel_for(cameras, options_.matting.threads, [&](std::size_t i) {
       if (is_cancelled(options_.progress)) return;
-      plates[i] = fitting_plate(take_, static_cast<int>(i), matting_.working_size(static_cast<int>(i)));
+      plates[i] = fitting_plate(take_, static_cast<int>(i));
     });
     for (std::size_t i = 0; i < cameras; ++i) {
       if (!plates[i]) return forward(plates[i]);
-      if (plates[i]->empty()) continue;
-      if (Result<void> ok = matting_.learn_empty_stage(static_cast<int>(i), {*plates[i]}); !ok) return ok;
+      if (plates[i]->color.empty()) continue;
+      if (Result<void> ok = matting_.learn_empty_stage(static_cast<int>(i), std::move(*plates[i])); !ok)
+        return ok;
       shot_[i] = true;
     }
     return is_cancelled(options_.progress) ? cancelled() : Result<void>();

@@ -5,7 +5,6 @@
 
 #include "core/log.h"
 #include "core/text.h"
-#include "matting/view_cut.h"
 #include "pipeline/matte/camera_plate.h"
 #include "pipeline/take_plates.h"
 
@@ -50,16 +49,16 @@ Result<bool> shows_the_stage(capture::TakeReader& take, int camera, const mattin
   });
 }
 
-Result<Image> fitting_plate(capture::TakeReader& take, int camera, const Eigen::Vector2i& size) {
+Result<matting::Plate> fitting_plate(capture::TakeReader& take, int camera) {
   const Result<std::vector<Image>> shot = plates_of(take, camera);
   if (!shot) return forward(shot);
   const bool in_colour =
       std::all_of(shot->begin(), shot->end(), [](const Image& p) { return p.channels == 3; });
-  if (shot->empty() || !in_colour) return Image();
-  const Result<CameraPlate> plate = plate_of(take, camera, *shot, std::nullopt);
+  if (shot->empty() || !in_colour) return matting::Plate();
+  Result<CameraPlate> plate = plate_of(take, camera, *shot, std::nullopt);
   if (!plate && plate.error().code == ErrorCode::Unsupported) {
     log::warning(text(plate.error().message, "; its mattes go without its plate"));  // it names the camera
-    return Image();
+    return matting::Plate();
   }
   if (!plate) return forward(plate);
   const Result<bool> fits = shows_the_stage(take, camera, plate->plate);
@@ -69,9 +68,9 @@ Result<Image> fitting_plate(capture::TakeReader& take, int camera, const Eigen::
                       "': ", kPlateDoesNotFit,
                       ", so that its mattes go without it; shoot another plate, or take it "
                       "away"));
-    return Image();
+    return matting::Plate();
   }
-  return matting::shrunk(plate->plate.color, size.x(), size.y());
+  return std::move(plate->plate);
 }
 
 }  // namespace floatstage::pipeline

@@ -3,8 +3,6 @@
 #include <functional>
 #include <optional>
 
-#include <Eigen/Core>
-
 #include "capture/take.h"
 #include "core/frame.h"
 #include "core/image.h"
@@ -28,9 +26,9 @@ Result<bool> most_photographs_pass(
 /// their size: nobody fills more, a camera that moved and other light do. Errors: those of the take.
 Result<bool> shows_the_stage(capture::TakeReader& take, int camera, const matting::Plate& plate);
 
-/// A camera's empty stage as it was shot, in colour and of a size; empty where nobody shot it, where it is
+/// A camera's empty stage as it was shot, in colour; empty where nobody shot it, where it is
 /// grey, or where it does not fit the take's photographs, which a warning then says with the camera's name:
 /// it was moved since, or most of the picture has another light. Errors: those of its files and of the take.
-Result<Image> fitting_plate(capture::TakeReader& take, int camera, const Eigen::Vector2i& size);
+Result<matting::Plate> fitting_plate(capture::TakeReader& take, int camera);
 
 }  // namespace floatstage::pipeline

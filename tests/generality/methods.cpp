@@ -46,9 +46,11 @@ void by_matte(const std::string& method, const StageSet& set, const fs::path& ta
     out.said.push_back(report.error().message);
     return;
   }
-  // A frame that was hidden is no word about mattes.
+  // A frame that was hidden, and plates that are heard by all cameras, are no doubt about mattes.
   for (const std::string& remark : report->remarks)
-    if (remark.find("were added by a camera") == std::string::npos) out.said.push_back(remark);
+    if (remark.find("were added by a camera") == std::string::npos &&
+        remark.find("plates were shot") == std::string::npos)
+      out.said.push_back(remark);
   for (const pipeline::MatteDoubt& d : report->doubts) out.said.push_back(pipeline::sentence(d));
   for (const pipeline::CameraMattes& c : report->cameras)
     out.said.insert(out.said.end(), c.failures.begin(), c.failures.end());

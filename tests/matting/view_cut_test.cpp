@@ -64,6 +64,23 @@ TEST(ViewCut, FollowsTheOddsWhereColoursAgreeAndTheEdgeWhereOddsAreBlunt) {
   EXPECT_EQ(wrong, 0);
 }
 
+// An arm two pixels wide, hardly darker than the wall, with a shelf's edge two pixels above it.
+TEST(ViewCut, EdgesOfTheEmptyStageAreNoneAndSkinBeforeAWallOfItsColourHasSome) {
+  Image stage(kW, kH, 3, 150);
+  for (int x = 0; x < kW; ++x) std::fill_n(stage.at(x, 0), 3 * 20, std::uint8_t{150});
+  for (int y = 0; y < 20; ++y) std::fill_n(stage.at(0, y), 3 * kW, std::uint8_t{40});
+  Image picture = stage, alone(kW, kH, 1);
+  std::vector<float> odds(static_cast<std::size_t>(kW) * kH, -0.6f);
+  for (int y = 22; y < 24; ++y)
+    for (int x = 0; x < 40; ++x) {
+      std::fill_n(picture.at(x, y), 3, std::uint8_t{138});
+      *alone.at(x, y) = 255;
+      odds[static_cast<std::size_t>(y) * kW + static_cast<std::size_t>(x)] = 3;
+    }
+  EXPECT_TRUE(cut_view(picture, odds, {}, 3, stage) == alone);
+  EXPECT_FALSE(cut_view(picture, odds, {}, 3) == alone);
+}
+
 TEST(ViewCut, WhatIsCertainOutranksTheOdds) {
   const Image picture(8, 8, 3, 100);
   std::vector<Certain> certain(64, Certain::No);

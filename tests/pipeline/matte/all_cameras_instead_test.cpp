@@ -159,6 +159,33 @@ TEST(AllCamerasInstead, AreNotAskedWhereKeysHold) {
   EXPECT_TRUE(report->remarks.empty()) << testing::PrintToString(report->remarks);
 }
 
+// Skin before walls of its colour: plates alone lose rims and strands of what all cameras and plates keep.
+TEST(AllCamerasInstead, MakeTheMattesWherePlatesWereShotAndAreDeniedLess) {
+  TempFolder folder;
+  SynthesizeOptions options;
+  options.out = folder / "take";
+  options.rig = {.cameras = kCameras, .width = 320, .height = 240};
+  options.studio = {.seed = 7, .samples = 4, .stage = SyntheticStage::Room, .defects = {.noise = 1}};
+  options.frames = 1;
+  ASSERT_THAT(synthesize_take(options), IsOk());
+  const auto mean_iou = [&](const MatteReport& report) {
+    double sum = 0;
+    for (const CameraMattes& c : report.cameras)
+      sum += matte_iou(*load_png(TakeLayout(options.out).matte(c.serial, 0)),
+                       *load_png(TakeLayout(options.out).truth().matte(c.serial, 0)));
+    return sum / kCameras;
+  };
+  const Result<MatteReport> plates = matte_take({.take = options.out, .how = "plate", .check = false});
+  ASSERT_THAT(plates, IsOk());
+  const double by_plates = mean_iou(*plates);
+  const Result<MatteReport> report =
+      matte_take({.take = options.out, .how = "auto", .redo = true, .check = false});
+  ASSERT_THAT(report, IsOk());
+  EXPECT_THAT(methods(*report), testing::Each("consistent"));
+  EXPECT_THAT(report->remarks, Contains(HasSubstr("plates were shot")));
+  EXPECT_GT(mean_iou(*report), by_plates + 0.02);
+}
+
 TEST(AllCamerasInstead, OrAGuessMakeTheMatteOfACameraThatHardlySeesCloth) {
   const ACarpetOfCloth stage(0.85, 3);
   const MatteTakeOptions apart{.take = stage.take(), .how = "auto", .together = false, .check = false};

@@ -132,17 +132,17 @@ TEST_P(OnStages, ConsistentMattesHoldWhereTheEmptyStageIsKnown) {
   Result<ConsistentMatting> matting = ConsistentMatting::create(stage.rig(), {});
   ASSERT_THAT(matting, IsOk());
   for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector2i size = matting->working_size(i);
-    const Image plate = matting::shrunk(stage.plate(i), size.x(), size.y());
-    ASSERT_THAT(matting->learn_empty_stage(i, {plate}), IsOk());
+    Result<matting::Plate> plate = matting::learn_plate({stage.plate(i)});
+    ASSERT_THAT(plate, IsOk());
+    ASSERT_THAT(matting->learn_empty_stage(i, std::move(*plate)), IsOk());
   }
   const Result<ConsistentMattes> made = matting->matte(stage.pictures);
   ASSERT_THAT(made, IsOk());
   if (named.stage == SyntheticStage::GreenClothes) return;
   EXPECT_TRUE(made->trusted) << testing::PrintToString(made->remarks);
   const bool room = named.stage == SyntheticStage::Room;
-  EXPECT_GE(mean(stage.ious(*made)), room ? 0.92 : 0.965);
-  EXPECT_GE(least(stage.ious(*made)), room ? 0.90 : 0.93);
+  EXPECT_GE(mean(stage.ious(*made)), room ? 0.945 : 0.965);
+  EXPECT_GE(least(stage.ious(*made)), 0.93) << "a hand before a wall of its colour, too";
 }
 
 TEST(Consistent, NamesACameraThatSeesOnlyTheRoom) {
