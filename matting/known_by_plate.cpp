@@ -58,29 +58,43 @@ Image wholly_unlike(const Image& plate, const Image& picture) {
 
 }  // namespace
 
-Image known_by_plate(const Plate& plate, const Image& picture, const Image& cut,
-                     std::span<const float> odds) {
+PlateWord word_of(const Plate& plate, const Image& picture) {
+  const Image classes = classify(plate, picture), whole = wholly_unlike(plate.color, picture);
+  PlateWord word{inner(mask_of(classes, PlateClass::Subject)), inner(mask_of(classes, PlateClass::Plate))};
+  for (std::size_t p = 0; p < whole.pixels.size(); ++p) word.unlike.pixels[p] &= whole.pixels[p];
+  return word;
+}
+
+Image known_by_plate(const PlateWord& word, const Image& cut, std::span<const float> odds) {
   FLOATSTAGE_CHECK(cut.channels == 1 && !cut.empty() && odds.size() == cut.pixels.size(),
                    "a cut has one channel and odds");
-  const Image classes = classify(plate, picture), unlike = inner(mask_of(classes, PlateClass::Subject)),
-              whole = wholly_unlike(plate.color, picture), alike = inner(mask_of(classes, PlateClass::Plate));
-  Image subject(picture.width, picture.height, 1), likely = subject;
-  for (int y = 0; y < subject.height; ++y)
-    for (int x = 0; x < subject.width; ++x) {
+  const int w = word.unlike.width, h = word.unlike.height;
+  Image subject(w, h, 1), likely = subject;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
       const std::size_t p =
-          static_cast<std::size_t>(y * cut.height / picture.height) * static_cast<std::size_t>(cut.width) +
-          static_cast<std::size_t>(x * cut.width / picture.width);
+          static_cast<std::size_t>(y * cut.height / h) * static_cast<std::size_t>(cut.width) +
+          static_cast<std::size_t>(x * cut.width / w);
       *subject.at(x, y) = cut.pixels[p] ? 255 : 0;
       *likely.at(x, y) = cut.pixels[p] || odds[p] >= kLikelySubject ? 255 : 0;
     }
-  const double scale = static_cast<double>(picture.width) / cut.width;
+  const double scale = static_cast<double>(w) / cut.width;
   const Image near = widened(subject, static_cast<int>(std::lround(kOutlineReach * scale)));
-  Image known(picture.width, picture.height, 1, 128);
+  Image known(w, h, 1, 128);
   for (std::size_t p = 0; p < known.pixels.size(); ++p) {
-    if (unlike.pixels[p] && whole.pixels[p] && near.pixels[p] && likely.pixels[p]) known.pixels[p] = 255;
-    if (alike.pixels[p] && !subject.pixels[p]) known.pixels[p] = 0;
+    if (word.unlike.pixels[p] && near.pixels[p] && likely.pixels[p]) known.pixels[p] = 255;
+    if (word.alike.pixels[p] && !subject.pixels[p]) known.pixels[p] = 0;
   }
   return known;
+}
+
+Image unlike_within(const PlateWord& word, int width, int height) {
+  Image out(width, height, 1);
+  for (int y = 0; y < word.unlike.height; ++y)
+    for (int x = 0; x < word.unlike.width; ++x)
+      if (*word.unlike.at(x, y))
+        *out.at(x * width / word.unlike.width, y * height / word.unlike.height) = 255;
+  return out;
 }
 
 }  // namespace floatstage::matting

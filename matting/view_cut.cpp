@@ -189,9 +189,11 @@ Result<StillBackdrop> StillBackdrop::of_empty_stage(const std::vector<Image>& ph
   return out;
 }
 
-std::vector<float> StillBackdrop::odds(const Image& picture) const {
+std::vector<float> StillBackdrop::odds(const Image& picture, const Image& unlike) const {
   FLOATSTAGE_CHECK(picture.width == plate_.color.width && picture.height == plate_.color.height,
                    "a picture of its size");
+  FLOATSTAGE_CHECK(unlike.empty() || unlike.pixels.size() == changed_.size(),
+                   "what is unlike is of its size");
   std::vector<float> odds(changed_.size());
   const Image classes = empty_stage_ ? classify(plate_, picture) : Image();
   for (std::size_t p = 0; p < odds.size(); ++p) {
@@ -204,7 +206,11 @@ std::vector<float> StillBackdrop::odds(const Image& picture) const {
     odds[p] = std::clamp(static_cast<float>(-std::log(here)), -most, kMostStill);
     if (empty_stage_ && is_light(classes.pixels[p])) odds[p] = std::min(odds[p], 0.0f);
   }
-  return empty_stage_ ? without_rim(odds, picture.width, picture.height) : odds;
+  if (!empty_stage_) return odds;
+  std::vector<float> inner = without_rim(odds, picture.width, picture.height);
+  for (std::size_t p = 0; p < unlike.pixels.size(); ++p)
+    if (unlike.pixels[p]) inner[p] = odds[p];
+  return inner;
 }
 
 Image cut_view(const Image& photograph, std::span<const float> odds, std::span<const Certain> certain,

@@ -45,8 +45,10 @@ class StillBackdrop {
   }
   /// Of each pixel the log of how much likelier its colour is if something stands before the place. A place
   /// that never changed speaks softly against it: the subject may have stood there all the time. 0 where
-  /// nothing is known.
-  std::vector<float> odds(const Image& picture) const;
+  /// nothing is known. `unlike`: empty, or of the picture's size, not 0 where the photograph that it is made
+  /// of is unlike the empty stage for certain (known_by_plate.h), which at its own size may be too thin to
+  /// tell.
+  std::vector<float> odds(const Image& picture, const Image& unlike = {}) const;
 
  private:
   Plate plate_;

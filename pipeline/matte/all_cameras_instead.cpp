@@ -21,6 +21,7 @@ namespace {
 constexpr std::size_t kFewest = 4;    // cameras: two bound a body, and others can deny it
 constexpr double kMostDenied = 0.05;  // in the mean of the cameras: what the audit allows a silhouette
 constexpr double kBetter = 0.5;       // of what is denied of keys, so much at most of what comes instead,
+constexpr double kAlike = 0.01;       // so much more is no worse: pixels of an outline
 constexpr double kNotAtAll = 0.25;    // where keys hold as little as that only less
 
 // About any of the take's cameras, whichever are asked for.
@@ -159,11 +160,12 @@ Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTa
   if (!instead && instead.error().code == ErrorCode::Cancelled) return forward(instead);
   if (!instead) return no;
   if (hold && !instead->trusted) return no;
-  const double most = denied < kNotAtAll && !hold ? kBetter * denied : denied;
-  if (mean_denied(take.rig(), mattes_of(instead->mattes), options.threads) >= most) return no;
+  const double instead_denied = mean_denied(take.rig(), mattes_of(instead->mattes), options.threads);
+  const double less = denied < kNotAtAll ? kBetter * denied : denied;
+  if (hold ? instead_denied > denied + kAlike : instead_denied >= less) return no;
   if (hold)
     return text("frame ", *frame,
-                ": plates were shot, and what all cameras and plates say at once is denied less than what "
+                ": plates were shot, and what all cameras and plates say at once is denied no more than what "
                 "plates alone say, so ",
                 kSaid);
   const auto nobody =

@@ -44,7 +44,8 @@ struct View {
   std::vector<float> still, keyed, odds, others, share;
   std::vector<Certain> certain;
   std::optional<matting::StillBackdrop> backdrop;
-  std::optional<matting::Plate> plate;  // of the empty stage, at the photograph's size
+  std::optional<matting::Plate> plate;     // of the empty stage, at the photograph's size
+  std::optional<matting::PlateWord> word;  // its, of the photograph
   bool there() const { return !small.empty(); }
   std::size_t pixels() const { return static_cast<std::size_t>(w) * static_cast<std::size_t>(h); }
 };
@@ -189,7 +190,12 @@ void ConsistentMatting::Impl::see(std::size_t camera, const Image& picture) {
   v.small = picture.empty() ? Image() : matting::shrunk(picture, v.w, v.h);
   v.certain.clear();
   v.keyed.clear();
-  v.still = v.there() && v.backdrop ? v.backdrop->odds(v.small) : std::vector<float>();
+  v.word.reset();
+  if (v.plate && picture.width == v.plate->color.width && picture.height == v.plate->color.height)
+    v.word = matting::word_of(*v.plate, picture);
+  v.still.clear();
+  if (v.there() && v.backdrop)
+    v.still = v.backdrop->odds(v.small, v.word ? matting::unlike_within(*v.word, v.w, v.h) : Image());
 }
 
 // Before anything was cut: the border is background, and so is what hardly an edge separates from it; what
@@ -361,12 +367,12 @@ Result<std::vector<Image>> ConsistentMatting::Impl::finish(std::span<const Image
     if (!views[i].there()) return;
     const View& v = views[i];
     const Image told = said.empty() ? Image() : said[i];
-    Image known = v.plate ? matting::known_by_plate(*v.plate, pictures[i], v.label, v.odds) : told;
+    Image known = v.word ? matting::known_by_plate(*v.word, v.label, v.odds) : told;
     const auto say = [&](Image& to) {
       for (std::size_t p = 0; p < told.pixels.size(); ++p)
         if (told.pixels[p] == 0 || told.pixels[p] == 255) to.pixels[p] = told.pixels[p];
     };
-    if (v.plate) say(known);
+    if (v.word) say(known);
     if (options.refine)
       made[i] = matting::refine_matte(pictures[i], v.label, matting::key_refinement(), known);
     else

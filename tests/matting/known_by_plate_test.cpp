@@ -27,7 +27,7 @@ class KnownByPlate : public testing::Test {
       for (int x = x0 / 2; x < x1 / 2; ++x)
         odds_[static_cast<std::size_t>(y) * (kW / 2) + static_cast<std::size_t>(x)] = 3;
   }
-  Image known() const { return known_by_plate(plate_, picture_, cut_, odds_); }
+  Image known() const { return known_by_plate(word_of(plate_, picture_), cut_, odds_); }
 
   Plate plate_;
   Image picture_, cut_;
@@ -55,6 +55,14 @@ TEST_F(KnownByPlate, HairThroughWhichTheWallShowsIsLeftOpen) {
   for (int x = 24; x < 36; x += 2) paint(x, x + 1, 20, 40, {138, 111, 108});  // a third of it
   EXPECT_EQ(*known().at(28, 30), 128);
   EXPECT_EQ(*known().at(29, 30), 255) << "between such strands";
+}
+
+TEST_F(KnownByPlate, AFingerIsSeenInASmallerPictureAndAStrandIsNot) {
+  paint(43, 46, 4, 14, {170, 90, 80});
+  paint(51, 52, 4, 14, {170, 90, 80});
+  const Image small = unlike_within(word_of(plate_, picture_), kW / 2, kH / 2);
+  EXPECT_EQ(*small.at(22, 4), 255);
+  EXPECT_EQ(*small.at(25, 4), 0);
 }
 
 TEST_F(KnownByPlate, WhatIsFarFromTheCutIsNotItsOutline) {
