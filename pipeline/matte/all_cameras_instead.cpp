@@ -165,8 +165,8 @@ Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTa
   if (hold ? instead_denied > denied + kAlike : instead_denied >= less) return no;
   if (hold)
     return text("frame ", *frame,
-                ": plates were shot, and what all cameras and plates say at once is denied no more than what "
-                "plates alone say, so ",
+                ": plates were shot, and the hull denies no more of what all cameras make of them than of "
+                "what each makes alone, so ",
                 kSaid);
   const auto nobody =
       std::count_if(keys->mattes.begin(), keys->mattes.end(), [](const Matte& m) { return m.empty(); });
