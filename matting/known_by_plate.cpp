@@ -14,25 +14,11 @@ constexpr int kOutlineReach = 3;     // pixels of the cut: as far as closed form
 constexpr double kHalfSeen = 0.5;    // of how unlike the plate its neighbours are: half opacity
 constexpr float kLikelySubject = 2;  // log-odds
 
-Image mask_of(const Image& classes, PlateClass what) {
-  Image mask(classes.width, classes.height, 1);
-  for (std::size_t p = 0; p < mask.pixels.size(); ++p)
-    mask.pixels[p] = classes.pixels[p] == static_cast<std::uint8_t>(what) ? 255 : 0;
-  return mask;
-}
-
 // Without its outermost pixels, which show a little of both sides.
 Image inner(const Image& mask) {
   Image out(mask.width, mask.height, 1);
   cv::Mat to = as_mat(out);
   cv::erode(as_mat(mask), to, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
-  return out;
-}
-
-Image widened(const Image& mask, int px) {
-  Image out(mask.width, mask.height, 1);
-  cv::Mat to = as_mat(out);
-  cv::dilate(as_mat(mask), to, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * px + 1, 2 * px + 1}));
   return out;
 }
 
@@ -60,7 +46,7 @@ Image wholly_unlike(const Image& plate, const Image& picture) {
 
 PlateWord word_of(const Plate& plate, const Image& picture) {
   const Image classes = classify(plate, picture), whole = wholly_unlike(plate.color, picture);
-  PlateWord word{inner(mask_of(classes, PlateClass::Subject)), inner(mask_of(classes, PlateClass::Plate))};
+  PlateWord word{inner(where_is(classes, PlateClass::Subject)), inner(where_is(classes, PlateClass::Plate))};
   for (std::size_t p = 0; p < whole.pixels.size(); ++p) word.unlike.pixels[p] &= whole.pixels[p];
   return word;
 }
@@ -79,7 +65,7 @@ Image known_by_plate(const PlateWord& word, const Image& cut, std::span<const fl
       *likely.at(x, y) = cut.pixels[p] || odds[p] >= kLikelySubject ? 255 : 0;
     }
   const double scale = static_cast<double>(w) / cut.width;
-  const Image near = widened(subject, static_cast<int>(std::lround(kOutlineReach * scale)));
+  const Image near = grown(subject, static_cast<int>(std::lround(kOutlineReach * scale)));
   Image known(w, h, 1, 128);
   for (std::size_t p = 0; p < known.pixels.size(); ++p) {
     if (word.unlike.pixels[p] && near.pixels[p] && likely.pixels[p]) known.pixels[p] = 255;

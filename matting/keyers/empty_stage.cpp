@@ -24,13 +24,6 @@ constexpr CleanupOptions kWhole{.close_radius = 1, .smallest_island = 0.005, .sm
 // How far from its outline a subject's opacity is no key's to tell: motion and hair grow with the picture.
 int rim_of(const Image& picture) { return kEdge + std::max(picture.width, picture.height) / 160; }
 
-Image subject_in(const Image& classes) {
-  Image mask(classes.width, classes.height, 1);
-  for (std::size_t p = 0; p < mask.pixels.size(); ++p)
-    mask.pixels[p] = classes.pixels[p] == static_cast<std::uint8_t>(PlateClass::Subject) ? 255 : 0;
-  return mask;
-}
-
 }  // namespace
 
 EmptyStage::EmptyStage(Plate plate, const Image& key)
@@ -45,7 +38,7 @@ bool EmptyStage::take_out_fixtures(const Image& picture, double smallest_island,
   if (picture.width != fixtures_.width || picture.height != fixtures_.height || key.width != picture.width ||
       key.height != picture.height)
     return false;
-  const Image subject = subject_in(classify(plate_, picture));
+  const Image subject = where_is(classify(plate_, picture), PlateClass::Subject);
   bool changed = false;
   for (std::size_t p = 0; p < key.pixels.size(); ++p) {
     if (key.pixels[p] == 0 || fixtures_.pixels[p] == 0 || subject.pixels[p] != 0) continue;
@@ -57,7 +50,7 @@ bool EmptyStage::take_out_fixtures(const Image& picture, double smallest_island,
 }
 
 double EmptyStage::fixtures_shown(const Image& picture) const {
-  const Image subject = subject_in(classify(plate_, picture));
+  const Image subject = where_is(classify(plate_, picture), PlateClass::Subject);
   std::size_t all = 0, shown = 0;
   for (std::size_t p = 0; p < core_.pixels.size(); ++p) {
     if (core_.pixels[p] == 0) continue;
@@ -68,7 +61,7 @@ double EmptyStage::fixtures_shown(const Image& picture) const {
 }
 
 Image EmptyStage::solid(const Image& picture) const {
-  return clean_up(subject_in(classify(plate_, picture, kSolid)), kWhole);
+  return clean_up(where_is(classify(plate_, picture, kSolid), PlateClass::Subject), kWhole);
 }
 
 Image EmptyStage::inside(const Image& mask) {

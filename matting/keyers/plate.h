@@ -59,6 +59,9 @@ struct PlateKeyOptions {
 /// otherwise).
 Image classify(const Plate& plate, const Image& picture, const PlateKeyOptions& options = {});
 
+/// 255 where a picture's classes are this one, 0 elsewhere.
+Image where_is(const Image& classes, PlateClass what);
+
 /// A keyer against a frozen plate. Its spec is "plate:<sigmas>"; made again from samples, it learns the plate
 /// from them.
 Result<std::unique_ptr<Keyer>> make_plate_keyer(Plate plate, const PlateKeyOptions& options = {},

@@ -123,6 +123,13 @@ Image classify(const Plate& plate, const Image& picture, const PlateKeyOptions& 
   return out;
 }
 
+Image where_is(const Image& classes, PlateClass what) {
+  Image mask(classes.width, classes.height, 1);
+  for (std::size_t p = 0; p < mask.pixels.size(); ++p)
+    mask.pixels[p] = classes.pixels[p] == static_cast<std::uint8_t>(what) ? 255 : 0;
+  return mask;
+}
+
 Result<std::unique_ptr<Keyer>> make_plate_keyer(Plate plate, const PlateKeyOptions& options,
                                                 const std::optional<CleanupOptions>& cleanup) {
   if (Result<void> ok = options.check(); !ok) return forward(ok);

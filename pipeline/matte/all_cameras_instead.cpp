@@ -164,10 +164,11 @@ Result<std::string> all_cameras_instead(capture::TakeReader& take, const MatteTa
   const double less = denied < kNotAtAll ? kBetter * denied : denied;
   if (hold ? instead_denied > denied + kAlike : instead_denied >= less) return no;
   if (hold)
-    return text("frame ", *frame,
-                ": plates were shot, and the hull denies no more of what all cameras make of them than of "
-                "what each makes alone, so ",
-                kSaid);
+    return text(
+        "frame ", *frame,
+        ": plates were shot, and the hull denies hardly more of what all cameras make of them than of "
+        "what each makes alone, so ",
+        kSaid);
   const auto nobody =
       std::count_if(keys->mattes.begin(), keys->mattes.end(), [](const Matte& m) { return m.empty(); });
   return text("frame ", *frame, ": keys do not hold (they tell nobody in ", nobody, " of ", cameras,
