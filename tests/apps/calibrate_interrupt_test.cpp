@@ -76,6 +76,18 @@ TEST_F(Interrupted, BySignalLeavesNothingInTheTemporaryFolder) {
   }
 }
 
+// As timeout(1) and supervisors do it, who signal a process and then its group.
+TEST_F(Interrupted, TwiceAtOnceEndsByItselfAllTheSame) {
+  const pid_t run = start();
+  ASSERT_TRUE(eventually([&] { return works() && !read_file(folder_ / "works").value().empty(); }));
+  kill(run, SIGINT);
+  kill(run, SIGTERM);
+  int status = 0;
+  ASSERT_EQ(waitpid(run, &status, 0), run);
+  EXPECT_TRUE(WIFEXITED(status)) << "not by signal " << WTERMSIG(status);
+  EXPECT_TRUE(nothing_left());
+}
+
 TEST_F(Interrupted, ByAKillLeavesNothingForTheNextRun) {
   const pid_t run = start();
   ASSERT_TRUE(eventually([&] { return works() && !read_file(folder_ / "works").value().empty(); }));

@@ -62,15 +62,16 @@ class PlayWithSound : public testing::Test {
     folder_ = nullptr;
   }
 
-  /// Plays while hands do `hands` ($window is there), then ends. The report.
-  nlohmann::json play(const std::string& hands) {
-    const std::string json = *folder_ / "play.json";
+  /// Plays while hands do `hands` ($window is there, what is said goes to $said), then ends.
+  struct Played {
+    nlohmann::json report;
+    std::string said;
+  };
+  Played play(const std::string& hands, const std::string& sound) {
+    const fs::path json = *folder_ / "play.json", said = *folder_ / "said";
     fs::remove(json);
-    const fs::path script = folder_->write(
-        "hands.sh", R"(
-)" FLOATSTAGE_PROGRAM R"( play ')" +
-                        take_.string() + R"(' --size 900x600 --method nearest --playing --json ')" + json +
-                        R"(' --sound-output 'file:)" + (*folder_ / "heard.wav").string() + R"(' &
+    const fs::path script = folder_->write("hands.sh", "said='" + said.string() + "'\n" + player(sound) +
+                                                           " --json '" + json.string() + R"(' > "$said" 2>&1 &
 player=$!
 window=$(xdotool search --sync --onlyvisible --name Floatstage | head -1)
 xdotool windowmove --sync $window 0 0 2>/dev/null
@@ -81,10 +82,18 @@ wait $player
 )");
     const Ended ended =
         run_command("cd " + folder_->path().string() + " && " + under_display("bash " + script.string()));
-    EXPECT_EQ(ended.code, 0) << ended.output;
+    const std::string words = *read_file(said);
+    EXPECT_EQ(ended.code, 0) << ended.output << words;
     const Result<std::string> bytes = read_file(json);
-    EXPECT_THAT(bytes, IsOk()) << ended.output;
-    return bytes ? nlohmann::json::parse(*bytes) : nlohmann::json();
+    EXPECT_THAT(bytes, IsOk()) << words;
+    return {.report = bytes ? nlohmann::json::parse(*bytes) : nlohmann::json(), .said = words};
+  }
+  nlohmann::json play(const std::string& hands) {
+    return play(hands, "--sound-output 'file:" + (*folder_ / "heard.wav").string() + "'").report;
+  }
+  static std::string player(const std::string& sound) {
+    return FLOATSTAGE_PROGRAM " play '" + take_.string() + "' --size 900x600 --method nearest --playing " +
+           sound;
   }
 
   /// What the loudspeaker gave, one channel.
@@ -183,19 +192,16 @@ sleep 2)");
 }
 
 TEST_F(PlayWithSound, SaysOnceThatThereIsNoLoudspeakerAndPlays) {
-  const std::string json = *folder_ / "silent.json";
-  const auto with = [&](const std::string& more) {
-    return run_command(under_display("timeout --signal=INT 4 " FLOATSTAGE_PROGRAM " play " + take_.string() +
-                                     " --size 640x480 --playing --json " + json + " " + more));
-  };
-  const Ended without = with("--sound-output alsa:hw:77");
   const std::string words = "nothing is heard: cannot play to alsa:hw:77";
-  const std::size_t said = without.output.find(words);
-  ASSERT_NE(said, std::string::npos) << without.output;
-  EXPECT_EQ(without.output.find(words, said + 1), std::string::npos) << "once";
-  EXPECT_TRUE(nlohmann::json::parse(*read_file(json)).at("heard").empty());
-  EXPECT_EQ(with("--no-sound").output.find("nothing is heard"), std::string::npos);
-  const Ended other = with("--sound boom");
+  const Played without =
+      play("while kill -0 $player && ! grep -q 'nothing is heard' $said; do sleep 0.1; done; sleep 2",
+           "--sound-output alsa:hw:77");
+  const std::size_t said = without.said.find(words);
+  ASSERT_NE(said, std::string::npos) << without.said;
+  EXPECT_EQ(without.said.find(words, said + 1), std::string::npos) << "once";
+  EXPECT_TRUE(without.report.at("heard").empty());
+  EXPECT_EQ(play("sleep 2", "--no-sound").said.find("nothing is heard"), std::string::npos);
+  const Ended other = run_command(under_display(player("--sound boom")));
   EXPECT_NE(other.output.find("has no sound 'boom'; it has mic"), std::string::npos) << other.output;
 }
 
