@@ -20,7 +20,7 @@ std::optional<Ring> fit_ring(std::span<const Vector3d> points) {
   for (const Vector3d& p : points) mean += p / static_cast<double>(n);
   Eigen::MatrixX3d spread(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) spread.row(i) = points[static_cast<std::size_t>(i)] - mean;
-  const Eigen::JacobiSVD<Eigen::MatrixX3d> svd(spread, Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixX3d> svd(spread, Eigen::ComputeFullV);
   constexpr double kInLine = 1e-3;  // of the longest side: no circle is seen in less
   if (!(svd.singularValues()[1] > kInLine * svd.singularValues()[0])) return std::nullopt;
   const Vector3d u = svd.matrixV().col(0), v = svd.matrixV().col(1);

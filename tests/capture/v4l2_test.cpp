@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "tests/capture/v4l2_guest/pixels_hash.h"
 #include "tests/support/matchers.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::capture {
@@ -66,9 +67,7 @@ void expect_recorded(const std::string& folder, int more_than) {
 }
 
 TEST(CamerasUnderQemu, AreRecordedByTheUnitAsItIsInstalled) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a sanitized program needs more memory than the guest has";
-#endif
+  if (kSanitized) GTEST_SKIP() << "a sanitized program needs more memory than the guest has";
   const TempFolder folder;
   const std::string out = (folder / "out").string();
   std::filesystem::create_directories(out);

@@ -22,6 +22,7 @@
 #include "core/text.h"
 #include "core/working_on.h"
 #include "tests/support/matchers.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage {
@@ -150,9 +151,7 @@ TEST(ConfinedChild, WritesInItsFolderAndNowhereElse) {
 }
 
 TEST(ConfinedChild, ThatEatsMemoryIsStoppedBeforeTheMachineFeelsIt) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers need terabytes of addresses";
-#endif
+  if (kSanitized) GTEST_SKIP() << "sanitizers need terabytes of addresses";
   const auto eat = [] {
     std::vector<std::string> meal;
     for (int i = 0; i < 64; ++i) meal.emplace_back(std::size_t{1} << 30, 'x');
@@ -206,9 +205,7 @@ TEST(ConfinedChild, MayTakeItsTimeFromFileToFile) {
 }
 
 TEST(ConfinedChild, ThatCrashesNamesTheFileOfTheThreadThatDid) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers end a crash in their own way";
-#endif
+  if (kSanitized) GTEST_SKIP() << "sanitizers end a crash in their own way";
   EXPECT_THAT(decoding([] { ::raise(SIGSEGV); }),
               FailsWith(ErrorCode::BadData, "film.mp4: what decodes it crashed"));
   EXPECT_THAT(decoding([] { std::abort(); }),
@@ -230,9 +227,7 @@ TEST(ConfinedChild, ThatCrashesNamesTheFileOfTheThreadThatDid) {
 }
 
 TEST(ConfinedChild, OfNoFileIsNamedAfterItsWork) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers end a crash in their own way";
-#endif
+  if (kSanitized) GTEST_SKIP() << "sanitizers end a crash in their own way";
   EXPECT_THAT(run_confined(
                   {.what = "the calibration"},
                   [](const Tell&) -> Result<std::string> {

@@ -18,6 +18,7 @@
 #include "detail/synthesis/tile_pyramid.h"
 #include "tests/detail/pictures.h"
 #include "tests/support/matchers.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage::detail {
@@ -159,9 +160,7 @@ std::size_t resident() {
 
 // A picture of 108 MB, made a row of tiles at a time.
 TEST(RowWriters, HoldARowOfTilesAndNotThePicture) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers keep what was freed";
-#endif
+  if (kSanitized) GTEST_SKIP() << "sanitizers keep what was freed";
   constexpr int kSide = 6000, kRows = 250;
   const TempFolder folder;
   Image rows(kSide, kRows, 3);

@@ -22,8 +22,9 @@ constexpr int kWidth = 640, kHeight = 480;
 Intrinsics intrinsics_of(LensKind lens) {
   Intrinsics in = Intrinsics::Zero();
   in.head<4>() << 800, 790, 320, 240;
-  if (lens == LensKind::BrownConrady) in.segment<kLensRows>(kLensRow) << -0.1, 0.03, 0.002, -0.003, 0.01;
-  if (lens == LensKind::KannalaBrandt) in.segment<kLensRows>(kLensRow) << -0.02, 0.01, -0.003, 0.0004, 0;
+  auto coefficients = in.segment<kLensRows>(kLensRow);
+  if (lens == LensKind::BrownConrady) coefficients.head<5>() << -0.1, 0.03, 0.002, -0.003, 0.01;
+  if (lens == LensKind::KannalaBrandt) coefficients.head<4>() << -0.02, 0.01, -0.003, 0.0004;
   return in;
 }
 

@@ -89,7 +89,7 @@ TEST_F(MediaSoundOf, NoChannelsOrAnImpossibleRateAreRefused) {
 
 TEST_F(MediaSoundOf, AFlacFileThatIsCutOffIsRefusedWhereverItIsCut) {
   std::string samples;
-  for (int i = 0; i < 48'000; ++i) samples += bytes_of(static_cast<std::int16_t>(i * i % 20'011));
+  for (std::int64_t i = 0; i < 48'000; ++i) samples += bytes_of(static_cast<std::int16_t>(i * i % 20'011));
   const auto from = folder_.write("whole.wav", wav(1, 1, 48'000, 16, samples)), to = folder_ / "whole.flac";
   const Ended made = run_command("ffmpeg -v error -i " + from.string() + " " + to.string());
   ASSERT_EQ(made.code, 0) << made.output;

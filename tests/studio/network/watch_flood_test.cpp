@@ -17,6 +17,7 @@
 #include "tests/studio/messages/views.h"
 #include "tests/support/eventually.h"
 #include "tests/support/matchers.h"
+#include "tests/support/sanitized.h"
 
 namespace floatstage::studio::wire {
 namespace {
@@ -24,11 +25,7 @@ namespace {
 using View = std::shared_ptr<const CameraView>;
 
 constexpr int kFlood = 1'000'000;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double kMostGrownMb = 2000;  // what was given back is kept for a while, to find who still uses it
-#else
-constexpr double kMostGrownMb = 50;
-#endif
+constexpr double kMostGrownMb = kSanitized ? 2000 : 50;
 
 double resident_mb() {
   std::ifstream statm("/proc/self/statm");
