@@ -37,7 +37,7 @@ struct MarkerlessOptions {
   std::string program = "colmap";  ///< COLMAP 3.8's command line program
   double timeout = 3600;           ///< seconds, for each of its steps: only what hangs takes that long
   int threads = 0;                 ///< 0: one a core
-  std::function<bool()> cancelled = nullptr;  ///< asked while COLMAP works
+  std::function<bool()> cancelled = nullptr;  ///< asked while COLMAP works, on any thread
   /// Of the faintest keypoints that count, of 1, as Lowe counts it: less finds more on bare surfaces, and
   /// also noise (contrast_for()).
   double contrast = kUsualContrast;

@@ -1,5 +1,6 @@
 #include "calib/markerless.h"
 
+#include <atomic>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -61,7 +62,7 @@ TEST(Markerless, EndsAProgramThatHangs) {
 
 TEST(Markerless, EndsItsProgramWhenItIsInterrupted) {
   const TempFolder folder;
-  int asked = 0;
+  std::atomic<int> asked{0};  // on several threads
   MarkerlessOptions options{.program = program(folder, "sleep 600 & wait")};
   options.cancelled = [&] { return ++asked > 6; };  // the program runs by then
   EXPECT_THAT(calibrate_markerless(two_pictures(folder), folder / "work", options),
