@@ -60,7 +60,7 @@ json to_json(const pipeline::MatteReport& report) {
                             {"hull_agreement", c.hull_agreement ? json(*c.hull_agreement) : json()},
                             {"consistent", to_json(c.consistent)},
                             {"failures", c.failures}};
-  for (const pipeline::SilhouetteAgreement& a : report.worst)
+  for (const recon::SilhouetteAgreement& a : report.worst)
     worst.push_back({{"camera", a.serial}, {"frame", a.frame}, {"iou", a.iou}, {"surplus", a.surplus}});
   return {{"seconds_per_frame", report.seconds_per_frame},
           {"seconds", report.seconds},

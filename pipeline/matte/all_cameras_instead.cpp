@@ -12,8 +12,8 @@
 #include "pipeline/hull_record.h"
 #include "pipeline/matte/camera_key.h"
 #include "pipeline/matte/consistent_take.h"
-#include "pipeline/matte/hull_agreement.h"
 #include "recon/mesh/mesh_silhouettes.h"
+#include "recon/silhouette_agreement.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -118,7 +118,7 @@ double mean_denied(const Rig& rig, const std::vector<Matte>& mattes, int threads
   if (!hull || hull->mesh.empty()) return 1;
   const recon::MeshSilhouettes silhouettes(hull->mesh);
   parallel_for(mattes.size(), threads, [&](std::size_t c) {
-    if (!mattes[c].empty()) denied[c] = denied_share(mattes[c], silhouettes.of(rig.cameras[c]));
+    if (!mattes[c].empty()) denied[c] = recon::denied_share(mattes[c], silhouettes.of(rig.cameras[c]));
   });
   return std::accumulate(denied.begin(), denied.end(), 0.0) / static_cast<double>(denied.size());
 }

@@ -8,16 +8,6 @@
 namespace floatstage::pipeline {
 namespace {
 
-// Before clutter, clothes and skin look like the plate or its shadow in places: shadows are asked to be
-// lighter than on cloth, and the holes that remain inside a person are filled up to a fiftieth of him.
-constexpr matting::PlateKeyOptions kBeforeClutter{.darkest_shadow = 0.72, .brightest_reflex = 1.12};
-// Behind a performance, the plate holds the middle of somebody who hardly moved it: a ring is keyed, which is
-// filled.
-matting::CleanupOptions clean_up_for(const Image& picture, bool shot) {
-  return {.close_radius = std::max(1, std::max(picture.width, picture.height) / 320),
-          .smallest_island = 0.02,
-          .smallest_hole = shot ? 0.02 : 0.4};
-}
 constexpr int kPhotographs = 48;
 constexpr int kWithAPlate = 4;   // photographs that are compared with a plate that was shot
 constexpr int kPlateRounds = 3;  // how often a plate is learnt again without what the last one keys
@@ -90,8 +80,8 @@ Result<CameraPlate> find_plate(const std::string& serial, const Photographs& see
           ErrorCode::Unsupported,
           text("camera '", serial, "': no plate was shot, and its ", seen.pictures.size(),
                " photographs show no backdrop that stands still; shoot a plate or give mattes with --guide"));
-    Result<std::unique_ptr<matting::Keyer>> keyer =
-        matting::make_plate_keyer(*plate, options, clean_up_for(plate->color, false));
+    Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_plate_keyer(
+        *plate, options, matting::plate_clean_up(plate->color.width, plate->color.height, true));
     if (!keyer) return forward(keyer);
     Result<std::vector<Image>> now = keyed(**keyer, seen.pictures);
     if (!now) return forward(now);
@@ -107,7 +97,7 @@ Result<CameraPlate> find_plate(const std::string& serial, const Photographs& see
 Result<CameraPlate> plate_of(capture::TakeReader& take, int camera, const std::vector<Image>& shot,
                              std::optional<double> deviations) {
   const std::string& serial = take.rig().cameras[static_cast<std::size_t>(camera)].serial;
-  matting::PlateKeyOptions options = kBeforeClutter;
+  matting::PlateKeyOptions options = matting::before_clutter();
   if (deviations) options.sigmas = *deviations;
   Result<Photographs> seen = photographs_of(take, camera, shot.empty() ? kPhotographs : kWithAPlate);
   if (!seen) return forward(seen);
@@ -117,8 +107,7 @@ Result<CameraPlate> plate_of(capture::TakeReader& take, int camera, const std::v
   if (Result<void> ok = check_still(serial, seen->pictures, seen->names); !ok) return forward(ok);
   Result<matting::Plate> plate = matting::learn_plate(shot);
   if (!plate) return fail(plate.error().code, text("camera '", serial, "': ", plate.error().message));
-  Result<std::unique_ptr<matting::Keyer>> keyer =
-      matting::make_plate_keyer(*plate, options, clean_up_for(plate->color, true));
+  Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_plate_keyer(*plate, options);
   if (!keyer) return forward(keyer);
   return CameraPlate{std::move(*plate), std::move(*keyer), 0};
 }

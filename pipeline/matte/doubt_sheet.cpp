@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "pipeline/matte/doubt_picture.h"
-#include "pipeline/matte/hull_agreement.h"
+#include "matting/doubt_picture.h"
 #include "pipeline/scene_loader.h"
+#include "recon/silhouette_agreement.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -29,10 +29,10 @@ Result<Image> doubt_sheet(capture::TakeReader& take, const std::vector<int>& cam
     const Result<Image> rgb = to_rgb(*photograph);
     if (!rgb) continue;
     const std::optional<Matte> others =
-        there > kFewestOthers ? silhouette_of_others(take.rig(), *mattes, i) : std::nullopt;
-    tiles.push_back(doubt_tile(*rgb, (*mattes)[i], others, kTile));
+        there > kFewestOthers ? recon::silhouette_of_others(take.rig(), *mattes, i) : std::nullopt;
+    tiles.push_back(matting::doubt_tile(*rgb, (*mattes)[i], others, kTile));
   }
-  return tiles.empty() ? Image() : contact_sheet(tiles);
+  return tiles.empty() ? Image() : matting::contact_sheet(tiles);
 }
 
 }  // namespace floatstage::pipeline

@@ -11,8 +11,8 @@
 #include "matting/view_cut.h"
 #include "pipeline/matte/affected_frames.h"
 #include "pipeline/matte/consistent.h"
-#include "pipeline/matte/hull_cover.h"
 #include "pipeline/matte/rekey.h"
+#include "recon/hull_cover.h"
 #include "recon/mesh/mesh_mask.h"
 #include "recon/occupancy.h"
 
@@ -190,7 +190,7 @@ Result<std::vector<MatteHealer::Patient>> MatteHealer::patients(int frame, const
   if (store_->record().empty()) return found;  // nothing is ours: who is ill is no question
   for (const recon::SilhouetteVerdict& v : hull.verdicts)
     found.push_back({static_cast<std::size_t>(v.camera), {v.lost, v.gained, {}}});
-  if (found.empty() && poorly_covered(hull.silhouette_iou) && !hull.searched.isEmpty()) {
+  if (found.empty() && recon::poorly_covered(hull.silhouette_iou) && !hull.searched.isEmpty()) {
     const std::vector<double> missing = missing_of(take_.rig(), mattes, hull.searched, threads);
     std::vector<double> known;
     for (std::size_t c = 0; c < mattes.size(); ++c)
@@ -310,10 +310,10 @@ Result<bool> MatteHealer::look(int frame, const recon::HullReport& hull, const r
   quick.cleanup = {};
   const Result<bool> treated = treat(frame, hull, quick, mattes);
   if (!treated) return forward(treated);
-  if (!leaves_much_open(hull)) return treated;
+  if (!recon::leaves_much_open(hull)) return treated;
   Result<recon::HullReport> now = recon::HullReport();
   if (*treated) now = recon::visual_hull(take_.rig(), mattes, quick);
-  if (!now || (*treated && !leaves_much_open(*now))) return treated;
+  if (!now || (*treated && !recon::leaves_much_open(*now))) return treated;
   const Result<bool> weighed = weigh(frame, *treated ? *now : hull, quick, keys, mattes);
   if (!weighed) return forward(weighed);
   return *treated || *weighed;
@@ -338,7 +338,7 @@ Result<bool> MatteHealer::treat(int frame, const recon::HullReport& hull, const 
   const std::vector<double> before = faults_of(hull, mattes.size()), now = faults_of(*after, mattes.size());
   for (std::size_t c = 0; c < mattes.size(); ++c)
     if (now[c] > before[c]) return false;  // a body that others now contradict is no cure
-  if (poorly_covered(after->silhouette_iou)) return false;
+  if (recon::poorly_covered(after->silhouette_iou)) return false;
   spare(*patients, quick, witnesses, mattes, *anew, *after);
   return keep(frame, *patients, witnesses, faults_of(*after, mattes.size()), before, *anew, mattes);
 }

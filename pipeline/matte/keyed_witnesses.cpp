@@ -25,10 +25,10 @@ Matte keyed(capture::TakeReader& take, int camera, int frame, const std::string&
 
 }  // namespace
 
-Result<std::vector<SilhouetteAgreement>> agreement_with_keyed(capture::TakeReader& take, int frame,
-                                                              const std::vector<CameraMattes>& cameras,
-                                                              int threads) {
-  std::vector<SilhouetteAgreement> none;
+Result<std::vector<recon::SilhouetteAgreement>> agreement_with_keyed(capture::TakeReader& take, int frame,
+                                                                     const std::vector<CameraMattes>& cameras,
+                                                                     int threads) {
+  std::vector<recon::SilhouetteAgreement> none;
   const std::string word = cameras.empty() ? "" : method_name(cameras.front().key);
   if (!is_keyer(word)) return none;
   Result<std::vector<Matte>> mattes = load_mattes(take, frame);
@@ -41,7 +41,7 @@ Result<std::vector<SilhouetteAgreement>> agreement_with_keyed(capture::TakeReade
   parallel_for(some.size(), threads, [&](std::size_t k) {
     (*mattes)[some[k]] = keyed(take, static_cast<int>(some[k]), frame, word);
   });
-  return agreement_between(take.rig(), *mattes, frame);
+  return recon::agreement_between(take.rig(), *mattes, frame);
 }
 
 }  // namespace floatstage::pipeline

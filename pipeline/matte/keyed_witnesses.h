@@ -4,8 +4,8 @@
 
 #include "capture/take.h"
 #include "core/result.h"
-#include "pipeline/matte/hull_agreement.h"
 #include "pipeline/matte/matte_take.h"
+#include "recon/silhouette_agreement.h"
 
 namespace floatstage::pipeline {
 
@@ -13,8 +13,8 @@ namespace floatstage::pipeline {
 /// instant are keyed as the first of `cameras` was, for this question alone, and all are compared. Nothing
 /// where that one was not keyed by a keyer or a plate, or where too few others can be keyed so. Errors: those
 /// of reading mattes.
-Result<std::vector<SilhouetteAgreement>> agreement_with_keyed(capture::TakeReader& take, int frame,
-                                                              const std::vector<CameraMattes>& cameras,
-                                                              int threads);
+Result<std::vector<recon::SilhouetteAgreement>> agreement_with_keyed(capture::TakeReader& take, int frame,
+                                                                     const std::vector<CameraMattes>& cameras,
+                                                                     int threads);
 
 }  // namespace floatstage::pipeline

@@ -10,10 +10,10 @@
 #include "core/matte_edits.h"
 #include "core/png.h"
 #include "core/text.h"
+#include "matting/doubt_picture.h"
 #include "matting/labels/label_split.h"
 #include "pipeline/derived_files.h"
 #include "pipeline/made_files.h"
-#include "pipeline/matte/doubt_picture.h"
 #include "pipeline/matte/doubt_pictures.h"
 #include "pipeline/matte/label_follower.h"
 
@@ -315,9 +315,9 @@ class LabelJob {
       const Result<Image> matte =
           load_png(is_there(file) ? file : layout_.label_matte(doubt.serial, label, doubt.frame));
       if (!matte) continue;
-      tiles.push_back(doubt_tile(*rgb, make_matte({}, *matte), std::nullopt, kDoubtWidth));
+      tiles.push_back(matting::doubt_tile(*rgb, make_matte({}, *matte), std::nullopt, kDoubtWidth));
     }
-    return tiles.empty() ? Image() : contact_sheet(tiles);
+    return tiles.empty() ? Image() : matting::contact_sheet(tiles);
   }
 
   // What we made before goes, and what was made now takes its place. They are ours before they are there.

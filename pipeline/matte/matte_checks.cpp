@@ -33,7 +33,7 @@ double flicker_of(const capture::TakeReader& take, const std::string& serial, co
 // Of mattes that are too few to judge one another, by keys of the other cameras. They alone are named.
 Result<std::optional<MatteDoubt>> doubt_by_keys(capture::TakeReader& take, int frame, int threads,
                                                 const MatteReport& report) {
-  const Result<std::vector<SilhouetteAgreement>> keyed =
+  const Result<std::vector<recon::SilhouetteAgreement>> keyed =
       agreement_with_keyed(take, frame, report.cameras, threads);
   if (!keyed) return forward(keyed);
   Result<std::optional<MatteDoubt>> doubt = contradiction_in(take, *keyed);
@@ -56,7 +56,7 @@ Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& opt
   std::vector<int> frames;
   for (std::size_t i = 0; i < wanted; ++i) frames.push_back(all[(2 * i + 1) * all.size() / (2 * wanted)]);
   if (frames.empty()) return {};
-  Result<std::vector<SilhouetteAgreement>> worst =
+  Result<std::vector<recon::SilhouetteAgreement>> worst =
       hull_agreement(take, frames, options.threads, options.progress);
   if (!worst) return forward(worst);
   report.worst = std::move(*worst);
@@ -71,7 +71,7 @@ Result<void> check_mattes(capture::TakeReader& take, const MatteTakeOptions& opt
   for (CameraMattes& camera : report.cameras) {
     double sum = 0;
     int seen = 0;
-    for (const SilhouetteAgreement& a : report.worst)
+    for (const recon::SilhouetteAgreement& a : report.worst)
       if (a.serial == camera.serial) sum += a.iou, ++seen;
     if (seen) camera.hull_agreement = sum / seen;
   }

@@ -15,11 +15,11 @@
 #include "core/png.h"
 #include "core/take_layout.h"
 #include "core/text.h"
+#include "matting/doubt_picture.h"
 #include "matting/labels/label_clip.h"
 #include "pipeline/confined_job.h"
 #include "pipeline/json_report.h"
 #include "pipeline/matte/clip_pictures.h"
-#include "pipeline/matte/doubt_picture.h"
 #include "pipeline/matte/mask_of.h"
 #include "pipeline/matte/matte_doubts.h"
 #include "pipeline/unfinished_folder.h"
@@ -268,7 +268,7 @@ class Writer {
     if (!matte) return forward(matte);
     std::error_code error;
     fs::create_directories(folder_ / "doubts", error);
-    return save_png(doubt_tile(*picture, make_matte({}, *matte), std::nullopt, kDoubtWidth),
+    return save_png(matting::doubt_tile(*picture, make_matte({}, *matte), std::nullopt, kDoubtWidth),
                     folder_ / "doubts" / (name + ".png"));
   }
 

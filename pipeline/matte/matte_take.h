@@ -9,7 +9,8 @@
 #include "core/result.h"
 #include "pipeline/matte/consistent.h"
 #include "pipeline/matte/heal_mattes.h"
-#include "pipeline/matte/hull_agreement.h"
+#include "pipeline/progress.h"
+#include "recon/silhouette_agreement.h"
 
 namespace floatstage::pipeline {
 
@@ -70,9 +71,9 @@ std::filesystem::path doubts_folder(const TakeLayout& layout);
 
 struct MatteReport {
   std::vector<CameraMattes> cameras;
-  std::vector<SilhouetteAgreement> worst;  ///< least agreement first
-  std::vector<std::string> remarks;        ///< what may be wrong, with frames and cameras
-  int distrusted = 0;                      ///< likewise: instants whose mattes are probably wrong
+  std::vector<recon::SilhouetteAgreement> worst;  ///< least agreement first
+  std::vector<std::string> remarks;               ///< what may be wrong, with frames and cameras
+  int distrusted = 0;                             ///< likewise: instants whose mattes are probably wrong
   std::vector<MatteDoubt> doubts;    ///< of the frames asked for, made now or before; most cameras first
   std::vector<HealedCamera> healed;  ///< in this run, worst camera first
   int made = 0;

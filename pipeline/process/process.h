@@ -56,8 +56,8 @@ struct ProcessReport {
   std::vector<SilhouetteFault> faults = {};   ///< what a matte lacks was overruled by the others
   std::vector<std::string> pose_doubts = {};  ///< of this run's frames, see pipeline::pose_doubts()
   int contradictory_frames = 0;  ///< hulls not to be trusted, see recon::HullReport::contradictory
-  int poor_frames = 0;           ///< hulls that leave much of most silhouettes open, see poorly_covered()
-  int cut_frames = 0;            ///< hulls cut by the sides of the volume
+  int poor_frames = 0;  ///< hulls that leave much of most silhouettes open, see recon::poorly_covered()
+  int cut_frames = 0;   ///< hulls cut by the sides of the volume
   std::optional<CleanupCost> cleanup = {};  ///< what clean-up cost at most; absent: none was wished
   double seconds = 0;
 };

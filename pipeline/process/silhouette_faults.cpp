@@ -11,7 +11,7 @@
 #include "core/file_presence.h"
 #include "core/frame_pixels.h"
 #include "core/text.h"
-#include "pipeline/matte/hull_cover.h"
+#include "recon/hull_cover.h"
 
 namespace floatstage::pipeline {
 namespace {
@@ -136,7 +136,7 @@ HullDoubts doubts_in(const std::map<int, json>& frames, const std::filesystem::p
     const json explained = frame.value("silhouette_iou", json::object());
     for (const json& one : explained)
       if (one.is_number()) iou.push_back(one);
-    doubts.poor += poorly_covered(iou);
+    doubts.poor += recon::poorly_covered(iou);
     if (const json cleanup = frame.value("cleanup", json()); cleanup.is_object())
       add_cost(cleanup, number, doubts.cleanup);
     const json silhouettes = frame.value("silhouettes", json::object());

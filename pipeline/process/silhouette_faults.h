@@ -69,7 +69,7 @@ struct HullDoubts {
   std::vector<SilhouetteFault> faults;  ///< worst first
   int contradictory = 0;                ///< frames, see recon::HullReport::contradictory
   int cut = 0;                          ///< frames, see recon::HullReport::cut
-  int poor = 0;                         ///< frames, see poorly_covered()
+  int poor = 0;                         ///< frames, see recon::poorly_covered()
   std::optional<CleanupCost> cleanup;   ///< absent where nothing was cleaned
 };
 

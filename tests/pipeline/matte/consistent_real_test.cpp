@@ -6,10 +6,10 @@
 #include "core/png.h"
 #include "core/take_layout.h"
 #include "pipeline/import/import.h"
-#include "pipeline/matte/hull_agreement.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/process/process.h"
 #include "pipeline/scene_loader.h"
+#include "recon/silhouette_agreement.h"
 #include "recon/visual_hull.h"
 #include "tests/pipeline/matte/balancing_outlines.h"
 #include "tests/support/matchers.h"
@@ -166,7 +166,8 @@ TEST(ConsistentReal, AManBalancesInAClutteredRoomWithoutAClick) {
       EXPECT_GE(one, 0.75) << frame << ' ' << i;
       sum += one, ++count;
     }
-    for (const SilhouetteAgreement& a : agreement_between((*take)->rig(), truth, frame)) agreement += a.iou;
+    for (const recon::SilhouetteAgreement& a : recon::agreement_between((*take)->rig(), truth, frame))
+      agreement += a.iou;
   }
   EXPECT_GE(sum / count, 0.83);
   EXPECT_NEAR(agreement / count, 0.56, 0.02);

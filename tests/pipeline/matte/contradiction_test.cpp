@@ -49,8 +49,8 @@ TEST(Contradiction, TrueMattesDoNotContradictOneAnother) {
 }
 
 // A frame of six cameras, `many` of which are denied that share of their subject.
-std::vector<SilhouetteAgreement> denied(int many, double share) {
-  std::vector<SilhouetteAgreement> all;
+std::vector<recon::SilhouetteAgreement> denied(int many, double share) {
+  std::vector<recon::SilhouetteAgreement> all;
   for (int c = 0; c < 6; ++c) {
     const double one = c < many ? share : 0.01;
     all.push_back({"cam0" + std::to_string(c), 0, 1 - one, one, one});
@@ -67,35 +67,6 @@ TEST(Contradiction, IsATwentiethInHalfOfTheCameras) {
   ASSERT_TRUE(asked(3, 0.07));
   EXPECT_THAT(asked(3, 0.07)->cameras, testing::ElementsAre("cam00", "cam01", "cam02"));
   EXPECT_THAT(sentence(*asked(3, 0.07)), testing::HasSubstr("denies 7 % of the subject"));
-}
-
-TEST(DeniedShare, LeavesOutWhatOutlinesAreOffBy) {
-  Image square(100, 100, 1);
-  for (int y = 20; y < 80; ++y) std::fill_n(square.at(20, y), 60, std::uint8_t{255});
-  const auto shifted = [&](int by) {
-    Image moved(100, 100, 1);
-    for (int y = 20; y < 80; ++y) std::fill_n(moved.at(20 + by, y), 60, std::uint8_t{255});
-    return make_matte({}, moved);
-  };
-  const Matte matte = make_matte({}, square);
-  EXPECT_EQ(denied_share(matte, shifted(0)), 0);
-  EXPECT_EQ(denied_share(matte, shifted(2)), 0);
-  EXPECT_NEAR(denied_share(matte, shifted(8)), 0.1, 1e-9);
-  EXPECT_EQ(denied_share(matte, make_matte({}, Image(100, 100, 1))), 1);
-}
-
-TEST(DeniedPieces, AreThickWhereOutlinesThatAreOffLeaveStrips) {
-  Image square(100, 100, 1), most = square;
-  for (int y = 20; y < 80; ++y) std::fill_n(square.at(20, y), 60, std::uint8_t{255});
-  const Matte matte = make_matte({}, square);
-  for (int y = 20; y < 80; ++y) std::fill_n(most.at(24, y), 52, std::uint8_t{255});  // 2 px beyond the slack
-  EXPECT_GT(denied_share(matte, make_matte({}, most)), 0.06);
-  EXPECT_EQ(denied_pieces(matte, make_matte({}, most)), 0);
-  most = square;
-  for (int y = 40; y < 60; ++y) std::fill_n(most.at(20, y), 60, std::uint8_t{0});  // a belt
-  EXPECT_NEAR(denied_pieces(matte, make_matte({}, most)), 16 * 60 / 3600.0, 1e-9);
-  EXPECT_EQ(denied_pieces(matte, make_matte({}, Image(100, 100, 1))), 1);
-  EXPECT_EQ(denied_pieces(make_matte({}, Image(100, 100, 1)), matte), 0);
 }
 
 // Each camera sees a sleeve before the shirt that another sees before the cloth.

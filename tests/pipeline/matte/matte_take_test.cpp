@@ -9,6 +9,7 @@
 #include "core/png.h"
 #include "core/take_layout.h"
 #include "pipeline/matte/export_layers.h"
+#include "pipeline/matte/hull_agreement.h"
 #include "pipeline/matte/matte_how.h"
 #include "tests/support/child_process.h"
 #include "tests/support/small_take.h"
@@ -397,7 +398,7 @@ TEST(HullAgreement, PutsTheCameraFirstWhoseMatteIsWrong) {
   const auto good = hull_agreement(**take, {0}, 1);
   ASSERT_THAT(good, IsOk());
   ASSERT_EQ(good->size(), 6u);
-  for (const SilhouetteAgreement& a : *good)
+  for (const recon::SilhouetteAgreement& a : *good)
     EXPECT_LT(a.surplus, 0.1) << a.serial << ": the true matte lies inside the others' hull";
   Image wrong = matte_of(path / "truth", "cam03", 0);
   for (int y = 0; y < 40; ++y) std::fill_n(wrong.at(100, y), 60, std::uint8_t{255});

@@ -1,4 +1,4 @@
-#include "pipeline/matte/doubt_picture.h"
+#include "matting/doubt_picture.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "matting/view_cut.h"
 
-namespace floatstage::pipeline {
+namespace floatstage::matting {
 namespace {
 
 constexpr int kGap = 4;  // px between tiles
@@ -33,14 +33,14 @@ Image doubt_tile(const Image& rgb, const Matte& matte, const std::optional<Matte
   const double scale = std::min(1.0, static_cast<double>(longest) / std::max(rgb.width, rgb.height));
   const int w = std::max(1, static_cast<int>(std::lround(scale * rgb.width))),
             h = std::max(1, static_cast<int>(std::lround(scale * rgb.height)));
-  Image out = matting::shrunk(rgb, w, h);
-  const Image small = matting::shrunk(to_image(matte), w, h);
+  Image out = shrunk(rgb, w, h);
+  const Image small = shrunk(to_image(matte), w, h);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       if (!is(small, x, y))
         for (int c = 0; c < 3; ++c) out.at(x, y)[c] = static_cast<std::uint8_t>(out.at(x, y)[c] / 3);
   draw_outline(small, kRed, out);
-  if (others) draw_outline(matting::shrunk(to_image(*others), w, h), kBlue, out);
+  if (others) draw_outline(shrunk(to_image(*others), w, h), kBlue, out);
   return out;
 }
 
@@ -62,4 +62,4 @@ Image contact_sheet(const std::vector<Image>& tiles) {
   return sheet;
 }
 
-}  // namespace floatstage::pipeline
+}  // namespace floatstage::matting

@@ -6,7 +6,7 @@
 #include "core/image.h"
 #include "core/matte.h"
 
-namespace floatstage::pipeline {
+namespace floatstage::matting {
 
 /// A photograph with a matte drawn in, at most `longest` px a side: a third as bright where the matte has no
 /// subject, with its outline in red; the outline of what the other cameras say in light blue.
@@ -16,4 +16,4 @@ Image doubt_tile(const Image& rgb, const Matte& matte, const std::optional<Matte
 /// without any.
 Image contact_sheet(const std::vector<Image>& tiles);
 
-}  // namespace floatstage::pipeline
+}  // namespace floatstage::matting

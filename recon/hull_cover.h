@@ -4,7 +4,7 @@
 
 #include "recon/visual_hull.h"
 
-namespace floatstage::pipeline {
+namespace floatstage::recon {
 
 /// What a hull of silhouettes explains of them. `iou`, `hull.silhouette_iou`: of each camera the hull's
 /// silhouette against its matte; NaN for one that has none.
@@ -20,10 +20,10 @@ double most_in_pieces(int cameras);
 
 /// Whether mattes may hold what contradiction_in() asks for: the hull leaves more than most_in_pieces() of at
 /// least half of the silhouettes open, clean-up aside. `hull` was made with its quality.
-bool may_contradict(const recon::HullReport& hull);
+bool may_contradict(const HullReport& hull);
 
 /// Whether the hull leaves more than a twentieth of at least half of the silhouettes open, clean-up aside:
 /// then mattes contradict one another, or the calibration is off. `hull` was made with its quality.
-bool leaves_much_open(const recon::HullReport& hull);
+bool leaves_much_open(const HullReport& hull);
 
-}  // namespace floatstage::pipeline
+}  // namespace floatstage::recon
