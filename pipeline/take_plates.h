@@ -9,12 +9,10 @@
 
 namespace floatstage::pipeline {
 
-/// Files with photographs of the empty stage by one camera: plates/<serial>.png and plates/<serial>/*.png, in
-/// this order. Empty where nobody shot one.
+/// capture::plate_files() of the take's plates/.
 std::vector<std::filesystem::path> plate_files(const capture::TakeReader& take, int camera);
 
-/// Up to `most` of those photographs, RGB or grey as they are, from the first on, without what a camera or a
-/// converter added. BadData for a picture with opacity; errors of files.
+/// capture::load_plates() of them, without what a camera or a converter added; those errors.
 Result<std::vector<Image>> plates_of(const capture::TakeReader& take, int camera,
                                      std::size_t most = SIZE_MAX);
 

@@ -51,6 +51,10 @@ nlohmann::ordered_json to_report(const studio::LiveReport& r, const std::string&
       {"sets_troubled", c.troubled},        {"frames_late", late},       {"frames_missing", missing}};
   for (const studio::QualityChange& q : r.qualities)
     json["qualities"].push_back({{"seconds", q.seconds}, {"quality", q.quality}, {"fps", q.fps}});
+  json["silhouettes"] = nlohmann::ordered_json::array();
+  for (const studio::SilhouetteChange& s : r.silhouettes)
+    json["silhouettes"].push_back(
+        {{"seconds", s.seconds}, {"doubts", s.news->doubts}, {"cameras", s.news->cameras}});
   return json;
 }
 
@@ -65,6 +69,9 @@ void print(const studio::LiveReport& r) {
               static_cast<unsigned long long>(r.counters.sets.sets),
               static_cast<unsigned long long>(r.counters.scenes),
               static_cast<unsigned long long>(r.counters.sets.overtaken));
+  for (const studio::SilhouetteChange& s : r.silhouettes)
+    std::printf("  after %.0f s: %s\n", s.seconds,
+                s.news->doubts.empty() ? "silhouettes fit again" : s.news->remark().c_str());
 }
 
 // A picture a second, named by its time and instant.
@@ -86,6 +93,17 @@ class Snapshots {
   const std::array<float, 3> background_;
   double next_ = 0;
 };
+
+// What the silhouettes' doubts look like, named by their time.
+Result<void> save_doubts(const studio::LiveReport& report, const std::filesystem::path& folder) {
+  for (const studio::SilhouetteChange& s : report.silhouettes) {
+    if (folder.empty() || s.news->picture.empty()) continue;
+    char name[64];
+    std::snprintf(name, sizeof name, "%06.2fs-doubt.png", s.seconds);
+    if (Result<void> ok = save_png(s.news->picture, folder / name); !ok) return ok;
+  }
+  return {};
+}
 
 Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* network,
                            const LiveViewing& o) {
@@ -117,6 +135,7 @@ Result<void> view_headless(studio::SceneFeed& feed, const studio::RemoteScenes* 
   const Result<studio::LiveReport> report = studio::run_live(feed, options, view_at, interrupted, visit);
   if (!report) return forward(report);
   print(*report);
+  if (Result<void> ok = save_doubts(*report, o.snapshots); !ok) return ok;
   if (*stream) print_stream(**stream);
   if (o.json.empty()) return {};
   nlohmann::ordered_json json = to_report(*report, feed.description(), drawing->description);
@@ -162,7 +181,8 @@ void add_viewing_flags(CLI::App& verb, LiveViewing& o) {
   add_orbit_flags(verb, o.orbit, nullptr);
   verb.add_option("--path", o.path_file, "Follow this camera path instead, again and again")
       ->group(kGroupPicture);
-  verb.add_option("--snapshots", o.snapshots, "Headless: write a picture a second into this folder")
+  verb.add_option("--snapshots", o.snapshots,
+                  "Headless: write a picture a second into this folder, and what is wrong with silhouettes")
       ->group(kGroupPicture);
   add_stream_flags(verb, o.stream);
   verb.add_flag("--show-cameras", o.show_cameras, "Draw the cameras")->group(kGroupWindow);

@@ -110,7 +110,8 @@ CLI::Option* add_seconds(CLI::App& verb, double& seconds, const std::string& hel
 }
 
 CLI::Option* add_blend(CLI::App& verb, int& photographs) {
-  return verb.add_option("--blend", photographs, "Photographs blended in a view, and others that are as near")
+  return verb
+      .add_option("--blend", photographs, "Photographs blended in a view, and others that are as near")
       ->capture_default_str()
       ->type_name("K")
       ->group(kGroupPicture);
@@ -167,8 +168,10 @@ CLI::Option* add_matte_how(CLI::App& verb, std::string& how, const std::string& 
 }
 
 CLI::Option* add_matte_keyer(CLI::App& verb, std::string& keyer) {
-  std::vector<std::string> names;
-  std::string help = "How the subject is keyed, picture by picture:";
+  std::vector<std::string> names{"auto"};
+  std::string help =
+      "How the subject is keyed, picture by picture:\n  auto: each camera by what it shows: cloth, else its "
+      "clean plate, else a black stage";
   for (const matting::KeyerInfo& k : matting::keyers()) help += "\n  " + k.help, names.push_back(k.name);
   const auto fault = [names](const std::string& word) {
     return fault_of(pipeline::method_name(word), names);

@@ -62,8 +62,15 @@ Image classify(const Plate& plate, const Image& picture, const PlateKeyOptions& 
 /// 255 where a picture's classes are this one, 0 elsewhere.
 Image where_is(const Image& classes, PlateClass what);
 
+/// Before clutter, clothes and skin look like the plate or its shadow in places: shadows are asked to be
+/// lighter than on cloth …
+PlateKeyOptions before_clutter();
+/// … and the holes that remain inside a person are filled up to a fiftieth of him. A plate that was `found`
+/// behind a performance holds the middle of somebody who hardly moved it: a ring is keyed, which is filled.
+CleanupOptions plate_clean_up(int width, int height, bool found);
+
 /// A keyer against a frozen plate. Its spec is "plate:<sigmas>"; made again from samples, it learns the plate
-/// from them.
+/// from them, as before_clutter().
 Result<std::unique_ptr<Keyer>> make_plate_keyer(Plate plate, const PlateKeyOptions& options = {},
                                                 const std::optional<CleanupOptions>& cleanup = std::nullopt);
 

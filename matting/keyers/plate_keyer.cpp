@@ -11,8 +11,8 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr CleanupOptions kDefaultCleanup{.close_radius = 1, .smallest_island = 0.02, .smallest_hole = 0.002};
-constexpr float kNoiseUnit = 16;  // see Plate::noise
+constexpr double kHole = 0.02, kMiddle = 0.4;  // of the largest part
+constexpr float kNoiseUnit = 16;               // see Plate::noise
 
 // A pixel against the plate's colour there.
 struct Difference {
@@ -130,10 +130,19 @@ Image where_is(const Image& classes, PlateClass what) {
   return mask;
 }
 
+PlateKeyOptions before_clutter() { return {.darkest_shadow = 0.72, .brightest_reflex = 1.12}; }
+
+CleanupOptions plate_clean_up(int width, int height, bool found) {
+  return {.close_radius = std::max(1, std::max(width, height) / 320),
+          .smallest_island = 0.02,
+          .smallest_hole = found ? kMiddle : kHole};
+}
+
 Result<std::unique_ptr<Keyer>> make_plate_keyer(Plate plate, const PlateKeyOptions& options,
                                                 const std::optional<CleanupOptions>& cleanup) {
   if (Result<void> ok = options.check(); !ok) return forward(ok);
-  return std::unique_ptr<Keyer>(new PlateKeyer(std::move(plate), options, cleanup.value_or(kDefaultCleanup)));
+  const CleanupOptions usual = plate_clean_up(plate.color.width, plate.color.height, false);
+  return std::unique_ptr<Keyer>(new PlateKeyer(std::move(plate), options, cleanup.value_or(usual)));
 }
 
 Result<std::unique_ptr<Keyer>> make_plate_keyer(const KeyerRequest& request) {
@@ -144,7 +153,7 @@ Result<std::unique_ptr<Keyer>> make_plate_keyer(const KeyerRequest& request) {
                 "the plate keyer needs photographs of the empty stage, or of the take to find it in");
   Result<Plate> plate = learn_plate(request.samples);
   if (!plate) return forward(plate);
-  PlateKeyOptions options;
+  PlateKeyOptions options = before_clutter();
   options.sigmas = *sigmas;
   return make_plate_keyer(std::move(*plate), options, request.cleanup);
 }

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
-#include "core/file_presence.h"
 #include "core/log.h"
-#include "core/png.h"
 #include "core/rig_io.h"
 #include "core/text.h"
 #include "studio/messages/clock.h"
+#include "studio/node/key_samples.h"
 #include "studio/node/take_rig.h"
 
 namespace floatstage::studio {
@@ -88,11 +87,14 @@ Result<void> CameraSource::wait_for_pictures(const std::function<bool()>& stop, 
 
 Result<void> CameraSource::learn(const std::filesystem::path& plates) {
   for (std::size_t i = 0; i < first_.size(); ++i) {
-    const std::filesystem::path plate = plates / (rig_.cameras[i].serial + ".png");
-    const bool clean = !plates.empty() && is_there(plate);
-    Result<Image> picture = clean ? load_png(plate) : to_rgb(first_[i]);
-    if (!picture) return forward(picture);
-    samples_.push_back({std::move(*picture)});
+    Result<matting::KeySamples> samples = empty_stage_of(plates, rig_.cameras[i].serial);
+    if (!samples) return forward(samples);
+    if (!samples->empty_stage) {
+      Result<Image> picture = to_rgb(first_[i]);
+      if (!picture) return forward(picture);
+      samples->pictures.push_back(std::move(*picture));
+    }
+    samples_.push_back(std::move(*samples));
     first_[i] = {};
   }
   return {};

@@ -27,7 +27,7 @@ class CameraSource final : public LiveSource {
   const Rig& rig() const override { return rig_; }
   double frame_rate() const override { return node_->config().frame_rate; }
   std::vector<Nanoseconds> time_offsets() const override;
-  std::vector<std::vector<Image>> samples() const override { return samples_; }
+  std::vector<matting::KeySamples> samples() const override { return samples_; }
   std::string description() const override;
   void begin(Tap tap) override;
   bool over() const override { return node_->over(); }
@@ -43,7 +43,7 @@ class CameraSource final : public LiveSource {
 
   std::unique_ptr<CaptureNode> node_;
   Rig rig_;
-  std::vector<std::vector<Image>> samples_;
+  std::vector<matting::KeySamples> samples_;
   CameraTime time_;
   std::mutex mutex_;
   std::condition_variable arrived_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/log.h"
+#include "core/text.h"
 #include "studio/live/live_quality.h"
 #include "studio/messages/clock.h"
 
@@ -37,6 +38,8 @@ Result<std::unique_ptr<LiveChain>> LiveChain::make(LiveSource& source, const Liv
   if (!sets) return forward(sets);
   return std::unique_ptr<LiveChain>(new LiveChain(source, options, std::move(*rack), std::move(*sets)));
 }
+
+std::string LiveChain::description() const { return text(source_.description(), "; keyed by ", keys_); }
 
 void LiveChain::begin() {
   thread_ = std::thread([this] { run(); });
@@ -106,9 +109,11 @@ void LiveChain::make_scene(const TimedSet& set) {
   const Result<void> made = reconstruction_.make(scene->views, options_.threads, scene->scene);
   scene->ready = now();
   scene->times.hull = milliseconds_of(scene->ready - looked);
-  set_remark(!rack_.trouble().empty() ? rack_.trouble()
-             : !made                  ? made.error().message
-                                      : reconstruction_.remark());
+  if (made) watch_.offer(reconstruction_.outlines(), set.images.frames);
+  set_remark(!rack_.trouble().empty()            ? rack_.trouble()
+             : !made                             ? made.error().message
+             : !reconstruction_.remark().empty() ? reconstruction_.remark()
+                                                 : watch_.news()->remark());
 
   const std::lock_guard lock(mutex_);
   working_ = false;

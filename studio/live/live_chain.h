@@ -13,12 +13,13 @@
 #include "studio/live/live_source.h"
 #include "studio/live/reconstruction.h"
 #include "studio/live/scene_feed.h"
+#include "studio/live/silhouette_watch.h"
 #include "studio/node/camera_rack.h"
 
 namespace floatstage::studio {
 
 struct LiveChainOptions {
-  std::string key = "chroma";                   ///< keyer spec
+  std::string key = "auto";                     ///< keyer spec, or each camera's own
   Nanoseconds tolerance = milliseconds(4);      ///< of the exposures of one instant
   Nanoseconds longest_wait = milliseconds(30);  ///< for a camera that is late
   int threads = 0;                              ///< of one stage; 0: one per core
@@ -54,13 +55,14 @@ class LiveChain final : public SceneFeed {
   void set_quality(const NodeQuality& quality) override;
 
   const Rig& rig() const override { return source_.rig(); }
-  std::string description() const override { return source_.description(); }
+  std::string description() const override;
   double frame_rate() const override { return source_.frame_rate(); }
   void poll() override { source_.poll(); }
   StudioControl* control() override { return source_.control(); }
   LiveSource& source() { return source_; }
   Counters counters() const override;
   std::string remark() const override;  ///< what is wrong with the scene at present; empty when nothing is
+  std::shared_ptr<const SilhouetteNews> silhouettes() const override { return watch_.news(); }
 
  private:
   LiveChain(LiveSource& source, const LiveChainOptions& options, CameraRack rack,
@@ -68,8 +70,10 @@ class LiveChain final : public SceneFeed {
       : source_(source),
         options_(options),
         rack_(std::move(rack)),
+        keys_(rack_.keys()),
         sets_(std::move(sets)),
-        reconstruction_(source.rig(), "") {}
+        reconstruction_(source.rig(), ""),
+        watch_(source.rig(), keys_) {}
   void run();
   bool wait_for_demand();
   void make_scene(const TimedSet& set);
@@ -78,9 +82,11 @@ class LiveChain final : public SceneFeed {
 
   LiveSource& source_;
   const LiveChainOptions options_;
-  CameraRack rack_;  // the chain's thread only, as the next
+  CameraRack rack_;  // the chain's thread only
+  const std::string keys_;
   std::unique_ptr<SetBuilder> sets_;
   Reconstruction reconstruction_;
+  SilhouetteWatch watch_;
   Reused<LiveScene> scenes_;
   std::vector<bool> textured_now_;  // of the scene in work
   std::thread thread_;

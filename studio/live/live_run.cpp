@@ -35,6 +35,7 @@ class Run {
                        const std::function<Result<void>(const LivePicture&)>& visit);
   void measure(const LiveScene& scene, const double (&ms)[kStages], Timestamp done);
   void judge(Timestamp time);
+  void listen(Timestamp time);
   double at(Timestamp time) const { return begun_ ? seconds(time - *begun_) : 0; }
   bool warm(Timestamp time) const { return begun_ && at(time) >= kWarmUp; }
 
@@ -72,6 +73,17 @@ void Run::judge(Timestamp time) {
   const bool automatic = pace_.window() && warm(*pace_.window());
   if (pace_.judge(time, chain_.frame_rate(), automatic) && pace_.quality() != before)
     use_quality(pace_.fps());
+}
+
+void Run::listen(Timestamp time) {
+  std::shared_ptr<const SilhouetteNews> news = chain_.silhouettes();
+  std::vector<SilhouetteChange>& told = report_.silhouettes;
+  if (!news || (told.empty() ? news->doubts.empty() : told.back().news == news)) return;
+  // What was said already comes again once with its picture.
+  if (!told.empty() && told.back().news->doubts == news->doubts)
+    told.back().news = std::move(news);
+  else
+    told.push_back({at(time), std::move(news)});
 }
 
 void Run::measure(const LiveScene& scene, const double (&ms)[kStages], Timestamp done) {
@@ -144,6 +156,7 @@ Result<LiveReport> Run::draw(const ViewAt& view_at, const std::function<bool()>&
       at_warm_ = chain_.counters();
     }
     chain_.poll();
+    listen(time);
     const std::shared_ptr<const LiveScene> fresh = chain_.newest(last + patience);
     last = now();
     if (!fresh && chain_.over()) break;

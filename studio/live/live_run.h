@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,12 @@ struct QualityChange {
   double fps;           ///< that made it necessary or possible
 };
 
+/// What came to be said of the silhouettes, or no longer was.
+struct SilhouetteChange {
+  double seconds;
+  std::shared_ptr<const SilhouetteNews> news;
+};
+
 struct LiveReport {
   double seconds = 0;    ///< from the first picture on
   Rate shown, pictures;  ///< scenes shown for the first time; all pictures
@@ -43,6 +50,7 @@ struct LiveReport {
   std::vector<std::pair<std::string, Series>> stages;  ///< ms each, in the chain's order
   LiveChain::Counters counters;
   std::vector<QualityChange> qualities;  ///< the first is what it began with
+  std::vector<SilhouetteChange> silhouettes;
 };
 
 /// Where the virtual camera is, `seconds` after the first picture.

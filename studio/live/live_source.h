@@ -6,6 +6,7 @@
 
 #include "core/frame.h"
 #include "core/rig.h"
+#include "matting/keyers/keyer_choice.h"
 #include "studio/messages/studio_control.h"
 
 namespace floatstage::studio {
@@ -23,7 +24,7 @@ class LiveSource {
   /// How far stamps are from instants, one a camera, or empty: capture::SyncOptions::offsets.
   virtual std::vector<Nanoseconds> time_offsets() const { return {}; }
   /// Pictures of each camera from which its keyer learns: its clean plate, or some photographs.
-  virtual std::vector<std::vector<Image>> samples() const = 0;
+  virtual std::vector<matting::KeySamples> samples() const = 0;
   /// One sentence for the report: what is measured and what is not.
   virtual std::string description() const = 0;
   /// Once. Frames come until stop() or until it is over.

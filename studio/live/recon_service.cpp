@@ -22,7 +22,10 @@ std::vector<std::string> serials_of(const Rig& rig) {
 std::string digest_of(const Rig& rig) { return capture::sha256(to_json(rig)); }
 
 ReconService::ReconService(const Rig& rig, const ReconOptions& options)
-    : options_(options), reconstruction_(rig, digest_of(rig)), gatherer_(serials_of(rig), options.gather) {}
+    : options_(options),
+      reconstruction_(rig, digest_of(rig)),
+      watch_(rig),
+      gatherer_(serials_of(rig), options.gather) {}
 
 Result<std::unique_ptr<ReconService>> ReconService::open(const Rig& rig, const ReconOptions& options) {
   std::unique_ptr<ReconService> service(new ReconService(rig, options));
@@ -56,6 +59,8 @@ void ReconService::make_scene(const GatheredViews& set) {
   const Result<void> made = reconstruction_.make(set.views, options_.threads, *scene);
   const std::string remark = made ? reconstruction_.remark() : made.error().message;
   say(remark, remark_);
+  if (made) watch_.offer(reconstruction_.outlines(), {});
+  say(watch_.news()->remark(), silhouettes_);
   const std::lock_guard lock(mutex_);
   counters_.hull_ms.add(milliseconds_of(now() - begun));
   if (!made) {

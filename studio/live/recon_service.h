@@ -9,6 +9,7 @@
 
 #include "studio/live/live_stats.h"
 #include "studio/live/reconstruction.h"
+#include "studio/live/silhouette_watch.h"
 #include "studio/live/view_gatherer.h"
 #include "studio/network/publisher.h"
 #include "studio/network/subscriber.h"
@@ -53,8 +54,9 @@ class ReconService {
 
   const ReconOptions options_;
   Reconstruction reconstruction_;
+  SilhouetteWatch watch_;
   ViewGatherer gatherer_;
-  std::string remark_, clocks_;  // what was said last of scenes, and of clocks
+  std::string remark_, clocks_, silhouettes_;  // what was said last of scenes, clocks, silhouettes
   std::unique_ptr<wire::Subscriber> subscriber_;
   std::unique_ptr<wire::Publisher> publisher_;
   std::atomic<bool> stopping_{false};

@@ -30,6 +30,8 @@ class Reconstruction {
   const std::string& remark() const {
     return remark_;
   }  ///< of the last make(); empty when there is nothing to say
+  /// Of the last make(), one a camera of the rig; those that say nothing are empty.
+  std::span<const Silhouette> outlines() const { return outlines_; }
   const Rig& rig() const { return rig_; }
 
  private:

@@ -7,6 +7,7 @@
 
 #include "core/rig.h"
 #include "studio/live/live_scene.h"
+#include "studio/live/silhouette_watch.h"
 #include "studio/messages/studio_control.h"
 #include "studio/node/camera_view_maker.h"
 #include "studio/node/set_builder.h"
@@ -47,6 +48,8 @@ class SceneFeed {
   virtual bool over() const { return false; }
   virtual void end() {}
   virtual Counters counters() const = 0;
+  /// What is wrong with the cameras' silhouettes; null where they are judged on another machine.
+  virtual std::shared_ptr<const SilhouetteNews> silhouettes() const { return nullptr; }
   virtual std::string remark() const = 0;  ///< what is wrong with the scene at present; empty when nothing is
 };
 

@@ -5,12 +5,11 @@
 #include <future>
 
 #include "capture/time_offsets.h"
-#include "core/file_presence.h"
 #include "core/log.h"
 #include "core/parallel.h"
-#include "core/png.h"
 #include "core/text.h"
 #include "studio/messages/clock.h"
+#include "studio/node/key_samples.h"
 
 namespace floatstage::studio {
 namespace {
@@ -63,14 +62,10 @@ Result<std::unique_ptr<TakePlayer>> TakePlayer::open(const std::filesystem::path
 Result<void> TakePlayer::load_samples() {
   constexpr int kPhotographs = 3;  // spread over the take, where there is no clean plate
   for (std::size_t c = 0; c < rig().cameras.size(); ++c) {
-    std::vector<Image> samples;
-    const std::filesystem::path plate = take_->layout().plate(rig().cameras[c].serial);
-    if (is_there(plate)) {
-      Result<Image> picture = load_png(plate);
-      if (!picture) return forward(picture);
-      samples.push_back(std::move(*picture));
-    }
-    const int wanted = samples.empty() ? std::min(kPhotographs, rows()) : 0;
+    const std::string& serial = rig().cameras[c].serial;
+    Result<matting::KeySamples> samples = empty_stage_of(take_->layout().plate(serial).parent_path(), serial);
+    if (!samples) return forward(samples);
+    const int wanted = samples->empty_stage ? 0 : std::min(kPhotographs, rows());
     for (int i = 0; i < wanted; ++i) {
       const Result<Frame> frame =
           take_->frame(static_cast<int>(c), static_cast<int>(static_cast<long>(rows()) * i / wanted));
@@ -78,9 +73,9 @@ Result<void> TakePlayer::load_samples() {
       if (frame->empty()) continue;
       Result<Image> picture = to_rgb(*frame);
       if (!picture) return forward(picture);
-      samples.push_back(std::move(*picture));
+      samples->pictures.push_back(std::move(*picture));
     }
-    samples_.push_back(std::move(samples));
+    samples_.push_back(std::move(*samples));
   }
   return {};
 }

@@ -37,7 +37,7 @@ class TakePlayer final : public LiveSource {
   const Rig& rig() const override { return take_->rig(); }
   double frame_rate() const override { return rate_; }
   std::vector<Nanoseconds> time_offsets() const override { return offsets_; }
-  std::vector<std::vector<Image>> samples() const override { return samples_; }
+  std::vector<matting::KeySamples> samples() const override { return samples_; }
   std::string description() const override;
   void begin(Tap tap) override;
   bool over() const override;
@@ -60,7 +60,7 @@ class TakePlayer final : public LiveSource {
   double rate_ = 0, speed_ = 1;
   std::vector<Nanoseconds> offsets_;           // per camera, at the player's speed
   std::vector<Timestamp> times_;               // of the rows: the earliest exposure
-  std::vector<std::vector<Image>> samples_;    // per camera
+  std::vector<matting::KeySamples> samples_;   // per camera
   std::vector<std::vector<Frame>> preloaded_;  // per row and camera; empty when decoded while playing
   std::thread thread_;
   mutable std::mutex mutex_;

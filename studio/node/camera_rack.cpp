@@ -1,22 +1,54 @@
 #include "studio/node/camera_rack.h"
 
+#include <map>
+
 #include "core/check.h"
+#include "core/log.h"
 #include "core/parallel.h"
+#include "core/text.h"
 #include "studio/messages/clock.h"
 
 namespace floatstage::studio {
+namespace {
+
+std::string word_of(const std::string& spec) { return spec.substr(0, spec.find(':')); }
+
+void add(const std::string& one, std::string& list) { list += (list.empty() ? "" : ", ") + one; }
+
+}  // namespace
 
 Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
-                                    std::vector<std::vector<Image>> samples) {
+                                    std::vector<matting::KeySamples> samples) {
   FLOATSTAGE_CHECK(samples.size() == rig.cameras.size(), "samples of every camera");
+  const std::vector<std::string> words =
+      spec == "auto" ? matting::choose_keyers(samples) : std::vector(samples.size(), spec);
   CameraRack rack;
+  std::string without_plate;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    const std::string& serial = rig.cameras[i].serial;
+    if (words[i].empty())
+      return fail(ErrorCode::NotFound, text("camera '", serial, "': ", matting::kNothingToKeyBy));
     Result<CameraViewMaker> node =
-        CameraViewMaker::make(rig.cameras[i].serial, rig.cameras[i].model, spec, std::move(samples[i]));
+        CameraViewMaker::make(serial, rig.cameras[i].model, words[i], std::move(samples[i].pictures));
     if (!node) return forward(node);
+    const std::string word = word_of(words[i]);
+    if (!samples[i].empty_stage && (word == "plate" || word == "difference")) add(serial, without_plate);
     rack.nodes_.push_back(std::move(*node));
   }
+  if (!without_plate.empty())
+    log::warning(text("no clean plate of ", without_plate,
+                      ": what was seen first is taken for the empty stage; clear it and begin again, or give "
+                      "plates"));
   return rack;
+}
+
+std::string CameraRack::keys() const {
+  std::map<std::string, std::string> cameras;
+  for (const CameraViewMaker& node : nodes_) add(node.serial(), cameras[word_of(node.spec())]);
+  if (cameras.size() == 1) return cameras.begin()->first;
+  std::string all;
+  for (const auto& [word, serials] : cameras) add(text(word, " (", serials, ")"), all);
+  return all;
 }
 
 Result<void> CameraRack::prepare(int shrink) {

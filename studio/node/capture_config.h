@@ -25,7 +25,7 @@ namespace floatstage::studio {
 ///   [web]        port = 8470, address = "127.0.0.1", token_file = "token", names = ["stage.local"]
 ///                (no table: no page)
 ///   [publish]    address = "tcp://127.0.0.1:5570", control = "tcp://127.0.0.1:5571", keys = "studio.keys",
-///                key = "chroma", plates = "plates", shrink = 2, tiles = "jpeg" | "raw", jpeg_quality = 90
+///                key = "auto", plates = "plates", shrink = 2, tiles = "jpeg" | "raw", jpeg_quality = 90
 ///                (no table: nothing goes to the network)
 ///   [[camera]]   serial = "FAKE1", source = "gige:FAKE1?address=127.0.0.1"
 ///   [[sound]]    source = "alsa:default" (no table: takes have no sound)
@@ -41,7 +41,7 @@ struct CaptureConfig {
     std::string address = "tcp://127.0.0.1:5570";  ///< of outlines, tiles and status
     std::string control = "tcp://127.0.0.1:5571";  ///< of requests
     std::filesystem::path keys;                    ///< the studio's; needed off 127.0.0.1
-    std::string key = "chroma";                    ///< keyer spec
+    std::string key = "auto";                      ///< keyer spec, or each camera's own
     std::filesystem::path plates;                  ///< clean plates, <serial>.png
     int shrink = 2;                                ///< photograph pixels per keyed pixel, along each side
     bool raw_tiles = false;

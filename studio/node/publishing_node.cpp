@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/file_presence.h"
 #include "core/log.h"
-#include "core/png.h"
 #include "studio/messages/clock.h"
+#include "studio/node/key_samples.h"
 
 namespace floatstage::studio {
 namespace {
@@ -65,13 +64,10 @@ void PublishingNode::push(const Frame& frame, Timestamp arrived) {
 
 Result<void> PublishingNode::load_plates() {
   samples_.resize(rig_.cameras.size());
-  if (options_.plates.empty()) return {};
   for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const std::filesystem::path file = options_.plates / (rig_.cameras[i].serial + ".png");
-    if (!is_there(file)) continue;
-    Result<Image> plate = load_png(file);
-    if (!plate) return forward(plate);
-    samples_[i].push_back(std::move(*plate));
+    Result<matting::KeySamples> plates = empty_stage_of(options_.plates, rig_.cameras[i].serial);
+    if (!plates) return forward(plates);
+    samples_[i] = std::move(*plates);
   }
   return {};
 }
@@ -81,9 +77,10 @@ std::string PublishingNode::collect_samples(const TimedSet& set) {
   std::string missing;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const Frame& frame = set.images.frames[i];
-    if (samples_[i].empty() && !frame.empty() && frame.info.status == FrameStatus::Ok)
-      if (Result<Image> picture = to_rgb(frame)) samples_[i].push_back(std::move(*picture));
-    if (samples_[i].empty()) missing += (missing.empty() ? "" : ", ") + rig_.cameras[i].serial;
+    std::vector<Image>& pictures = samples_[i].pictures;
+    if (pictures.empty() && !frame.empty() && frame.info.status == FrameStatus::Ok)
+      if (Result<Image> picture = to_rgb(frame)) pictures.push_back(std::move(*picture));
+    if (pictures.empty()) missing += (missing.empty() ? "" : ", ") + rig_.cameras[i].serial;
   }
   return missing;
 }

@@ -21,8 +21,8 @@ namespace floatstage::studio {
 
 struct PublishingOptions {
   wire::PublisherOptions publisher;
-  std::string control;         ///< address where requests are answered; empty: nowhere
-  std::string key = "chroma";  ///< keyer spec
+  std::string control;       ///< address where requests are answered; empty: nowhere
+  std::string key = "auto";  ///< keyer spec, or "auto": each camera's own
   std::filesystem::path
       plates;  ///< clean plates, <serial>.png; where one is not there the first picture is looked at
   NodeQuality quality;
@@ -73,8 +73,7 @@ class PublishingNode {
   const Rig rig_;
   const PublishingOptions options_;
   StudioControl& control_;
-  std::vector<std::vector<Image>>
-      samples_;  // per camera: what its keyer learns from, its clean plate or a picture
+  std::vector<matting::KeySamples> samples_;  // per camera
   CameraTime time_;
   std::unique_ptr<SetBuilder> sets_;
   std::unique_ptr<wire::Publisher> publisher_;

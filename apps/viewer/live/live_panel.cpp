@@ -18,6 +18,20 @@ void complain(const std::string& sentence) {
   ImGui::PopTextWrapPos();
 }
 
+// As wide as the panel; larger where the pointer is.
+void draw_doubts(const LivePanelState& state) {
+  constexpr float kLarge = 640;
+  const auto show = [&](float width) {
+    ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::intptr_t>(state.doubts)),
+                 ImVec2(width, width * state.doubts_shape));
+  };
+  show(ImGui::GetContentRegionAvail().x);
+  if (!ImGui::IsItemHovered()) return;
+  ImGui::BeginTooltip();
+  show(kLarge);
+  ImGui::EndTooltip();
+}
+
 void draw_cameras(const studio::NodeStatus& node) {
   if (!ImGui::BeginTable(node.node.c_str(), 4, ImGuiTableFlags_SizingStretchProp)) return;
   for (const studio::NodeCamera& camera : node.cameras) {
@@ -87,6 +101,7 @@ void draw_live_panel(LivePanelState& state, ControlModel& model) {
     ImGui::EndCombo();
   }
   if (!state.remark.empty()) complain(state.remark);
+  if (state.doubts != 0) draw_doubts(state);
   if (!state.stream.empty()) ImGui::TextWrapped("%s", state.stream.c_str());
   if (model.empty()) {
     ImGui::TextDisabled("nothing to record here");

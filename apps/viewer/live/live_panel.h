@@ -13,6 +13,8 @@ struct LivePanelState {
   bool automatic = true;           ///< the quality follows the rate
   bool hold = false;               ///< the present scene is kept
   std::string remark = {};         ///< what is wrong with the scene; empty when nothing is
+  unsigned doubts = 0;             ///< a texture of the cameras that it names; 0: none
+  float doubts_shape = 1;          ///< its height over its width
   std::string stream = {};         ///< where pictures go and whether somebody receives them; empty: none
   std::string label = "take";      ///< of the next recording
 };

@@ -9,6 +9,7 @@
 #include "apps/viewer/live/live_panel.h"
 #include "apps/viewer/play/canvas.h"
 #include "apps/viewer/play/panels.h"
+#include "apps/viewer/play/shown_texture.h"
 #include "apps/viewer/play/stage_input.h"
 #include "apps/viewer/window/layout.h"
 #include "apps/viewer/window/window.h"
@@ -137,8 +138,20 @@ class LiveWindow {
     panel_.fps = pace_.fps();
     panel_.latency_ms = pace_.latency_ms();
     panel_.remark = feed_.remark();
+    show_doubts();
     if (feed_.over()) panel_.remark = "the source is over";
     if (pace_.quality() != panel_.quality) use_quality(pace_.quality());
+  }
+
+  void show_doubts() {
+    const std::shared_ptr<const studio::SilhouetteNews> news = feed_.silhouettes();
+    if (news == news_) return;
+    news_ = news;
+    panel_.doubts = 0;
+    if (!news || news->picture.empty()) return;
+    doubts_.show(news->picture);
+    panel_.doubts = doubts_.id();
+    panel_.doubts_shape = static_cast<float>(news->picture.height) / static_cast<float>(news->picture.width);
   }
 
   void draw_panels() {
@@ -174,6 +187,8 @@ class LiveWindow {
   studio::LivePace pace_;
   PlayerState state_;
   LivePanelState panel_;
+  ShownTexture doubts_;
+  std::shared_ptr<const studio::SilhouetteNews> news_;
   std::shared_ptr<const studio::LiveScene> scene_;
   long shown_ = 0;
 };

@@ -1,17 +1,11 @@
 #include "apps/viewer/play/scene_cache.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
+#include "core/give_way.h"
 
 namespace floatstage::apps {
 namespace {
 
-// This thread, and those that it begins, get what drawing leaves: a hand is answered before the next instant
-// is there.
-void give_way() {
-  constexpr int kNice = 10;
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
-}
+constexpr int kNice = 10;  // a hand is answered before the next instant is there
 
 }  // namespace
 
@@ -44,7 +38,7 @@ void SceneCache::prefetch(int frame) {
   loading_frame_ = frame;
   loading_since_ = std::chrono::steady_clock::now();
   loading_ = std::async(std::launch::async, [this, frame] {
-    give_way();
+    give_way(kNice);
     return loader_.load(frame);
   });
 }

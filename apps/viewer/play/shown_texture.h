@@ -12,7 +12,7 @@ class ShownTexture {
   ShownTexture& operator=(const ShownTexture&) = delete;
   ~ShownTexture();
 
-  void show(const Image& rgba);        ///< copies it; storage is kept while the size stays
+  void show(const Image& picture);     ///< copies it, RGB or RGBA; storage is kept while the size stays
   unsigned id() const { return id_; }  ///< 0 before the first picture
 
  private:

@@ -48,9 +48,9 @@ TEST_F(CamerasOfAStudio, ArriveInTheOrderOfTheRigUntilTheyAreStopped) {
   ASSERT_EQ((*source)->rig().cameras.size(), 2U);
   EXPECT_EQ((*source)->rig().cameras[0].serial, "cam04");
   EXPECT_EQ((*source)->frame_rate(), kRate);
-  const std::vector<std::vector<Image>> samples = (*source)->samples();
+  const std::vector<matting::KeySamples> samples = (*source)->samples();
   ASSERT_EQ(samples.size(), 2U);
-  EXPECT_EQ(samples[1].at(0).width, 160);
+  EXPECT_EQ(samples[1].pictures.at(0).width, 160);
 
   std::atomic<int> seen[2] = {0, 0};
   (*source)->begin([&](const Frame& frame, Timestamp produced) {

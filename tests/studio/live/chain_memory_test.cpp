@@ -89,7 +89,7 @@ class Chain {
   const Rig rig_ = with_long_serials(shots_.rig);
   std::vector<TimedSet> sets_;
   CameraRack rack_ =
-      std::move(*CameraRack::make(rig_, "chroma:#2f7a45", std::vector<std::vector<Image>>(kCameras)));
+      std::move(*CameraRack::make(rig_, "chroma:#2f7a45", std::vector<matting::KeySamples>(kCameras)));
   Reconstruction reconstruction_{rig_, std::string(64, '0')};
   Reused<LiveScene> scenes_;
   LiveView view_{rig_};

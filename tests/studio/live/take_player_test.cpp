@@ -104,8 +104,9 @@ TEST_F(ATakePlayer, BeginsAnewWithGrowingNumbersAndTimes) {
 TEST_F(ATakePlayer, KnowsTheCleanPlatesOfItsTake) {
   const auto samples = open({})->samples();
   ASSERT_THAT(samples, SizeIs(6));
-  EXPECT_THAT(samples[0], SizeIs(1));
-  EXPECT_EQ(samples[0][0].width, 160);
+  EXPECT_TRUE(samples[0].empty_stage);
+  ASSERT_THAT(samples[0].pictures, SizeIs(1));
+  EXPECT_EQ(samples[0].pictures[0].width, 160);
 }
 
 TEST_F(ATakePlayer, IsNotDecodedToItsEndForSomebodyWhoHasEnough) {
