@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "matting/keyers/keyers.h"
 #include "matting/keyers/plate.h"
+#include "matting/keyers/plate_kernels.h"
 #include "matting/refine_edges.h"
 
 namespace floatstage::matting {
@@ -40,7 +41,10 @@ float threshold(std::uint8_t noise, const PlateKeyOptions& o) {
 class PlateKeyer : public Keyer {
  public:
   PlateKeyer(Plate plate, const PlateKeyOptions& options, const CleanupOptions& cleanup)
-      : plate_(std::move(plate)), options_(options), cleanup_(cleanup) {}
+      : plate_(std::move(plate)), options_(options), cleanup_(cleanup) {
+    for (std::size_t i = 0; i < plate_.noise.pixels.size(); ++i)
+      thresholds_.push_back(unknown(i) ? 0 : threshold(plate_.noise.pixels[i], options_));
+  }
 
   Result<Matte> key(const Frame& frame) const override {
     if (frame.empty()) return Matte{frame.info, 0, 0, 0, nullptr};
@@ -51,22 +55,18 @@ class PlateKeyer : public Keyer {
                   text("camera ", frame.info.camera, ": its frame is ", rgb->width, "x", rgb->height,
                        " but its plate is ", plate_.color.width, "x", plate_.color.height,
                        "; learn the plate from this take's pictures"));
+    const auto darkest = static_cast<float>(options_.darkest_shadow),
+               brightest = static_cast<float>(options_.brightest_reflex);
     Image alpha(rgb->width, rgb->height, 1);
-    for (std::size_t i = 0; i < alpha.pixels.size(); ++i) {
-      const float t = threshold(plate_.noise.pixels[i], options_);
-      const float d =
-          difference(rgb->pixels.data() + 3 * i, plate_.color.pixels.data() + 3 * i, options_).length;
-      alpha.pixels[i] =
-          unknown(static_cast<std::ptrdiff_t>(i))
-              ? 255
-              : static_cast<std::uint8_t>(std::clamp((d / t - 0.5f) * 255 + 0.5f, 0.0f, 255.0f));
-    }
+    plate_kernels().alphas(rgb->pixels.data(), plate_.color.pixels.data(), thresholds_.data(),
+                           alpha.pixels.size(), darkest, brightest, alpha.pixels.data());
     alpha = clean_up(alpha, cleanup_);
     const auto distance = [&](int y, int x0, int count, float* out) {
-      for (int x = x0; x < x0 + count; ++x)
-        *out++ = unknown(plate_.confidence.at(x, y) - plate_.confidence.pixels.data())
-                     ? static_cast<float>(options_.most)
-                     : difference(rgb->at(x, y), plate_.color.at(x, y), options_).length;
+      plate_kernels().lengths(rgb->at(x0, y), plate_.color.at(x0, y), static_cast<std::size_t>(count),
+                              darkest, brightest, out);
+      const float* t = thresholds_.data() + (alpha.at(x0, y) - alpha.pixels.data());
+      for (int x = 0; x < count; ++x)
+        if (t[x] == 0) out[x] = static_cast<float>(options_.most);
     };
     refine_edges(distance, static_cast<float>(options_.least), Image(alpha.width, alpha.height, 1), alpha);
     return make_matte(frame.info, alpha);
@@ -78,13 +78,12 @@ class PlateKeyer : public Keyer {
 
  private:
   // Nobody ever saw what is behind the subject there.
-  bool unknown(std::ptrdiff_t pixel) const {
-    return plate_.confidence.pixels[static_cast<std::size_t>(pixel)] == 0;
-  }
+  bool unknown(std::size_t pixel) const { return plate_.confidence.pixels[pixel] == 0; }
 
   Plate plate_;
   PlateKeyOptions options_;
   CleanupOptions cleanup_;
+  std::vector<float> thresholds_;  // by pixel; 0 where the plate is unknown
 };
 
 }  // namespace

@@ -1,7 +1,10 @@
 #include "matting/keyers/plate.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/random.h"
+#include "matting/keyers/plate_kernels.h"
 #include "tests/matting/pictures.h"
 #include "tests/support/matchers.h"
 
@@ -148,6 +151,35 @@ TEST(PlateKey, SaysWhichThresholdIsWrong) {
               FailsWith(ErrorCode::InvalidArgument, "50"));
   EXPECT_THAT(make_plate_keyer(plate, {.darkest_shadow = 1.5}),
               FailsWith(ErrorCode::InvalidArgument, "shadow"));
+}
+
+// The arithmetic of difference() in plate_keyer.cpp, whatever the processor.
+TEST(PlateKernels, GiveTheSameBitsOnAllInstructionSets) {
+  constexpr std::size_t kCount = 16 * 31 + 7;
+  constexpr float kDarkest = 0.72F, kBrightest = 1.12F;
+  Random random(7);
+  std::vector<std::uint8_t> rgb(3 * kCount), plate(3 * kCount);
+  for (std::uint8_t& v : rgb) v = static_cast<std::uint8_t>(random.next() & 255);
+  for (std::uint8_t& v : plate) v = static_cast<std::uint8_t>(random.next() & 255);
+  std::vector<float> thresholds(kCount, 14.0F);
+  for (std::size_t i = 0; i < kCount; i += 5) thresholds[i] = 0;
+  for (const PlateKernels& kernels : all_plate_kernels()) {
+    std::vector<float> lengths(kCount);
+    std::vector<std::uint8_t> alphas(kCount);
+    kernels.lengths(rgb.data(), plate.data(), kCount, kDarkest, kBrightest, lengths.data());
+    kernels.alphas(rgb.data(), plate.data(), thresholds.data(), kCount, kDarkest, kBrightest, alphas.data());
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const std::uint8_t *p = rgb.data() + 3 * i, *b = plate.data() + 3 * i;
+      const float pr = p[0], pg = p[1], pb = p[2], br = b[0], bg = b[1], bb = b[2];
+      const float bright = std::clamp((pr * br + pg * bg + pb * bb) / (br * br + bg * bg + bb * bb + 1e-3F),
+                                      kDarkest, kBrightest);
+      const float dr = pr - bright * br, dg = pg - bright * bg, db = pb - bright * bb;
+      const float length = std::sqrt(dr * dr + dg * dg + db * db);
+      ASSERT_EQ(lengths[i], length) << kernels.name;
+      const float ramp = std::clamp((length / 14 - 0.5F) * 255 + 0.5F, 0.0F, 255.0F);
+      ASSERT_EQ(alphas[i], i % 5 == 0 ? 255 : static_cast<std::uint8_t>(ramp)) << kernels.name;
+    }
+  }
 }
 
 }  // namespace
