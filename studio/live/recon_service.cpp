@@ -60,7 +60,9 @@ void ReconService::make_scene(const GatheredViews& set) {
   const std::string remark = made ? reconstruction_.remark() : made.error().message;
   say(remark, remark_);
   if (made) watch_.offer(reconstruction_.outlines(), {});
-  say(watch_.news()->remark(), silhouettes_);
+  const std::string silhouettes = watch_.news()->remark();
+  say(silhouettes, silhouettes_);
+  scene->remark = remark.empty() ? silhouettes : remark;
   const std::lock_guard lock(mutex_);
   counters_.hull_ms.add(milliseconds_of(now() - begun));
   if (!made) {

@@ -11,6 +11,7 @@ Result<void> Reconstruction::make(std::span<const std::shared_ptr<const CameraVi
   scene.epoch = 0;
   scene.instant = scene.produced = {};
   scene.rig_sha256 = rig_sha256_;
+  scene.remark.clear();
   scene.mesh.positions.clear();
   scene.mesh.triangles.clear();
   outlines_.resize(rig_.cameras.size());

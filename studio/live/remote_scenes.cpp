@@ -45,8 +45,9 @@ void RemoteScenes::take(const wire::Received& received) {
     const bool ours = (*scene)->rig_sha256 == digest_;
     if (ours) {
       heard_ = now();
-      remark_.clear();
       silent_ = false;
+      if (remark_ != (*scene)->remark && !(*scene)->remark.empty()) log::warning((*scene)->remark);
+      remark_ = (*scene)->remark;
       const double period = seconds((*scene)->instant - last_instant_);
       last_instant_ = (*scene)->instant;
       if (period > 0 && period < kLongestPeriod)

@@ -9,7 +9,7 @@
 namespace floatstage::studio {
 namespace {
 
-constexpr int kNice = 19;
+constexpr int kNice = 10;  // starved it would say nothing where the machine is too slow
 constexpr int kSteps = 2;  // sightings in a row
 
 }  // namespace

@@ -35,7 +35,7 @@ class SilhouetteWatch {
   /// `key`: what keys the cameras (CameraRack::keys()), as far as it is known here.
   /// `rest`: how long it does nothing after an instant.
   explicit SilhouetteWatch(const Rig& rig, const std::string& key = "",
-                           Nanoseconds rest = milliseconds(1000));
+                           Nanoseconds rest = milliseconds(2000));
   ~SilhouetteWatch();
   SilhouetteWatch(const SilhouetteWatch&) = delete;
   SilhouetteWatch& operator=(const SilhouetteWatch&) = delete;

@@ -26,7 +26,7 @@ const char* name_of(MessageKind kind);
 
 /// Raised with every change that an older program would misread; another version is refused, never guessed
 /// at.
-inline constexpr std::uint16_t kWireVersion = 2;
+inline constexpr std::uint16_t kWireVersion = 3;
 
 /// No message is longer; a receiver refuses the rest of a longer one without storing it.
 inline constexpr std::size_t kLargestMessage = std::size_t{64} << 20;

@@ -11,10 +11,16 @@ namespace floatstage::studio::wire {
 namespace {
 
 constexpr std::size_t kShaLetters = 64, kMostShortCorners = std::size_t{1} << 16;
-constexpr std::size_t kLeastCamera = 1 + 1 + 8;
+constexpr std::size_t kLeastCamera = 1 + 1 + 8, kLongestRemark = 4096;
 
 bool is_digest(std::string_view sha) {
   return sha.size() == kShaLetters && sha.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+// What a window and a log can show.
+bool is_sentence(std::string_view text) {
+  return text.size() <= kLongestRemark &&
+         std::none_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; });
 }
 
 // Why a mesh makes no sense, or nothing.
@@ -64,6 +70,9 @@ Result<std::string> encode_scene(const StudioScene& scene) {
     out.put_bytes(camera.serial);
     out.put(camera.exposed.ns);
   }
+  if (!is_sentence(scene.remark)) return bad("a remark that is no sentence");
+  out.put_varint(scene.remark.size());
+  out.put_bytes(scene.remark);
   out.put_varint(scene.mesh.positions.size());
   for (const Eigen::Vector3f& p : scene.mesh.positions)
     for (int axis = 0; axis < 3; ++axis) out.put(p[axis]);
@@ -99,6 +108,8 @@ Result<StudioScene> decode_scene(const Message& message) {
       return bad("a camera without a serial");
     scene.cameras.push_back(std::move(camera));
   }
+  scene.remark = in.get_bytes(in.get_count(1));
+  if (!is_sentence(scene.remark)) return bad("a remark that is no sentence");
   const std::size_t vertices = in.get_count(3 * sizeof(float));
   if (vertices > kMostVertices) return bad("a mesh that is too large");
   const std::string_view positions = in.get_bytes(vertices * 3 * sizeof(float));

@@ -22,6 +22,7 @@ struct StudioScene {
   Timestamp produced;           ///< of the view that was produced first: latency counts from here
   std::string rig_sha256;       ///< of the rig.json it was made with: a viewer with another one is told so
   std::vector<Camera> cameras;  ///< those that saw the instant
+  std::string remark;  ///< what is wrong with it or with its silhouettes, for people; empty when nothing is
   Mesh mesh;
 };
 

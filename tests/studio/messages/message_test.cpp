@@ -41,7 +41,7 @@ TEST(WireMessage, ComesBackAsItWasSealed) {
 TEST(WireMessage, OfAnotherVersionIsNamedAndNotRead) {
   std::string bytes = sealed(some_header());
   bytes[48] = 9;
-  EXPECT_THAT(open(bytes), FailsWith(ErrorCode::Unsupported, "of version 9, and this program speaks 2"));
+  EXPECT_THAT(open(bytes), FailsWith(ErrorCode::Unsupported, "of version 9, and this program speaks 3"));
 }
 
 TEST(WireMessage, IsNoMessageWhereverItIsCut) {

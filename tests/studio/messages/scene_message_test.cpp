@@ -16,6 +16,7 @@ StudioScene tetrahedron() {
   scene.produced = {900};
   scene.rig_sha256 = std::string(60, 'a') + "0123";
   scene.cameras = {{"cam0", {498}}, {"cam1", {502}}};
+  scene.remark = "camera 'cam1' lacks 20 % of what the others see";
   scene.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1.25f}};
   scene.mesh.triangles = {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2};
   return scene;
@@ -33,6 +34,7 @@ void expect_same(const StudioScene& a, const StudioScene& b) {
   EXPECT_EQ(a.produced, b.produced);
   EXPECT_EQ(a.rig_sha256, b.rig_sha256);
   EXPECT_EQ(a.cameras, b.cameras);
+  EXPECT_EQ(a.remark, b.remark);
   EXPECT_EQ(a.mesh.positions, b.mesh.positions);
   EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
 }
@@ -76,6 +78,18 @@ TEST(SceneMessage, RefusesAMeshThatIsNone) {
   scene = tetrahedron();
   scene.rig_sha256 = "rig";
   EXPECT_THAT(encode_scene(scene), FailsWith(ErrorCode::InvalidArgument, "digest"));
+}
+
+TEST(SceneMessage, CarriesNoRemarkThatAWindowCannotShow) {
+  StudioScene scene = tetrahedron();
+  scene.remark = "two\nlines";
+  EXPECT_THAT(encode_scene(scene), FailsWith(ErrorCode::InvalidArgument, "remark"));
+  scene.remark = std::string(4097, 'a');
+  EXPECT_THAT(encode_scene(scene), FailsWith(ErrorCode::InvalidArgument, "remark"));
+  scene = tetrahedron();
+  std::string bytes = *encode_scene(scene);
+  bytes[bytes.find("lacks") + 5] = '\n';
+  EXPECT_THAT(read(bytes), FailsWith(ErrorCode::BadData, "remark"));
 }
 
 TEST(SceneMessage, WithACornerOrAPositionSpoiltOnTheWayIsRefused) {
