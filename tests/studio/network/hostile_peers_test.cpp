@@ -113,7 +113,7 @@ TEST(HostilePeers, AMessageOfAnotherReleaseIsCountedAsThat) {
   const auto recon = listener(node.address);
   node.wait_for_a_watch();
   std::string newer = *encode_outline(small_view("cam1"));
-  newer[48] = 3;
+  newer[48] = static_cast<char>(kWireVersion + 1);
   node.send(newer);
   EXPECT_TRUE(eventually([&] { return recon->counters().other_version == 1; }));
   EXPECT_EQ(recon->counters().malformed, 0u);
