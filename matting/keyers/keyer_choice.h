@@ -21,8 +21,7 @@ std::vector<std::string> choose_keyers(const std::vector<KeySamples>& cameras);
 
 /// Of a camera for which choose_keyers() has nothing.
 inline constexpr const char* kNothingToKeyBy =
-    "no green or blue cloth, no black stage and no clean plate to key it by: photograph the empty stage, or "
-    "say "
-    "what to key by with --matte";
+    "no green or blue cloth, no black stage and no clean plate to key it by: photograph the empty stage "
+    "(plates/<serial>.png of a take, --plates of cameras), or say what to key by with --matte";
 
 }  // namespace floatstage::matting
