@@ -16,15 +16,15 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/check.h"
+#include "matting/keyers/field_rows.h"
 
 namespace floatstage::matting {
 namespace {
 
-constexpr int kCells = 160;       // along the longer side: texture of cloth and noise average out in a cell
-constexpr int kRounds = 6;        // of growing, at most
+constexpr int kCells = 160;        // along the longer side: texture of cloth and noise average out in a cell
+constexpr int kRounds = 6;         // of growing, at most
 constexpr float kRounding = 0.5f;  // 8-bit steps: what a mean of rounded values may be off by
-constexpr double kLargestHole = 0.03;  // of the subject; larger ones are open
-constexpr double kSharp = 0.85;        // of the sharpest outline
+constexpr double kSharp = 0.85;    // of the sharpest outline
 
 using Spread = std::array<cv::Mat, 6>;  // 00 01 02 11 12 22
 
@@ -147,38 +147,6 @@ float grey_noise(const Statistics& s, const std::vector<Cells>& pictures) {
   return *middle;
 }
 
-float length(const float* w, float r, float g, float b) {
-  const float x = w[0] * r, y = w[1] * r + w[2] * g, z = w[3] * r + w[4] * g + w[5] * b;
-  return std::sqrt(x * x + y * y + z * z);
-}
-
-cv::Mat square(int radius) {
-  return cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1});
-}
-
-cv::Vec3f roots(const cv::Vec3f& c) {
-  return {std::sqrt(std::max(c[0], 0.0f)), std::sqrt(std::max(c[1], 0.0f)), std::sqrt(std::max(c[2], 0.0f))};
-}
-
-// Of millions of pixels some thousand are off by chance; what is off together is a thing.
-void drop_specks(cv::Mat& alpha, int least) {
-  cv::Mat labels, stats, centroids;
-  const int count = cv::connectedComponentsWithStats(alpha >= 128, labels, stats, centroids, 8, CV_32S);
-  std::vector<std::uint8_t> small(static_cast<std::size_t>(count), 0);
-  for (int i = 1; i < count; ++i)
-    small[static_cast<std::size_t>(i)] = stats.ptr<int>(i)[cv::CC_STAT_AREA] < least;
-  for (int y = 0; y < alpha.rows; ++y)
-    for (int x = 0; x < alpha.cols; ++x)
-      if (small[static_cast<std::size_t>(labels.at<int>(y, x))]) alpha.at<std::uint8_t>(y, x) = 0;
-}
-
-cv::Rect grown_box(const cv::Mat& alpha, int by) {
-  const cv::Rect box = cv::boundingRect(alpha);
-  if (box.empty()) return box;
-  return cv::Rect(box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by) &
-         cv::Rect(0, 0, alpha.cols, alpha.rows);
-}
-
 float luma(float r, float g, float b) { return 0.299f * r + 0.587f * g + 0.114f * b; }
 
 // Grows the backing in the cells of all pictures.
@@ -262,7 +230,7 @@ class Growth {
       if (s.known.at<float>(y, x) < options_.least_known) return false;
       const cv::Vec3f d = cells.mean.at<cv::Vec3f>(y, x) - s.mean.at<cv::Vec3f>(y, x);
       if (options_.darker_too && luma(d[0], d[1], d[2]) < 0) return true;
-      return length(whitening(s.of_cells, y, x).data(), d[0], d[1], d[2]) < sigmas;
+      return whitened_length(whitening(s.of_cells, y, x).data(), d[0], d[1], d[2]) < sigmas;
     };
     const cv::Mat usual = usual_step(cells);
     cv::Mat found = cv::Mat::zeros(rows_, cols_, CV_32F);
@@ -347,17 +315,30 @@ std::optional<BackingField> learn_field(const std::vector<Image>& pictures,
   field.darker_too_ = options.darker_too;
   field.sigmas_ = static_cast<float>(options.sigmas);
   field.noise_ = grey_noise(s, cells);
+  constexpr std::size_t n = FieldRow::kTerms;
+  const std::size_t stride = field.stride(), rows = static_cast<std::size_t>(grid.height);
+  field.pixel_.resize(rows * n * stride);
+  field.cell_.resize(rows * n * stride);
+  field.known_.resize(rows * stride);
   for (int y = 0; y < grid.height; ++y)
-    for (int x = 0; x < grid.width; ++x) {
+    for (std::size_t i = 0; i < stride; ++i) {
+      const int x = std::min(static_cast<int>(i), grid.width - 1);
+      const std::size_t row = static_cast<std::size_t>(y);
       const cv::Vec3f m = s.mean.at<cv::Vec3f>(y, x);
       for (const auto& [terms, spread] :
            {std::pair(&field.pixel_, &s.of_pixels), std::pair(&field.cell_, &s.of_cells)}) {
-        for (int c = 0; c < 3; ++c) terms->push_back(m[c]);
-        for (const float w : whitening(*spread, y, x)) terms->push_back(w);
+        const std::array<float, 6> w = whitening(*spread, y, x);
+        for (std::size_t k = 0; k < n; ++k)
+          (*terms)[(row * n + k) * stride + i] = k < 3 ? m[static_cast<int>(k)] : w[k - 3];
       }
-      field.known_.push_back(s.known.at<float>(y, x) >= options.least_known ? 1.0f : 0.0f);
+      field.known_[row * stride + i] = s.known.at<float>(y, x) >= options.least_known ? 1.0f : 0.0f;
     }
   return field;
+}
+
+const float* BackingField::terms(Scale scale, int row) const {
+  return (scale == Scale::Cell ? cell_ : pixel_).data() +
+         static_cast<std::size_t>(row) * FieldRow::kTerms * stride();
 }
 
 int BackingField::cell(int width) const { return std::max(1, width / std::max(1, cols_)); }
@@ -371,10 +352,9 @@ std::vector<float> BackingField::distances(const Image& picture, Scale scale) co
     rgb.convertTo(values, CV_32F);
     cv::blur(values, values, {size, size}, {-1, -1}, cv::BORDER_REPLICATE);
   }
-  const std::vector<float>& terms = scale == Scale::Cell ? cell_ : pixel_;
   std::vector<float> out(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-  constexpr std::size_t n = kTerms;
-  std::vector<float> row(static_cast<std::size_t>(cols_) * n);
+  constexpr std::size_t n = FieldRow::kTerms;
+  std::vector<float> row(stride() * n);
   for (int y = 0; y < h; ++y) {
     const float at =
         std::clamp((static_cast<float>(y) + 0.5f) * static_cast<float>(rows_) / static_cast<float>(h) - 0.5f,
@@ -382,9 +362,9 @@ std::vector<float> BackingField::distances(const Image& picture, Scale scale) co
     const std::size_t y0 = static_cast<std::size_t>(at),
                       y1 = std::min(y0 + 1, static_cast<std::size_t>(rows_ - 1));
     const float fy = at - static_cast<float>(y0);
-    const float *a = terms.data() + y0 * row.size(), *b = terms.data() + y1 * row.size();
+    const float *a = terms(scale, static_cast<int>(y0)), *b = terms(scale, static_cast<int>(y1));
     for (std::size_t i = 0; i < row.size(); ++i) row[i] = a[i] + fy * (b[i] - a[i]);
-    const std::size_t near_row = (fy < 0.5f ? y0 : y1) * static_cast<std::size_t>(cols_);
+    const std::size_t near_row = fy < 0.5f ? y0 : y1;
     float* to = out.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w);
     for (int x = 0; x < w; ++x) {
       const float ax = std::clamp(
@@ -393,13 +373,15 @@ std::vector<float> BackingField::distances(const Image& picture, Scale scale) co
       const std::size_t x0 = static_cast<std::size_t>(ax),
                         x1 = std::min(x0 + 1, static_cast<std::size_t>(cols_ - 1));
       const float fx = ax - static_cast<float>(x0);
-      if (known_[near_row + (fx < 0.5f ? x0 : x1)] == 0) {
+      if (known(fx < 0.5f ? x0 : x1, near_row) == 0) {
         to[x] = std::numeric_limits<float>::infinity();
         continue;
       }
-      const float *l = row.data() + x0 * n, *r = row.data() + x1 * n;
       float t[n];
-      for (std::size_t k = 0; k < n; ++k) t[k] = l[k] + fx * (r[k] - l[k]);
+      for (std::size_t k = 0; k < n; ++k) {
+        const float *l = row.data() + k * stride() + x0, *r = row.data() + k * stride() + x1;
+        t[k] = *l + fx * (*r - *l);
+      }
       float c[3];
       if (scale == Scale::Cell) {
         const cv::Vec3f& v = values.at<cv::Vec3f>(y, x);
@@ -408,99 +390,10 @@ std::vector<float> BackingField::distances(const Image& picture, Scale scale) co
         const std::uint8_t* p = picture.at(x, y);
         for (int k = 0; k < 3; ++k) c[k] = static_cast<float>(p[k]) - t[k];
       }
-      to[x] = darker_too_ && luma(c[0], c[1], c[2]) < 0 ? 0 : length(t + 3, c[0], c[1], c[2]);
+      to[x] = darker_too_ && luma(c[0], c[1], c[2]) < 0 ? 0 : whitened_length(t + 3, c[0], c[1], c[2]);
     }
   }
   return out;
-}
-
-Image BackingField::key(const Image& picture) const {
-  const std::vector<float> pixels = distances(picture, Scale::Pixel), cells = distances(picture, Scale::Cell);
-  Image alpha(picture.width, picture.height, 1), broad(picture.width, picture.height, 1);
-  auto ramp = [&](float distance) {
-    return static_cast<std::uint8_t>(std::clamp((distance / sigmas_ - 0.5f) * 255 + 0.5f, 0.0f, 255.0f));
-  };
-  for (std::size_t i = 0; i < alpha.pixels.size(); ++i) {
-    alpha.pixels[i] = ramp(pixels[i]);
-    broad.pixels[i] = ramp(cells[i]);
-  }
-  // The mean of a cell sees an edge half a cell before it is there.
-  const cv::Mat wide(broad.height, broad.width, CV_8U, broad.pixels.data());
-  cv::Mat narrow, out(alpha.height, alpha.width, CV_8U, alpha.pixels.data());
-  const int size = cell(picture.width) | 1;
-  cv::erode(wide, narrow, cv::getStructuringElement(cv::MORPH_RECT, {size, size}));
-  cv::max(out, narrow, out);
-  drop_specks(out, std::min(std::max(4, size * size / 4), static_cast<int>(out.total())));
-  return alpha;
-}
-
-void BackingField::fill_holes(const Image& picture, Image& alpha) const {
-  cv::Mat key(alpha.height, alpha.width, CV_8U, alpha.pixels.data());
-  const double largest = kLargestHole * cv::countNonZero(key >= 128);
-  cv::Mat labels, stats, centroids;
-  const int count = cv::connectedComponentsWithStats(key < 128, labels, stats, centroids, 4, CV_32S);
-  if (count <= 2) return;
-  const std::vector<float> off = distances(picture, Scale::Cell);
-  std::vector<int> far(static_cast<std::size_t>(count), 0);
-  for (int y = 0; y < key.rows; ++y)
-    for (int x = 0; x < key.cols; ++x)
-      far[static_cast<std::size_t>(labels.at<int>(y, x))] +=
-          off[static_cast<std::size_t>(y) * static_cast<std::size_t>(key.cols) +
-              static_cast<std::size_t>(x)] > 0.5f * sigmas_;
-  for (int i = 1; i < count; ++i) {
-    const int* s = stats.ptr<int>(i);
-    const cv::Rect box(s[cv::CC_STAT_LEFT], s[cv::CC_STAT_TOP], s[cv::CC_STAT_WIDTH], s[cv::CC_STAT_HEIGHT]);
-    const bool open = box.x == 0 || box.y == 0 || box.br().x == key.cols || box.br().y == key.rows;
-    if (open || s[cv::CC_STAT_AREA] > largest ||
-        4 * far[static_cast<std::size_t>(i)] < 3 * s[cv::CC_STAT_AREA])
-      continue;
-    key(box).setTo(255, labels(box) == i);
-  }
-}
-
-void BackingField::solve_edges(const Image& picture, Image& alpha) const {
-  const cv::Mat rgb(picture.height, picture.width, CV_8UC3, const_cast<std::uint8_t*>(picture.pixels.data()));
-  cv::Mat key(alpha.height, alpha.width, CV_8U, alpha.pixels.data());
-  const int band = cell(picture.width);
-  const cv::Rect box = grown_box(key, 4 * band + 1);
-  if (box.empty()) return;
-  const cv::Mat there = key(box), subject = there >= 128;
-  cv::Mat inside, around, values, mask;
-  cv::erode(subject, inside, square(band));
-  cv::dilate(subject, around, square(band));
-  rgb(box).convertTo(values, CV_32FC3);
-  inside.convertTo(mask, CV_32F, 1.0 / 255);
-  cv::Mat chosen = cv::Mat::zeros(values.size(), CV_32FC3);
-  values.copyTo(chosen, inside);
-  // The inside that is near an outline's pixel; further in only where that is thin.
-  std::array<cv::Mat, 2> sums, counts;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const int radius = i == 0 ? band + band / 2 : 2 * band;
-    const cv::Size window(2 * radius + 1, 2 * radius + 1);
-    cv::boxFilter(chosen, sums[i], CV_32F, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-    cv::boxFilter(mask, counts[i], CV_32F, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  }
-  for (int y = 0; y < box.height; ++y)
-    for (int x = 0; x < box.width; ++x) {
-      if (!around.at<std::uint8_t>(y, x) || inside.at<std::uint8_t>(y, x)) continue;
-      const std::size_t at = cell_at(box.x + x, box.y + y, picture.width, picture.height);
-      const std::size_t i = counts[0].at<float>(y, x) < 2.5f ? 1 : 0;
-      if (counts[i].at<float>(y, x) < 0.5f || known_[at] == 0) continue;
-      const float* terms = pixel_.data() + at * kTerms;
-      const cv::Vec3f backing(terms[0], terms[1], terms[2]);
-      const cv::Vec3f contrast = sums[i].at<cv::Vec3f>(y, x) / counts[i].at<float>(y, x) - backing;
-      if (length(terms + 3, contrast[0], contrast[1], contrast[2]) < 2 * sigmas_) continue;
-      const cv::Vec3f low = roots(backing), span = roots(backing + contrast) - low;
-      const float a = (roots(values.at<cv::Vec3f>(y, x)) - low).dot(span) / std::max(span.dot(span), 1e-6f);
-      key.at<std::uint8_t>(box.y + y, box.x + x) =
-          static_cast<std::uint8_t>(std::clamp(255 * a + 0.5f, 0.0f, 255.0f));
-    }
-}
-
-std::size_t BackingField::cell_at(int x, int y, int width, int height) const {
-  return static_cast<std::size_t>(y) * static_cast<std::size_t>(rows_) / static_cast<std::size_t>(height) *
-             static_cast<std::size_t>(cols_) +
-         static_cast<std::size_t>(x) * static_cast<std::size_t>(cols_) / static_cast<std::size_t>(width);
 }
 
 }  // namespace floatstage::matting

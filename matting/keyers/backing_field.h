@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "matting/keyers/field_kernels.h"
 
 // Private to the stage: surfaces behind the subject that are no cloth of one colour.
 namespace floatstage::matting {
@@ -30,6 +31,7 @@ class BackingField {
 
   /// Standard deviations by which each pixel of an RGB picture is off the backing there (Mahalanobis), row by
   /// row; infinity where no backing is known near. For Scale::Cell the picture is averaged over a cell first.
+  /// Slow: what key() and fill_holes() do in vectors (field_kernels.h) is tested against it.
   std::vector<float> distances(const Image& picture, Scale scale) const;
 
   /// A raw key: 128 and above where a pixel, or the mean of the cell around it, is `sigmas` and more off the
@@ -59,15 +61,20 @@ class BackingField {
   double brightest() const { return brightest_; }
 
  private:
+  class Rows;                           // field_rows.h
+  friend struct BackingFieldReference;  // of the tests
   friend std::optional<BackingField> learn_field(const std::vector<Image>&, const std::vector<Image>&,
                                                  const FieldOptions&);
-  std::size_t cell_at(int x, int y, int width, int height) const;
 
-  static constexpr std::size_t kTerms =
-      9;  // mean of 3 channels; lower triangle W of the inverse spread, W^T W
+  // Values of the cells row by row, in planes of which each row goes on with its last value
+  // (field_kernels.h).
+  std::size_t stride() const { return (static_cast<std::size_t>(cols_) + FieldRow::kAhead + 15) / 16 * 16; }
+  const float* terms(Scale scale, int row) const;  // FieldRow::kTerms planes
+  float known(std::size_t col, std::size_t row) const { return known_[row * stride() + col]; }
+
   int cols_ = 0, rows_ = 0;
-  std::vector<float> pixel_, cell_;  // kTerms a cell
-  std::vector<float> known_;         // a cell: 1 where the backing is known near
+  std::vector<float> pixel_, cell_;
+  std::vector<float> known_;  // 1 where the backing is known near
   double share_ = 0, grey_ = 0, brightest_ = 255;
   float noise_ = 0, sigmas_ = 4;
   bool darker_too_ = false;

@@ -2,15 +2,19 @@
 // Paper:   mathematical morphology: J. Serra, "Image analysis and mathematical morphology", 1982
 // Differs: sizes are shares of the largest island; soft
 //          edges of what stays are kept
-// ADR:     0041
+// ADR:     0041, 0347
+
+#include "matting/keyers/clean_up.h"
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 #include "core/check.h"
-#include "matting/keyers/keyer.h"
+#include "matting/keyers/alpha_bits.h"
+#include "matting/keyers/bit_clean_up.h"
 
 namespace floatstage::matting {
 namespace {
@@ -110,10 +114,29 @@ void fill_holes(cv::Mat& alpha, double largest_hole) {
   if (any) alpha.setTo(255, mask_of(gaps.labels, fill));
 }
 
+void close_gaps(cv::Mat& alpha, int radius) {
+  cv::Mat closed;
+  cv::morphologyEx(alpha, closed, cv::MORPH_CLOSE, disc(radius));
+  closed.copyTo(alpha);
+}
+
+// Leaves of a row what is `kept`, and fills what is `filled`.
+void apply(const std::uint64_t* kept, const std::uint64_t* filled, int count, std::uint8_t* row) {
+  for (int x = 0; x < count; x += 64, ++kept, ++filled) {
+    const int here = std::min(64, count - x);
+    const std::uint64_t whole = ~std::uint64_t{0} >> (64 - here), gone = ~(*kept | *filled) & whole;
+    if (gone == whole) {
+      std::memset(row + x, 0, static_cast<std::size_t>(here));
+      continue;
+    }
+    set_row(&gone, here, 0, row + x);
+    set_row(filled, here, 255, row + x);
+  }
+}
+
 }  // namespace
 
-Image clean_up(const Image& raw, const CleanupOptions& options) {
-  FLOATSTAGE_CHECK(raw.channels == 1 || raw.empty(), "clean_up() takes one channel");
+Image clean_up_by_labels(const Image& raw, const CleanupOptions& options) {
   if (raw.empty()) return raw;
   Image result = raw;
   cv::Mat whole(result.height, result.width, CV_8U, result.pixels.data());
@@ -122,11 +145,7 @@ Image clean_up(const Image& raw, const CleanupOptions& options) {
   const cv::Rect box = grown(cv::boundingRect(whole), 2 * options.close_radius + 1, whole.size());
   if (box.empty()) return result;
   cv::Mat alpha = whole(box);
-  if (options.close_radius > 0) {
-    cv::Mat closed;
-    cv::morphologyEx(alpha, closed, cv::MORPH_CLOSE, disc(options.close_radius));
-    closed.copyTo(alpha);
-  }
+  if (options.close_radius > 0) close_gaps(alpha, options.close_radius);
 
   const cv::Mat subject = alpha >= kSubject;
   cv::Mat core = subject.clone();
@@ -156,6 +175,33 @@ Image clean_up(const Image& raw, const CleanupOptions& options) {
     cv::Mat there = alpha(kept_box);
     fill_holes(there, options.smallest_hole * largest);
   }
+  return result;
+}
+
+Image clean_up(const Image& raw, const CleanupOptions& options) {
+  FLOATSTAGE_CHECK(raw.channels == 1 || raw.empty(), "clean_up() takes one channel");
+  CleanupOptions closed = options;
+  closed.close_radius = 0;
+  if (!BitCleanUp::can(closed)) return clean_up_by_labels(raw, options);
+  BitBox box = bounding_box(raw);
+  Image result = raw;
+  if (box.empty()) return result;
+  const int by = 2 * options.close_radius + 1;
+  box = {std::max(box.x0 - by, 0), std::max(box.y0 - by, 0), std::min(box.x1 + by, raw.width),
+         std::min(box.y1 + by, raw.height)};
+  if (options.close_radius > 0) {
+    cv::Mat whole(result.height, result.width, CV_8U, result.pixels.data());
+    cv::Mat alpha = whole(cv::Rect(box.x0, box.y0, box.x1 - box.x0, box.y1 - box.y0));
+    close_gaps(alpha, options.close_radius);
+  }
+  BitCleanUp cleaner;
+  BitRows subject, faint;
+  bits_of(result, box, kSubject, subject);
+  bits_of(result, box, kFaint, faint);
+  cleaner.run(closed, subject, faint);
+  for (int y = box.y0; y < box.y1; ++y)
+    apply(cleaner.kept().row(y - box.y0), cleaner.filled().row(y - box.y0), subject.width(),
+          result.at(box.x0, y));
   return result;
 }
 

@@ -1,0 +1,146 @@
+// Method:  opacity along the outline between the field's colour and the near inside
+// Paper:   A. R. Smith, J. F. Blinn, "Blue screen matting", 1996, eq. 1, along one axis; F. C. Crow,
+//          "Summed-area tables for texture mapping", 1984, for the means
+// Differs: square roots of colours; one backing and the near inside in the place of a second backing
+// ADR:     0170, 0347
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include <opencv2/core.hpp>
+
+#include "matting/keyers/alpha_bits.h"
+#include "matting/keyers/field_rows.h"
+
+namespace floatstage::matting {
+namespace {
+
+// Squares of any radius, made of those that words can do.
+void dilate(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out) {
+  constexpr int most = BitMorphology::kMostRadius;
+  morphology.dilate(in, std::min(radius, most), out);
+  for (BitRows wide; radius > most; std::swap(wide, out)) {
+    radius -= most;
+    morphology.dilate(out, std::min(radius, most), wide);
+  }
+}
+
+void erode(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out) {
+  constexpr int most = BitMorphology::kMostRadius;
+  morphology.erode(in, std::min(radius, most), out);
+  for (BitRows narrow; radius > most; std::swap(narrow, out)) {
+    radius -= most;
+    morphology.erode(out, std::min(radius, most), narrow);
+  }
+}
+
+// Sums of the colours of chosen pixels in windows around pixels whose rows come one after the other. Whole
+// numbers, so in any order the same.
+class ChosenColors {
+ public:
+  using Sums = std::array<std::uint32_t, 4>;  // of three channels, and how many pixels
+  ChosenColors(const Image& picture, const BitBox& box, const BitRows& chosen, int reach)
+      : picture_(picture),
+        box_(box),
+        chosen_(chosen),
+        height_(box.y1 - box.y0),
+        width_(box.x1 - box.x0),
+        reach_(reach),
+        room_(static_cast<std::size_t>(width_) + 1),
+        ring_(static_cast<std::size_t>(2 * reach + 2) * room_) {}
+
+  // Before around() is asked of a row, which may be no further up than the last.
+  void go_to(int y) {
+    for (const int end = std::min(y + reach_ + 1, height_); rows_ < end; ++rows_) add_row();
+  }
+  Sums around(int x, int y, int radius) const {
+    const int x0 = std::max(x - radius, 0), x1 = std::min(x + radius + 1, width_);
+    const Sums *top = row(std::max(y - radius, 0)), *bottom = row(std::min(y + radius + 1, height_));
+    Sums sums;
+    for (std::size_t k = 0; k < 4; ++k) sums[k] = bottom[x1][k] - bottom[x0][k] - top[x1][k] + top[x0][k];
+    return sums;
+  }
+
+ private:
+  Sums* row(int y) { return ring_.data() + static_cast<std::size_t>(y % (2 * reach_ + 2)) * room_; }
+  const Sums* row(int y) const {
+    return ring_.data() + static_cast<std::size_t>(y % (2 * reach_ + 2)) * room_;
+  }
+  void add_row() {
+    const std::uint64_t* bits = chosen_.row(rows_);
+    const std::uint8_t* p = picture_.at(box_.x0, box_.y0 + rows_);
+    const Sums* above = row(rows_);
+    Sums *out = row(rows_ + 1), sums = {};
+    out[0] = {};
+    for (int x = 0; x < width_; ++x, p += 3) {
+      const std::uint32_t all = 0U - static_cast<std::uint32_t>(bits[x / 64] >> (x % 64) & 1U);
+      const Sums more = {p[0] & all, p[1] & all, p[2] & all, 1U & all};
+      for (std::size_t k = 0; k < 4; ++k) sums[k] += more[k];
+      for (std::size_t k = 0; k < 4; ++k) out[x + 1][k] = above[x + 1][k] + sums[k];
+    }
+  }
+
+  const Image& picture_;
+  BitBox box_;
+  const BitRows& chosen_;
+  int height_, width_, reach_, rows_ = 0;
+  std::size_t room_;
+  std::vector<Sums> ring_;  // row y: of what lies above it
+};
+
+cv::Vec3f roots(const cv::Vec3f& c) {
+  return {std::sqrt(std::max(c[0], 0.0f)), std::sqrt(std::max(c[1], 0.0f)), std::sqrt(std::max(c[2], 0.0f))};
+}
+
+}  // namespace
+
+void BackingField::solve_edges(const Image& picture, Image& alpha) const {
+  const int band = cell(picture.width), near = band + band / 2, far = 2 * band;
+  BitBox box = bounding_box(alpha);
+  if (box.empty()) return;
+  const int by = 4 * band + 1;
+  box = {std::max(box.x0 - by, 0), std::max(box.y0 - by, 0), std::min(box.x1 + by, alpha.width),
+         std::min(box.y1 + by, alpha.height)};
+  BitMorphology morphology;
+  BitRows subject, inside, asked;
+  bits_of(alpha, box, 128, subject);
+  erode(morphology, subject, band, inside);
+  dilate(morphology, subject, band, asked);
+  for (std::size_t i = 0; i < asked.all().size(); ++i) asked.all()[i] &= ~inside.all()[i];
+
+  // The inside that is near an outline's pixel; further in only where that is thin.
+  ChosenColors colors(picture, box, inside, far);
+  const auto solve = [&](int x, int y) {
+    const int px = box.x0 + x, py = box.y0 + y;
+    ChosenColors::Sums sums = colors.around(x, y, near);
+    if (sums[3] < 3) sums = colors.around(x, y, far);
+    if (sums[3] == 0) return;
+    const auto col = static_cast<std::size_t>(px) * static_cast<std::size_t>(cols_) /
+                     static_cast<std::size_t>(picture.width),
+               row = static_cast<std::size_t>(py) * static_cast<std::size_t>(rows_) /
+                     static_cast<std::size_t>(picture.height);
+    if (known(col, row) == 0) return;
+    float terms[FieldRow::kTerms];
+    const float* planes = this->terms(Scale::Pixel, static_cast<int>(row)) + col;
+    for (std::size_t k = 0; k < FieldRow::kTerms; ++k) terms[k] = planes[k * stride()];
+    const cv::Vec3f backing(terms[0], terms[1], terms[2]);
+    const cv::Vec3f sum(static_cast<float>(sums[0]), static_cast<float>(sums[1]),
+                        static_cast<float>(sums[2]));
+    const cv::Vec3f contrast = sum / static_cast<float>(sums[3]) - backing;
+    if (whitened_length(terms + 3, contrast[0], contrast[1], contrast[2]) < 2 * sigmas_) return;
+    const cv::Vec3f low = roots(backing), span = roots(backing + contrast) - low;
+    const std::uint8_t* p = picture.at(px, py);
+    const cv::Vec3f color(p[0], p[1], p[2]);
+    const float a = (roots(color) - low).dot(span) / std::max(span.dot(span), 1e-6f);
+    *alpha.at(px, py) = static_cast<std::uint8_t>(std::clamp(255 * a + 0.5f, 0.0f, 255.0f));
+  };
+  for (int y = 0; y < asked.height(); ++y)
+    for (std::size_t w = 0; w < asked.words(); ++w)
+      for (std::uint64_t bits = asked.row(y)[w]; bits != 0; bits &= bits - 1) {
+        colors.go_to(y);
+        solve(static_cast<int>(64 * w) + std::countr_zero(bits), y);
+      }
+}
+
+}  // namespace floatstage::matting
