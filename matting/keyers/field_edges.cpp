@@ -39,7 +39,9 @@ void erode(BitMorphology& morphology, const BitRows& in, int radius, BitRows& ou
 // numbers, so in any order the same.
 class ChosenColors {
  public:
-  using Sums = std::array<std::uint32_t, 4>;  // of three channels, and how many pixels
+  // Red and green; blue and how many pixels: one in the lower half of a word, one in the upper. Differences
+  // of sums are right where they fit, whatever the sums overflow.
+  using Sums = std::array<std::uint64_t, 2>;
   ChosenColors(const Image& picture, const BitBox& box, const BitRows& chosen, int reach)
       : picture_(picture),
         box_(box),
@@ -58,7 +60,7 @@ class ChosenColors {
     const int x0 = std::max(x - radius, 0), x1 = std::min(x + radius + 1, width_);
     const Sums *top = row(std::max(y - radius, 0)), *bottom = row(std::min(y + radius + 1, height_));
     Sums sums;
-    for (std::size_t k = 0; k < 4; ++k) sums[k] = bottom[x1][k] - bottom[x0][k] - top[x1][k] + top[x0][k];
+    for (std::size_t k = 0; k < 2; ++k) sums[k] = bottom[x1][k] - bottom[x0][k] - top[x1][k] + top[x0][k];
     return sums;
   }
 
@@ -74,10 +76,10 @@ class ChosenColors {
     Sums *out = row(rows_ + 1), sums = {};
     out[0] = {};
     for (int x = 0; x < width_; ++x, p += 3) {
-      const std::uint32_t all = 0U - static_cast<std::uint32_t>(bits[x / 64] >> (x % 64) & 1U);
-      const Sums more = {p[0] & all, p[1] & all, p[2] & all, 1U & all};
-      for (std::size_t k = 0; k < 4; ++k) sums[k] += more[k];
-      for (std::size_t k = 0; k < 4; ++k) out[x + 1][k] = above[x + 1][k] + sums[k];
+      const std::uint64_t all = 0U - (bits[x / 64] >> (x % 64) & 1U);
+      sums[0] += (p[0] | static_cast<std::uint64_t>(p[1]) << 32) & all;
+      sums[1] += (p[2] | std::uint64_t{1} << 32) & all;
+      for (std::size_t k = 0; k < 2; ++k) out[x + 1][k] = above[x + 1][k] + sums[k];
     }
   }
 
@@ -114,8 +116,11 @@ void BackingField::solve_edges(const Image& picture, Image& alpha) const {
   const auto solve = [&](int x, int y) {
     const int px = box.x0 + x, py = box.y0 + y;
     ChosenColors::Sums sums = colors.around(x, y, near);
-    if (sums[3] < 3) sums = colors.around(x, y, far);
-    if (sums[3] == 0) return;
+    if (sums[1] >> 32 < 3) sums = colors.around(x, y, far);
+    const auto upper = [](std::uint64_t two) { return static_cast<float>(two >> 32); };
+    const auto lower = [](std::uint64_t two) { return static_cast<float>(two & 0xffffffff); };
+    const float count = upper(sums[1]);
+    if (count == 0) return;
     const auto col = static_cast<std::size_t>(px) * static_cast<std::size_t>(cols_) /
                      static_cast<std::size_t>(picture.width),
                row = static_cast<std::size_t>(py) * static_cast<std::size_t>(rows_) /
@@ -125,9 +130,8 @@ void BackingField::solve_edges(const Image& picture, Image& alpha) const {
     const float* planes = this->terms(Scale::Pixel, static_cast<int>(row)) + col;
     for (std::size_t k = 0; k < FieldRow::kTerms; ++k) terms[k] = planes[k * stride()];
     const cv::Vec3f backing(terms[0], terms[1], terms[2]);
-    const cv::Vec3f sum(static_cast<float>(sums[0]), static_cast<float>(sums[1]),
-                        static_cast<float>(sums[2]));
-    const cv::Vec3f contrast = sum / static_cast<float>(sums[3]) - backing;
+    const cv::Vec3f sum(lower(sums[0]), upper(sums[0]), lower(sums[1]));
+    const cv::Vec3f contrast = sum / count - backing;
     if (whitened_length(terms + 3, contrast[0], contrast[1], contrast[2]) < 2 * sigmas_) return;
     const cv::Vec3f low = roots(backing), span = roots(backing + contrast) - low;
     const std::uint8_t* p = picture.at(px, py);

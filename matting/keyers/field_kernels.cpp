@@ -93,10 +93,18 @@ HWY_INLINE void for_row(const FieldRow& row, std::size_t count, const Load& load
     for (std::size_t x = 0; x < count; x += lanes) store(x, distance<false>(row, x, load(x)));
 }
 
-HWY_INLINE VF mean_of(const std::uint32_t* sums, VF count) {
-  const I i;
-  const auto* from = reinterpret_cast<const std::int32_t*>(sums);
-  return hn::Div(hn::ConvertTo(F(), hn::LoadU(i, from)), count);
+HWY_INLINE VF sum_of(const std::uint32_t* columns, int size) {
+  const I d;
+  const auto* from = reinterpret_cast<const std::int32_t*>(columns);
+  auto sum = hn::LoadU(d, from);
+  for (int k = 1; k < size; ++k) sum = hn::Add(sum, hn::LoadU(d, from + k));
+  return hn::ConvertTo(F(), sum);
+}
+
+HWY_INLINE Colors mean_at(const FieldMeans& means, VF count, std::size_t x) {
+  return {hn::Div(sum_of(means.columns[0] + x, means.size), count),
+          hn::Div(sum_of(means.columns[1] + x, means.size), count),
+          hn::Div(sum_of(means.columns[2] + x, means.size), count)};
 }
 
 HWY_INLINE VF value_of(const std::uint8_t* bytes) {
@@ -130,24 +138,18 @@ void slide(const std::uint8_t* more, const std::uint8_t* less, std::size_t count
   }
 }
 
-void distances(const FieldRow& row, const FieldColors& c, std::size_t count, float* out) {
-  const VF n = hn::Set(F(), c.count);
+void distances(const FieldRow& row, const FieldMeans& means, std::size_t count, float* out) {
+  const VF n = hn::Set(F(), static_cast<float>(means.size * means.size));
   for_row(
-      row, count,
-      [&](std::size_t x) {
-        return Colors{mean_of(c.sums[0] + x, n), mean_of(c.sums[1] + x, n), mean_of(c.sums[2] + x, n)};
-      },
+      row, count, [&](std::size_t x) { return mean_at(means, n, x); },
       [&](std::size_t x, VF off) { hn::StoreU(off, F(), out + x); });
 }
 
-void mean_alphas(const FieldRow& row, const FieldColors& c, float sigmas, std::size_t count,
+void mean_alphas(const FieldRow& row, const FieldMeans& means, float sigmas, std::size_t count,
                  std::uint8_t* out) {
-  const VF n = hn::Set(F(), c.count), all = hn::Set(F(), sigmas);
+  const VF n = hn::Set(F(), static_cast<float>(means.size * means.size)), all = hn::Set(F(), sigmas);
   for_row(
-      row, count,
-      [&](std::size_t x) {
-        return Colors{mean_of(c.sums[0] + x, n), mean_of(c.sums[1] + x, n), mean_of(c.sums[2] + x, n)};
-      },
+      row, count, [&](std::size_t x) { return mean_at(means, n, x); },
       [&](std::size_t x, VF off) { store_alpha(off, all, out + x); });
 }
 

@@ -22,10 +22,11 @@ struct FieldRow {
   bool darker_too = false;              ///< what is darker than the backing is none off it
 };
 
-/// Colours of a row: planes of sums over `count` pixels each.
-struct FieldColors {
-  const std::uint32_t* sums[3] = {};
-  float count = 1;
+/// Mean colours of a row: those of pixel x are the sums of columns x … x + size - 1 of three planes over
+/// size * size.
+struct FieldMeans {
+  const std::uint32_t* columns[3] = {};  ///< size + padded() of each may be read
+  int size = 1;
 };
 
 /// BackingField's arithmetic for a row of pixels, in vectors of whatever the processor has. The same bits on
@@ -39,9 +40,9 @@ struct FieldKernels {
   void (*slide)(const std::uint8_t* more, const std::uint8_t* less, std::size_t count,
                 std::uint32_t* columns);
   /// How far means of colours are off the backing, in standard deviations; infinity where none is known.
-  void (*distances)(const FieldRow& row, const FieldColors& colors, std::size_t count, float* out);
+  void (*distances)(const FieldRow& row, const FieldMeans& means, std::size_t count, float* out);
   /// The same as opacity: half at `sigmas`, none at half of them.
-  void (*mean_alphas)(const FieldRow& row, const FieldColors& colors, float sigmas, std::size_t count,
+  void (*mean_alphas)(const FieldRow& row, const FieldMeans& means, float sigmas, std::size_t count,
                       std::uint8_t* out);
   /// The same of single pixels, taken apart into r, g and b.
   void (*alphas)(const FieldRow& row, const std::uint8_t* const* rgb, float sigmas, std::size_t count,

@@ -69,7 +69,7 @@ Image BackingField::key(const Image& picture) const {
   const FieldKernels& kernels = field_kernels();
   const std::size_t count = static_cast<std::size_t>(w), room = padded(count);
   Rows pixels(*this, Scale::Pixel, picture, 0, w), cells(*this, Scale::Cell, picture, 0, w);
-  SquareSums sums(picture, radius, {0, 0, w, h});
+  SquareMeans means(picture, radius, {0, 0, w, h});
   SquareMinimum narrow(radius, w, h);
   Image alpha(w, h, 1);
   BitRows subject;
@@ -80,9 +80,9 @@ Image BackingField::key(const Image& picture) const {
       return own.data() + room * static_cast<std::size_t>(row % (radius + 1));
     };
     if (y < h) {
-      kernels.mean_alphas(cells.at(y), sums.next(), sigmas_, room, narrow.row(y));
+      kernels.mean_alphas(cells.at(y), means.next(), sigmas_, room, narrow.row(y));
       const std::uint8_t* planes[3];
-      sums.planes(y, planes);
+      means.planes(planes);
       kernels.alphas(pixels.at(y), planes, sigmas_, room, single(y));
     }
     // The mean of a cell sees an edge half a cell before it is there.
@@ -127,11 +127,11 @@ void BackingField::fill_holes(const Image& picture, Image& alpha) const {
 
   std::vector<long> far(gaps.components().size(), 0);
   Rows rows(*this, Scale::Cell, picture, box.x0, box.x1);
-  SquareSums sums(picture, cell(picture.width) / 2, box);
+  SquareMeans means(picture, cell(picture.width) / 2, box);
   std::vector<float> off(padded(static_cast<std::size_t>(box.x1 - box.x0)));
   auto run = gaps.runs().begin();
   for (int y = box.y0; y < box.y1; ++y) {
-    field_kernels().distances(rows.at(y), sums.next(), off.size(), off.data());
+    field_kernels().distances(rows.at(y), means.next(), off.size(), off.data());
     while (run != gaps.runs().end() && run->y < y) ++run;
     for (; run != gaps.runs().end() && run->y == y; ++run) {
       const auto component = static_cast<std::size_t>(run->component);

@@ -44,40 +44,48 @@ const FieldRow& BackingField::Rows::at(int y) {
   return row_;
 }
 
-SquareSums::SquareSums(const Image& picture, int radius, const BitBox& box)
+SquareMeans::SquareMeans(const Image& picture, int radius, const BitBox& box)
     : picture_(picture),
       radius_(radius),
       x0_(box.x0),
       x1_(box.x1),
       left_(std::max(box.x0 - radius, 0)),
       right_(std::min(box.x1 + radius, picture.width)),
-      y_(box.y0),
-      room_(padded(static_cast<std::size_t>(right_ - left_)) + 64) {
+      y_(box.y0 - 1),
+      missing_(static_cast<std::size_t>(left_ - (box.x0 - radius))),
+      room_(padded(static_cast<std::size_t>(box.x1 - box.x0 + 2 * radius)) + 64) {
   ring_.resize(static_cast<std::size_t>(2 * radius + 2) * 3 * room_);
   columns_.resize(3 * room_);
-  sums_.resize(3 * padded(static_cast<std::size_t>(x1_ - x0_)));
+  means_.size = 2 * radius + 1;
+  for (std::size_t k = 0; k < 3; ++k) means_.columns[k] = columns_.data() + k * room_;
 }
 
-std::size_t SquareSums::slot(int y) const {
+std::size_t SquareMeans::slot(int y) const {
   return static_cast<std::size_t>(y % (2 * radius_ + 2)) * 3 * room_;
 }
 
-void SquareSums::load(int y) {
-  std::uint8_t* to = ring_.data() + slot(y);
-  cloth_kernels().split(picture_.at(left_, y), static_cast<std::size_t>(right_ - left_), to, to + room_,
-                        to + 2 * room_);
+void SquareMeans::load(int y) {
+  std::uint8_t* to = ring_.data() + slot(y) + missing_;
+  const std::uint8_t* from = picture_.at(left_, y);
+  const std::size_t count = static_cast<std::size_t>(right_ - left_), lacking = room_ - missing_ - count;
+  cloth_kernels().split(from, count, to, to + room_, to + 2 * room_);
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::uint8_t* plane = to + k * room_;
+    std::fill_n(plane - missing_, missing_, plane[0]);
+    std::fill_n(plane + count, lacking, plane[count - 1]);
+  }
 }
 
-FieldColors SquareSums::next() {
+const FieldMeans& SquareMeans::next() {
   const int last = picture_.height - 1;
-  const auto add = [&](int y) {
-    const std::uint8_t* from = ring_.data() + slot(std::clamp(y, 0, last));
-    for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i] += from[i];
-  };
+  ++y_;
   if (!begun_) {
     begun_ = true;
     for (int y = std::max(y_ - radius_, 0); y <= std::min(y_ + radius_, last); ++y) load(y);
-    for (int y = y_ - radius_; y <= y_ + radius_; ++y) add(y);
+    for (int y = y_ - radius_; y <= y_ + radius_; ++y) {
+      const std::uint8_t* from = ring_.data() + slot(std::clamp(y, 0, last));
+      for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i] += from[i];
+    }
   } else {
     const int in = y_ + radius_, out = y_ - radius_ - 1;
     if (in <= last) load(in);
@@ -85,35 +93,11 @@ FieldColors SquareSums::next() {
                        *less = ring_.data() + slot(std::max(out, 0));
     field_kernels().slide(more, less, columns_.size(), columns_.data());
   }
-  ++y_;
-  FieldColors colors;
-  const int size = 2 * radius_ + 1, end = right_ - left_ - 1, first = x0_ - left_, count = x1_ - x0_;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t* from = columns_.data() + k * room_;
-    std::uint32_t* to = sums_.data() + k * (sums_.size() / 3);
-    std::uint32_t sum = 0;
-    for (int i = first - radius_; i <= first + radius_; ++i) sum += from[std::clamp(i, 0, end)];
-    int x = 0;
-    const auto slide = [&](int until) {
-      for (; x < until; ++x) {
-        to[x] = sum;
-        sum += from[std::min(first + x + radius_ + 1, end)] - from[std::max(first + x - radius_, 0)];
-      }
-    };
-    slide(std::min(radius_, count));
-    for (const int calm = std::min(count, end - first - radius_); x < calm; ++x) {
-      to[x] = sum;
-      sum += from[first + x + radius_ + 1] - from[first + x - radius_];
-    }
-    slide(count);
-    colors.sums[k] = to;
-  }
-  colors.count = static_cast<float>(size * size);
-  return colors;
+  return means_;
 }
 
-void SquareSums::planes(int y, const std::uint8_t* out[3]) const {
-  const std::uint8_t* from = ring_.data() + slot(y) + (x0_ - left_);
+void SquareMeans::planes(const std::uint8_t* out[3]) const {
+  const std::uint8_t* from = ring_.data() + slot(y_) + radius_;
   for (std::size_t k = 0; k < 3; ++k) out[k] = from + k * room_;
 }
 

@@ -34,15 +34,15 @@ class BackingField::Rows {
   FieldRow row_;
 };
 
-/// Sums of an RGB picture's colours over the squares of 2 * radius + 1 pixels around the pixels of a box, row
-/// by row, in a time that does not depend on the radius. Beyond the picture lies what its border has.
-class SquareSums {
+/// Means of an RGB picture's colours over the squares of 2 * radius + 1 pixels around the pixels of a box,
+/// row by row. Beyond the picture lies what its border has.
+class SquareMeans {
  public:
-  SquareSums(const Image& picture, int radius, const BitBox& box);
-  /// The next row, of padded(box.x1 - box.x0) pixels; the first time box.y0.
-  FieldColors next();
-  /// The bytes of a row of the picture that the row given last reaches, taken apart; columns from box.x0 on.
-  void planes(int y, const std::uint8_t* out[3]) const;
+  SquareMeans(const Image& picture, int radius, const BitBox& box);
+  /// Of the next row; the first time of box.y0. Stays valid until the next call.
+  const FieldMeans& next();
+  /// The bytes of the row that was given last, taken apart; columns from box.x0 on.
+  void planes(const std::uint8_t* out[3]) const;
 
  private:
   void load(int y);
@@ -51,9 +51,11 @@ class SquareSums {
   const Image& picture_;
   int radius_, x0_, x1_, left_, right_, y_;  // [left_, right_): columns that are read
   bool begun_ = false;
+  std::size_t missing_;             // columns that the picture lacks on the left
   std::size_t room_;                // of a plane's row
   std::vector<std::uint8_t> ring_;  // 2 * radius + 2 rows of three planes
-  std::vector<std::uint32_t> columns_, sums_;
+  std::vector<std::uint32_t> columns_;
+  FieldMeans means_;
 };
 
 }  // namespace floatstage::matting

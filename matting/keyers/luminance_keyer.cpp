@@ -2,10 +2,12 @@
 // ADR:     0170
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
 #include "core/text.h"
+#include "matting/keyers/alpha_bits.h"
 #include "matting/keyers/backing_field.h"
 #include "matting/keyers/cloth_measure.h"
 #include "matting/keyers/keyers.h"
@@ -20,25 +22,19 @@ constexpr double kBrighter = 2;        // times the backing, in the mean
 constexpr double kOtherBacking = 0.1;  // of the rim or of the subject: there is cloth, as walls.cpp has it
 constexpr FieldOptions kBlackStage{.darker_too = true};
 
-Image grey_of(const Image& rgb) {
-  Image grey(rgb.width, rgb.height, 1);
-  for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
-    const std::uint8_t* p = rgb.pixels.data() + 3 * i;
-    grey.pixels[i] = static_cast<std::uint8_t>((77 * p[0] + 150 * p[1] + 29 * p[2] + 128) >> 8);  // BT.601
-  }
-  return grey;
-}
+int grey_of(const std::uint8_t* p) { return (77 * p[0] + 150 * p[1] + 29 * p[2] + 128) >> 8; }  // BT.601
 
 // Against a stage, the subject is the light: on any other backing as much is darker as is brighter.
-bool is_black(const BackingField& stage, const Image& grey, const Image& alpha) {
-  double sum = 0;
-  long count = 0;
-  for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
-    if (alpha.pixels[i] >= 128) {
-      sum += grey.pixels[i];
-      ++count;
-    }
-  return count == 0 || stage.grey() * kBrighter <= sum / static_cast<double>(count);
+bool is_black(const BackingField& stage, const Image& rgb, const Image& alpha) {
+  const BitBox box = bounding_box(alpha);
+  BitRows subject;
+  bits_of(alpha, box, 128, subject);
+  long sum = 0, count = 0;
+  for (int y = 0; y < subject.height(); ++y)
+    for (std::size_t w = 0; w < subject.words(); ++w)
+      for (std::uint64_t bits = subject.row(y)[w]; bits != 0; bits &= bits - 1, ++count)
+        sum += grey_of(rgb.at(box.x0 + static_cast<int>(64 * w) + std::countr_zero(bits), box.y0 + y));
+  return count == 0 || stage.grey() * kBrighter <= static_cast<double>(sum) / static_cast<double>(count);
 }
 
 // What of a picture has the colour of the cloth beyond doubt, as shares of the subject and of the rim.
@@ -81,17 +77,17 @@ class LuminanceKeyer : public Keyer {
         stage_ || threshold_ ? std::nullopt : learn_field({*rgb}, {}, kBlackStage);
     const BackingField* stage = stage_ ? &*stage_ : own ? &*own : nullptr;
     Image alpha = stage ? stage->key(*rgb) : Image(rgb->width, rgb->height, 1, 255);
-    const Image grey = grey_of(*rgb);
     if (threshold_) {
       // A ramp from half the threshold to one and a half: 128 and above exactly where grey > threshold.
       for (std::size_t i = 0; i < alpha.pixels.size(); ++i) {
-        const int ramp = std::clamp((2 * grey.pixels[i] - *threshold_) * 255 / (2 * *threshold_), 0, 255);
+        const int ramp = std::clamp(
+            (2 * grey_of(rgb->pixels.data() + 3 * i) - *threshold_) * 255 / (2 * *threshold_), 0, 255);
         alpha.pixels[i] = std::min(alpha.pixels[i], static_cast<std::uint8_t>(ramp));
       }
     }
     alpha = clean_up(alpha, cleanup_);
     if (Result<void> ok = check_rim(alpha, frame.info, "black stage"); !ok) return forward(ok);
-    if (stage && !is_black(*stage, grey, alpha))
+    if (stage && !is_black(*stage, *rgb, alpha))
       return fail(ErrorCode::Unsupported,
                   text("camera ", frame.info.camera, " shows no black stage: what is around the subject is ",
                        std::lround(stage->grey()),
