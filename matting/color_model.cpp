@@ -1,6 +1,6 @@
 #include "matting/color_model.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace floatstage::matting {
 namespace {
@@ -11,20 +11,18 @@ constexpr int kSmoothings = 2;   // passes of a 1-2-1 filter along each axis
 }  // namespace
 
 void ColorModel::finish() {
-  std::vector<float> line(kSide);
+  // Lines side by side are smoothed together.
+  std::vector<float> lines(static_cast<std::size_t>(kSide) * kSide * kSide);
   for (int pass = 0; pass < kSmoothings; ++pass) {
-    for (const int step : {1, kSide, kSide * kSide}) {
-      for (int start = 0; start < kBins; ++start) {
-        if (start / step % kSide != 0) continue;
-        for (int i = 0; i < kSide; ++i)
-          line[static_cast<std::size_t>(i)] = bins_[static_cast<std::size_t>(start + i * step)];
-        for (int i = 0; i < kSide; ++i) {
-          const float before = line[static_cast<std::size_t>(std::max(i - 1, 0))],
-                      after = line[static_cast<std::size_t>(std::min(i + 1, kSide - 1))];
-          bins_[static_cast<std::size_t>(start + i * step)] =
-              (before + 2 * line[static_cast<std::size_t>(i)] + after) / 4;
+    for (const std::size_t step : {1, kSide, kSide * kSide}) {
+      std::swap(lines, bins_);
+      for (std::size_t start = 0; start < bins_.size(); start += kSide * step)
+        for (std::size_t i = 0; i < kSide; ++i) {
+          const float *here = lines.data() + start + i * step, *before = i > 0 ? here - step : here,
+                      *after = i + 1 < kSide ? here + step : here;
+          float* out = bins_.data() + start + i * step;
+          for (std::size_t k = 0; k < step; ++k) out[k] = (before[k] + 2 * here[k] + after[k]) / 4;
         }
-      }
     }
   }
   double sum = 0;

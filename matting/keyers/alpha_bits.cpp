@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 namespace floatstage::matting {
 namespace {
@@ -53,6 +54,25 @@ void set_row(const std::uint64_t* bits, int count, std::uint8_t value, std::uint
       if (first + run == 64) break;
       word = word >> (first + run) << (first + run);
     }
+  }
+}
+
+// Made of those that words can do.
+void dilate_square(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out) {
+  constexpr int most = BitMorphology::kMostRadius;
+  morphology.dilate(in, std::min(radius, most), out);
+  for (BitRows wide; radius > most; std::swap(wide, out)) {
+    radius -= most;
+    morphology.dilate(out, std::min(radius, most), wide);
+  }
+}
+
+void erode_square(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out) {
+  constexpr int most = BitMorphology::kMostRadius;
+  morphology.erode(in, std::min(radius, most), out);
+  for (BitRows narrow; radius > most; std::swap(narrow, out)) {
+    radius -= most;
+    morphology.erode(out, std::min(radius, most), narrow);
   }
 }
 

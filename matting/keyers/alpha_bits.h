@@ -1,5 +1,7 @@
 #pragma once
 
+#include <bit>
+
 #include "core/image.h"
 #include "matting/keyers/bit_rows.h"
 
@@ -12,7 +14,19 @@ void bits_of_row(const std::uint8_t* bytes, int count, int level, std::uint64_t*
 void bits_of(const Image& alpha, const BitBox& box, int level, BitRows& out);
 /// Sets the bytes of set bits to `value`.
 void set_row(const std::uint64_t* bits, int count, std::uint8_t value, std::uint8_t* bytes);
+/// Squares of 2 * radius + 1 pixels, of any radius.
+void dilate_square(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out);
+void erode_square(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out);
 /// Of what is not 0.
 BitBox bounding_box(const Image& alpha);
+
+/// take(x) for each set bit of a row.
+template <class Take>
+void for_each_bit(const BitRows& picture, int y, const Take& take) {
+  const std::uint64_t* row = picture.row(y);
+  for (std::size_t w = 0; w < picture.words(); ++w)
+    for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1)
+      take(static_cast<int>(64 * w) + std::countr_zero(bits));
+}
 
 }  // namespace floatstage::matting

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 
 #include <opencv2/core.hpp>
 
@@ -15,25 +14,6 @@
 
 namespace floatstage::matting {
 namespace {
-
-// Squares of any radius, made of those that words can do.
-void dilate(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out) {
-  constexpr int most = BitMorphology::kMostRadius;
-  morphology.dilate(in, std::min(radius, most), out);
-  for (BitRows wide; radius > most; std::swap(wide, out)) {
-    radius -= most;
-    morphology.dilate(out, std::min(radius, most), wide);
-  }
-}
-
-void erode(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out) {
-  constexpr int most = BitMorphology::kMostRadius;
-  morphology.erode(in, std::min(radius, most), out);
-  for (BitRows narrow; radius > most; std::swap(narrow, out)) {
-    radius -= most;
-    morphology.erode(out, std::min(radius, most), narrow);
-  }
-}
 
 // Sums of the colours of chosen pixels in windows around pixels whose rows come one after the other. Whole
 // numbers, so in any order the same.
@@ -107,8 +87,8 @@ void BackingField::solve_edges(const Image& picture, Image& alpha) const {
   BitMorphology morphology;
   BitRows subject, inside, asked;
   bits_of(alpha, box, 128, subject);
-  erode(morphology, subject, band, inside);
-  dilate(morphology, subject, band, asked);
+  erode_square(morphology, subject, band, inside);
+  dilate_square(morphology, subject, band, asked);
   for (std::size_t i = 0; i < asked.all().size(); ++i) asked.all()[i] &= ~inside.all()[i];
 
   // The inside that is near an outline's pixel; further in only where that is thin.
@@ -140,11 +120,10 @@ void BackingField::solve_edges(const Image& picture, Image& alpha) const {
     *alpha.at(px, py) = static_cast<std::uint8_t>(std::clamp(255 * a + 0.5f, 0.0f, 255.0f));
   };
   for (int y = 0; y < asked.height(); ++y)
-    for (std::size_t w = 0; w < asked.words(); ++w)
-      for (std::uint64_t bits = asked.row(y)[w]; bits != 0; bits &= bits - 1) {
-        colors.go_to(y);
-        solve(static_cast<int>(64 * w) + std::countr_zero(bits), y);
-      }
+    for_each_bit(asked, y, [&](int x) {
+      colors.go_to(y);
+      solve(x, y);
+    });
 }
 
 }  // namespace floatstage::matting

@@ -2,7 +2,6 @@
 // ADR:     0170
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -31,9 +30,10 @@ bool is_black(const BackingField& stage, const Image& rgb, const Image& alpha) {
   bits_of(alpha, box, 128, subject);
   long sum = 0, count = 0;
   for (int y = 0; y < subject.height(); ++y)
-    for (std::size_t w = 0; w < subject.words(); ++w)
-      for (std::uint64_t bits = subject.row(y)[w]; bits != 0; bits &= bits - 1, ++count)
-        sum += grey_of(rgb.at(box.x0 + static_cast<int>(64 * w) + std::countr_zero(bits), box.y0 + y));
+    for_each_bit(subject, y, [&](int x) {
+      sum += grey_of(rgb.at(box.x0 + x, box.y0 + y));
+      ++count;
+    });
   return count == 0 || stage.grey() * kBrighter <= static_cast<double>(sum) / static_cast<double>(count);
 }
 

@@ -1,18 +1,19 @@
 // Method:  one cut between the colours of a key's two sides
 // Paper:   C. Rother, V. Kolmogorov, A. Blake, "GrabCut", 2004
 // Differs: a key in the place of the user, once; histograms on a square-root scale
-// ADR:     0170
+// ADR:     0170, 0347
 
 #include "matting/keyers/second_look.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include <opencv2/imgproc.hpp>
+#include <limits>
+#include <vector>
 
 #include "matting/color_model.h"
 #include "matting/frame_cut.h"
+#include "matting/keyers/alpha_bits.h"
 
 namespace floatstage::matting {
 namespace {
@@ -22,60 +23,123 @@ constexpr float kWord = 2.5f;    // log-odds of the key's own word
 constexpr float kMost = 4;       // log-odds of a colour, at most
 constexpr double kSmooth = 3;    // as for clips (video/clip_cut.h)
 
-Image square_roots(const Image& picture) {
-  std::array<std::uint8_t, 256> table;
+using Table = std::array<std::uint8_t, 256>;
+
+Table square_roots() {
+  Table table;
   for (std::size_t v = 0; v < table.size(); ++v)
     table[v] = static_cast<std::uint8_t>(std::lround(std::sqrt(255.0 * static_cast<double>(v))));
-  Image roots = picture;
-  for (std::uint8_t& v : roots.pixels) v = table[v];
-  return roots;
+  return table;
 }
 
-cv::Mat square(int radius) {
-  return cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1});
-}
+// How often colours occur on either side, and what that says of a colour.
+class Sides {
+ public:
+  explicit Sides(const Table& roots) {
+    for (std::size_t v = 0; v < roots.size(); ++v) {
+      const std::uint8_t red[] = {roots[v], 0, 0}, green[] = {0, roots[v], 0}, blue[] = {0, 0, roots[v]};
+      bins_[0][v] = static_cast<std::uint16_t>(ColorModel::bin(red));
+      bins_[1][v] = static_cast<std::uint16_t>(ColorModel::bin(green));
+      bins_[2][v] = static_cast<std::uint16_t>(ColorModel::bin(blue));
+    }
+  }
+
+  void learn(const Image& picture, const BitRows& subject, const BitRows& stage) {
+    count(picture, subject, subject_);
+    count(picture, stage, stage_);
+  }
+  float odds(const std::uint8_t* rgb) {
+    float& odds = odds_[bin(rgb)];
+    if (std::isnan(odds)) {
+      const float ratio = subject_.likelihood(bin(rgb)) / stage_.likelihood(bin(rgb));
+      odds = std::clamp(std::log(ratio), -kMost, kMost);
+    }
+    return odds;
+  }
+
+ private:
+  std::size_t bin(const std::uint8_t* rgb) const {
+    return static_cast<std::size_t>(bins_[0][rgb[0]] + bins_[1][rgb[1]] + bins_[2][rgb[2]]);
+  }
+  void count(const Image& picture, const BitRows& where, ColorModel& model) const {
+    // Neighbours often have the same colour: counting them in turns saves waiting for the last count.
+    std::vector<std::uint32_t> counts[2];
+    for (auto& c : counts) c.resize(ColorModel::kBins);
+    for (int y = 0; y < where.height(); ++y) {
+      const std::uint8_t* row = picture.at(0, y);
+      for_each_bit(where, y, [&](int x) { ++counts[x % 2][bin(row + 3 * x)]; });
+    }
+    for (std::size_t b = 0; b < ColorModel::kBins; ++b)
+      model.add(b, static_cast<float>(counts[0][b] + counts[1][b]));
+    model.finish();
+  }
+
+  std::array<std::array<std::uint16_t, 256>, 3> bins_;
+  ColorModel subject_, stage_;
+  std::vector<float> odds_ = std::vector<float>(ColorModel::kBins, std::numeric_limits<float>::quiet_NaN());
+};
 
 }  // namespace
 
 Image second_look(const Image& picture, const Image& key) {
-  const cv::Mat alpha(key.height, key.width, CV_8U, const_cast<std::uint8_t*>(key.pixels.data()));
-  const cv::Mat subject = alpha >= 128;
-  const int reach = std::max(1, static_cast<int>(std::lround(kReach * std::max(key.width, key.height))));
-  cv::Mat inside, around;
-  cv::erode(subject, inside, square(std::max(1, reach / 10)));
-  cv::dilate(subject, around, square(reach));
-  if (cv::countNonZero(inside) == 0 || cv::countNonZero(around == 0) == 0) return key;
-
-  const Image roots = square_roots(picture);
-  ColorModel of_subject, of_stage;
-  const auto in_rim = [&](std::size_t p) {
-    const int x = static_cast<int>(p % static_cast<std::size_t>(key.width)),
-              y = static_cast<int>(p / static_cast<std::size_t>(key.width));
-    return x < reach || y < reach || x >= key.width - reach || y >= key.height - reach;
-  };
-  for (std::size_t p = 0; p < key.pixels.size(); ++p) {
-    const bool rim = in_rim(p);
-    if (inside.data[p] && !rim) of_subject.add(roots.pixels.data() + 3 * p);
-    if (rim || !around.data[p]) of_stage.add(roots.pixels.data() + 3 * p);
+  const int w = key.width, h = key.height;
+  const int reach = std::max(1, static_cast<int>(std::lround(kReach * std::max(w, h))));
+  BitMorphology morphology;
+  BitRows subject, inside, around, stage, rim;
+  bits_of(key, {0, 0, w, h}, 128, subject);
+  erode_square(morphology, subject, std::max(1, reach / 10), inside);
+  dilate_square(morphology, subject, reach, around);
+  const BitBox asked = bounding_box(around);
+  rim.resize(w, h);
+  rim.clear();
+  stage.resize(w, h);
+  bool any_stage = false;
+  for (int y = 0; y < h; ++y) {
+    if (y < reach || y >= h - reach || 2 * reach >= w) {
+      rim.set(y, 0, w);
+    } else {
+      rim.set(y, 0, reach);
+      rim.set(y, w - reach, w);
+    }
+    for (std::size_t i = 0; i < stage.words(); ++i) stage.row(y)[i] = ~around.row(y)[i];
+    stage.trim(y);
+    any_stage = any_stage || any_between(stage.row(y), 0, w);
   }
-  of_subject.finish();
-  of_stage.finish();
+  if (bounding_box(inside).empty() || !any_stage) return key;
+  for (std::size_t i = 0; i < stage.all().size(); ++i) {
+    stage.all()[i] |= rim.all()[i];
+    inside.all()[i] &= ~rim.all()[i];
+  }
+  const Table roots = square_roots();
+  Sides sides(roots);
+  sides.learn(picture, inside, stage);
 
+  // What is asked, and the neighbours of that.
+  const BitBox box = grown(asked, 1, around);
+  Image part(box.x1 - box.x0, box.y1 - box.y0, 3);
   CutEvidence evidence;
-  evidence.odds.assign(key.pixels.size(), -kWord);
-  evidence.asked.assign(around.data, around.data + key.pixels.size());
-  for (std::size_t p = 0; p < key.pixels.size(); ++p) {
-    if (!evidence.asked[p]) continue;
-    const std::uint8_t* c = roots.pixels.data() + 3 * p;
-    const float word = in_rim(p) ? -kWord : kWord * (static_cast<float>(key.pixels[p]) / 127.5f - 1);
-    evidence.odds[p] =
-        word + std::clamp(std::log(of_subject.likelihood(c) / of_stage.likelihood(c)), -kMost, kMost);
+  evidence.odds.assign(part.pixels.size() / 3, -kWord);
+  evidence.asked.assign(part.pixels.size() / 3, 0);
+  for (int y = 0; y < part.height; ++y) {
+    const int py = box.y0 + y;
+    const std::uint8_t *from = picture.at(box.x0, py), *alpha = key.at(box.x0, py);
+    std::uint8_t* to = part.at(0, y);
+    for (int i = 0; i < 3 * part.width; ++i) to[i] = roots[from[i]];
+    const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(part.width);
+    for_each_bit(around, py, [&](int px) {
+      const int x = px - box.x0;
+      const float word = rim.at(px, py) ? -kWord : kWord * (static_cast<float>(alpha[x]) / 127.5f - 1);
+      evidence.odds[first + static_cast<std::size_t>(x)] = word + sides.odds(from + 3 * x);
+      evidence.asked[first + static_cast<std::size_t>(x)] = 1;
+    });
   }
-  const Image cut = cut_frame(roots, evidence, kSmooth);
+  const Image cut = cut_frame(part, evidence, kSmooth);
   Image out = key;
-  for (std::size_t p = 0; p < out.pixels.size(); ++p) {
-    const bool was = key.pixels[p] >= 128, is = cut.pixels[p] >= 128;
-    if (was != is) out.pixels[p] = is ? 255 : 0;
+  for (int y = 0; y < part.height; ++y) {
+    const std::uint8_t* decided = cut.at(0, y);
+    std::uint8_t* alpha = out.at(box.x0, box.y0 + y);
+    for (int x = 0; x < part.width; ++x)
+      if ((alpha[x] >= 128) != (decided[x] >= 128)) alpha[x] = decided[x] >= 128 ? 255 : 0;
   }
   return out;
 }

@@ -1,6 +1,6 @@
 // Method:  what is no cloth at the rim, as a backing of its own; then the colours of either side
 // Paper:   see matting/keyers/backing_field.h and second_look.h
-// ADR:     0170
+// ADR:     0170, 0347
 
 #include "matting/keyers/walls.h"
 
@@ -8,6 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "matting/keyers/alpha_bits.h"
 #include "matting/keyers/rim_check.h"
 #include "matting/keyers/second_look.h"
 
@@ -78,17 +79,22 @@ Image Walls::key(const Image& picture, const Image& cloth, const CleanupOptions&
   Image filled = alpha;
   field_.fill_holes(picture, filled);
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
-    if (cloth.pixels[i] >= 128) alpha.pixels[i] = filled.pixels[i];
+    alpha.pixels[i] = cloth.pixels[i] >= 128 ? filled.pixels[i] : alpha.pixels[i];
   return alpha;
 }
 
 void Walls::solve_edges(const Image& picture, const Image& cloth, const Image& key, Image& alpha) const {
-  cv::Mat wall = (in_place(cloth) >= 128) & (in_place(key) < 128);
-  const int by = 2 * field_.cell(key.width) + 1;
-  cv::dilate(wall, wall, cv::getStructuringElement(cv::MORPH_RECT, {by, by}));
   Image solved = key;
   field_.solve_edges(picture, solved);
-  in_place(solved).copyTo(in_place(alpha), wall);
+  const BitBox whole{0, 0, key.width, key.height};
+  BitMorphology morphology;
+  BitRows subject, wall, near;
+  bits_of(key, whole, 128, subject);
+  bits_of(cloth, whole, 128, wall);
+  for (std::size_t i = 0; i < wall.all().size(); ++i) wall.all()[i] &= ~subject.all()[i];
+  dilate_square(morphology, wall, field_.cell(key.width), near);
+  for (int y = 0; y < key.height; ++y)
+    for_each_bit(near, y, [&](int x) { *alpha.at(x, y) = *solved.at(x, y); });
 }
 
 }  // namespace floatstage::matting
