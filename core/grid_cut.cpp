@@ -15,20 +15,34 @@
 namespace floatstage {
 namespace {
 
-constexpr std::uint8_t kRoot = 8, kNone = 9, kOrphan = 10;  // of Node::parent, beside directions
 constexpr int kFar = std::numeric_limits<int>::max();
 
 constexpr unsigned back(unsigned direction) { return direction ^ 1U; }
 
 }  // namespace
 
-GridCut::GridCut(int width, int height)
-    : stride_(width + 2), offsets_{1,           -1,           stride_,     -stride_,
-                                   stride_ + 1, -stride_ - 1, stride_ - 1, -stride_ + 1} {
-  FLOATSTAGE_CHECK(width > 0 && height > 0, "a grid of pixels");
-  const std::size_t count = static_cast<std::size_t>(stride_) * (static_cast<std::size_t>(height) + 2);
-  nodes_.resize(count);
-  excess_.resize(count);
+GridCut::GridCut(int width, int height, std::span<const std::uint8_t> members)
+    : stride_(width + 2),
+      size_(static_cast<std::size_t>(stride_) * (static_cast<std::size_t>(height) + 2)),
+      offsets_{1, -1, stride_, -stride_, stride_ + 1, -stride_ - 1, stride_ - 1, -stride_ + 1},
+      nodes_(std::make_unique_for_overwrite<Node[]>(size_)),
+      trees_(size_) {
+  FLOATSTAGE_CHECK(width > 0 && height > 0 && members.size() == size_, "a grid of pixels with a border");
+  const int rows = height + 2;
+  std::vector<std::uint8_t> near(static_cast<std::size_t>(stride_));
+  for (int y = 0; y < rows; ++y) {
+    const std::uint8_t* own = members.data() + static_cast<std::ptrdiff_t>(y) * stride_;
+    const std::uint8_t *above = y > 0 ? own - stride_ : own, *below = y + 1 < rows ? own + stride_ : own;
+    std::uint8_t* any = near.data();
+    for (int x = 0; x < stride_; ++x) any[x] = above[x] | own[x] | below[x];
+    for (int x = 0; x < stride_; ++x)
+      if (any[x] != 0 || (x > 0 && any[x - 1] != 0) || (x + 1 < stride_ && any[x + 1] != 0)) {
+        Node& n = at(y * stride_ + x);
+        n = {};
+        n.distance = 1;
+        n.parent = kNone;
+      }
+  }
 }
 
 void GridCut::wake(int node) {
@@ -38,24 +52,18 @@ void GridCut::wake(int node) {
 }
 
 // Nothing can grow from a root whose neighbours are roots of its tree, until one of them is an orphan; and
-// whoever finds no parent wakes those around it.
-bool GridCut::among_its_like(int node) const {
-  const auto* e = excess_.data() + node;
-  const bool source = *e > 0;
-  for (const int offset : offsets_)
-    if (e[offset] == 0 || (e[offset] > 0) != source) return false;
-  return true;
-}
-
+// whoever finds no parent wakes those around it. So such roots do not wait in the queue.
 void GridCut::start() {
-  const int last = static_cast<int>(nodes_.size()) - stride_ - 1;
-  for (int i = stride_ + 1; i < last; ++i) {
-    Node& n = at(i);
-    const std::int32_t e = excess(i);
-    n.distance = 1;
-    n.tree = e > 0 ? Tree::Source : e < 0 ? Tree::Sink : Tree::Free;
-    n.parent = e != 0 ? kRoot : kNone;
-    if (e != 0 && !among_its_like(i)) wake(i);
+  const auto stride = static_cast<std::size_t>(stride_);
+  std::vector<std::uint8_t> like(stride), other(stride);
+  for (std::size_t row = stride; row + stride < size_; row += stride) {
+    const std::uint8_t* t = trees_.data() + row;
+    std::uint8_t *all = like.data(), *tree = other.data();
+    // A set bit that all nine have says which tree they are in.
+    for (std::size_t x = 0; x < stride; ++x) tree[x] = t[x - stride] & t[x] & t[x + stride];
+    for (std::size_t x = 1; x + 1 < stride; ++x) all[x] = tree[x - 1] & tree[x] & tree[x + 1];
+    for (std::size_t x = 1; x + 1 < stride; ++x)
+      if (t[x] != 0 && all[x] == 0) wake(static_cast<int>(row + x));
   }
 }
 
@@ -93,14 +101,14 @@ std::int32_t GridCut::bottleneck(int node, unsigned direction) {
     n = neighbour(n, up);
     least = std::min(least, at(n).room[back(up)]);
   }
-  least = std::min(least, excess(n));
+  least = std::min(least, at(n).excess);
   n = neighbour(node, direction);
   while (at(n).parent != kRoot) {
     const unsigned up = at(n).parent;
     least = std::min(least, at(n).room[up]);
     n = neighbour(n, up);
   }
-  return std::min(least, -excess(n));
+  return std::min(least, -at(n).excess);
 }
 
 void GridCut::orphan(int node) {
@@ -121,8 +129,8 @@ void GridCut::push(int node, Tree tree, std::int32_t flow) {
     if (used == 0) orphan(node);
     node = parent;
   }
-  excess(node) += source ? -flow : flow;
-  if (excess(node) == 0) orphan(node);
+  at(node).excess += source ? -flow : flow;
+  if (at(node).excess == 0) orphan(node);
 }
 
 // Along the edge from the source's tree to the sink's.
@@ -215,7 +223,7 @@ std::int64_t GridCut::solve() {
     else
       augment(neighbour(node, met), back(met));
     adopt();
-    if (queue_next_ > nodes_.size()) {  // what is done is forgotten now and then
+    if (queue_next_ > size_) {  // what is done is forgotten now and then
       queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(queue_next_));
       queue_next_ = 0;
     }

@@ -3,58 +3,62 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 namespace floatstage {
 
 /// GraphCut (core/graph_cut.h) of pixels, each joined with its 8 neighbours at a price that is the same both
 /// ways: the same method and the same cut in half the memory, since who is whose neighbour need not be
-/// written down. Pixels without terminals and edges cost nothing but 48 bytes.
+/// written down.
 class GridCut {
  public:
   enum Step : std::uint8_t { Right = 0, Down = 2, DownRight = 4, DownLeft = 6 };
 
-  /// Both > 0.
-  GridCut(int width, int height);
+  /// `members`: width + 2 by height + 2 bytes, 1 for the pixels that are to be cut, 0 for others and along
+  /// the border. Others cost 2 bytes. Both sides > 0.
+  GridCut(int width, int height, std::span<const std::uint8_t> members);
 
-  /// A pixel's name.
+  /// A pixel's name: its place among `members`.
   int node(int x, int y) const { return (y + 1) * stride_ + x + 1; }
-  int next(int node, Step step) const { return node + offsets_[step]; }
-  /// > 0: what cutting it off the source costs; < 0: off the sink. To be called once a pixel.
+  /// > 0: what cutting a member off the source costs; < 0: off the sink. To be called once a member.
   void set_terminal(int node, std::int32_t from_source) {
-    excess_[static_cast<std::size_t>(node)] = from_source;
+    Node& n = at(node);
+    n.excess = from_source;
+    n.tree = from_source > 0 ? Tree::Source : from_source < 0 ? Tree::Sink : Tree::Free;
+    n.parent = from_source != 0 ? kRoot : kNone;
+    trees_.data()[node] = static_cast<std::uint8_t>(n.tree);
   }
-  /// The edge to a neighbour that lies within; >= 0. To be called once a pair.
-  void set_edge(int node, Step step, std::int32_t weight) {
-    at(node).room[step] = weight;
-    at(node + offsets_[step]).room[step + 1] = weight;
+  /// The price of parting a member from a neighbour that is one; >= 0. To be called once a pair.
+  void set_edge(int node, Step step, std::int32_t price) {
+    at(node).room[step] = price;
+    at(node + offsets_[step]).room[step + 1] = price;
   }
-  /// A place to keep a number for an edge until it is set.
-  std::int32_t& kept(int node, Step step) { return at(node).room[step]; }
 
   /// The flow, which is what the cheapest cut costs. To be called once.
   std::int64_t solve();
-  /// After solve().
-  bool on_source_side(int node) const { return nodes_[static_cast<std::size_t>(node)].tree == Tree::Source; }
+  /// After solve(), of a member.
+  bool on_source_side(int node) const { return at(node).tree == Tree::Source; }
 
  private:
   enum class Tree : std::uint8_t { Free, Source, Sink };
+  static constexpr std::uint8_t kRoot = 8, kNone = 9, kOrphan = 10;  // of Node::parent, beside directions
   struct Node {
     // What more may flow to the neighbours: right, left, down, up, down right, up left, down left, up right.
-    std::array<std::int32_t, 8> room{};
-    std::int32_t stamp = 0;     // when `distance` was last right
-    std::int32_t distance = 0;  // to the root
-    Tree tree = Tree::Free;
-    std::uint8_t parent = 0;  // direction of it; or one of the marks in grid_cut.cpp
-    bool active = false;      // waits in the queue
+    std::int32_t room[8];
+    std::int32_t excess;    // > 0: from the source; < 0: to the sink
+    std::int32_t stamp;     // when `distance` was last right
+    std::int32_t distance;  // to the root
+    Tree tree;
+    std::uint8_t parent;  // direction of it, or a mark
+    bool active;          // waits in the queue
   };
 
   Node& at(int node) { return nodes_[static_cast<std::size_t>(node)]; }
   const Node& at(int node) const { return nodes_[static_cast<std::size_t>(node)]; }
-  std::int32_t& excess(int node) { return excess_[static_cast<std::size_t>(node)]; }
   int neighbour(int node, unsigned direction) const { return node + offsets_[direction]; }
   void start();
-  bool among_its_like(int node) const;
   unsigned grow(int node);
   void augment(int node, unsigned direction);
   std::int32_t bottleneck(int node, unsigned direction);
@@ -66,9 +70,10 @@ class GridCut {
   void wake(int node);
 
   int stride_;
+  std::size_t size_;
   std::array<int, 8> offsets_;
-  std::vector<Node> nodes_;           // with a border that nothing is joined to
-  std::vector<std::int32_t> excess_;  // > 0: from the source; < 0: to the sink
+  std::unique_ptr<Node[]> nodes_;    // members and their neighbours are something
+  std::vector<std::uint8_t> trees_;  // at first
   std::vector<int> queue_, orphans_;
   std::size_t queue_next_ = 0;
   std::int32_t now_ = 0;

@@ -13,6 +13,8 @@
 
 #include "core/check.h"
 #include "core/grid_cut.h"
+#include "matting/cut_kernels.h"
+#include "matting/keyers/cloth_kernels.h"
 
 namespace floatstage::matting {
 namespace {
@@ -37,74 +39,127 @@ constexpr Step kAround[] = {{GridCut::DownRight, -1, -1, true}, {GridCut::Down, 
                             {GridCut::Right, 1, 0, false},      {GridCut::Down, 0, 1, false},
                             {GridCut::DownRight, 1, 1, true},   {GridCut::DownLeft, -1, 1, true}};
 
-int difference(const std::uint8_t* a, const std::uint8_t* b) {
-  const int r = a[0] - b[0], g = a[1] - b[1], u = a[2] - b[2];
-  return r * r + g * g + u * u;
-}
-
 int whole(float v) { return v < 0 ? -whole(-v) : static_cast<int>(static_cast<double>(kUnit * v) + 0.5); }
 
-// What parting two pixels costs, by how they differ.
+// What parting two pixels costs, by how they differ; beside each other and over a corner.
 class Prices {
  public:
-  Prices(float beta, float smooth, int most) : beta_(beta), smooth_(smooth) {
-    for (int d = 0; d <= most; ++d) {
+  Prices(float beta, float smooth, std::uint32_t most) : beta_(beta), smooth_(smooth) {
+    for (std::uint32_t d = 0; d <= most; ++d) {
       const float alike = std::exp(-beta * static_cast<float>(d));
-      of_.push_back({price(alike, false), price(alike, true)});
+      for (const bool diagonal : {false, true}) {
+        of_[diagonal].push_back(price(alike, diagonal));
+        whole_[diagonal].push_back(whole(of_[diagonal].back()));
+      }
       if (alike < 0.9f * kFloor) break;  // and so are all that differ more
     }
-    for (const std::array<float, 2>& p : of_) whole_.push_back({whole(p[0]), whole(p[1])});
   }
-  float of(int difference, bool diagonal) const { return of_[place(difference)][diagonal ? 1 : 0]; }
-  int whole_of(int difference, bool diagonal) const { return whole_[place(difference)][diagonal ? 1 : 0]; }
+  /// The largest difference in the tables; what differs more costs the same.
+  std::uint32_t most() const { return static_cast<std::uint32_t>(of_[0].size() - 1); }
+  const int* whole_of(bool diagonal) const { return whole_[diagonal].data(); }
+  float of(int difference, bool diagonal) const {
+    return of_[diagonal][std::min(static_cast<std::size_t>(difference), of_[0].size() - 1)];
+  }
   float of(int difference, bool diagonal, float calm) const {
     return price(std::exp(-beta_ * calm * static_cast<float>(difference)), diagonal);
   }
 
  private:
-  std::size_t place(int difference) const {
-    return std::min(static_cast<std::size_t>(difference), of_.size() - 1);
-  }
   float price(float alike, bool diagonal) const {
     return smooth_ * std::max(alike, kFloor) / (diagonal ? 1.41421356f : 1);
   }
   float beta_, smooth_;
-  std::vector<std::array<float, 2>> of_;
-  std::vector<std::array<int, 2>> whole_;
+  std::array<std::vector<float>, 2> of_;
+  std::array<std::vector<int>, 2> whole_;
 };
 
-// The pixels that are asked, in a box of their own.
-struct Asked {
-  int x0, y0, x1, y1;
-  std::size_t stride;
-  std::vector<std::uint8_t> is;   // 1 where asked; with a border around the box
+// The pixels that are asked, in a box of their own with a border around it.
+class Asked {
+ public:
+  int x0, y0, x1 = 0, y1 = 0;     // of the box
+  std::vector<std::uint8_t> is;   // 1 where asked
   std::vector<std::uint8_t> all;  // 1 where all neighbours are as well
 
-  Asked(const std::vector<std::uint8_t>& asked, int width, int height) : x0(width), y0(height), x1(0), y1(0) {
-    const auto here = [&](int x, int y) {
-      const std::uint8_t v =
-          asked[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
-      return v != 0 && v != kSubject;
-    };
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x)
-        if (here(x, y)) x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = y + 1;
+  Asked(const std::vector<std::uint8_t>& asked, const Image& picture)
+      : x0(picture.width), y0(picture.height), width_(picture.width), height_(picture.height) {
+    const auto is_asked = [](std::uint8_t v) { return v != 0 && v != kSubject; };
+    for (int y = 0; y < height_; ++y) {
+      const std::uint8_t *row = asked.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_),
+                         *end = row + width_, *first = std::find_if(row, end, is_asked);
+      if (first == end) continue;
+      while (!is_asked(end[-1])) --end;
+      x0 = std::min(x0, static_cast<int>(first - row));
+      x1 = std::max(x1, static_cast<int>(end - row));
+      y0 = std::min(y0, y);
+      y1 = y + 1;
+    }
     if (none()) return;
-    stride = static_cast<std::size_t>(x1 - x0) + 2;
-    is.resize(stride * (static_cast<std::size_t>(y1 - y0) + 2));
+    stride_ = static_cast<std::size_t>(x1 - x0) + 2;
+    is.resize(stride_ * (static_cast<std::size_t>(y1 - y0) + 2));
     all.resize(is.size());
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x) is[place(x, y)] = here(x, y) ? 1 : 0;
-    for (std::size_t i = stride + 1; i + stride + 1 < is.size(); ++i) {
-      const std::uint8_t *up = &is[i - stride], *own = &is[i], *down = &is[i + stride];
-      all[i] = up[-1] & up[0] & up[1] & own[-1] & own[1] & down[-1] & down[0] & down[1];
+    for (int y = y0; y < y1; ++y) {
+      const std::uint8_t* from =
+          asked.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + x0;
+      std::transform(from, from + (x1 - x0), is.data() + place(x0, y),
+                     [&](std::uint8_t v) { return static_cast<std::uint8_t>(is_asked(v)); });
+    }
+    const std::uint8_t* own = is.data();
+    std::uint8_t* out = all.data();
+    for (std::size_t i = stride_ + 1; i + stride_ + 1 < is.size(); ++i) {
+      const std::uint8_t *up = own + i - stride_, *down = own + i + stride_;
+      out[i] = up[-1] & up[0] & up[1] & own[i - 1] & own[i + 1] & down[-1] & down[0] & down[1];
+    }
+    // Its colours, taken apart, and those around it. Vectors read beyond them.
+    for (std::vector<std::uint8_t>& plane : planes_) plane.resize(is.size() + 64);
+    const int left = std::max(x0 - 1, 0), right = std::min(x1 + 1, width_);
+    for (int y = std::max(y0 - 1, 0); y < std::min(y1 + 1, height_); ++y) {
+      const std::size_t to = place(left, y);
+      cloth_kernels().split(picture.at(left, y), static_cast<std::size_t>(right - left),
+                            planes_[0].data() + to, planes_[1].data() + to, planes_[2].data() + to);
     }
   }
   bool none() const { return x1 <= x0; }
   std::size_t place(int x, int y) const {
-    return static_cast<std::size_t>(y - y0 + 1) * stride + static_cast<std::size_t>(x - x0 + 1);
+    return static_cast<std::size_t>(y - y0 + 1) * stride_ + static_cast<std::size_t>(x - x0 + 1);
   }
-  bool at(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1 && is[place(x, y)] != 0; }
+  std::ptrdiff_t offset(const Step& s) const { return s.dy * static_cast<std::ptrdiff_t>(stride_) + s.dx; }
+  int difference(std::size_t p, std::size_t q) const {
+    int sum = 0;
+    for (const std::vector<std::uint8_t>& plane : planes_)
+      sum += (plane[p] - plane[q]) * (plane[p] - plane[q]);
+    return sum;
+  }
+  /// Of the pixels of a row of the box and their neighbours over a step.
+  void differences(int y, const Step& s, std::uint32_t most, std::uint32_t* out) const {
+    const std::uint8_t *own[3], *next[3];
+    at(place(x0, y), own);
+    at(place(x0, y) + static_cast<std::size_t>(offset(s)), next);
+    cut_kernels().differences(own, next, static_cast<std::size_t>(x1 - x0), most, out);
+  }
+  /// Of all pairs of neighbours of which one is asked.
+  CutKernels::Contrast contrast() const {
+    CutKernels::Contrast sum;
+    const int left = std::max(x0 - 1, 0), right = std::min(x1 + 1, width_);
+    for (int y = std::max(y0 - 1, 0); y < std::min(y1 + 1, height_); ++y)
+      for (const Step& s : kSteps) {
+        if (y + s.dy >= std::min(y1 + 1, height_)) continue;
+        const int from = left + (s.dx < 0 ? 1 : 0), count = right - left - (s.dx != 0 ? 1 : 0);
+        const std::size_t p = place(from, y), q = p + static_cast<std::size_t>(offset(s));
+        const std::uint8_t *own[3], *next[3];
+        at(p, own);
+        at(q, next);
+        cut_kernels().add(own, next, is.data() + p, is.data() + q, static_cast<std::size_t>(count), sum);
+      }
+    return sum;
+  }
+
+ private:
+  void at(std::size_t p, const std::uint8_t* out[3]) const {
+    for (std::size_t k = 0; k < 3; ++k) out[k] = planes_[k].data() + p;
+  }
+  int width_, height_;
+  std::size_t stride_ = 0;
+  std::array<std::vector<std::uint8_t>, 3> planes_;
 };
 
 }  // namespace
@@ -115,76 +170,73 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
                        evidence.odds.size() == static_cast<std::size_t>(w) * static_cast<std::size_t>(h),
                    "evidence of the picture's size");
   Image out(w, h, 1);
-  for (std::size_t p = 0; p < out.pixels.size(); ++p)
-    if (evidence.asked[p] == kSubject) out.pixels[p] = 255;
-  const Asked asked(evidence.asked, w, h);
+  std::transform(evidence.asked.begin(), evidence.asked.end(), out.pixels.begin(),
+                 [](std::uint8_t v) { return static_cast<std::uint8_t>(v == kSubject ? 255 : 0); });
+  const Asked asked(evidence.asked, picture);
   if (asked.none()) return out;
-  const auto pixel = [&](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
-  };
-  const auto each_asked = [&](const auto& what) {
-    for (int y = asked.y0; y < asked.y1; ++y)
-      for (int x = asked.x0; x < asked.x1; ++x)
-        if (asked.is[asked.place(x, y)]) what(x, y, asked.all[asked.place(x, y)] != 0);
-  };
-  const auto each_settled_neighbour = [&](int x, int y, const auto& what) {
-    for (const Step& s : kAround)
-      if (x + s.dx >= 0 && x + s.dx < w && y + s.dy >= 0 && y + s.dy < h && !asked.at(x + s.dx, y + s.dy))
-        what(x + s.dx, y + s.dy, s.diagonal);
-  };
-
-  GridCut graph(asked.x1 - asked.x0, asked.y1 - asked.y0);
-  const auto node = [&](int x, int y) { return graph.node(x - asked.x0, y - asked.y0); };
-  std::int64_t contrast = 0, pairs = 0;
-  int most = 0;
-  const auto add = [&](int d) {
-    contrast += d;
-    most = std::max(most, d);
-    ++pairs;
-  };
-  each_asked([&](int x, int y, bool all) {
-    const std::uint8_t* own = picture.at(x, y);
-    for (const Step& s : kSteps) {
-      if (!all && !asked.at(x + s.dx, y + s.dy)) continue;
-      const int d = difference(own, own + 3 * (s.dy * w + s.dx));
-      graph.kept(node(x, y), s.step) = d;
-      add(d);
-    }
-    if (!all)
-      each_settled_neighbour(x, y, [&](int nx, int ny, bool) { add(difference(own, picture.at(nx, ny))); });
-  });
+  const CutKernels::Contrast contrast = asked.contrast();
   const float beta =
-      contrast > 0 ? static_cast<float>(static_cast<double>(pairs) / (2 * static_cast<double>(contrast))) : 0;
-
-  const Prices prices(beta, static_cast<float>(smooth), most);
-  const auto calm = [&](std::size_t p, std::size_t q) {
-    return std::min(evidence.calm[p], evidence.calm[q]);
-  };
+      contrast.sum > 0
+          ? static_cast<float>(static_cast<double>(contrast.pairs) / (2 * static_cast<double>(contrast.sum)))
+          : 0;
   const bool calm_everywhere = evidence.calm.empty();
-  each_asked([&](int x, int y, bool all) {
-    const int own = node(x, y);
-    const std::size_t p = pixel(x, y);
-    for (const Step& s : kSteps) {
-      if (!all && !asked.at(x + s.dx, y + s.dy)) continue;
-      const int d = graph.kept(own, s.step);
-      graph.set_edge(own, s.step,
-                     calm_everywhere ? prices.whole_of(d, s.diagonal)
-                                     : whole(prices.of(d, s.diagonal, calm(p, pixel(x + s.dx, y + s.dy)))));
+  const Prices prices(beta, static_cast<float>(smooth), contrast.most);
+  const int columns = asked.x1 - asked.x0;
+  GridCut graph(columns, asked.y1 - asked.y0, asked.is);
+  std::array<std::vector<std::uint32_t>, 4> rows;  // of differences
+  for (std::vector<std::uint32_t>& row : rows) row.resize(static_cast<std::size_t>(columns) + 16);
+
+  for (int y = asked.y0; y < asked.y1; ++y) {
+    const std::size_t first = asked.place(asked.x0, y);
+    const auto pixel = [&](int x, int row) {
+      return static_cast<std::size_t>(row) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
+    };
+    const auto price = [&](int x, const Step& s) {
+      const std::size_t p = asked.place(x, y), q = p + static_cast<std::size_t>(asked.offset(s));
+      const int d = asked.difference(p, q);
+      return calm_everywhere
+                 ? prices.of(d, s.diagonal)
+                 : prices.of(d, s.diagonal,
+                             std::min(evidence.calm[pixel(x, y)], evidence.calm[pixel(x + s.dx, y + s.dy)]));
+    };
+    const std::uint8_t *is = asked.is.data() + first, *all = asked.all.data() + first;
+    const float* odds = evidence.odds.data() + pixel(asked.x0, y);
+    for (int x = 0; x < columns; ++x) {
+      if (is[x] == 0) continue;
+      float sum = odds[x];
+      if (all[x] == 0)
+        for (const Step& s : kAround) {
+          const int nx = asked.x0 + x + s.dx, ny = y + s.dy;
+          if (is[x + asked.offset(s)] != 0 || nx < 0 || nx >= w || ny < 0 || ny >= h) continue;
+          const float more = price(asked.x0 + x, s);
+          sum += evidence.asked[pixel(nx, ny)] == kSubject ? more : -more;
+        }
+      graph.set_terminal(static_cast<int>(first) + x, whole(sum));
     }
-    float odds = evidence.odds[p];
-    if (!all)
-      each_settled_neighbour(x, y, [&](int nx, int ny, bool diagonal) {
-        const int d = difference(picture.at(x, y), picture.at(nx, ny));
-        const std::size_t q = pixel(nx, ny);
-        const float price = calm_everywhere ? prices.of(d, diagonal) : prices.of(d, diagonal, calm(p, q));
-        odds += evidence.asked[q] == kSubject ? price : -price;
-      });
-    graph.set_terminal(own, whole(odds));
-  });
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Step& s = kSteps[k];
+      const std::uint8_t* next = is + asked.offset(s);
+      if (!calm_everywhere) {
+        for (int x = 0; x < columns; ++x)
+          if ((is[x] & next[x]) != 0)
+            graph.set_edge(static_cast<int>(first) + x, s.step, whole(price(asked.x0 + x, s)));
+        continue;
+      }
+      asked.differences(y, s, prices.most(), rows[k].data());
+      const std::uint32_t* row = rows[k].data();
+      const int* table = prices.whole_of(s.diagonal);
+      for (int x = 0; x < columns; ++x)
+        if ((is[x] & next[x]) != 0) graph.set_edge(static_cast<int>(first) + x, s.step, table[row[x]]);
+    }
+  }
   graph.solve();
-  each_asked([&](int x, int y, bool) {
-    if (graph.on_source_side(node(x, y))) *out.at(x, y) = 255;
-  });
+  for (int y = asked.y0; y < asked.y1; ++y) {
+    const auto first = static_cast<int>(asked.place(asked.x0, y));
+    const std::uint8_t* is = asked.is.data() + first;
+    std::uint8_t* to = out.at(asked.x0, y);
+    for (int x = 0; x < columns; ++x)
+      if (is[x] != 0 && graph.on_source_side(first + x)) to[x] = 255;
+  }
   return out;
 }
 

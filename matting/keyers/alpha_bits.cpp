@@ -1,3 +1,5 @@
+// Bytes become bits in vectors, compiled once for every instruction set that Highway knows here.
+
 #include "matting/keyers/alpha_bits.h"
 
 #include <algorithm>
@@ -5,37 +7,65 @@
 #include <cstring>
 #include <utility>
 
-namespace floatstage::matting {
+#include "core/instruction_sets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "matting/keyers/alpha_bits.cpp"
+#include <hwy/foreach_target.h>  // NOLINT: includes this file again
+#include <hwy/highway.h>
+
+#include "core/kernel_tables.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace floatstage::matting::HWY_NAMESPACE {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the first byte of a word is its lowest");
+namespace hn = hwy::HWY_NAMESPACE;
 
-// Bit i: byte i of eight is at least `level`.
-std::uint64_t bits_of_eight(std::uint64_t bytes, std::uint64_t missing) {
-  constexpr std::uint64_t kTop = 0x8080808080808080, kGather = 0x0002040810204081;
-  return (((((bytes & ~kTop) + missing) | bytes) & kTop) * kGather) >> 56;
-}
-
-std::uint64_t load(const std::uint8_t* bytes) {
-  std::uint64_t eight;
-  std::memcpy(&eight, bytes, sizeof eight);
-  return eight;
+// Of whole words.
+void at_least(const std::uint8_t* bytes, std::size_t words, std::uint8_t level, std::uint64_t* out) {
+  const HWY_CAPPED(std::uint8_t, 64) d;
+  const auto least = hn::Set(d, level);
+  auto* to = reinterpret_cast<std::uint8_t*>(out);
+  for (std::size_t x = 0; x < 64 * words; x += hn::Lanes(d)) {
+    const auto v = hn::LoadU(d, bytes + x);
+    hn::StoreMaskBits(d, hn::Eq(hn::Max(v, least), v), to + x / 8);
+  }
 }
 
 }  // namespace
 
+void table(BitKernels* out) { *out = {hwy::TargetName(HWY_TARGET), at_least}; }
+
+}  // namespace floatstage::matting::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace floatstage::matting {
+
+HWY_EXPORT(table);
+
+namespace {
+
+void fill_table(BitKernels* out) { HWY_DYNAMIC_DISPATCH(table)(out); }
+
+const BitKernels& bit_kernels() {
+  static const BitKernels best = native_kernels(fill_table);
+  return best;
+}
+
+}  // namespace
+
+std::vector<BitKernels> all_bit_kernels() { return kernels_of_all_sets(fill_table); }
+
 void bits_of_row(const std::uint8_t* bytes, int count, int level, std::uint64_t* out) {
-  const std::uint64_t missing = 0x0101010101010101 * static_cast<std::uint64_t>(128 - level);
-  int x = 0;
-  for (; x + 64 <= count; x += 64) {
-    std::uint64_t word = 0;
-    for (int i = 0; i < 8; ++i) word |= bits_of_eight(load(bytes + x + 8 * i), missing) << (8 * i);
-    *out++ = word;
-  }
-  if (x == count) return;
-  std::uint64_t word = 0;
-  for (int i = 0; x + i < count; ++i) word |= static_cast<std::uint64_t>(bytes[x + i] >= level) << i;
-  *out = word;
+  const auto words = static_cast<std::size_t>(count / 64);
+  bit_kernels().at_least(bytes, words, static_cast<std::uint8_t>(level), out);
+  if (count % 64 == 0) return;
+  std::uint64_t last = 0;
+  for (int i = 0; i < count % 64; ++i)
+    last |= static_cast<std::uint64_t>(bytes[64 * words + static_cast<std::size_t>(i)] >= level) << i;
+  out[words] = last;
 }
 
 void bits_of(const Image& alpha, const BitBox& box, int level, BitRows& out) {
@@ -96,3 +126,4 @@ BitBox bounding_box(const Image& alpha) {
 }
 
 }  // namespace floatstage::matting
+#endif

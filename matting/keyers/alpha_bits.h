@@ -8,7 +8,15 @@
 // Private to the stage: opacity in bytes and where it reaches a level in bits.
 namespace floatstage::matting {
 
-/// Bits of `count` bytes, where they are at least `level`, 1 … 128; bits beyond are 0.
+/// In vectors of whatever the processor has. The same bits on all.
+struct BitKernels {
+  const char* name;  ///< of the instruction set
+  /// Bit x % 64 of word x / 64: byte x is at least `level`. Of 64 * words bytes.
+  void (*at_least)(const std::uint8_t* bytes, std::size_t words, std::uint8_t level, std::uint64_t* out);
+};
+std::vector<BitKernels> all_bit_kernels();  ///< all that it has, for tests
+
+/// Bits of `count` bytes, where they are at least `level`, 1 … 255; bits beyond are 0.
 void bits_of_row(const std::uint8_t* bytes, int count, int level, std::uint64_t* out);
 /// The same of a part of a one-channel picture.
 void bits_of(const Image& alpha, const BitBox& box, int level, BitRows& out);
@@ -24,9 +32,13 @@ BitBox bounding_box(const Image& alpha);
 template <class Take>
 void for_each_bit(const BitRows& picture, int y, const Take& take) {
   const std::uint64_t* row = picture.row(y);
-  for (std::size_t w = 0; w < picture.words(); ++w)
-    for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1)
-      take(static_cast<int>(64 * w) + std::countr_zero(bits));
+  for (std::size_t w = 0; w < picture.words(); ++w) {
+    const int x = static_cast<int>(64 * w);
+    if (row[w] == ~std::uint64_t{0})
+      for (int i = 0; i < 64; ++i) take(x + i);
+    else
+      for (std::uint64_t bits = row[w]; bits != 0; bits &= bits - 1) take(x + std::countr_zero(bits));
+  }
 }
 
 }  // namespace floatstage::matting

@@ -45,6 +45,13 @@ cv::Mat parts_of_rim(const Image& cloth, int rim) {
   return parts;
 }
 
+template <class What>
+void each_pixel(const Image& with, Image& alpha, const What& what) {
+  const std::uint8_t* from = with.pixels.data();
+  std::uint8_t* to = alpha.pixels.data();
+  for (std::size_t i = 0, count = alpha.pixels.size(); i < count; ++i) to[i] = what(from[i], to[i]);
+}
+
 }  // namespace
 
 std::optional<Walls> Walls::learn(const std::vector<Image>& samples, const std::vector<Image>& cloth) {
@@ -72,14 +79,13 @@ std::optional<Walls> Walls::learn(const std::vector<Image>& samples, const std::
 
 Image Walls::key(const Image& picture, const Image& cloth, const CleanupOptions& cleanup) const {
   Image alpha = field_.key(picture);
-  for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
-    alpha.pixels[i] = std::min(alpha.pixels[i], cloth.pixels[i]);
+  each_pixel(cloth, alpha, [](std::uint8_t c, std::uint8_t a) { return std::min(a, c); });
   alpha = clean_up(second_look(picture, clean_up(alpha, cleanup)), cleanup);
-  // Holes before cloth are the cloth key's to judge.
+  // Holes before cloth are the cloth key's to judge: others are full now, or as they were.
   Image filled = alpha;
   field_.fill_holes(picture, filled);
-  for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
-    alpha.pixels[i] = cloth.pixels[i] >= 128 ? filled.pixels[i] : alpha.pixels[i];
+  each_pixel(cloth, filled, [](std::uint8_t c, std::uint8_t f) { return c >= 128 ? f : std::uint8_t{0}; });
+  each_pixel(filled, alpha, [](std::uint8_t f, std::uint8_t a) { return std::max(f, a); });
   return alpha;
 }
 
