@@ -2,15 +2,16 @@
 //          linear in the subject's share
 // Paper:   A. R. Smith, J. F. Blinn, "Blue screen matting", 1996, eq. 1, along one axis
 // Differs: both ends of the axis are means over what is near: no second backing is needed
-// ADR:     0043
+// ADR:     0043, 0347
 
 #include "matting/refine_edges.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
+#include "matting/keyers/alpha_bits.h"
 
 namespace floatstage::matting {
 namespace {
@@ -20,65 +21,81 @@ constexpr int kEdge = 2;                    // px on either side of the key's ed
 constexpr int kHair = 20;                   // px from the subject in which hair is looked for
 constexpr int kNear = 4, kFar = 14;  // px: windows in which the two sides are looked for, first the near one
 
-cv::Mat square(int radius) {
-  return cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1});
-}
-
-// The mean of a measure over the masked pixels in a window around any pixel, by summed-area tables: few
-// pixels ask.
+// The mean of a measure over chosen pixels in a window around any pixel, by summed-area tables of the rows
+// around the one that is asked about: few pixels ask.
 class LocalMean {
  public:
-  LocalMean(const cv::Mat& measure, const cv::Mat& mask) {
-    cv::Mat chosen = cv::Mat::zeros(measure.size(), CV_32F);
-    measure.copyTo(chosen, mask);
-    cv::integral(chosen, sums_, CV_64F);
-    cv::integral(mask, counts_, CV_32S);  // times 255
+  explicit LocalMean(int width, int height)
+      : width_(width), height_(height), room_(static_cast<std::size_t>(width) + 1) {
+    sums_.resize(kRows * room_);
+    counts_.resize(kRows * room_);
   }
 
-  // False, and 0, when no window holds a masked pixel.
+  // The next row of the measure.
+  void add(const float* values, const std::uint64_t* chosen) {
+    const std::size_t above = row(rows_), here = row(++rows_);
+    const double* sums_above = sums_.data() + above;
+    const int* counts_above = counts_.data() + above;
+    double* sums = sums_.data() + here;
+    int* counts = counts_.data() + here;
+    double sum = 0;
+    int count = 0;
+    sums[0] = 0;
+    counts[0] = 0;
+    for (int x = 0; x < width_; ++x) {
+      const auto one = static_cast<int>(chosen[x / 64] >> (x % 64) & 1U);
+      sum += one != 0 ? static_cast<double>(values[x]) : 0;
+      count += one;
+      sums[x + 1] = sums_above[x + 1] + sum;
+      counts[x + 1] = counts_above[x + 1] + count;
+    }
+  }
+  // False, and 0, when no window holds a chosen pixel. Rows up to y + kFar must have been added, if there
+  // are.
   bool at(int x, int y, float& mean) const {
     return window(x, y, kNear, 3, mean) || window(x, y, kFar, 1, mean);
   }
 
  private:
+  static constexpr std::size_t kRows = 2 * kFar + 2;
+  std::size_t row(int y) const { return static_cast<std::size_t>(y) % kRows * room_; }
+
   bool window(int x, int y, int radius, int at_least, float& mean) const {
-    const int x0 = std::max(x - radius, 0), x1 = std::min(x + radius + 1, sums_.cols - 1);
-    const int y0 = std::max(y - radius, 0), y1 = std::min(y + radius + 1, sums_.rows - 1);
-    const int count = box<int>(counts_, x0, y0, x1, y1) / 255;
-    mean = count > 0 ? static_cast<float>(box<double>(sums_, x0, y0, x1, y1) / count) : 0;
+    const int x0 = std::max(x - radius, 0), x1 = std::min(x + radius + 1, width_);
+    const std::size_t top = row(std::max(y - radius, 0)), bottom = row(std::min(y + radius + 1, height_));
+    const int count = box(counts_.data(), top, bottom, x0, x1);
+    mean = count > 0 ? static_cast<float>(box(sums_.data(), top, bottom, x0, x1) / count) : 0;
     return count >= at_least;
   }
-
   template <class T>
-  static T box(const cv::Mat& table, int x0, int y0, int x1, int y1) {
-    const T *top = table.ptr<T>(y0), *bottom = table.ptr<T>(y1);
-    return bottom[x1] - bottom[x0] - top[x1] + top[x0];
+  static T box(const T* table, std::size_t top, std::size_t bottom, int x0, int x1) {
+    return table[bottom + static_cast<std::size_t>(x1)] - table[bottom + static_cast<std::size_t>(x0)] -
+           table[top + static_cast<std::size_t>(x1)] + table[top + static_cast<std::size_t>(x0)];
   }
 
-  cv::Mat sums_, counts_;
+  int width_, height_, rows_ = 0;
+  std::size_t room_;
+  std::vector<double> sums_;  // row y: of what lies above it
+  std::vector<int> counts_;
 };
 
 // The doubtful pixels that hang together with the subject and are not far from it.
-cv::Mat hair_of(const cv::Mat& subject, const cv::Mat& doubt) {
-  cv::Mat reach, labels;
-  cv::dilate(subject, reach, square(kHair));
-  const cv::Mat candidates = (doubt | subject) & reach;
-  const int count = cv::connectedComponents(candidates, labels, 8, CV_32S, cv::CCL_SAUF);
-  std::vector<std::uint8_t> touched(static_cast<std::size_t>(count), 0);
-  for (int y = 0; y < labels.rows; ++y) {
-    const std::uint8_t* in = subject.ptr<std::uint8_t>(y);
-    const int* label = labels.ptr<int>(y);
-    for (int x = 0; x < labels.cols; ++x)
-      if (in[x]) touched[static_cast<std::size_t>(label[x])] = 255;
+BitRows hair_of(const BitRows& subject, BitRows candidates, BitMorphology& morphology) {
+  BitRows reach;
+  morphology.dilate(subject, kHair, reach);
+  for (std::size_t i = 0; i < reach.all().size(); ++i)
+    candidates.all()[i] = (candidates.all()[i] | subject.all()[i]) & reach.all()[i];
+  BitComponents parts;
+  parts.find(candidates, bounding_box(candidates), true);
+  std::vector<std::uint8_t> touched(parts.components().size(), 0);
+  for (const BitRun& run : parts.runs()) {
+    std::uint8_t& is = touched[static_cast<std::size_t>(run.component)];
+    if (is == 0) is = any_between(subject.row(run.y), run.x0, run.x1) ? 1 : 0;
   }
-  touched[0] = 0;
-  cv::Mat hair(labels.size(), CV_8U);
-  for (int y = 0; y < labels.rows; ++y) {
-    const int* label = labels.ptr<int>(y);
-    std::uint8_t* out = hair.ptr<std::uint8_t>(y);
-    for (int x = 0; x < labels.cols; ++x) out[x] = touched[static_cast<std::size_t>(label[x])];
-  }
-  return hair;
+  candidates.clear();
+  for (const BitRun& run : parts.runs())
+    if (touched[static_cast<std::size_t>(run.component)] != 0) candidates.set(run.y, run.x0, run.x1);
+  return candidates;
 }
 
 // Off the edge, a little opacity is noise of the cloth; half opacity stays half.
@@ -88,38 +105,55 @@ float without_noise(float a) { return a >= 0.5f ? a : std::max(0.0f, (a - 0.25f)
 
 void refine_edges(const BackingMeasure& measure, float contrast, const Image& doubt, Image& alpha) {
   if (alpha.empty()) return;
-  cv::Mat whole(alpha.height, alpha.width, CV_8U, alpha.pixels.data());
-  const cv::Mat whole_doubt(alpha.height, alpha.width, CV_8U, const_cast<std::uint8_t*>(doubt.pixels.data()));
-  cv::Rect box = cv::boundingRect(whole);
+  BitBox box = bounding_box(alpha);
   if (box.empty()) return;
   constexpr int reach = kHair + kFar;
-  box = cv::Rect(box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach) &
-        cv::Rect(0, 0, whole.cols, whole.rows);
-  cv::Mat key = whole(box);
+  box = {std::max(box.x0 - reach, 0), std::max(box.y0 - reach, 0), std::min(box.x1 + reach, alpha.width),
+         std::min(box.y1 + reach, alpha.height)};
+  BitMorphology morphology;
+  BitRows subject, faint, doubtful, inside, edge, outside, asked;
+  bits_of(alpha, box, kSubject, subject);
+  bits_of(alpha, box, kFaint, faint);
+  bits_of(doubt, box, 1, doubtful);
+  const BitRows hair = hair_of(subject, std::move(doubtful), morphology);
+  morphology.erode(subject, kEdge, inside);
+  morphology.dilate(faint, kEdge, edge);
+  outside.resize(subject.width(), subject.height());
+  asked.resize(subject.width(), subject.height());
+  for (std::size_t i = 0; i < asked.all().size(); ++i) {
+    outside.all()[i] = ~(edge.all()[i] | hair.all()[i]);
+    asked.all()[i] = ~(inside.all()[i] | outside.all()[i]);
+  }
 
-  const cv::Mat subject = key >= kSubject, hair = hair_of(subject, whole_doubt(box));
-  cv::Mat inside, edge, values(box.size(), CV_32F);
-  cv::erode(subject, inside, square(kEdge));
-  cv::dilate(key >= kFaint, edge, square(kEdge));
-  const cv::Mat outside = ~(edge | hair);
-  for (int y = 0; y < box.height; ++y) measure(box.y + y, box.x, box.width, values.ptr<float>(y));
-  const LocalMean of_inside(values, inside), of_outside(values, outside);
-
-  for (int y = 0; y < box.height; ++y) {
-    std::uint8_t* row = key.ptr<std::uint8_t>(y);
-    const std::uint8_t *in = inside.ptr<std::uint8_t>(y), *out = outside.ptr<std::uint8_t>(y),
-                       *on_edge = edge.ptr<std::uint8_t>(y);
-    for (int x = 0; x < box.width; ++x) {
-      if (in[x]) row[x] = 255;
-      if (in[x] || out[x]) continue;
-      float f, b;
-      if (!of_outside.at(x, y, b)) continue;
-      of_inside.at(x, y, f);
-      if (std::abs(f - b) < contrast) continue;
-      const float solved = (values.at<float>(y, x) - b) / (f - b);
-      const float opacity = on_edge[x] ? solved : without_noise(solved);
-      row[x] = static_cast<std::uint8_t>(std::clamp(255 * opacity + 0.5f, 0.0f, 255.0f));
+  const int width = subject.width(), height = subject.height();
+  LocalMean of_inside(width, height), of_outside(width, height);
+  // Measures of the rows that are still to be asked about.
+  const auto room = static_cast<std::size_t>(width);
+  std::vector<float> values((kFar + 1) * room);
+  const auto row_of = [&](int y) { return values.data() + static_cast<std::size_t>(y % (kFar + 1)) * room; };
+  for (int next = 0; next < height + kFar; ++next) {
+    if (next < height) {
+      float* row = row_of(next);
+      measure(box.y0 + next, box.x0, width, row);
+      outside.trim(next);
+      of_inside.add(row, inside.row(next));
+      of_outside.add(row, outside.row(next));
     }
+    const int y = next - kFar;
+    if (y < 0) continue;
+    std::uint8_t* out = alpha.at(box.x0, box.y0 + y);
+    const float* value = row_of(y);
+    set_row(inside.row(y), width, 255, out);
+    asked.trim(y);
+    for_each_bit(asked, y, [&](int x) {
+      float f, b;
+      if (!of_outside.at(x, y, b)) return;
+      of_inside.at(x, y, f);
+      if (std::abs(f - b) < contrast) return;
+      const float solved = (value[x] - b) / (f - b);
+      const float opacity = edge.at(x, y) ? solved : without_noise(solved);
+      out[x] = static_cast<std::uint8_t>(std::clamp(255 * opacity + 0.5f, 0.0f, 255.0f));
+    });
   }
 }
 

@@ -74,17 +74,28 @@ void bits_of(const Image& alpha, const BitBox& box, int level, BitRows& out) {
     bits_of_row(alpha.at(box.x0, y), out.width(), level, out.row(y - box.y0));
 }
 
-void set_row(const std::uint64_t* bits, int count, std::uint8_t value, std::uint8_t* bytes) {
-  for (int x = 0; x < count; x += 64) {
-    std::uint64_t word = *bits++;
-    std::uint8_t* to = bytes + x;
-    while (word != 0) {
+namespace {
+
+// take(x, length) for the runs of set bits of a row.
+template <class Take>
+void for_each_run(const std::uint64_t* bits, int count, const Take& take) {
+  for (int x = 0; x < count; x += 64)
+    for (std::uint64_t word = *bits++; word != 0;) {
       const int first = std::countr_zero(word), run = std::countr_one(word >> first);
-      std::memset(to + first, value, static_cast<std::size_t>(run));
+      take(static_cast<std::size_t>(x + first), static_cast<std::size_t>(run));
       if (first + run == 64) break;
       word = word >> (first + run) << (first + run);
     }
-  }
+}
+
+}  // namespace
+
+void set_row(const std::uint64_t* bits, int count, std::uint8_t value, std::uint8_t* bytes) {
+  for_each_run(bits, count, [&](std::size_t x, std::size_t run) { std::memset(bytes + x, value, run); });
+}
+
+void copy_row(const std::uint64_t* bits, int count, const std::uint8_t* from, std::uint8_t* to) {
+  for_each_run(bits, count, [&](std::size_t x, std::size_t run) { std::memcpy(to + x, from + x, run); });
 }
 
 // Made of those that words can do.

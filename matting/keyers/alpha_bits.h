@@ -22,6 +22,8 @@ void bits_of_row(const std::uint8_t* bytes, int count, int level, std::uint64_t*
 void bits_of(const Image& alpha, const BitBox& box, int level, BitRows& out);
 /// Sets the bytes of set bits to `value`.
 void set_row(const std::uint64_t* bits, int count, std::uint8_t value, std::uint8_t* bytes);
+/// Copies the bytes of set bits.
+void copy_row(const std::uint64_t* bits, int count, const std::uint8_t* from, std::uint8_t* to);
 /// Squares of 2 * radius + 1 pixels, of any radius.
 void dilate_square(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out);
 void erode_square(BitMorphology& morphology, const BitRows& in, int radius, BitRows& out);

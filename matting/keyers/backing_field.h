@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "matting/keyers/bit_rows.h"
 #include "matting/keyers/field_kernels.h"
 
 // Private to the stage: surfaces behind the subject that are no cloth of one colour.
@@ -48,6 +49,8 @@ class BackingField {
   /// all as square roots: the rim of a round body is dimmer than its inside. Pixels keep their key where F is
   /// within twice `sigmas` of B, or no inside is near.
   void solve_edges(const Image& picture, Image& alpha) const;
+  /// The same of a key, and only those pixels into `alpha` where `here` has bits.
+  void solve_edges(const Image& picture, const Image& key, const BitRows& here, Image& alpha) const;
 
   /// Standard deviation of a pixel's grey about the backing, in 8-bit steps: the median over the backing.
   float noise() const { return noise_; }
@@ -61,7 +64,8 @@ class BackingField {
   double brightest() const { return brightest_; }
 
  private:
-  class Rows;                           // field_rows.h
+  class Rows;  // field_rows.h
+  void solve_edges(const Image& picture, const Image& key, const BitRows* here, Image& alpha) const;
   friend struct BackingFieldReference;  // of the tests
   friend std::optional<BackingField> learn_field(const std::vector<Image>&, const std::vector<Image>&,
                                                  const FieldOptions&);

@@ -78,15 +78,25 @@ cv::Vec3f roots(const cv::Vec3f& c) {
 }  // namespace
 
 void BackingField::solve_edges(const Image& picture, Image& alpha) const {
+  solve_edges(picture, alpha, nullptr, alpha);
+}
+
+void BackingField::solve_edges(const Image& picture, const Image& key, const BitRows& here,
+                               Image& alpha) const {
+  solve_edges(picture, key, &here, alpha);
+}
+
+void BackingField::solve_edges(const Image& picture, const Image& key, const BitRows* here,
+                               Image& alpha) const {
   const int band = cell(picture.width), near = band + band / 2, far = 2 * band;
-  BitBox box = bounding_box(alpha);
+  BitBox box = bounding_box(key);
   if (box.empty()) return;
   const int by = 4 * band + 1;
   box = {std::max(box.x0 - by, 0), std::max(box.y0 - by, 0), std::min(box.x1 + by, alpha.width),
          std::min(box.y1 + by, alpha.height)};
   BitMorphology morphology;
   BitRows subject, inside, asked;
-  bits_of(alpha, box, 128, subject);
+  bits_of(key, box, 128, subject);
   erode_square(morphology, subject, band, inside);
   dilate_square(morphology, subject, band, asked);
   for (std::size_t i = 0; i < asked.all().size(); ++i) asked.all()[i] &= ~inside.all()[i];
@@ -121,6 +131,7 @@ void BackingField::solve_edges(const Image& picture, Image& alpha) const {
   };
   for (int y = 0; y < asked.height(); ++y)
     for_each_bit(asked, y, [&](int x) {
+      if (here != nullptr && !here->at(box.x0 + x, box.y0 + y)) return;
       colors.go_to(y);
       solve(x, y);
     });

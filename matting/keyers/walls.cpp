@@ -90,8 +90,6 @@ Image Walls::key(const Image& picture, const Image& cloth, const CleanupOptions&
 }
 
 void Walls::solve_edges(const Image& picture, const Image& cloth, const Image& key, Image& alpha) const {
-  Image solved = key;
-  field_.solve_edges(picture, solved);
   const BitBox whole{0, 0, key.width, key.height};
   BitMorphology morphology;
   BitRows subject, wall, near;
@@ -99,8 +97,8 @@ void Walls::solve_edges(const Image& picture, const Image& cloth, const Image& k
   bits_of(cloth, whole, 128, wall);
   for (std::size_t i = 0; i < wall.all().size(); ++i) wall.all()[i] &= ~subject.all()[i];
   dilate_square(morphology, wall, field_.cell(key.width), near);
-  for (int y = 0; y < key.height; ++y)
-    for_each_bit(near, y, [&](int x) { *alpha.at(x, y) = *solved.at(x, y); });
+  for (int y = 0; y < key.height; ++y) copy_row(near.row(y), key.width, key.at(0, y), alpha.at(0, y));
+  field_.solve_edges(picture, key, near, alpha);
 }
 
 }  // namespace floatstage::matting
