@@ -13,13 +13,17 @@ class InsideKeyer : public Keyer {
 
   Result<Matte> key(const Frame& frame) const override {
     if (frame.empty() || frame.layout.format == PixelFormat::Gray8) return keyer_->key(frame);
-    const auto rgb = to_rgb(frame);
-    if (!rgb) return forward(rgb);
-    if (rgb->width <= bars_.left + bars_.right || rgb->height <= bars_.top + bars_.bottom)
-      return keyer_->key(frame);
-    const auto matte = keyer_->key(make_frame(frame.info, inside(*rgb, bars_)));
+    Image rgb;  // unless it is that already, and is looked at where it lies
+    if (frame.layout.format != PixelFormat::Rgb8)
+      if (Result<void> ok = to_rgb(frame, rgb); !ok) return forward(ok);
+    const int width = frame.layout.width, height = frame.layout.height;
+    PixelBox box = floatstage::inside(bars_, width, height);
+    if (box.empty()) return keyer_->key(frame);
+    const auto part = crop(rgb.empty() ? frame : borrowed_frame(frame.info, rgb), box);
+    if (!part) return forward(part);
+    const auto matte = keyer_->key(*part);
     if (!matte) return forward(matte);
-    Image alpha(rgb->width, rgb->height, 1);
+    Image alpha(width, height, 1);
     for (int y = 0; y < matte->height; ++y)
       std::copy_n(matte->row(y), matte->width, alpha.at(bars_.left, bars_.top + y));
     return make_matte(frame.info, alpha);

@@ -13,7 +13,7 @@
 #include "core/text.h"
 #include "matting/foreground.h"
 #include "matting/keyers/backing.h"
-#include "matting/keyers/cloth_measure.h"
+#include "matting/keyers/cloth_kernels.h"
 #include "matting/keyers/keyers.h"
 #include "matting/keyers/rim_check.h"
 #include "matting/keyers/walls.h"
@@ -45,8 +45,7 @@ class ChromaKeyer : public Keyer {
     alpha = walls_ ? walls_->key(*rgb, cloth, cleanup_) : clean_up(alpha, cleanup_);
     if (Result<void> ok = check_rim(alpha, frame.info, "green or blue cloth"); !ok) return forward(ok);
     // Before a wall, what is no cloth is no hair yet.
-    for (std::size_t i = 0; i < cloth.pixels.size(); ++i)
-      if (cloth.pixels[i] >= 128 && alpha.pixels[i] < 128) doubt.pixels[i] = 0;
+    if (walls_) doubt_no_wall(cloth, alpha, doubt);
     const Image key = walls_ ? alpha : Image();
     const auto along_the_cloth = [&](int y, int x0, int count, float* out) {
       const std::uint8_t* p = rgb->at(x0, y);
@@ -86,31 +85,24 @@ class ChromaKeyer : public Keyer {
 
  private:
   void key_cloth(const Image& rgb, Image& alpha, Image& doubt) const {
-    std::vector<float> row(static_cast<std::size_t>(alpha.width) * 3);
-    for (int y = 0; y < alpha.height; ++y) key_row(rgb.at(0, y), row, alpha.at(0, y), doubt.at(0, y));
+    const ClothKernels& kernels = cloth_kernels();
+    const std::size_t count = static_cast<std::size_t>(rgb.width), room = padded(count);
+    std::vector<std::uint8_t> rows(5 * room);
+    std::uint8_t *r = rows.data(), *g = r + room, *b = g + room, *opacity = b + room,
+                 *doubtful = opacity + room;
+    for (int y = 0; y < rgb.height; ++y) {
+      kernels.split(rgb.at(0, y), count, r, g, b);
+      kernels.alphas(measure_, r, g, b, room, opacity, doubtful);
+      std::copy_n(opacity, count, alpha.at(0, y));
+      std::copy_n(doubtful, count, doubt.at(0, y));
+    }
   }
 
-  // The channels are taken apart first (into `planes`, 3 rows) because compilers vectorise the arithmetic
-  // then.
-  void key_row(const std::uint8_t* rgb, std::vector<float>& planes, std::uint8_t* alpha,
-               std::uint8_t* doubt) const {
-    const std::size_t n = planes.size() / 3;
-    float *r = planes.data(), *g = r + n, *b = g + n;
-    for (std::size_t x = 0; x < n; ++x) {
-      r[x] = rgb[3 * x];
-      g[x] = rgb[3 * x + 1];
-      b[x] = rgb[3 * x + 2];
-    }
-    const ClothMeasure measure = measure_;
-    for (std::size_t x = 0; x < n; ++x) {
-      const float value = measure.value(r[x], g[x], b[x]);
-      r[x] = std::min(std::max(value, 0.0f), 255.0f);
-      g[x] = value;
-    }
-    for (std::size_t x = 0; x < n; ++x) {
-      alpha[x] = static_cast<std::uint8_t>(static_cast<int>(r[x]));
-      doubt[x] = g[x] > measure.doubtful ? 255 : 0;
-    }
+  static void doubt_no_wall(const Image& cloth, const Image& key, Image& doubt) {
+    const std::uint8_t *c = cloth.pixels.data(), *k = key.pixels.data();
+    std::uint8_t* out = doubt.pixels.data();
+    for (std::size_t i = 0, count = doubt.pixels.size(); i < count; ++i)
+      out[i] = c[i] >= 128 && k[i] < 128 ? std::uint8_t{0} : out[i];
   }
 
   Rgb key_color_;

@@ -87,6 +87,20 @@ void classify(const ClothMeasure& measure, const std::uint8_t* r, const std::uin
   }
 }
 
+void alphas(const ClothMeasure& measure, const std::uint8_t* r, const std::uint8_t* g, const std::uint8_t* b,
+            std::size_t padded, std::uint8_t* alpha, std::uint8_t* doubt) {
+  const F d;
+  const VF opaque = hn::Set(d, 255.0F), none = hn::Set(d, measure.doubtful);
+  const auto store = [](VF value, std::uint8_t* out) {
+    hn::StoreU(hn::DemoteTo(Bytes(), hn::ConvertTo(I(), value)), Bytes(), out);
+  };
+  for (std::size_t x = 0; x < padded; x += hn::Lanes(d)) {
+    const VF value = value_of(measure, load(r + x), load(g + x), load(b + x));
+    store(hn::Min(hn::Max(value, hn::Zero(d)), opaque), alpha + x);
+    store(hn::IfThenElseZero(hn::Gt(value, none), opaque), doubt + x);
+  }
+}
+
 void quantize(const ColorForm& form, const std::uint8_t* r, const std::uint8_t* g, const std::uint8_t* b,
               std::size_t padded, std::int32_t* out) {
   const F d;
@@ -95,7 +109,7 @@ void quantize(const ColorForm& form, const std::uint8_t* r, const std::uint8_t* 
                I(), out + x);
 }
 
-void table(ClothKernels* out) { *out = {hwy::TargetName(HWY_TARGET), split, classify, quantize}; }
+void table(ClothKernels* out) { *out = {hwy::TargetName(HWY_TARGET), split, classify, alphas, quantize}; }
 
 }  // namespace
 }  // namespace floatstage::matting::HWY_NAMESPACE

@@ -20,6 +20,9 @@ struct ClothKernels {
   void (*classify)(const ClothMeasure& measure, const std::uint8_t* r, const std::uint8_t* g,
                    const std::uint8_t* b, std::size_t padded, std::uint64_t* subject, std::uint64_t* faint,
                    std::uint64_t* doubt);
+  /// The value of padded(count) pixels as opacity, and 255 where it is above `doubtful`, else 0.
+  void (*alphas)(const ClothMeasure& measure, const std::uint8_t* r, const std::uint8_t* g,
+                 const std::uint8_t* b, std::size_t padded, std::uint8_t* alpha, std::uint8_t* doubt);
   /// `form` of `count` RGB pixels in steps of 1 / 64, rounded to the nearest.
   void (*quantize)(const ColorForm& form, const std::uint8_t* r, const std::uint8_t* g, const std::uint8_t* b,
                    std::size_t padded, std::int32_t* out);
