@@ -36,12 +36,8 @@ GridCut::GridCut(int width, int height, std::span<const std::uint8_t> members)
     std::uint8_t* any = near.data();
     for (int x = 0; x < stride_; ++x) any[x] = above[x] | own[x] | below[x];
     for (int x = 0; x < stride_; ++x)
-      if (any[x] != 0 || (x > 0 && any[x - 1] != 0) || (x + 1 < stride_ && any[x + 1] != 0)) {
-        Node& n = at(y * stride_ + x);
-        n = {};
-        n.distance = 1;
-        n.parent = kNone;
-      }
+      if (own[x] == 0 && (any[x] != 0 || (x > 0 && any[x - 1] != 0) || (x + 1 < stride_ && any[x + 1] != 0)))
+        at(y * stride_ + x) = {{}, 0, 0, 1, Tree::Free, kNone, false};
   }
 }
 

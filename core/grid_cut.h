@@ -14,26 +14,21 @@ namespace floatstage {
 /// written down.
 class GridCut {
  public:
-  enum Step : std::uint8_t { Right = 0, Down = 2, DownRight = 4, DownLeft = 6 };
-
   /// `members`: width + 2 by height + 2 bytes, 1 for the pixels that are to be cut, 0 for others and along
   /// the border. Others cost 2 bytes. Both sides > 0.
   GridCut(int width, int height, std::span<const std::uint8_t> members);
 
   /// A pixel's name: its place among `members`.
   int node(int x, int y) const { return (y + 1) * stride_ + x + 1; }
-  /// > 0: what cutting a member off the source costs; < 0: off the sink. To be called once a member.
-  void set_terminal(int node, std::int32_t from_source) {
-    Node& n = at(node);
-    n.excess = from_source;
-    n.tree = from_source > 0 ? Tree::Source : from_source < 0 ? Tree::Sink : Tree::Free;
-    n.parent = from_source != 0 ? kRoot : kNone;
-    trees_.data()[node] = static_cast<std::uint8_t>(n.tree);
-  }
-  /// The price of parting a member from a neighbour that is one; >= 0. To be called once a pair.
-  void set_edge(int node, Step step, std::int32_t price) {
-    at(node).room[step] = price;
-    at(node + offsets_[step]).room[step + 1] = price;
+  /// What more may flow to the neighbours: right, left, down, up, down right, up left, down left, up right.
+  using Room = std::array<std::int32_t, 8>;
+  /// Tells of a member, once. `from_source` > 0: what cutting it off the source costs; < 0: off the sink.
+  /// `prices` of parting it from its neighbours: >= 0, 0 where they are no members, and what they say
+  /// themselves.
+  void set(int node, std::int32_t from_source, const Room& prices) {
+    const Tree tree = from_source > 0 ? Tree::Source : from_source < 0 ? Tree::Sink : Tree::Free;
+    at(node) = {prices, from_source, 0, 1, tree, from_source != 0 ? kRoot : kNone, false};
+    trees_.data()[node] = static_cast<std::uint8_t>(tree);
   }
 
   /// The flow, which is what the cheapest cut costs. To be called once.
@@ -45,8 +40,7 @@ class GridCut {
   enum class Tree : std::uint8_t { Free, Source, Sink };
   static constexpr std::uint8_t kRoot = 8, kNone = 9, kOrphan = 10;  // of Node::parent, beside directions
   struct Node {
-    // What more may flow to the neighbours: right, left, down, up, down right, up left, down left, up right.
-    std::int32_t room[8];
+    Room room;
     std::int32_t excess;    // > 0: from the source; < 0: to the sink
     std::int32_t stamp;     // when `distance` was last right
     std::int32_t distance;  // to the root

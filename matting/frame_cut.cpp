@@ -23,21 +23,15 @@ constexpr float kUnit = 1000;  // whole steps of the cut, which keep it exact an
 constexpr std::uint8_t kSubject = 2;
 constexpr float kFloor = 0.05f;  // of the smoothness: edges are never for nothing
 
-// The neighbours that come later, row by row; opposite ones are next to each other in kAround.
 struct Step {
-  GridCut::Step step;
   int dx, dy;
   bool diagonal;
 };
-constexpr Step kSteps[] = {{GridCut::Right, 1, 0, false},
-                           {GridCut::Down, 0, 1, false},
-                           {GridCut::DownRight, 1, 1, true},
-                           {GridCut::DownLeft, -1, 1, true}};
+// The neighbours that come later, row by row.
+constexpr Step kSteps[] = {{1, 0, false}, {0, 1, false}, {1, 1, true}, {-1, 1, true}};
 // All of them, in the order in which pairs are met row by row.
-constexpr Step kAround[] = {{GridCut::DownRight, -1, -1, true}, {GridCut::Down, 0, -1, false},
-                            {GridCut::DownLeft, 1, -1, true},   {GridCut::Right, -1, 0, false},
-                            {GridCut::Right, 1, 0, false},      {GridCut::Down, 0, 1, false},
-                            {GridCut::DownRight, 1, 1, true},   {GridCut::DownLeft, -1, 1, true}};
+constexpr Step kAround[] = {{-1, -1, true}, {0, -1, false}, {1, -1, true}, {-1, 0, false},
+                            {1, 0, false},  {0, 1, false},  {1, 1, true},  {-1, 1, true}};
 
 int whole(float v) { return v < 0 ? -whole(-v) : static_cast<int>(static_cast<double>(kUnit * v) + 0.5); }
 
@@ -183,8 +177,13 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
   const Prices prices(beta, static_cast<float>(smooth), contrast.most);
   const int columns = asked.x1 - asked.x0;
   GridCut graph(columns, asked.y1 - asked.y0, asked.is);
-  std::array<std::vector<std::uint32_t>, 4> rows;  // of differences
-  for (std::vector<std::uint32_t>& row : rows) row.resize(static_cast<std::size_t>(columns) + 16);
+  // Prices over the four steps from the pixels of a row, and from those of the row above; none is 0.
+  std::array<std::vector<int>, 4> own, above;
+  for (std::size_t k = 0; k < 4; ++k) {
+    own[k].assign(static_cast<std::size_t>(columns) + 2, 0);
+    above[k] = own[k];
+  }
+  std::vector<std::uint32_t> differences(static_cast<std::size_t>(columns) + 16);
 
   for (int y = asked.y0; y < asked.y1; ++y) {
     const std::size_t first = asked.place(asked.x0, y);
@@ -201,6 +200,23 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
     };
     const std::uint8_t *is = asked.is.data() + first, *all = asked.all.data() + first;
     const float* odds = evidence.odds.data() + pixel(asked.x0, y);
+    std::swap(own, above);
+    std::array<int*, 4> to, from;  // column -1 and the one behind the last are there
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Step& s = kSteps[k];
+      const std::uint8_t* next = is + asked.offset(s);
+      to[k] = own[k].data() + 1;
+      from[k] = above[k].data() + 1;
+      if (calm_everywhere) {
+        asked.differences(y, s, prices.most(), differences.data());
+        const std::uint32_t* difference = differences.data();
+        const int* table = prices.whole_of(s.diagonal);
+        for (int x = 0; x < columns; ++x) to[k][x] = (is[x] & next[x]) * table[difference[x]];
+      } else {
+        for (int x = 0; x < columns; ++x)
+          to[k][x] = (is[x] & next[x]) != 0 ? whole(price(asked.x0 + x, s)) : 0;
+      }
+    }
     for (int x = 0; x < columns; ++x) {
       if (is[x] == 0) continue;
       float sum = odds[x];
@@ -211,22 +227,9 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
           const float more = price(asked.x0 + x, s);
           sum += evidence.asked[pixel(nx, ny)] == kSubject ? more : -more;
         }
-      graph.set_terminal(static_cast<int>(first) + x, whole(sum));
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Step& s = kSteps[k];
-      const std::uint8_t* next = is + asked.offset(s);
-      if (!calm_everywhere) {
-        for (int x = 0; x < columns; ++x)
-          if ((is[x] & next[x]) != 0)
-            graph.set_edge(static_cast<int>(first) + x, s.step, whole(price(asked.x0 + x, s)));
-        continue;
-      }
-      asked.differences(y, s, prices.most(), rows[k].data());
-      const std::uint32_t* row = rows[k].data();
-      const int* table = prices.whole_of(s.diagonal);
-      for (int x = 0; x < columns; ++x)
-        if ((is[x] & next[x]) != 0) graph.set_edge(static_cast<int>(first) + x, s.step, table[row[x]]);
+      graph.set(
+          static_cast<int>(first) + x, whole(sum),
+          {to[0][x], to[0][x - 1], to[1][x], from[1][x], to[2][x], from[2][x - 1], to[3][x], from[3][x + 1]});
     }
   }
   graph.solve();

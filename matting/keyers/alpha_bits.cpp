@@ -128,10 +128,13 @@ BitBox bounding_box(const Image& alpha) {
   for (int y = 0; y < alpha.height; ++y) {
     const std::uint8_t* row = alpha.at(0, y);
     if (!something(row, width)) continue;
-    int first = 0, last = alpha.width;
-    while (row[first] == 0) ++first;
-    while (row[last - 1] == 0) --last;
-    box = {std::min(box.x0, first), std::min(box.y0, y), std::max(box.x1, last), y + 1};
+    // Further out than the rows above.
+    box.x0 = static_cast<int>(std::find_if(row, row + box.x0, [](std::uint8_t v) { return v != 0; }) - row);
+    int last = alpha.width;
+    while (last > box.x1 && row[last - 1] == 0) --last;
+    box.x1 = last;
+    box.y0 = std::min(box.y0, y);
+    box.y1 = y + 1;
   }
   return box.empty() ? BitBox{} : box;
 }

@@ -49,7 +49,7 @@ class Sides {
     count(picture, stage, stage_);
   }
   float odds(const std::uint8_t* rgb) {
-    float& odds = odds_[bin(rgb)];
+    float& odds = odds_.data()[bin(rgb)];
     if (std::isnan(odds)) {
       const float ratio = subject_.likelihood(bin(rgb)) / stage_.likelihood(bin(rgb));
       odds = std::clamp(std::log(ratio), -kMost, kMost);
@@ -65,9 +65,10 @@ class Sides {
     // Neighbours often have the same colour: counting them in turns saves waiting for the last count.
     std::vector<std::uint32_t> counts[2];
     for (auto& c : counts) c.resize(ColorModel::kBins);
+    std::uint32_t *even = counts[0].data(), *odd = counts[1].data();
     for (int y = 0; y < where.height(); ++y) {
       const std::uint8_t* row = picture.at(0, y);
-      for_each_bit(where, y, [&](int x) { ++counts[x % 2][bin(row + 3 * x)]; });
+      for_each_bit(where, y, [&](int x) { ++(x % 2 != 0 ? odd : even)[bin(row + 3 * x)]; });
     }
     for (std::size_t b = 0; b < ColorModel::kBins; ++b)
       model.add(b, static_cast<float>(counts[0][b] + counts[1][b]));
@@ -126,11 +127,13 @@ Image second_look(const Image& picture, const Image& key) {
     std::uint8_t* to = part.at(0, y);
     for (int i = 0; i < 3 * part.width; ++i) to[i] = roots[from[i]];
     const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(part.width);
+    float* odds = evidence.odds.data() + first;
+    std::uint8_t* asks = evidence.asked.data() + first;
     for_each_bit(around, py, [&](int px) {
       const int x = px - box.x0;
       const float word = rim.at(px, py) ? -kWord : kWord * (static_cast<float>(alpha[x]) / 127.5f - 1);
-      evidence.odds[first + static_cast<std::size_t>(x)] = word + sides.odds(from + 3 * x);
-      evidence.asked[first + static_cast<std::size_t>(x)] = 1;
+      odds[x] = word + sides.odds(from + 3 * x);
+      asks[x] = 1;
     });
   }
   const Image cut = cut_frame(part, evidence, kSmooth);
