@@ -25,6 +25,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Of whole words.
 void at_least(const std::uint8_t* bytes, std::size_t words, std::uint8_t level, std::uint64_t* out) {
   const HWY_CAPPED(std::uint8_t, 64) d;
+  if (hn::Lanes(d) < 8) {  // no bytes of bits
+    for (std::size_t w = 0; w < words; ++w) {
+      out[w] = 0;
+      for (std::size_t i = 0; i < 64; ++i)
+        out[w] |= static_cast<std::uint64_t>(bytes[64 * w + i] >= level) << i;
+    }
+    return;
+  }
   const auto least = hn::Set(d, level);
   auto* to = reinterpret_cast<std::uint8_t*>(out);
   for (std::size_t x = 0; x < 64 * words; x += hn::Lanes(d)) {

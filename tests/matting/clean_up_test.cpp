@@ -1,7 +1,11 @@
+#include "matting/keyers/clean_up.h"
+
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "core/check.h"
-#include "matting/keyers/keyer.h"
+#include "core/random.h"
 
 namespace floatstage::matting {
 namespace {
@@ -90,6 +94,37 @@ TEST(CleanUp, KeepsAnAllSubjectPicture) {
 }
 
 TEST(CleanUp, OfColoursIsOurBug) { EXPECT_THROW(clean_up(Image(4, 4, 3), {}), CheckFailure); }
+
+// Blobs, specks, faint strands and holes.
+Image clutter(int width, int height, Random& random) {
+  Image image(width, height, 1);
+  const auto below = [&](int n) { return static_cast<int>(random.uniform(0, n - 1e-9)); };
+  for (int i = 0; i < 60; ++i) {
+    const int w = 1 + below(i < 4 ? width / 2 : 6), h = 1 + below(i < 4 ? height / 2 : 6);
+    const int values[] = {255, 0, 128, 127, 60, 24, 23, 200};
+    paint(image, below(width - std::min(w, width - 1)), below(height - std::min(h, height - 1)),
+          std::min(w, width), std::min(h, height), values[below(8)]);
+  }
+  return image;
+}
+
+TEST(CleanUp, GivesTheBytesOfTheSlowMethod) {
+  Random random(8);
+  const CleanupOptions options[] = {{},
+                                    kNothing,
+                                    {.thin_radius = 3, .smallest_island = 0.03, .smallest_hole = 0.02},
+                                    {.close_radius = 2, .smallest_island = 0.02, .smallest_hole = 0.003},
+                                    {.close_radius = 4, .thin_radius = 1, .largest_only = true},
+                                    {.thin_radius = 30, .smallest_hole = 0.1}};
+  for (const auto& [width, height] :
+       {std::pair(2, 2), std::pair(64, 30), std::pair(130, 200), std::pair(301, 90)})
+    for (int trial = 0; trial < 20; ++trial) {
+      const Image image = clutter(width, height, random);
+      for (const CleanupOptions& o : options)
+        ASSERT_EQ(clean_up(image, o), clean_up_by_labels(image, o))
+            << width << ' ' << trial << ' ' << &o - options;
+    }
+}
 
 }  // namespace
 }  // namespace floatstage::matting
