@@ -15,7 +15,7 @@ namespace floatstage {
 class GridCut {
  public:
   /// `members`: width + 2 by height + 2 bytes, 1 for the pixels that are to be cut, 0 for others and along
-  /// the border. Others cost 2 bytes. Both sides > 0.
+  /// the border. Others take memory (49 bytes), but no time. Both sides > 0.
   GridCut(int width, int height, std::span<const std::uint8_t> members);
 
   /// A pixel's name: its place among `members`.
@@ -43,7 +43,7 @@ class GridCut {
     Room room;
     std::int32_t excess;    // > 0: from the source; < 0: to the sink
     std::int32_t stamp;     // when `distance` was last right
-    std::int32_t distance;  // to the root
+    std::int32_t distance;  // to the root, in edges
     Tree tree;
     std::uint8_t parent;  // direction of it, or a mark
     bool active;          // waits in the queue
@@ -66,8 +66,8 @@ class GridCut {
   int stride_;
   std::size_t size_;
   std::array<int, 8> offsets_;
-  std::unique_ptr<Node[]> nodes_;    // members and their neighbours are something
-  std::vector<std::uint8_t> trees_;  // at first
+  std::unique_ptr<Node[]> nodes_;    // written where members and their neighbours are
+  std::vector<std::uint8_t> trees_;  // of all pixels at first; 0: none
   std::vector<int> queue_, orphans_;
   std::size_t queue_next_ = 0;
   std::int32_t now_ = 0;

@@ -7,11 +7,11 @@
 // Private to the stage.
 namespace floatstage::matting {
 
-/// What the pixels of a row are compared with: the terms of a BackingField (backing_field.h) halfway between
-/// two of its rows, and how far across its cells each pixel lies.
+/// What the pixels of a row are compared with: the terms of a BackingField (backing_field.h) at the height of
+/// the row, and how far across the field's cells each pixel lies.
 struct FieldRow {
-  static constexpr std::size_t kTerms =
-      9;  ///< mean of 3 channels; lower triangle W of the inverse spread, W^T W
+  /// Mean of 3 channels; lower triangle W of the inverse spread, W^T W.
+  static constexpr std::size_t kTerms = 9;
   static constexpr std::size_t kAhead = 32;  ///< floats that may be read behind a plane's last cell
   const float* terms = nullptr;              ///< kTerms planes, `stride` floats each, a multiple of 16
   std::size_t stride = 0;

@@ -1,7 +1,5 @@
 // Method:  BackingField's key row by row, in vectors; specks and holes as runs of bits
-// Paper:   see backing_field.cpp; M. van Herk, "A fast algorithm for local minimum and maximum filters",
-// 1992,
-//          for what it is instead of: windows are small, and minima are taken by doubling
+// Paper:   see backing_field.cpp; minima over squares by doubling, as in bit_rows.cpp
 // Differs: nothing: the bits of BackingField::distances()
 // ADR:     0347
 

@@ -66,8 +66,10 @@ void expect_the_cut_of_a_graph(const Grid& g) {
     }
   }
   EXPECT_EQ(grid.solve(), graph.solve());
-  for (std::size_t p = 0; p < node.size(); ++p)
-    if (node[p] >= 0) ASSERT_EQ(grid.on_source_side(static_cast<int>(p)), graph.on_source_side(node[p])) << p;
+  for (std::size_t p = 0; p < node.size(); ++p) {
+    if (node[p] < 0) continue;
+    ASSERT_EQ(grid.on_source_side(static_cast<int>(p)), graph.on_source_side(node[p])) << p;
+  }
 }
 
 TEST(GridCut, IsTheCutOfTheSameGraph) {
