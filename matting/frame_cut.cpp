@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/check.h"
@@ -89,8 +90,9 @@ class Asked {
     }
     if (none()) return;
     stride_ = static_cast<std::size_t>(x1 - x0) + 2;
-    is.resize(stride_ * (static_cast<std::size_t>(y1 - y0) + 2));
-    all.resize(is.size());
+    size_ = stride_ * (static_cast<std::size_t>(y1 - y0) + 2);
+    is.resize(size_ + kVector);
+    all.resize(size_);
     for (int y = y0; y < y1; ++y) {
       const std::uint8_t* from =
           asked.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + x0;
@@ -99,12 +101,12 @@ class Asked {
     }
     const std::uint8_t* own = is.data();
     std::uint8_t* out = all.data();
-    for (std::size_t i = stride_ + 1; i + stride_ + 1 < is.size(); ++i) {
+    for (std::size_t i = stride_ + 1; i + stride_ + 1 < size_; ++i) {
       const std::uint8_t *up = own + i - stride_, *down = own + i + stride_;
       out[i] = up[-1] & up[0] & up[1] & own[i - 1] & own[i + 1] & down[-1] & down[0] & down[1];
     }
-    // Its colours, taken apart, and those around it. Vectors read beyond them.
-    for (std::vector<std::uint8_t>& plane : planes_) plane.resize(is.size() + 64);
+    // Its colours, taken apart, and those around it.
+    for (std::vector<std::uint8_t>& plane : planes_) plane.resize(size_ + kVector);
     const int left = std::max(x0 - 1, 0), right = std::min(x1 + 1, width_);
     for (int y = std::max(y0 - 1, 0); y < std::min(y1 + 1, height_); ++y) {
       const std::size_t to = place(left, y);
@@ -113,6 +115,8 @@ class Asked {
     }
   }
   bool none() const { return x1 <= x0; }
+  /// What `is` says, without what vectors read beyond it.
+  std::span<const std::uint8_t> members() const { return {is.data(), size_}; }
   std::size_t place(int x, int y) const {
     return static_cast<std::size_t>(y - y0 + 1) * stride_ + static_cast<std::size_t>(x - x0 + 1);
   }
@@ -151,8 +155,9 @@ class Asked {
   void at(std::size_t p, const std::uint8_t* out[3]) const {
     for (std::size_t k = 0; k < 3; ++k) out[k] = planes_[k].data() + p;
   }
+  static constexpr std::size_t kVector = 16;  // bytes that the kernels may read beyond
   int width_, height_;
-  std::size_t stride_ = 0;
+  std::size_t stride_ = 0, size_ = 0;
   std::array<std::vector<std::uint8_t>, 3> planes_;
 };
 
@@ -176,7 +181,7 @@ Image cut_frame(const Image& picture, const CutEvidence& evidence, double smooth
   const bool calm_everywhere = evidence.calm.empty();
   const Prices prices(beta, static_cast<float>(smooth), contrast.most);
   const int columns = asked.x1 - asked.x0;
-  GridCut graph(columns, asked.y1 - asked.y0, asked.is);
+  GridCut graph(columns, asked.y1 - asked.y0, asked.members());
   // Prices over the four steps from the pixels of a row, and from those of the row above; none is 0.
   std::array<std::vector<int>, 4> own, above;
   for (std::size_t k = 0; k < 4; ++k) {
