@@ -17,7 +17,8 @@ constexpr int kFaintReach = 48;  // px: how far faint hair may stand off; bounds
 }  // namespace
 
 bool BitCleanUp::can(const CleanupOptions& options) {
-  return options.close_radius == 0 && 3 * options.thin_radius <= BitMorphology::kMostRadius;
+  return 2 * options.close_radius < BitMorphology::kMostRadius &&
+         3 * options.thin_radius <= BitMorphology::kMostRadius;
 }
 
 void BitCleanUp::run(const CleanupOptions& options, BitRows& subject, BitRows& faint) {

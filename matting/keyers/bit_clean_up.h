@@ -6,10 +6,11 @@
 // Private to the stage.
 namespace floatstage::matting {
 
-/// clean_up() (keyer.h) on bits: which pixels it keeps, fills and takes away. Without a closing.
+/// clean_up() (keyer.h) on bits: which pixels it keeps, fills and takes away, of a key whose closing is done
+/// (byte_closing.h).
 class BitCleanUp {
  public:
-  /// Whether these can be done: no closing, and radii that morphology on words can do.
+  /// Whether these can be done: radii that morphology on words, within a word around the key, can do.
   static bool can(const CleanupOptions& options);
 
   /// `subject`: opacity of at least 128; `faint`: of at least 24. Both become what they are of the cleaned

@@ -117,7 +117,7 @@ bool BitEdges::mean(const Table& table, int x, int y, float& out) const {
     const std::uint64_t count = sum & kCounts;
     out = count > 0
               ? static_cast<float>(static_cast<double>(static_cast<std::int64_t>(sum - count) >> kCountBits) /
-                                   (kQuantum * static_cast<double>(count)))
+                                   (RowMeasure::kQuantum * static_cast<double>(count)))
               : 0;
     if (count >= static_cast<std::uint64_t>(at_least)) return true;
   }

@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "matting/keyers/bit_rows.h"
-#include "matting/keyers/cloth_kernels.h"
+#include "matting/keyers/row_measure.h"
 
 // Private to the stage.
 namespace floatstage::matting {
 
 /// refine_edges() (matting/refine_edges.h) on bits: the pixels whose opacity is to be solved, and the means
-/// on both sides of them. Measures are rounded to 1 / kQuantum before they are summed, so sums are exact in
-/// any order.
+/// on both sides of them. Measures are rounded to 1 / RowMeasure::kQuantum before they are summed, so sums
+/// are exact in any order.
 class BitEdges {
  public:
   struct Solved {

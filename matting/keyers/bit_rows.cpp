@@ -98,6 +98,11 @@ BitBox grown(const BitBox& box, int by, const BitRows& limits) {
           std::min(box.y1 + by, limits.height())};
 }
 
+BitBox joined(const BitBox& a, const BitBox& b) {
+  if (a.empty() || b.empty()) return a.empty() ? b : a;
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
 void BitMorphology::dilate(const BitRows& in, int radius, BitRows& out) {
   FLOATSTAGE_CHECK(radius >= 0 && radius <= kMostRadius, "a radius within a word");
   const std::size_t words = in.words();

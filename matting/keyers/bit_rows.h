@@ -45,6 +45,8 @@ struct BitBox {
 /// What holds all set bits.
 BitBox bounding_box(const BitRows& picture);
 BitBox grown(const BitBox& box, int by, const BitRows& limits);
+/// What holds both.
+BitBox joined(const BitBox& a, const BitBox& b);
 
 /// Dilation and erosion. Squares of 2 * radius + 1 pixels, radius at most kMostRadius; discs as OpenCV's
 /// ellipse.

@@ -14,6 +14,8 @@
 #include "matting/foreground.h"
 #include "matting/keyers/backing.h"
 #include "matting/keyers/cloth_kernels.h"
+#include "matting/keyers/cloth_measure.h"
+#include "matting/keyers/cloth_rows.h"
 #include "matting/keyers/keyers.h"
 #include "matting/keyers/rim_check.h"
 #include "matting/keyers/walls.h"
@@ -29,7 +31,11 @@ constexpr CleanupOptions kDefaultCleanup{.thin_radius = 3, .smallest_island = 0.
 class ChromaKeyer : public Keyer {
  public:
   ChromaKeyer(Rgb key_color, const CleanupOptions& cleanup)
-      : key_color_(key_color), cleanup_(cleanup), measure_(key_color), backing_(backing_channel(key_color)) {}
+      : key_color_(key_color),
+        cleanup_(cleanup),
+        measure_(key_color),
+        rows_(measure_),
+        backing_(backing_channel(key_color)) {}
 
   Result<Matte> key(const Frame& frame) const override {
     if (frame.empty()) return Matte{frame.info, 0, 0, 0, nullptr};
@@ -43,7 +49,7 @@ class ChromaKeyer : public Keyer {
     key_cloth(*rgb, alpha, doubt);
     const Image cloth = walls_ ? alpha : Image();
     alpha = walls_ ? walls_->key(*rgb, cloth, cleanup_) : clean_up(alpha, cleanup_);
-    if (Result<void> ok = check_rim(alpha, frame.info, "green or blue cloth"); !ok) return forward(ok);
+    if (Result<void> ok = check_rim(alpha, frame.info, rows_.sought()); !ok) return forward(ok);
     // Before a wall, what is no cloth is no hair yet.
     if (walls_) doubt_no_wall(cloth, alpha, doubt);
     const Image key = walls_ ? alpha : Image();
@@ -81,7 +87,7 @@ class ChromaKeyer : public Keyer {
     return out;
   }
   CleanupOptions cleanup() const override { return cleanup_; }
-  const ClothMeasure* cloth() const override { return walls_ ? nullptr : &measure_; }
+  const RowMeasure* rows() const override { return walls_ ? nullptr : &rows_; }
 
  private:
   void key_cloth(const Image& rgb, Image& alpha, Image& doubt) const {
@@ -108,6 +114,7 @@ class ChromaKeyer : public Keyer {
   Rgb key_color_;
   CleanupOptions cleanup_;
   ClothMeasure measure_;
+  ClothRows rows_;
   BackingChannel backing_;
   std::optional<Walls> walls_;  // what is no cloth at the rims
 };

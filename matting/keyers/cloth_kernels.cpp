@@ -105,7 +105,8 @@ void quantize(const ColorForm& form, const std::uint8_t* r, const std::uint8_t* 
               std::size_t padded, std::int32_t* out) {
   const F d;
   for (std::size_t x = 0; x < padded; x += hn::Lanes(d))
-    hn::StoreU(hn::NearestInt(hn::Mul(of(form, load(r + x), load(g + x), load(b + x)), hn::Set(d, kQuantum))),
+    hn::StoreU(hn::NearestInt(hn::Mul(of(form, load(r + x), load(g + x), load(b + x)),
+                                      hn::Set(d, RowMeasure::kQuantum))),
                I(), out + x);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "matting/keyers/cloth_measure.h"
+#include "matting/keyers/row_measure.h"
 
 // Private to the stage.
 namespace floatstage::matting {
@@ -23,13 +24,10 @@ struct ClothKernels {
   /// The value of padded(count) pixels as opacity, and 255 where it is above `doubtful`, else 0.
   void (*alphas)(const ClothMeasure& measure, const std::uint8_t* r, const std::uint8_t* g,
                  const std::uint8_t* b, std::size_t padded, std::uint8_t* alpha, std::uint8_t* doubt);
-  /// `form` of `count` RGB pixels in steps of 1 / 64, rounded to the nearest.
+  /// `form` of `count` RGB pixels in steps of 1 / RowMeasure::kQuantum, rounded to the nearest.
   void (*quantize)(const ColorForm& form, const std::uint8_t* r, const std::uint8_t* g, const std::uint8_t* b,
                    std::size_t padded, std::int32_t* out);
 };
-
-constexpr float kQuantum = 64;  ///< of ClothKernels::quantize, steps a unit
-constexpr std::size_t padded(std::size_t count) { return (count + 63) / 64 * 64; }
 
 const ClothKernels& cloth_kernels();            ///< the best that this processor has
 std::vector<ClothKernels> all_cloth_kernels();  ///< all that it has, for tests

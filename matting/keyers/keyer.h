@@ -28,7 +28,8 @@ struct CleanupOptions {
 /// alpha 24) that hang together with it; an empty picture and one without subject come back empty of subject.
 Image clean_up(const Image& alpha, const CleanupOptions& options);
 
-struct ClothMeasure;
+class EmptyStage;
+class RowMeasure;
 
 /// Turns a photograph into a matte. Implementations are immutable once made and thread safe; the same frame
 /// gives the same bytes on any thread.
@@ -54,7 +55,9 @@ class Keyer {
   /// What it does to a raw key: its default, or what it was made with.
   virtual CleanupOptions cleanup() const = 0;
   /// What LiveKey (live_key.h) needs to give the same mattes faster; null where only key() can. The keyer's.
-  virtual const ClothMeasure* cloth() const { return nullptr; }
+  virtual const RowMeasure* rows() const { return nullptr; }
+  /// The empty stage by which it corrects (empty_stage.h) what rows() tell; null where it does not.
+  virtual const EmptyStage* empty_stage() const { return nullptr; }
 };
 
 /// Makes a keyer from its spec:

@@ -1,7 +1,8 @@
-// Method:  the chroma key in one pass to rows of bits, cleaned and refined on those
-// Paper:   A. R. Smith, J. F. Blinn, "Blue screen matting", 1996 (see chroma_keyer.cpp, the reference)
+// Method:  a key in one pass to rows of bits, cleaned and refined on those
+// Paper:   A. R. Smith, J. F. Blinn, "Blue screen matting", 1996 (see clean_up.cpp and refine_edges.cpp, the
+// references)
 // Differs: opacity is computed where it is neither 0 nor 255 only
-// ADR:     0195
+// ADR:     0195, 0342
 
 #include "matting/keyers/live_key.h"
 
@@ -10,27 +11,23 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <optional>
+#include <utility>
 
 #include "core/reused.h"
 #include "matting/keyers/bit_clean_up.h"
 #include "matting/keyers/bit_edges.h"
-#include "matting/keyers/cloth_kernels.h"
+#include "matting/keyers/bit_empty_stage.h"
+#include "matting/keyers/byte_closing.h"
 #include "matting/keyers/rim_check.h"
+#include "matting/keyers/row_kernels.h"
+#include "matting/keyers/row_measure.h"
 
 namespace floatstage::matting {
 namespace {
 
 // Off the edge, a little opacity is noise of the cloth; half opacity stays half.
 float without_noise(float a) { return a >= 0.5f ? a : std::max(0.0f, (a - 0.25f) * 2); }
-
-// RGB pixels, wherever they are.
-struct Rows {
-  const std::uint8_t* first = nullptr;
-  std::size_t stride = 0;
-  const std::uint8_t* at(int x, int y) const {
-    return first + stride * static_cast<std::size_t>(y) + 3 * static_cast<std::size_t>(x);
-  }
-};
 
 // A matte's memory.
 struct Sheet {
@@ -42,24 +39,29 @@ struct Sheet {
 }  // namespace
 
 struct LiveKey::Impl {
-  explicit Impl(const Keyer& k) : keyer(k), measure(k.cloth()), cleanup(k.cleanup()) {}
+  explicit Impl(const Keyer& k) : keyer(k), measure(k.rows()), cleanup(k.cleanup()) {
+    if (fast() && k.empty_stage() != nullptr) stage.emplace(*k.empty_stage());
+  }
   bool fast() const { return measure != nullptr && BitCleanUp::can(cleanup); }
-  void classify(const Rows& rgb, int width, int height);
+  void classify(const PixelRows& rgb, int width, int height);
   void crop();
+  void close(const PixelRows& rgb);
   double rim_share(int width, int height) const;
   std::shared_ptr<Sheet> blank(int width, int height);
-  void draw(const Rows& rgb, Sheet& sheet);
-  void measure_row(const Rows& rgb, int y, int x0, int x1, std::int32_t* out);
+  void draw(const PixelRows& rgb, Sheet& sheet);
+  std::uint8_t key_of(const PixelRows& rgb, int x, int y) const;
 
   const Keyer& keyer;
-  const ClothMeasure* measure;
+  const RowMeasure* measure;
   CleanupOptions cleanup;
-  std::vector<std::uint8_t> planes;  // one row taken apart
-  BitRows whole[3];                  // of the picture: subject, faint, doubt
-  int left = 0, top = 0;             // of the part of it where something is, of which the next are
+  std::vector<std::uint8_t> scratch;  // of the measure
+  BitRows whole[3];                   // of the picture: subject, faint, doubt
+  int left = 0, top = 0;              // of the part of it where something is, of which the next are
   BitRows subject, faint, doubt;
+  ByteClosing closed;  // of that part, where there is a closing
   BitCleanUp cleaner;
   BitEdges edges;
+  std::optional<BitEmptyStage> stage;
   Reused<Sheet> sheets;
   Image converted;  // of a frame that is not RGB
 };
@@ -71,15 +73,10 @@ LiveKey::~LiveKey() = default;
 
 bool LiveKey::fast() const { return impl_->fast(); }
 
-void LiveKey::Impl::classify(const Rows& rgb, int width, int height) {
-  const ClothKernels& kernels = cloth_kernels();
-  const std::size_t count = static_cast<std::size_t>(width), room = padded(count);
-  planes.resize(3 * room);
-  std::uint8_t *r = planes.data(), *g = r + room, *b = g + room;
+void LiveKey::Impl::classify(const PixelRows& rgb, int width, int height) {
   for (BitRows& bits : whole) bits.resize(width, height);
   for (int y = 0; y < height; ++y) {
-    kernels.split(rgb.at(0, y), count, r, g, b);
-    kernels.classify(*measure, r, g, b, room, whole[0].row(y), whole[1].row(y), whole[2].row(y));
+    measure->classify(rgb.at(0, y), y, width, scratch, whole[0].row(y), whole[1].row(y), whole[2].row(y));
     for (BitRows& bits : whole) bits.trim(y);
   }
 }
@@ -99,6 +96,19 @@ void LiveKey::Impl::crop() {
       parts[k]->trim(y);
     }
   }
+}
+
+// The part's key, closed, and what is subject and faint of that.
+void LiveKey::Impl::close(const PixelRows& rgb) {
+  closed.resize(subject.width(), subject.height());
+  for (int y = 0; y < closed.height(); ++y)
+    measure->opacities(rgb.at(left, top + y), left, top + y, closed.width(), closed.row(y));
+  closed.close(cleanup.close_radius);
+  for (int y = 0; y < closed.height(); ++y)
+    for (const auto& [bits, least] : {std::pair(&subject, kSubjectAlpha), std::pair(&faint, kFaintAlpha)}) {
+      row_kernels().at_least(closed.row(y), 64 * bits->words(), least, bits->row(y));
+      bits->trim(y);
+    }
 }
 
 double LiveKey::Impl::rim_share(int width, int height) const {
@@ -140,16 +150,16 @@ std::shared_ptr<Sheet> LiveKey::Impl::blank(int width, int height) {
   return sheet;
 }
 
-void LiveKey::Impl::measure_row(const Rows& rgb, int y, int x0, int x1, std::int32_t* out) {
-  const ClothKernels& kernels = cloth_kernels();
-  const std::size_t count = static_cast<std::size_t>(x1 - x0), room = planes.size() / 3;
-  std::uint8_t *r = planes.data(), *g = r + room, *b = g + room;
-  kernels.split(rgb.at(x0, y), count, r, g, b);
-  kernels.quantize(measure->along, r, g, b, padded(count), out);
+// The key of a pixel of the part, before it is cleaned and after its closing.
+std::uint8_t LiveKey::Impl::key_of(const PixelRows& rgb, int x, int y) const {
+  if (cleanup.close_radius > 0) return closed.row(y)[x];
+  std::uint8_t key = 0;
+  measure->opacities(rgb.at(left + x, top + y), left + x, top + y, 1, &key);
+  return key;
 }
 
 // Opacity of the cleaned key: 255 inside, solved along the edge and in hair.
-void LiveKey::Impl::draw(const Rows& rgb, Sheet& sheet) {
+void LiveKey::Impl::draw(const PixelRows& rgb, Sheet& sheet) {
   edges.find(subject, faint, doubt);
   const BitRows& inside = edges.inside();
   const std::size_t width = static_cast<std::size_t>(sheet.width);
@@ -169,21 +179,21 @@ void LiveKey::Impl::draw(const Rows& rgb, Sheet& sheet) {
   const auto solve = [&](const BitEdges::Solved& p) {
     const std::uint8_t* c = rgb.at(left + p.x, top + p.y);
     std::uint8_t& out = pixel(p.x, p.y);
-    if (p.known && std::abs(p.subject - p.backing) >= ClothMeasure::kEdgeContrast) {
-      const float solved = (measure->along.of(c[0], c[1], c[2]) - p.backing) / (p.subject - p.backing);
+    if (p.known && std::abs(p.subject - p.backing) >= measure->contrast()) {
+      const float solved = (measure->at(c, left + p.x, top + p.y) - p.backing) / (p.subject - p.backing);
       out = static_cast<std::uint8_t>(
           std::clamp(255 * (p.on_edge ? solved : without_noise(solved)) + 0.5f, 0.0f, 255.0f));
     } else if (cleaner.filled().at(p.x, p.y)) {
       out = 255;
     } else if (cleaner.kept().at(p.x, p.y)) {
-      out = static_cast<std::uint8_t>(std::clamp(measure->value(c[0], c[1], c[2]), 0.0f, 255.0f));
+      out = key_of(rgb, p.x, p.y);
     }
     if (out == 0) return;
     drawn = {std::min(drawn.x0, p.x), std::min(drawn.y0, p.y), std::max(drawn.x1, p.x + 1),
              std::max(drawn.y1, p.y + 1)};
   };
   const auto rows = [&](int y, int x0, int x1, std::int32_t* out) {
-    measure_row(rgb, top + y, left + x0, left + x1, out + x0);
+    measure->quantize(rgb.at(left + x0, top + y), left + x0, top + y, x1 - x0, scratch, out + x0);
   };
   edges.solve(std::cref(rows), std::cref(solve));
   sheet.drawn =
@@ -193,8 +203,11 @@ void LiveKey::Impl::draw(const Rows& rgb, Sheet& sheet) {
 Result<Matte> LiveKey::key(const Frame& frame) {
   Impl& own = *impl_;
   const ImageLayout& layout = frame.layout;
-  if (!own.fast() || frame.empty() || layout.format == PixelFormat::Gray8) return own.keyer.key(frame);
-  Rows rgb{reinterpret_cast<const std::uint8_t*>(frame.pixels.get()), layout.stride};
+  const int width = layout.width, height = layout.height;
+  if (!own.fast() || frame.empty() || layout.format == PixelFormat::Gray8 || width <= 0 || height <= 0 ||
+      !own.measure->fits(width, height))
+    return own.keyer.key(frame);
+  PixelRows rgb{reinterpret_cast<const std::uint8_t*>(frame.pixels.get()), layout.stride};
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(layout.width);
   const bool as_it_is =
       layout.format == PixelFormat::Rgb8 && layout.height > 0 && layout.stride >= row_bytes &&
@@ -203,15 +216,19 @@ Result<Matte> LiveKey::key(const Frame& frame) {
     if (Result<void> ok = to_rgb(frame, own.converted); !ok) return forward(ok);
     rgb = {own.converted.pixels.data(), 3 * static_cast<std::size_t>(own.converted.width)};
   }
-  const int width = layout.width, height = layout.height;
-  if (width <= 0 || height <= 0) return own.keyer.key(frame);
   own.classify(rgb, width, height);
   own.crop();
+  if (own.cleanup.close_radius > 0) own.close(rgb);
   own.cleaner.run(own.cleanup, own.subject, own.faint);
-  if (Result<void> ok = check_rim(own.rim_share(width, height), frame.info, "green or blue cloth"); !ok)
-    return forward(ok);
+  if (const std::string_view sought = own.measure->sought(); !sought.empty())
+    if (Result<void> ok = check_rim(own.rim_share(width, height), frame.info, sought); !ok)
+      return forward(ok);
   const std::shared_ptr<Sheet> sheet = own.blank(width, height);
   own.draw(rgb, *sheet);
+  if (own.stage && own.stage->fits(width, height))
+    own.stage->correct(rgb,
+                       {own.left, own.top, own.left + own.subject.width(), own.top + own.subject.height()},
+                       sheet->alpha.data(), static_cast<std::size_t>(width), sheet->drawn);
   return Matte{frame.info, width, height, static_cast<std::size_t>(width),
                std::shared_ptr<const std::uint8_t[]>(sheet, sheet->alpha.data())};
 }

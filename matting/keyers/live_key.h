@@ -11,8 +11,8 @@ namespace floatstage::matting {
 
 /// The mattes of a keyer, picture after picture of one camera, for where they are wanted at once: those of
 /// Keyer::key(), but for a step of opacity in a few pixels of the edge. Much faster where the keyer has a
-/// ClothMeasure (chroma without walls); else it is key() itself. Every picture stands for itself: what was
-/// keyed before does not matter. One thread at a time.
+/// RowMeasure (chroma without walls, difference, plate); else it is key() itself. Every picture stands for
+/// itself: what was keyed before does not matter. One thread at a time.
 ///
 /// Where it is fast() nothing is allocated for colour frames of one size once subjects as large were seen and
 /// the mattes before were given back.

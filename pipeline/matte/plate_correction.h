@@ -24,11 +24,9 @@ class PlateCorrection {
   Result<Image> correct(const Frame& photograph, Image key) const;
 
  private:
-  PlateCorrection(matting::EmptyStage stage, double smallest_island)
-      : stage_(std::move(stage)), smallest_island_(smallest_island) {}
+  explicit PlateCorrection(matting::EmptyStage stage) : stage_(std::move(stage)) {}
 
   matting::EmptyStage stage_;
-  double smallest_island_;
 };
 
 }  // namespace floatstage::pipeline

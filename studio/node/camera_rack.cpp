@@ -28,11 +28,12 @@ Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
     const std::string& serial = rig.cameras[i].serial;
     if (words[i].empty())
       return fail(ErrorCode::NotFound, text("camera '", serial, "': ", matting::kNothingToKeyBy));
+    const bool empty_stage = samples[i].empty_stage;
     Result<CameraViewMaker> node =
-        CameraViewMaker::make(serial, rig.cameras[i].model, words[i], std::move(samples[i].pictures));
+        CameraViewMaker::make(serial, rig.cameras[i].model, words[i], std::move(samples[i]));
     if (!node) return forward(node);
     const std::string word = word_of(words[i]);
-    if (!samples[i].empty_stage && (word == "plate" || word == "difference")) add(serial, without_plate);
+    if (!empty_stage && (word == "plate" || word == "difference")) add(serial, without_plate);
     rack.nodes_.push_back(std::move(*node));
   }
   if (!without_plate.empty())

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "matting/keyers/plate_corrected_keyer.h"
 
 namespace floatstage::studio {
 namespace {
@@ -61,28 +62,36 @@ Result<void> check(const NodeQuality& quality) {
 }
 
 Result<CameraViewMaker> CameraViewMaker::make(const std::string& serial, const CameraModel& model,
-                                              const std::string& spec, std::vector<Image> samples) {
+                                              const std::string& spec, matting::KeySamples samples) {
   CameraViewMaker node;
   node.serial_ = serial;
   node.model_ = model;
   node.samples_ = std::move(samples);
-  Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, node.samples_);
+  Result<std::unique_ptr<matting::Keyer>> keyer = keyer_of(spec, node.samples_, std::nullopt);
   if (!keyer) return blame(serial, keyer.error());
   node.keyers_.insert_or_assign(1, KeyerAtScale(std::move(*keyer)));
   return node;
 }
 
+Result<std::unique_ptr<matting::Keyer>> CameraViewMaker::keyer_of(
+    const std::string& spec, const matting::KeySamples& samples,
+    const std::optional<matting::CleanupOptions>& cleanup) {
+  Result<std::unique_ptr<matting::Keyer>> keyer = matting::make_keyer(spec, samples.pictures, cleanup);
+  if (!keyer || !samples.empty_stage) return keyer;
+  return matting::corrected_by_plate(std::move(*keyer), samples.pictures);
+}
+
 Result<matting::LiveKey*> CameraViewMaker::keyer_at(int factor) {
   if (const auto found = keyers_.find(factor); found != keyers_.end()) return &found->second.live;
   const matting::Keyer& whole = *keyers_.at(1).keyer;
-  std::vector<Image> samples;
-  for (const Image& sample : samples_) {
+  matting::KeySamples samples{.pictures = {}, .empty_stage = samples_.empty_stage};
+  for (const Image& sample : samples_.pictures) {
     Result<Image> small = shrink(make_frame({}, sample), factor);
     if (!small) return forward(small);
-    samples.push_back(std::move(*small));
+    samples.pictures.push_back(std::move(*small));
   }
   Result<std::unique_ptr<matting::Keyer>> made =
-      matting::make_keyer(whole.spec(), samples, shrunk(whole.cleanup(), factor));
+      keyer_of(whole.spec(), samples, shrunk(whole.cleanup(), factor));
   if (!made) return forward(made);
   return &keyers_.insert_or_assign(factor, KeyerAtScale(std::move(*made))).first->second.live;
 }

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "core/result.h"
 #include "core/reused.h"
 #include "matting/keyers/keyer.h"
+#include "matting/keyers/keyer_choice.h"
 #include "matting/keyers/live_key.h"
 #include "recon/outline.h"
 #include "studio/messages/camera_view.h"
@@ -48,10 +50,11 @@ struct Instant {
 /// dropped.
 class CameraViewMaker {
  public:
-  /// `spec` as for make_keyer(); `samples` are whole photographs or the clean plate of this camera. Errors:
-  /// those of make_keyer(), with the camera's name.
+  /// `spec` as for make_keyer(); `samples` are whole photographs or clean plates of this camera; by those a
+  /// key by colour is corrected, too (corrected_by_plate()). Errors: those of make_keyer(), with the camera's
+  /// name.
   static Result<CameraViewMaker> make(const std::string& serial, const CameraModel& model,
-                                      const std::string& spec, std::vector<Image> samples);
+                                      const std::string& spec, matting::KeySamples samples);
 
   /// Makes what look() needs to key at 1/`shrink`, which it otherwise does when that is first asked of it:
   /// keyers learn from whole pictures, which takes longer than a frame. Errors: those of make_keyer().
@@ -70,12 +73,15 @@ class CameraViewMaker {
 
  private:
   CameraViewMaker() = default;
+  static Result<std::unique_ptr<matting::Keyer>> keyer_of(
+      const std::string& spec, const matting::KeySamples& samples,
+      const std::optional<matting::CleanupOptions>& cleanup);
   Result<matting::LiveKey*> keyer_at(int shrink);
   Result<std::shared_ptr<const ForegroundTile>> tile_of(const Frame& frame, const Matte& small, int shrink);
 
   std::string serial_;
   CameraModel model_;
-  std::vector<Image> samples_;
+  matting::KeySamples samples_;
   struct KeyerAtScale {
     explicit KeyerAtScale(std::unique_ptr<matting::Keyer> made) : keyer(std::move(made)), live(*keyer) {}
     std::unique_ptr<matting::Keyer> keyer;  // knows the clean plate at its size

@@ -144,15 +144,20 @@ void cut_a_grid(benchmark::State& state) {
 BENCHMARK(cut_a_grid)->Args({320, 240})->Args({640, 480})->Unit(benchmark::kMillisecond);
 
 // LiveKey beside key().
-void live_key(benchmark::State& state) {
+void live_key(benchmark::State& state, const std::string& spec) {
   const int width = static_cast<int>(state.range(0)), height = static_cast<int>(state.range(1));
-  const auto keyer = make_keyer("chroma", {stage(width, height, Around::Cloth, false)});
+  const auto keyer = make_keyer(spec, {stage(width, height, Around::Cloth, false)});
   const Frame frame = make_frame({}, stage(width, height, Around::Cloth, true));
   LiveKey live(**keyer);
   in_turns(
       state, [&] { return (*keyer)->key(frame); }, [&] { return live.key(frame); });
 }
-BENCHMARK(live_key)->Args({640, 480})->Args({1024, 768})->Unit(benchmark::kMillisecond);
+void live_sizes(benchmark::internal::Benchmark* bench) {
+  bench->Args({640, 480})->Args({1024, 768})->Unit(benchmark::kMillisecond);
+}
+BENCHMARK_CAPTURE(live_key, chroma, "chroma")->Apply(live_sizes);
+BENCHMARK_CAPTURE(live_key, difference, "difference")->Apply(live_sizes);
+BENCHMARK_CAPTURE(live_key, plate, "plate")->Apply(live_sizes);
 
 void add(const std::string& name, const std::string& spec, Around around) {
   for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1024, 768}, std::pair{1920, 1080}})

@@ -53,19 +53,19 @@ Image mask_of(const std::vector<Patch>& patches) {
 EmptyStage with_a_lamp() {
   Result<Plate> plate = learn_plate({stage_with({kLamp})});
   EXPECT_THAT(plate, IsOk());
-  return EmptyStage(std::move(*plate), mask_of({kLamp}));
+  return EmptyStage(std::move(*plate), mask_of({kLamp}), 0.01);
 }
 
 TEST(EmptyStage, TakesOutWhatItsKeyTookForSubject) {
   Image key = mask_of({kLamp, kBody});
-  EXPECT_TRUE(with_a_lamp().take_out_fixtures(stage_with({kLamp, kBody, kShoes}), 0.01, key));
+  EXPECT_TRUE(with_a_lamp().take_out_fixtures(stage_with({kLamp, kBody, kShoes}), key));
   EXPECT_TRUE(key == mask_of({kBody}));
 }
 
 TEST(EmptyStage, LeavesWhoeverStandsBeforeALamp) {
   const Patch before{25, 5, 55, 90, {180, 60, 50}};
   Image key = mask_of({kLamp, before});
-  with_a_lamp().take_out_fixtures(stage_with({kLamp, before}), 0.01, key);
+  with_a_lamp().take_out_fixtures(stage_with({kLamp, before}), key);
   EXPECT_TRUE(key == mask_of({before}));
 }
 
@@ -73,13 +73,13 @@ TEST(EmptyStage, LeavesAKeyItsBytesWhereNoFixtureShows) {
   Image key = mask_of({kBody});
   *key.at(100, 60) = 40;  // a faint part that clean-up would drop
   const Image before = key;
-  with_a_lamp().take_out_fixtures(stage_with({kLamp, kBody}), 0.01, key);
+  with_a_lamp().take_out_fixtures(stage_with({kLamp, kBody}), key);
   EXPECT_TRUE(key == before);
 }
 
 TEST(EmptyStage, DoesNothingToAPictureOfAnotherSize) {
   Image key(10, 10, 1, 255);
-  EXPECT_FALSE(with_a_lamp().take_out_fixtures(Image(10, 10, 3), 0.01, key));
+  EXPECT_FALSE(with_a_lamp().take_out_fixtures(Image(10, 10, 3), key));
   EXPECT_EQ(*key.at(5, 5), 255);
 }
 
@@ -99,6 +99,27 @@ TEST(EmptyStage, TellsHowMuchOfItsFixturesAPhotographShows) {
 TEST(EmptyStage, SeesNobodyInItself) {
   const Image solid = with_a_lamp().solid(stage_with({kLamp}));
   EXPECT_EQ(*std::max_element(solid.pixels.begin(), solid.pixels.end()), 0);
+}
+
+TEST(EmptyStage, CorrectsAKeyWithoutALampAndWithWholeShoes) {
+  Image key = mask_of({kLamp, kBody});
+  EXPECT_TRUE(with_a_lamp().correct(stage_with({kLamp, kBody, kShoes, kShadow}), key));
+  EXPECT_TRUE(key == mask_of({kBody, kShoes}));
+}
+
+TEST(EmptyStage, AddsNothingThatStandsByItself) {
+  const Patch chair{120, 20, 140, 60, {180, 60, 50}};  // nobody knows whose it is
+  Image key = mask_of({kBody});
+  EXPECT_TRUE(with_a_lamp().correct(stage_with({kLamp, kBody, chair}), key));
+  EXPECT_TRUE(key == mask_of({kBody}));
+}
+
+TEST(EmptyStage, IsNotHeardWhereItTellsMoreThanTheKey) {
+  Image other = stage_with({kLamp, kBody});
+  for (std::uint8_t& v : other.pixels) v = static_cast<std::uint8_t>(v / 5);  // the light is out
+  Image key = mask_of({kBody});
+  EXPECT_FALSE(with_a_lamp().correct(other, key));
+  EXPECT_TRUE(key == mask_of({kBody}));
 }
 
 TEST(EmptyStage, WhatIsInsideIsAwayFromTheOutline) {

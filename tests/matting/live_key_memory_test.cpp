@@ -3,19 +3,22 @@
 #include <gtest/gtest.h>
 
 #include "matting/keyers/live_key.h"
+#include "matting/keyers/plate_corrected_keyer.h"
 #include "tests/matting/pictures.h"
 #include "tests/support/counted_new.h"
 
 namespace floatstage::matting {
 namespace {
 
-TEST(LiveKey, AllocatesNothingOnceItHasSeenItsSubjectAndGotItsMattesBack) {
-  const auto keyer = std::move(*make_keyer("chroma:#28783c", {}));
-  LiveKey live(*keyer);
-  ASSERT_TRUE(live.fast());
+void expect_no_allocations_once_warm(const std::string& spec, bool corrected = false) {
   Scene large, small;
   large.radius = 50;
   large.noise = small.noise = 6;
+  const std::vector<Image> plates = {empty_stage(large), empty_stage(large, 7)};
+  auto keyer = std::move(*make_keyer(spec, plates));
+  if (corrected) keyer = std::move(*corrected_by_plate(std::move(keyer), plates));
+  LiveKey live(*keyer);
+  ASSERT_TRUE(live.fast());
   const Frame frames[] = {make_frame({}, photograph(large)), make_frame({}, photograph(small))};
   Matte held;  // one picture is on its way while the next is keyed
   for (int round = 0; round < 6; ++round) {
@@ -26,9 +29,14 @@ TEST(LiveKey, AllocatesNothingOnceItHasSeenItsSubjectAndGotItsMattesBack) {
       EXPECT_GT(during, 0) << "the counter counts";
     }
     if (round >= 3) {
-      EXPECT_EQ(during, 0) << "round " << round;
+      EXPECT_EQ(during, 0) << spec << ", round " << round;
     }
   }
+}
+
+TEST(LiveKey, AllocatesNothingOnceItHasSeenItsSubjectAndGotItsMattesBack) {
+  for (const char* spec : {"chroma:#28783c", "plate", "difference"}) expect_no_allocations_once_warm(spec);
+  expect_no_allocations_once_warm("chroma:#28783c", true);
 }
 
 }  // namespace

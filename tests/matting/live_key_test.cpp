@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "core/synthetic/synthetic_studio.h"
+#include "matting/keyers/byte_closing.h"
 #include "matting/keyers/cloth_kernels.h"
+#include "matting/keyers/plate.h"
+#include "matting/keyers/row_kernels.h"
 #include "tests/matting/pictures.h"
 #include "tests/support/matchers.h"
 
@@ -28,7 +31,11 @@ Difference between(const Matte& a, const Matte& b) {
   return all;
 }
 
-void expect_same(const Keyer& keyer, const Frame& frame, const std::string& what) {
+// Where a mean lies within rounding of the contrast that an edge is solved from, the pixel may keep its key
+// in one of both: a ten-thousandth of the picture at most.
+constexpr double kOnTheEdge = 1e-4;
+
+void expect_same(const Keyer& keyer, const Frame& frame, const std::string& what, double most = 0) {
   LiveKey live(keyer);
   ASSERT_TRUE(live.fast()) << what;
   const Result<Matte> wanted = keyer.key(frame), made = live.key(frame);
@@ -38,7 +45,7 @@ void expect_same(const Keyer& keyer, const Frame& frame, const std::string& what
     EXPECT_EQ(wanted.error().message, made.error().message) << what;
     return;
   }
-  EXPECT_EQ(between(*wanted, *made).steps_apart, 0) << what;
+  EXPECT_LE(between(*wanted, *made).share(), most) << what;
 }
 
 TEST(LiveKey, IsTheKeyersMatteOfEveryCameraOfAStudio) {
@@ -96,13 +103,133 @@ TEST(LiveKey, IsTheKeyersAnswerToPicturesThatAreNoStage) {
   }
 }
 
+// Against a picture of the empty stage: whoever stands there is closed before he is cleaned.
+TEST(LiveKey, IsTheMatteAgainstAPlateOfEveryCameraOfAStudio) {
+  const Rig rig = synthetic_rig({.cameras = 4, .width = 512, .height = 384});
+  const SyntheticStudio studio = std::move(*SyntheticStudio::create(rig, {.samples = 4}));
+  for (const char* spec : {"plate", "difference", "plate:3", "difference:60"})
+    for (int camera = 0; camera < 4; ++camera) {
+      const auto keyer = std::move(*make_keyer(spec, {studio.plate(camera)}));
+      for (const int instant : {0, 9})
+        expect_same(*keyer, studio.shoot(camera, instant).frame, spec, kOnTheEdge);
+      expect_same(*keyer, make_frame({}, studio.plate(camera)), "an empty stage");
+    }
+}
+
+TEST(LiveKey, IsTheMatteAgainstAPlateOfNoisyPicturesWhateverTheCleanUp) {
+  for (const double noise : {0.0, 2.0, 6.0, 15.0})
+    for (const int width : {64, 127, 160, 201})
+      for (const CleanupOptions& cleanup :
+           {CleanupOptions{}, CleanupOptions{.close_radius = 1, .smallest_hole = 0.02},
+            CleanupOptions{.close_radius = 3, .thin_radius = 2, .smallest_island = 0.02},
+            CleanupOptions{.close_radius = 9, .largest_only = true}})
+        for (const char* spec : {"plate", "difference", "chroma:#28783c"}) {
+          Scene scene;
+          scene.noise = noise;
+          scene.width = width;
+          const auto keyer =
+              std::move(*make_keyer(spec, {empty_stage(scene), empty_stage(scene, 7)}, cleanup));
+          expect_same(*keyer, make_frame({}, photograph(scene)),
+                      spec + std::string(" noise ") + std::to_string(noise) + " width " +
+                          std::to_string(width) + " close " + std::to_string(cleanup.close_radius),
+                      kOnTheEdge);
+        }
+}
+
+TEST(LiveKey, IsTheMatteAgainstAPlateThatIsUnknownInPlaces) {
+  Scene scene;
+  scene.noise = 3;
+  Plate plate = std::move(*learn_plate({empty_stage(scene), empty_stage(scene, 7)}));
+  for (int y = 20; y < 50; ++y) std::fill_n(plate.confidence.at(10, y), 60, std::uint8_t{0});
+  const auto keyer = std::move(*make_plate_keyer(std::move(plate)));
+  expect_same(*keyer, make_frame({}, photograph(scene)), "unknown beside the subject", kOnTheEdge);
+  expect_same(*keyer, make_frame({}, empty_stage(scene, 9)), "unknown alone", kOnTheEdge);
+}
+
+TEST(LiveKey, IsTheKeyersAnswerToPicturesThatAreNotThePlates) {
+  Random random(3);
+  for (const auto& [width, height] :
+       {std::pair(1, 1), std::pair(3, 70), std::pair(65, 40), std::pair(130, 90)}) {
+    Image noise(width, height, 3);
+    for (std::uint8_t& v : noise.pixels) v = static_cast<std::uint8_t>(random.uniform(0, 256));
+    for (const char* spec : {"plate", "difference"}) {
+      const auto keyer = std::move(*make_keyer(spec, {noise}));
+      expect_same(*keyer, make_frame({}, noise), "itself");
+      expect_same(*keyer, make_frame({}, Image(width, height, 3, 0)), "black", kOnTheEdge);
+      expect_same(*keyer, make_frame({}, Image(width, height, 3, 255)), "white", kOnTheEdge);
+      expect_same(*keyer, make_frame({}, Image(width, height + 1, 3)), "of another size");
+    }
+  }
+}
+
 TEST(LiveKey, IsTheKeyerItselfWhereNothingIsFaster) {
-  const Scene scene;
-  const auto keyer = std::move(*make_keyer("difference", {empty_stage(scene)}));
+  const Scene scene{.backing = {3, 3, 3}};
+  const auto keyer = std::move(*make_keyer("luminance", {empty_stage(scene)}));
   LiveKey live(*keyer);
   EXPECT_FALSE(live.fast());
   const Frame frame = make_frame({}, photograph(scene));
   EXPECT_EQ(to_image(*live.key(frame)), to_image(*keyer->key(frame)));
+}
+
+// The smallest, or the largest, value of a disc around every pixel.
+Image around(const Image& in, int radius, bool largest) {
+  Image out = in;
+  for (int y = 0; y < in.height; ++y)
+    for (int x = 0; x < in.width; ++x)
+      for (int v = std::max(y - radius, 0); v <= std::min(y + radius, in.height - 1); ++v) {
+        const double half = std::sqrt(radius * radius - (v - y) * (v - y));
+        const int reach = static_cast<int>(std::lrint(half));
+        for (int u = std::max(x - reach, 0); u <= std::min(x + reach, in.width - 1); ++u)
+          *out.at(x, y) =
+              largest ? std::max(*out.at(x, y), *in.at(u, v)) : std::min(*out.at(x, y), *in.at(u, v));
+      }
+  return out;
+}
+
+TEST(ByteClosing, IsTheSmallestOfTheLargestInDiscs) {
+  Random random(11);
+  for (const int radius : {0, 1, 2, 3, 5, 8})
+    for (const auto& [width, height] :
+         {std::pair(1, 1), std::pair(7, 3), std::pair(64, 20), std::pair(131, 60)}) {
+      ByteClosing closing;
+      closing.resize(width, height);
+      Image picture(width, height, 1);
+      for (std::uint8_t& v : picture.pixels)
+        v = static_cast<std::uint8_t>(random.uniform(0, 1) < 0.9 ? 0 : random.uniform(0, 256));
+      for (int y = 0; y < height; ++y) std::copy_n(picture.at(0, y), width, closing.row(y));
+      closing.close(radius);
+      const Image wanted = around(around(picture, radius, true), radius, false);
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+          ASSERT_EQ(closing.row(y)[x], *wanted.at(x, y)) << radius << ": " << x << ", " << y;
+    }
+}
+
+TEST(RowKernels, GiveTheSameOnEveryInstructionSet) {
+  Random random(5);
+  const std::size_t count = 192;
+  std::vector<std::uint8_t> a(count), b(count);
+  std::vector<float> values(count);
+  for (std::size_t x = 0; x < count; ++x) {
+    a[x] = static_cast<std::uint8_t>(random.uniform(0, 256));
+    b[x] = static_cast<std::uint8_t>(random.uniform(0, 256));
+    values[x] = static_cast<float>(random.uniform(-500, 500));
+  }
+  for (const RowKernels& kernels : all_row_kernels()) {
+    std::vector<std::uint64_t> bits(count / 64);
+    std::vector<std::int32_t> steps(count);
+    std::vector<std::uint8_t> larger = a, smaller = a;
+    kernels.at_least(a.data(), count, 128, bits.data());
+    kernels.quantize(values.data(), count, 64, steps.data());
+    kernels.raise(b.data(), count - 5, larger.data());  // and what is left of a vector
+    kernels.lower(b.data(), count - 5, smaller.data());
+    for (std::size_t x = 0; x < count; ++x) {
+      ASSERT_EQ(bits[x / 64] >> (x % 64) & 1, a[x] >= 128) << kernels.name;
+      ASSERT_EQ(steps[x], std::lrint(64 * values[x])) << kernels.name;
+      ASSERT_EQ(larger[x], x < count - 5 ? std::max(a[x], b[x]) : a[x]) << kernels.name;
+      ASSERT_EQ(smaller[x], x < count - 5 ? std::min(a[x], b[x]) : a[x]) << kernels.name;
+    }
+  }
 }
 
 TEST(LiveKey, GivesTheSameWhateverItSawBeforeAndLeavesGivenMattesAlone) {
@@ -161,7 +288,8 @@ TEST(ClothKernels, GiveTheSameBitsOnEveryInstructionSet) {
       ASSERT_EQ(subject[x / 64] >> (x % 64) & 1, value >= 128) << kernels.name;
       ASSERT_EQ(faint[x / 64] >> (x % 64) & 1, value >= 24) << kernels.name;
       ASSERT_EQ(doubt[x / 64] >> (x % 64) & 1, value > measure.doubtful) << kernels.name;
-      ASSERT_EQ(steps[x], std::lrint(kQuantum * measure.along.of(p[0], p[1], p[2]))) << kernels.name;
+      ASSERT_EQ(steps[x], std::lrint(RowMeasure::kQuantum * measure.along.of(p[0], p[1], p[2])))
+          << kernels.name;
     }
   }
 }

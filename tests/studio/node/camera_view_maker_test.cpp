@@ -14,8 +14,8 @@ constexpr Timestamp kProduced{1'500'000};
 class ACameraViewMaker : public testing::Test {
  protected:
   CameraViewMaker node(const std::string& spec = "chroma") {
-    Result<CameraViewMaker> made =
-        CameraViewMaker::make("cam00", shots_.rig.cameras[0].model, spec, {shots_.studio.plate(0)});
+    Result<CameraViewMaker> made = CameraViewMaker::make("cam00", shots_.rig.cameras[0].model, spec,
+                                                         {.pictures = {shots_.studio.plate(0)}});
     EXPECT_THAT(made, IsOk());
     return std::move(*made);
   }

@@ -1,0 +1,77 @@
+// Method:  how far a pixel is from what light alone makes of a plate's
+// Paper:   T. Horprasert, D. Harwood, L. Davis, "A statistical approach for real-time robust background
+// subtraction and
+//          shadow detection", 1999, eq. 5-6
+// Differs: both distortions as one distance
+
+#include "matting/keyers/plate_measure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+#include "matting/keyers/plate_kernels.h"
+#include "matting/keyers/row_kernels.h"
+#include "matting/refine_edges.h"
+
+namespace floatstage::matting {
+
+PlateDistance plate_distance(const std::uint8_t* p, const std::uint8_t* b, const PlateLight& light) {
+  const float pr = p[0], pg = p[1], pb = p[2], br = b[0], bg = b[1], bb = b[2];
+  const float bright = std::clamp((pr * br + pg * bg + pb * bb) / (br * br + bg * bg + bb * bb + 1e-3f),
+                                  light.darkest, light.brightest);
+  const float dr = pr - bright * br, dg = pg - bright * bg, db = pb - bright * bb;
+  return {std::sqrt(dr * dr + dg * dg + db * db), bright};
+}
+
+Image PlateMeasure::key(const Image& rgb, const CleanupOptions& cleanup) const {
+  FLOATSTAGE_CHECK(fits(rgb.width, rgb.height), "a picture of another size than its plate");
+  Image alpha(rgb.width, rgb.height, 1);
+  for (int y = 0; y < rgb.height; ++y) opacities(rgb.at(0, y), 0, y, rgb.width, alpha.at(0, y));
+  alpha = clean_up(alpha, cleanup);
+  // Of a mixed pixel C = a F + (1 - a) B the distance to B is a |F - B|: linear in a, as refine_edges() wants
+  // it.
+  const auto distance = [&](int y, int x0, int count, float* out) {
+    distances(rgb.at(x0, y), x0, y, count, out);
+  };
+  refine_edges(distance, contrast_, Image(alpha.width, alpha.height, 1), alpha);
+  return alpha;
+}
+
+void PlateMeasure::classify(const std::uint8_t* rgb, int y, int width, std::vector<std::uint8_t>& scratch,
+                            std::uint64_t* subject, std::uint64_t* faint, std::uint64_t* doubt) const {
+  const std::size_t count = static_cast<std::size_t>(width);
+  if (scratch.size() < padded(count)) scratch.resize(padded(count));
+  opacities(rgb, 0, y, width, scratch.data());
+  row_kernels().at_least(scratch.data(), padded(count), 128, subject);
+  row_kernels().at_least(scratch.data(), padded(count), 24, faint);
+  std::fill_n(doubt, padded(count) / 64, 0);
+}
+
+void PlateMeasure::opacities(const std::uint8_t* rgb, int x, int y, int count, std::uint8_t* out) const {
+  plate_kernels().alphas(rgb, color_.at(x, y), thresholds_at(x, y), static_cast<std::size_t>(count),
+                         light_.darkest, light_.brightest, out);
+}
+
+float PlateMeasure::at(const std::uint8_t* rgb, int x, int y) const {
+  return *thresholds_at(x, y) == 0 ? unknown_ : plate_distance(rgb, color_.at(x, y), light_).length;
+}
+
+void PlateMeasure::distances(const std::uint8_t* rgb, int x, int y, int count, float* out) const {
+  plate_kernels().lengths(rgb, color_.at(x, y), static_cast<std::size_t>(count), light_.darkest,
+                          light_.brightest, out);
+  const float* thresholds = thresholds_at(x, y);
+  for (int i = 0; i < count; ++i)
+    if (thresholds[i] == 0) out[i] = unknown_;
+}
+
+void PlateMeasure::quantize(const std::uint8_t* rgb, int x, int y, int count,
+                            std::vector<std::uint8_t>& scratch, std::int32_t* out) const {
+  const std::size_t room = padded(static_cast<std::size_t>(count)), bytes = room * sizeof(float);
+  if (scratch.size() < bytes) scratch.resize(bytes);
+  auto* row = reinterpret_cast<float*>(scratch.data());
+  distances(rgb, x, y, count, row);
+  row_kernels().quantize(row, room, kQuantum, out);
+}
+
+}  // namespace floatstage::matting
