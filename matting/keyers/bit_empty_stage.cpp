@@ -8,18 +8,10 @@
 #include <bit>
 #include <cstring>
 
-#include "matting/keyers/row_kernels.h"
+#include "matting/keyers/alpha_bits.h"
 
 namespace floatstage::matting {
 namespace {
-
-template <class Take>
-void for_bits(const BitRows& rows, const Take& take) {
-  for (int y = 0; y < rows.height(); ++y)
-    for (std::size_t w = 0; w < rows.words(); ++w)
-      for (std::uint64_t bits = rows.row(y)[w]; bits != 0; bits &= bits - 1)
-        take(static_cast<int>(64 * w) + std::countr_zero(bits), y);
-}
 
 // The words of bits x0 … x1 - 1 of a row, each with the mask of those.
 template <class Take>
@@ -70,9 +62,8 @@ bool BitEmptyStage::correct(const PixelRows& rgb, const BitBox& part, std::uint8
   if (!fits_the_key()) return false;
   keep_touching();
   find_more();
-  for_bits(more_, [&](int x, int y) {
-    first[stride * static_cast<std::size_t>(y) + static_cast<std::size_t>(x)] = 255;
-  });
+  for (int y = 0; y < more_.height(); ++y)
+    set_row(more_.row(y), more_.width(), 255, first + stride * static_cast<std::size_t>(y));
   if (const BitBox box = bounding_box(more_); !box.empty())
     changed = joined(changed, {part.x0 + box.x0, part.y0 + box.y0, part.x0 + box.x1, part.y0 + box.y1});
   return true;
@@ -81,12 +72,11 @@ bool BitEmptyStage::correct(const PixelRows& rgb, const BitBox& part, std::uint8
 // some_ and subject_.
 void BitEmptyStage::read(const std::uint8_t* alpha, std::size_t stride) {
   const int width = part_.x1 - part_.x0, height = part_.y1 - part_.y0;
-  row_.assign(padded(static_cast<std::size_t>(width)), 0);
   for (BitRows* bits : {&some_, &subject_}) bits->resize(width, height);
   for (int y = 0; y < height; ++y) {
-    std::memcpy(row_.data(), alpha + stride * static_cast<std::size_t>(y), static_cast<std::size_t>(width));
-    row_kernels().at_least(row_.data(), row_.size(), 1, some_.row(y));
-    row_kernels().at_least(row_.data(), row_.size(), kSubjectAlpha, subject_.row(y));
+    const std::uint8_t* row = alpha + stride * static_cast<std::size_t>(y);
+    bits_of_row(row, width, 1, some_.row(y));
+    bits_of_row(row, width, kSubjectAlpha, subject_.row(y));
   }
 }
 
@@ -95,6 +85,7 @@ bool BitEmptyStage::take_out_fixtures(const PixelRows& rgb, std::uint8_t* alpha,
   const std::size_t words = some_.words(), left = static_cast<std::size_t>(part_.x0) / 64;
   bool any = false;
   unlike_.resize(words);
+  row_.resize(64 * words);
   gone_.resize(some_.width(), some_.height());
   gone_.clear();
   for (int y = 0; y < some_.height(); ++y) {
@@ -104,10 +95,9 @@ bool BitEmptyStage::take_out_fixtures(const PixelRows& rgb, std::uint8_t* alpha,
     while (last > first && (fixtures[last - 1] & some_.row(y)[last - 1]) == 0) --last;
     if (first == last) continue;
     const int x0 = static_cast<int>(64 * first), x1 = std::min(static_cast<int>(64 * last), some_.width());
-    row_.resize(std::max(row_.size(), 64 * words));
     stage_.alike().opacities(rgb.at(part_.x0 + x0, part_.y0 + y), part_.x0 + x0, part_.y0 + y, x1 - x0,
                              row_.data());
-    row_kernels().at_least(row_.data(), 64 * (last - first), kSubjectAlpha, unlike_.data());
+    bits_of_row(row_.data(), x1 - x0, kSubjectAlpha, unlike_.data());
     for (std::size_t w = first; w < last; ++w) {
       std::uint64_t gone = fixtures[w] & some_.row(y)[w] & ~unlike_[w - first];
       any = any || gone != 0;
@@ -154,14 +144,11 @@ void BitEmptyStage::find_solid(const PixelRows& rgb) {
   for (int y = 0; y < some_.height(); ++y)
     stage_.no_shadow().opacities(rgb.at(part_.x0, part_.y0 + y), part_.x0, part_.y0 + y, some_.width(),
                                  closing_.row(y));
-  for (int y = 0; y < some_.height(); ++y) {
-    row_kernels().at_least(closing_.row(y), 64 * seen_.words(), kSubjectAlpha, seen_.row(y));
-    seen_.trim(y);
-  }
+  for (int y = 0; y < some_.height(); ++y)
+    bits_of_row(closing_.row(y), some_.width(), kSubjectAlpha, seen_.row(y));
   closing_.close(cleanup.close_radius);
   for (int y = 0; y < some_.height(); ++y) {
-    row_kernels().at_least(closing_.row(y), 64 * solid_.words(), kSubjectAlpha, solid_.row(y));
-    solid_.trim(y);
+    bits_of_row(closing_.row(y), some_.width(), kSubjectAlpha, solid_.row(y));
     std::copy_n(solid_.row(y), solid_.words(), solid_faint_.row(y));
   }
   cleaner_.run(cleanup, solid_, solid_faint_);

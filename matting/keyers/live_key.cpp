@@ -15,12 +15,12 @@
 #include <utility>
 
 #include "core/reused.h"
+#include "matting/keyers/alpha_bits.h"
 #include "matting/keyers/bit_clean_up.h"
 #include "matting/keyers/bit_edges.h"
 #include "matting/keyers/bit_empty_stage.h"
 #include "matting/keyers/byte_closing.h"
 #include "matting/keyers/rim_check.h"
-#include "matting/keyers/row_kernels.h"
 #include "matting/keyers/row_measure.h"
 
 namespace floatstage::matting {
@@ -105,10 +105,8 @@ void LiveKey::Impl::close(const PixelRows& rgb) {
     measure->opacities(rgb.at(left, top + y), left, top + y, closed.width(), closed.row(y));
   closed.close(cleanup.close_radius);
   for (int y = 0; y < closed.height(); ++y)
-    for (const auto& [bits, least] : {std::pair(&subject, kSubjectAlpha), std::pair(&faint, kFaintAlpha)}) {
-      row_kernels().at_least(closed.row(y), 64 * bits->words(), least, bits->row(y));
-      bits->trim(y);
-    }
+    for (const auto& [bits, least] : {std::pair(&subject, kSubjectAlpha), std::pair(&faint, kFaintAlpha)})
+      bits_of_row(closed.row(y), closed.width(), least, bits->row(y));
 }
 
 double LiveKey::Impl::rim_share(int width, int height) const {

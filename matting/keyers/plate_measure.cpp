@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "matting/keyers/alpha_bits.h"
 #include "matting/keyers/plate_kernels.h"
 #include "matting/keyers/row_kernels.h"
 #include "matting/refine_edges.h"
@@ -43,8 +44,8 @@ void PlateMeasure::classify(const std::uint8_t* rgb, int y, int width, std::vect
   const std::size_t count = static_cast<std::size_t>(width);
   if (scratch.size() < padded(count)) scratch.resize(padded(count));
   opacities(rgb, 0, y, width, scratch.data());
-  row_kernels().at_least(scratch.data(), padded(count), 128, subject);
-  row_kernels().at_least(scratch.data(), padded(count), 24, faint);
+  bits_of_row(scratch.data(), width, kSubjectAlpha, subject);
+  bits_of_row(scratch.data(), width, kFaintAlpha, faint);
   std::fill_n(doubt, padded(count) / 64, 0);
 }
 

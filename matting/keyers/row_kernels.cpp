@@ -22,23 +22,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = HWY_CAPPED(std::uint8_t, 64);
 using F = HWY_CAPPED(float, 16);
 
-void at_least(const std::uint8_t* bytes, std::size_t padded, std::uint8_t least, std::uint64_t* out) {
-  const Bytes d;
-  const auto wanted = hn::Set(d, least);
-  if (hn::Lanes(d) < 8) {  // bits come in bytes
-    for (std::size_t w = 0; w < padded / 64; ++w) {
-      out[w] = 0;
-      for (std::size_t i = 0; i < 64; ++i) out[w] |= std::uint64_t{bytes[64 * w + i] >= least} << i;
-    }
-    return;
-  }
-  auto* bits = reinterpret_cast<std::uint8_t*>(out);
-  for (std::size_t x = 0; x < padded; x += hn::Lanes(d)) {
-    const auto value = hn::LoadU(d, bytes + x);
-    hn::StoreMaskBits(d, hn::Eq(hn::Max(value, wanted), value), bits + x / 8);  // bytes have no Ge
-  }
-}
-
 void quantize(const float* values, std::size_t padded, float steps, std::int32_t* out) {
   const F d;
   const hn::RebindToSigned<F> whole;
@@ -62,7 +45,7 @@ void lower(const std::uint8_t* other, std::size_t count, std::uint8_t* out) {
   for (; x < count; ++x) out[x] = std::min(out[x], other[x]);
 }
 
-void table(RowKernels* out) { *out = {hwy::TargetName(HWY_TARGET), at_least, quantize, raise, lower}; }
+void table(RowKernels* out) { *out = {hwy::TargetName(HWY_TARGET), quantize, raise, lower}; }
 
 }  // namespace
 }  // namespace floatstage::matting::HWY_NAMESPACE

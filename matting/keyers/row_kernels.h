@@ -7,12 +7,10 @@
 // Private to the stage.
 namespace floatstage::matting {
 
-/// What is done to rows of bytes and numbers on the way to bits, in vectors of whatever the processor has.
+/// What is done to rows of bytes and numbers, in vectors of whatever the processor has.
 /// The same on all.
 struct RowKernels {
   const char* name;  ///< of the instruction set
-  /// Bit x % 64 of word x / 64: bytes[x] >= least, of `padded` bytes, a multiple of 64.
-  void (*at_least)(const std::uint8_t* bytes, std::size_t padded, std::uint8_t least, std::uint64_t* out);
   /// values[x] * steps, rounded to the nearest.
   void (*quantize)(const float* values, std::size_t padded, float steps, std::int32_t* out);
   /// out[x] becomes the larger, or the smaller, of both rows, which do not overlap.
