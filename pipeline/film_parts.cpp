@@ -129,8 +129,9 @@ fs::path FilmParts::picture(int index) const {
   return folder_ / "pictures" / (numbered(index) + (shape_.stills == Stills::Exr ? ".exr" : ".png"));
 }
 
-Result<std::unique_ptr<FilmParts>> FilmParts::open(const fs::path& out, const FilmShape& shape,
+Result<std::unique_ptr<FilmParts>> FilmParts::open(const fs::path& given, const FilmShape& shape,
                                                    const std::string& made_from, Use use) {
+  const fs::path out = film_name(given);
   if (Result<void> ok = check_film_name(out, shape.with_opacity); !ok) return forward(ok);
   if (shape.stills == Stills::Exr && out.has_extension())
     return fail(ErrorCode::InvalidArgument, text(out.string(), ": EXRs are stills; name a folder for them"));

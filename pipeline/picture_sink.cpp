@@ -58,6 +58,10 @@ bool is_video(const fs::path& out) {
 
 }  // namespace
 
+fs::path film_name(const fs::path& out) {
+  return out.has_filename() || !out.has_parent_path() ? out : out.parent_path();
+}
+
 Result<void> check_film_name(const fs::path& out, bool with_opacity) {
   if (is_there(out))
     return fail(ErrorCode::AlreadyExists,
@@ -72,8 +76,9 @@ Result<void> check_film_name(const fs::path& out, bool with_opacity) {
   return {};
 }
 
-Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& out, int width, int height,
+Result<std::unique_ptr<PictureSink>> open_picture_sink(const fs::path& given, int width, int height,
                                                        double frame_rate, bool with_opacity) {
+  const fs::path out = film_name(given);
   if (Result<void> ok = check_film_name(out, with_opacity); !ok) return forward(ok);
   if (is_video(out)) {
     Result<std::unique_ptr<capture::VideoWriter>> writer =

@@ -17,6 +17,9 @@ class PictureSink {
   virtual Result<void> finish() = 0;
 };
 
+/// The name without a slash at its end, which shells add to folders' names.
+std::filesystem::path film_name(const std::filesystem::path& out);
+
 /// Whether a film can be put there: AlreadyExists, or InvalidArgument for a name that says no kind of film,
 /// or one that holds no opacity (`with_opacity`).
 Result<void> check_film_name(const std::filesystem::path& out, bool with_opacity);

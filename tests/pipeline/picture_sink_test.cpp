@@ -29,6 +29,15 @@ TEST(PictureSink, WritesAFolderOfPngsThatAppearsWhenItIsWhole) {
   EXPECT_EQ(*load_png(out / "000001.png"), Image(32, 16, 3, 20));
 }
 
+TEST(PictureSink, TakesAFoldersNameWithASlashAtItsEnd) {
+  TempFolder folder;
+  auto sink = open_picture_sink(folder.path() / "film/", 32, 16, 25);
+  ASSERT_THAT(sink, IsOk());
+  ASSERT_THAT((*sink)->write(Image(32, 16, 3, 10)), IsOk());
+  ASSERT_THAT((*sink)->finish(), IsOk());
+  EXPECT_EQ(*load_png(folder.path() / "film" / "000000.png"), Image(32, 16, 3, 10));
+}
+
 TEST(PictureSink, LeavesNothingBehindWhenItIsAbandoned) {
   TempFolder folder;
   for (const char* name : {"film", "film.mp4"}) {
