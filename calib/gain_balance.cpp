@@ -36,7 +36,8 @@ std::vector<std::vector<Sight>> shared_points(std::span<const ColorSample> sampl
 
 GainBalance balance_gains(std::span<const ColorSample> samples, std::size_t cameras) {
   const std::vector<std::vector<Sight>> points = shared_points(samples);
-  GainBalance balance{std::vector<ColorTransform>(cameras), std::vector<int>(cameras, 0)};
+  GainBalance balance{std::vector<ColorTransform>(cameras), std::vector<int>(cameras, 0),
+                      std::vector<bool>(cameras, false)};
   for (const std::vector<Sight>& sights : points)
     for (const Sight& s : sights) ++balance.points[s.camera];
   std::vector<Eigen::Vector3d> gains(cameras, Eigen::Vector3d::Zero());
@@ -63,6 +64,7 @@ GainBalance balance_gains(std::span<const ColorSample> samples, std::size_t came
     for (std::size_t i = 0; i < cameras && known > 0; ++i)
       if (balance.points[i] >= kLeastPoints) gains[i] -= mean / known;
   }
+  for (std::size_t i = 0; i < cameras; ++i) balance.known[i] = balance.points[i] >= kLeastPoints;
   for (std::size_t i = 0; i < cameras; ++i)
     balance.transforms[i].matrix = (-gains[i]).array().exp().matrix().asDiagonal();
   return balance;

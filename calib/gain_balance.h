@@ -10,6 +10,7 @@ namespace floatstage::calib {
 struct GainBalance {
   std::vector<ColorTransform> transforms;  ///< one a camera: three gains; identity where too little is known
   std::vector<int> points;                 ///< one a camera: that it shares with others
+  std::vector<bool> known;                 ///< one a camera: whether these are enough for gains
 };
 
 /// Three gains a camera that bring cameras to one another, however few colours they share: the mean of all is

@@ -30,6 +30,18 @@ void say_far_off(const Rig& rig) {
   }
 }
 
+// A small subject, thin limbs or rough cloth leave too few places to compare.
+void say_unknown(const Rig& rig, const std::vector<Image>& images, const calib::GainBalance& balance) {
+  std::string names;
+  for (std::size_t i = 0; i < images.size(); ++i)
+    if (!images[i].empty() && !balance.known[i])
+      names += text(names.empty() ? "" : ", ", "'", rig.cameras[i].serial, "'");
+  if (names.empty()) return;
+  log::warning(text("--balance leaves the colours of ", names,
+                    " as they are: too little of the subject can be compared with what others see of it; a "
+                    "chart can (`calibrate color --chart`)"));
+}
+
 }  // namespace
 
 Result<Rig> balanced(Rig rig, const SceneFrame& scene) {
@@ -50,6 +62,7 @@ Result<Rig> balanced(Rig rig, const SceneFrame& scene) {
   const std::vector<calib::ColorSample> samples = calib::surface_colors(scene.mesh, rig, images, 0);
   const calib::GainBalance balance = calib::balance_gains(samples, cameras);
   for (std::size_t i = 0; i < cameras; ++i) rig.cameras[i].color = balance.transforms[i];
+  say_unknown(rig, images, balance);
   say_far_off(rig);
   return rig;
 }

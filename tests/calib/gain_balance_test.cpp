@@ -63,6 +63,14 @@ TEST(GainBalance, LeavesACameraThatSharesNothingAsItIs) {
   EXPECT_NEAR(balance.transforms[0].matrix(0, 0), 1 / 0.9, 0.02);
 }
 
+TEST(GainBalance, SaysWhoseGainsItKnows) {
+  const std::vector<ColorSample> few = seen_by({{0.9, 0.9, 0.9}, {1.1, 1.1, 1.1}}, 99, 2),
+                                 enough = seen_by({{0.9, 0.9, 0.9}, {1.1, 1.1, 1.1}}, 100, 2);
+  EXPECT_EQ(balance_gains(few, 3).known, std::vector<bool>(3, false));
+  EXPECT_TRUE(balance_gains(few, 3).transforms[0].is_identity());
+  EXPECT_EQ(balance_gains(enough, 3).known, std::vector<bool>({true, true, false}));
+}
+
 TEST(GainBalance, KnowsNothingOfWhatIsDarkOrClipped) {
   std::vector<ColorSample> samples;
   for (int p = 0; p < 500; ++p) {
