@@ -1,4 +1,4 @@
-# blender --background --factory-startup --python rendered_stage.py -- STAGE OUT WIDTH SAMPLES
+# blender --background --factory-startup --python rendered_stage.py -- STAGE OUT WIDTH SAMPLES [CAMERAS]
 # A performer on a stage that the synthetic studio does not have, path traced: noise of light, soft shadows, light
 # that walls throw on clothes. STAGE is one of
 #   tarpaulin  blue cloth on the floor and on three of four walls, striped plaster elsewhere, stands
@@ -9,7 +9,7 @@
 #   theatre    black floor, dark curtains, a spot from either side
 #   gym        a wooden floor that mirrors, lines on it, benches of all colours
 #   garden     grass, hedges of all heights before an even sky, sun
-# Writes OUT/sparse (eight cameras as a COLMAP model), OUT/pictures/<serial>/000000.png, OUT/plates/<serial>.png of
+# Writes OUT/sparse (CAMERAS, or eight, as a COLMAP model), OUT/pictures/<serial>/000000.png, OUT/plates/<serial>.png of
 # the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
 import math
 import os
@@ -19,10 +19,9 @@ import sys
 import bpy
 from mathutils import Matrix, Vector
 
-stage, out, width, samples = sys.argv[sys.argv.index("--") + 1:]
-width, samples = int(width), int(samples)
+stage, out, width, samples, cameras = (sys.argv[sys.argv.index("--") + 1:] + ["8"])[:5]
+width, samples, cameras = int(width), int(samples), int(cameras)
 height, focal = width * 3 // 4, width * 0.875
-cameras = 8
 # By stage: what the dice of this file begin with, and the performer's shirt.
 seed, shirt = {
     "tarpaulin": (3, ((0.1, 0.35, 0.3), "ShaderNodeTexVoronoi", 16, (0.7, 0.6, 0.2))),

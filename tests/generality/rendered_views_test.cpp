@@ -1,0 +1,89 @@
+// Renderers on stages of another renderer: views of cameras that are left out, on hulls of true mattes.
+#include <cstdio>
+
+#include <gmock/gmock.h>
+
+#include "core/text.h"
+#include "pipeline/evaluate/evaluate.h"
+#include "pipeline/import/import.h"
+#include "pipeline/process/process.h"
+#include "tests/support/long_tests.h"
+#include "tests/support/matchers.h"
+#include "tests/support/places.h"
+#include "tests/support/run_command.h"
+#include "tests/support/temp_folder.h"
+
+namespace floatstage::generality {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Scores = std::map<std::string, pipeline::Scores>;
+
+// Means over twelve cameras, each left out in turn.
+Scores left_out(const std::string& stage) {
+  const TempFolder folder;
+  const fs::path script = source_folder() / "tests/generality/rendered_stage.py", scene = folder / "scene";
+  const Ended rendered =
+      run_command(text("blender --background --factory-startup --python-exit-code 1 --python '",
+                       script.string(), "' -- ", stage, " '", scene.string(), "' 320 12 12"));
+  EXPECT_EQ(rendered.code, 0) << rendered.output;
+  pipeline::ImportOptions import;
+  import.calibration = {"colmap", scene / "sparse"};
+  import.pictures = scene / "pictures";
+  import.mattes = scene / "truth";
+  import.out = folder / "take";
+  EXPECT_THAT(pipeline::import_take(import), IsOk());
+  EXPECT_THAT(pipeline::process_take({.take = import.out, .hull = recon::HullOptions{}}), IsOk());
+  auto take = capture::TakeReader::open(import.out);
+  EXPECT_THAT(take, IsOk());
+  pipeline::EvaluateOptions options{
+      .methods = {"nearest", "linear", "filtered", "floating-static", "floating"},
+      .renderer = {},
+      .proxy = {}};
+  for (const RigCamera& camera : (*take)->rig().cameras) options.hold_out.push_back(camera.serial);
+  const double n = static_cast<double>(options.hold_out.size());
+  Scores mean;
+  for (const std::string& method : options.methods)
+    mean[method].psnr = mean[method].psnr_edge = mean[method].ssim = mean[method].ghosting = 0;
+  EXPECT_THAT(pipeline::evaluate_take(**take, options,
+                                      [&](pipeline::HeldOutView view) {
+                                        for (const auto& [method, s] : view.scores)
+                                          for (double pipeline::Scores::*m :
+                                               {&pipeline::Scores::psnr, &pipeline::Scores::psnr_edge,
+                                                &pipeline::Scores::ssim, &pipeline::Scores::ghosting})
+                                            mean[method].*m += s.*m / n;
+                                        return Result<void>();
+                                      }),
+              IsOk());
+  for (const std::string& method : options.methods)
+    std::printf("%s %s: %.2f dB, %.3f, outline %.2f dB, ghosting %.1f\n", stage.c_str(), method.c_str(),
+                mean[method].psnr, mean[method].ssim, mean[method].psnr_edge, mean[method].ghosting);
+  return mean;
+}
+
+void expect_order(const std::string& stage) {
+  const Scores mean = left_out(stage);
+  const pipeline::Scores &nearest = mean.at("nearest"), &linear = mean.at("linear"),
+                         &still = mean.at("floating-static"), &floating = mean.at("floating");
+  EXPECT_GT(linear.psnr, nearest.psnr + 0.5) << stage;
+  EXPECT_GT(mean.at("filtered").psnr, linear.psnr - 0.2) << stage;
+  for (const pipeline::Scores* warped : {&still, &floating}) {
+    EXPECT_GT(warped->psnr, linear.psnr - 0.05) << stage;
+    EXPECT_GT(warped->psnr_edge, linear.psnr_edge - 0.05) << stage;
+    EXPECT_GT(warped->ssim, linear.ssim) << stage;
+    EXPECT_LT(warped->ghosting, linear.ghosting) << stage;
+  }
+  EXPECT_GT(floating.psnr, linear.psnr + 0.1) << stage;
+}
+
+TEST(RenderedViews, FloatBetterThanTheyBlendInAWorkshop) { expect_order("workshop"); }
+
+TEST(RenderedViews, FloatBetterThanTheyBlendOnEveryStage) {
+  FLOATSTAGE_LONG_FORM(true);
+  for (const char* stage : {"tarpaulin", "lounge", "cyclorama", "corner", "theatre", "gym", "garden"})
+    expect_order(stage);
+}
+
+}  // namespace
+}  // namespace floatstage::generality
