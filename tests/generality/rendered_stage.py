@@ -9,8 +9,8 @@
 #   theatre    black floor, dark curtains, a spot from either side
 #   gym        a wooden floor that mirrors, lines on it, benches of all colours
 #   garden     grass, hedges of all heights before an even sky, sun
-# Writes OUT/sparse (CAMERAS, or eight, as a COLMAP model), OUT/pictures/<serial>/000000.png, OUT/plates/<serial>.png of
-# the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
+# Writes OUT/sparse (CAMERAS, or eight, as a COLMAP model), OUT/pictures/<serial>/000000.png,
+# OUT/plates/<serial>.png of the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
 import math
 import os
 import random
