@@ -87,14 +87,7 @@ BitRows hair_of(const BitRows& subject, BitRows candidates, BitMorphology& morph
     candidates.all()[i] = (candidates.all()[i] | subject.all()[i]) & reach.all()[i];
   BitComponents parts;
   parts.find(candidates, bounding_box(candidates), true);
-  std::vector<std::uint8_t> touched(parts.components().size(), 0);
-  for (const BitRun& run : parts.runs()) {
-    std::uint8_t& is = touched[static_cast<std::size_t>(run.component)];
-    if (is == 0) is = any_between(subject.row(run.y), run.x0, run.x1) ? 1 : 0;
-  }
-  candidates.clear();
-  for (const BitRun& run : parts.runs())
-    if (touched[static_cast<std::size_t>(run.component)] != 0) candidates.set(run.y, run.x0, run.x1);
+  parts.touching(subject, candidates);
   return candidates;
 }
 

@@ -93,14 +93,7 @@ void BitCleanUp::erase_the_rest(const BitRows& subject, const BitRows& faint) {
     rest_.all()[w] &= faint.all()[w] & ~(around_dropped_.all()[w] & ~near_.all()[w]);
   }
   components_.find(rest_, near, true);
-  chosen_.assign(components_.components().size(), 0);
-  for (const BitRun& run : components_.runs()) {
-    std::uint8_t& chosen = chosen_[static_cast<std::size_t>(run.component)];
-    if (!chosen) chosen = any_between(core_.row(run.y), run.x0, run.x1);
-  }
-  kept_.clear();
-  for (const BitRun& run : components_.runs())
-    if (chosen_[static_cast<std::size_t>(run.component)]) kept_.set(run.y, run.x0, run.x1);
+  components_.touching(core_, kept_);
   for (std::size_t w = 0; w < kept_.all().size(); ++w) kept_.all()[w] |= near_.all()[w];
 }
 

@@ -54,7 +54,7 @@ void sum_row(const std::uint64_t* mask, const std::int32_t* values, int x0, int 
 
 void BitEdges::find(const BitRows& subject, const BitRows& faint, const BitRows& doubt) {
   box_ = grown(bounding_box(faint), kHair + kFar, faint);
-  for (BitRows* made : {&candidates_, &hair_, &outside_}) {
+  for (BitRows* made : {&candidates_, &outside_}) {
     made->resize(faint.width(), faint.height());
     made->clear();
   }
@@ -63,13 +63,7 @@ void BitEdges::find(const BitRows& subject, const BitRows& faint, const BitRows&
   for (std::size_t w = 0; w < subject_bits.size(); ++w)
     candidates_.all()[w] = (doubts[w] | subject_bits[w]) & reach_.all()[w];
   components_.find(candidates_, box_, true);
-  touched_.assign(components_.components().size(), 0);
-  for (const BitRun& run : components_.runs()) {
-    std::uint8_t& touched = touched_[static_cast<std::size_t>(run.component)];
-    if (!touched) touched = any_between(subject.row(run.y), run.x0, run.x1);
-  }
-  for (const BitRun& run : components_.runs())
-    if (touched_[static_cast<std::size_t>(run.component)]) hair_.set(run.y, run.x0, run.x1);
+  components_.touching(subject, hair_);
   morphology_.erode(subject, kEdge, inside_);
   morphology_.dilate(faint, kEdge, edge_);
   for (int y = box_.y0; y < box_.y1; ++y) {

@@ -40,7 +40,6 @@ class BitEdges {
   BitMorphology morphology_;
   BitComponents components_;
   BitRows reach_, candidates_, inside_, edge_, hair_, outside_;
-  std::vector<std::uint8_t> touched_;
   BitBox box_;
   Table of_inside_, of_outside_;
   std::vector<std::int32_t> values_;

@@ -163,16 +163,8 @@ bool BitEmptyStage::fits_the_key() const {
 
 // touching_: of solid_, what hangs together with the key's subject.
 void BitEmptyStage::keep_touching() {
-  touching_.resize(solid_.width(), solid_.height());
-  touching_.clear();
   components_.find(solid_, bounding_box(solid_), true);
-  touched_.assign(components_.components().size(), 0);
-  for (const BitRun& run : components_.runs()) {
-    std::uint8_t& touched = touched_[static_cast<std::size_t>(run.component)];
-    if (!touched) touched = any_between(subject_.row(run.y), run.x0, run.x1);
-  }
-  for (const BitRun& run : components_.runs())
-    if (touched_[static_cast<std::size_t>(run.component)]) touching_.set(run.y, run.x0, run.x1);
+  components_.touching(subject_, touching_);
 }
 
 // more_: what the key lacks and is no outline, and whatever is far from one.

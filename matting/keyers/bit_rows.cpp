@@ -211,6 +211,18 @@ void BitComponents::connect(int y, int first_above, int first, int end, bool cor
   }
 }
 
+void BitComponents::touching(const BitRows& core, BitRows& out) {
+  touched_.assign(components_.size(), 0);
+  for (const BitRun& run : runs_) {
+    std::uint8_t& touched = touched_[static_cast<std::size_t>(run.component)];
+    if (!touched) touched = any_between(core.row(run.y), run.x0, run.x1);
+  }
+  out.resize(core.width(), core.height());
+  out.clear();
+  for (const BitRun& run : runs_)
+    if (touched_[static_cast<std::size_t>(run.component)]) out.set(run.y, run.x0, run.x1);
+}
+
 void BitComponents::find(const BitRows& picture, const BitBox& box, bool corners) {
   runs_.clear();
   parents_.clear();

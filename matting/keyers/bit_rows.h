@@ -77,6 +77,8 @@ class BitComponents {
  public:
   /// Of what `picture` has within `box`.
   void find(const BitRows& picture, const BitBox& box, bool corners);
+  /// Writes those that share a pixel with `core`, of the picture's size, to `out`, which may be the picture.
+  void touching(const BitRows& core, BitRows& out);
   const std::vector<BitRun>& runs() const { return runs_; }
   const std::vector<BitComponent>& components() const { return components_; }
 
@@ -86,6 +88,7 @@ class BitComponents {
   std::vector<BitRun> runs_;
   std::vector<int> parents_;
   std::vector<BitComponent> components_;
+  std::vector<std::uint8_t> touched_;
 };
 
 }  // namespace floatstage::matting
