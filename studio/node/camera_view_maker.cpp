@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/log.h"
 #include "core/text.h"
+#include "matting/keyers/empty_stage.h"
 #include "matting/keyers/plate_corrected_keyer.h"
 
 namespace floatstage::studio {
@@ -69,6 +71,11 @@ Result<CameraViewMaker> CameraViewMaker::make(const std::string& serial, const C
   node.samples_ = std::move(samples);
   Result<std::unique_ptr<matting::Keyer>> keyer = keyer_of(spec, node.samples_, std::nullopt);
   if (!keyer) return blame(serial, keyer.error());
+  if (const matting::EmptyStage* stage = (*keyer)->empty_stage();
+      stage != nullptr && !stage->alike().fits(model.width, model.height))
+    log::warning(text("camera '", serial, "': its plate is ", stage->alike().width(), "x",
+                      stage->alike().height(), " and its pictures are ", model.width, "x", model.height,
+                      ", so that its keys go without it; shoot another"));
   node.keyers_.insert_or_assign(1, KeyerAtScale(std::move(*keyer)));
   return node;
 }

@@ -200,6 +200,17 @@ TEST_F(ACameraViewMaker, NamesTheCameraWhenSomethingIsWrong) {
               FailsWith(ErrorCode::InvalidArgument, "'cam07'"));
 }
 
+TEST_F(ACameraViewMaker, SaysThatAPlateOfAnotherSizeCorrectsNothing) {
+  testing::internal::CaptureStderr();
+  Result<CameraViewMaker> at = CameraViewMaker::make(
+      "cam07", shots_.rig.cameras[0].model, "chroma",
+      {.pictures = {*shrink(make_frame({}, shots_.studio.plate(0)), 2)}, .empty_stage = true});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("'cam07': its plate is 160x120"));
+  ASSERT_THAT(at, IsOk());
+  CameraViewMaker plain = node();
+  EXPECT_EQ(look(*at, shot_.frame).known, look(plain, shot_.frame).known);
+}
+
 TEST(NodeQuality, IsCheckedWithASentence) {
   EXPECT_THAT(check(NodeQuality{}), IsOk());
   EXPECT_THAT(check(NodeQuality{.shrink = 0, .tolerance = 0.5}),
