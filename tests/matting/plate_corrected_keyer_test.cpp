@@ -55,7 +55,14 @@ class OnAStage : public testing::TestWithParam<SyntheticStage> {};
 INSTANTIATE_TEST_SUITE_P(PlateCorrectedKeyer, OnAStage,
                          testing::Values(SyntheticStage::Green, SyntheticStage::BlueCyclorama,
                                          SyntheticStage::Cables, SyntheticStage::Markers,
-                                         SyntheticStage::GreenClothes));
+                                         SyntheticStage::GreenClothes),
+                         [](const auto& stage) {
+                           std::string name;
+                           for (const SyntheticStageName& known : synthetic_stages())
+                             if (known.stage == stage.param) name = known.name;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST_P(OnAStage, ItsLiveKeyIsItsKey) {
   const Stage stage(GetParam());
