@@ -61,6 +61,18 @@ cv::Mat square(int radius) {
   return cv::getStructuringElement(cv::MORPH_RECT, cv::Size(2 * radius + 1, 2 * radius + 1));
 }
 
+// Of `part`, what is thicker than an outline, and what `whole` surrounds `reach` px far.
+Image thick_or_within(const Image& part, const Image& whole, int reach) {
+  cv::Mat thick, surrounded;
+  cv::morphologyEx(as_mat(part), thick, cv::MORPH_OPEN, square(EmptyStage::outline_radius(part)));
+  cv::erode(as_mat(whole), surrounded, square(reach));
+  if (!EmptyStage::tells_stripes(part)) surrounded.setTo(0);
+  Image out(part.width, part.height, 1);
+  cv::Mat to = as_mat(out);
+  cv::max(thick, cv::min(as_mat(part), surrounded), to);
+  return out;
+}
+
 }  // namespace
 
 std::optional<EmptyStage> EmptyStage::seen_by(const Keyer& keyer, Plate plate) {
@@ -114,12 +126,7 @@ bool EmptyStage::correct(const Image& picture, Image& key) const {
     if (key.pixels[p] >= kSubjectAlpha) lacks.pixels[p] = 0;
     firm.pixels[p] &= seen.pixels[p];
   }
-  cv::Mat thick, surrounded;
-  cv::morphologyEx(as_mat(lacks), thick, cv::MORPH_OPEN, square(outline_radius(lacks)));
-  cv::erode(as_mat(firm), surrounded, square(outline_radius(lacks) - 1));
-  if (!tells_stripes(picture)) surrounded.setTo(0);
-  cv::Mat added = as_mat(lacks);
-  cv::max(thick, cv::min(added, surrounded), added);
+  lacks = thick_or_within(lacks, firm, outline_radius(lacks) - 1);
   const Image within = inside(more);
   for (std::size_t p = 0; p < key.pixels.size(); ++p)
     key.pixels[p] = std::max({key.pixels[p], lacks.pixels[p], within.pixels[p]});
@@ -194,15 +201,7 @@ Image EmptyStage::inside(const Image& mask) {
 }
 
 Image EmptyStage::not_outlines(const Image& part, const Image& whole) {
-  const cv::Mat thicker = square(outline_radius(part));
-  cv::Mat thick, surrounded;
-  cv::morphologyEx(as_mat(part), thick, cv::MORPH_OPEN, thicker);
-  cv::erode(as_mat(whole), surrounded, thicker);
-  if (!tells_stripes(part)) surrounded.setTo(0);
-  Image out(part.width, part.height, 1);
-  cv::Mat to = as_mat(out);
-  cv::max(thick, cv::min(as_mat(part), surrounded), to);
-  return out;
+  return thick_or_within(part, whole, outline_radius(part));
 }
 
 }  // namespace floatstage::matting
