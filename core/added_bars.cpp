@@ -36,7 +36,7 @@ class Side {
     const int most = lines() / kMostShare;
     int even = 0;
     while (even <= most && is_even(even)) ++even;
-    if (even == 0 || even > most) return 0;
+    if (even == 0 || even > most || is_reached_into(even)) return 0;
     int first = even;
     while (first < even + kRinging && first < lines() && share_ended(even - 1, first, kEven) < 0.5) ++first;
     if (first == even + kRinging || first + 1 >= lines()) return 0;
@@ -78,6 +78,19 @@ class Side {
         ended += off(*p, other, i, steps);
       }
     return lasted > 0 ? static_cast<double>(ended) / lasted : 0;
+  }
+  // Whether something goes on from the picture into so many lines, deeper and wider than a codec's ringing
+  // and than strokes of text: a head before an overexposed sky.
+  bool is_reached_into(int lines) const {
+    if (lines <= kRinging) return false;
+    for (const Image* p : pictures_)
+      for (int i = 0, wide = 0; i < length(); ++i) {
+        int deep = 0;
+        while (deep <= kRinging && off(*p, lines - 1 - deep, i, kBlurred)) ++deep;
+        wide = deep > kRinging ? wide + 1 : 0;
+        if (wide > kRinging) return true;
+      }
+    return false;
   }
   bool is_even(int line) const { return share_off(line, kEven) == 0 || share_off(line, 1) < kWritten; }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -35,6 +36,10 @@ class StillBackdrop {
   /// subject, so what looks like it is as surely backdrop as what does not is not. Light is what a subject
   /// changes, too: his shadow and his reflex (PlateClass) tell nothing. Errors: InvalidArgument.
   static Result<StillBackdrop> of_empty_stage(const std::vector<Image>& photographs);
+
+  /// Takes the picture (RGB of its size) for what the stage looks like where `mask` (one channel, of its size)
+  /// is not 0: other light falls there.
+  void light(const Image& picture, const Image& mask) { plate_ = lit(std::move(plate_), picture, mask); }
 
   /// Whether the place was ever seen without the subject.
   bool knows(std::size_t pixel) const { return seen_[pixel] > 0; }

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/check.h"
 #include "core/statistics.h"
 #include "core/text.h"
 
@@ -149,6 +150,17 @@ Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOpti
     plate.noise.pixels[p] =
         static_cast<std::uint8_t>(std::min(255.0, kNoiseUnit * std::max(own, options.least_noise)));
   }
+  return plate;
+}
+
+Plate lit(Plate plate, const Image& picture, const Image& mask) {
+  Image& color = plate.color;
+  FLOATSTAGE_CHECK(picture.channels == 3 && picture.width == color.width && picture.height == color.height,
+                   "a picture of another size than its plate");
+  for (int y = 0; y < color.height; ++y)
+    for (int x = 0; x < color.width; ++x)
+      if (*mask.at(x * mask.width / color.width, y * mask.height / color.height) != 0)
+        std::copy_n(picture.at(x, y), 3, color.at(x, y));
   return plate;
 }
 

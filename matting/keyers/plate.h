@@ -38,6 +38,10 @@ struct PlateOptions {
 Result<Plate> learn_plate(const std::vector<Image>& photographs, const PlateOptions& options = {},
                           const std::vector<Image>& subjects = {});
 
+/// The plate where other light falls on it: has the picture's colours (RGB of its size) wherever `mask`, one
+/// channel of any size, is not 0.
+Plate lit(Plate plate, const Image& picture, const Image& mask);
+
 /// What a pixel is, against the plate.
 enum class PlateClass : std::uint8_t {
   Plate = 0,    ///< within the noise

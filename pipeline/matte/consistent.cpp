@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "matting/closed_form.h"
+#include "matting/floor_shadows.h"
 #include "matting/known_by_plate.h"
 #include "matting/view_colors.h"
 #include "matting/view_cut.h"
@@ -43,9 +44,9 @@ struct View {
   Image small, label;
   std::vector<float> still, keyed, odds, others, share;
   std::vector<Certain> certain;
-  std::optional<matting::StillBackdrop> backdrop;
-  std::optional<matting::Plate> plate;     // of the empty stage, at the photograph's size
-  std::optional<matting::PlateWord> word;  // its, of the photograph
+  std::optional<matting::StillBackdrop> backdrop, lit;  // as learnt; as it is lit at this instant
+  std::optional<matting::Plate> plate;                  // of the empty stage, at the photograph's size
+  std::optional<matting::PlateWord> word;               // its, of the photograph
   bool there() const { return !small.empty(); }
   std::size_t pixels() const { return static_cast<std::size_t>(w) * static_cast<std::size_t>(h); }
 };
@@ -115,7 +116,8 @@ struct ConsistentMatting::Impl {
   Result<void> check_backdrop(int camera, const std::vector<Image>& pictures) const;
   Result<void> keep(int camera, Result<matting::StillBackdrop> backdrop);
   Result<void> look(std::span<const Image> pictures, std::span<const Image> said);
-  void see(std::size_t camera, const Image& picture);
+  void see(std::span<const Image> pictures);
+  void look_at_stages(std::span<const Image> pictures);
   void begin();
   void believe(std::span<const Image> keys);
   void begin_view(std::size_t camera, View& view) const;
@@ -167,11 +169,10 @@ Result<void> ConsistentMatting::Impl::look(std::span<const Image> pictures, std:
     there += !pictures[i].empty();
   }
   if (there < 2) return fail(ErrorCode::BadData, "fewer than two cameras have a photograph of this instant");
-  parallel_for(views.size(), options.threads, [&](std::size_t i) {
-    View& v = views[i];
-    see(i, pictures[i]);
-    if (!v.there()) return;
-    if (said.empty() || said[i].empty()) return;
+  see(pictures);
+  if (said.empty()) return {};
+  each([&](std::size_t i, View& v) {
+    if (said[i].empty()) return;
     v.certain.assign(v.pixels(), Certain::No);
     for (int y = 0; y < said[i].height; ++y)
       for (int x = 0; x < said[i].width; ++x) {
@@ -185,17 +186,35 @@ Result<void> ConsistentMatting::Impl::look(std::span<const Image> pictures, std:
   return {};
 }
 
-void ConsistentMatting::Impl::see(std::size_t camera, const Image& picture) {
-  View& v = views[camera];
-  v.small = picture.empty() ? Image() : matting::shrunk(picture, v.w, v.h);
-  v.certain.clear();
-  v.keyed.clear();
-  v.word.reset();
-  if (v.plate && picture.width == v.plate->color.width && picture.height == v.plate->color.height)
-    v.word = matting::word_of(*v.plate, picture);
-  v.still.clear();
-  if (v.there() && v.backdrop)
-    v.still = v.backdrop->odds(v.small, v.word ? matting::unlike_within(*v.word, v.w, v.h) : Image());
+// `pictures`: of the photographs' sizes, or of those of the turns.
+void ConsistentMatting::Impl::see(std::span<const Image> pictures) {
+  parallel_for(views.size(), options.threads, [&](std::size_t i) {
+    View& v = views[i];
+    v.small = pictures[i].empty() ? Image() : matting::shrunk(pictures[i], v.w, v.h);
+    v.certain.clear();
+    v.keyed.clear();
+    v.still.clear();
+    v.word.reset();
+    v.lit = v.backdrop;
+  });
+  look_at_stages(pictures);
+}
+
+// What still cameras say of their pixels, before stages that the subject's shadow falls on.
+void ConsistentMatting::Impl::look_at_stages(std::span<const Image> pictures) {
+  std::vector<matting::BeforeStage> before(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (views[i].there() && views[i].lit && !views[i].lit->empty_stage().empty())
+      before[i] = {&views[i].small, &views[i].lit->empty_stage()};
+  const std::vector<Image> shadows = matting::floor_shadows(rig, before, options.threads);
+  each([&](std::size_t i, View& v) {
+    if (!v.lit) return;
+    if (!shadows[i].empty()) v.lit->light(v.small, shadows[i]);
+    const Image& picture = pictures[i];
+    if (v.plate && picture.width == v.plate->color.width && picture.height == v.plate->color.height)
+      v.word = matting::word_of(matting::lit(*v.plate, picture, shadows[i]), picture);
+    v.still = v.lit->odds(v.small, v.word ? matting::unlike_within(*v.word, v.w, v.h) : Image());
+  });
 }
 
 // Before anything was cut: the border is background, and so is what hardly an edge separates from it; what
@@ -225,7 +244,7 @@ void ConsistentMatting::Impl::begin_view(std::size_t camera, View& v) const {
       v.share[p] = 0;
     else if (around && edges[p] > kFarFromBorder * enclosed)
       v.share[p] = 1;
-    if (!v.still.empty() && v.backdrop->knows(p)) {
+    if (!v.still.empty() && v.lit->knows(p)) {
       // What may be the stage in a shadow, or grey trousers before a grey one, is left to the others.
       const bool far = off[p] >= 2 * shared.radius;
       v.share[p] = far || v.still[p] < 0 ? 0.0f : v.still[p] > 0 ? 1.0f : -1.0f;
@@ -273,7 +292,7 @@ void ConsistentMatting::Impl::weigh_colors() {
     v.odds = colors->odds(static_cast<int>(i), v.small);
     for (std::size_t p = 0; p < v.odds.size(); ++p) {
       const float by_color = std::clamp(v.odds[p], -kColor, kColor);
-      v.odds[p] = v.still.empty() || !v.backdrop->knows(p)
+      v.odds[p] = v.still.empty() || !v.lit->knows(p)
                       ? by_color
                       : std::clamp(kBeforeStill * by_color + v.still[p], -kColor, kColor);
       if (!v.keyed.empty()) v.odds[p] = std::clamp(v.odds[p] + v.keyed[p], -kColor, kColor);
@@ -303,8 +322,8 @@ double ConsistentMatting::Impl::cut() {
     std::vector<float> sum(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p)
       sum[p] = v.odds[p] + std::clamp(v.others[p], kLeastOthers, kMostOthers);
-    Image label = matting::cut_view(v.small, sum, v.certain, options.smooth,
-                                    v.backdrop ? v.backdrop->empty_stage() : Image());
+    Image label =
+        matting::cut_view(v.small, sum, v.certain, options.smooth, v.lit ? v.lit->empty_stage() : Image());
     std::size_t different = 0;
     v.share.resize(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p) {
@@ -451,7 +470,7 @@ Result<std::vector<Image>> ConsistentMatting::surroundings(std::span<const Image
       return fail(ErrorCode::InvalidArgument, text("these pictures are RGB and ", v.w, "x", v.h));
   }
   if (there < 2) return fail(ErrorCode::BadData, "fewer than two cameras have a photograph of this instant");
-  parallel_for(pictures.size(), m.options.threads, [&](std::size_t i) { m.see(i, pictures[i]); });
+  m.see(pictures);
   if (Result<int> turns = m.take_turns(go_on); !turns) return forward(turns);
   std::vector<Image> near(pictures.size());
   m.each([&](std::size_t i, View& v) {

@@ -9,6 +9,10 @@
 #   theatre    black floor, dark curtains, a spot from either side
 #   gym        a wooden floor that mirrors, lines on it, benches of all colours
 #   garden     grass, hedges of all heights before an even sky, sun
+#   yard       concrete, striped walls and crates, sun under a blue sky
+#   court      green ground with lines, walls around it, a lower sun
+#   beach      sand, a low fence, a sun that is lower still
+#   spot       a wooden floor under one small lamp
 # Writes OUT/sparse (CAMERAS, or eight, as a COLMAP model), OUT/pictures/<serial>/000000.png,
 # OUT/plates/<serial>.png of the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
 import math
@@ -31,6 +35,10 @@ seed, shirt = {
     "corner": (9, ((0.7, 0.7, 0.1), "ShaderNodeTexNoise", 10, (0.6, 0.3, 0.5))),
     "theatre": (10, ((0.5, 0.3, 0.25), "ShaderNodeTexVoronoi", 12, (0.7, 0.6, 0.6))),
     "gym": (8, ((0.1, 0.15, 0.5), "ShaderNodeTexChecker", 5, (0.8, 0.8, 0.8))),
+    "yard": (21, ((0.2, 0.3, 0.5), "ShaderNodeTexNoise", 12, (0.6, 0.6, 0.55))),
+    "court": (24, ((0.7, 0.7, 0.65), "ShaderNodeTexWave", 8, (0.2, 0.2, 0.5))),
+    "beach": (32, ((0.6, 0.55, 0.45), "ShaderNodeTexWave", 9, (0.2, 0.25, 0.5))),
+    "spot": (23, ((0.15, 0.4, 0.3), "ShaderNodeTexVoronoi", 14, (0.5, 0.5, 0.3))),
     "garden": (7, ((0.6, 0.2, 0.1), "ShaderNodeTexNoise", 14, (0.8, 0.7, 0.3))),
 }[stage]
 dice = random.Random(seed)
@@ -75,6 +83,11 @@ def light(center, watts, size, color=(1, 1, 1)):
     lamp = bpy.context.object
     lamp.data.energy, lamp.data.size, lamp.data.color = watts, size, color
     lamp.rotation_euler = (Vector((0, 0, 0.8)) - Vector(center)).to_track_quat("-Z", "Y").to_euler()
+
+
+def sun(rotation, energy):
+    bpy.ops.object.light_add(type="SUN", location=(0, 0, 5), rotation=rotation)
+    bpy.context.object.data.energy, bpy.context.object.data.angle = energy, 0.01
 
 
 def sky(color, strength):
@@ -195,9 +208,42 @@ def garden():
         leaves = material((0.06, 0.2 * dice.uniform(0.6, 1.4), 0.04), 0.9, "ShaderNodeTexVoronoi", dice.uniform(8, 20))
         box(around(2 * math.pi * k / 40, dice.uniform(4.6, 5.4), tall / 2), (0.8, 0.9, tall), leaves,
             dice.uniform(0, 3))
-    bpy.ops.object.light_add(type="SUN", location=(0, 0, 5), rotation=(0.7, 0.3, 0.5))
-    bpy.context.object.data.energy, bpy.context.object.data.angle = 3.0, 0.01
+    sun((0.7, 0.3, 0.5), 3.0)
     sky((0.35, 0.55, 0.9), 0.9)
+
+
+def yard():
+    floor(material((0.45, 0.43, 0.4), 0.9, "ShaderNodeTexNoise", 12, (0.25, 0.24, 0.22)))
+    walls(material((0.45, 0.2, 0.15), 0.9, "ShaderNodeTexBrick", 3, (0.3, 0.28, 0.26)), 6, 5.5, 2.5)
+    for _ in range(5):
+        tall = dice.uniform(0.4, 1.2)
+        box(around(dice.uniform(0, 6.28), 4.6, tall / 2), (0.6, 0.6, tall), material(random_color()), dice.uniform(0, 3))
+    sun((0.9, 0.1, 1.5), 3.5)
+    sky((0.4, 0.6, 0.95), 0.6)
+
+
+def court():
+    floor(material((0.15, 0.35, 0.2), 0.9, "ShaderNodeTexNoise", 40, (0.11, 0.28, 0.15)))
+    for _ in range(4):
+        box((dice.uniform(-2, 2), dice.uniform(-2, 2), 0.003), (0.06, 5, 0.004), material((0.9, 0.9, 0.9)),
+            dice.uniform(0, 3))
+    walls(material((0.12, 0.25, 0.15), 0.9, "ShaderNodeTexChecker", 6, (0.05, 0.1, 0.06)), 4, 6.5, 3.0)
+    sun((1.05, 0.0, -0.7), 4.0)
+    sky((0.45, 0.6, 0.9), 0.7)
+
+
+def beach():
+    floor(material((0.6, 0.5, 0.36), 0.95, "ShaderNodeTexNoise", 30, (0.5, 0.42, 0.3)))
+    walls(material((0.2, 0.4, 0.6), 0.9), 12, 6.5, 1.0)
+    sun((1.2, 0.0, 2.5), 3.5)
+    sky((0.45, 0.65, 0.95), 0.9)
+
+
+def spot():
+    floor(material((0.4, 0.25, 0.12), 0.7, "ShaderNodeTexWave", 3, (0.3, 0.17, 0.08)))
+    walls(material((0.4, 0.42, 0.5), 0.9, "ShaderNodeTexNoise", 4, (0.3, 0.3, 0.36)), 5, 5.0)
+    light((2.5, -2.0, 3.1), 350, 0.15, (1, 0.9, 0.75))
+    sky((0.5, 0.5, 0.55), 0.35)
 
 
 def performer():
@@ -297,7 +343,8 @@ scene.world.use_nodes = True
 sky((0.5, 0.5, 0.55), 0.25)
 
 {"tarpaulin": tarpaulin, "workshop": workshop, "lounge": lounge, "cyclorama": cyclorama, "corner": corner,
- "theatre": theatre, "gym": gym, "garden": garden}[stage]()
+ "theatre": theatre, "gym": gym, "garden": garden, "yard": yard, "court": court, "beach": beach,
+ "spot": spot}[stage]()
 scenery = [thing for thing in scene.objects if thing.type == "MESH"]
 views = ring_of_cameras()
 write_model(views)

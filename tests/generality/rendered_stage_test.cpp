@@ -66,6 +66,14 @@ TEST(RenderedStage, AllInWhiteIsMattedWithFacesAndHands) {
   EXPECT_TRUE(found.trusted);
 }
 
+// A shadow that is half as bright as the floor, and bluer: by plates alone it belongs to him.
+TEST(RenderedStage, InTheSunIsMattedWithoutShadows) {
+  const Rendered found = matted("yard", true);
+  EXPECT_EQ(found.method, "consistent");
+  EXPECT_GE(found.iou, 0.95);
+  EXPECT_TRUE(found.trusted);
+}
+
 TEST(RenderedStage, WithPlatesIsMattedAndTrusted) {
   FLOATSTAGE_LONG_FORM(true);
   for (const auto& [stage, least] : {std::pair{"tarpaulin", 0.93},
@@ -74,8 +82,11 @@ TEST(RenderedStage, WithPlatesIsMattedAndTrusted) {
                                      {"cyclorama", 0.9},
                                      {"corner", 0.93},
                                      {"theatre", 0.87},
-                                     {"gym", 0.85},
-                                     {"garden", 0.93}}) {
+                                     {"gym", 0.93},
+                                     {"garden", 0.93},
+                                     {"court", 0.95},
+                                     {"beach", 0.95},
+                                     {"spot", 0.95}}) {
     const Rendered found = matted(stage, true);
     EXPECT_GE(found.iou, least) << stage;
     EXPECT_TRUE(found.trusted) << stage;

@@ -62,6 +62,17 @@ TEST(AddedFrame, IsNoSkyBehindThingsOfDifferentHeights) {
   EXPECT_TRUE(bars_of({garden}).none());
 }
 
+// A sky that is even to the step, above a wall that is level: its end is as straight as a bar's.
+TEST(AddedFrame, IsNoSkyThatAHeadReachesInto) {
+  Image yard = framed(photograph({.noise = 1}), {.top = 24}, 255);
+  EXPECT_EQ(bars_of({yard}), (AddedContent{.top = 24}));
+  const Image before = yard;
+  for (int y = 10; y < 24; ++y)
+    for (int x = 60; x < 72; ++x) std::fill_n(yard.at(x, y), 3, std::uint8_t{60});
+  EXPECT_TRUE(bars_of({yard}).none());
+  EXPECT_TRUE(bars_of({before, yard}).none()) << "in one of two pictures";
+}
+
 TEST(AddedFrame, MayBeWrittenOn) {
   Image boxed = framed(photograph({.noise = 1}), {.top = 16});
   for (int y = 4; y < 11; ++y)
