@@ -37,12 +37,14 @@ class StillBackdrop {
   /// changes, too: his shadow and his reflex (PlateClass) tell nothing. Errors: InvalidArgument.
   static Result<StillBackdrop> of_empty_stage(const std::vector<Image>& photographs);
 
-  /// Takes the picture (RGB of its size) for what the stage looks like where `mask` (one channel, of its size)
-  /// is not 0: other light falls there.
+  /// Takes the picture (RGB of its size) for what is seen there when the subject is elsewhere, wherever
+  /// `mask` (one channel, of its size) is not 0: other light falls on it.
   void light(const Image& picture, const Image& mask) { plate_ = lit(std::move(plate_), picture, mask); }
 
   /// Whether the place was ever seen without the subject.
   bool knows(std::size_t pixel) const { return seen_[pixel] > 0; }
+  /// What is seen there, RGB, wherever it knows.
+  const Image& colors() const { return plate_.color; }
   /// The empty stage's colours, RGB; empty where the backdrop was learnt from a clip.
   const Image& empty_stage() const {
     static const Image kNone;

@@ -204,8 +204,7 @@ void ConsistentMatting::Impl::see(std::span<const Image> pictures) {
 void ConsistentMatting::Impl::look_at_stages(std::span<const Image> pictures) {
   std::vector<matting::BeforeStage> before(views.size());
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (views[i].there() && views[i].lit && !views[i].lit->empty_stage().empty())
-      before[i] = {&views[i].small, &views[i].lit->empty_stage()};
+    if (views[i].there() && views[i].lit) before[i] = {&views[i].small, &views[i].lit->colors()};
   const std::vector<Image> shadows = matting::floor_shadows(rig, before, options.threads);
   each([&](std::size_t i, View& v) {
     if (!v.lit) return;

@@ -112,9 +112,31 @@ class Maker {
     return {};
   }
 
-  Result<ConsistentMattes> instant(int frame) {
-    if (Result<void> ok = look_at_plates(); !ok) return forward(ok);
-    return mattes_of(frame);
+  Result<ConsistentMattes> mattes_of(int frame) {
+    const std::vector<RigCamera>& cameras = take_.rig().cameras;
+    std::vector<Result<Image>> read(cameras.size(), Image());
+    std::vector<Image> pictures(cameras.size()), said(cameras.size());
+    parallel_for(cameras.size(), options_.matting.threads, [&](std::size_t i) {
+      read[i] = photograph(take_, static_cast<int>(i), frame);
+      const auto found = edits_.cameras.find(cameras[i].serial);
+      if (found != edits_.cameras.end()) said[i] = said_of(found->second, frame, cameras[i].model);
+    });
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      if (!read[i])
+        return fail(read[i].error().code,
+                    text("camera '", cameras[i].serial, "', frame ", frame, ": ", read[i].error().message));
+      pictures[i] = std::move(*read[i]);
+    }
+    const auto go_on = [&] { return !is_cancelled(options_.progress); };
+    Result<ConsistentMattes> made = matting_.matte(pictures, said, go_on);
+    if (made && !made->trusted && warm_) {  // what the last instant left may be what is wrong
+      matting_.forget();
+      made = matting_.matte(pictures, said, go_on);
+    }
+    if (!made && made.error().code != ErrorCode::Cancelled)
+      return fail(made.error().code, text("frame ", frame, ": ", made.error().message));
+    warm_ = static_cast<bool>(made);
+    return made;
   }
 
   ConsistentTakeReport finish() {
@@ -220,38 +242,11 @@ class Maker {
     c.mean.surplus += view.surplus;
   }
 
-  Result<ConsistentMattes> mattes_of(int frame) {
-    const std::vector<RigCamera>& cameras = take_.rig().cameras;
-    std::vector<Result<Image>> read(cameras.size(), Image());
-    std::vector<Image> pictures(cameras.size()), said(cameras.size());
-    parallel_for(cameras.size(), options_.matting.threads, [&](std::size_t i) {
-      read[i] = photograph(take_, static_cast<int>(i), frame);
-      const auto found = edits_.cameras.find(cameras[i].serial);
-      if (found != edits_.cameras.end()) said[i] = said_of(found->second, frame, cameras[i].model);
-    });
-    for (std::size_t i = 0; i < read.size(); ++i) {
-      if (!read[i])
-        return fail(read[i].error().code,
-                    text("camera '", cameras[i].serial, "', frame ", frame, ": ", read[i].error().message));
-      pictures[i] = std::move(*read[i]);
-    }
-    const auto go_on = [&] { return !is_cancelled(options_.progress); };
-    Result<ConsistentMattes> made = matting_.matte(pictures, said, go_on);
-    if (made && !made->trusted && warm_) {  // what the last instant left may be what is wrong
-      matting_.forget();
-      made = matting_.matte(pictures, said, go_on);
-    }
-    if (!made && made.error().code != ErrorCode::Cancelled)
-      return fail(made.error().code, text("frame ", frame, ": ", made.error().message));
-    warm_ = static_cast<bool>(made);
-    return made;
-  }
-
   capture::TakeReader& take_;
   const MatteEdits& edits_;
   const ConsistentTakeOptions& options_;
   ConsistentMatting matting_;
-  MatteStore* store_;  // none: of one instant() nothing is written
+  MatteStore* store_;  // none: nothing is written
   ConsistentTakeReport report_;
   bool warm_ = false;
   std::vector<bool> shot_;                // [camera]: its empty stage is known
@@ -281,7 +276,9 @@ Result<ConsistentMattes> consistent_instant(capture::TakeReader& take, int frame
   Result<ConsistentMatting> matting = ConsistentMatting::create(take.rig(), options.matting);
   if (!matting) return forward(matting);
   const MatteEdits none;
-  return Maker(take, none, options, std::move(*matting), nullptr).instant(frame);
+  Maker maker(take, none, options, std::move(*matting), nullptr);
+  if (Result<void> ok = maker.prepare(); !ok) return forward(ok);
+  return maker.mattes_of(frame);
 }
 
 }  // namespace floatstage::pipeline

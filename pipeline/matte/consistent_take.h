@@ -42,8 +42,8 @@ struct ConsistentTakeReport {
 Result<ConsistentTakeReport> consistent_take(capture::TakeReader& take, const MatteEdits& edits,
                                              const ConsistentTakeOptions& options, MatteStore& store);
 
-/// The mattes of one instant, as consistent_take() makes them of a take that has no other: plates are heard.
-/// Writes nothing. Errors likewise.
+/// The mattes of one instant, as consistent_take() makes them where it is the first that is asked for. Writes
+/// nothing. Errors likewise.
 Result<ConsistentMattes> consistent_instant(capture::TakeReader& take, int frame, int threads,
                                             Progress* progress);
 
