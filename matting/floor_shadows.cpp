@@ -7,7 +7,6 @@
 #include "matting/floor_shadows.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
@@ -19,78 +18,24 @@ namespace floatstage::matting {
 namespace {
 
 constexpr float kOffset = 2;      // 8-bit steps: black is divided by that
-constexpr float kDarker = 0.03F;  // log of a ratio: less is no shadow that matters
-constexpr float kAlike = 0.1F;    // logs of two cameras' ratios: colours of the floor by direction, blur
-constexpr float kUnsure = 0.3F;   // what noise does to a log from which nothing can be told
+constexpr float kDarker = 0.97F;  // of the stage's colour: what is brighter is no shadow that matters
+constexpr float kAlike = 0.1F;    // logs of two cameras' shares: colours of the floor by direction, blur
+constexpr float kUnsure = 0.3F;   // of a share, what noise does to it where nothing can be told
 constexpr int kNoisyPixels = 3;   // deviations
-constexpr int kFewestAgree = 2;   // other cameras that agree
+constexpr int kFewestAgree = 2;   // other cameras
 constexpr double kFar = 2;        // of where cameras look: beyond stand walls, whose floor nobody sees
 
-using Ratio = std::array<float, 3>;
+using Share = std::array<float, 3>;
 
-// How much darker or brighter than the empty stage a camera's pixels are.
-struct Look {
-  int width = 0, height = 0;
-  std::vector<Ratio> log_ratio;
-  std::vector<float> noise;  // of a log
-  bool there() const { return width > 0; }
-  std::size_t at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-  }
-};
-
-// Sums of 3x3 pixels, as far as they are in the picture, with their number.
-std::array<float, 4> around(const Image& picture, int x, int y) {
-  std::array<float, 4> sum{};
+// The mean of 3x3 pixels, as far as they are in the picture.
+Share around(const Image& picture, int x, int y) {
+  Share sum{};
+  int count = 0;
   for (int v = std::max(0, y - 1); v <= std::min(picture.height - 1, y + 1); ++v)
-    for (int u = std::max(0, x - 1); u <= std::min(picture.width - 1, x + 1); ++u) {
+    for (int u = std::max(0, x - 1); u <= std::min(picture.width - 1, x + 1); ++u, ++count)
       for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<float>(picture.at(u, v)[c]);
-      sum[3] += 1;
-    }
+  for (float& s : sum) s /= static_cast<float>(count);
   return sum;
-}
-
-Look look_at(const BeforeStage& camera) {
-  Look look;
-  if (camera.picture == nullptr || camera.picture->empty()) return look;
-  const Image &picture = *camera.picture, &stage = *camera.stage;
-  FLOATSTAGE_CHECK(picture.channels == 3 && stage.channels == 3 && picture.width == stage.width &&
-                       picture.height == stage.height,
-                   "a picture and its stage are RGB and of one size");
-  look.width = picture.width;
-  look.height = picture.height;
-  // Of one channel, of a mean of nine pixels.
-  const auto deviation = static_cast<float>(noise_of(picture) / 3 / 3);
-  for (int y = 0; y < look.height; ++y)
-    for (int x = 0; x < look.width; ++x) {
-      const std::array<float, 4> now = around(picture, x, y), empty = around(stage, x, y);
-      Ratio ratio{};
-      float least = 255;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const float a = now[c] / now[3] + kOffset, b = empty[c] / empty[3] + kOffset;
-        ratio[c] = std::log(a / b);
-        least = std::min({least, a, b});
-      }
-      look.log_ratio.push_back(ratio);
-      look.noise.push_back(deviation / least);
-    }
-  return look;
-}
-
-bool darker(const Ratio& r) { return *std::max_element(r.begin(), r.end()) < -kDarker; }
-
-// Whether a camera shows a place darker by `ratio`, too: the nearest of nine pixels counts, for shadows have
-// edges and calibrations errors.
-bool agrees(const Look& look, int x, int y, const Ratio& ratio, float noise) {
-  for (int v = std::max(0, y - 1); v <= std::min(look.height - 1, y + 1); ++v)
-    for (int u = std::max(0, x - 1); u <= std::min(look.width - 1, x + 1); ++u) {
-      const std::size_t p = look.at(u, v);
-      if (look.noise[p] >= kUnsure) continue;
-      float apart = 0;
-      for (std::size_t c = 0; c < 3; ++c) apart = std::max(apart, std::abs(look.log_ratio[p][c] - ratio[c]));
-      if (apart < kAlike + kNoisyPixels * (noise + look.noise[p])) return true;
-    }
-  return false;
 }
 
 // Where the ray through a pixel meets the floor, no further off than `farthest`.
@@ -105,47 +50,98 @@ std::optional<Eigen::Vector3d> on_floor(const RigCamera& camera, const Eigen::Ve
   return from + far * along;
 }
 
-Image shadows_of(const Rig& rig, const std::vector<Look>& looks, std::size_t camera) {
-  const Look& own = looks[camera];
-  Image mask(own.width, own.height, 1);
-  const CameraModel& m = rig.cameras[camera].model;
-  const double farthest = kFar * (focus_point(rig) - rig.cameras[camera].cam_from_world.center()).norm();
-  for (int y = 0; y < own.height; ++y)
-    for (int x = 0; x < own.width; ++x) {
-      const std::size_t p = own.at(x, y);
-      if (!darker(own.log_ratio[p]) || own.noise[p] >= kUnsure) continue;
-      const std::optional<Eigen::Vector3d> place =
-          on_floor(rig.cameras[camera], {(x + 0.5) / own.width * m.width, (y + 0.5) / own.height * m.height},
-                   farthest);
+}  // namespace
+
+void FloorShadows::look_at(const BeforeStage& camera, std::size_t number) {
+  FloorShade& shade = shades_[number];
+  shade.width = shade.height = 0;
+  shade.shadows = 0;
+  if (camera.picture == nullptr || camera.picture->empty()) return;
+  const Image &picture = *camera.picture, &stage = *camera.stage;
+  FLOATSTAGE_CHECK(picture.channels == 3 && stage.channels == 3 && picture.width == stage.width &&
+                       picture.height == stage.height,
+                   "a picture and its stage are RGB and of one size");
+  shade.width = picture.width;
+  shade.height = picture.height;
+  const std::size_t pixels = picture.pixels.size() / 3;
+  shade.mask.assign(pixels, 0);
+  shade.left.resize(pixels);
+  noise_[number].resize(pixels);
+  // Of one channel, of a mean of nine pixels.
+  const auto deviation = static_cast<float>(noise_of(picture) / 3 / 3);
+  std::size_t p = 0;
+  for (int y = 0; y < shade.height; ++y)
+    for (int x = 0; x < shade.width; ++x, ++p) {
+      const Share now = around(picture, x, y), empty = around(stage, x, y);
+      float least = 255;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float a = now[c] + kOffset, b = empty[c] + kOffset;
+        shade.left[p][c] = a / b;
+        least = std::min({least, a, b});
+      }
+      noise_[number][p] = deviation / least;
+    }
+}
+
+// The nearest of nine pixels counts, for shadows have edges and calibrations errors.
+bool FloorShadows::agrees(std::size_t camera, int x, int y, const Share& left, float noise) const {
+  const FloorShade& shade = shades_[camera];
+  for (int v = std::max(0, y - 1); v <= std::min(shade.height - 1, y + 1); ++v)
+    for (int u = std::max(0, x - 1); u <= std::min(shade.width - 1, x + 1); ++u) {
+      const std::size_t p =
+          static_cast<std::size_t>(v) * static_cast<std::size_t>(shade.width) + static_cast<std::size_t>(u);
+      const float own = noise_[camera][p];
+      if (own >= kUnsure) continue;
+      float apart = 1;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float ratio = shade.left[p][c] / left[c];
+        apart = std::max({apart, ratio, 1 / ratio});
+      }
+      if (apart < std::exp(kAlike + kNoisyPixels * (noise + own))) return true;
+    }
+  return false;
+}
+
+void FloorShadows::search(std::size_t camera) {
+  FloorShade& shade = shades_[camera];
+  const RigCamera& own = rig_.cameras[camera];
+  const double farthest = kFar * (focus_point(rig_) - own.cam_from_world.center()).norm();
+  std::size_t p = 0;
+  for (int y = 0; y < shade.height; ++y)
+    for (int x = 0; x < shade.width; ++x, ++p) {
+      const Share& left = shade.left[p];
+      if (*std::max_element(left.begin(), left.end()) >= kDarker || noise_[camera][p] >= kUnsure) continue;
+      const std::optional<Eigen::Vector3d> place = on_floor(
+          own, {(x + 0.5) / shade.width * own.model.width, (y + 0.5) / shade.height * own.model.height},
+          farthest);
       if (!place) continue;
       int seeing = 0, agreeing = 0;
-      for (std::size_t other = 0; other < looks.size(); ++other) {
-        const Look& look = looks[other];
-        if (other == camera || !look.there()) continue;
-        const RigCamera& c = rig.cameras[other];
+      for (std::size_t i = 0; i < shades_.size(); ++i) {
+        const FloorShade& other = shades_[i];
+        if (i == camera || other.width == 0) continue;
+        const RigCamera& c = rig_.cameras[i];
         const std::optional<Eigen::Vector2d> at = project(c.model, c.cam_from_world * *place);
         if (!at || !inside(c.model, *at)) continue;
         ++seeing;
         agreeing +=
-            agrees(look, static_cast<int>(at->x() / c.model.width * look.width),
-                   static_cast<int>(at->y() / c.model.height * look.height), own.log_ratio[p], own.noise[p]);
+            agrees(i, static_cast<int>(at->x() / c.model.width * other.width),
+                   static_cast<int>(at->y() / c.model.height * other.height), left, noise_[camera][p]);
       }
-      if (agreeing >= kFewestAgree && 2 * agreeing > seeing) mask.pixels[p] = 255;
+      if (agreeing < kFewestAgree || 2 * agreeing <= seeing) continue;
+      shade.mask[p] = 255;
+      ++shade.shadows;
     }
-  return mask;
 }
 
-}  // namespace
-
-std::vector<Image> floor_shadows(const Rig& rig, std::span<const BeforeStage> cameras, int threads) {
-  FLOATSTAGE_CHECK(cameras.size() == rig.cameras.size(), "a picture of each camera");
-  std::vector<Look> looks(cameras.size());
-  parallel_for(cameras.size(), threads, [&](std::size_t i) { looks[i] = look_at(cameras[i]); });
-  std::vector<Image> masks(cameras.size());
+const std::vector<FloorShade>& FloorShadows::find(std::span<const BeforeStage> cameras, int threads) {
+  FLOATSTAGE_CHECK(cameras.size() == rig_.cameras.size(), "a picture of each camera");
+  shades_.resize(cameras.size());
+  noise_.resize(cameras.size());
+  parallel_for(cameras.size(), threads, [&](std::size_t i) { look_at(cameras[i], i); });
   parallel_for(cameras.size(), threads, [&](std::size_t i) {
-    if (looks[i].there()) masks[i] = shadows_of(rig, looks, i);
+    if (shades_[i].width > 0) search(i);
   });
-  return masks;
+  return shades_;
 }
 
 }  // namespace floatstage::matting

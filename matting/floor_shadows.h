@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/image.h"
@@ -15,14 +18,39 @@ struct BeforeStage {
   const Image* stage = nullptr;
 };
 
+/// Where shadows fall in a camera's picture.
+struct FloorShade {
+  int width = 0, height = 0;               ///< 0 without a picture
+  std::vector<std::uint8_t> mask;          ///< a byte a pixel, 255 in shadows
+  std::vector<std::array<float, 3>> left;  ///< of each pixel the share of the stage's colour that is seen
+
+  bool any() const { return shadows > 0; }
+  std::size_t shadows = 0;  ///< pixels
+};
+
 /// Shadows that somebody casts on the floor (z = 0), told by several cameras: a pixel is one where it is
-/// darker than the empty stage, and more of the other cameras that see the same place of the floor show it
-/// darker by as much there than show it as it was. However dark a shadow is and whatever its tint, all
-/// cameras see it at one place; what stands on the floor hides another place from each, and most others see
-/// that place as it was. Of a floor that is not at z = 0 nothing is found.
+/// darker than the empty stage, and more than half of the other cameras that see the same place of the floor
+/// show it darker by as much, two at least. However dark a shadow is and whatever its tint, all cameras see
+/// it at one place; what stands on the floor hides another place from each. Of a floor that is not at z = 0
+/// nothing is found.
 ///
-/// Of each camera a mask of its picture's size, 255 in shadows; empty without a picture. `cameras` are in rig
-/// order. Deterministic at any thread count.
-std::vector<Image> floor_shadows(const Rig& rig, std::span<const BeforeStage> cameras, int threads);
+/// Keeps its memory: nothing is allocated for pictures of one size. Deterministic at any thread count; one
+/// caller at a time.
+class FloorShadows {
+ public:
+  explicit FloorShadows(Rig rig) : rig_(std::move(rig)) {}
+
+  /// Of each camera, in rig order. Valid until the next call.
+  const std::vector<FloorShade>& find(std::span<const BeforeStage> cameras, int threads);
+
+ private:
+  void look_at(const BeforeStage& camera, std::size_t number);
+  void search(std::size_t camera);
+  bool agrees(std::size_t camera, int x, int y, const std::array<float, 3>& left, float noise) const;
+
+  Rig rig_;
+  std::vector<FloorShade> shades_;
+  std::vector<std::vector<float>> noise_;  // of a share, a camera and pixel
+};
 
 }  // namespace floatstage::matting

@@ -93,6 +93,8 @@ Result<void> ConsistentOptions::check() const {
 }
 
 struct ConsistentMatting::Impl {
+  explicit Impl(const Rig& r) : rig(r), shadows(r) {}
+
   Rig rig;
   ConsistentOptions options;
   recon::SharedView shared;
@@ -100,6 +102,7 @@ struct ConsistentMatting::Impl {
   std::vector<Eigen::Vector2i> sizes;
   std::unique_ptr<OccupancyGrid> grid;
   std::optional<matting::ViewColors> colors;
+  matting::FloorShadows shadows;
 
   template <class Body>
   void each(const Body& body) {
@@ -205,13 +208,15 @@ void ConsistentMatting::Impl::look_at_stages(std::span<const Image> pictures) {
   std::vector<matting::BeforeStage> before(views.size());
   for (std::size_t i = 0; i < views.size(); ++i)
     if (views[i].there() && views[i].lit) before[i] = {&views[i].small, &views[i].lit->colors()};
-  const std::vector<Image> shadows = matting::floor_shadows(rig, before, options.threads);
+  const std::vector<matting::FloorShade>& shades = shadows.find(before, options.threads);
   each([&](std::size_t i, View& v) {
     if (!v.lit) return;
-    if (!shadows[i].empty()) v.lit->light(v.small, shadows[i]);
+    Image mask(v.w, v.h, 1);
+    mask.pixels = shades[i].mask;
+    v.lit->light(v.small, mask);
     const Image& picture = pictures[i];
     if (v.plate && picture.width == v.plate->color.width && picture.height == v.plate->color.height)
-      v.word = matting::word_of(matting::lit(*v.plate, picture, shadows[i]), picture);
+      v.word = matting::word_of(matting::lit(*v.plate, picture, mask), picture);
     v.still = v.lit->odds(v.small, v.word ? matting::unlike_within(*v.word, v.w, v.h) : Image());
   });
 }
@@ -416,8 +421,7 @@ Result<ConsistentMatting> ConsistentMatting::create(const Rig& rig, const Consis
   if (Result<void> ok = options.check(); !ok) return forward(ok);
   Result<recon::SharedView> shared = recon::shared_view(rig);
   if (!shared) return forward(shared);
-  auto impl = std::make_unique<Impl>();
-  impl->rig = rig;
+  auto impl = std::make_unique<Impl>(rig);
   impl->options = options;
   impl->shared = *shared;
   impl->views.resize(rig.cameras.size());

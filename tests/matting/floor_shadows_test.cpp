@@ -42,17 +42,17 @@ class UnderALamp {
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) seen_.push_back(shoot(rig_.cameras[i], i));
   }
 
-  std::vector<Image> found(int threads = 2) const {
+  std::vector<FloorShade> found(int threads = 2) const {
     std::vector<BeforeStage> before;
     for (const Seen& s : seen_) before.push_back({&s.picture, &s.stage});
-    return floor_shadows(rig_, before, threads);
+    return FloorShadows(rig_).find(before, threads);
   }
   // The share of the pixels that show this which are found to be shadows, in all cameras.
-  double share(What what, const std::vector<Image>& found) const {
+  double share(What what, const std::vector<FloorShade>& found) const {
     double all = 0, shadow = 0;
     for (std::size_t i = 0; i < seen_.size(); ++i)
       for (std::size_t p = 0; p < seen_[i].what.size(); ++p)
-        if (seen_[i].what[p] == what) ++all, shadow += !found[i].empty() && found[i].pixels[p] != 0;
+        if (seen_[i].what[p] == what) ++all, shadow += found[i].width > 0 && found[i].mask[p] != 0;
     return shadow / all;
   }
   std::vector<Seen>& seen() { return seen_; }
@@ -120,7 +120,7 @@ class UnderALamp {
 
 TEST(FloorShadows, AreToldFromWhoCastsThemHoweverDarkTheyAre) {
   const UnderALamp stage({});
-  const std::vector<Image> found = stage.found();
+  const std::vector<FloorShade> found = stage.found();
   EXPECT_GT(stage.share(What::Shadow, found), 0.97);
   EXPECT_LT(stage.share(What::Pillar, found), 0.01);
   EXPECT_LT(stage.share(What::Floor, found), 0.005);
@@ -128,7 +128,7 @@ TEST(FloorShadows, AreToldFromWhoCastsThemHoweverDarkTheyAre) {
 
 TEST(FloorShadows, AreToldOnAPlainFloorFromClothesThatLookLikeThem) {
   const UnderALamp stage({.texture = 0, .same_tint = true});
-  const std::vector<Image> found = stage.found();
+  const std::vector<FloorShade> found = stage.found();
   EXPECT_GT(stage.share(What::Shadow, found), 0.9);
   EXPECT_LT(stage.share(What::Pillar, found), 0.02);
 }
@@ -143,29 +143,28 @@ TEST(FloorShadows, AreFoundInNoiseAndThroughALens) {
 
 TEST(FloorShadows, AreNotLookedForWhereTheFloorIsNot) {
   const UnderALamp stage({.height = 0.5});
-  const std::vector<Image> found = stage.found();
+  const std::vector<FloorShade> found = stage.found();
   EXPECT_LT(stage.share(What::Pillar, found), 0.02);
   EXPECT_LT(stage.share(What::Shadow, found), 0.3);
 }
 
 TEST(FloorShadows, AreToldByThreeCamerasAtLeast) {
   const UnderALamp stage({}, 2);
-  for (const Image& mask : stage.found())
-    EXPECT_EQ(std::count(mask.pixels.begin(), mask.pixels.end(), 255), 0);
+  for (const FloorShade& shade : stage.found()) EXPECT_FALSE(shade.any());
 }
 
 TEST(FloorShadows, OfACameraWithoutAPictureAreToldByNobodyAndAskNobody) {
   UnderALamp stage({});
   stage.seen()[2].picture = {};
-  const std::vector<Image> found = stage.found();
-  EXPECT_TRUE(found[2].empty());
+  const std::vector<FloorShade> found = stage.found();
+  EXPECT_EQ(found[2].width, 0);
   EXPECT_GT(stage.share(What::Shadow, found), 0.65);  // of all, and that camera sees much of it
 }
 
 TEST(FloorShadows, AreTheSameAtAnyNumberOfThreads) {
   const UnderALamp stage({});
-  const std::vector<Image> one = stage.found(1), four = stage.found(4);
-  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].pixels, four[i].pixels);
+  const std::vector<FloorShade> one = stage.found(1), four = stage.found(4);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].mask, four[i].mask);
 }
 
 }  // namespace
