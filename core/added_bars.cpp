@@ -16,6 +16,8 @@ constexpr int kEven = 4;           // 8-bit steps that codecs leave of one colou
 constexpr int kMostShare = 4;      // a quarter of the picture a side
 constexpr int kRinging = 8;        // px: as far as a block of a codec carries what is beyond the edge
 constexpr int kBlurred = 12;       // 8-bit steps of an edge that leaves ripples
+constexpr int kOverexposed = 250;  // 8-bit
+constexpr int kTinted = 16;        // 8-bit steps between channels: more than a codec does to grey
 constexpr double kEnds = 0.75;     // of it ends within three lines, where it is not even to its end
 constexpr double kWritten = 0.25;  // of a line may be text, where the rest is of one colour exactly
 
@@ -36,7 +38,7 @@ class Side {
     const int most = lines() / kMostShare;
     int even = 0;
     while (even <= most && is_even(even)) ++even;
-    if (even == 0 || even > most || is_reached_into(even)) return 0;
+    if (even == 0 || even > most || is_sky() || is_reached_into(even)) return 0;
     int first = even;
     while (first < even + kRinging && first < lines() && share_ended(even - 1, first, kEven) < 0.5) ++first;
     if (first == even + kRinging || first + 1 >= lines()) return 0;
@@ -78,6 +80,11 @@ class Side {
         ended += off(*p, other, i, steps);
       }
     return lasted > 0 ? static_cast<double>(ended) / lasted : 0;
+  }
+  // Bars are grey. What is even because it is overexposed, or tinted, is the scene's.
+  bool is_sky() const {
+    const auto [least, most] = std::minmax_element(colour_.begin(), colour_.end());
+    return *least >= kOverexposed || *most - *least > kTinted;
   }
   // Whether something goes on from the picture into so many lines, deeper and wider than a codec's ringing
   // and than strokes of text: a head before an overexposed sky.

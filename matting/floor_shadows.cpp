@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/check.h"
@@ -17,25 +18,28 @@
 namespace floatstage::matting {
 namespace {
 
-constexpr float kOffset = 2;      // 8-bit steps: black is divided by that
-constexpr float kDarker = 0.97F;  // of the stage's colour: what is brighter is no shadow that matters
-constexpr float kAlike = 0.1F;    // logs of two cameras' shares: colours of the floor by direction, blur
-constexpr float kUnsure = 0.3F;   // of a share, what noise does to it where nothing can be told
-constexpr int kNoisyPixels = 3;   // deviations
-constexpr int kFewestAgree = 2;   // other cameras
-constexpr double kFar = 2;        // of where cameras look: beyond stand walls, whose floor nobody sees
+constexpr int kOffset = 2;       // 8-bit steps: black is divided by that
+constexpr float kAlike = 0.1F;   // logs of two cameras' shares: colours of the floor by direction, blur
+constexpr float kUnsure = 0.3F;  // of a share, what noise does to it where nothing can be told
+constexpr int kNoisyPixels = 3;  // deviations
+constexpr int kFewestAgree = 2;  // other cameras
+constexpr double kFar = 2;       // of where cameras look: beyond stand walls, whose floor nobody sees
 
 using Share = std::array<float, 3>;
 
-// The mean of 3x3 pixels, as far as they are in the picture.
-Share around(const Image& picture, int x, int y) {
-  Share sum{};
-  int count = 0;
-  for (int v = std::max(0, y - 1); v <= std::min(picture.height - 1, y + 1); ++v)
-    for (int u = std::max(0, x - 1); u <= std::min(picture.width - 1, x + 1); ++u, ++count)
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += static_cast<float>(picture.at(u, v)[c]);
-  for (float& s : sum) s /= static_cast<float>(count);
-  return sum;
+// The sums of 3x3 values of each channel around the pixels of row y; what lies outside is as its border.
+void add_around(const Image& picture, int y, std::vector<int>& columns, std::vector<int>& sums) {
+  const auto values = static_cast<std::size_t>(3 * picture.width);
+  const std::uint8_t *above = picture.at(0, std::max(0, y - 1)), *here = picture.at(0, y),
+                     *below = picture.at(0, std::min(picture.height - 1, y + 1));
+  columns.resize(values + 6);
+  sums.resize(values);
+  for (std::size_t i = 0; i < values; ++i) columns[i + 3] = above[i] + here[i] + below[i];
+  for (std::size_t c = 0; c < 3; ++c) {
+    columns[c] = columns[3 + c];
+    columns[values + 3 + c] = columns[values + c];
+  }
+  for (std::size_t i = 0; i < values; ++i) sums[i] = columns[i] + columns[i + 3] + columns[i + 6];
 }
 
 // Where the ray through a pixel meets the floor, no further off than `farthest`.
@@ -69,18 +73,21 @@ void FloorShadows::look_at(const BeforeStage& camera, std::size_t number) {
   noise_[number].resize(pixels);
   // Of one channel, of a mean of nine pixels.
   const auto deviation = static_cast<float>(noise_of(picture) / 3 / 3);
+  Rows& rows = rows_[number];
   std::size_t p = 0;
-  for (int y = 0; y < shade.height; ++y)
-    for (int x = 0; x < shade.width; ++x, ++p) {
-      const Share now = around(picture, x, y), empty = around(stage, x, y);
-      float least = 255;
+  for (int y = 0; y < shade.height; ++y) {
+    add_around(picture, y, rows.columns, rows.now);
+    add_around(stage, y, rows.columns, rows.empty);
+    for (std::size_t i = 0; i < rows.now.size(); i += 3, ++p) {
+      int least = std::numeric_limits<int>::max();
       for (std::size_t c = 0; c < 3; ++c) {
-        const float a = now[c] + kOffset, b = empty[c] + kOffset;
-        shade.left[p][c] = a / b;
-        least = std::min({least, a, b});
+        const int now = rows.now[i + c] + 9 * kOffset, empty = rows.empty[i + c] + 9 * kOffset;
+        shade.left[p][c] = static_cast<float>(now) / static_cast<float>(empty);
+        least = std::min({least, now, empty});
       }
-      noise_[number][p] = deviation / least;
+      noise_[number][p] = 9 * deviation / static_cast<float>(least);
     }
+  }
 }
 
 // The nearest of nine pixels counts, for shadows have edges and calibrations errors.
@@ -110,7 +117,7 @@ void FloorShadows::search(std::size_t camera) {
   for (int y = 0; y < shade.height; ++y)
     for (int x = 0; x < shade.width; ++x, ++p) {
       const Share& left = shade.left[p];
-      if (*std::max_element(left.begin(), left.end()) >= kDarker || noise_[camera][p] >= kUnsure) continue;
+      if (*std::max_element(left.begin(), left.end()) >= lightest_ || noise_[camera][p] >= kUnsure) continue;
       const std::optional<Eigen::Vector3d> place = on_floor(
           own, {(x + 0.5) / shade.width * own.model.width, (y + 0.5) / shade.height * own.model.height},
           farthest);
@@ -137,6 +144,7 @@ const std::vector<FloorShade>& FloorShadows::find(std::span<const BeforeStage> c
   FLOATSTAGE_CHECK(cameras.size() == rig_.cameras.size(), "a picture of each camera");
   shades_.resize(cameras.size());
   noise_.resize(cameras.size());
+  rows_.resize(cameras.size());
   parallel_for(cameras.size(), threads, [&](std::size_t i) { look_at(cameras[i], i); });
   parallel_for(cameras.size(), threads, [&](std::size_t i) {
     if (shades_[i].width > 0) search(i);

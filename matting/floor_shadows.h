@@ -38,7 +38,8 @@ struct FloorShade {
 /// caller at a time.
 class FloorShadows {
  public:
-  explicit FloorShadows(Rig rig) : rig_(std::move(rig)) {}
+  /// `lightest`: pixels that show more than this share of the stage in a channel are not asked about.
+  explicit FloorShadows(Rig rig, float lightest = 0.97F) : rig_(std::move(rig)), lightest_(lightest) {}
 
   /// Of each camera, in rig order. Valid until the next call.
   const std::vector<FloorShade>& find(std::span<const BeforeStage> cameras, int threads);
@@ -48,7 +49,13 @@ class FloorShadows {
   void search(std::size_t camera);
   bool agrees(std::size_t camera, int x, int y, const std::array<float, 3>& left, float noise) const;
 
+  struct Rows {
+    std::vector<int> columns, now, empty;
+  };
+
   Rig rig_;
+  float lightest_;
+  std::vector<Rows> rows_;  // a camera
   std::vector<FloorShade> shades_;
   std::vector<std::vector<float>> noise_;  // of a share, a camera and pixel
 };

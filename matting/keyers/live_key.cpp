@@ -20,6 +20,7 @@
 #include "matting/keyers/bit_edges.h"
 #include "matting/keyers/bit_empty_stage.h"
 #include "matting/keyers/byte_closing.h"
+#include "matting/keyers/plate_measure.h"
 #include "matting/keyers/rim_check.h"
 #include "matting/keyers/row_measure.h"
 
@@ -43,6 +44,7 @@ struct LiveKey::Impl {
     if (fast() && k.empty_stage() != nullptr) stage.emplace(*k.empty_stage());
   }
   bool fast() const { return measure != nullptr && BitCleanUp::can(cleanup); }
+  void light(const PixelRows& rgb, const FloorShade* shade);
   void classify(const PixelRows& rgb, int width, int height);
   void crop();
   void close(const PixelRows& rgb);
@@ -52,7 +54,8 @@ struct LiveKey::Impl {
   std::uint8_t key_of(const PixelRows& rgb, int x, int y) const;
 
   const Keyer& keyer;
-  const RowMeasure* measure;
+  const RowMeasure* measure;        // the keyer's, or `lit`
+  std::optional<PlateMeasure> lit;  // since the first shade
   CleanupOptions cleanup;
   std::vector<std::uint8_t> scratch;  // of the measure
   BitRows whole[3];                   // of the picture: subject, faint, doubt
@@ -72,6 +75,16 @@ LiveKey& LiveKey::operator=(LiveKey&&) noexcept = default;
 LiveKey::~LiveKey() = default;
 
 bool LiveKey::fast() const { return impl_->fast(); }
+
+void LiveKey::Impl::light(const PixelRows& rgb, const FloorShade* shade) {
+  measure = keyer.rows();
+  if (shade == nullptr || !shade->any()) return;
+  if (!lit)
+    if (const auto* plate = dynamic_cast<const PlateMeasure*>(measure)) lit.emplace(*plate);
+  if (!lit) return;
+  lit->light(rgb, *shade);
+  measure = &*lit;
+}
 
 void LiveKey::Impl::classify(const PixelRows& rgb, int width, int height) {
   for (BitRows& bits : whole) bits.resize(width, height);
@@ -198,12 +211,12 @@ void LiveKey::Impl::draw(const PixelRows& rgb, Sheet& sheet) {
       drawn.empty() ? BitBox{} : BitBox{left + drawn.x0, top + drawn.y0, left + drawn.x1, top + drawn.y1};
 }
 
-Result<Matte> LiveKey::key(const Frame& frame) {
+Result<Matte> LiveKey::key(const Frame& frame, const FloorShade* shade) {
   Impl& own = *impl_;
   const ImageLayout& layout = frame.layout;
   const int width = layout.width, height = layout.height;
   if (!own.fast() || frame.empty() || layout.format == PixelFormat::Gray8 || width <= 0 || height <= 0 ||
-      !own.measure->fits(width, height))
+      !own.keyer.rows()->fits(width, height))
     return own.keyer.key(frame);
   PixelRows rgb{reinterpret_cast<const std::uint8_t*>(frame.pixels.get()), layout.stride};
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(layout.width);
@@ -214,6 +227,7 @@ Result<Matte> LiveKey::key(const Frame& frame) {
     if (Result<void> ok = to_rgb(frame, own.converted); !ok) return forward(ok);
     rgb = {own.converted.pixels.data(), 3 * static_cast<std::size_t>(own.converted.width)};
   }
+  own.light(rgb, shade);
   own.classify(rgb, width, height);
   own.crop();
   if (own.cleanup.close_radius > 0) own.close(rgb);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "core/check.h"
 #include "matting/keyers/alpha_bits.h"
@@ -16,6 +17,11 @@
 #include "matting/refine_edges.h"
 
 namespace floatstage::matting {
+namespace {
+
+constexpr float kDarkerThanSeen = 0.95F;  // of what a shade's means leave: noise, and light that is scattered
+
+}  // namespace
 
 PlateDistance plate_distance(const std::uint8_t* p, const std::uint8_t* b, const PlateLight& light) {
   const float pr = p[0], pg = p[1], pb = p[2], br = b[0], bg = b[1], bb = b[2];
@@ -23,6 +29,60 @@ PlateDistance plate_distance(const std::uint8_t* p, const std::uint8_t* b, const
                                   light.darkest, light.brightest);
   const float dr = pr - bright * br, dg = pg - bright * bg, db = pb - bright * bb;
   return {std::sqrt(dr * dr + dg * dg + db * db), bright};
+}
+
+// At the rim of a shadow its pixels show less of it than there is inside.
+std::optional<std::array<float, 3>> PlateMeasure::left_around(const FloorShade& shade, int x, int y) {
+  std::optional<std::array<float, 3>> least;
+  for (int v = std::max(0, y - 1); v <= std::min(shade.height - 1, y + 1); ++v)
+    for (int u = std::max(0, x - 1); u <= std::min(shade.width - 1, x + 1); ++u) {
+      const std::size_t p =
+          static_cast<std::size_t>(v) * static_cast<std::size_t>(shade.width) + static_cast<std::size_t>(u);
+      if (shade.mask[p] == 0) continue;
+      if (!least) least = shade.left[p];
+      for (std::size_t c = 0; c < 3; ++c) (*least)[c] = std::min((*least)[c], shade.left[p][c]);
+    }
+  return least;
+}
+
+void PlateMeasure::light(const PixelRows& rgb, const FloorShade& shade) {
+  for (const Lit& l : lit_) std::copy_n(l.learnt.data(), 3, color_.pixels.data() + 3 * l.pixel);
+  lit_.clear();
+  if (!shade.any()) return;
+  const auto row_has_any = [&](int v) {
+    const auto width = static_cast<std::size_t>(shade.width);
+    return v >= 0 && v < shade.height &&
+           std::memchr(shade.mask.data() + static_cast<std::size_t>(v) * width, 255, width) != nullptr;
+  };
+  for (int v = 0; v < shade.height; ++v) {
+    if (!row_has_any(v - 1) && !row_has_any(v) && !row_has_any(v + 1)) continue;
+    for (int u = 0; u < shade.width; ++u) {
+      const auto left = left_around(shade, u, v);
+      if (!left) continue;
+      const int x1 = (u + 1) * color_.width / shade.width, y1 = (v + 1) * color_.height / shade.height;
+      for (int y = v * color_.height / shade.height; y < y1; ++y)
+        for (int x = u * color_.width / shade.width; x < x1; ++x) {
+          std::uint8_t* plate = color_.at(x, y);
+          const std::uint8_t* p = rgb.at(x, y);
+          float taken[3], along = 0, square = 1e-3F, apart = 0;
+          for (std::size_t c = 0; c < 3; ++c) {
+            taken[c] = static_cast<float>(plate[c]) * (1 - kDarkerThanSeen * (*left)[c]);
+            along += taken[c] * static_cast<float>(plate[c] - p[c]);
+            square += taken[c] * taken[c];
+          }
+          const float share = std::clamp(along / square, 0.0F, 1.0F);
+          for (std::size_t c = 0; c < 3; ++c) {
+            const float off = static_cast<float>(plate[c]) - share * taken[c] - static_cast<float>(p[c]);
+            apart += off * off;
+          }
+          const float threshold = *thresholds_at(x, y);
+          if (apart >= threshold * threshold) continue;
+          lit_.push_back(
+              {static_cast<std::size_t>(plate - color_.pixels.data()) / 3, {plate[0], plate[1], plate[2]}});
+          std::copy_n(p, 3, plate);
+        }
+    }
+  }
 }
 
 Image PlateMeasure::key(const Image& rgb, const CleanupOptions& cleanup) const {

@@ -1,9 +1,16 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
 #include "core/frame.h"
 #include "core/image.h"
 #include "core/matte.h"
 #include "core/result.h"
+#include "matting/floor_shadows.h"
 #include "matting/keyers/keyer.h"
 #include "matting/keyers/plate.h"
 #include "matting/keyers/row_measure.h"
@@ -43,6 +50,11 @@ class PlateMeasure : public RowMeasure {
         contrast_(contrast),
         unknown_(unknown) {}
 
+  /// Until the next call the plate is as the picture shows it where `shade` (of any size) falls and around
+  /// it, of pixels that are of the plate's colour between that light and all of it; as it was learnt
+  /// elsewhere.
+  void light(const PixelRows& rgb, const FloorShade& shade);
+
   /// The keyer's matte, whole pictures at a time: the reference of LiveKey. Nothing for a picture of another
   /// size than the plate, which fits() tells.
   Image key(const Image& rgb, const CleanupOptions& cleanup) const;
@@ -65,10 +77,18 @@ class PlateMeasure : public RowMeasure {
   }
   void distances(const std::uint8_t* rgb, int x, int y, int count, float* out) const;
 
+  /// What shade leaves of the plate around its pixel (x, y) at most; absent where none is.
+  static std::optional<std::array<float, 3>> left_around(const FloorShade& shade, int x, int y);
+
   Image color_;
   std::vector<float> thresholds_;
   PlateLight light_;
   float contrast_, unknown_;
+  struct Lit {
+    std::size_t pixel = 0;
+    std::array<std::uint8_t, 3> learnt{};
+  };
+  std::vector<Lit> lit_;
 };
 
 /// Against a plate: distances are half opaque at as many deviations of a pixel's noise as `options` say.

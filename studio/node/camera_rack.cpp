@@ -24,6 +24,7 @@ Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
       spec == "auto" ? matting::choose_keyers(samples) : std::vector(samples.size(), spec);
   CameraRack rack;
   std::string without_plate;
+  std::vector<Image> stages;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const std::string& serial = rig.cameras[i].serial;
     if (words[i].empty())
@@ -34,8 +35,10 @@ Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
     if (!node) return forward(node);
     const std::string word = word_of(words[i]);
     if (!empty_stage && (word == "plate" || word == "difference")) add(serial, without_plate);
+    stages.push_back(node->compared_with());
     rack.nodes_.push_back(std::move(*node));
   }
+  rack.shadows_ = StageShadows::of(rig, stages);
   if (!without_plate.empty())
     log::warning(text("no clean plate of ", without_plate,
                       ": what was seen first is taken for the empty stage; clear it and begin again, or give "
@@ -63,10 +66,14 @@ void CameraRack::look(const TimedSet& set, const std::vector<bool>& textured, co
   const Timestamp begun = now();
   views.assign(nodes_.size(), nullptr);
   troubles_.resize(nodes_.size());
+  const std::vector<matting::FloorShade>* shades =
+      shadows_ ? &shadows_->look(set.images.frames, threads) : nullptr;
+  times.key += milliseconds_of(now() - begun);
   parallel_for(nodes_.size(), threads, [&](std::size_t i) {
     const bool wanted = textured.empty() || textured[i];
     Result<std::shared_ptr<const CameraView>> view =
-        nodes_[i].look(set.images.frames[i], set.instant, set.produced[i], wanted, quality);
+        nodes_[i].look(set.images.frames[i], set.instant, set.produced[i], wanted, quality,
+                       shades != nullptr ? &(*shades)[i] : nullptr);
     if (view) {
       views[i] = std::move(*view);
       troubles_[i].clear();

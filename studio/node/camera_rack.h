@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "studio/messages/scene_times.h"
 #include "studio/node/camera_view_maker.h"
 #include "studio/node/set_builder.h"
+#include "studio/node/stage_shadows.h"
 
 namespace floatstage::studio {
 
@@ -27,7 +29,8 @@ class CameraRack {
 
   /// views[i] becomes that of rig.cameras[i]; their memory is used again once nobody has them any more.
   /// `textured[i]`: somebody wants its texture; empty: of all. A camera whose picture cannot be used is a
-  /// null view, and trouble() says why. Adds what it took to `times`.
+  /// null view, and trouble() says why. Cameras that are compared with their empty stage tell one another
+  /// first where shadows fall on the floor. Adds what it took to `times`.
   void look(const TimedSet& set, const std::vector<bool>& textured, const NodeQuality& quality, int threads,
             SceneTimes& times, std::vector<std::shared_ptr<const CameraView>>& views);
 
@@ -38,6 +41,7 @@ class CameraRack {
 
  private:
   std::vector<CameraViewMaker> nodes_;
+  std::optional<StageShadows> shadows_;
   std::vector<std::string> troubles_;  // of each node's last look
   std::string trouble_;
 };

@@ -103,6 +103,12 @@ Result<matting::LiveKey*> CameraViewMaker::keyer_at(int factor) {
   return &keyers_.insert_or_assign(factor, KeyerAtScale(std::move(*made))).first->second.live;
 }
 
+Image CameraViewMaker::compared_with() const {
+  const std::string word = spec().substr(0, spec().find(':'));
+  const bool compares = samples_.empty_stage && (word == "plate" || word == "difference");
+  return compares ? samples_.pictures.front() : Image();
+}
+
 Result<void> CameraViewMaker::prepare(int factor) {
   const Result<matting::LiveKey*> keyer = keyer_at(factor);
   return keyer ? Result<void>() : blame(serial_, keyer.error());
@@ -124,7 +130,8 @@ Result<std::shared_ptr<const ForegroundTile>> CameraViewMaker::tile_of(const Fra
 
 Result<std::shared_ptr<const CameraView>> CameraViewMaker::look(const Frame& frame, const Instant& instant,
                                                                 Timestamp produced, bool textured,
-                                                                const NodeQuality& quality) {
+                                                                const NodeQuality& quality,
+                                                                const matting::FloorShade* shade) {
   std::shared_ptr<CameraView> taken = views_.take();
   CameraView& view = *taken;
   view.serial = serial_;
@@ -154,7 +161,7 @@ Result<std::shared_ptr<const CameraView>> CameraViewMaker::look(const Frame& fra
     if (Result<void> ok = shrink(frame, factor, sums_, averaged_); !ok) return blame(serial_, ok.error());
     small = borrowed_frame(frame.info, averaged_);
   }
-  const Result<Matte> matte = (*keyer)->key(small);
+  const Result<Matte> matte = (*keyer)->key(small, shade);
   if (!matte) return blame(serial_, matte.error());
   timings_.key = watch.lap();
 

@@ -63,9 +63,14 @@ class CameraViewMaker {
   /// `frame` as the source delivered it at `produced`; an empty or corrupt one makes a view that is not
   /// known. With `textured`, the view has a tile when the subject is in the picture. Errors: those of
   /// shrink() and Keyer::key(), and BadData for a frame of another size than the model's.
+  /// `shade`: shadows on the floor in the frame, which are none of the subject (LiveKey::key()), or null.
   Result<std::shared_ptr<const CameraView>> look(const Frame& frame, const Instant& instant,
                                                  Timestamp produced, bool textured,
-                                                 const NodeQuality& quality);
+                                                 const NodeQuality& quality,
+                                                 const matting::FloorShade* shade = nullptr);
+
+  /// The empty stage's photograph that its key compares pictures with; empty where it does otherwise.
+  Image compared_with() const;
 
   const std::string& serial() const { return serial_; }
   const NodeTimings& timings() const { return timings_; }  ///< of the last look()

@@ -64,7 +64,12 @@ TEST(AddedFrame, IsNoSkyBehindThingsOfDifferentHeights) {
 
 // A sky that is even to the step, above a wall that is level: its end is as straight as a bar's.
 TEST(AddedFrame, IsNoSkyThatAHeadReachesInto) {
-  Image yard = framed(photograph({.noise = 1}), {.top = 24}, 255);
+  EXPECT_TRUE(bars_of({framed(photograph({.noise = 1}), {.top = 24}, 255)}).none()) << "overexposed";
+  Image blue = framed(photograph({.noise = 1}), {.top = 24}, 120);
+  for (int y = 0; y < 24; ++y)
+    for (int x = 0; x < blue.width; ++x) blue.at(x, y)[2] = 200;
+  EXPECT_TRUE(bars_of({blue}).none());
+  Image yard = framed(photograph({.noise = 1}), {.top = 24}, 200);
   EXPECT_EQ(bars_of({yard}), (AddedContent{.top = 24}));
   const Image before = yard;
   for (int y = 10; y < 24; ++y)

@@ -10,7 +10,8 @@
 namespace floatstage::matting {
 namespace {
 
-void expect_no_allocations_once_warm(const std::string& spec, bool corrected = false) {
+void expect_no_allocations_once_warm(const std::string& spec, bool corrected = false,
+                                     const FloorShade* shade = nullptr) {
   Scene large, small;
   large.radius = 50;
   large.noise = small.noise = 6;
@@ -23,7 +24,7 @@ void expect_no_allocations_once_warm(const std::string& spec, bool corrected = f
   Matte held;  // one picture is on its way while the next is keyed
   for (int round = 0; round < 6; ++round) {
     const long before = test::allocations;
-    held = *live.key(frames[round % 2]);
+    held = *live.key(frames[round % 2], shade);
     const long during = test::allocations - before;
     if (round == 0) {
       EXPECT_GT(during, 0) << "the counter counts";
@@ -37,6 +38,11 @@ void expect_no_allocations_once_warm(const std::string& spec, bool corrected = f
 TEST(LiveKey, AllocatesNothingOnceItHasSeenItsSubjectAndGotItsMattesBack) {
   for (const char* spec : {"chroma:#28783c", "plate", "difference"}) expect_no_allocations_once_warm(spec);
   expect_no_allocations_once_warm("chroma:#28783c", true);
+  FloorShade shade{.width = 40, .height = 30, .mask = {}, .left = {}, .shadows = 200};
+  shade.left.assign(1200, {0.5F, 0.6F, 0.7F});
+  shade.mask.assign(1200, 0);
+  std::fill_n(shade.mask.begin() + 1000, 200, 255);
+  expect_no_allocations_once_warm("plate", false, &shade);
 }
 
 }  // namespace

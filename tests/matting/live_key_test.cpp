@@ -136,6 +136,34 @@ TEST(LiveKey, IsTheMatteAgainstAPlateOfNoisyPicturesWhateverTheCleanUp) {
         }
 }
 
+// A stripe beside the disc that a shadow darkens, and what others know of it at a fifth of the size.
+TEST(LiveKey, TakesNoShadowOnTheFloorForTheSubjectAndForgetsItAfterwards) {
+  Scene scene;
+  scene.noise = 1;
+  Image shadowed = photograph(scene);
+  FloorShade shade{.width = 32, .height = 24, .mask = {}, .left = {}};
+  shade.mask.assign(32 * 24, 0);
+  shade.left.assign(32 * 24, {0.5F, 0.6F, 0.7F});
+  for (int y = 70; y < 110; ++y)
+    for (int x = 20; x < 75; ++x) {
+      if (disc_coverage(scene, x, y) > 0) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::uint8_t& v = shadowed.at(x, y)[c];
+        v = static_cast<std::uint8_t>(shade.left[0][c] * static_cast<float>(v));
+      }
+      shade.mask[static_cast<std::size_t>(y / 5 * 32 + x / 5)] = 255;
+    }
+  shade.shadows = static_cast<std::size_t>(std::count(shade.mask.begin(), shade.mask.end(), 255));
+  const auto keyer = std::move(*make_keyer("plate", {empty_stage(scene), empty_stage(scene, 7)}));
+  LiveKey live(*keyer);
+  const Frame frame = make_frame({}, shadowed), plain = make_frame({}, photograph(scene));
+  const Image before = to_image(*live.key(frame));
+  EXPECT_LT(iou(*live.key(frame), truth(scene)), 0.9) << "else there is nothing to show";
+  EXPECT_GT(iou(*live.key(frame, &shade), truth(scene)), iou(*live.key(plain), truth(scene)) - 0.01);
+  EXPECT_GT(iou(*live.key(plain, &shade), truth(scene)), 0.97) << "he is no shadow, whoever says so";
+  EXPECT_EQ(to_image(*live.key(frame)), before);
+}
+
 TEST(LiveKey, IsTheMatteAgainstAPlateThatIsUnknownInPlaces) {
   Scene scene;
   scene.noise = 3;

@@ -11,6 +11,7 @@
 #include "matting/view_cut.h"
 #include "pipeline/matte/matte_take.h"
 #include "pipeline/synthesize.h"
+#include "tests/support/cast_shadows.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 #include "tests/support/temp_folder.h"
@@ -42,25 +43,9 @@ class Stage {
       truth.push_back(shot.matte);
     }
   }
-  // Two hard shadows on the floor, bluer than what they fall on.
   void cast_shadows() {
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
-      const RigCamera& camera = rig().cameras[i];
-      const Eigen::Vector3d eye = camera.cam_from_world.center();
-      for (int y = 0; y < pictures[i].height; ++y)
-        for (int x = 0; x < pictures[i].width; ++x) {
-          const Eigen::Vector3d along =
-              camera.cam_from_world.rotation.conjugate() * *unproject(camera.model, {x + 0.5, y + 0.5});
-          const Eigen::Vector3d at = eye - eye.z() / along.z() * along;
-          const bool shaded = std::abs(at.y() - 0.4 * at.x()) < 0.15 || std::abs(at.x() + at.y()) < 0.12;
-          if (along.z() >= 0 || at.norm() > 1.5 || !shaded || truth[i].row(y)[x] > 0) continue;
-          for (std::size_t c = 0; c < 3; ++c) {
-            constexpr double kLeft[] = {0.42, 0.52, 0.63};
-            std::uint8_t& v = pictures[i].at(x, y)[c];
-            v = static_cast<std::uint8_t>(kLeft[c] * v);
-          }
-        }
-    }
+    for (std::size_t i = 0; i < pictures.size(); ++i)
+      floatstage::cast_shadows(rig().cameras[i], truth[i], pictures[i]);
   }
   std::vector<double> ious(const ConsistentMattes& made) const {
     std::vector<double> all;
