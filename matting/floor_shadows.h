@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/image.h"
 #include "core/rig.h"
 
@@ -28,11 +30,20 @@ struct FloorShade {
   std::size_t shadows = 0;  ///< pixels
 };
 
-/// Shadows that somebody casts on the floor (z = 0), told by several cameras: a pixel is one where it is
-/// darker than the empty stage, and more than half of the other cameras that see the same place of the floor
-/// show it darker by as much, two at least. However dark a shadow is and whatever its tint, all cameras see
-/// it at one place; what stands on the floor hides another place from each. Of a floor that is not at z = 0
-/// nothing is found.
+/// A plane of the world: up · x = height.
+struct Floor {
+  Eigen::Vector3d up = Eigen::Vector3d::UnitZ();  ///< of unit length
+  double height = 0;
+};
+
+/// Shadows that somebody casts on the floor, told by several cameras: a pixel is one where it is darker than
+/// the empty stage, and more than half of the other cameras that see the same place of the floor show it
+/// darker by as much, two at least. However dark a shadow is and whatever its tint, all cameras see it at one
+/// place; what stands on the floor hides another place from each.
+///
+/// The floor is at z = 0, or where it was sought and found: on the plane below where the cameras look, up to
+/// 17 degrees off z or what their pictures show as up, on which most of what is much darker is shadow, where
+/// that is more than a quarter of it and hardly any of it is at z = 0.
 ///
 /// Keeps its memory: nothing is allocated for pictures of one size. Deterministic at any thread count; one
 /// caller at a time.
@@ -41,23 +52,43 @@ class FloorShadows {
   /// `lightest`: pixels that show more than this share of the stage in a channel are not asked about.
   explicit FloorShadows(Rig rig, float lightest = 0.97F) : rig_(std::move(rig)), lightest_(lightest) {}
 
+  /// The next find() seeks the floor, for about a second, where shadows are not at z = 0.
+  void seek_floor() { seeks_ = true; }
+  const Floor& floor() const { return floor_; }
+
   /// Of each camera, in rig order. Valid until the next call.
   const std::vector<FloorShade>& find(std::span<const BeforeStage> cameras, int threads);
 
  private:
-  void look_at(const BeforeStage& camera, std::size_t number);
-  void search(std::size_t camera);
-  bool agrees(std::size_t camera, int x, int y, const std::array<float, 3>& left, float noise) const;
-
+  using Share = std::array<float, 3>;
   struct Rows {
     std::vector<int> columns, now, empty;
   };
+  /// A pixel that is darker than the stage, and the way on which its camera sees it.
+  struct Dark {
+    std::size_t camera = 0, pixel = 0;
+    Eigen::Vector3d from, along;
+    double farthest = 0;  ///< of `along`
+  };
+
+  void look_at(const BeforeStage& camera, std::size_t number);
+  void list_dark(std::size_t camera);
+  bool agrees(std::size_t camera, int x, int y, int reach, const Share& left, float noise) const;
+  bool is_shadow(const Dark& dark, const Floor& floor, int reach) const;
+  void darken(std::size_t camera);
+  double share_on(const Floor& floor, int reach, int threads);
+  void seek(int threads);
 
   Rig rig_;
   float lightest_;
+  Floor floor_;
+  bool seeks_ = false;
   std::vector<Rows> rows_;  // a camera
   std::vector<FloorShade> shades_;
   std::vector<std::vector<float>> noise_;  // of a share, a camera and pixel
+  std::vector<std::vector<Dark>> dark_;    // a camera
+  std::vector<Dark> asked_;                // some of them, where the floor is sought
+  std::vector<char> yes_;
 };
 
 }  // namespace floatstage::matting

@@ -93,7 +93,7 @@ Result<void> ConsistentOptions::check() const {
 }
 
 struct ConsistentMatting::Impl {
-  explicit Impl(const Rig& r) : rig(r), shadows(r) {}
+  explicit Impl(const Rig& r) : rig(r), shadows(r) { shadows.seek_floor(); }
 
   Rig rig;
   ConsistentOptions options;

@@ -18,7 +18,7 @@ constexpr double kTowards[2] = {0.8, 0.35};     // where his shadow falls, a met
 constexpr double kFoot = 0.3;
 enum class What : std::uint8_t { Floor, Shadow, Pillar, Foot };
 
-struct Floor {
+struct Ground {
   double height = 0;       // metres, which the rig takes for 0
   double texture = 0.2;    // 0: plain
   double noise = 1;        // 8-bit steps
@@ -33,7 +33,7 @@ struct Seen {
 
 class UnderALamp {
  public:
-  explicit UnderALamp(const Floor& floor, int cameras = 6, double lens = 0)
+  explicit UnderALamp(const Ground& floor, int cameras = 6, double lens = 0)
       : rig_(synthetic_rig({.cameras = cameras, .width = 240, .height = 180})), floor_(floor) {
     for (RigCamera& camera : rig_.cameras) {
       camera.model.fx = camera.model.fy = 130;  // they see the floor around him
@@ -114,7 +114,7 @@ class UnderALamp {
   }
 
   Rig rig_;
-  Floor floor_;
+  Ground floor_;
   std::vector<Seen> seen_;
 };
 
@@ -141,11 +141,53 @@ TEST(FloorShadows, AreFoundInNoiseAndThroughALens) {
   EXPECT_GT(bent.share(What::Shadow, bent.found()), 0.95);
 }
 
-TEST(FloorShadows, AreNotLookedForWhereTheFloorIsNot) {
+TEST(FloorShadows, AreNotFoundWhereTheFloorIsNotUnlessItIsSought) {
   const UnderALamp stage({.height = 0.5});
   const std::vector<FloorShade> found = stage.found();
   EXPECT_LT(stage.share(What::Pillar, found), 0.02);
   EXPECT_LT(stage.share(What::Shadow, found), 0.3);
+}
+
+// A world of any size that anybody's calibration left, 25 degrees off.
+Rig turned(Rig rig) {
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.44, Eigen::Vector3d(1, -2, 0.3).normalized()));
+  for (RigCamera& c : rig.cameras) {
+    c.cam_from_world.rotation = c.cam_from_world.rotation * turn.conjugate();
+    c.cam_from_world.translation =
+        0.4 * c.cam_from_world.translation - c.cam_from_world.rotation * Eigen::Vector3d(0.7, -1.1, 2);
+  }
+  return rig;
+}
+
+TEST(FloorShadows, AreFoundOnAFloorThatIsSoughtForWhereTheWorldIsNotItsOwn) {
+  UnderALamp stage({});
+  std::vector<BeforeStage> before;
+  for (const Seen& s : stage.seen()) before.push_back({&s.picture, &s.stage});
+  FloorShadows shadows(turned(stage.rig()));
+  EXPECT_LT(stage.share(What::Shadow, shadows.find(before, 2)), 0.1);
+  shadows.seek_floor();
+  const std::vector<FloorShade> found = shadows.find(before, 2);
+  EXPECT_GT(stage.share(What::Shadow, found), 0.95);
+  EXPECT_LT(stage.share(What::Pillar, found), 0.01);
+  EXPECT_NE(shadows.floor().height, 0);
+  const Floor there = shadows.floor();
+  EXPECT_EQ(shadows.find(before, 1)[0].mask, found[0].mask) << "it stays where it is";
+  EXPECT_EQ(shadows.floor().up, there.up);
+}
+
+TEST(FloorShadows, LeaveTheFloorWhereItIsIfShadowsAreThereOrNowhere) {
+  UnderALamp stage({});
+  std::vector<BeforeStage> before;
+  for (const Seen& s : stage.seen()) before.push_back({&s.picture, &s.stage});
+  FloorShadows shadows(stage.rig());
+  shadows.seek_floor();
+  shadows.find(before, 2);
+  EXPECT_EQ(shadows.floor().height, 0);
+  for (BeforeStage& b : before) b.picture = b.stage;
+  FloorShadows none(turned(stage.rig()));
+  none.seek_floor();
+  none.find(before, 2);
+  EXPECT_EQ(none.floor().height, 0);
 }
 
 TEST(FloorShadows, AreToldByThreeCamerasAtLeast) {
