@@ -29,7 +29,7 @@ constexpr std::size_t kAsked = 480;   // pixels in all, where the floor is sough
 constexpr float kDeep = 0.8F;         // of the stage: what is lighter is alike on any floor
 constexpr double kEnough = 0.35;      // of what is deep, at z = 0: the floor is there
 constexpr double kBetterThere = 1.5;  // times what is at z = 0
-constexpr double kFound = 0.28;       // of the same, on a floor elsewhere
+constexpr double kFound = 0.18;       // of the same, on a floor elsewhere
 constexpr double kTilt = 0.07;        // radians: steps of its tilt,
 constexpr int kTilts = 3;             // to each side,
 constexpr double kMostTilt = 0.3;
@@ -212,7 +212,8 @@ void FloorShadows::seek(int threads) {
     }
     if (here > most) most = here, best = floor_at(at);
   }
-  if (most >= kFound && most >= kBetterThere * usual) floor_ = best;
+  found_ = most >= kFound && most >= kBetterThere * usual;
+  if (found_) floor_ = best;
 }
 
 const std::vector<FloorShade>& FloorShadows::find(std::span<const BeforeStage> cameras, int threads) {

@@ -43,7 +43,7 @@ struct Floor {
 ///
 /// The floor is at z = 0, or where it was sought and found: on the plane below where the cameras look, up to
 /// 17 degrees off z or what their pictures show as up, on which most of what is much darker is shadow, where
-/// that is more than a quarter of it and hardly any of it is at z = 0.
+/// that is about a fifth of it at least and hardly any of it is at z = 0.
 ///
 /// Keeps its memory: nothing is allocated for pictures of one size. Deterministic at any thread count; one
 /// caller at a time.
@@ -52,8 +52,8 @@ class FloorShadows {
   /// `lightest`: pixels that show more than this share of the stage in a channel are not asked about.
   explicit FloorShadows(Rig rig, float lightest = 0.97F) : rig_(std::move(rig)), lightest_(lightest) {}
 
-  /// The next find() seeks the floor, for about a second, where shadows are not at z = 0.
-  void seek_floor() { seeks_ = true; }
+  /// The next find() seeks the floor, for about a second, where shadows are not at z = 0; unless it was found.
+  void seek_floor() { seeks_ = !found_; }
   const Floor& floor() const { return floor_; }
 
   /// Of each camera, in rig order. Valid until the next call.
@@ -82,7 +82,7 @@ class FloorShadows {
   Rig rig_;
   float lightest_;
   Floor floor_;
-  bool seeks_ = false;
+  bool seeks_ = false, found_ = false;
   std::vector<Rows> rows_;  // a camera
   std::vector<FloorShade> shades_;
   std::vector<std::vector<float>> noise_;  // of a share, a camera and pixel

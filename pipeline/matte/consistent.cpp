@@ -489,6 +489,7 @@ Result<std::vector<Image>> ConsistentMatting::surroundings(std::span<const Image
 void ConsistentMatting::forget() {
   impl_->colors.reset();
   impl_->grid.reset();
+  impl_->shadows.seek_floor();
 }
 
 Result<ConsistentMattes> ConsistentMatting::matte(std::span<const Image> pictures,

@@ -31,7 +31,7 @@ using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr int kCameras = 8, kPoses = 5, kPort = 8470;
-constexpr double kRate = 10, kLostPackets = 0.0005;
+constexpr double kRate = 10, kLostPackets = 0.002;  // ten pictures of a short run
 constexpr const char* kToken = "0123456789abcdef0123";
 constexpr const char* kNode = "tcp://127.0.0.1:5570";
 constexpr const char* kRecon = "tcp://127.0.0.1:5580";
