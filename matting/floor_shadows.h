@@ -52,7 +52,7 @@ class FloorShadows {
   /// `lightest`: pixels that show more than this share of the stage in a channel are not asked about.
   explicit FloorShadows(Rig rig, float lightest = 0.97F) : rig_(std::move(rig)), lightest_(lightest) {}
 
-  /// The next find() seeks the floor, for about a second, where shadows are not at z = 0 and it was not found.
+  /// The next find() seeks the floor where shadows are not at z = 0, for about a second; until it is found.
   void seek_floor() { seeks_ = !found_; }
   const Floor& floor() const { return floor_; }
 
