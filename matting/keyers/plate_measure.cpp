@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "core/check.h"
 #include "matting/keyers/alpha_bits.h"
@@ -21,19 +22,21 @@ namespace {
 
 constexpr float kDarkerThanSeen = 0.95F;  // of what a shade's means leave: noise, and light that is scattered
 
-}  // namespace
+using Share = std::array<float, 3>;
 
-PlateDistance plate_distance(const std::uint8_t* p, const std::uint8_t* b, const PlateLight& light) {
-  const float pr = p[0], pg = p[1], pb = p[2], br = b[0], bg = b[1], bb = b[2];
-  const float bright = std::clamp((pr * br + pg * bg + pb * bb) / (br * br + bg * bg + bb * bb + 1e-3f),
-                                  light.darkest, light.brightest);
-  const float dr = pr - bright * br, dg = pg - bright * bg, db = pb - bright * bb;
-  return {std::sqrt(dr * dr + dg * dg + db * db), bright};
+// Whether shade falls in a row or in one beside it.
+bool is_any_near(const FloorShade& shade, int row) {
+  const auto width = static_cast<std::size_t>(shade.width);
+  for (int v = std::max(0, row - 1); v <= std::min(shade.height - 1, row + 1); ++v)
+    if (std::memchr(shade.mask.data() + static_cast<std::size_t>(v) * width, 255, width) != nullptr)
+      return true;
+  return false;
 }
 
-// At the rim of a shadow its pixels show less of it than there is inside.
-std::optional<std::array<float, 3>> PlateMeasure::left_around(const FloorShade& shade, int x, int y) {
-  std::optional<std::array<float, 3>> least;
+// What shade leaves of the plate around its pixel (x, y), the least; absent where none falls. At the rim of a
+// shadow its pixels show less of it than there is inside.
+std::optional<Share> left_around(const FloorShade& shade, int x, int y) {
+  std::optional<Share> least;
   for (int v = std::max(0, y - 1); v <= std::min(shade.height - 1, y + 1); ++v)
     for (int u = std::max(0, x - 1); u <= std::min(shade.width - 1, x + 1); ++u) {
       const std::size_t p =
@@ -45,44 +48,57 @@ std::optional<std::array<float, 3>> PlateMeasure::left_around(const FloorShade& 
   return least;
 }
 
+// The square of how far a pixel is from the colours between the plate's and the plate's in that light.
+float off_shade(const std::uint8_t* p, const std::uint8_t* plate, const Share& left) {
+  float taken[3], along = 0, square = 1e-3F, apart = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    taken[c] = static_cast<float>(plate[c]) * (1 - kDarkerThanSeen * left[c]);
+    along += taken[c] * static_cast<float>(plate[c] - p[c]);
+    square += taken[c] * taken[c];
+  }
+  const float share = std::clamp(along / square, 0.0F, 1.0F);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float off = static_cast<float>(plate[c]) - share * taken[c] - static_cast<float>(p[c]);
+    apart += off * off;
+  }
+  return apart;
+}
+
+}  // namespace
+
+PlateDistance plate_distance(const std::uint8_t* p, const std::uint8_t* b, const PlateLight& light) {
+  const float pr = p[0], pg = p[1], pb = p[2], br = b[0], bg = b[1], bb = b[2];
+  const float bright = std::clamp((pr * br + pg * bg + pb * bb) / (br * br + bg * bg + bb * bb + 1e-3f),
+                                  light.darkest, light.brightest);
+  const float dr = pr - bright * br, dg = pg - bright * bg, db = pb - bright * bb;
+  return {std::sqrt(dr * dr + dg * dg + db * db), bright};
+}
+
 void PlateMeasure::light(const PixelRows& rgb, const FloorShade& shade) {
   for (const Lit& l : lit_) std::copy_n(l.learnt.data(), 3, color_.pixels.data() + 3 * l.pixel);
   lit_.clear();
   if (!shade.any()) return;
-  const auto row_has_any = [&](int v) {
-    const auto width = static_cast<std::size_t>(shade.width);
-    return v >= 0 && v < shade.height &&
-           std::memchr(shade.mask.data() + static_cast<std::size_t>(v) * width, 255, width) != nullptr;
-  };
   for (int v = 0; v < shade.height; ++v) {
-    if (!row_has_any(v - 1) && !row_has_any(v) && !row_has_any(v + 1)) continue;
-    for (int u = 0; u < shade.width; ++u) {
-      const auto left = left_around(shade, u, v);
-      if (!left) continue;
-      const int x1 = (u + 1) * color_.width / shade.width, y1 = (v + 1) * color_.height / shade.height;
-      for (int y = v * color_.height / shade.height; y < y1; ++y)
-        for (int x = u * color_.width / shade.width; x < x1; ++x) {
-          std::uint8_t* plate = color_.at(x, y);
-          const std::uint8_t* p = rgb.at(x, y);
-          float taken[3], along = 0, square = 1e-3F, apart = 0;
-          for (std::size_t c = 0; c < 3; ++c) {
-            taken[c] = static_cast<float>(plate[c]) * (1 - kDarkerThanSeen * (*left)[c]);
-            along += taken[c] * static_cast<float>(plate[c] - p[c]);
-            square += taken[c] * taken[c];
-          }
-          const float share = std::clamp(along / square, 0.0F, 1.0F);
-          for (std::size_t c = 0; c < 3; ++c) {
-            const float off = static_cast<float>(plate[c]) - share * taken[c] - static_cast<float>(p[c]);
-            apart += off * off;
-          }
-          const float threshold = *thresholds_at(x, y);
-          if (apart >= threshold * threshold) continue;
-          lit_.push_back(
-              {static_cast<std::size_t>(plate - color_.pixels.data()) / 3, {plate[0], plate[1], plate[2]}});
-          std::copy_n(p, 3, plate);
-        }
-    }
+    if (!is_any_near(shade, v)) continue;
+    for (int u = 0; u < shade.width; ++u)
+      if (const std::optional<Share> left = left_around(shade, u, v))
+        light(rgb, *left, {u * color_.width / shade.width, v * color_.height / shade.height},
+              {(u + 1) * color_.width / shade.width, (v + 1) * color_.height / shade.height});
   }
+}
+
+void PlateMeasure::light(const PixelRows& rgb, const std::array<float, 3>& left,
+                         const std::array<int, 2>& from, const std::array<int, 2>& to) {
+  for (int y = from[1]; y < to[1]; ++y)
+    for (int x = from[0]; x < to[0]; ++x) {
+      std::uint8_t* plate = color_.at(x, y);
+      const std::uint8_t* p = rgb.at(x, y);
+      const float threshold = *thresholds_at(x, y);
+      if (off_shade(p, plate, left) >= threshold * threshold) continue;
+      const auto pixel = static_cast<std::size_t>(plate - color_.pixels.data()) / 3;
+      lit_.push_back({pixel, {plate[0], plate[1], plate[2]}});
+      std::copy_n(p, 3, plate);
+    }
 }
 
 Image PlateMeasure::key(const Image& rgb, const CleanupOptions& cleanup) const {

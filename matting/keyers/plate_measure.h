@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -77,8 +76,9 @@ class PlateMeasure : public RowMeasure {
   }
   void distances(const std::uint8_t* rgb, int x, int y, int count, float* out) const;
 
-  /// What shade leaves of the plate around its pixel (x, y) at most; absent where none is.
-  static std::optional<std::array<float, 3>> left_around(const FloorShade& shade, int x, int y);
+  /// The same of the pixels from (x, y) to before another, where `left` of the plate's colours is left.
+  void light(const PixelRows& rgb, const std::array<float, 3>& left, const std::array<int, 2>& from,
+             const std::array<int, 2>& to);
 
   Image color_;
   std::vector<float> thresholds_;
