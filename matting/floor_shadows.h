@@ -45,8 +45,8 @@ struct Floor {
 /// 17 degrees off z or what their pictures show as up, on which most of what is much darker is shadow, where
 /// that is about a fifth of it at least and hardly any of it is at z = 0.
 ///
-/// Keeps its memory: nothing is allocated for pictures of one size. Deterministic at any thread count; one
-/// caller at a time.
+/// Keeps its memory: nothing is allocated for pictures of one size once as much was dark in them, but where
+/// the floor is sought. Deterministic at any thread count; one caller at a time.
 class FloorShadows {
  public:
   /// `lightest`: pixels that show more than this share of the stage in a channel are not asked about.

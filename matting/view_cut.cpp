@@ -1,6 +1,7 @@
 #include "matting/view_cut.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <queue>
@@ -107,7 +108,7 @@ std::vector<float> without_rim(const std::vector<float>& odds, int w, int h) {
 Image shrunk(const Image& picture, int width, int height) { return scaled(picture, width, height); }
 
 double noise_of(const Image& picture) {
-  std::vector<long> counts(766);
+  std::array<long, 3 * 255 + 1> counts{};
   long total = 0;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x + 1 < picture.width; ++x, ++total)

@@ -29,13 +29,14 @@ Result<CameraRack> CameraRack::make(const Rig& rig, const std::string& spec,
     const std::string& serial = rig.cameras[i].serial;
     if (words[i].empty())
       return fail(ErrorCode::NotFound, text("camera '", serial, "': ", matting::kNothingToKeyBy));
-    const bool empty_stage = samples[i].empty_stage;
+    const std::string word = word_of(words[i]);
+    const bool compares = word == "plate" || word == "difference",
+               shot = samples[i].empty_stage && !samples[i].pictures.empty();
+    stages.push_back(compares && shot ? samples[i].pictures.front() : Image());
+    if (compares && !shot) add(serial, without_plate);
     Result<CameraViewMaker> node =
         CameraViewMaker::make(serial, rig.cameras[i].model, words[i], std::move(samples[i]));
     if (!node) return forward(node);
-    const std::string word = word_of(words[i]);
-    if (!empty_stage && (word == "plate" || word == "difference")) add(serial, without_plate);
-    stages.push_back(node->compared_with());
     rack.nodes_.push_back(std::move(*node));
   }
   rack.shadows_ = StageShadows::of(rig, stages);

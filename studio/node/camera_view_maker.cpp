@@ -103,12 +103,6 @@ Result<matting::LiveKey*> CameraViewMaker::keyer_at(int factor) {
   return &keyers_.insert_or_assign(factor, KeyerAtScale(std::move(*made))).first->second.live;
 }
 
-Image CameraViewMaker::compared_with() const {
-  const std::string word = spec().substr(0, spec().find(':'));
-  const bool compares = samples_.empty_stage && (word == "plate" || word == "difference");
-  return compares ? samples_.pictures.front() : Image();
-}
-
 Result<void> CameraViewMaker::prepare(int factor) {
   const Result<matting::LiveKey*> keyer = keyer_at(factor);
   return keyer ? Result<void>() : blame(serial_, keyer.error());

@@ -69,9 +69,6 @@ class CameraViewMaker {
                                                  const NodeQuality& quality,
                                                  const matting::FloorShade* shade = nullptr);
 
-  /// The empty stage's photograph that its key compares pictures with; empty where it does otherwise.
-  Image compared_with() const;
-
   const std::string& serial() const { return serial_; }
   const NodeTimings& timings() const { return timings_; }  ///< of the last look()
   std::string spec() const { return keyers_.at(1).keyer->spec(); }

@@ -11,8 +11,8 @@
 namespace floatstage::studio {
 
 /// Shadows on the floor in what the cameras of one machine see at an instant, told before anything is keyed
-/// from pictures of at most 160 pixels a side (matting/floor_shadows.h). Nothing is allocated for frames of
-/// one size. One thread at a time.
+/// from pictures of at most 160 pixels a side (matting/floor_shadows.h). Keeps its memory as FloorShadows
+/// does. One thread at a time.
 class StageShadows {
  public:
   /// `stages`: of each camera of the rig a photograph of its empty stage (RGB, of the model's size), or

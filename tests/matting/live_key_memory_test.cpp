@@ -45,5 +45,33 @@ TEST(LiveKey, AllocatesNothingOnceItHasSeenItsSubjectAndGotItsMattesBack) {
   expect_no_allocations_once_warm("plate", false, &shade);
 }
 
+// Three cameras at one place, and half as much light.
+TEST(FloorShadows, AllocateNothingOnceTheyHaveSeenAsMuch) {
+  const Image stage = empty_stage({});
+  Image picture = stage;
+  for (std::uint8_t& v : picture.pixels) v /= 2;
+  Rig rig;
+  for (int i = 0; i < 3; ++i) {
+    RigCamera camera;
+    camera.serial = std::string(1, static_cast<char>('a' + i));
+    camera.model = {.width = 160, .height = 120, .fx = 100, .fy = 100, .cx = 80, .cy = 60, .lens = {}};
+    camera.cam_from_world = look_at({2, 0.01 * i, 1.5}, {0, 0, 0.5}, Eigen::Vector3d::UnitZ());
+    rig.cameras.push_back(camera);
+  }
+  FloorShadows shadows(rig);
+  const std::vector<BeforeStage> before(3, BeforeStage{&picture, &stage});
+  for (int round = 0; round < 3; ++round) {
+    const long so_far = test::allocations;
+    const bool any = shadows.find(before, 1)[0].any();
+    const long during = test::allocations - so_far;
+    EXPECT_TRUE(any) << "else nothing was looked for";
+    if (round == 0) {
+      EXPECT_GT(during, 0) << "the counter counts";
+    } else {
+      EXPECT_EQ(during, 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace floatstage::matting
