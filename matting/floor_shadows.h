@@ -55,6 +55,8 @@ class FloorShadows {
   /// The next find() seeks the floor where shadows are not at z = 0, for about a second; until it is found.
   void seek_floor() { seeks_ = !found_; }
   const Floor& floor() const { return floor_; }
+  /// Whether that one was found, not supposed.
+  bool found_floor() const { return found_; }
 
   /// Of each camera, in rig order. Valid until the next call.
   const std::vector<FloorShade>& find(std::span<const BeforeStage> cameras, int threads);

@@ -9,7 +9,6 @@
 
 #include "core/check.h"
 #include "core/graph_cut.h"
-#include "matting/keyers/plate.h"
 #include "matting/picture_scale.h"
 #include "matting/tone.h"
 
@@ -22,11 +21,6 @@ constexpr float kCertain = 1000;  // log-odds
 constexpr double kCalm = 2;       // noise deviations below which a step is no edge
 constexpr double kGradual = 6;    // 8-bit steps over three channels: light that changes, not an edge
 constexpr double kGeodesicPixels = 20'000;
-constexpr double kStillNoise = 2;        // 8-bit steps a channel: a place is no quieter than that
-constexpr double kSomethingElse = 0.05;  // density of what stands before a place, against a colour's spread
-constexpr double kSpread = 25;           // 8-bit steps, of colours at large
-constexpr float kNeverChanged = 1.5f, kMostStill = 3;  // log-odds
-constexpr int kChange = 20;                            // 8-bit steps a channel that are no noise
 
 struct Step {
   int dx, dy;
@@ -80,27 +74,6 @@ void each_pair(const Image& picture, const What& what) {
         what(static_cast<std::size_t>(y) * w + x,
              static_cast<std::size_t>(y + s.dy) * w + static_cast<std::size_t>(x + s.dx), s.length);
       }
-}
-
-bool is_light(std::uint8_t plate_class) {
-  return plate_class == static_cast<std::uint8_t>(PlateClass::Shadow) ||
-         plate_class == static_cast<std::uint8_t>(PlateClass::Reflex);
-}
-
-// A pixel that shows a little of the subject is unlike the empty stage, too: at the rim only colours tell.
-std::vector<float> without_rim(const std::vector<float>& odds, int w, int h) {
-  std::vector<float> inner = odds;
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      float& here = inner[static_cast<std::size_t>(y) * w + static_cast<std::size_t>(x)];
-      if (here <= 0) continue;
-      for (const auto& [dx, dy] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
-        const int u = std::clamp(x + dx, 0, w - 1), v = std::clamp(y + dy, 0, h - 1);
-        here = std::min(here,
-                        std::max(0.0f, odds[static_cast<std::size_t>(v) * w + static_cast<std::size_t>(u)]));
-      }
-    }
-  return inner;
 }
 
 }  // namespace
@@ -158,60 +131,6 @@ std::vector<float> edges_to_border(const Image& photograph) {
                       static_cast<std::size_t>(x * w / photograph.width)];
   }
   return out;
-}
-
-Result<StillBackdrop> StillBackdrop::learn(std::span<const Image> pictures, std::span<const Image> subjects) {
-  if (pictures.size() < 2)
-    return fail(ErrorCode::InvalidArgument, "a backdrop is learnt from two pictures or more");
-  Result<Plate> plate =
-      learn_plate({pictures.begin(), pictures.end()}, {}, {subjects.begin(), subjects.end()});
-  if (!plate) return forward(plate);
-  StillBackdrop out;
-  out.changed_.assign(pixels(plate->color), 0);
-  out.seen_.assign(out.changed_.size(), subjects.empty());
-  for (const Image& subject : subjects)
-    for (std::size_t p = 0; p < out.seen_.size(); ++p) out.seen_[p] |= subject.pixels[p] == 0;
-  for (const Image& picture : pictures)
-    for (std::size_t p = 0; p < out.changed_.size(); ++p)
-      for (int c = 0; c < 3; ++c)
-        if (std::abs(colour(picture, p)[c] - colour(plate->color, p)[c]) > kChange) out.changed_[p] = 1;
-  out.plate_ = std::move(*plate);
-  return out;
-}
-
-Result<StillBackdrop> StillBackdrop::of_empty_stage(const std::vector<Image>& photographs) {
-  Result<Plate> plate = learn_plate(photographs);
-  if (!plate) return forward(plate);
-  StillBackdrop out;
-  out.seen_.assign(pixels(plate->color), 1);
-  out.changed_ = out.seen_;
-  out.plate_ = std::move(*plate);
-  out.empty_stage_ = true;
-  return out;
-}
-
-std::vector<float> StillBackdrop::odds(const Image& picture, const Image& unlike) const {
-  FLOATSTAGE_CHECK(picture.width == plate_.color.width && picture.height == plate_.color.height,
-                   "a picture of its size");
-  FLOATSTAGE_CHECK(unlike.empty() || unlike.pixels.size() == changed_.size(),
-                   "what is unlike is of its size");
-  std::vector<float> odds(changed_.size());
-  const Image classes = empty_stage_ ? classify(plate_, picture) : Image();
-  for (std::size_t p = 0; p < odds.size(); ++p) {
-    if (!knows(p)) continue;
-    const double sigma = std::max(kStillNoise, plate_.noise.pixels[p] / 16.0);
-    const double z = squared(colour(picture, p), colour(plate_.color, p)) / (3 * sigma * sigma);
-    const double here =
-        plate_.confidence.pixels[p] / 255.0 * std::exp(-0.5 * z) * kSpread / sigma + kSomethingElse;
-    const float most = changed_[p] ? kMostStill : kNeverChanged;
-    odds[p] = std::clamp(static_cast<float>(-std::log(here)), -most, kMostStill);
-    if (empty_stage_ && is_light(classes.pixels[p])) odds[p] = std::min(odds[p], 0.0f);
-  }
-  if (!empty_stage_) return odds;
-  std::vector<float> inner = without_rim(odds, picture.width, picture.height);
-  for (std::size_t p = 0; p < unlike.pixels.size(); ++p)
-    if (unlike.pixels[p]) inner[p] = odds[p];
-  return inner;
 }
 
 Image cut_view(const Image& photograph, std::span<const float> odds, std::span<const Certain> certain,

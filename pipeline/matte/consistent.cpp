@@ -7,12 +7,12 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "matting/closed_form.h"
-#include "matting/floor_shadows.h"
 #include "matting/known_by_plate.h"
 #include "matting/view_colors.h"
 #include "matting/view_cut.h"
 #include "pipeline/matte/consistent_verdict.h"
 #include "pipeline/matte/corrected_key.h"
+#include "pipeline/matte/stage_evidence.h"
 #include "recon/occupancy.h"
 #include "recon/shared_view.h"
 
@@ -42,11 +42,8 @@ constexpr int kGridTurns = 2;          // turns after which the grid is laid clo
 struct View {
   int w = 0, h = 0;
   Image small, label;
-  std::vector<float> still, keyed, odds, others, share;
+  std::vector<float> keyed, odds, others, share;
   std::vector<Certain> certain;
-  std::optional<matting::StillBackdrop> backdrop, lit;  // as learnt; as it is lit at this instant
-  std::optional<matting::Plate> plate;                  // of the empty stage, at the photograph's size
-  std::optional<matting::PlateWord> word;               // its, of the photograph
   bool there() const { return !small.empty(); }
   std::size_t pixels() const { return static_cast<std::size_t>(w) * static_cast<std::size_t>(h); }
 };
@@ -93,7 +90,13 @@ Result<void> ConsistentOptions::check() const {
 }
 
 struct ConsistentMatting::Impl {
-  explicit Impl(const Rig& r) : rig(r), shadows(r) { shadows.seek_floor(); }
+  Impl(const Rig& r, const std::vector<Eigen::Vector2i>& s) : rig(r), sizes(s), stages(r, s) {
+    for (const Eigen::Vector2i& size : sizes) {
+      View& view = views.emplace_back();
+      view.w = size.x();
+      view.h = size.y();
+    }
+  }
 
   Rig rig;
   ConsistentOptions options;
@@ -102,7 +105,8 @@ struct ConsistentMatting::Impl {
   std::vector<Eigen::Vector2i> sizes;
   std::unique_ptr<OccupancyGrid> grid;
   std::optional<matting::ViewColors> colors;
-  matting::FloorShadows shadows;
+  StageEvidence stages;
+  bool heard = false;  // of changes of light, from a grid that lies where this one lies
 
   template <class Body>
   void each(const Body& body) {
@@ -117,10 +121,8 @@ struct ConsistentMatting::Impl {
   }
 
   Result<void> check_backdrop(int camera, const std::vector<Image>& pictures) const;
-  Result<void> keep(int camera, Result<matting::StillBackdrop> backdrop);
   Result<void> look(std::span<const Image> pictures, std::span<const Image> said);
   void see(std::span<const Image> pictures);
-  void look_at_stages(std::span<const Image> pictures);
   void begin();
   void believe(std::span<const Image> keys);
   void begin_view(std::size_t camera, View& view) const;
@@ -128,9 +130,11 @@ struct ConsistentMatting::Impl {
   void weigh_colors();
   void ask_others();
   double cut();
+  double turn();
   Result<int> take_turns(const std::function<bool()>& go_on);
   void lay_grid(const Eigen::AlignedBox3d& box) {
     grid = std::make_unique<OccupancyGrid>(rig, box, options.voxels, sizes, shared.seen_by, options.threads);
+    heard = false;
   }
   void close_in();
   void follow();
@@ -143,14 +147,6 @@ Result<void> ConsistentMatting::Impl::check_backdrop(int camera, const std::vect
   for (const Image& p : pictures)
     if (p.width != v.w || p.height != v.h || p.channels != 3)
       return fail(ErrorCode::InvalidArgument, text("a backdrop's pictures are RGB and ", v.w, "x", v.h));
-  return {};
-}
-
-Result<void> ConsistentMatting::Impl::keep(int camera, Result<matting::StillBackdrop> backdrop) {
-  if (!backdrop) return forward(backdrop);
-  View& v = views.at(static_cast<std::size_t>(camera));
-  v.backdrop = std::move(*backdrop);
-  v.plate.reset();
   return {};
 }
 
@@ -196,35 +192,18 @@ void ConsistentMatting::Impl::see(std::span<const Image> pictures) {
     v.small = pictures[i].empty() ? Image() : matting::shrunk(pictures[i], v.w, v.h);
     v.certain.clear();
     v.keyed.clear();
-    v.still.clear();
-    v.word.reset();
-    v.lit = v.backdrop;
   });
-  look_at_stages(pictures);
-}
-
-// What still cameras say of their pixels, before stages that the subject's shadow falls on.
-void ConsistentMatting::Impl::look_at_stages(std::span<const Image> pictures) {
-  std::vector<matting::BeforeStage> before(views.size());
-  for (std::size_t i = 0; i < views.size(); ++i)
-    if (views[i].there() && views[i].lit) before[i] = {&views[i].small, &views[i].lit->colors()};
-  const std::vector<matting::FloorShade>& shades = shadows.find(before, options.threads);
-  each([&](std::size_t i, View& v) {
-    if (!v.lit) return;
-    Image mask(v.w, v.h, 1);
-    mask.pixels = shades[i].mask;
-    v.lit->light(v.small, mask);
-    const Image& picture = pictures[i];
-    if (v.plate && picture.width == v.plate->color.width && picture.height == v.plate->color.height)
-      v.word = matting::word_of(matting::lit(*v.plate, picture, mask), picture);
-    v.still = v.lit->odds(v.small, v.word ? matting::unlike_within(*v.word, v.w, v.h) : Image());
-  });
+  std::vector<Image> smaller;
+  for (const View& v : views) smaller.push_back(v.small);
+  stages.look(pictures, smaller, options.threads);
+  heard = false;
 }
 
 // Before anything was cut: the border is background, and so is what hardly an edge separates from it; what
 // edges enclose around the fixation is subject; the rest is not learnt from.
 void ConsistentMatting::Impl::begin_view(std::size_t camera, View& v) const {
   const RigCamera& c = rig.cameras[camera];
+  const StageEvidence::View& stage = stages.of(camera);
   const Eigen::Vector3d fixation = c.cam_from_world * shared.fixation;
   std::vector<float> off(v.pixels()), inner;
   const std::vector<float> edges = matting::edges_to_border(v.small);
@@ -248,10 +227,10 @@ void ConsistentMatting::Impl::begin_view(std::size_t camera, View& v) const {
       v.share[p] = 0;
     else if (around && edges[p] > kFarFromBorder * enclosed)
       v.share[p] = 1;
-    if (!v.still.empty() && v.lit->knows(p)) {
+    if (stage.lit && stage.lit->knows(p)) {
       // What may be the stage in a shadow, or grey trousers before a grey one, is left to the others.
       const bool far = off[p] >= 2 * shared.radius;
-      v.share[p] = far || v.still[p] < 0 ? 0.0f : v.still[p] > 0 ? 1.0f : -1.0f;
+      v.share[p] = far || stage.odds[p] < 0 ? 0.0f : stage.odds[p] > 0 ? 1.0f : -1.0f;
     }
     if (!v.certain.empty() && v.certain[p] != Certain::No) v.share[p] = v.certain[p] == Certain::Subject;
   }
@@ -293,12 +272,13 @@ void ConsistentMatting::Impl::learn(double novelty) {
 
 void ConsistentMatting::Impl::weigh_colors() {
   each([&](std::size_t i, View& v) {
+    const StageEvidence::View& stage = stages.of(i);
     v.odds = colors->odds(static_cast<int>(i), v.small);
     for (std::size_t p = 0; p < v.odds.size(); ++p) {
       const float by_color = std::clamp(v.odds[p], -kColor, kColor);
-      v.odds[p] = v.still.empty() || !v.lit->knows(p)
+      v.odds[p] = !stage.lit || !stage.lit->knows(p)
                       ? by_color
-                      : std::clamp(kBeforeStill * by_color + v.still[p], -kColor, kColor);
+                      : std::clamp(kBeforeStill * by_color + stage.odds[p], -kColor, kColor);
       if (!v.keyed.empty()) v.odds[p] = std::clamp(v.odds[p] + v.keyed[p], -kColor, kColor);
       if (!v.certain.empty() && v.certain[p] != Certain::No)
         v.odds[p] = v.certain[p] == Certain::Subject ? kColor : -kColor;
@@ -326,8 +306,9 @@ double ConsistentMatting::Impl::cut() {
     std::vector<float> sum(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p)
       sum[p] = v.odds[p] + std::clamp(v.others[p], kLeastOthers, kMostOthers);
+    const std::optional<matting::StillBackdrop>& lit = stages.of(i).lit;
     Image label =
-        matting::cut_view(v.small, sum, v.certain, options.smooth, v.lit ? v.lit->empty_stage() : Image());
+        matting::cut_view(v.small, sum, v.certain, options.smooth, lit ? lit->empty_stage() : Image());
     std::size_t different = 0;
     v.share.resize(v.pixels());
     for (std::size_t p = 0; p < sum.size(); ++p) {
@@ -338,6 +319,15 @@ double ConsistentMatting::Impl::cut() {
     v.label = std::move(label);
   });
   return *std::max_element(changed.begin(), changed.end());
+}
+
+// Share of the pixels of the picture that changes most.
+double ConsistentMatting::Impl::turn() {
+  if (!heard)
+    heard = stages.hear_others(*grid, shared, static_cast<float>(agreement_of_half()), options.threads);
+  weigh_colors();
+  ask_others();
+  return cut();
 }
 
 void ConsistentMatting::Impl::close_in() {
@@ -367,9 +357,7 @@ Result<int> ConsistentMatting::Impl::take_turns(const std::function<bool()>& go_
   for (double changed = 1; turns < (first ? options.turns : options.later_turns) && changed > kSettled;) {
     if (go_on && !go_on()) return fail(ErrorCode::Cancelled, "stopped while the views were made consistent");
     if (first || turns > 0) learn(first && turns == 0 ? kFirstNovelty : kNovelty);
-    weigh_colors();
-    ask_others();
-    changed = cut();
+    changed = turn();
     if (++turns <= kGridTurns && first) close_in();
   }
   learn(kNovelty);
@@ -390,12 +378,13 @@ Result<std::vector<Image>> ConsistentMatting::Impl::finish(std::span<const Image
     if (!views[i].there()) return;
     const View& v = views[i];
     const Image told = said.empty() ? Image() : said[i];
-    Image known = v.word ? matting::known_by_plate(*v.word, v.label, v.odds) : told;
+    const std::optional<matting::PlateWord>& word = stages.of(i).word;
+    Image known = word ? matting::known_by_plate(*word, v.label, v.odds) : told;
     const auto say = [&](Image& to) {
       for (std::size_t p = 0; p < told.pixels.size(); ++p)
         if (told.pixels[p] == 0 || told.pixels[p] == 255) to.pixels[p] = told.pixels[p];
     };
-    if (v.word) say(known);
+    if (word) say(known);
     if (options.refine)
       made[i] = matting::refine_matte(pictures[i], v.label, matting::key_refinement(), known);
     else
@@ -421,19 +410,17 @@ Result<ConsistentMatting> ConsistentMatting::create(const Rig& rig, const Consis
   if (Result<void> ok = options.check(); !ok) return forward(ok);
   Result<recon::SharedView> shared = recon::shared_view(rig);
   if (!shared) return forward(shared);
-  auto impl = std::make_unique<Impl>(rig);
-  impl->options = options;
-  impl->shared = *shared;
-  impl->views.resize(rig.cameras.size());
-  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
-    const CameraModel& m = rig.cameras[i].model;
+  std::vector<Eigen::Vector2i> sizes;
+  for (const RigCamera& c : rig.cameras) {
+    const CameraModel& m = c.model;
     const double shrink =
         std::min(1.0, std::sqrt(options.working_pixels / (static_cast<double>(m.width) * m.height)));
     const auto side = [&](int px) { return std::max(3, static_cast<int>(std::lround(px * shrink))); };
-    impl->views[i].w = side(m.width);
-    impl->views[i].h = side(m.height);
-    impl->sizes.emplace_back(impl->views[i].w, impl->views[i].h);
+    sizes.emplace_back(side(m.width), side(m.height));
   }
+  auto impl = std::make_unique<Impl>(rig, sizes);
+  impl->options = options;
+  impl->shared = *shared;
   return ConsistentMatting(std::move(impl));
 }
 
@@ -444,17 +431,21 @@ Eigen::Vector2i ConsistentMatting::working_size(int camera) const {
 Result<void> ConsistentMatting::learn_backdrop(int camera, const std::vector<Image>& pictures,
                                                const std::vector<Image>& subjects) {
   if (Result<void> ok = impl_->check_backdrop(camera, pictures); !ok) return ok;
-  return impl_->keep(camera, matting::StillBackdrop::learn(pictures, subjects));
+  Result<matting::StillBackdrop> backdrop = matting::StillBackdrop::learn(pictures, subjects);
+  if (!backdrop) return forward(backdrop);
+  impl_->stages.learn(static_cast<std::size_t>(camera), std::move(*backdrop));
+  return {};
 }
 
 Result<void> ConsistentMatting::learn_empty_stage(int camera, matting::Plate plate) {
-  View& v = impl_->views.at(static_cast<std::size_t>(camera));
+  const View& v = impl_->views.at(static_cast<std::size_t>(camera));
   const CameraModel& m = impl_->rig.cameras[static_cast<std::size_t>(camera)].model;
   if (plate.color.width != m.width || plate.color.height != m.height || plate.color.channels != 3)
     return fail(ErrorCode::InvalidArgument, text("a plate is RGB and ", m.width, "x", m.height));
-  const Image small = matting::shrunk(plate.color, v.w, v.h);
-  if (Result<void> ok = impl_->keep(camera, matting::StillBackdrop::of_empty_stage({small})); !ok) return ok;
-  v.plate = std::move(plate);
+  Result<matting::StillBackdrop> backdrop =
+      matting::StillBackdrop::of_empty_stage({matting::shrunk(plate.color, v.w, v.h)});
+  if (!backdrop) return forward(backdrop);
+  impl_->stages.learn(static_cast<std::size_t>(camera), std::move(plate), std::move(*backdrop));
   return {};
 }
 
@@ -489,7 +480,7 @@ Result<std::vector<Image>> ConsistentMatting::surroundings(std::span<const Image
 void ConsistentMatting::forget() {
   impl_->colors.reset();
   impl_->grid.reset();
-  impl_->shadows.seek_floor();
+  impl_->stages.forget();
 }
 
 Result<ConsistentMattes> ConsistentMatting::matte(std::span<const Image> pictures,
@@ -521,9 +512,7 @@ Result<ConsistentMattes> ConsistentMatting::reconcile(std::span<const Image> pic
   ConsistentMattes out;
   for (double changed = 1; out.turns < kKeyTurns && changed > kSettled;) {
     m.learn(kNovelty);
-    m.weigh_colors();
-    m.ask_others();
-    changed = m.cut();
+    changed = m.turn();
     if (++out.turns <= kGridTurns) m.close_in();
   }
   m.judge_views(out);

@@ -13,6 +13,8 @@
 #   court      green ground with lines, walls around it, a lower sun
 #   beach      sand, a low fence, a sun that is lower still
 #   spot       a wooden floor under one small lamp
+#   greens     green cloth all around, and a shirt of its colour
+#   asphalt    a grey floor before grey walls, grey clothes, a high sun
 # Writes OUT/sparse (CAMERAS, or eight, as a COLMAP model), OUT/pictures/<serial>/000000.png,
 # OUT/plates/<serial>.png of the empty stage and OUT/truth/<serial>/000000.png, whose alpha is the performer.
 import math
@@ -39,6 +41,8 @@ seed, shirt = {
     "court": (24, ((0.7, 0.7, 0.65), "ShaderNodeTexWave", 8, (0.2, 0.2, 0.5))),
     "beach": (32, ((0.6, 0.55, 0.45), "ShaderNodeTexWave", 9, (0.2, 0.25, 0.5))),
     "spot": (23, ((0.15, 0.4, 0.3), "ShaderNodeTexVoronoi", 14, (0.5, 0.5, 0.3))),
+    "greens": (44, ((0.07, 0.3, 0.08), "ShaderNodeTexNoise", 6, (0.05, 0.22, 0.06))),
+    "asphalt": (41, ((0.35, 0.35, 0.36), "ShaderNodeTexNoise", 9, (0.25, 0.25, 0.27))),
     "garden": (7, ((0.6, 0.2, 0.1), "ShaderNodeTexNoise", 14, (0.8, 0.7, 0.3))),
 }[stage]
 dice = random.Random(seed)
@@ -246,6 +250,22 @@ def spot():
     sky((0.5, 0.5, 0.55), 0.35)
 
 
+def greens():
+    cloth = material((0.07, 0.3, 0.08), 0.85)
+    floor(cloth)
+    walls(cloth, 8, 5.0)
+    light((2, -2.5, 3.1), 220, 1.6)
+    light((-2.5, 0, 3.1), 160, 1.2)
+    light((0.5, 2.8, 3.0), 120, 1.2)
+
+
+def asphalt():
+    floor(material((0.2, 0.2, 0.21), 0.9, "ShaderNodeTexNoise", 30, (0.13, 0.13, 0.14)))
+    walls(material((0.3, 0.3, 0.31), 0.9, "ShaderNodeTexBrick", 2, (0.25, 0.25, 0.26)), 5, 6.0, 2.0)
+    sun((0.45, 0.1, 0.8), 4.0)
+    sky((0.5, 0.65, 0.95), 0.8)
+
+
 def performer():
     """Somebody in shirt and trousers with both arms raised, a skin over joints."""
     joints = {"pelvis": (0, 0, 0.95, 0.15), "spine": (0, 0, 1.15, 0.135), "chest": (0, -0.02, 1.38, 0.155),
@@ -344,7 +364,7 @@ sky((0.5, 0.5, 0.55), 0.25)
 
 {"tarpaulin": tarpaulin, "workshop": workshop, "lounge": lounge, "cyclorama": cyclorama, "corner": corner,
  "theatre": theatre, "gym": gym, "garden": garden, "yard": yard, "court": court, "beach": beach,
- "spot": spot}[stage]()
+ "spot": spot, "greens": greens, "asphalt": asphalt}[stage]()
 scenery = [thing for thing in scene.objects if thing.type == "MESH"]
 views = ring_of_cameras()
 write_model(views)

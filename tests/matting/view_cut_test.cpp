@@ -120,41 +120,5 @@ TEST(ViewColors, AreTheSameAtAnyNumberOfThreads) {
             ViewColors(pictures, shares, 0.1, 4).odds(3, pictures[3]));
 }
 
-TEST(StillBackdrop, WhatMovesIsLikelierSubjectAndWhatNeverMovedOnlyALittleLess) {
-  std::vector<Image> clip(8, Image(3, 1, 3, 100));
-  for (int c = 0; c < 3; ++c) clip[2].pixels[static_cast<std::size_t>(c)] = 200;  // somebody passed once
-  const Result<StillBackdrop> backdrop = StillBackdrop::learn(clip);
-  ASSERT_THAT(backdrop, IsOk());
-  Image now(3, 1, 3, 100);
-  for (int c = 6; c < 9; ++c) now.pixels[static_cast<std::size_t>(c)] = 30;
-  const std::vector<float> odds = backdrop->odds(now);
-  EXPECT_LT(odds[0], odds[1]);  // known backdrop …
-  EXPECT_LT(odds[1], 0);        // … somebody might have stood there all the time …
-  EXPECT_GT(odds[2], 2);        // … and something is there now
-}
-
-// Somebody stood on the first place in six of eight pictures, and on the second in all of them.
-TEST(StillBackdrop, IsLearntFromWhatTheSubjectLeavesFree) {
-  std::vector<Image> clip(8, Image(2, 1, 3, 20)), subjects(8, Image(2, 1, 1, 255));
-  for (const std::size_t free : {2u, 5u}) {
-    subjects[free].pixels[0] = 0;
-    for (int c = 0; c < 3; ++c) clip[free].pixels[static_cast<std::size_t>(c)] = 100;
-  }
-  const Result<StillBackdrop> taken = StillBackdrop::learn(clip),
-                              backdrop = StillBackdrop::learn(clip, subjects);
-  ASSERT_TRUE(taken && backdrop);
-  EXPECT_LT(taken->odds(clip[0])[0], 0);  // he was taken for what stands there
-  EXPECT_GT(backdrop->odds(clip[0])[0], 2);
-  EXPECT_LT(backdrop->odds(clip[2])[0], 0);
-  EXPECT_TRUE(backdrop->knows(0));
-  EXPECT_FALSE(backdrop->knows(1));
-  EXPECT_EQ(backdrop->odds(clip[0])[1], 0);
-}
-
-TEST(StillBackdrop, NeedsTwoPictures) {
-  EXPECT_THAT(StillBackdrop::learn(std::vector<Image>(1, Image(2, 2, 3))),
-              FailsWith(ErrorCode::InvalidArgument, "two pictures"));
-}
-
 }  // namespace
 }  // namespace floatstage::matting

@@ -1,0 +1,107 @@
+#include "pipeline/matte/stage_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/parallel.h"
+
+namespace floatstage::pipeline {
+namespace {
+
+constexpr int kFewestStages = 3;   // cameras that know theirs: one is asked, two have to agree
+constexpr double kOnFloor = 0.1;   // of the shared ball's radius: so high shadows and reflexes reach at most
+constexpr double kOffFloor = 0.5;  // likewise somebody who jumps, or whose feet were not found
+constexpr double kUpright = 0.7;   // cosine between z and what pictures show as up
+constexpr double kAgreement = 0.33;  // of what half of the others' full agreement is worth
+constexpr float kLoud = 2;           // times: colours are the stage's, and deny what the others confirm
+
+}  // namespace
+
+StageEvidence::StageEvidence(const Rig& rig, std::vector<Eigen::Vector2i> sizes)
+    : rig_(rig),
+      sizes_(std::move(sizes)),
+      stages_(rig.cameras.size()),
+      views_(rig.cameras.size()),
+      shadows_(rig) {
+  shadows_.seek_floor();
+}
+
+void StageEvidence::learn(std::size_t camera, matting::StillBackdrop backdrop) {
+  stages_.at(camera) = {std::move(backdrop), std::nullopt};
+}
+
+void StageEvidence::learn(std::size_t camera, matting::Plate plate, matting::StillBackdrop backdrop) {
+  stages_.at(camera) = {std::move(backdrop), std::move(plate)};
+}
+
+void StageEvidence::look(std::span<const Image> pictures, std::span<const Image> smaller, int threads) {
+  std::vector<matting::BeforeStage> before(stages_.size());
+  for (std::size_t i = 0; i < stages_.size(); ++i) {
+    views_[i] = {};
+    if (smaller[i].empty() || !stages_[i].backdrop) continue;
+    views_[i].lit = stages_[i].backdrop;
+    before[i] = {&smaller[i], &views_[i].lit->colors()};
+  }
+  const std::vector<matting::FloorShade>& shades = shadows_.find(before, threads);
+  parallel_for(stages_.size(), threads, [&](std::size_t i) {
+    View& view = views_[i];
+    if (!view.lit) return;
+    const int w = smaller[i].width, h = smaller[i].height;
+    Image mask(w, h, 1);
+    mask.pixels = shades[i].mask;
+    view.lit->light(smaller[i], mask);
+    const std::optional<matting::Plate>& plate = stages_[i].plate;
+    if (plate && pictures[i].width == plate->color.width && pictures[i].height == plate->color.height)
+      view.word = matting::word_of(matting::lit(*plate, pictures[i], mask), pictures[i]);
+    const Image unlike = view.word ? matting::unlike_within(*view.word, w, h) : Image();
+    view.odds = view.lit->odds(smaller[i], unlike);
+    view.in_constant_light = view.lit->odds_in_constant_light(smaller[i], unlike);
+  });
+}
+
+// All of space but what is near the floor, if one is known under the subject: it was found by its shadows, or
+// he stands on z = 0, upright in the pictures.
+std::optional<Eigen::Hyperplane<double, 3>> StageEvidence::above_floor(const recon::OccupancyGrid& grid,
+                                                                       const recon::SharedView& shared,
+                                                                       float subject_above) const {
+  const matting::Floor& floor = shadows_.floor();
+  const double on_floor = kOnFloor * shared.radius;
+  if (!shadows_.found_floor()) {
+    const Eigen::AlignedBox3d subject = grid.subject_box(subject_above);
+    if (subject.isEmpty() || mean_up(rig_).z() < kUpright || subject.min().z() < -on_floor ||
+        subject.min().z() > kOffFloor * shared.radius)
+      return std::nullopt;
+  }
+  return Eigen::Hyperplane<double, 3>(floor.up, -(floor.height + on_floor));
+}
+
+bool StageEvidence::hear_others(recon::OccupancyGrid& grid, const recon::SharedView& shared,
+                                float subject_above, int threads) {
+  const std::optional<Eigen::Hyperplane<double, 3>> above = above_floor(grid, shared, subject_above);
+  if (!above) return false;
+  std::vector<recon::OddsPicture> odds(views_.size());
+  int knowing = 0;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (views_[i].in_constant_light.empty()) continue;
+    odds[i] = {sizes_[i].x(), sizes_[i].y(), views_[i].in_constant_light};
+    ++knowing;
+  }
+  if (knowing < kFewestStages) return false;
+  const auto enough = static_cast<float>(kAgreement * 0.5 *
+                                         std::log(1 / recon::OccupancyOptions().seen_anyway) * (knowing - 1));
+  grid.fuse(odds, {});
+  parallel_for(views_.size(), threads, [&](std::size_t i) {
+    View& view = views_[i];
+    if (view.in_constant_light.empty()) return;
+    const std::vector<float> others = grid.said_by_others_above(static_cast<int>(i), *above);
+    for (std::size_t p = 0; p < others.size(); ++p) {
+      const float constant = view.in_constant_light[p];
+      if (constant > view.odds[p] && others[p] > enough)
+        view.odds[p] = constant > 0 ? kLoud * constant : constant;
+    }
+  });
+  return true;
+}
+
+}  // namespace floatstage::pipeline
