@@ -115,8 +115,9 @@ TEST(StageEvidence, LightThatChangesAllOverTellsNothing) {
   for (const auto& light : std::vector<std::function<double(int)>>{
            [](int) { return 0.92; }, [](int) { return 1.08; }, [](int x) { return 0.85 + 0.0015 * x; }}) {
     AsGreyAsTheStage scene({.light = light});
-    scene.hear();
-    EXPECT_EQ(scene.speaking(What::Stage), 0) << light(0);
+    const double before = scene.speaking(What::Stage);
+    EXPECT_FALSE(scene.hear()) << light(0);
+    EXPECT_EQ(scene.speaking(What::Stage), before) << light(0);
   }
 }
 
