@@ -261,11 +261,11 @@ std::optional<ViewPose> view_pose(const Intrinsics& in, LensKind lens, int width
   if (!direct || !direct->translation.allFinite()) return std::nullopt;
   ViewPose best = refine_pose(in, lens, points, *direct);
   if (plane.flat) {
-    // The other tilt: the board's normal mirrored at the line of sight.
+    // The other tilt: the board's normal mirrored at the line of sight, to which it turns half of the way.
     const Vector3d center = best.cam_from_target * plane.center, sight = center.normalized();
     const Vector3d normal = best.cam_from_target.rotation * plane.axes.col(2);
-    const Vector3d mirrored = 2 * normal.dot(sight) * sight - normal;
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(normal, mirrored);
+    const Vector3d axis = normal.cross(sight);
+    const Eigen::Quaterniond turn(normal.dot(sight), axis.x(), axis.y(), axis.z());
     const Rigid3 other{(turn * best.cam_from_target.rotation).normalized(),
                        turn * (best.cam_from_target.translation - center) + center};
     const ViewPose flipped = refine_pose(in, lens, points, other);
