@@ -9,13 +9,12 @@
 
 #include "core/file.h"
 #include "core/text.h"
+#include "tests/farm/quoted.h"
 #include "tests/support/matchers.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
 namespace floatstage {
-
-inline std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 
 /// Runs the program with these words.
 inline Ended floatstage(const std::string& words) { return run_command(FLOATSTAGE_PROGRAM " " + words); }

@@ -14,6 +14,7 @@
 
 #include "core/file.h"
 #include "core/text.h"
+#include "tests/farm/quoted.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/matchers.h"
 #include "tests/support/places.h"
@@ -31,8 +32,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 namespace fs = std::filesystem;
-
-std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 
 // What systemd would hear of a daemon: a socket that waits for READY=1.
 class NoticeSocket {

@@ -172,13 +172,13 @@ TEST(FrameCut, TheBackdropsOwnEdgesDoNotAttractTheOutline) {
 }
 
 // A picture with noise of two colours; what is asked, settled and calm in patches.
-struct Scene {
+struct Patches {
   Image picture;
   CutEvidence evidence;
 };
 
-Scene patches(int width, int height, double noise, Random& random) {
-  Scene s{Image(width, height, 3), {}};
+Patches patches(int width, int height, double noise, Random& random) {
+  Patches s{Image(width, height, 3), {}};
   const auto pixel = [&](int x, int y) { return static_cast<std::size_t>(y * width + x); };
   s.evidence.odds.resize(pixel(0, height));
   s.evidence.asked.resize(pixel(0, height));
@@ -203,7 +203,7 @@ TEST(FrameCut, IsTheCutOfAGraphThatIsWrittenDown) {
   for (const auto& [width, height] : {std::pair(1, 1), std::pair(2, 40), std::pair(31, 1), std::pair(70, 50)})
     for (const double noise : {0.0, 3.0, 60.0})
       for (const double smooth : {0.0, 3.0, 100.0}) {
-        Scene s = patches(width, height, noise, random);
+        Patches s = patches(width, height, noise, random);
         EXPECT_EQ(cut_frame(s.picture, s.evidence, smooth), slow::cut_frame(s.picture, s.evidence, smooth))
             << width << ' ' << noise << ' ' << smooth;
         for (std::size_t i = 0; i < s.evidence.odds.size(); ++i)

@@ -29,7 +29,7 @@ namespace {
 constexpr int kStrokes = 4;
 constexpr int kSide = 512;  // pictures are no larger
 
-struct Scene {
+struct Example {
   std::string name;
   Image picture, truth, base;
 };
@@ -45,7 +45,7 @@ Image print_of(const MatteStroke& stroke, const Image& matte) {
   return print;
 }
 
-void draw(const Scene& scene, std::uint64_t seed, Tally& tally) {
+void draw(const Example& scene, std::uint64_t seed, Tally& tally) {
   StrokeDrawer drawer(scene.truth, seed);
   std::vector<MatteStroke> said;
   Image now = scene.base;
@@ -67,7 +67,7 @@ void draw(const Scene& scene, std::uint64_t seed, Tally& tally) {
 }
 
 // `sequences` in the long form, spread over the scenes.
-void draw_all(const std::vector<Scene>& scenes, int sequences) {
+void draw_all(const std::vector<Example>& scenes, int sequences) {
   ASSERT_FALSE(scenes.empty());
   const int step = wants_long_tests() ? 1 : 5;
   Tally tally;
@@ -81,7 +81,7 @@ void draw_all(const std::vector<Scene>& scenes, int sequences) {
             << " ms a replay\n";
 }
 
-Scene small(std::string name, const Image& picture, const Image& truth, const Image& base = {}) {
+Example small(std::string name, const Image& picture, const Image& truth, const Image& base = {}) {
   const double shrink = std::min(1.0, static_cast<double>(kSide) / std::max(picture.width, picture.height));
   const int w = static_cast<int>(picture.width * shrink), h = static_cast<int>(picture.height * shrink);
   return {std::move(name), scaled(picture, w, h), scaled(truth, w, h),
@@ -89,7 +89,7 @@ Scene small(std::string name, const Image& picture, const Image& truth, const Im
 }
 
 TEST(RightStrokesReal, OnClips) {
-  std::vector<Scene> scenes;
+  std::vector<Example> scenes;
   for (std::uint64_t seed = 1; scenes.size() < 20; ++seed) {
     const Image place = seed % 2 ? green_cloth(360, 240, seed) : cluttered_place(360, 240, seed);
     MatteClip clip = make_clip(studio_cutout(seed, 240, 240), place, {.frames = 1, .seed = seed});
@@ -128,7 +128,7 @@ TEST(RightStrokesReal, TakeATimeThatIsPrinted) {
 TEST(RightStrokesReal, OnABasketballCourt) {
   const auto folder = real_data("dynamic-basketball");
   FLOATSTAGE_NEEDS_DATA(folder);
-  std::vector<Scene> scenes;
+  std::vector<Example> scenes;
   for (const char* camera : {"01", "07", "13", "19", "25"})
     for (const int frame : {45, 70}) {
       const Result<std::string> bytes = read_file(folder / "images" / camera / text("0", frame, ".jpg"));
@@ -136,7 +136,7 @@ TEST(RightStrokesReal, OnABasketballCourt) {
       if (!bytes || !mask) continue;
       const Result<Image> picture = decode_jpeg(std::as_bytes(std::span(*bytes)), 640, 360);
       ASSERT_THAT(picture, IsOk());
-      Scene scene = small(text("court ", camera, " ", frame), *picture, *mask);
+      Example scene = small(text("court ", camera, " ", frame), *picture, *mask);
       Random random(static_cast<std::uint64_t>(frame));
       scene.base = doubtful_matte(scene.picture, scene.truth, random);
       scenes.push_back(std::move(scene));
@@ -147,8 +147,8 @@ TEST(RightStrokesReal, OnABasketballCourt) {
 class Dome : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override { FLOATSTAGE_NEEDS_DATA(real_data(GetParam())); }
-  static std::vector<Scene> scenes(bool keyed) {
-    std::vector<Scene> all;
+  static std::vector<Example> scenes(bool keyed) {
+    std::vector<Example> all;
     for (int camera = keyed ? 0 : 1; camera < 20; camera += 2) {
       const std::string name = text(camera < 10 ? "0" : "", camera, ".png");
       const Result<Image> photograph = load_png(real_data(GetParam()) / "images" / name),
@@ -160,7 +160,7 @@ class Dome : public testing::TestWithParam<std::string> {
         EXPECT_THAT(keyer, IsOk());
         key = to_image(*(*keyer)->key(make_frame({}, *photograph)));
       }
-      Scene scene = small(text(GetParam(), " ", name), *photograph, *given, key);
+      Example scene = small(text(GetParam(), " ", name), *photograph, *given, key);
       Random random(static_cast<std::uint64_t>(camera));
       if (!keyed) scene.base = doubtful_matte(scene.picture, scene.truth, random);
       all.push_back(std::move(scene));
@@ -237,7 +237,7 @@ TEST(AnOperatorBeforeBlackWalls, NeedsAClickOrFiveScribblesACamera) {
 TEST(RightStrokesReal, OnTwoPeopleInAStreet) {
   const auto folder = real_data("clip-two-persons");
   FLOATSTAGE_NEEDS_DATA(folder);
-  std::vector<Scene> scenes;
+  std::vector<Example> scenes;
   for (const int frame : {0, 20, 40, 59})
     for (const int who : {1, 2, 3}) {
       char name[32];
@@ -256,7 +256,7 @@ TEST(RightStrokesReal, OnTwoPeopleInAStreet) {
         for (std::size_t p = 0; p < truth.pixels.size(); ++p)
           truth.pixels[p] = std::max(truth.pixels[p], mask.pixels[p]);
       }
-      Scene scene = small(text("frame ", frame, " persons ", who), *picture, truth);
+      Example scene = small(text("frame ", frame, " persons ", who), *picture, truth);
       Random random(static_cast<std::uint64_t>(frame + who));
       scene.base = doubtful_matte(scene.picture, scene.truth, random);
       scenes.push_back(std::move(scene));

@@ -155,7 +155,7 @@ TEST(SilhouetteAudit, NamesAMatteWithMoreThanTheOthersConfirm) {
   EXPECT_LT(verdicts[0].lost, SilhouetteAudit::kAllowed);
 }
 
-TEST(HullVoting, HealsHalfABodyCutInTwoOfEightCameras) {
+TEST(VotedHull, HealsHalfABodyCutInTwoOfEightCameras) {
   const Studio whole;
   Studio broken;
   broken.cut_half(1);

@@ -62,7 +62,7 @@ TEST_P(NewSessionOfASet, RunsUnedited) {
     std::printf("%s: %d points, %s px\n", c.serial.c_str(), c.points, to_words(c.rms_px, 2).c_str());
 }
 
-TEST(NewSessionOfAClip, WhoseCameraStaysSaysSo) {
+TEST(NewSessionOfARealClip, WhoseCameraStaysSaysSo) {
   FLOATSTAGE_NEEDS_DATA(real_data("clip-two-persons"));
   const TempFolder folder;
   EXPECT_THAT(draft_session(real_data("clip-two-persons"), folder.path(), {}),
