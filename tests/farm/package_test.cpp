@@ -135,12 +135,12 @@ TEST_P(DebianPackage, InstallsRunsAndGoesAndLeavesNothingButTakes) {
   const std::set<std::string> before = names();
   const Ended installed = in_root("dpkg --install /tmp/" + deb_.filename().string());
   ASSERT_EQ(installed.code, 0) << installed.output;
-  EXPECT_THAT(names(), testing::IsSupersetOf({"/usr/bin/floatstage", "/usr/share/man/man1/floatstage.1.gz",
-                                              "/usr/share/bash-completion/completions/floatstage",
-                                              "/usr/lib/python3/dist-packages/floatstage.py",
-                                              "/usr/lib/sysctl.d/60-floatstage.conf",
-                                              "/usr/lib/udev/rules.d/60-floatstage.rules",
-                                              "/usr/share/doc/floatstage/copyright"}));
+  EXPECT_THAT(names(),
+              testing::IsSupersetOf(
+                  {"/usr/bin/floatstage", "/usr/share/man/man1/floatstage.1.gz",
+                   "/usr/share/bash-completion/completions/floatstage",
+                   "/usr/lib/python3/dist-packages/floatstage.py", "/usr/lib/sysctl.d/60-floatstage.conf",
+                   "/usr/lib/udev/rules.d/60-floatstage.rules", "/usr/share/doc/floatstage/copyright"}));
 
   const Ended demo =
       as_floatstage("floatstage demo -o /var/lib/floatstage/takes/demo --camera-count 4 --frame-count 2");

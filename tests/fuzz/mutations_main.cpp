@@ -1,5 +1,6 @@
-// Runs a fuzzer's entry over seeds and their mutations, with any compiler: `mutations <what> <folder of seeds>`.
-// After a failure, `mutations <what> <file>` runs the one input that was written to the working folder.
+// Runs a fuzzer's entry over seeds and their mutations, with any compiler:
+// `mutations <what> <folder of seeds>`. After a failure, `mutations <what> <file>` runs the one input that
+// was written to the working folder.
 
 #include <algorithm>
 #include <cstdint>
